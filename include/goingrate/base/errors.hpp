@@ -1,0 +1,46 @@
+// The ways goingrate can refuse an answer.
+//
+// Bad arguments throw ArgumentError, unusable input throws InputError, an output that cannot be
+// written throws OutputError. Numerical outcomes (stalled, not converged) are not exceptions: they
+// are a status in the result of the function concerned.
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace goingrate {
+
+/// A function was called with an argument outside its documented range.
+class ArgumentError : public std::invalid_argument {
+public:
+  /// `name` of the argument, the `value` it had, and the `legal` values in words.
+  ArgumentError(std::string_view name, double value, std::string_view legal);
+  ArgumentError(std::string_view name, std::string_view value, std::string_view legal);
+};
+
+/// Where in a text something was found. Lines and columns count from 1; 0 means "the whole file".
+struct TextPlace {
+  std::string file;
+  std::size_t line = 0;
+  std::size_t column = 0;
+};
+
+/// An input (log or scenario) cannot be used. what() reads "file:line:column: found X, expected Y".
+class InputError : public std::runtime_error {
+public:
+  InputError(TextPlace place, std::string_view found, std::string_view expected);
+  [[nodiscard]] const TextPlace& place() const noexcept { return place_; }
+
+private:
+  TextPlace place_;
+};
+
+/// An output could not be written; the target, if it existed, is as it was.
+class OutputError : public std::runtime_error {
+public:
+  OutputError(std::string_view path, std::string_view reason);
+};
+
+} // namespace goingrate

@@ -1,0 +1,26 @@
+#include "goingrate/base/errors.hpp"
+
+#include <fmt/format.h>
+
+namespace goingrate {
+
+ArgumentError::ArgumentError(std::string_view name, double value, std::string_view legal)
+    : std::invalid_argument(fmt::format("{} = {:.17g}: must be {}", name, value, legal)) {}
+
+ArgumentError::ArgumentError(std::string_view name, std::string_view value, std::string_view legal)
+    : std::invalid_argument(fmt::format("{} = '{}': must be {}", name, value, legal)) {}
+
+namespace {
+std::string located(const TextPlace& place) {
+  return fmt::format("{}:{}:{}", place.file, place.line, place.column);
+}
+} // namespace
+
+InputError::InputError(TextPlace place, std::string_view found, std::string_view expected)
+    : std::runtime_error(fmt::format("{}: found {}, expected {}", located(place), found, expected)),
+      place_(std::move(place)) {}
+
+OutputError::OutputError(std::string_view path, std::string_view reason)
+    : std::runtime_error(fmt::format("cannot write {}: {}", path, reason)) {}
+
+} // namespace goingrate

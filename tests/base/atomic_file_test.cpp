@@ -1,0 +1,64 @@
+#include "goingrate/base/atomic_file.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <unistd.h>
+
+namespace goingrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFileTest : public testing::Test {
+protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("goingrate-atomic-" + std::to_string(::getpid()));
+    fs::create_directory(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::string content(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(AtomicFileTest, WritesAndReplaces) {
+  const fs::path target = folder_ / "a.txt";
+  write_whole_file(target, "old\n");
+  write_whole_file(target, "new\n");
+  EXPECT_EQ(content(target), "new\n");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "a draft was left behind";
+}
+
+TEST_F(AtomicFileTest, AFailureLeavesTheOldFileAndNoDraft) {
+  const fs::path target = folder_ / "taken";
+  fs::create_directory(target); // a folder in the way: the rename at the end must fail
+  std::ofstream(target / "inside") << "old";
+  EXPECT_THROW(write_whole_file(target, "new"), OutputError);
+  EXPECT_EQ(content(target / "inside"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(AtomicFileTest, AMissingFolderIsAnOutputError) {
+  EXPECT_THROW(write_whole_file(folder_ / "none" / "a.txt", "x"), OutputError);
+}
+
+TEST_F(AtomicFileTest, ADeviceIsWrittenToAndNotReplaced) {
+  write_whole_file("/dev/null", "gone");
+  EXPECT_FALSE(fs::is_regular_file("/dev/null"));
+}
+
+TEST_F(AtomicFileTest, AFullDeviceIsAnOutputError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  EXPECT_THROW(write_whole_file("/dev/full", "x"), OutputError);
+}
+
+} // namespace
+} // namespace goingrate
