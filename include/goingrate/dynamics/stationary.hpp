@@ -1,0 +1,58 @@
+// Stationary operation: amplitude and rate of a clock whose parameters are constant.
+//
+// Notation: lambda amplitude (rad), v = phi' at the upward crossing (scaled), rate excess
+// psi' - 1 (a fraction). All angles in rad, all times scaled unless a name ends in _s.
+#pragma once
+
+#include "goingrate/base/sums.hpp"
+#include "goingrate/clock/parameters.hpp"
+
+#include <complex>
+#include <optional>
+
+namespace goingrate {
+
+/// lambda = sqrt(2 mu phi0 / (pi epsilon)) (Hoyng, eq. statam): the cycle average of first order.
+/// Nothing if there is no drive or no friction, or if lambda <= phi0, where the clock stalls.
+std::optional<double> stationary_amplitude(const ClockParameters& clock);
+
+/// Rate excess -mu phi0/(8 pi eps) + eps sqrt(2 mu/(pi eps phi0) - 1) (eq. statrate).
+/// Off by 5.4e-9, 7.1e-8, 1.8e-8 at the paper's points A, B, C
+/// (StationaryTest.FirstOrderRateDiffersFromTheExactOneAsTabulated). Nothing where it stalls.
+std::optional<double> stationary_rate_first_order(const ClockParameters& clock);
+
+/// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period T, without cancellation: the rounding
+/// of the double 2 pi itself is put back in.
+double rate_excess_of(TwoPart<double> period);
+
+/// The limit cycle of the full equation of motion.
+struct LimitCycle {
+  double velocity = 0.0;    ///< v*: phi' at the upward crossing
+  double period = 0.0;      ///< T, scaled
+  double rate_excess = 0.0; ///< 2 pi / T - 1, without cancellation
+  double apex = 0.0;        ///< largest angle, rad
+};
+
+/// Solves v' = v for the return map of half_swing. Velocity and period within 1e-15, rate excess
+/// within 2e-15 of 128-bit values at A, B, C (StationaryTest.LimitCycleMatchesExactValues).
+/// Nothing where the clock stalls or turns over.
+std::optional<LimitCycle> limit_cycle(const ClockParameters& clock);
+
+/// How the rate answers a small relative change of the drive, mu -> mu (1 + d).
+struct DriveResponse {
+  double fast_gain = 0.0; ///< d(rate)/d(d) with the amplitude frozen: 2 mu cos(psi0) / (pi lambda)
+  double slow_gain = 0.0; ///< with the amplitude settled: -lambda^2/16 + eps q^2/(2 sqrt(q^2 - 1)),
+                          ///< q = lambda/phi0
+  double corner_hz = 0.0; ///< between the two: 2 epsilon / T0
+
+  /// The complex gain at frequency f (Hz).
+  [[nodiscard]] std::complex<double> at(double frequency_hz) const {
+    return fast_gain + (slow_gain - fast_gain) / std::complex(1.0, frequency_hz / corner_hz);
+  }
+};
+
+/// The response in stationary operation, by eqs. dotl4 and dotpsi4. At A, B, C within 1e-3 of that of
+/// the full equation (StationaryTest.DriveResponseMatchesExactGains). Nothing where the clock stalls.
+std::optional<DriveResponse> drive_response(const ClockParameters& clock);
+
+} // namespace goingrate
