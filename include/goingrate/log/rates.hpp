@@ -1,0 +1,56 @@
+// From numbered beats to periods and rates.
+#pragma once
+
+#include "goingrate/log/beats.hpp"
+
+#include <optional>
+#include <span>
+#include <string>
+
+namespace goingrate {
+
+/// What the rates of one log come to; those of the longest segment if the log is split.
+struct RateSummary {
+  std::int64_t crossings = 0; ///< good upward crossings
+  std::int64_t periods = 0;   ///< cycles from the first to the last of them
+  double duration_s = 0.0;
+  double nominal_period_s = 0.0;
+  double mean_period_s = 0.0;
+  double mean_period_sigma_s = 0.0;
+  double last_period_s = 0.0;
+  double rate_excess = 0.0;       ///< T0 / mean period - 1, from end to end (eq. ratemeas)
+  double rate_excess_sigma = 0.0; ///< from the scatter of block rates, see below
+  double slope_rate_excess = 0.0; ///< the same from a straight line fitted to the clock's error
+};
+
+/// The nominal period to compare with: the one given, the log's own, or else a guess: the mean
+/// period rounded to a quarter second where that is within 0.2 %, else the mean period itself.
+/// The guess and its reason are appended to `assumptions`.
+double nominal_period(const ClockLog& log, const Beats& beats,
+                      std::vector<std::string>& assumptions);
+
+/// Mean rate of a run of good beats (at least three), and its standard deviation.
+///
+/// The rate is that from end to end: the time gained over the time passed, which is what the hands
+/// show, and the best estimate while the clock wanders more than its sensor jitters. Its sigma is
+/// s / sqrt(k) with s the scatter of the rates of k equal blocks, the largest for k = 4 to 64: for
+/// white noise of rate it covers as it should, for slower wander it grows with it, for jitter alone
+/// it is too large rather than too small (RatesTest.MeanRateSigmaCovers).
+RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s);
+
+/// Rate excess of each period, T0 (n_i - n_{i-1}) / (t_i - t_{i-1}) - 1: one value for each beat but
+/// the first (eq. ratemeas).
+std::vector<double> rate_per_period(std::span<const Beat> beats, double nominal_period_s);
+
+/// The clock's error x_i = n_i T0 - (t_i - t_0), s, positive when fast; one value for each beat.
+std::vector<double> clock_error(std::span<const Beat> beats, double nominal_period_s);
+
+/// Rate excess of every cycle between the first and the last beat; the cycles of a gap carry the mean
+/// rate over the gap, so that the sum of the rates stays what the clock did.
+std::vector<double> rate_on_every_cycle(std::span<const Beat> beats, double nominal_period_s);
+
+/// A series with one value for each cycle from the first beat to the last; NaN where a beat is
+/// missing. `values` are one for each beat.
+std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const double> values);
+
+} // namespace goingrate

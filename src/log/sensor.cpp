@@ -1,0 +1,65 @@
+#include "goingrate/log/sensor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace goingrate {
+
+namespace {
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+}
+
+Sensor::Sensor(const SensorSettings& settings, std::uint64_t seed)
+    : settings_(settings), jitter_(seed, StreamPurpose::jitter),
+      amplitude_noise_(seed, StreamPurpose::amplitude_noise), missed_(seed, StreamPurpose::missed),
+      spurious_(seed, StreamPurpose::spurious) {}
+
+void Sensor::see(const Period& period) {
+  double amplitude = unknown;
+  if (settings_.amplitude_rms)
+    amplitude = period.amplitude_rad + *settings_.amplitude_rms * amplitude_noise_.normal();
+  if (settings_.edges == SensorEdges::both && period.cycle > 0)
+    report(period.down_s, 0.5 * period.period_s, unknown, Edge::down);
+  report(period.time_s, period.period_s, amplitude, Edge::up);
+}
+
+Instant Sensor::measured(const TwoPart<double>& time_s, double extra_s) {
+  Instant time = Instant::from_seconds(time_s.hi) + time_s.lo + extra_s;
+  if (settings_.resolution_s > 0.0) {
+    const double part = std::round(time.fraction / settings_.resolution_s) * settings_.resolution_s;
+    time = Instant{time.seconds, 0.0} + part;
+  }
+  return time;
+}
+
+void Sensor::report(const TwoPart<double>& time_s, double period_s, double amplitude_rad, Edge edge) {
+  // Every stream is drawn from whether or not its draw is used, so that one fault's probability
+  // does not change the pattern of another.
+  const double jitter = settings_.jitter_rms_s * jitter_.normal();
+  const bool seen = missed_.uniform() >= settings_.missed;
+  const double chance = spurious_.uniform();
+  const double moment = spurious_.uniform();
+  if (seen) events_.push_back({measured(time_s, jitter), amplitude_rad, 0, edge});
+  if (chance < settings_.spurious)
+    events_.push_back({measured(time_s, moment * period_s), unknown, 0, edge});
+}
+
+ClockLog Sensor::log(double nominal_period_s) const {
+  ClockLog log;
+  log.format = LogFormat::native;
+  log.events = events_;
+  log.has_amplitude = settings_.amplitude_rms.has_value();
+  log.nominal_period_s = nominal_period_s;
+  std::stable_sort(log.events.begin(), log.events.end(),
+                   [](const LogEvent& a, const LogEvent& b) { return a.time < b.time; });
+  return log;
+}
+
+int decimals_for(const SensorSettings& settings) {
+  const double finest = std::max(settings.jitter_rms_s, settings.resolution_s);
+  if (finest <= 0.0) return 15; // the fraction of a second to the rounding of a double
+  return std::clamp(3 + static_cast<int>(std::ceil(-std::log10(finest))), 6, 15);
+}
+
+} // namespace goingrate

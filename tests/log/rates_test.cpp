@@ -1,0 +1,85 @@
+#include "goingrate/log/rates.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "support/simulated.hpp"
+
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+std::vector<Beat> beats_at(const std::vector<std::pair<std::int64_t, double>>& crossings) {
+  std::vector<Beat> beats;
+  for (const auto& [cycle, t] : crossings)
+    beats.push_back({Instant::from_seconds(t), cycle, NAN, 0, 0, BeatFlag::good});
+  return beats;
+}
+
+TEST(RatesTest, ASlowClockLoses) {
+  const auto beats = beats_at({{0, 0.0}, {1, 2.002}, {2, 4.004}});
+  const RateSummary summary = summarise_rates(beats, 2.0);
+  EXPECT_NEAR(summary.rate_excess, 2.0 / 2.002 - 1.0, 1e-15);
+  EXPECT_NEAR(summary.mean_period_s, 2.002, 1e-15);
+  EXPECT_NEAR(summary.slope_rate_excess, summary.rate_excess, 1e-12);
+  EXPECT_EQ(summary.periods, 2);
+}
+
+TEST(RatesTest, TheRatePerPeriodIsThePapers) {
+  const auto rates = rate_per_period(beats_at({{0, 0.0}, {1, 1.9996}, {2, 3.9994}}), 2.0);
+  ASSERT_EQ(rates.size(), 2u);
+  EXPECT_NEAR(rates[0], 2.0 / 1.9996 - 1.0, 1e-15);
+  EXPECT_NEAR(rates[1], 2.0 / 1.9998 - 1.0, 1e-15);
+}
+
+TEST(RatesTest, AMissingBeatSharesItsRateWithItsNeighbour) {
+  const auto beats = beats_at({{0, 0.0}, {1, 2.0}, {3, 6.02}, {4, 8.02}});
+  const auto rates = rate_on_every_cycle(beats, 2.0);
+  ASSERT_EQ(rates.size(), 4u);
+  EXPECT_EQ(rates[1], rates[2]);
+  EXPECT_NEAR(rates[1], 4.0 / 4.02 - 1.0, 1e-15);
+  const auto error = on_every_cycle(beats, clock_error(beats, 2.0));
+  ASSERT_EQ(error.size(), 5u);
+  EXPECT_TRUE(std::isnan(error[2]));
+  EXPECT_NEAR(error[4], -0.02, 1e-15);
+}
+
+TEST(RatesTest, MeanRateSigmaCovers) {
+  // White noise of rate, 400 logs of 1000 periods: the truth within one sigma in about 68 %, or more
+  // often (the largest of five estimates of the scatter is taken).
+  int inside = 0;
+  for (int k = 0; k < 400; ++k) {
+    RandomStream random(static_cast<std::uint64_t>(k), StreamPurpose::jitter);
+    std::vector<std::pair<std::int64_t, double>> crossings{{0, 0.0}};
+    for (int i = 1; i <= 1000; ++i)
+      crossings.emplace_back(i, crossings.back().second + 2.0 * (1 + 1e-4 * random.normal()));
+    const RateSummary s = summarise_rates(beats_at(crossings), 2.0);
+    inside += std::abs(s.rate_excess) < s.rate_excess_sigma ? 1 : 0;
+  }
+  EXPECT_GE(inside, 400 * 0.66);
+  EXPECT_LE(inside, 400 * 0.90);
+}
+
+TEST(RatesTest, TheNominalPeriodIsGuessedOnlyWhereItIsPlain) {
+  ClockLog log;
+  Beats beats;
+  std::vector<std::string> assumptions;
+  beats.typical_period_s = 1.9993;
+  EXPECT_EQ(nominal_period(log, beats, assumptions), 2.0);
+  beats.typical_period_s = 1.63;
+  EXPECT_EQ(nominal_period(log, beats, assumptions), 1.63);
+  log.nominal_period_s = 1.6;
+  EXPECT_EQ(nominal_period(log, beats, assumptions), 1.6);
+  EXPECT_EQ(assumptions.size(), 2u) << "each guess is said, what is given is not";
+}
+
+TEST(RatesTest, SimulatedStationaryClockRunsAtItsExactRate) {
+  const auto beats = test::simulated_beats(test::at_point_a(1000), 1);
+  EXPECT_NEAR(summarise_rates(beats, 2.0).rate_excess, 1.133264436573979e-04, 1e-14); // 2000 s, 15 digits
+}
+
+TEST(RatesTest, TwoBeatsAreNotEnough) {
+  EXPECT_THROW((void)summarise_rates(beats_at({{0, 0.0}, {1, 2.0}}), 2.0), ArgumentError);
+}
+
+} // namespace
+} // namespace goingrate

@@ -1,0 +1,144 @@
+#include "goingrate/log/reading.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/log/writing.hpp"
+#include "support/simulated.hpp"
+
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+TEST(ReadingTest, BareTimestampsAreFoundAndSaid) {
+  const ClockLog log = read_log("1361605080.2279906\n1361605082.2279907\n1361605084.2279911\n", "x");
+  EXPECT_EQ(log.format, LogFormat::timestamps);
+  ASSERT_EQ(log.events.size(), 3u);
+  EXPECT_EQ(log.events[0].time.fraction, 0.2279906);
+  EXPECT_NE(log.assumptions.front().find("one time in seconds"), std::string::npos);
+}
+
+TEST(ReadingTest, AClockErrorLogGivesTrueTimes) {
+  const ClockLog log = read_log("1364774403 -1.275606 46.421165\n1364774406 -1.275500 46.42\n"
+                                "1364774409 -1.275600 46.43\n",
+                                "x");
+  EXPECT_EQ(log.format, LogFormat::clock_error);
+  EXPECT_EQ(log.nominal_period_s, 3.0);
+  EXPECT_EQ(log.events[0].time.seconds, 1364774404); // label minus error: the clock is 1.27 s slow
+  EXPECT_NEAR(log.events[0].time.fraction, 0.275606, 1e-15);
+  EXPECT_DOUBLE_EQ(log.events[0].amplitude_rad, 46.421165e-3);
+}
+
+TEST(ReadingTest, TheNativeLogKnowsItsColumnsInAnyOrder) {
+  const ClockLog log = read_log("# goingrate log: 1\n# nominal_period_s: 2\n\namplitude_rad,time_s,edge\r\n"
+                                "0.05,0.5,up\r\n,1.5,down\r\n0.051,2.5,up\r\n",
+                                "x");
+  ASSERT_EQ(log.events.size(), 3u);
+  EXPECT_EQ(log.nominal_period_s, 2.0);
+  EXPECT_EQ(log.events[1].edge, Edge::down);
+  EXPECT_TRUE(std::isnan(log.events[1].amplitude_rad));
+  EXPECT_EQ(log.events[2].amplitude_rad, 0.051);
+  EXPECT_EQ(log.events[2].line, 7u);
+}
+
+TEST(ReadingTest, ABadLineIsLeftOutAndTold) {
+  const ClockLog log = read_log("0.0\n2.0\n4.0x\n6.0\n8.0 9\n", "x");
+  EXPECT_EQ(log.events.size(), 3u);
+  ASSERT_EQ(log.issues.size(), 2u);
+  EXPECT_EQ(log.issues[0].line, 3u);
+  EXPECT_EQ(log.issues[1].line, 5u);
+  EXPECT_EQ(log.issues[1].column, 5u);
+}
+
+TEST(ReadingTest, DisorderIsSortedAndTold) {
+  const ClockLog log = read_log("4.0\n2.0\n0.0\n", "x");
+  EXPECT_LT(log.events[0].time, log.events[1].time);
+  ASSERT_EQ(log.issues.size(), 1u);
+}
+
+TEST(ReadingTest, OptionsOverrideWhatWouldBeFound) {
+  ReadingOptions options;
+  options.nominal_period_s = 1.5;
+  options.format = LogFormat::timestamps;
+  const ClockLog log = read_log("0.0\n2.0\n4.0\n", "x", options);
+  EXPECT_EQ(log.nominal_period_s, 1.5);
+}
+
+struct Bad {
+  std::string text;
+  std::size_t line, column;
+  const char* says;
+};
+
+void PrintTo(const Bad& bad, std::ostream* out) { *out << '"' << bad.says << '"'; }
+
+class BadLog : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadLog, IsRefusedWithItsPlace) {
+  const Bad& bad = GetParam();
+  try {
+    (void)read_log(bad.text, "bad.log");
+    FAIL() << "accepted: " << bad.text;
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.place().line, bad.line) << error.what();
+    EXPECT_EQ(error.place().column, bad.column) << error.what();
+    EXPECT_NE(std::string(error.what()).find(bad.says), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("bad.log:"), 0u) << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Texts, BadLog,
+    testing::Values(Bad{"", 1, 1, "an empty file"}, Bad{"\n\n", 1, 1, "no line of data"},
+                    Bad{"# only a comment\n", 1, 1, "no line of data"},
+                    Bad{std::string("12.0\n13\0.0\n", 10), 2, 3, "binary byte 0x00"},
+                    Bad{"\x7f\x45LF\x02\x01", 1, 5, "binary byte 0x02"}, Bad{"1.0\n", 1, 1, "1 event"},
+                    Bad{"hello world\n", 1, 1, "'hello world'"},
+                    Bad{"1.0\nx\ny\nz\n", 2, 1, "3 unusable lines out of 4"},
+                    Bad{"time_s,edge\n", 1, 1, "0 events"},
+                    Bad{"time_s\n1.0\n2.0\n", 3, 1, "2 events"}));
+
+TEST(ReadingTest, AnUnreadableFileIsAnInputError) {
+  EXPECT_THROW((void)read_text("/nowhere/at/all.log"), InputError);
+  EXPECT_THROW((void)read_text("/"), InputError);
+}
+
+TEST(ReadingTest, NumbersMayHaveAPlusAndLongExponents) {
+  const auto x = read_numbers("# phase\n+7.5199505265349822E-012\n-2.5e-3\nnan\n", "p");
+  ASSERT_EQ(x.size(), 3u);
+  EXPECT_EQ(x[0], 7.5199505265349822e-12);
+  EXPECT_TRUE(std::isnan(x[2]));
+  EXPECT_THROW((void)read_numbers("1\n2\nthree\n", "p"), InputError);
+  EXPECT_THROW((void)read_numbers("1\n2\n", "p"), InputError);
+  EXPECT_THROW((void)read_numbers("1\n2\n3 4\n", "p"), InputError);
+}
+
+TEST(WritingTest, ReadsBackWhatWasWritten) {
+  Scenario scenario = test::at_point_a(200);
+  scenario.sensor.edges = SensorEdges::both;
+  scenario.sensor.jitter_rms_s = 1e-5;
+  scenario.sensor.amplitude_rms = 1e-5;
+  const ClockLog written = test::simulated_log(scenario, 3);
+  const std::string text = native_log_text(written, 15);
+  const ClockLog read = read_log(text, "x");
+  ASSERT_EQ(read.events.size(), written.events.size());
+  for (std::size_t i = 0; i < read.events.size(); ++i) {
+    EXPECT_NEAR(read.events[i].time - written.events[i].time, 0.0, 5.1e-16); // half the last digit
+    EXPECT_EQ(read.events[i].edge, written.events[i].edge);
+  }
+  EXPECT_EQ(native_log_text(read, 15), text) << "and the second time to the last bit";
+}
+
+TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
+  ClockLog log;
+  log.events = {{{100, 0.0}, 0.05, 1, Edge::up}, {{101, 0.0}, 0.05, 2, Edge::down},
+                {{102, 0.0}, 0.01, 3, Edge::up}};
+  correct_edge_to_centre(log, -0.012, 3.0);
+  ASSERT_EQ(log.events.size(), 2u) << "an amplitude that does not reach the edge cannot have crossed it";
+  ASSERT_EQ(log.issues.size(), 1u);
+  const double shift = std::asin(0.012 / 0.05) * 3.0 / (2.0 * std::numbers::pi);
+  EXPECT_NEAR((log.events[0].time - Instant{100, 0.0}), shift, 1e-15);
+  EXPECT_NEAR((log.events[1].time - Instant{101, 0.0}), -shift, 1e-15);
+}
+
+} // namespace
+} // namespace goingrate

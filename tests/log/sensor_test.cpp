@@ -1,0 +1,87 @@
+#include "goingrate/log/sensor.hpp"
+
+#include "support/simulated.hpp"
+
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+TEST(SensorTest, APerfectSensorReportsTheTruth) {
+  const Scenario scenario = test::at_point_a(50);
+  const ClockLog log = test::simulated_log(scenario, 1);
+  DirectRun run(scenario, 1);
+  ASSERT_EQ(log.events.size(), 51u);
+  EXPECT_EQ(log.events[0].time, Instant{});
+  for (std::size_t i = 1; i < log.events.size(); ++i)
+    EXPECT_NEAR(log.events[i].time.to_double(), run.next()->time_s.value(), 1e-14);
+}
+
+TEST(SensorTest, JitterHasItsSizeAndIsWhite) {
+  Scenario scenario = test::at_point_a(20000);
+  const ClockLog truth = test::simulated_log(scenario, 1);
+  scenario.sensor.jitter_rms_s = 1e-4;
+  const ClockLog log = test::simulated_log(scenario, 1);
+  double sum2 = 0.0, product = 0.0, last = 0.0;
+  for (std::size_t i = 0; i < log.events.size(); ++i) {
+    const double e = log.events[i].time - truth.events[i].time;
+    sum2 += e * e;
+    product += e * last;
+    last = e;
+  }
+  const double n = 20001;
+  EXPECT_NEAR(std::sqrt(sum2 / n), 1e-4, 4e-4 / std::sqrt(2 * n)); // four standard errors
+  EXPECT_NEAR(product / sum2, 0.0, 4 / std::sqrt(n));
+}
+
+TEST(SensorTest, MissedAndSpuriousComeAtTheirRates) {
+  Scenario scenario = test::at_point_a(20000);
+  scenario.sensor.missed = 0.1;
+  const auto with_missed = static_cast<double>(test::simulated_log(scenario, 1).events.size());
+  EXPECT_NEAR(with_missed, 0.9 * 20001, 4 * std::sqrt(20001 * 0.09));
+  scenario.sensor.missed = 0.0;
+  scenario.sensor.spurious = 0.1;
+  const auto with_spurious = static_cast<double>(test::simulated_log(scenario, 1).events.size());
+  EXPECT_NEAR(with_spurious, 1.1 * 20001, 4 * std::sqrt(20001 * 0.09));
+}
+
+TEST(SensorTest, ResolutionRoundsTheTimes) {
+  Scenario scenario = test::at_point_a(100);
+  scenario.sensor.resolution_s = 1e-3;
+  for (const LogEvent& event : test::simulated_log(scenario, 1).events) {
+    const double thousandths = event.time.fraction * 1e3;
+    EXPECT_NEAR(thousandths, std::round(thousandths), 1e-9);
+  }
+}
+
+TEST(SensorTest, AmplitudesAreTheTurningAnglesOfTheVelocity) {
+  Scenario scenario = test::at_point_a(5);
+  scenario.sensor.amplitude_rms = 0.0;
+  const ClockLog log = test::simulated_log(scenario, 1);
+  EXPECT_TRUE(log.has_amplitude);
+  for (const LogEvent& event : log.events)
+    EXPECT_NEAR(event.amplitude_rad, 2.0 * std::asin(0.5 * 0.0390886300401325), 1e-15);
+}
+
+TEST(SensorTest, OneFaultDoesNotChangeTheDrawsOfAnother) {
+  Scenario scenario = test::at_point_a(100);
+  scenario.sensor.jitter_rms_s = 1e-4;
+  const ClockLog clean = test::simulated_log(scenario, 1);
+  scenario.sensor.spurious = 0.2;
+  std::size_t found = 0;
+  for (const LogEvent& event : test::simulated_log(scenario, 1).events)
+    for (const LogEvent& other : clean.events) found += event.time == other.time ? 1 : 0;
+  EXPECT_EQ(found, clean.events.size());
+}
+
+TEST(SensorTest, DecimalsFollowTheNoise) {
+  EXPECT_EQ(decimals_for({}), 15);
+  SensorSettings sensor;
+  sensor.jitter_rms_s = 1e-5;
+  EXPECT_EQ(decimals_for(sensor), 8);
+  sensor.resolution_s = 1e-2;
+  EXPECT_EQ(decimals_for(sensor), 6);
+}
+
+} // namespace
+} // namespace goingrate
