@@ -1,0 +1,308 @@
+// Identification of power-law noise, degrees of freedom and intervals, against slow obvious
+// oracles.
+#include "goingrate/spectra/noise_type.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/base/random.hpp"
+
+namespace goingrate {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// Phase with S_y ~ f^alpha: white noise through the fractional integrator (1 - z^-1)^(-beta/2),
+// beta = 2 - alpha (N. J. Kasdin, Proc. IEEE 83 (1995) 802). The first half is run-in.
+std::vector<double> power_law_phase(int alpha, std::size_t points, std::uint64_t seed) {
+  RandomStream stream(seed, StreamPurpose::jitter);
+  const std::size_t all = 2 * points;
+  std::vector<double> white(all), h(all, 1.0), phase(points, 0.0);
+  for (double& v : white)
+    v = stream.normal();
+  const double half_beta = 0.5 * (2.0 - alpha);
+  for (std::size_t k = 1; k < all; ++k) {
+    const double order = static_cast<double>(k);
+    h[k] = h[k - 1] * (order - 1.0 + half_beta) / order;
+  }
+  for (std::size_t i = 0; i < points; ++i)
+    for (std::size_t k = 0; k <= i + points; ++k)
+      phase[i] += h[k] * white[i + points - k];
+  return phase;
+}
+
+TEST(NoiseType, IsRightForLongSimulatedSeries) {
+  for (int alpha : {2, 0, -2})
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const NoiseType noise = identify_noise(power_law_phase(alpha, 1000, seed), 1);
+      EXPECT_TRUE(noise.identified);
+      EXPECT_EQ(noise.alpha, alpha) << "seed " << seed << ", exponent " << noise.exponent;
+      EXPECT_EQ(noise.points, 1000u);
+    }
+}
+
+TEST(NoiseType, SeesFlickerBetweenItsNeighbours) {
+  for (int alpha : {1, -1}) {
+    double mean = 0.0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+      mean += identify_noise(power_law_phase(alpha, 1000, seed), 1).exponent / 20.0;
+    // lag 1 of a flicker series is biased by the parabola removed and its slow convergence; a third
+    // of the distance to the next integer still tells the kinds apart
+    EXPECT_NEAR(mean, alpha, 0.33);
+  }
+}
+
+TEST(NoiseType, TellsWhatDominatesAtLongAveraging) {
+  // white phase noise of 10 against steps of 1: at m = 2000 a step of the walk is 45
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    RandomStream stream(seed, StreamPurpose::jitter);
+    std::vector<double> phase(400000);
+    double walk = 0.0;
+    for (double& x : phase) {
+      walk += stream.normal();
+      x = walk + 10.0 * stream.normal();
+    }
+    EXPECT_EQ(identify_noise(phase, 1).alpha, 2);
+    EXPECT_EQ(identify_noise(phase, 2000).alpha, 0);
+  }
+}
+
+TEST(NoiseType, ErrsUpwardsOnFewPoints) {
+  int right = 0, above = 0;
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    const int alpha = identify_noise(power_law_phase(0, 40, seed), 1).alpha;
+    right += alpha == 0 ? 1 : 0;
+    above += alpha > 0 ? 1 : 0;
+  }
+  EXPECT_NEAR(right / 600.0, 5.0 / 6.0, 0.05); // three standard errors of a share in 600
+  EXPECT_GT(above, 5 * (600 - right - above));
+}
+
+TEST(NoiseType, DoesNotSeeOffsetRateOrDrift) {
+  std::vector<double> phase = power_law_phase(0, 500, 7);
+  const double plain = identify_noise(phase, 3).exponent;
+  for (std::size_t i = 0; i < phase.size(); ++i) {
+    const double t = static_cast<double>(i);
+    phase[i] += 1e3 + 10.0 * t + 0.1 * t * t;
+  }
+  EXPECT_NEAR(identify_noise(phase, 3).exponent, plain, 1e-8); // 1e5 added costs 5 of 16 digits
+}
+
+TEST(NoiseType, SurvivesGaps) {
+  for (int alpha : {2, 0, -2}) {
+    std::vector<double> phase = power_law_phase(alpha, 2000, 11);
+    RandomStream stream(12, StreamPurpose::missed);
+    for (double& x : phase)
+      if (stream.uniform() < 0.1) x = nan;
+    const NoiseType noise = identify_noise(phase, 1);
+    ASSERT_TRUE(noise.identified);
+    EXPECT_EQ(noise.alpha, alpha) << noise.exponent;
+    EXPECT_LT(noise.points, 2000u);
+  }
+}
+
+TEST(NoiseType, ScalesSumsToThePairsThatGapsLeave) {
+  RandomStream stream(13, StreamPurpose::jitter);
+  std::vector<double> whole(4000);
+  double before = 0.0;
+  for (double& x : whole) { // neighbours anticorrelated, so that a lost pair would be missed
+    const double fresh = stream.normal();
+    x = fresh - 0.8 * before;
+    before = fresh;
+  }
+  std::vector<double> holed = whole;
+  for (double& x : holed)
+    if (stream.uniform() < 0.4) x = nan;
+  const double r1 = -0.8 / 1.64;
+  const double expected = 2.0 - 2.0 * r1 / (1.0 + r1);
+  // r1 errs by 0.012 whole and 0.03 holed; d(exponent)/d(r1) is 2/(1 + r1)^2 = 7.6; three of them
+  EXPECT_NEAR(identify_noise(whole, 1).exponent, expected, 0.3);
+  EXPECT_NEAR(identify_noise(holed, 1).exponent, expected, 0.7);
+}
+
+TEST(NoiseType, AsksForThirtyNeighbouringPoints) {
+  const std::vector<double> phase = power_law_phase(0, 30, 3);
+  EXPECT_TRUE(identify_noise(phase, 1).identified);
+  EXPECT_FALSE(identify_noise(std::span(phase).first(29), 1).identified);
+  std::vector<double> holed = power_law_phase(0, 31, 3);
+  holed[15] = nan; // 30 points, but only 28 pairs where 30 unbroken points have 29
+  EXPECT_FALSE(identify_noise(holed, 1).identified);
+  std::vector<double> sieve = power_law_phase(0, 200, 3);
+  for (std::size_t i = 0; i < sieve.size(); i += 2)
+    sieve[i] = nan; // no two neighbours left
+  EXPECT_FALSE(identify_noise(sieve, 1).identified);
+}
+
+TEST(NoiseType, IsNotClaimedForAConstantAndIsWhitePhaseForAnAlternation) {
+  EXPECT_FALSE(identify_noise(std::vector<double>(100, 0.0), 1).identified);
+  std::vector<double> alternating(100);
+  for (std::size_t i = 0; i < alternating.size(); ++i)
+    alternating[i] = i % 2 == 0 ? 1.0 : -1.0;
+  EXPECT_EQ(identify_noise(alternating, 1).alpha, 2);
+  EXPECT_THROW((void)identify_noise(alternating, 0), ArgumentError);
+}
+
+// The formula of Greenhall and Riley as printed: lags in units of tau, long double.
+long double power_law_w(long double t, int alpha) {
+  t = std::abs(t);
+  const long double log_t = t == 0.0L ? 0.0L : std::log(t);
+  switch (alpha) {
+  case 2:
+    return -t;
+  case 1:
+    return t * t * log_t;
+  case 0:
+    return t * t * t;
+  case -1:
+    return -t * t * t * t * log_t;
+  default:
+    return -t * t * t * t * t;
+  }
+}
+
+long double formula_sz(long double t, int alpha, std::size_t m) {
+  const long double f = static_cast<long double>(m);
+  const auto sx = [&](long double u) {
+    return f * f *
+           (2 * power_law_w(u, alpha) - power_law_w(u - 1 / f, alpha) -
+            power_law_w(u + 1 / f, alpha));
+  };
+  return 6 * sx(t) - 4 * sx(t - 1) - 4 * sx(t + 1) + sx(t - 2) + sx(t + 2);
+}
+
+double formula_edf(int alpha, std::size_t m, std::size_t n, std::size_t s) {
+  const std::size_t j_max = std::min(n, 3 * s);
+  const auto square = [&](std::size_t j) {
+    const long double z =
+        formula_sz(static_cast<long double>(j) / static_cast<long double>(s), alpha, m);
+    return z * z;
+  };
+  const long double count = static_cast<long double>(n);
+  long double sum = square(0) + (1 - static_cast<long double>(j_max) / count) * square(j_max);
+  for (std::size_t j = 1; j < j_max; ++j)
+    sum += 2 * (1 - static_cast<long double>(j) / count) * square(j);
+  return static_cast<double>(count * square(0) / sum);
+}
+
+TEST(DegreesOfFreedom, EqualTheDefiningFormulaInWiderArithmetic) {
+  for (int alpha = -2; alpha <= 2; ++alpha)
+    for (std::size_t m : {1u, 2u, 3u, 8u, 15u, 16u, 17u, 31u, 32u, 33u, 100u, 1000u})
+      for (std::size_t n : {1u, 2u, 5u, 40u, 2500u}) {
+        const double slow = formula_edf(alpha, m, n, m);
+        const double strided = formula_edf(alpha, m, n, 1);
+        // the printed form multiplies roundings of 1e-19 by m^2 and by powers of the lag
+        EXPECT_NEAR(allan_degrees_of_freedom(alpha, m, n, DifferenceStride::one_sample), slow,
+                    1e-9 * slow)
+            << "alpha " << alpha << " m " << m << " n " << n;
+        EXPECT_NEAR(allan_degrees_of_freedom(alpha, m, n, DifferenceStride::one_tau), strided,
+                    1e-9 * strided)
+            << "alpha " << alpha << " m " << m << " n " << n;
+      }
+}
+
+// White frequency noise on a grid `fine` times finer than the samples: response of a second
+// difference over m samples to one unit of it, phases averaged over a sample or read at an instant.
+double simulated_white_frequency_edf(std::size_t m, std::size_t n, std::size_t fine, bool average) {
+  const std::size_t reach = (2 * m + n + 2) * fine;
+  const auto phase_response = [&](std::size_t sample, std::size_t cell) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < fine; ++k) {
+      const std::size_t instant = sample * fine + (average ? k : 0);
+      sum += instant > cell ? 1.0 : 0.0;
+    }
+    return sum / static_cast<double>(fine);
+  };
+  std::vector<std::vector<double>> response(n, std::vector<double>(reach));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t cell = 0; cell < reach; ++cell)
+      response[i][cell] = phase_response(i + 2 * m, cell) - 2.0 * phase_response(i + m, cell) +
+                          phase_response(i, cell);
+  double sum = 0.0, diagonal = 0.0; // edf = n^2 cov(0)^2 / sum of cov^2 over all pairs
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < n; ++k) {
+      double covariance = 0.0;
+      for (std::size_t cell = 0; cell < reach; ++cell)
+        covariance += response[i][cell] * response[k][cell];
+      sum += covariance * covariance;
+      if (i == 0 && k == 0) diagonal = covariance;
+    }
+  return static_cast<double>(n * n) * diagonal * diagonal / sum;
+}
+
+TEST(DegreesOfFreedom, AreThoseOfPhasesAveragedOverASample) {
+  for (std::size_t m : {1u, 2u, 5u}) {
+    const std::size_t n = 12;
+    const double model = allan_degrees_of_freedom(0, m, n, DifferenceStride::one_sample);
+    // 16 cells a sample err by about 1/16^2 in the variance of an average; lags beyond 3 tau are 0
+    EXPECT_NEAR(simulated_white_frequency_edf(m, n, 16, true) / model, 1.0, 5e-3) << "m " << m;
+  }
+}
+
+TEST(DegreesOfFreedom, DifferForPhasesReadAtInstants) {
+  const auto ratio = [](std::size_t m) {
+    const std::size_t n = 250; // long enough that the ends do not matter to two digits
+    return simulated_white_frequency_edf(m, n, 1, false) /
+           allan_degrees_of_freedom(0, m, n, DifferenceStride::one_sample);
+  };
+  // the numbers in the header, to half a unit of the digits given there
+  EXPECT_NEAR(ratio(1), 0.85, 0.005);
+  EXPECT_NEAR(ratio(2), 1.05, 0.005);
+  EXPECT_NEAR(ratio(4), 1.13, 0.005);
+  EXPECT_NEAR(ratio(8), 1.10, 0.005);
+}
+
+TEST(DegreesOfFreedom, PredictTheScatterOfSimulatedVariances) {
+  constexpr std::size_t m = 8, points = 129, runs = 1500;
+  for (int alpha : {2, 1, 0, -1, -2}) {
+    double mean = 0.0, square = 0.0;
+    for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+      const std::vector<double> x = power_law_phase(alpha, points, seed);
+      double variance = 0.0;
+      for (std::size_t i = 0; i + 2 * m < points; ++i)
+        variance += std::pow(x[i + 2 * m] - 2.0 * x[i + m] + x[i], 2);
+      mean += variance / runs;
+      square += variance * variance / runs;
+    }
+    const double edf = 2.0 * mean * mean / (square - mean * mean);
+    // a variance of variances over 1500 runs scatters by 5 to 7 %: three standard errors
+    EXPECT_NEAR(
+        edf / allan_degrees_of_freedom(alpha, m, points - 2 * m, DifferenceStride::one_sample), 1.0,
+        0.2)
+        << "alpha " << alpha;
+  }
+}
+
+TEST(DegreesOfFreedom, RefuseNoiseWithoutAnAllanVariance) {
+  const auto edf = [](int alpha, std::size_t m, std::size_t n) {
+    return allan_degrees_of_freedom(alpha, m, n, DifferenceStride::one_sample);
+  };
+  EXPECT_THROW((void)edf(-3, 1, 10), ArgumentError);
+  EXPECT_THROW((void)edf(3, 1, 10), ArgumentError);
+  EXPECT_THROW((void)edf(0, 0, 10), ArgumentError);
+  EXPECT_THROW((void)edf(0, 1, 0), ArgumentError);
+  EXPECT_NEAR(edf(0, 7, 1), 1.0, 1e-14); // one difference is one degree; a few roundings
+}
+
+TEST(ChiSquaredInterval, AgreesWithTheClosedFormForTwoDegrees) {
+  for (double probability : {0.05, one_sigma_probability, 0.95}) {
+    const DeviationInterval interval = chi_squared_interval(3.0, 2.0, probability);
+    const double tail = 0.5 * (1.0 - probability); // quantile of chi-squared(2): -2 ln(1 - p)
+    EXPECT_NEAR(interval.low, 3.0 * std::sqrt(-1.0 / std::log(tail)), 3e-12);     // a few roundings
+    EXPECT_NEAR(interval.high, 3.0 * std::sqrt(-1.0 / std::log1p(-tail)), 3e-12); // in the quantile
+  }
+}
+
+TEST(ChiSquaredInterval, RefusesWhatHasNoInterval) {
+  EXPECT_THROW((void)chi_squared_interval(-1.0, 2.0), ArgumentError);
+  EXPECT_THROW((void)chi_squared_interval(nan, 2.0), ArgumentError);
+  EXPECT_THROW((void)chi_squared_interval(1.0, 0.0), ArgumentError);
+  EXPECT_THROW((void)chi_squared_interval(1.0, 2.0, 1.0), ArgumentError);
+  EXPECT_EQ(chi_squared_interval(0.0, 2.0).high, 0.0);
+}
+
+} // namespace
+} // namespace goingrate

@@ -1,0 +1,333 @@
+// Fourier transforms against the defining sum; Welch spectra against levels known beforehand.
+#include "goingrate/spectra/spectrum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/base/random.hpp"
+
+namespace goingrate {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::vector<double> white_noise(std::size_t points, std::uint64_t seed) {
+  RandomStream stream(seed, StreamPurpose::jitter);
+  std::vector<double> series(points);
+  for (double& x : series)
+    x = stream.normal();
+  return series;
+}
+
+std::complex<long double> defining_sum(const std::vector<double>& x, std::size_t k) {
+  std::complex<long double> sum = 0;
+  const auto n = static_cast<long double>(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) { // k i is reduced first: small angles keep all digits
+    const auto turns = static_cast<long double>(k * i % x.size()) / n;
+    sum += static_cast<long double>(x[i]) *
+           std::polar(1.0L, -2 * std::numbers::pi_v<long double> * turns);
+  }
+  return sum;
+}
+
+TEST(Transform, EqualsTheDefiningSum) {
+  for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 64u, 97u, 100u, 105u, 251u, 1009u}) {
+    const std::vector<double> x = white_noise(n, n);
+    const auto transform = real_transform(x);
+    ASSERT_EQ(transform.size(), n / 2 + 1);
+    for (std::size_t k = 0; k < transform.size(); ++k) {
+      const std::complex<long double> difference =
+          std::complex<long double>(transform[k]) - defining_sum(x, k);
+      // rounding grows as eps sqrt(N log N); 1e-13 leaves some fifty of them
+      EXPECT_LT(std::abs(difference), 1e-13L * std::sqrt(static_cast<long double>(n)))
+          << "n " << n << " k " << k;
+    }
+  }
+}
+
+TEST(Transform, RoundTripIsTheIdentity) {
+  for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 97u, 1000u, 4099u}) {
+    const std::vector<double> x = white_noise(n, 2 * n);
+    const std::vector<double> back = inverse_real_transform(real_transform(x), n);
+    ASSERT_EQ(back.size(), n);
+    for (std::size_t i = 0; i < n; ++i)
+      EXPECT_NEAR(back[i], x[i], 5e-15) << n; // 1e-14 of the largest value, which is above 1/2
+  }
+}
+
+TEST(Transform, KeepsTheSumOfSquares) {
+  for (std::size_t n : {500u, 501u, 503u}) {
+    const std::vector<double> x = white_noise(n, n);
+    const auto transform = real_transform(x);
+    double squares = 0.0, power = 0.0;
+    for (double v : x)
+      squares += v * v;
+    for (std::size_t k = 0; k < transform.size(); ++k)
+      power += (k == 0 || 2 * k == n ? 1.0 : 2.0) * std::norm(transform[k]);
+    EXPECT_NEAR(power / static_cast<double>(n), squares, 1e-12 * squares); // Parseval; roundings
+  }
+}
+
+TEST(Transform, InverseIgnoresImaginaryPartsWithoutARealCounterpart) {
+  std::vector<std::complex<double>> transform = {{3.0, 9.0}, {1.0, 2.0}, {4.0, 9.0}};
+  const std::vector<double> x = inverse_real_transform(transform, 4);
+  transform[0].imag(0.0);
+  transform[2].imag(0.0);
+  EXPECT_EQ(x, inverse_real_transform(transform, 4));
+  EXPECT_NEAR(x[0], (3.0 + 2.0 + 4.0) / 4.0, 1e-15); // one rounding
+}
+
+TEST(Transform, RefusesWhatItCannotTransform) {
+  EXPECT_THROW((void)real_transform({}), ArgumentError);
+  EXPECT_THROW((void)real_transform(std::vector<double>{1.0, nan}), ArgumentError);
+  const std::vector<std::complex<double>> three(3), broken(3, {0.0, infinity});
+  EXPECT_EQ(inverse_real_transform(three, 5).size(), 5u);
+  EXPECT_THROW((void)inverse_real_transform(three, 3), ArgumentError);
+  EXPECT_THROW((void)inverse_real_transform(three, 6), ArgumentError);
+  EXPECT_THROW((void)inverse_real_transform({}, 0), ArgumentError);
+  EXPECT_THROW((void)inverse_real_transform(broken, 4), ArgumentError);
+}
+
+TEST(Transform, MayBeUsedFromSeveralThreads) {
+  const std::vector<double> x = white_noise(300, 4);
+  const auto all_lengths = [&] { // many plans of different shapes, made at the same time
+    std::vector<std::complex<double>> firsts;
+    for (std::size_t n = 2; n <= x.size(); ++n)
+      firsts.push_back(real_transform(std::span(x).first(n))[1]);
+    return firsts;
+  };
+  const auto expected = all_lengths();
+  std::vector<int> wrong(4, 0);
+  std::vector<std::thread> threads;
+  for (int& count : wrong)
+    threads.emplace_back([&] {
+      for (int run = 0; run < 4; ++run)
+        count += all_lengths() == expected ? 0 : 1;
+    });
+  for (std::thread& thread : threads)
+    thread.join();
+  EXPECT_EQ(wrong, std::vector<int>(4, 0));
+}
+
+double integral(const Spectrum& spectrum) {
+  double sum = 0.0;
+  for (double density : spectrum.density)
+    sum += density * spectrum.resolution_hz;
+  return sum;
+}
+
+// The series less its least-squares line, weighed with the Hann window; by the normal equations.
+double windowed_variance(const std::vector<double>& x) {
+  long double st = 0, stt = 0, sx = 0, stx = 0, squares = 0, weight = 0;
+  const auto n = static_cast<long double>(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const auto t = static_cast<long double>(i);
+    st += t, stt += t * t, sx += x[i], stx += t * x[i];
+  }
+  const long double slope = (n * stx - st * sx) / (n * stt - st * st);
+  const long double level = (sx - slope * st) / n;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const auto t = static_cast<long double>(i);
+    const long double sine = std::sin(std::numbers::pi_v<long double> * t / n);
+    const long double rest = sine * sine * (x[i] - level - slope * t);
+    squares += rest * rest;
+    weight += std::pow(sine, 4.0L);
+  }
+  return static_cast<double>(squares / weight);
+}
+
+TEST(Spectrum, IntegratesToTheWindowedVariance) {
+  for (std::size_t n : {997u, 1000u, 1024u}) {
+    std::vector<double> x = white_noise(n, n);
+    for (std::size_t i = 0; i < n; ++i)
+      x[i] += 5.0 + 0.01 * static_cast<double>(i);
+    SpectrumOptions options;
+    options.segment = n;
+    const Spectrum spectrum = welch_spectrum(x, 0.5, options);
+    const double variance = windowed_variance(x);
+    EXPECT_NEAR(integral(spectrum), variance, 1e-12 * variance); // Parseval; roundings only
+    EXPECT_NEAR(variance, 1.0,
+                0.2); // the noise put in: a windowed variance of 1000 values, 4 sigma
+    EXPECT_EQ(spectrum.segments, 1u);
+  }
+}
+
+TEST(Spectrum, HasItsFrequenciesWhereTheyBelong) {
+  const Spectrum even = welch_spectrum(white_noise(100, 1), 2.0);
+  ASSERT_EQ(even.frequency_hz.size(), 51u);
+  ASSERT_EQ(even.density.size(), 51u);
+  EXPECT_EQ(even.segment_length, 100u); // a short series is one segment
+  EXPECT_EQ(even.frequency_hz[0], 0.0);
+  EXPECT_DOUBLE_EQ(even.frequency_hz[50], 0.25); // half of one sample every 2 s
+  EXPECT_DOUBLE_EQ(even.resolution_hz, 0.005);
+  const Spectrum odd = welch_spectrum(white_noise(101, 1), 2.0);
+  ASSERT_EQ(odd.frequency_hz.size(), 51u);
+  EXPECT_DOUBLE_EQ(odd.frequency_hz[50], 50.0 / 202.0);
+}
+
+TEST(Spectrum, HoldsThePowerOfASinusoid) {
+  const double amplitude = 3.0, interval = 0.25;
+  for (double bins : {40.0, 40.3, 40.5}) { // on a frequency of the spectrum and between two
+    std::vector<double> x(1000);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      x[i] = amplitude *
+             std::cos(2.0 * std::numbers::pi * bins * static_cast<double>(i) / 1000.0 + 0.7);
+    SpectrumOptions options;
+    options.segment = 1000;
+    const Spectrum spectrum = welch_spectrum(x, interval, options);
+    double near = 0.0;
+    for (std::size_t k = 37; k <= 44; ++k)
+      near += spectrum.density[k] * spectrum.resolution_hz;
+    // the side lobes of a Hann window four bins away and more hold less than 1e-4 of the power
+    EXPECT_NEAR(near, amplitude * amplitude / 2.0, 1e-3) << bins;
+    const auto peak = std::max_element(spectrum.density.begin(), spectrum.density.end());
+    const double at = static_cast<double>(peak - spectrum.density.begin());
+    EXPECT_LE(std::abs(at - bins), 0.5); // the nearest frequency, or either when halfway
+    if (bins == 40.0) { // on a bin the peak is the power over the noise bandwidth, 1.5 resolutions
+      EXPECT_NEAR(*peak, 4.5 / (1.5 * spectrum.resolution_hz), 1e-6 * *peak); // fit of the trend
+    }
+  }
+}
+
+TEST(Spectrum, HasTheLevelOfWhiteNoise) {
+  const double interval = 0.1, sigma = 2.0;
+  std::vector<double> x = white_noise(100000, 3);
+  for (double& v : x)
+    v *= sigma;
+  const Spectrum spectrum = welch_spectrum(x, interval);
+  EXPECT_GE(spectrum.segments, 16u);
+  EXPECT_LE(spectrum.segments, 17u);
+  const double level = 2.0 * interval * sigma * sigma; // one-sided: variance over 1/(2 interval)
+  double mean = 0.0;
+  for (std::size_t k = 2; k + 1 < spectrum.density.size(); ++k)
+    mean += spectrum.density[k];
+  mean /= static_cast<double>(spectrum.density.size() - 3);
+  EXPECT_NEAR(mean, level, 0.02 * level); // 1e5 values: sqrt(2/1e5) is 0.45 %, four of them
+  EXPECT_NEAR(integral(spectrum), sigma * sigma, 0.02 * sigma * sigma);
+}
+
+TEST(Spectrum, IsAffectedByTheTrendOnlyAtTheLowestFrequencies) {
+  SpectrumOptions options;
+  options.segment = 64;
+  options.overlap = 0.0;
+  const Spectrum spectrum = welch_spectrum(white_noise(64 * 4000, 17), 1.0, options);
+  const std::vector<double> expected = {1.0 / 3.0, 0.719, 0.994}; // of the flat level; see header
+  // an average of 4000 independent ordinates errs by 1.6 %, at k = 0 and 32 by 2.2 %: four of them
+  EXPECT_NEAR(spectrum.density[0], expected[0], 0.088 * expected[0]); // k = 0 is not doubled
+  for (std::size_t k = 1; k < 3; ++k)
+    EXPECT_NEAR(spectrum.density[k] / 2.0, expected[k], 0.064 * expected[k]) << k;
+  for (std::size_t k = 3; k < 32; ++k)
+    EXPECT_NEAR(spectrum.density[k] / 2.0, 1.0, 0.064) << k;
+  EXPECT_NEAR(spectrum.density[32], 1.0, 0.088); // nor is L/2
+}
+
+TEST(Spectrum, DoesNotSeeAStraightLine) {
+  const std::vector<double> plain = white_noise(1000, 18);
+  std::vector<double> tilted = plain;
+  for (std::size_t i = 0; i < tilted.size(); ++i)
+    tilted[i] += 7.0 - 3.0 * static_cast<double>(i);
+  const Spectrum a = welch_spectrum(plain, 1.0);
+  const Spectrum b = welch_spectrum(tilted, 1.0);
+  for (std::size_t k = 0; k < a.density.size(); ++k)
+    EXPECT_NEAR(b.density[k], a.density[k], 1e-10) << k; // 3000 added to 1 costs 4 of 16 digits
+  SpectrumOptions mean_only;
+  mean_only.detrend_linear = false;
+  EXPECT_GT(welch_spectrum(tilted, 1.0, mean_only).density[1], 1e3 * a.density[1]);
+}
+
+TEST(Spectrum, DegreesOfFreedomMatchTheScatterOfManyRealisations) {
+  for (double overlap : {0.0, 0.5, 0.75}) {
+    SpectrumOptions options;
+    options.segment = 64;
+    options.overlap = overlap;
+    double mean = 0.0, square = 0.0, claimed = 0.0;
+    constexpr int runs = 2000;
+    for (int run = 0; run < runs; ++run) {
+      const auto series = white_noise(320, static_cast<std::uint64_t>(run + 1));
+      const Spectrum spectrum = welch_spectrum(series, 1.0, options);
+      claimed = spectrum.degrees_of_freedom;
+      for (std::size_t k : {8u, 16u, 24u}) { // far apart, so nearly independent: 6000 draws
+        mean += spectrum.density[k] / (3.0 * runs);
+        square += spectrum.density[k] * spectrum.density[k] / (3.0 * runs);
+      }
+    }
+    const double found = 2.0 * mean * mean / (square - mean * mean);
+    // scatter of a variance from 6000 draws of a chi-squared with 10 to 18 degrees: 2.4 %, times 3
+    EXPECT_NEAR(found / claimed, 1.0, 0.075) << overlap << ": " << found << " against " << claimed;
+  }
+}
+
+TEST(Spectrum, CountsIndependentSegmentsTwice) {
+  SpectrumOptions options;
+  options.segment = 100;
+  options.overlap = 0.0;
+  const Spectrum spectrum = welch_spectrum(white_noise(1050, 2), 1.0, options);
+  EXPECT_EQ(spectrum.segments, 10u);
+  EXPECT_DOUBLE_EQ(spectrum.degrees_of_freedom, 20.0); // real and imaginary part of each
+}
+
+TEST(Spectrum, LeavesOutSegmentsWithGapsAndSaysHowMany) {
+  std::vector<double> series = white_noise(1000, 6);
+  SpectrumOptions options;
+  options.segment = 100;
+  options.overlap = 0.5;
+  EXPECT_EQ(welch_spectrum(series, 1.0, options).segments, 19u);
+  series[525] = nan; // in the segments that start at 450 and 500
+  const Spectrum spectrum = welch_spectrum(series, 1.0, options);
+  EXPECT_EQ(spectrum.segments, 17u);
+  EXPECT_EQ(spectrum.segments_skipped, 2u);
+  for (double density : spectrum.density)
+    EXPECT_TRUE(std::isfinite(density));
+  // hole in the middle: two unbroken runs of 9 and 8 segments, neighbours correlated by 1/36
+  const double expected = 2.0 * 17.0 * 17.0 / (17.0 + 2.0 * 15.0 / 36.0);
+  EXPECT_NEAR(spectrum.degrees_of_freedom, expected, 1e-3 * expected); // 1/36 holds for L infinite
+}
+
+TEST(Spectrum, LosesNoDigitsToALargeOffset) {
+  std::vector<double> plain = white_noise(512, 9);
+  for (double& v : plain)
+    v = std::ldexp(std::round(std::ldexp(v, 20)), -20); // exact under 1e9
+  std::vector<double> raised = plain;
+  for (double& v : raised)
+    v += 1e9;
+  for (bool linear : {true, false}) {
+    SpectrumOptions options;
+    options.detrend_linear = linear;
+    const Spectrum a = welch_spectrum(plain, 1.0, options);
+    const Spectrum b = welch_spectrum(raised, 1.0, options);
+    for (std::size_t k = 0; k < a.density.size(); ++k)
+      EXPECT_NEAR(b.density[k], a.density[k], 1e-12) << k; // densities of order 1, roundings
+  }
+}
+
+TEST(Spectrum, RefusesArgumentsOutsideTheirDomain) {
+  const std::vector<double> series = white_noise(100, 1);
+  const auto with = [](std::size_t segment, double overlap) {
+    SpectrumOptions options;
+    options.segment = segment;
+    options.overlap = overlap;
+    return options;
+  };
+  EXPECT_EQ(welch_spectrum(series, 1.0, with(100, 0.9)).segments, 1u);
+  EXPECT_THROW((void)welch_spectrum(series, 1.0, with(101, 0.5)), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(series, 1.0, with(7, 0.5)), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(series, 1.0, with(50, 0.91)), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(series, 1.0, with(50, -0.1)), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(series, 0.0), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(series, nan), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(std::span(series).first(7), 1.0), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(std::vector<double>(100, nan), 1.0), ArgumentError);
+  EXPECT_THROW((void)welch_spectrum(std::vector<double>(100, infinity), 1.0), ArgumentError);
+}
+
+} // namespace
+} // namespace goingrate
