@@ -1,0 +1,73 @@
+// What happened when: changes of the going that stand out of a log.
+#pragma once
+
+#include "goingrate/log/beats.hpp"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// A moment at which the rate or the speed of change of the amplitude jumped.
+struct Change {
+  std::int64_t cycle = 0;
+  double at_s = 0.0;                 ///< after the first beat
+  double rate_change = 0.0;          ///< rate excess after minus before
+  double amplitude_slope_change = 0.0; ///< rad/s after minus before; NaN without amplitudes
+  double significance = 0.0;         ///< in units of the log's own typical fluctuation
+};
+
+/// An exponential approach of the amplitude to a limit, A = limit + (start - limit) exp(-t/time).
+struct Relaxation {
+  double time_constant_s = 0.0;
+  double sigma_s = 0.0;    ///< widened by the correlation of the residuals
+  double window_s = 0.0;   ///< the stretch of log that was fitted
+  double limit_rad = 0.0;  ///< 0 for a free decay
+  double rms_rad = 0.0;    ///< of the residuals
+  bool exponential = true; ///< the residuals are white: one exponential is enough
+  double shorter_window_s = 0.0; ///< the time constant from three quarters of the window,
+  double longer_window_s = 0.0;  ///< and from five quarters: how far it depends on the stretch; NaN if
+                                 ///< that fit has no answer
+};
+
+/// A stretch without (or with less) drive: the rate jumps one way and back, the amplitude decays
+/// meanwhile and recovers after.
+struct Interruption {
+  Change begin;
+  Change end;
+  double amplitude_before_rad = 0.0;
+  double amplitude_after_rad = 0.0; ///< at its end
+  double rate_change = 0.0;         ///< during it
+  std::optional<Relaxation> decay;
+  std::optional<Relaxation> recovery;
+};
+
+struct Diary {
+  std::vector<Change> changes; ///< in order of time
+  std::vector<Interruption> interruptions;
+};
+
+/// Settings of the search.
+struct DiaryOptions {
+  std::size_t window = 30;      ///< beats on each side of a change
+  double least_significance = 10.0;      ///< in units of the jump's robust scatter
+  double least_rate_change = 1e-6;       ///< 0.09 s a day: smaller ones are not told
+  double least_amplitude_change = 1e-3;  ///< of the amplitude, over one window
+  std::size_t most_changes = 8;
+  double recovery_window_s = 3000.0;
+};
+
+/// Looks for changes in a run of good beats.
+///
+/// The clock's error and the amplitude are locally straight lines; at each beat the slopes of the
+/// `window` beats before and after are compared. The jump is a change where it exceeds
+/// `least_significance` times its own robust scatter over the log, so that a clock's ordinary wander
+/// raises no alarm. The place is refined by a least-squares broken line.
+/// TrinityTest.FindsTheInterruption dates the known one; DiaryTest.QuietLogsStayQuiet bounds false
+/// alarms.
+Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
+                 const DiaryOptions& options = {});
+
+} // namespace goingrate

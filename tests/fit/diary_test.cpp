@@ -1,0 +1,74 @@
+#include "goingrate/fit/diary.hpp"
+
+#include "support/simulated.hpp"
+
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+TEST(DiaryTest, FindsAndDatesAJumpOfTheDrive) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Diary diary = keep_diary(test::simulated_beats(test::jump_from_a_to_b(2000, 1e-5), seed), 2.0);
+    ASSERT_EQ(diary.changes.size(), 1u) << seed;
+    EXPECT_NEAR(static_cast<double>(diary.changes[0].cycle), 150, 1) << seed;
+    EXPECT_NEAR(diary.changes[0].rate_change, 2.07e-4, 5e-6) << seed; // 1.13e-4 to 3.22e-4, relaxing
+  }
+}
+
+TEST(DiaryTest, QuietLogsStayQuiet) {
+  // Stationary, ringing down, noisy in the drive: 30 logs, no false alarm.
+  int alarms = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Scenario steady = test::at_point_a(3000);
+    steady.sensor.jitter_rms_s = 1e-5;
+    Scenario noisy = test::at_point_b(3000);
+    noisy.drive.fast_rms = 0.3;
+    for (const Scenario& scenario : {steady, noisy, test::ring_down(3000, 1e-5)})
+      alarms += static_cast<int>(keep_diary(test::simulated_beats(scenario, seed), 2.0).changes.size());
+  }
+  EXPECT_EQ(alarms, 0);
+}
+
+TEST(DiaryTest, NoiselessLogsRaiseNoAlarm) {
+  EXPECT_TRUE(keep_diary(test::simulated_beats(test::at_point_a(2000), 1), 2.0).changes.empty());
+  EXPECT_TRUE(keep_diary(test::simulated_beats(test::ring_down(2000, 0.0), 1), 2.0).changes.empty());
+}
+
+Scenario interrupted() {
+  Scenario scenario = test::at_point_b(4000);
+  ClockEvent off, on;
+  off.at_period = 500;
+  off.mu = 0.0;
+  on.at_period = 600;
+  on.mu = 4e-5;
+  scenario.events = {off, on};
+  scenario.sensor.jitter_rms_s = 2e-5;
+  scenario.sensor.amplitude_rms = 1e-5;
+  return scenario;
+}
+
+TEST(DiaryTest, AnInterruptionIsDatedAndItsTimesAreThoseOfTheFriction) {
+  DiaryOptions options;
+  options.recovery_window_s = 4000.0;
+  const Diary diary = keep_diary(test::simulated_beats(interrupted(), 1), 2.0, options);
+  ASSERT_EQ(diary.interruptions.size(), 1u);
+  const Interruption& event = diary.interruptions.front();
+  EXPECT_NEAR(static_cast<double>(event.begin.cycle), 500, 2);
+  EXPECT_NEAR(static_cast<double>(event.end.cycle), 600, 2);
+  EXPECT_NEAR(event.rate_change, -3.87e-4, 2e-5); // the fast gain at B, all of it
+  ASSERT_TRUE(event.decay);
+  ASSERT_TRUE(event.recovery);
+  const double decay = 2.0 / (2 * std::numbers::pi * 2.5e-4); // T0 / 2 pi epsilon = 1273 s
+  EXPECT_NEAR(event.decay->time_constant_s, decay, 4 * event.decay->sigma_s);
+  EXPECT_LT(event.decay->sigma_s, 0.05 * decay);
+  // lambda^2 relaxes at 2 epsilon; lambda itself does so only for small departures, here 7 %.
+  EXPECT_NEAR(event.recovery->time_constant_s, 0.5 * decay, 0.1 * decay);
+}
+
+TEST(DiaryTest, AShortLogHasNoDiary) {
+  EXPECT_TRUE(keep_diary(test::simulated_beats(test::at_point_a(50), 1), 2.0).changes.empty());
+}
+
+} // namespace
+} // namespace goingrate

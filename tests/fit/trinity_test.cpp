@@ -1,0 +1,106 @@
+// The Trinity College clock, Cambridge: what is known of two of its days.
+#include "goingrate/fit/diary.hpp"
+#include "goingrate/log/rates.hpp"
+#include "goingrate/log/reading.hpp"
+#include "goingrate/spectra/stability.hpp"
+#include "support/real_data.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+constexpr double flag_half_width = 0.012; // rad: 24 mm, one metre below the pivot
+
+class TrinityTest : public testing::Test {
+protected:
+  static std::optional<ClockLog> day(const char* date) {
+    const auto path = test::real_data(std::string("trinity-clock/clock") + date + ".txt");
+    if (!path) return {};
+    return read_log(read_text(path->string()), path->string());
+  }
+  static std::vector<Beat> centred(ClockLog log) {
+    correct_edge_to_centre(log, -flag_half_width, 3.0);
+    return number_beats(log).longest_segment();
+  }
+};
+
+#define NEEDS(log)                                                                                 \
+  if (!(log)) GTEST_SKIP() << "the Trinity clock's logs are not beside the project"
+
+TEST_F(TrinityTest, FirstDayGainsWhatItsLogSays) {
+  const auto log = day("2013-03-30");
+  NEEDS(log);
+  EXPECT_EQ(log->format, LogFormat::clock_error);
+  EXPECT_TRUE(log->issues.empty());
+  const Beats beats = number_beats(*log);
+  EXPECT_EQ(beats.missed + beats.spurious, 0);
+  const RateSummary rate = summarise_rates(beats.longest_segment(), 3.0);
+  EXPECT_EQ(rate.crossings, 28800);
+  EXPECT_NEAR(rate.rate_excess * 86400e3, 91.75, 0.005);       // ms a day, the printed digits
+  EXPECT_NEAR(rate.slope_rate_excess * 86400e3, 74.81, 0.005);
+}
+
+TEST_F(TrinityTest, FirstDaysDeviationOfTheRawDrift) {
+  const auto log = day("2013-03-30");
+  NEEDS(log);
+  const auto beats = number_beats(*log).longest_segment();
+  const std::vector<std::size_t> factors{1, 10, 100, 1000};
+  const auto table = allan_deviation(DeviationKind::oadev, clock_error(beats, 3.0), 3.0, factors);
+  EXPECT_NEAR(table.rows[0].value, 1.69e-5, 0.005e-5); // the printed digits
+  EXPECT_NEAR(table.rows[1].value, 1.82e-6, 0.005e-6);
+  EXPECT_NEAR(table.rows[2].value, 4.48e-7, 0.005e-7);
+  EXPECT_NEAR(table.rows[3].value, 2.0e-7, 0.05e-7);
+}
+
+double robust_period_scatter(const std::vector<Beat>& beats) {
+  auto rates = rate_per_period(beats, 3.0);
+  const auto middle = rates.begin() + static_cast<std::ptrdiff_t>(rates.size() / 2);
+  std::nth_element(rates.begin(), middle, rates.end());
+  const double median = *middle;
+  for (double& r : rates) r = std::abs(r - median);
+  std::nth_element(rates.begin(), middle, rates.end());
+  return 1.4826 * *middle * 3.0;
+}
+
+TEST_F(TrinityTest, EdgeCorrectionLowersTheNoise) {
+  const auto log = day("2013-03-30");
+  NEEDS(log);
+  EXPECT_NEAR(robust_period_scatter(number_beats(*log).longest_segment()), 44.5e-6, 0.05e-6);
+  EXPECT_NEAR(robust_period_scatter(centred(*log)), 31.6e-6, 0.05e-6);
+}
+
+TEST_F(TrinityTest, FirstDayIsQuiet) {
+  const auto log = day("2013-03-30");
+  NEEDS(log);
+  EXPECT_TRUE(keep_diary(centred(*log), 3.0).changes.empty());
+}
+
+TEST_F(TrinityTest, FindsTheInterruption) {
+  const auto log = day("2013-03-31");
+  NEEDS(log);
+  for (const bool corrected : {false, true}) {
+    const auto beats = corrected ? centred(*log) : number_beats(*log).longest_segment();
+    const Diary diary = keep_diary(beats, 3.0);
+    ASSERT_EQ(diary.interruptions.size(), 1u);
+    const Interruption& event = diary.interruptions.front();
+    // 207 to 405 s; it begins and ends within some beats, which bounds any date.
+    EXPECT_NEAR(event.begin.at_s, 207.0, 9.0);
+    EXPECT_NEAR(event.end.at_s, 405.0, 12.0);
+    EXPECT_NEAR(event.amplitude_before_rad, 46.11e-3, 0.05e-3);
+    EXPECT_NEAR(event.amplitude_after_rad, 44.6e-3, 0.1e-3);
+    EXPECT_LT(event.rate_change, -150e-6); // -200 to -300 ppm at once, from the vertical
+    EXPECT_GT(event.rate_change, -300e-6);
+    ASSERT_TRUE(event.decay);
+    EXPECT_NEAR(event.decay->time_constant_s, 6500.0, 2 * event.decay->sigma_s);
+    EXPECT_LT(event.decay->sigma_s, 500.0);
+    ASSERT_TRUE(event.recovery);
+    EXPECT_NEAR(event.recovery->time_constant_s, 3150.0, 2 * event.recovery->sigma_s);
+    EXPECT_LT(event.recovery->sigma_s, 500.0);
+    EXPECT_FALSE(event.recovery->exponential) << "the time depends on the stretch that is fitted";
+  }
+}
+
+} // namespace
+} // namespace goingrate
