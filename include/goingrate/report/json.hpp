@@ -1,0 +1,18 @@
+// Results as JSON text: every key that scripts rely on, numbers with all their digits, no NaN
+// (a number that is not known is null).
+#pragma once
+
+#include "goingrate/report/report.hpp"
+
+#include <string>
+
+namespace goingrate {
+
+std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary);
+std::string fit_json(const FitSummary& fit);
+std::string spectrum_json(const Spectrum& spectrum, const std::optional<DriveResponse>& response,
+                          const std::optional<DriveSplit>& split);
+std::string stability_json(const DeviationTable& table);
+std::string report_json(const ReportData& data);
+
+} // namespace goingrate

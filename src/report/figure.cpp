@@ -1,0 +1,376 @@
+#include "goingrate/report/figure.hpp"
+
+#include "axis_scale.hpp"
+#include "markup.hpp"
+#include "series_path.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+namespace goingrate {
+
+namespace {
+
+// The drawing, in its own units. Texts have 13 of them, on a telephone 20; margins hold the latter.
+constexpr double width = 720.0;
+constexpr double plot_height = 320.0;
+constexpr double least_left = 80.0;
+constexpr double right = width - 14.0;
+constexpr double space_above = 14.0;
+constexpr double space_below = 58.0;
+constexpr double legend_row = 26.0;
+constexpr double character = 11.0; // width of one, generously
+constexpr int line_kinds = 4;      // dashes
+constexpr int mark_kinds = 3;
+constexpr int colours = 8;
+
+std::string identifier(const std::string& id) {
+  std::string out = "figure-";
+  for (const char c : id) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    out += plain ? c : '-';
+  }
+  return out;
+}
+
+std::size_t characters(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+void check(const Series& series) {
+  const bool ranged = series.style == Series::Style::band || series.style == Series::Style::bars;
+  const bool plain = series.style != Series::Style::band;
+  if ((plain && series.y.size() != series.x.size()) ||
+      (ranged && (series.low.size() != series.x.size() || series.high.size() != series.x.size())))
+    throw ArgumentError("series", series.label, "vectors of one length");
+}
+
+// The smallest and largest value that can be shown.
+class Range {
+public:
+  explicit Range(bool logarithmic) : logarithmic_(logarithmic) {}
+  void include(double value) {
+    if (!can_be_shown(value, logarithmic_)) return;
+    lowest_ = std::min(lowest_, value);
+    highest_ = std::max(highest_, value);
+  }
+  [[nodiscard]] AxisScale scale(const Axis& axis, double margin) const {
+    return lowest_ <= highest_ ? scale_axis(axis, lowest_, highest_, margin) : empty_axis(axis);
+  }
+  [[nodiscard]] bool empty() const { return lowest_ > highest_; }
+
+private:
+  bool logarithmic_;
+  double lowest_ = std::numeric_limits<double>::infinity();
+  double highest_ = -std::numeric_limits<double>::infinity();
+};
+
+// How one series is told from the others without its colour.
+struct Look {
+  int colour = 0;
+  int kind = 0; // of dash or of mark, among the series of the same manner
+  bool dense = false;
+};
+
+struct LegendEntry {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+class Drawing {
+public:
+  explicit Drawing(const Figure& figure) : figure_(figure), id_(identifier(figure.id)) {
+    for (const Series& series : figure.series)
+      check(series);
+    scale_axes();
+    lay_out_legend();
+    choose_looks();
+  }
+
+  std::string text(bool with_style) {
+    open(with_style);
+    draw_grid();
+    draw_markers();
+    for (std::size_t i = 0; i < figure_.series.size(); ++i)
+      draw_series(i);
+    draw_frame();
+    draw_legend();
+    text_ += "</svg>\n";
+    return std::move(text_);
+  }
+
+private:
+  void lay_out_legend();
+  void scale_axes();
+  void choose_looks();
+  void open(bool with_style);
+  void draw_grid();
+  void draw_markers();
+  void draw_series(std::size_t index);
+  void draw_marks(const Series& series, const Look& look);
+  void draw_frame();
+  void draw_legend();
+  void draw_sample(const Series& series, const Look& look, const LegendEntry& at);
+  void mark(int kind, double x, double y, std::string& path) const;
+  [[nodiscard]] std::vector<Place> places(const Series& series) const;
+  [[nodiscard]] std::vector<Extent> extents(const Series& series) const;
+  [[nodiscard]] double across(double x) const { return left_ + (right - left_) * x_.place(x); }
+  [[nodiscard]] double down(double y) const { return bottom_ - plot_height * y_.place(y); }
+
+  template <class... Arguments>
+  void write(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+  }
+
+  const Figure& figure_;
+  std::string id_;
+  std::string text_;
+  AxisScale x_, y_;
+  bool empty_ = false;
+  double left_ = least_left;
+  double top_ = space_above;
+  double bottom_ = 0.0;
+  std::vector<LegendEntry> legend_;
+  std::vector<Look> looks_;
+};
+
+void Drawing::lay_out_legend() {
+  constexpr double sample = 36.0;
+  constexpr double apart = 20.0;
+  double x = left_;
+  double y = space_above + 8.0;
+  if (figure_.series.size() > 1) {
+    for (const Series& series : figure_.series) {
+      const double needed = sample + character * static_cast<double>(characters(series.label));
+      if (x > left_ && x + needed > right) {
+        x = left_;
+        y += legend_row;
+      }
+      legend_.push_back({x, y});
+      x += needed + apart;
+    }
+    top_ = y + legend_row - 6.0;
+  }
+  bottom_ = top_ + plot_height;
+}
+
+void Drawing::scale_axes() {
+  Range x(figure_.x.logarithmic);
+  Range y(figure_.y.logarithmic);
+  for (const Series& series : figure_.series) {
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (!can_be_shown(series.x[i], figure_.x.logarithmic)) continue;
+      const bool band = series.style == Series::Style::band;
+      const double value = band ? 0.5 * (series.low[i] + series.high[i]) : series.y[i];
+      if (!can_be_shown(value, figure_.y.logarithmic)) continue;
+      x.include(series.x[i]);
+      y.include(value);
+      if (band || series.style == Series::Style::bars) {
+        y.include(series.low[i]);
+        y.include(series.high[i]);
+      }
+    }
+  }
+  empty_ = x.empty();
+  constexpr double sideways = 0.01; // room so that dots at the edge are not cut
+  constexpr double upwards = 0.05;
+  x_ = x.scale(figure_.x, sideways);
+  y_ = y.scale(figure_.y, upwards);
+  std::size_t longest = 0;
+  for (const Tick& tick : y_.ticks)
+    longest = std::max(longest, characters(tick.label));
+  left_ = std::max(least_left, 28.0 + character * static_cast<double>(longest)); // 28: the title
+}
+
+void Drawing::choose_looks() {
+  constexpr std::size_t sparse = 160; // dots that have room to be large
+  int lines = 0;
+  int marks = 0;
+  for (const Series& series : figure_.series) {
+    Look look{series.colour < 0 ? 0 : series.colour % colours, 0, series.x.size() > sparse};
+    if (series.style == Series::Style::line)
+      look.kind = lines++ % line_kinds;
+    else if (series.style != Series::Style::band)
+      look.kind = marks++ % mark_kinds;
+    looks_.push_back(look);
+  }
+}
+
+void Drawing::open(bool with_style) {
+  write("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"figure\" id=\"{0}\" "
+        "viewBox=\"0 0 {1} {2}\" role=\"img\" aria-labelledby=\"{0}-title {0}-description\">\n",
+        id_, coordinate(width), coordinate(bottom_ + space_below));
+  write("<title id=\"{0}-title\">{1}</title>\n<desc id=\"{0}-description\">{2}</desc>\n", id_,
+        escape_markup(figure_.title), escape_markup(figure_.caption));
+  if (with_style) write("<style>{}</style>\n", figure_style());
+}
+
+void Drawing::draw_grid() {
+  std::string lines;
+  std::string minor;
+  std::string labels;
+  const auto out = std::back_inserter(labels);
+  for (const Tick& tick : x_.ticks) {
+    const std::string x = coordinate(left_ + (right - left_) * tick.place);
+    (tick.label.empty() ? minor : lines) +=
+        fmt::format("M{} {}V{}", x, coordinate(top_), coordinate(bottom_));
+    if (tick.label.empty()) continue;
+    fmt::format_to(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x,
+                   coordinate(bottom_ + 21.0), tick.label);
+  }
+  for (const Tick& tick : y_.ticks) {
+    const double y = bottom_ - plot_height * tick.place;
+    (tick.label.empty() ? minor : lines) +=
+        fmt::format("M{} {}H{}", coordinate(left_), coordinate(y), coordinate(right));
+    if (tick.label.empty()) continue;
+    fmt::format_to(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" dy=\".35em\">{}</text>\n",
+                   coordinate(left_ - 7.0), coordinate(y), tick.label);
+  }
+  if (!minor.empty()) write("<path class=\"minor\" d=\"{}\"/>\n", minor);
+  if (!lines.empty()) write("<path class=\"grid\" d=\"{}\"/>\n", lines);
+  if (!labels.empty()) write("<g class=\"ticks\">\n{}</g>\n", labels);
+}
+
+void Drawing::draw_markers() {
+  constexpr std::size_t most_rows = 4;
+  std::vector<double> row_ends;
+  for (const Marker& marker : figure_.markers) {
+    const double x = empty_ ? std::numeric_limits<double>::quiet_NaN() : across(marker.x);
+    if (!(x >= left_ && x <= right)) continue;
+    const double half = 0.5 * character * static_cast<double>(characters(marker.label)) + 3.0;
+    const double centre = std::clamp(x, left_ + half, std::max(left_ + half, right - half));
+    std::size_t row = 0; // the first in which the label has room
+    while (row < row_ends.size() && row_ends[row] > centre - half)
+      ++row;
+    row %= most_rows;
+    row_ends.resize(std::max(row_ends.size(), row + 1));
+    row_ends[row] = centre + half;
+    write("<path class=\"marker\" d=\"M{} {}V{}\"/>\n", coordinate(x), coordinate(top_),
+          coordinate(bottom_));
+    write("<text class=\"note\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+          coordinate(centre), coordinate(top_ + 19.0 + 21.0 * static_cast<double>(row)),
+          escape_markup(marker.label));
+  }
+}
+
+std::vector<Place> Drawing::places(const Series& series) const {
+  std::vector<Place> result;
+  result.reserve(series.x.size());
+  for (std::size_t i = 0; i < series.x.size(); ++i)
+    result.push_back({across(series.x[i]), down(series.y[i])});
+  return result;
+}
+
+std::vector<Extent> Drawing::extents(const Series& series) const {
+  std::vector<Extent> result;
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    // A bar that reaches below what a logarithmic axis can show ends at its foot.
+    const bool no_foot = y_.logarithmic && series.low[i] <= 0.0;
+    result.push_back(
+        {across(series.x[i]), no_foot ? bottom_ : down(series.low[i]), down(series.high[i])});
+  }
+  return result;
+}
+
+void Drawing::mark(int kind, double x, double y, std::string& path) const {
+  constexpr double r = 4.0;
+  const auto out = std::back_inserter(path);
+  if (kind == 0) // a disc
+    fmt::format_to(out, "M{} {}a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", coordinate(x - r), coordinate(y));
+  else if (kind == 1) // a square
+    fmt::format_to(out, "M{} {}h7v7h-7z", coordinate(x - 3.5), coordinate(y - 3.5));
+  else // a diamond
+    fmt::format_to(out, "M{} {}l5 5l-5 5l-5-5z", coordinate(x), coordinate(y - 5.0));
+}
+
+void Drawing::draw_marks(const Series& series, const Look& look) {
+  std::string path;
+  for (const Place& place : places(series))
+    if (!std::isnan(place.x) && !std::isnan(place.y)) mark(look.kind, place.x, place.y, path);
+  if (!path.empty()) write("<path class=\"mark c{}\" d=\"{}\"/>\n", look.colour, path);
+}
+
+void Drawing::draw_series(std::size_t index) {
+  if (empty_) return;
+  const Series& series = figure_.series[index];
+  const Look& look = looks_[index];
+  const auto path = [&](std::string_view kind, const std::string& data) {
+    if (!data.empty()) write("<path class=\"{} c{}\" d=\"{}\"/>\n", kind, look.colour, data);
+  };
+  switch (series.style) {
+  case Series::Style::line:
+    path(fmt::format("line k{}", look.kind), line_path(places(series)));
+    break;
+  case Series::Style::band:
+    path("band", band_path(extents(series)));
+    break;
+  case Series::Style::bars:
+    path("bar", bars_path(extents(series), 4.0));
+    draw_marks(series, look);
+    break;
+  case Series::Style::points:
+    if (!look.dense) return draw_marks(series, look);
+    const CloudPaths cloud = cloud_paths(places(series));
+    path("body", cloud.body);
+    path(fmt::format("dots k{}", look.kind), cloud.dots);
+    break;
+  }
+}
+
+void Drawing::draw_frame() {
+  write("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", coordinate(left_),
+        coordinate(top_), coordinate(right - left_), coordinate(plot_height));
+  if (empty_)
+    write(
+        "<text class=\"none\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">no values to show</text>\n",
+        coordinate(left_ + 0.5 * (right - left_)), coordinate(top_ + 0.5 * plot_height));
+  write("<text class=\"axis\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+        coordinate(left_ + 0.5 * (right - left_)), coordinate(bottom_ + 47.0),
+        escape_markup(x_.title));
+  write("<text class=\"axis\" text-anchor=\"middle\" transform=\"translate(16 {}) rotate(-90)\">{}"
+        "</text>\n",
+        coordinate(top_ + 0.5 * plot_height), escape_markup(y_.title));
+}
+
+void Drawing::draw_sample(const Series& series, const Look& look, const LegendEntry& at) {
+  const std::string begin = fmt::format("M{} {}", coordinate(at.x), coordinate(at.y));
+  if (series.style == Series::Style::line) {
+    write("<path class=\"line k{} c{}\" d=\"{}h28\"/>\n", look.kind, look.colour, begin);
+  } else if (series.style == Series::Style::band) {
+    write("<path class=\"band c{}\" d=\"{}m0-6h28v12h-28z\"/>\n", look.colour, begin);
+  } else if (series.style == Series::Style::points && look.dense) {
+    std::string dots;
+    for (const auto& [dx, dy] : {std::array{6.0, 3.0}, {11.0, -3.0}, {16.0, 2.0}, {21.0, -1.0}})
+      dots += fmt::format("M{} {}h0", coordinate(at.x + dx), coordinate(at.y + dy));
+    write("<path class=\"dots k{} c{}\" d=\"{}\"/>\n", look.kind, look.colour, dots);
+  } else {
+    std::string path;
+    mark(look.kind, at.x + 14.0, at.y, path);
+    write("<path class=\"mark c{}\" d=\"{}\"/>\n", look.colour, path);
+  }
+}
+
+void Drawing::draw_legend() {
+  for (std::size_t i = 0; i < legend_.size(); ++i) {
+    draw_sample(figure_.series[i], looks_[i], legend_[i]);
+    write("<text x=\"{}\" y=\"{}\" dy=\".35em\">{}</text>\n", coordinate(legend_[i].x + 34.0),
+          coordinate(legend_[i].y), escape_markup(figure_.series[i].label));
+  }
+}
+
+} // namespace
+
+std::string svg(const Figure& figure) { return Drawing(figure).text(false); }
+
+std::string standalone_svg(const Figure& figure) { return Drawing(figure).text(true); }
+
+} // namespace goingrate

@@ -1,0 +1,127 @@
+// The page: its frame, its style, and the order of its parts.
+#include "goingrate/report/report.hpp"
+
+#include "markup.hpp"
+#include "page.hpp"
+#include "report_figures.hpp"
+
+#include <fmt/format.h>
+#include <utility>
+
+namespace goingrate {
+
+namespace page {
+
+Table::Table(std::string caption, std::vector<std::string> headings)
+    : caption_(std::move(caption)), headings_(std::move(headings)) {}
+
+void Table::row(const std::vector<std::string>& cells) {
+  constexpr std::size_t longest_value = 36; // bytes: a number with its sigma stays on one line
+  rows_ += "<tr>";
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool value = cells[i].size() <= longest_value;
+    rows_ += i == 0 ? "<th scope=\"row\">" : value ? "<td class=\"value\">" : "<td>";
+    rows_ += escape_markup(cells[i]) + (i == 0 ? "</th>" : "</td>");
+  }
+  rows_ += "</tr>\n";
+}
+
+std::string Table::html() const {
+  std::string head;
+  for (const std::string& heading : headings_)
+    head += "<th scope=\"col\">" + escape_markup(heading) + "</th>";
+  const std::string caption = escape_markup(caption_);
+  return fmt::format("<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{0}\">\n"
+                     "<table>\n<caption>{0}</caption>\n<thead><tr>{1}</tr></thead>\n"
+                     "<tbody>\n{2}</tbody>\n</table>\n</div>\n",
+                     caption, head, rows_);
+}
+
+std::string section(std::string_view id, std::string_view title, std::string_view body) {
+  return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, escape_markup(title),
+                     body);
+}
+
+std::string paragraph(std::string_view text) {
+  return fmt::format("<p>{}</p>\n", escape_markup(text));
+}
+
+} // namespace page
+
+namespace {
+
+// Light by default; the dark set replaces the colours only, and only on a screen.
+constexpr std::string_view page_style = R"(
+:root{color-scheme:light dark;--text:#1b1b1b;--soft:#555;--paper:#fff;--panel:#f4f4f1;--grid:#d9d9d9;--warn:#a33c00}
+@media screen and (prefers-color-scheme:dark){:root{--text:#e8e6e3;--soft:#a9a6a1;--paper:#15171a;--panel:#1f2226;
+--grid:#3a3f45;--warn:#f0a35e;--c0:#56B4E9;--c1:#E69F00;--c2:#2BC093;--c3:#DE9BC0;--c4:#E8702A;--c5:#7FA8FF;--c7:#fff}}
+*{box-sizing:border-box}
+body{margin:0 auto;padding:1rem;max-width:60rem;background:var(--paper);color:var(--text);font:1rem/1.5 system-ui,sans-serif}
+h1{font-size:1.6rem;line-height:1.25;overflow-wrap:anywhere}
+h2{font-size:1.25rem;margin:2rem 0 .5rem;border-bottom:1px solid var(--grid)}
+h3{font-size:1.05rem;margin:1.2rem 0 .3rem}
+a{color:inherit}
+nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;margin:0;padding:0;list-style:none}
+pre{margin:0;padding:.8rem;overflow-x:auto;background:var(--panel);font-size:.85rem;line-height:1.45}
+.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(15rem,1fr));gap:.6rem;margin:.5rem 0}
+.cards div{padding:.6rem .8rem;background:var(--panel)}
+.cards dt{color:var(--soft);font-size:.85rem}
+.cards dd{margin:0;font-size:.85rem;color:var(--soft)}
+.cards strong{font-size:1.15rem;color:var(--text)}
+.scroll{overflow-x:auto;margin:.8rem 0}
+.scroll:focus-visible,pre:focus-visible{outline:2px solid currentColor;outline-offset:2px}
+table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums}
+caption{text-align:left;font-weight:600;padding-bottom:.2rem}
+th,td{padding:.25rem .9rem .25rem 0;text-align:left;vertical-align:top;border-bottom:1px solid var(--grid)}
+thead th{color:var(--soft);font-weight:600;vertical-align:bottom}
+tbody th{font-weight:400}
+.value{white-space:nowrap}
+figure{margin:1.5rem 0}
+figcaption{color:var(--soft);font-size:.88rem}
+li{overflow-wrap:anywhere}
+.warning{padding:.6rem .8rem;border-left:4px solid var(--warn);background:var(--panel);font-weight:600}
+@media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}figure,tr,.cards div{break-inside:avoid}
+h2,h3,caption{break-after:avoid}.scroll,pre{overflow:visible}pre{white-space:pre-wrap}}
+)";
+
+std::string figures_section(const ReportData& data) {
+  const auto figures = report_figures(data);
+  if (figures.empty())
+    return page::section("figures", "Figures",
+                         page::paragraph("The log is too short for figures."));
+  std::string body;
+  for (const Figure& figure : figures)
+    body += fmt::format("<figure>\n<h3>{}</h3>\n{}<figcaption>{}</figcaption>\n</figure>\n",
+                        escape_markup(figure.title), svg(figure), escape_markup(figure.caption));
+  return page::section("figures", "Figures", body);
+}
+
+constexpr std::string_view contents = R"(<nav aria-label="Contents"><ul>
+<li><a href="#key-figures">Key figures</a></li>
+<li><a href="#diary">Diary</a></li>
+<li><a href="#figures">Figures</a></li>
+<li><a href="#fit">Fit</a></li>
+<li><a href="#drive">Drive</a></li>
+<li><a href="#stability">Stability</a></li>
+<li><a href="#reading">How the log was read</a></li>
+</ul></nav>
+)";
+
+} // namespace
+
+std::string report_html(const ReportData& data) {
+  const std::string name = escape_markup(data.log.source);
+  std::string html =
+      fmt::format("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+                  "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+                  "<title>The going of {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n"
+                  "<header>\n<h1>The going of {0}</h1>\n{3}</header>\n<main>\n",
+                  name, page_style, figure_style(), contents);
+  html += page::section("summary", "What it says",
+                        "<pre tabindex=\"0\">" + escape_markup(report_text(data)) + "</pre>\n");
+  html += page::key_figures(data) + page::diary(data) + figures_section(data) + page::fit(data) +
+          page::drive(data) + page::stability(data) + page::reading(data);
+  return html + "</main>\n</body>\n</html>\n";
+}
+
+} // namespace goingrate

@@ -1,0 +1,27 @@
+// Text that is safe inside HTML and XML, and numbers set for the eye.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace goingrate {
+
+/// Escapes & < > " ' and replaces bytes that no UTF-8 text may hold by U+FFFD.
+std::string escape_markup(std::string_view text);
+
+/// At most `bytes` of `text`, with an ellipsis if something was cut off.
+std::string shortened(std::string_view text, std::size_t bytes);
+
+/// An integer as superscript digits.
+std::string superscript(int number);
+
+/// A number as C prints it ("-1.5e-07 +- 2") with minus signs and powers of ten as in print.
+std::string typeset(std::string_view number);
+
+/// `with_sigma`, typeset; "not known" for a value that is not finite.
+std::string measured(double value, double sigma, int digits = 6);
+
+/// `value` with `digits` significant digits, typeset; "not known" if it is not finite.
+std::string plain_number(double value, int digits = 3);
+
+} // namespace goingrate

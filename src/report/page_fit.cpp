@@ -1,0 +1,198 @@
+#include "page.hpp"
+
+#include "markup.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate::page {
+
+namespace {
+
+// What a parameter means, for somebody who has not read the paper.
+std::string meaning_of(const std::string& name) {
+  const std::size_t at = name.find('@');
+  const std::string base = name.substr(0, at);
+  std::string meaning;
+  if (base == "T0")
+    meaning = "period of small swings without drive and friction";
+  else if (base == "epsilon")
+    meaning = "friction";
+  else if (base == "mu")
+    meaning = "driving torque";
+  else if (base == "phi0")
+    meaning = "angle at which the torque changes its sign";
+  else if (base == "lambda0")
+    meaning = "amplitude at the first beat";
+  if (at != std::string::npos) meaning += ", from change " + name.substr(at + 1) + " on";
+  return meaning;
+}
+
+bool has_value(const FittedParameter& parameter) {
+  return parameter.status != ParameterStatus::undetermined && std::isfinite(parameter.value);
+}
+
+std::string status_text(ParameterStatus status) {
+  switch (status) {
+  case ParameterStatus::free:
+    return "fitted";
+  case ParameterStatus::fixed:
+    return "held fixed";
+  case ParameterStatus::prior:
+    return "fitted, with a value known from elsewhere";
+  case ParameterStatus::undetermined:
+    break;
+  }
+  return "this log does not tell it";
+}
+
+std::string parameter_table(const FitSummary& fit) {
+  Table table("Parameters of the model",
+              {"parameter", "value ± σ", "unit", "status", "meaning", "shift by first order, σ"});
+  for (const FittedParameter& p : fit.parameters) {
+    const bool known = has_value(p);
+    constexpr int digits_of_fixed = 10;
+    table.row({p.name, known ? measured(p.value, p.sigma, digits_of_fixed) : "undetermined",
+               p.unit.empty() ? "–" : p.unit, status_text(p.status), meaning_of(p.name),
+               known && std::isfinite(p.model_shift)
+                   ? typeset(fmt::format("{:+.2g}", p.model_shift))
+                   : "–"});
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string combination_table(const FitSummary& fit) {
+  Table table("What the log determines", {"quantity", "value ± σ", "unit", "from"});
+  const auto add = [&](const DerivedQuantity& quantity) {
+    if (!std::isfinite(quantity.value)) return;
+    table.row({quantity.name, measured(quantity.value, quantity.sigma, 10),
+               quantity.unit.empty() ? "–" : quantity.unit, quantity.expression});
+  };
+  for (const DerivedQuantity& quantity : fit.combinations)
+    add(quantity);
+  for (const DerivedQuantity& quantity : {fit.q_factor, fit.rate_s_per_day})
+    if (!quantity.name.empty()) add(quantity);
+  return table.empty() ? "" : table.html();
+}
+
+bool is_undetermined(const FitSummary& fit, const std::string& name) {
+  return std::any_of(fit.parameters.begin(), fit.parameters.end(),
+                     [&](const FittedParameter& p) { return p.name == name && !has_value(p); });
+}
+
+// Of parameters that have a value; the correlation of one that has none is that of its prior.
+std::string correlation_table(const FitSummary& fit) {
+  constexpr double least = 0.1; // smaller ones change no conclusion
+  Table table("Correlations above 0.1 in size", {"parameter", "with", "correlation"});
+  for (std::size_t i = 0; i < fit.correlation.size() && i < fit.correlated.size(); ++i) {
+    const auto& row = fit.correlation[i];
+    for (std::size_t k = i + 1; k < row.size() && k < fit.correlated.size(); ++k) {
+      if (!(std::abs(row[k]) > least)) continue;
+      if (is_undetermined(fit, fit.correlated[i]) || is_undetermined(fit, fit.correlated[k]))
+        continue;
+      table.row({fit.correlated[i], fit.correlated[k], typeset(fmt::format("{:+.3f}", row[k]))});
+    }
+  }
+  return table.empty() ? "" : table.html();
+}
+
+std::string probability(double p) {
+  if (!std::isfinite(p)) return "not known";
+  return p < 1e-4 ? "below 0.0001" : fmt::format("{:.2g}", p);
+}
+
+std::string quality_table(const FitSummary& fit) {
+  const FitQuality& q = fit.quality;
+  Table table("How good the fit is", {"measure", "value", "how to read it"});
+  table.row({"χ² / degrees of freedom", plain_number(q.chi2, 5) + " / " + plain_number(q.dof, 7),
+             "near 1 if the residuals are no larger than the jitter between neighbouring beats"});
+  table.row({"probability of that χ²", probability(q.p_value),
+             "below 0.01: the times hold more than the model and the jitter"});
+  table.row({"whiteness of the residuals", probability(q.whiteness_p),
+             "below 0.001: the residuals have a shape, read the values as rough"});
+  table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs", ""});
+  if (std::isfinite(q.amplitude_rms_rad))
+    table.row(
+        {"residual of the amplitudes, rms", plain_number(1e3 * q.amplitude_rms_rad) + " mrad", ""});
+  table.row({"jitter of each time", plain_number(1e6 * fit.timing_noise.jitter_s) + " µs",
+             "scatter that does not add up"});
+  table.row({"random walk of each period", plain_number(1e6 * fit.timing_noise.walk_s) + " µs",
+             "scatter that adds up; 0 if the log shows none"});
+  table.row({"σ widened by", plain_number(std::max(fit.time_widening, fit.amplitude_widening)),
+             "for correlation left in the residuals; 1 is none"});
+  table.row({"BIC, AIC", plain_number(q.bic, 7) + ", " + plain_number(q.aic, 7),
+             "only differences between models count; the smaller is the better"});
+  return table.html();
+}
+
+std::string alternatives_table(const FitSummary& fit) {
+  Table table("Models tried", {"model", "BIC", "verdict"});
+  for (const FitAlternative& tried : fit.alternatives)
+    table.row({tried.model, plain_number(tried.bic, 7), tried.verdict});
+  return table.empty() ? "" : table.html();
+}
+
+// An interval that begins at 0 is an upper limit.
+std::string rms_text(const RmsEstimate& rms, double factor, std::string_view unit) {
+  if (!std::isfinite(rms.rms)) return "not known";
+  if (rms.low68 == 0.0)
+    return fmt::format("at most {} {}", plain_number(factor * rms.high68), unit);
+  return fmt::format("{} {} ({} to {})", plain_number(factor * rms.rms), unit,
+                     plain_number(factor * rms.low68), plain_number(factor * rms.high68));
+}
+
+} // namespace
+
+std::string fit(const ReportData& data) {
+  const FitSummary& fit = data.fit;
+  std::string body;
+  if (fit.status != FitStatus::converged) {
+    const bool stopped = fit.status == FitStatus::not_converged;
+    body =
+        fmt::format("<p class=\"warning\">{} {}</p>\n",
+                    stopped ? "The fit did not converge: there are no values to report."
+                            : "No model of this kind fits the log: there are no values to report.",
+                    escape_markup(fit.termination.empty() ? "" : "(" + fit.termination + ")"));
+    return section("fit", "Fit of the pendulum model", body + alternatives_table(fit));
+  }
+  if (fit.parameters.empty())
+    return section("fit", "Fit of the pendulum model", paragraph("No fit was made."));
+  body = paragraph(fmt::format("Equations: {}; escapement: {}; noise: {}. Chosen because: {}.",
+                               fit.dynamics, fit.escapement, fit.noise, fit.chosen_by));
+  body += parameter_table(fit) + combination_table(fit) + correlation_table(fit) +
+          quality_table(fit) + alternatives_table(fit);
+  return section("fit", "Fit of the pendulum model", body);
+}
+
+std::string drive(const ReportData& data) {
+  std::string body;
+  if (!data.response)
+    body =
+        paragraph("The log does not determine how the rate answers a change of the drive, so fast "
+                  "and slow variations of the drive cannot be told apart.");
+  Table table("Variations of the drive", {"quantity", "value", "meaning"});
+  if (data.response) {
+    const DriveResponse& response = *data.response;
+    table.row({"rate per relative change of drive, at once", plain_number(response.fast_gain, 4),
+               "before the amplitude has answered"});
+    table.row({"the same, in the long run", plain_number(response.slow_gain, 4),
+               "after the amplitude has settled"});
+    table.row({"corner between the two", plain_number(response.corner_hz) + " Hz",
+               "a variation that takes " + duration_text(1.0 / response.corner_hz)});
+  }
+  if (data.split) {
+    const DriveSplit& split = *data.split;
+    table.row({"fast drive, rms", rms_text(split.fast, 100.0, "%"),
+               "of the drive, new at every period (68 %)"});
+    table.row({"slow drive, rms", rms_text(split.slow, 100.0, "%"),
+               fmt::format("of the drive, below {} Hz (68 %)", plain_number(split.split_hz))});
+    table.row(
+        {"jitter of the sensor", rms_text(split.jitter_s, 1e6, "µs"), "of every time (68 %)"});
+  }
+  if (!table.empty()) body += table.html();
+  if (data.split && !data.split->note.empty()) body += paragraph("Note: " + data.split->note + ".");
+  return section("drive", "Drive, fast and slow", body);
+}
+
+} // namespace goingrate::page

@@ -1,0 +1,303 @@
+#include "report_figures.hpp"
+
+#include "goingrate/base/scaled_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace goingrate {
+
+namespace {
+
+constexpr int blue = 0;
+constexpr int vermilion = 1;
+constexpr int green = 2;
+
+// A unit of display: value in it = value in SI times `factor`.
+struct Unit {
+  std::string name;
+  double factor = 1.0;
+};
+
+Unit time_unit(double duration_s) {
+  if (duration_s < 2.0 * 3600.0) return {"s", 1.0};
+  if (duration_s < 5.0 * seconds_per_day) return {"h", 1.0 / 3600.0};
+  return {"days", 1.0 / seconds_per_day};
+}
+
+double largest_size(std::span<const double> values) {
+  double largest = 0.0;
+  for (const double value : values)
+    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+// µ, m or nothing before the unit, so that the largest value is above one or so.
+Unit prefixed(const std::string& unit, std::span<const double> values) {
+  const double largest = largest_size(values);
+  if (largest < 2e-3) return {"µ" + unit, 1e6};
+  if (largest < 2.0) return {"m" + unit, 1e3};
+  return {unit, 1.0};
+}
+
+std::vector<double> scaled(std::span<const double> values, double factor) {
+  std::vector<double> result(values.begin(), values.end());
+  for (double& value : result)
+    value *= factor;
+  return result;
+}
+
+class TimeFigures {
+public:
+  explicit TimeFigures(const ReportData& data)
+      : data_(data), unit_(time_unit(data.rate.duration_s)) {
+    for (const Beat& beat : data.beats)
+      time_.push_back((beat.time - data.beats.front().time) * unit_.factor);
+    for (const Change& change : data.diary.changes)
+      markers_.push_back({change.at_s * unit_.factor, std::to_string(markers_.size() + 1)});
+  }
+
+  [[nodiscard]] Figure rate() const;
+  [[nodiscard]] Figure error() const;
+  [[nodiscard]] Figure amplitude() const;
+  [[nodiscard]] Figure time_residual() const;
+  [[nodiscard]] Figure amplitude_residual() const;
+
+private:
+  [[nodiscard]] Axis time_axis() const { return {"time since the first beat", unit_.name}; }
+  [[nodiscard]] Series running_mean(std::span<const double> error) const;
+  [[nodiscard]] Series against_time(Series::Style style, std::string label, std::vector<double> y,
+                                    int colour) const {
+    return {style, std::move(label), time_, std::move(y), {}, {}, colour};
+  }
+
+  const ReportData& data_;
+  Unit unit_;
+  std::vector<double> time_;
+  std::vector<Marker> markers_;
+};
+
+// The mean rate over a window is the error gained in it over its length: no sum is needed.
+Series TimeFigures::running_mean(std::span<const double> error) const {
+  constexpr std::size_t windows = 100; // in the length of the log
+  constexpr std::size_t shortest = 10; // beats
+  const std::size_t reach = std::max(shortest, data_.beats.size() / windows) / 2;
+  Series mean{Series::Style::line, "", {}, {}, {}, {}, vermilion};
+  if (data_.beats.size() < 4 * shortest) return mean;
+  double longest = 0.0;
+  for (std::size_t i = reach; i + reach < data_.beats.size(); ++i) {
+    const std::size_t from = i - reach;
+    const std::size_t to = i + reach;
+    const double elapsed = data_.beats[to].time - data_.beats[from].time;
+    longest = std::max(longest, elapsed);
+    mean.x.push_back(time_[i]);
+    mean.y.push_back(seconds_gained_per_day((error[to] - error[from]) / elapsed));
+  }
+  mean.label = fmt::format("mean over {} beats", 2 * reach);
+  return mean;
+}
+
+Figure TimeFigures::rate() const {
+  const double nominal = data_.rate.nominal_period_s;
+  const auto rates = rate_per_period(data_.beats, nominal);
+  Series points{
+      Series::Style::points, "each period", {}, scaled(rates, seconds_per_day), {}, {}, blue};
+  for (std::size_t i = 1; i < time_.size(); ++i)
+    points.x.push_back(0.5 * (time_[i - 1] + time_[i]));
+  Figure figure{
+      "rate",
+      "Rate against time",
+      "Above zero the clock gains; the cloud is the rate of every single period (where it is "
+      "dense, a stroke holds the middle 80 % and dots the extremes), the line its running "
+      "mean, and a numbered vertical line marks a change in the diary.",
+      time_axis(),
+      {"rate", "s/day"},
+      {std::move(points)},
+      markers_};
+  Series mean = running_mean(clock_error(data_.beats, nominal));
+  if (!mean.x.empty()) figure.series.push_back(std::move(mean));
+  return figure;
+}
+
+Figure TimeFigures::error() const {
+  const auto error = clock_error(data_.beats, data_.rate.nominal_period_s);
+  const Unit unit = prefixed("s", error);
+  return {"error",
+          "Clock error against time",
+          "What the hands would show against true time since the first beat: a steady rate is a "
+          "straight line, a change of rate a bend, and a lost or gained second a step.",
+          time_axis(),
+          {"clock error, positive if fast", unit.name},
+          {against_time(Series::Style::line, "clock error", scaled(error, unit.factor), blue)},
+          markers_};
+}
+
+Figure TimeFigures::amplitude() const {
+  std::vector<double> amplitude;
+  for (const Beat& beat : data_.beats)
+    amplitude.push_back(1e3 * beat.amplitude_rad);
+  Figure figure{
+      "amplitude",
+      "Amplitude against time",
+      "How far the pendulum swings from the vertical at each beat, with the fitted model: "
+      "where the two part, something acted on the pendulum that the model does not know.",
+      time_axis(),
+      {"amplitude", "mrad"},
+      {against_time(Series::Style::points, "measured", std::move(amplitude), blue)},
+      markers_};
+  const auto& model = data_.fit.model_amplitude_rad;
+  if (data_.fit.status == FitStatus::converged && model.size() == time_.size())
+    figure.series.push_back(
+        against_time(Series::Style::line, "model", scaled(model, 1e3), vermilion));
+  else
+    figure.caption = "How far the pendulum swings from the vertical at each beat.";
+  return figure;
+}
+
+Figure TimeFigures::time_residual() const {
+  const Unit unit = prefixed("s", data_.fit.residual_s);
+  return {
+      "time-residual",
+      "Residuals of the times",
+      "What the fitted model leaves of each beat's time (positive: the beat came early): a cloud "
+      "without shape means the model tells the whole story, a wave or a bend that it does not.",
+      time_axis(),
+      {"residual of time", unit.name},
+      {against_time(Series::Style::points, "residual", scaled(data_.fit.residual_s, unit.factor),
+                    blue)},
+      markers_};
+}
+
+Figure TimeFigures::amplitude_residual() const {
+  const Unit unit = prefixed("rad", data_.fit.amplitude_residual_rad);
+  return {"amplitude-residual",
+          "Residuals of the amplitudes",
+          "Measured amplitude minus that of the fitted model; read it like the figure before.",
+          time_axis(),
+          {"residual of amplitude", unit.name},
+          {against_time(Series::Style::points, "residual",
+                        scaled(data_.fit.amplitude_residual_rad, unit.factor), blue)},
+          markers_};
+}
+
+Series spectrum_line(std::string label, const std::vector<double>& frequency,
+                     const std::vector<double>& density, int colour) {
+  BinnedSpectrum binned = log_binned(frequency, density);
+  return {Series::Style::line,
+          std::move(label),
+          std::move(binned.frequency_hz),
+          std::move(binned.density),
+          {},
+          {},
+          colour};
+}
+
+// The part of a model's line that matters: far below everything measured it only stretches the
+// axis.
+Series without_depths(Series part, const Series& measured) {
+  constexpr double depth = 0.03;
+  if (measured.y.empty()) return part;
+  const double least = depth * *std::min_element(measured.y.begin(), measured.y.end());
+  for (double& density : part.y)
+    if (density < least) density = std::numeric_limits<double>::quiet_NaN();
+  return part;
+}
+
+Figure spectrum_figure(const ReportData& data) {
+  const auto& frequency = data.rate_spectrum.frequency_hz;
+  Figure figure{"spectrum",
+                "Spectrum of the rate",
+                "How strongly the rate fluctuates at each frequency, slow wander on the left and "
+                "changes from beat to beat on the right; a narrow peak is something periodic.",
+                {"frequency", "Hz", true},
+                {"density of the rate", "1/Hz", true},
+                {spectrum_line("measured", frequency, data.rate_spectrum.density, blue)}};
+  if (data.split && data.split->fast_density.size() == frequency.size() &&
+      data.split->jitter_density.size() == frequency.size()) {
+    const Series measured = figure.series.front();
+    figure.series.push_back(without_depths(
+        spectrum_line("fast drive", frequency, data.split->fast_density, vermilion), measured));
+    figure.series.push_back(without_depths(
+        spectrum_line("jitter of the sensor", frequency, data.split->jitter_density, green),
+        measured));
+    figure.caption += " The dashed and dotted lines are the parts that the drive's fast noise and "
+                      "the sensor's jitter explain.";
+  }
+  if (data.response) {
+    figure.markers.push_back({data.response->corner_hz, "corner"});
+    figure.caption += " Left of the corner the amplitude follows the drive, right of it the "
+                      "amplitude stands still.";
+  }
+  return figure;
+}
+
+Figure deviation_figure(const ReportData& data) {
+  Series bars{Series::Style::bars, "deviation", {}, {}, {}, {}, blue};
+  for (const DeviationRow& row : data.deviation.rows) {
+    bars.x.push_back(row.tau_s);
+    bars.y.push_back(row.value);
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    bars.low.push_back(row.interval ? row.low : unknown);
+    bars.high.push_back(row.interval ? row.high : unknown);
+  }
+  return {
+      "deviation",
+      "Stability (overlapping Allan deviation)",
+      "By how much the rate, averaged over τ, typically differs from one such stretch to the next "
+      "(bars: 68 %; 10⁻⁵ is 0.86 s a day): where the points fall, a longer average tells the rate "
+      "better (like 1/τ: the sensor's jitter limits; like 1/√τ: random rate); where they are flat "
+      "it does not; and where they rise the clock itself wanders, so look for slow causes such "
+      "as temperature.",
+      {"averaging time τ", "s", true},
+      {"deviation of the rate", "", true},
+      {std::move(bars)}};
+}
+
+} // namespace
+
+BinnedSpectrum log_binned(const std::vector<double>& frequency_hz,
+                          const std::vector<double>& density, int per_decade) {
+  BinnedSpectrum binned;
+  const double ratio = std::pow(10.0, 1.0 / per_decade);
+  double first = 0.0, log_sum = 0.0, sum = 0.0, count = 0.0;
+  const auto close = [&] {
+    if (count == 0.0) return;
+    binned.frequency_hz.push_back(std::exp(log_sum / count));
+    binned.density.push_back(sum / count);
+    log_sum = sum = count = 0.0;
+  };
+  for (std::size_t i = 0; i < frequency_hz.size() && i < density.size(); ++i) {
+    if (!(frequency_hz[i] > 0.0) || !std::isfinite(density[i])) continue;
+    if (count > 0.0 && frequency_hz[i] >= first * ratio) close();
+    if (count == 0.0) first = frequency_hz[i];
+    log_sum += std::log(frequency_hz[i]);
+    sum += density[i];
+    ++count;
+  }
+  close();
+  return binned;
+}
+
+std::vector<Figure> report_figures(const ReportData& data) {
+  std::vector<Figure> figures;
+  const bool fitted = data.fit.status == FitStatus::converged;
+  if (data.beats.size() > 1) {
+    const TimeFigures of_time(data);
+    figures.push_back(of_time.rate());
+    figures.push_back(of_time.error());
+    if (data.log.has_amplitude) figures.push_back(of_time.amplitude());
+    if (fitted && data.fit.residual_s.size() == data.beats.size())
+      figures.push_back(of_time.time_residual());
+    if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
+      figures.push_back(of_time.amplitude_residual());
+  }
+  if (data.rate_spectrum.frequency_hz.size() > 1) figures.push_back(spectrum_figure(data));
+  if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
+  return figures;
+}
+
+} // namespace goingrate

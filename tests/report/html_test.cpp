@@ -1,0 +1,245 @@
+// The page: complete, self-contained, and silent about what is not known.
+#include "goingrate/report/report.hpp"
+
+#include "markup_checks.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+using test::count_of;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Beat> swinging_beats(std::size_t count, bool with_amplitude) {
+  std::vector<Beat> beats;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto n = static_cast<double>(i);
+    const double late = 1e-5 * std::sin(1e4 * n) - 3e-5 * n; // scatter, and gaining
+    beats.push_back({Instant{1364774403, 0.25} + (3.0 * n + late), static_cast<std::int64_t>(i),
+                     with_amplitude ? 0.046 + 1e-4 * std::sin(n / 500.0) : nan,
+                     static_cast<std::uint32_t>(i + 1), 0, BeatFlag::good});
+  }
+  return beats;
+}
+
+FitSummary some_fit(const std::vector<Beat>& beats, bool with_amplitude) {
+  FitSummary fit;
+  fit.dynamics = "averaged1";
+  fit.escapement = "constant-torque";
+  fit.noise = "jitter";
+  fit.chosen_by = "asked for";
+  fit.parameters = {{"T0", "s", ParameterStatus::free, 2.9999, 0.0001, 0.1},
+                    {"epsilon", "", ParameterStatus::prior, 8e-5, 1e-6, nan},
+                    {"mu", "", ParameterStatus::undetermined, 7.77e-6, 7.77e-6, 7.77},
+                    {"phi0", "rad", ParameterStatus::fixed, 0.03, nan, nan}};
+  fit.correlated = {"T0", "epsilon", "mu"};
+  fit.correlation = {{1.0, -0.4, 0.777}, {-0.4, 1.0, 0.05}, {0.777, 0.05, 1.0}};
+  fit.combinations = {{"decay time", "T0/(2 pi epsilon)", "s", 6000.0, 30.0},
+                      {"fast gain", "2 mu/(pi lambda)", "", nan, nan}};
+  fit.q_factor = {"Q", "1/(2 epsilon)", "", 6250.0, 80.0};
+  fit.rate_s_per_day = {"rate", "T0/mean period - 1", "s/day", 0.86, 0.02};
+  fit.quality = {100.0, 98.0, 0.4, 0.5, 1e-5, with_amplitude ? 1e-5 : nan, 10.0, 12.0};
+  fit.alternatives = {{"averaged1, constant-torque", 12.0, "chosen"}};
+  fit.residual_s.assign(beats.size(), 1e-6);
+  fit.model_amplitude_rad.assign(beats.size(), 0.046);
+  if (with_amplitude) fit.amplitude_residual_rad.assign(beats.size(), 1e-5);
+  return fit;
+}
+
+ReportData some_report(std::size_t count = 500, bool with_amplitude = true) {
+  ReportData data;
+  data.log.source = "clock.csv";
+  data.log.has_amplitude = with_amplitude;
+  data.log.assumptions = {"times are seconds"};
+  data.beats = swinging_beats(count, with_amplitude);
+  data.numbered.beats = data.beats;
+  data.rate = summarise_rates(data.beats, 3.0);
+  data.fit = some_fit(data.beats, with_amplitude);
+  data.diary.changes = {{100, 300.0, -2e-5, with_amplitude ? -1e-6 : nan, 20.0},
+                        {200, 600.0, 2e-5, with_amplitude ? 1e-6 : nan, 18.0}};
+  Interruption stop{data.diary.changes[0], data.diary.changes[1], 0.046, 0.044, -2e-5, {}, {}};
+  stop.decay = Relaxation{6000.0, 40.0, 300.0, 0.0, 1e-5, true, nan, nan};
+  stop.recovery = Relaxation{3100.0, 50.0, 900.0, 0.046, 1e-5, false, 3050.0, 3200.0};
+  data.diary.interruptions = {stop};
+  data.rate_spectrum = {
+      {0.0, 0.001, 0.002, 0.01, 0.1}, {1, 2e-9, 1e-9, 3e-10, 1e-9}, 0.001, 2.0, 1, 0, 8};
+  data.response = DriveResponse{3e-4, -1e-4, 0.003};
+  data.split = DriveSplit{0.003,
+                          {0.01, 0.009, 0.011},
+                          {0.002, 0.0, 0.004},
+                          {nan, nan, nan},
+                          {1e-20, 1e-15, 1e-14, 1e-12, 1e-9},
+                          {1e-10, 1e-10, 1e-10, 1e-10, 1e-10},
+                          ""};
+  data.deviation = {DeviationKind::oadev,
+                    3.0,
+                    {{3.0, 1, 498, 5e-6, 4.8e-6, 5.2e-6, 2, true},
+                     {6.0, 2, 496, 2e-6, nan, nan, 0, false},
+                     {300.0, 100, 0, nan, nan, nan, 0, false}}};
+  return data;
+}
+
+// The page, checked for what must hold for every page.
+std::string page_of(const ReportData& data) {
+  std::string page = report_html(data);
+  EXPECT_EQ(test::tag_fault(page), "");
+  EXPECT_FALSE(test::has_word(page, "nan"));
+  EXPECT_FALSE(test::has_word(page, "inf"));
+  EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
+  return page;
+}
+
+// The cells of the table row that begins with `heading`.
+std::string row_of(const std::string& page, const std::string& heading) {
+  const std::size_t at = page.find("<th scope=\"row\">" + heading + "</th>");
+  if (at == std::string::npos) return {};
+  return page.substr(at, page.find("</tr>", at) - at);
+}
+
+TEST(HtmlReportTest, HasEveryPartInItsPlace) {
+  const std::string page = page_of(some_report());
+  std::size_t at = 0;
+  for (const char* part :
+       {"<h1>The going of clock.csv", "id=\"summary\"", "<pre", "id=\"key-figures\"",
+        "id=\"diary\"", "id=\"figures\"", "id=\"figure-rate\"", "id=\"figure-error\"",
+        "id=\"figure-amplitude\"", "id=\"figure-time-residual\"",
+        "id=\"figure-amplitude-residual\"", "id=\"figure-spectrum\"", "id=\"figure-deviation\"",
+        "id=\"fit\"", "id=\"drive\"", "id=\"stability\"", "id=\"reading\""}) {
+    const std::size_t next = page.find(part, at);
+    ASSERT_NE(next, std::string::npos) << part;
+    at = next;
+  }
+}
+
+TEST(HtmlReportTest, NeedsNothingFromOutside) {
+  std::string page = page_of(some_report());
+  const std::string space = "xmlns=\"http://www.w3.org/2000/svg\"";
+  EXPECT_EQ(count_of(page, "http://"), count_of(page, space));
+  EXPECT_EQ(count_of(page, "https://"), 0U);
+  EXPECT_EQ(count_of(page, "src="), 0U);
+  EXPECT_EQ(count_of(page, "href="), count_of(page, "href=\"#"));
+  EXPECT_EQ(count_of(page, "url("), 0U);
+  EXPECT_EQ(count_of(page, "@import"), 0U);
+  EXPECT_EQ(count_of(page, "<script"), 0U);
+}
+
+TEST(HtmlReportTest, EveryLinkHasItsAnchor) {
+  const std::string page = page_of(some_report());
+  for (std::size_t at = page.find("href=\"#"); at != std::string::npos;
+       at = page.find("href=\"#", at + 1)) {
+    const std::string id = page.substr(at + 7, page.find('"', at + 7) - at - 7);
+    EXPECT_EQ(count_of(page, "id=\"" + id + "\""), 1U) << id;
+  }
+}
+
+TEST(HtmlReportTest, EscapesWhatComesFromTheLog) {
+  ReportData data = some_report();
+  data.log.source = "<b>&\"";
+  data.log.assumptions = {"<script>alert(1)</script>"};
+  data.log.issues = {{3, 1, "<i>\x02\xc3", "left & out"}};
+  const std::string page = page_of(data);
+  EXPECT_NE(page.find("<h1>The going of &lt;b&gt;&amp;&quot;</h1>"), std::string::npos);
+  EXPECT_EQ(count_of(page, "<script"), 0U);
+  EXPECT_NE(page.find("&lt;i&gt;\xEF\xBF\xBD\xEF\xBF\xBD</td>"), std::string::npos);
+}
+
+TEST(HtmlReportTest, AnUndeterminedParameterShowsTheWordAndNoNumber) {
+  const std::string page = page_of(some_report());
+  const std::string row = row_of(page, "mu");
+  EXPECT_NE(row.find("undetermined"), std::string::npos);
+  EXPECT_EQ(row.find('7'), std::string::npos) << row;
+  EXPECT_EQ(page.find("0.777"), std::string::npos) << "its correlation is that of its prior";
+  EXPECT_EQ(row_of(page, "fast gain"), "");
+}
+
+TEST(HtmlReportTest, ParametersComeWithTheirUncertaintyAndStatus) {
+  const std::string page = page_of(some_report());
+  EXPECT_NE(row_of(page, "T0").find("2.99990 ± 0.00010"), std::string::npos) << row_of(page, "T0");
+  EXPECT_NE(row_of(page, "epsilon").find("(8.00 ± 0.10)×10⁻⁵"), std::string::npos);
+  EXPECT_NE(row_of(page, "phi0").find("held fixed"), std::string::npos);
+  EXPECT_NE(row_of(page, "decay time").find("6000 ± 30"), std::string::npos);
+}
+
+TEST(HtmlReportTest, AFitThatDidNotConvergeHasNoNumbers) {
+  for (const FitStatus status : {FitStatus::not_converged, FitStatus::no_valid_model}) {
+    ReportData data = some_report();
+    data.fit.status = status;
+    data.fit.termination = "ran out of iterations";
+    const std::string page = page_of(data);
+    EXPECT_NE(page.find("there are no values to report"), std::string::npos);
+    EXPECT_NE(page.find("ran out of iterations"), std::string::npos);
+    EXPECT_EQ(row_of(page, "T0"), "");
+    EXPECT_EQ(row_of(page, "decay time"), "");
+    EXPECT_EQ(page.find("figure-time-residual"), std::string::npos);
+    EXPECT_EQ(page.find(">model</text>"), std::string::npos);
+  }
+}
+
+TEST(HtmlReportTest, WithoutAmplitudesHasNoFigureOfThem) {
+  const std::string page = page_of(some_report(500, false));
+  EXPECT_EQ(page.find("figure-amplitude"), std::string::npos);
+  EXPECT_EQ(page.find("Amplitude at the start"), std::string::npos);
+}
+
+TEST(HtmlReportTest, AShortLogWithNothingFoundOutIsStillAPage) {
+  ReportData data;
+  data.log.source = "short.txt";
+  data.beats = swinging_beats(3, false);
+  data.rate = summarise_rates(data.beats, 3.0);
+  data.fit.status = FitStatus::no_valid_model;
+  const std::string page = page_of(data);
+  EXPECT_NE(page.find("No sudden change"), std::string::npos);
+  EXPECT_NE(page.find("The log is too short for it."), std::string::npos);
+}
+
+TEST(HtmlReportTest, ShowsTheFirstTwentyFaultyLinesAndCountsTheRest) {
+  ReportData data = some_report();
+  for (std::size_t i = 0; i < 33; ++i)
+    data.log.issues.push_back({i + 1, 0, "FAULT", "left out"});
+  const std::string page = page_of(data);
+  EXPECT_EQ(count_of(page, ">FAULT<"), 20U);
+  EXPECT_NE(page.find("… and 13 more."), std::string::npos);
+}
+
+TEST(HtmlReportTest, CutsAFaultyLineThatIsVeryLong) {
+  ReportData data = some_report();
+  data.log.issues = {{1, 1, std::string(1'000'000, 'x'), "left out"}};
+  EXPECT_LT(page_of(data).size(), 500'000U);
+}
+
+TEST(HtmlReportTest, ListsTheGapsThatWereLeftOpen) {
+  ReportData data = some_report();
+  data.numbered.gaps = {{50, 1, 1.0, true}, {777, 412, 0.61, false}};
+  const std::string page = page_of(data);
+  EXPECT_NE(row_of(page, "777").find("412"), std::string::npos);
+  EXPECT_EQ(row_of(page, "50"), "");
+}
+
+TEST(HtmlReportTest, WritesAnUpperLimitAsOne) {
+  const std::string page = page_of(some_report());
+  EXPECT_NE(row_of(page, "slow drive, rms").find("at most 0.4 %"), std::string::npos);
+  EXPECT_NE(row_of(page, "jitter of the sensor").find("not known"), std::string::npos);
+}
+
+TEST(HtmlReportTest, ReadsOnAPhoneInTheDarkAndOnPaper) {
+  const std::string page = page_of(some_report());
+  EXPECT_NE(page.find("<html lang=\"en\">"), std::string::npos);
+  EXPECT_NE(page.find("name=\"viewport\""), std::string::npos);
+  EXPECT_NE(page.find("prefers-color-scheme:dark"), std::string::npos);
+  EXPECT_NE(page.find("@media print"), std::string::npos);
+  EXPECT_EQ(count_of(page, "<table>"),
+            count_of(page, "class=\"scroll\" role=\"region\" tabindex=\"0\""));
+}
+
+TEST(HtmlReportTest, AMonthOfBeatsMakesASmallPage) {
+  EXPECT_LT(page_of(some_report(28'800)).size(), 300'000U);
+  EXPECT_LT(page_of(some_report(900'000)).size(), 500'000U);
+}
+
+} // namespace
+} // namespace goingrate
