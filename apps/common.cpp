@@ -1,0 +1,88 @@
+#include "common.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
+
+#include <cstdio>
+#include <fmt/format.h>
+
+namespace goingrate::apps {
+
+namespace {
+constexpr std::size_t issues_shown = 5; // the rest is counted; `rate --json` lists all of them
+}
+
+void say(const GlobalOptions& global, std::string_view line) {
+  if (!global.quiet) fmt::print(stderr, "{}\n", line);
+}
+
+void add_log_options(CLI::App& command, LogOptions& options) {
+  command.add_option("log", options.path, "the log; '-' is standard input")->required();
+  command
+      .add_option("--format", options.format,
+                  "read it as this format: native, timestamps (one time in s a line), clock-error "
+                  "(label s, error s, amplitude mrad); found from the file if not given")
+      ->check(CLI::IsMember({"native", "timestamps", "clock-error"}));
+  command
+      .add_option("--nominal-period", options.nominal_period_s,
+                  "T0 in s, the period to compare with")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--flag-width", options.flag_width_rad,
+                  "angle (rad) of a centred flag as seen from the pivot, whose leading edge gave "
+                  "the times: they are moved to the vertical with each beat's amplitude")
+      ->check(CLI::Range(0.0, 1.0));
+}
+
+namespace {
+
+LogFormat format_of(const std::string& name) {
+  if (name == "native") return LogFormat::native;
+  return name == "clock-error" ? LogFormat::clock_error : LogFormat::timestamps;
+}
+
+void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
+  for (const std::string& line : loaded.log.assumptions) say(global, "assumed: " + line);
+  const auto& issues = loaded.log.issues;
+  for (std::size_t i = 0; i < std::min(issues.size(), issues_shown); ++i)
+    say(global, fmt::format("{}:{}:{}: {}: {}", loaded.log.source, issues[i].line,
+                            issues[i].column, issues[i].found, issues[i].action));
+  if (issues.size() > issues_shown)
+    say(global, fmt::format("... and {} more lines with issues", issues.size() - issues_shown));
+  for (const Gap& gap : loaded.beats.gaps)
+    if (!gap.bridged)
+      say(global, fmt::format("the log is split after cycle {}: about {} beats are missing, a count "
+                              "that is right with probability {:.2f}; the longest part is used",
+                              gap.after_cycle, gap.length, gap.probability));
+}
+
+} // namespace
+
+NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
+  ReadingOptions reading;
+  if (!options.format.empty()) reading.format = format_of(options.format);
+  if (options.nominal_period_s > 0.0) reading.nominal_period_s = options.nominal_period_s;
+  NumberedLog loaded;
+  loaded.log = read_log(read_text(options.path), options.path, reading);
+  loaded.beats = number_beats(loaded.log);
+  loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
+  if (options.flag_width_rad > 0.0) {
+    correct_edge_to_centre(loaded.log, -0.5 * options.flag_width_rad, loaded.nominal_period_s);
+    loaded.beats = number_beats(loaded.log);
+  }
+  loaded.good = loaded.beats.longest_segment();
+  if (loaded.good.size() < 3)
+    throw NumericsError(fmt::format("{}: no run of three beats that could be numbered together",
+                                    options.path));
+  tell_about(loaded, global);
+  return loaded;
+}
+
+void add_json_option(CLI::App& command, std::string& path) {
+  command.add_option("--json", path, "write the result as JSON to this file; '-' is standard output");
+}
+
+void write_json(const std::string& path, std::string_view text) {
+  if (!path.empty()) write_whole_file(path, text);
+}
+
+} // namespace goingrate::apps

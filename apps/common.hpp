@@ -1,0 +1,87 @@
+// What the subcommands share: options that several have, and the way results leave the program.
+#pragma once
+
+#include "goingrate/fit/clock_fit.hpp"
+#include "goingrate/fit/diary.hpp"
+#include "goingrate/fit/drive_split.hpp"
+#include "goingrate/log/beats.hpp"
+#include "goingrate/log/rates.hpp"
+#include "goingrate/log/reading.hpp"
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace goingrate::apps {
+
+/// Options of the whole command.
+struct GlobalOptions {
+  bool quiet = false;
+};
+
+/// The numbers did not work out: exit code 4.
+class NumericsError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Options of every command that reads a log.
+struct LogOptions {
+  std::string path;
+  std::string format;
+  double nominal_period_s = 0.0; ///< 0: not given
+  double flag_width_rad = 0.0;
+};
+
+void add_log_options(CLI::App& command, LogOptions& options);
+
+/// A log read, corrected and numbered.
+struct NumberedLog {
+  ClockLog log;
+  Beats beats;
+  std::vector<Beat> good; ///< the longest segment
+  double nominal_period_s = 0.0;
+};
+
+/// Reads and numbers the log; says on standard error what was assumed and what was wrong.
+NumberedLog load(const LogOptions& options, const GlobalOptions& global);
+
+/// Adds --json; the text is written when the command has its result.
+void add_json_option(CLI::App& command, std::string& path);
+void write_json(const std::string& path, std::string_view text);
+
+void say(const GlobalOptions& global, std::string_view line);
+
+/// Options of every command that fits.
+struct ModelOptions {
+  std::vector<std::string> fixed;  ///< NAME=VALUE
+  std::vector<std::string> priors; ///< NAME=VALUE+-SIGMA
+  std::vector<std::string> events; ///< CYCLE:NAME[,NAME], TIMEs:NAME or auto
+  std::string model = "auto";
+};
+
+void add_model_options(CLI::App& command, ModelOptions& options);
+
+/// The options of the fit; `auto` events are those of the diary, said on standard error.
+FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
+                       const GlobalOptions& global);
+
+/// The spectrum of the rate and, where the fit determines the clock, its drive.
+struct DriveAnalysis {
+  Spectrum rate_spectrum;
+  std::optional<DriveResponse> response;
+  std::optional<DriveSplit> split;
+};
+
+DriveAnalysis analyse_drive(const NumberedLog& loaded, const FitSummary& fit, double split_hz);
+
+/// Averaging factors for "3,30,300" (seconds); throws ArgumentError.
+std::vector<std::size_t> listed_factors(const std::string& taus, std::size_t points, double tau0_s);
+
+// The subcommands: each adds itself to the program.
+void add_simulate(CLI::App& program, const GlobalOptions& global);
+void add_rate(CLI::App& program, const GlobalOptions& global);
+void add_fit(CLI::App& program, const GlobalOptions& global);
+void add_spectrum(CLI::App& program, const GlobalOptions& global);
+void add_stability(CLI::App& program, const GlobalOptions& global);
+void add_report(CLI::App& program, const GlobalOptions& global);
+
+} // namespace goingrate::apps

@@ -1,0 +1,55 @@
+// goingrate: the command. Each subcommand lives in a file of its own.
+#include "common.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <fmt/format.h>
+
+namespace {
+
+// Exit codes that scripts rely on.
+enum ExitCode { done = 0, our_fault = 1, wrong_usage = 2, bad_input = 3, no_result = 4, no_output = 5 };
+
+int complain(ExitCode code, const char* what) {
+  fmt::print(stderr, "goingrate: {}\n", what);
+  return code;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  using namespace goingrate;
+  std::signal(SIGPIPE, SIG_IGN); // a closed pipe is an output that cannot be written, not a crash
+  CLI::App program{"Fits, diagnoses and simulates pendulum clocks from their timing logs.", "goingrate"};
+  program.set_version_flag("--version", "goingrate " GOINGRATE_VERSION);
+  program.require_subcommand(1);
+  program.fallthrough();
+  apps::GlobalOptions global;
+  program.add_flag("--quiet", global.quiet, "no notes on standard error");
+  try {
+    apps::add_simulate(program, global);
+    apps::add_rate(program, global);
+    apps::add_fit(program, global);
+    apps::add_spectrum(program, global);
+    apps::add_stability(program, global);
+    apps::add_report(program, global);
+    program.parse(argc, argv);
+    if (std::fflush(stdout) != 0) return complain(no_output, "cannot write standard output");
+    return done;
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? done : wrong_usage;
+  } catch (const InputError& error) {
+    return complain(bad_input, error.what());
+  } catch (const ArgumentError& error) {
+    return complain(wrong_usage, error.what());
+  } catch (const apps::NumericsError& error) {
+    return complain(no_result, error.what());
+  } catch (const OutputError& error) {
+    return complain(no_output, error.what());
+  } catch (const std::exception& error) {
+    return complain(our_fault, error.what());
+  }
+}

@@ -1,0 +1,71 @@
+// goingrate report: everything about one log.
+#include "common.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/report/json.hpp"
+#include "goingrate/report/report.hpp"
+
+#include <fmt/format.h>
+#include <filesystem>
+#include <memory>
+
+namespace goingrate::apps {
+
+namespace {
+
+struct ReportCommand {
+  LogOptions log;
+  ModelOptions model;
+  std::string output;
+  std::string json;
+};
+
+ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
+  NumberedLog loaded = load(options.log, global);
+  ReportData data;
+  data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
+  data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
+  data.fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
+                       fit_options(options.model, loaded, global));
+  DriveAnalysis drive = analyse_drive(loaded, data.fit, 0.0);
+  data.rate_spectrum = std::move(drive.rate_spectrum);
+  data.response = drive.response;
+  data.split = std::move(drive.split);
+  const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
+  data.deviation = allan_deviation(DeviationKind::oadev, error, loaded.nominal_period_s,
+                                   octave_factors(error.size()));
+  data.log = std::move(loaded.log);
+  data.numbered = std::move(loaded.beats);
+  data.beats = std::move(loaded.good);
+  return data;
+}
+
+std::string page_beside(const std::string& log) {
+  return log == "-" ? "report.html" : std::filesystem::path(log).stem().string() + ".html";
+}
+
+void run(const ReportCommand& options, const GlobalOptions& global) {
+  const ReportData data = gather(options, global);
+  const std::string page = options.output.empty() ? page_beside(options.log.path) : options.output;
+  write_json(options.json, report_json(data));
+  write_whole_file(page, report_html(data));
+  if (options.json != "-" && page != "-") write_whole_file("-", report_text(data));
+  if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).string());
+}
+
+} // namespace
+
+void add_report(CLI::App& program, const GlobalOptions& global) {
+  auto* command = program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
+  auto options = std::make_shared<ReportCommand>();
+  options->model.events = {"auto"};
+  add_log_options(*command, options->log);
+  add_model_options(*command, options->model);
+  command->add_option("-o,--output", options->output,
+                      "the HTML page; if not given, the log's name with .html, in this folder");
+  add_json_option(*command, options->json);
+  command->footer("Example:\n  goingrate report data/logs/jump.csv -o jump.html");
+  command->callback([options, &global] { run(*options, global); });
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,77 @@
+// goingrate simulate: a scenario becomes a log.
+#include "common.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/clock/scenario.hpp"
+#include "goingrate/dynamics/direct.hpp"
+#include "goingrate/log/sensor.hpp"
+#include "goingrate/log/writing.hpp"
+
+#include <fmt/format.h>
+#include <iterator>
+#include <memory>
+
+namespace goingrate::apps {
+
+namespace {
+
+struct SimulateOptions {
+  std::string scenario;
+  std::string output = "-";
+  std::string truth;
+  std::uint64_t seed = 1;
+  std::vector<std::string> overrides;
+};
+
+Instant instant_of(const TwoPart<double>& time) { return Instant::from_seconds(time.hi) + time.lo; }
+
+void append_truth(std::string& text, const Period& period) {
+  fmt::format_to(std::back_inserter(text), "{},{},{:.17g},{:.17g},{:.17g},{:.17g}\n", period.cycle,
+                 format_instant(instant_of(period.time_s), 17), period.period_s, period.velocity,
+                 period.amplitude_rad, period.mu);
+}
+
+std::string why_stopped(SwingStatus status) {
+  return status == SwingStatus::overturned ? "the pendulum passed the top" : "the clock stalled";
+}
+
+void run(const SimulateOptions& options, const GlobalOptions& global) {
+  const Scenario scenario =
+      parse_scenario(read_text(options.scenario), options.scenario, options.overrides);
+  DirectRun run(scenario, options.seed);
+  Sensor sensor(scenario.sensor, options.seed);
+  std::string truth = "cycle,time_s,period_s,velocity,amplitude_rad,mu\n";
+  sensor.see(run.last());
+  while (const auto period = run.next()) {
+    sensor.see(*period);
+    if (!options.truth.empty()) append_truth(truth, *period);
+  }
+  if (run.last().cycle == 0)
+    throw NumericsError(why_stopped(run.status()) + " before it completed a period");
+  if (!options.truth.empty()) write_whole_file(options.truth, truth);
+  write_whole_file(options.output, native_log_text(sensor.log(scenario.clock.nominal_period_s),
+                                                   decimals_for(scenario.sensor)));
+  say(global, fmt::format("{} periods by direct integration", run.last().cycle));
+  if (run.status() != SwingStatus::crossed)
+    throw NumericsError(fmt::format("{} after {} periods; what was written ends there",
+                                    why_stopped(run.status()), run.last().cycle));
+}
+
+} // namespace
+
+void add_simulate(CLI::App& program, const GlobalOptions& global) {
+  auto* command = program.add_subcommand("simulate", "a scenario becomes a log of crossings");
+  auto options = std::make_shared<SimulateOptions>();
+  command->add_option("scenario", options->scenario, "scenario in TOML; '-' is standard input")
+      ->required();
+  command->add_option("-o,--output", options->output, "the log to write; standard output if not given");
+  command->add_option("--truth", options->truth, "also write the true state, one row a period");
+  command->add_option("--seed", options->seed, "of the random streams")->capture_default_str();
+  command->add_option("--set", options->overrides, "override a key of the scenario: clock.mu=3e-5")
+      ->allow_extra_args(false);
+  command->footer("Example:\n  goingrate simulate data/scenarios/jump.toml -o jump.csv --seed 7");
+  command->callback([options, &global] { run(*options, global); });
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,87 @@
+// goingrate stability: Allan deviations.
+#include "common.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/report/json.hpp"
+#include "goingrate/report/tables.hpp"
+
+#include <fmt/format.h>
+#include <memory>
+
+namespace goingrate::apps {
+
+namespace {
+
+struct StabilityCommand {
+  LogOptions log;
+  std::string kind = "oadev";
+  std::string data = "timestamps";
+  std::string taus = "octave";
+  double tau0_s = 0.0;
+  std::string output = "-";
+  std::string json;
+};
+
+struct Phase {
+  std::vector<double> phase_s;
+  double tau0_s;
+};
+
+Phase phase_of(const StabilityCommand& options, const GlobalOptions& global) {
+  if (options.data == "timestamps") {
+    const NumberedLog loaded = load(options.log, global);
+    const auto error = clock_error(loaded.good, loaded.nominal_period_s);
+    return {on_every_cycle(loaded.good, error),
+            options.tau0_s > 0.0 ? options.tau0_s : loaded.nominal_period_s};
+  }
+  auto numbers = read_numbers(read_text(options.log.path), options.log.path);
+  double tau0_s = options.tau0_s;
+  if (tau0_s == 0.0) {
+    tau0_s = 1.0;
+    say(global, "assumed: one value a second (--tau0 says otherwise)");
+  }
+  say(global, fmt::format("assumed: {} values of {}", numbers.size(),
+                          options.data == "phase" ? "phase in seconds" : "relative frequency"));
+  if (options.data == "frequency") numbers = phase_from_frequency(numbers, tau0_s);
+  return {std::move(numbers), tau0_s};
+}
+
+std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points, double tau0_s) {
+  if (taus == "octave") return octave_factors(points);
+  if (taus == "decade") return decade_factors(points);
+  if (taus == "all") return all_factors(points);
+  return listed_factors(taus, points, tau0_s);
+}
+
+void run(const StabilityCommand& options, const GlobalOptions& global) {
+  const Phase phase = phase_of(options, global);
+  const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s);
+  const DeviationKind kind = options.kind == "adev" ? DeviationKind::adev : DeviationKind::oadev;
+  const DeviationTable table = allan_deviation(kind, phase.phase_s, phase.tau0_s, factors);
+  write_json(options.json, stability_json(table));
+  if (options.json != "-") write_whole_file(options.output, deviation_text(table));
+}
+
+} // namespace
+
+void add_stability(CLI::App& program, const GlobalOptions& global) {
+  auto* command = program.add_subcommand("stability", "Allan deviations of a log or of phase data");
+  auto options = std::make_shared<StabilityCommand>();
+  add_log_options(*command, options->log);
+  command->add_option("--kind", options->kind, "oadev (overlapping) or adev")
+      ->check(CLI::IsMember({"oadev", "adev"}))->capture_default_str();
+  command->add_option("--data", options->data,
+                      "what the file holds: timestamps (a log), phase (s) or frequency, one a line")
+      ->check(CLI::IsMember({"timestamps", "phase", "frequency"}))->capture_default_str();
+  command->add_option("--tau0", options->tau0_s, "time between values, s; of a log: its nominal period")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--taus", options->taus,
+                      "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "the table; standard output if not given");
+  add_json_option(*command, options->json);
+  command->footer("Example:\n  goingrate stability data/logs/noisy-drive.csv --taus decade");
+  command->callback([options, &global] { run(*options, global); });
+}
+
+} // namespace goingrate::apps

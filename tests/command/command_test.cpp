@@ -1,0 +1,280 @@
+// The command as a script sees it: exit codes, messages, files.
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path source = GOINGRATE_SOURCE_DIR;
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class CommandTest : public testing::Test {
+protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / fmt::format("goingrate-command-{}", ::getpid());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  struct Outcome {
+    int code;
+    std::string out, err;
+  };
+
+  // Runs `goingrate ARGUMENTS` in the test's own folder.
+  Outcome run(const std::string& arguments, const std::string& before = "") const {
+    const std::string line = fmt::format("cd '{}' && {} '{}' {} > out.txt 2> err.txt", folder_.string(),
+                                         before, GOINGRATE_COMMAND, arguments);
+    const int status = std::system(line.c_str());
+    return {WEXITSTATUS(status), content(folder_ / "out.txt"), content(folder_ / "err.txt")};
+  }
+  void put(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  nlohmann::json json(const std::string& name) const {
+    return nlohmann::json::parse(content(folder_ / name));
+  }
+  std::string scenario(const std::string& name) const {
+    return (source / "data/scenarios" / (name + ".toml")).string();
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(CommandTest, SimulateWritesALogAndTheTruth) {
+  ASSERT_EQ(run("simulate " + scenario("jump") + " -o log.csv --truth truth.csv --seed 3").code, 0);
+  const std::string truth = content(folder_ / "truth.csv");
+  EXPECT_EQ(truth.substr(0, truth.find('\n')), "cycle,time_s,period_s,velocity,amplitude_rad,mu");
+  EXPECT_EQ(std::count(truth.begin(), truth.end(), '\n'), 2001);
+  const std::string log = content(folder_ / "log.csv");
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 2001 + 3);
+  EXPECT_EQ(run("simulate " + scenario("jump") + " --seed 3").out, log) << "standard output is the default";
+  EXPECT_NE(run("simulate " + scenario("jump") + " --seed 4").out, log);
+}
+
+TEST_F(CommandTest, SimulateReachesTheExactStationaryRates) {
+  struct Point {
+    const char *epsilon, *mu;
+    double rate;
+  };
+  for (const Point& p : {Point{"2.5e-4", "2e-5", 1.133264436573979e-04},
+                         Point{"2.5e-4", "4e-5", 1.960046634308295e-04},
+                         Point{"1.167245e-4", "1.5e-5", 1.844068077230375e-08}}) {
+    put("s.toml", fmt::format("[clock]\nnominal_period=6.283185307179586\nepsilon={}\nmu={}\nphi0=0.03\n"
+                              "[run]\nperiods=100\n",
+                              p.epsilon, p.mu));
+    ASSERT_EQ(run("simulate s.toml -o log.csv --truth truth.csv").code, 0);
+    const std::string truth = content(folder_ / "truth.csv");
+    const std::size_t row = truth.rfind('\n', truth.size() - 2) + 1;
+    const std::size_t comma = truth.find(',', truth.find(',', row) + 1);
+    const double period = std::stod(truth.substr(comma + 1));
+    EXPECT_NEAR(6.283185307179586477 / period - 1, p.rate, 1e-12);
+  }
+}
+
+TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
+  run("simulate " + scenario("jump") + " -o log.csv --set sensor.missed=0.05 --set sensor.spurious=0.05");
+  const Outcome outcome = run("rate log.csv --json rate.json");
+  ASSERT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out.substr(0, outcome.out.find('\n')),
+            "cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags");
+  const auto result = json("rate.json");
+  for (const char* key : {"schema", "crossings", "periods", "missed", "spurious", "gaps", "mean_period_s",
+                          "rate_excess", "rate_s_per_day", "rate_sigma_s_per_day", "last_period_s",
+                          "duration_s"})
+    EXPECT_TRUE(result.contains(key)) << key;
+  // The ends of the log may be among the missed.
+  EXPECT_NEAR(result["periods"].get<int>(), 2000, 6);
+  EXPECT_EQ(result["crossings"].get<int>() + result["missed"].get<int>(), result["periods"].get<int>() + 1);
+  EXPECT_NEAR(result["spurious"].get<int>(), 100, 40);
+}
+
+TEST_F(CommandTest, StandardInputAndOutputArePipes) {
+  run("simulate " + scenario("jump") + " -o log.csv");
+  const Outcome outcome = run("rate - --quiet --json - < log.csv");
+  ASSERT_EQ(outcome.code, 0);
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["crossings"], 2001) << "and nothing else is there";
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(CommandTest, FitPrintsAndItsJsonHasTheKeysScriptsRelyOn) {
+  run("simulate " + scenario("jump") + " -o log.csv");
+  const Outcome outcome = run("fit log.csv --fix T0=2 --event 150:mu --json fit.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("[parameters]"), std::string::npos);
+  const auto fit = json("fit.json");
+  for (const char* key : {"model", "parameters", "combinations", "correlation", "derived", "quality",
+                          "alternatives", "termination"})
+    EXPECT_TRUE(fit.contains(key)) << key;
+  for (const char* key : {"dynamics", "escapement", "friction", "noise", "chosen_by"})
+    EXPECT_TRUE(fit["model"].contains(key)) << key;
+  for (const char* key : {"chi2", "dof", "p_value", "whiteness_p", "rms_s", "aic", "bic"})
+    EXPECT_TRUE(fit["quality"][key].is_number()) << key;
+  for (const char* key : {"Q", "stationary_amplitude", "rate_s_per_day", "decay_time_s"})
+    EXPECT_TRUE(fit["derived"][key]["sigma"].is_number()) << key;
+  EXPECT_EQ(fit["parameters"][0]["status"], "fixed");
+  EXPECT_EQ(fit["parameters"][5]["name"], "mu@1");
+  EXPECT_NEAR(fit["parameters"][5]["value"].get<double>(), 4e-5, 1e-7);
+}
+
+TEST_F(CommandTest, FitFindsTheEventByItselfOrByTime) {
+  run("simulate " + scenario("jump") + " -o log.csv");
+  for (const char* event : {"auto", "300s:mu"}) {
+    const Outcome outcome = run(fmt::format("fit log.csv --fix T0=2 --event {} --json fit.json", event));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NEAR(json("fit.json")["parameters"][5]["value"].get<double>(), 4e-5, 1e-6) << event;
+  }
+}
+
+TEST_F(CommandTest, AnUndeterminedParameterIsAWordAndNull) {
+  run("simulate " + scenario("jump") + " -o log.csv --set run.periods=140");
+  const Outcome outcome = run("fit log.csv --json fit.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("epsilon    undetermined"), std::string::npos);
+  EXPECT_EQ(json("fit.json")["parameters"][1]["status"], "undetermined");
+  EXPECT_TRUE(json("fit.json")["parameters"][1]["value"].is_null());
+}
+
+TEST_F(CommandTest, SpectrumSplitsTheDriveOfAKnownClock) {
+  run("simulate " + scenario("noisy-drive") + " -o log.csv --set run.periods=20000");
+  const Outcome outcome = run("spectrum log.csv --fix T0=2 --fix epsilon=1.167245e-4 --fix mu=1.5e-5 "
+                              "--fix phi0=0.03 --json s.json -o s.csv");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto result = json("s.json");
+  EXPECT_NEAR(result["corner_hz"].get<double>(), 1.167245e-4, 1e-12); // 2 epsilon / T0
+  EXPECT_NEAR(result["fast"]["rms"].get<double>(), 0.3, 0.01);
+  EXPECT_TRUE(fs::exists(folder_ / "s.csv"));
+}
+
+TEST_F(CommandTest, StabilityReproducesTheNistSet) {
+  std::string frequency;
+  std::int64_t n = 1234567890;
+  for (int i = 0; i < 1000; ++i) {
+    frequency += fmt::format("{:.17g}\n", static_cast<double>(n) / 2147483647.0);
+    n = 16807 * n % 2147483647;
+  }
+  put("nist.txt", frequency);
+  const Outcome outcome =
+      run("stability nist.txt --data frequency --tau0 1 --taus 1,10,100 --kind oadev --json s.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto rows = json("s.json")["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(fmt::format("{:.6e}", rows[0]["value"].get<double>()), "2.922319e-01");
+  EXPECT_EQ(fmt::format("{:.6e}", rows[1]["value"].get<double>()), "9.159953e-02");
+  EXPECT_EQ(fmt::format("{:.6e}", rows[2]["value"].get<double>()), "3.241343e-02");
+}
+
+TEST_F(CommandTest, ReportWritesAPageAndSpeaksInWords) {
+  run("simulate " + scenario("interruption") + " -o log.csv");
+  const Outcome outcome = run("report log.csv -o page.html --json report.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("the drive was interrupted"), std::string::npos) << outcome.out;
+  EXPECT_LE(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 40);
+  const std::string page = content(folder_ / "page.html");
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  EXPECT_EQ(json("report.json")["diary"]["interruptions"].size(), 1u);
+}
+
+TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
+  put("empty.log", "");
+  put("one.log", "12.5\n");
+  put("binary.log", std::string("\x00\x01\x02", 3));
+  put("words.log", "once upon a time\n");
+  for (const char* command : {"rate", "fit", "spectrum", "stability", "report"}) {
+    for (const auto& [file, place] :
+         std::initializer_list<std::pair<const char*, const char*>>{{"empty.log", "empty.log:1:1: "},
+                                                                   {"one.log", "one.log:1:1: "},
+                                                                   {"binary.log", "binary.log:1:1: "},
+                                                                   {"words.log", "words.log:1:1: "},
+                                                                   {"absent.log", "absent.log:0:0: "},
+                                                                   {".", ".:0:0: "}}) {
+      const Outcome outcome = run(fmt::format("{} {}", command, file));
+      EXPECT_EQ(outcome.code, 3) << command << " " << file << outcome.err;
+      EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
+      EXPECT_NE(outcome.err.find("expected"), std::string::npos) << outcome.err;
+      EXPECT_EQ(outcome.out, "");
+    }
+  }
+}
+
+TEST_F(CommandTest, AFailureOverwritesNothing) {
+  put("empty.log", "");
+  for (const char* file : {"out.html", "out.json", "out.csv", "truth.csv"}) put(file, "precious");
+  EXPECT_EQ(run("report empty.log -o out.html --json out.json").code, 3);
+  EXPECT_EQ(run("rate empty.log -o out.csv --json out.json").code, 3);
+  EXPECT_EQ(run("simulate empty.log -o out.csv --truth truth.csv").code, 3);
+  for (const char* file : {"out.html", "out.json", "out.csv", "truth.csv"})
+    EXPECT_EQ(content(folder_ / file), "precious") << file;
+  for (const auto& entry : fs::directory_iterator(folder_))
+    EXPECT_EQ(entry.path().string().find(".part-"), std::string::npos) << entry.path();
+}
+
+TEST_F(CommandTest, OutputThatCannotBeWrittenIsExitFive) {
+  EXPECT_EQ(run("simulate " + scenario("jump") + " -o no/such/folder/log.csv").code, 5);
+  if (!fs::exists("/dev/full")) return;
+  EXPECT_EQ(run("simulate " + scenario("jump") + " -o /dev/full").code, 5);
+}
+
+TEST_F(CommandTest, WrongUsageIsExitTwo) {
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run("tick").code, 2);
+  EXPECT_EQ(run("rate").code, 2);
+  run("simulate " + scenario("jump") + " -o log.csv");
+  EXPECT_EQ(run("rate log.csv --format sundial").code, 2);
+  EXPECT_EQ(run("fit log.csv --fix eps=1").code, 2);
+  EXPECT_EQ(run("fit log.csv --event 99999:mu").code, 2);
+  EXPECT_EQ(run("stability log.csv --taus 3").code, 2) << "no multiple of 2 s";
+}
+
+TEST_F(CommandTest, ABadScenarioIsExitThree) {
+  put("bad.toml", "[clock]\nepsilom = 1\n");
+  const Outcome outcome = run("simulate bad.toml");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("bad.toml:2:1"), std::string::npos) << outcome.err;
+  EXPECT_EQ(run("simulate " + scenario("jump") + " --set clock.mu=lots").code, 3);
+}
+
+TEST_F(CommandTest, AStalledClockIsExitFourAndKeepsWhatWasSeen) {
+  const Outcome outcome = run("simulate " + scenario("jump") + " -o log.csv --set clock.epsilon=0.01 "
+                              "--set start.amplitude=0.05");
+  EXPECT_EQ(outcome.code, 4) << outcome.err;
+  EXPECT_NE(outcome.err.find("stalled"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder_ / "log.csv"));
+}
+
+TEST_F(CommandTest, EachHelpHasAnExampleThatRuns) {
+  fs::create_symlink(source / "data", folder_ / "data");
+  for (const char* command : {"simulate", "rate", "fit", "spectrum", "stability", "report"}) {
+    const Outcome help = run(fmt::format("{} --help", command));
+    EXPECT_EQ(help.code, 0);
+    const std::size_t at = help.out.find("Example:");
+    ASSERT_NE(at, std::string::npos) << command;
+    std::string example = help.out.substr(help.out.find("goingrate ", at) + 10);
+    for (std::size_t k; (k = example.find("\\\n")) != std::string::npos;) example.erase(k, 2);
+    while (!example.empty() && (example.back() == '\n' || example.back() == ' ')) example.pop_back();
+    EXPECT_EQ(run(example).code, 0) << example;
+  }
+}
+
+TEST_F(CommandTest, HelpPromisesNothingThatIsNotThere) {
+  const Outcome help = run("--help");
+  for (const char* absent : {"map", "chart", "paper"})
+    EXPECT_EQ(help.out.find(fmt::format("\n  {} ", absent)), std::string::npos) << absent;
+  EXPECT_EQ(run("--version").out.substr(0, 10), "goingrate ");
+}
+
+} // namespace
