@@ -37,10 +37,11 @@ struct Sums {
   double hh = 0.0, hs = 0.0, ss = 0.0, hy = 0.0, sy = 0.0;
 };
 
+// Medians over blocks of neighbouring frequencies: a line (a wheel with a bad tooth) raises a few
+// frequencies a thousandfold and the median of their block hardly at all.
 class WhiteFit {
 public:
-  WhiteFit(const Spectrum& spectrum, double period_s, const DriveResponse& response, double split_hz)
-      : spectrum_(spectrum) {
+  WhiteFit(const Spectrum& spectrum, double period_s, const DriveResponse& response, double split_hz) {
     for (const double f : spectrum.frequency_hz) {
       gain2_.push_back(std::norm(response.at(f)));
       shape_.push_back(shape_of_jitter(f, period_s));
@@ -49,8 +50,9 @@ public:
     // The tail of the slow drive reaches above the split and falls as 1/f^2: from ten times the split
     // it is a hundredth. At least the upper half is left to fit the white part.
     const double clear_hz = std::max(10.0 * split_hz, spectrum.resolution_hz);
-    first_ = static_cast<std::size_t>(std::upper_bound(f.begin(), f.end(), clear_hz) - f.begin());
-    first_ = std::min(first_, f.size() / 2);
+    auto first = static_cast<std::size_t>(std::upper_bound(f.begin(), f.end(), clear_hz) - f.begin());
+    first = std::min(first, f.size() / 2);
+    make_blocks(spectrum, first);
   }
 
   [[nodiscard]] const std::vector<double>& gain2() const { return gain2_; }
@@ -64,37 +66,63 @@ public:
       sums = weighted_sums(white);
       white = solve(sums);
     }
-    // Each averaged density has variance S^2 2/dof, and windowing correlates neighbours: the bins
-    // count as segments x (their number) / (half the degrees of freedom) independent ones.
     const double determinant = sums.hh * sums.ss - sums.hs * sums.hs;
-    const double correlated = 1.9; // Hann: sum of squared correlations of neighbouring bins
-    const double variance = 2.0 / spectrum_.degrees_of_freedom * correlated;
-    white.drive_sigma = std::sqrt(variance * sums.ss / determinant);
-    white.jitter2_sigma = std::sqrt(variance * sums.hh / determinant);
+    white.drive_sigma = std::sqrt(block_variance_ * sums.ss / determinant);
+    white.jitter2_sigma = std::sqrt(block_variance_ * sums.hh / determinant);
     return white;
   }
 
 private:
-  [[nodiscard]] White start() const {
-    double mean = 0.0, mean_gain = 0.0, mean_shape = 0.0;
-    for (std::size_t i = first_; i < gain2_.size(); ++i) {
-      mean += spectrum_.density[i];
-      mean_gain += gain2_[i];
-      mean_shape += shape_[i];
+  struct Block {
+    double gain2 = 0.0, shape = 0.0, density = 0.0;
+  };
+
+  // Each density is chi-squared over its degrees of freedom times the truth: the median lies below the
+  // mean by a known factor, and scatters as 1/(4 n p^2), p the probability density at the median. Hann
+  // windowing correlates neighbours, so that 1.9 frequencies count as one.
+  void make_blocks(const Spectrum& spectrum, std::size_t first) {
+    const std::size_t n = gain2_.size() - first;
+    const std::size_t size = std::clamp<std::size_t>(n / 100, std::min<std::size_t>(8, n), 256);
+    const boost::math::chi_squared chi(spectrum.degrees_of_freedom);
+    const double chi_median = median(chi);
+    const double bias = chi_median / spectrum.degrees_of_freedom;
+    const double p = pdf(chi, chi_median) * chi_median;
+    block_variance_ = 1.9 / (4.0 * static_cast<double>(size) * p * p);
+    for (std::size_t i = first; i + size <= gain2_.size(); i += size) {
+      Block block;
+      std::vector<double> values(spectrum.density.begin() + static_cast<std::ptrdiff_t>(i),
+                                 spectrum.density.begin() + static_cast<std::ptrdiff_t>(i + size));
+      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(size / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      block.density = *middle / bias;
+      for (std::size_t k = i; k < i + size; ++k) {
+        block.gain2 += gain2_[k] / static_cast<double>(size);
+        block.shape += shape_[k] / static_cast<double>(size);
+      }
+      blocks_.push_back(block);
     }
-    return {0.5 * mean / mean_gain, 0.5 * mean / mean_shape, 0.0, 0.0, true};
+  }
+
+  [[nodiscard]] White start() const {
+    Block sum;
+    for (const Block& block : blocks_) {
+      sum.density += block.density;
+      sum.gain2 += block.gain2;
+      sum.shape += block.shape;
+    }
+    return {0.5 * sum.density / sum.gain2, 0.5 * sum.density / sum.shape, 0.0, 0.0, true};
   }
 
   [[nodiscard]] Sums weighted_sums(const White& white) const {
     Sums sums;
-    for (std::size_t i = first_; i < gain2_.size(); ++i) {
-      const double model = white.drive * gain2_[i] + white.jitter2 * shape_[i];
+    for (const Block& block : blocks_) {
+      const double model = white.drive * block.gain2 + white.jitter2 * block.shape;
       const double w = 1.0 / (model * model);
-      sums.hh += w * gain2_[i] * gain2_[i];
-      sums.hs += w * gain2_[i] * shape_[i];
-      sums.ss += w * shape_[i] * shape_[i];
-      sums.hy += w * gain2_[i] * spectrum_.density[i];
-      sums.sy += w * shape_[i] * spectrum_.density[i];
+      sums.hh += w * block.gain2 * block.gain2;
+      sums.hs += w * block.gain2 * block.shape;
+      sums.ss += w * block.shape * block.shape;
+      sums.hy += w * block.gain2 * block.density;
+      sums.sy += w * block.shape * block.density;
     }
     return sums;
   }
@@ -109,9 +137,9 @@ private:
     return white;
   }
 
-  const Spectrum& spectrum_;
   std::vector<double> gain2_, shape_;
-  std::size_t first_;
+  std::vector<Block> blocks_;
+  double block_variance_ = 0.0; // relative, of a block's density
 };
 
 // The rms of a variance with a normal error; an upper limit alone where it is within its own error.

@@ -194,6 +194,24 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
 
 } // namespace
 
+namespace {
+
+// T0 is the mean period less the circular and escapement errors. Where the escapement error (the fast
+// gain times the drive) is not determined neither is T0, whatever the curvature says at the place on
+// the flat valley where the fit came to rest.
+void doubt_T0_without_gain(FitSummary& summary) {
+  const auto is_gain = [](const DerivedQuantity& q) { return q.name == "fast gain"; };
+  const bool known = summary.escapement == "none" ||
+                     std::any_of(summary.combinations.begin(), summary.combinations.end(), is_gain);
+  for (FittedParameter& p : summary.parameters)
+    if (!known && p.name == "T0" && p.status == ParameterStatus::free) {
+      p.status = ParameterStatus::undetermined;
+      p.value = p.sigma = unknown;
+    }
+}
+
+} // namespace
+
 Certainty certainty(const FitProblem& problem, std::span<const double> x) {
   const auto linear = linearise(problem, x);
   const auto n = static_cast<Eigen::Index>(x.size());
@@ -270,6 +288,7 @@ void state_results(const FitProblem& problem, std::span<const double> x,
   state_parameters(problem, x, certainty, options, summary);
   state_correlation(problem, certainty, summary);
   state_combinations(problem, x, certainty, nominal_period_s, summary);
+  doubt_T0_without_gain(summary);
 }
 
 } // namespace goingrate::timing_model

@@ -158,9 +158,9 @@ std::string stability_line(const DeviationTable& table) {
   if (table.rows.empty()) return {};
   const auto best = std::min_element(table.rows.begin(), table.rows.end(),
                                      [](const auto& a, const auto& b) { return a.value < b.value; });
-  std::string text = fmt::format("Stability (OADEV): {:.3g} at {:.3g} s", table.rows.front().value,
-                                 table.rows.front().tau_s);
-  text += fmt::format(", best {:.3g} at {:.3g} s.\n", best->value, best->tau_s);
+  std::string text = fmt::format("Stability (OADEV): {:.3g} over {}", table.rows.front().value,
+                                 span_of(table.rows.front().tau_s));
+  text += fmt::format(", best {:.3g} over {}.\n", best->value, span_of(best->tau_s));
   if (best + 1 < table.rows.end() && best->tau_s < 0.2 * table.rows.back().tau_s)
     text += fmt::format("  Averaging helps up to {}; beyond, slow causes rule: look for those.\n",
                         span_of(best->tau_s));

@@ -6,7 +6,8 @@
 // stands still, below it the amplitude follows. The rate's one-sided density is taken as
 //   S(f) = |H|^2 D_fast + 8 j^2 sin^2(pi f T) / T + |H|^2 D_slow(f),
 // white drive, jitter j of the sensor, and slow drive. D_fast and j are fitted above ten times the
-// split (Whittle likelihood); what is left below it, divided by |H|^2, is the slow drive.
+// split, with weights 1/S^2 as in Whittle's likelihood, to medians over blocks of frequencies, so that
+// lines do not count; what is left below it, divided by |H|^2, is the slow drive.
 #pragma once
 
 #include "goingrate/dynamics/stationary.hpp"
