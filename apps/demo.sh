@@ -4,13 +4,16 @@ set -euo pipefail
 here=$(pwd)
 cd "$(dirname "$0")/.."
 . apps/setup.sh
-log=${1:-data/logs/interruption.csv}
-[ $# -gt 0 ] && shift
-case $log in
-  /* | - ) ;;
-  data/logs/*) [ -e "$log" ] || log="$here/$log" ;;
-  *) log="$here/$log" ;;
-esac
+if [ $# -eq 0 ]; then
+  log=data/logs/interruption.csv
+  page=build/interruption.html
+else
+  log=$1
+  shift
+  [[ $log == /* ]] || log=$here/$log
+  name=$(basename "$log")
+  page=$here/${name%.*}.html
+fi
 echo "Building (the first time takes a few minutes) ..." >&2
 build_log=$(mktemp)
 trap 'rm -f "$build_log"' EXIT
@@ -19,5 +22,4 @@ then
   cat "$build_log" >&2
   exit 1
 fi
-name=$(basename "$log")
-build/release/goingrate report "$log" -o "$here/${name%.*}.html" "$@"
+build/release/goingrate report "$log" -o "$page" "$@"
