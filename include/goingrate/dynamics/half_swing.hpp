@@ -27,6 +27,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "goingrate/base/sums.hpp"
 
@@ -57,14 +58,14 @@ public:
   static constexpr int order = std::numeric_limits<T>::digits * 35 / 100 + 2;
 
   /// The series about (phi, w) for friction eps and constant torque m.
-  SwingSeries(T phi, T w, T eps, T m) {
+  SwingSeries(T phi, T w, T eps, T m) : eps_(eps), m_(m) {
     using std::cos, std::sin;
     phi_[0] = phi;
     w_[0] = w;
     w2_[0] = w * w;
     s_[0] = sin(phi);
     c_[0] = cos(phi);
-    for (int k = 0; k < order; ++k) advance(static_cast<std::size_t>(k), eps, m);
+    expand(eps, m, std::make_index_sequence<order>{});
   }
 
   /// A step for which the last two terms of phi and w stay below rounding of the amplitude.
@@ -83,71 +84,106 @@ public:
   [[nodiscard]] T angle(T t) const { return sum(phi_, t); }
   [[nodiscard]] T speed(T t) const { return sum(w_, t); }
 
+  /// w' = -2 eps w - sin phi + m.
+  [[nodiscard]] T acceleration(T t) const { return m_ - 2 * eps_ * speed(t) - sum(s_, t); }
+
   /// The integral of w^2 over [0, t].
   [[nodiscard]] T friction_integral(T t) const {
-    T result = w2_[order] / (order + 1);
-    for (int k = order - 1; k >= 0; --k)
-      result = w2_[static_cast<std::size_t>(k)] / (k + 1) + t * result;
-    return result * t;
+    Coefficients share;
+    for (std::size_t k = 0; k <= order; ++k) share[k] = w2_[k] * (T(1) / static_cast<int>(k + 1));
+    return sum(share, t) * t;
   }
 
-  /// The time in [low, high] at which the angle is `target`; the angle is monotone there.
-  [[nodiscard]] T time_of_angle(T target, T low, T high) const {
-    return root(phi_, w_, target, low, high);
+  /// The time in [0, high] at which the rising angle reaches `target`, which it does there.
+  [[nodiscard]] T time_of_rise(T target, T high) const {
+    return root([&](T t) { return angle(t) - target; }, [&](T t) { return speed(t); }, true,
+                (target - phi_[0]) / w_[0], T(0), high, newton_enough);
   }
-  /// The time in [0, high] at which w changes sign.
+  /// The time in [low, high] at which the falling angle passes zero; it does so between.
+  [[nodiscard]] T time_of_return(T low, T high) const {
+    return root([&](T t) { return angle(t); }, [&](T t) { return speed(t); }, false,
+                high - angle(high) / speed(high), low, high, newton_enough);
+  }
+  /// The time in [0, high] at which w falls through zero. The angle is flat there, so that half the
+  /// digits of the time give all those of the angle.
   [[nodiscard]] T time_of_apex(T high) const {
-    std::array<T, order + 1> slope{};
-    for (std::size_t k = 0; k < order; ++k) slope[k] = w_[k + 1] * static_cast<int>(k + 1);
-    return root(w_, slope, T(0), T(0), high);
+    using std::sqrt;
+    return root([&](T t) { return speed(t); }, [&](T t) { return acceleration(t); }, false,
+                -w_[0] / w_[1], T(0), high, T(sqrt(newton_enough)));
   }
 
 private:
   using Coefficients = std::array<T, order + 1>;
 
-  void advance(std::size_t k, T eps, T m) {
-    const T next = static_cast<int>(k + 1);
-    phi_[k + 1] = w_[k] / next;
-    w_[k + 1] = (-2 * eps * w_[k] - s_[k] + (k == 0 ? m : T(0))) / next;
-    w2_[k + 1] = square_term(k + 1);
-    c_[k + 1] = w2_[k + 1] / 2 + (2 * eps * w2_[k] - m * w_[k]) / next;
-    T product = 0;
-    for (std::size_t j = 0; j <= k; ++j) product += c_[j] * w_[k - j];
-    s_[k + 1] = product / next;
+  // After a Newton step of this length the next would be shorter than rounding.
+  static inline const T newton_enough = [] {
+    using std::sqrt;
+    return T(sqrt(std::numeric_limits<T>::epsilon()) / 16);
+  }();
+
+  // All loops over coefficients are unrolled when compiled: they are short and of known length.
+  template <std::size_t... k> void expand(T eps, T m, std::index_sequence<k...>) {
+    (advance<k>(eps, m), ...);
+  }
+
+  template <std::size_t k> void advance(T eps, T m) {
+    const T share = T(1) / static_cast<int>(k + 1); // a constant: a division a coefficient is dear
+    phi_[k + 1] = w_[k] * share;
+    w_[k + 1] = (-2 * eps * w_[k] - s_[k] + (k == 0 ? m : T(0))) * share;
+    w2_[k + 1] = square_term<k + 1>();
+    c_[k + 1] = w2_[k + 1] / 2 + (2 * eps * w2_[k] - m * w_[k]) * share;
+    s_[k + 1] = product<k + 1>(c_.data(), w_.data() + k) * share;
   }
 
   // Coefficient n of w(t)^2, using the symmetry of the products.
-  [[nodiscard]] T square_term(std::size_t n) const {
-    T half = 0;
-    for (std::size_t j = 0; j < (n + 1) / 2; ++j) half += w_[j] * w_[n - j];
-    return n % 2 == 0 ? 2 * half + w_[n / 2] * w_[n / 2] : 2 * half;
+  template <std::size_t n> [[nodiscard]] T square_term() const {
+    const T half = product<(n + 1) / 2>(w_.data(), w_.data() + n);
+    if constexpr (n % 2 == 0) return 2 * half + w_[n / 2] * w_[n / 2];
+    else return 2 * half;
   }
 
-  static T sum(const Coefficients& a, T t) {
-    T result = a[order];
-    for (int k = order - 1; k >= 0; --k) result = a[static_cast<std::size_t>(k)] + t * result;
-    return result;
+  // a[0] b[0] + a[1] b[-1] + ...: `count` terms, b running backwards, added pairwise, which is both
+  // quicker (no addition waits for all before it) and closer.
+  template <std::size_t count> [[gnu::always_inline]] static T product(const T* a, const T* b) {
+    if constexpr (count == 1) return *a * *b;
+    else return product<count / 2>(a, b) + product<count - count / 2>(a + count / 2, b - count / 2);
   }
 
-  // Newton steps kept inside a bracket that is halved whenever Newton leaves it.
-  static T root(const Coefficients& f, const Coefficients& slope, T target, T low, T high) {
+  // a[0] + a[stride] t + a[2 stride] t^2 + ... as even part + t (odd part), for the same two reasons.
+  template <std::size_t count, std::size_t stride>
+  [[gnu::always_inline]] static T polynomial(const T* a, T t) {
+    if constexpr (count == 1) return *a;
+    else if constexpr (count == 2) return a[0] + t * a[stride];
+    else
+      return polynomial<(count + 1) / 2, 2 * stride>(a, t * t) +
+             t * polynomial<count / 2, 2 * stride>(a + stride, t * t);
+  }
+  static T sum(const Coefficients& a, T t) { return polynomial<order + 1, 1>(a.data(), t); }
+
+  // Newton steps from `t`, kept inside a bracket that is halved whenever Newton leaves it. `value` and
+  // `slope` are functions of time.
+  template <class Value, class Slope>
+  static T root(Value value, Slope slope, bool rising, T t, T low, T high, T enough) {
     using std::abs;
-    const bool rising = sum(f, high) > sum(f, low);
-    T t = low + (high - low) / 2;
+    if (!(t > low && t < high)) t = low + (high - low) / 2;
     for (int i = 0; i < 200; ++i) {
-      const T value = sum(f, t) - target;
-      ((value > 0) == rising ? high : low) = t;
-      const T steepness = sum(slope, t);
-      T next = t - value / steepness;
-      if (!(next > low && next < high)) next = low + (high - low) / 2;
-      const T moved = abs(T(next - t));
-      t = next;
-      if (moved <= std::numeric_limits<T>::epsilon() * 2 * (abs(t) + 1)) break;
+      const T at = value(t);
+      ((at > 0) == rising ? high : low) = t;
+      const T step = at / slope(t);
+      const T next = t - step;
+      if (next >= low && next <= high) {
+        t = next;
+        if (abs(step) <= enough) break;
+      } else {
+        t = low + (high - low) / 2;
+        if (high - low <= std::numeric_limits<T>::epsilon() * abs(t)) break;
+      }
     }
     return t;
   }
 
-  Coefficients phi_{}, w_{}, w2_{}, s_{}, c_{};
+  T eps_, m_;
+  Coefficients phi_, w_, w2_, s_, c_;
 };
 
 /// Follows the pendulum from (phi = 0, phi' = v > 0) to its next passage through phi = 0.
@@ -182,7 +218,7 @@ template <class T> HalfSwing<T> half_swing(T v, T eps, T mu, T phi0, bool helpin
       top = series.angle(apex_time);
     }
     if (rising && helping && !result.switched && top > phi0) {
-      const T t = series.time_of_angle(phi0, T(0), apex_time);
+      const T t = series.time_of_rise(phi0, apex_time);
       go_on_from(series, t, phi0);
       result.switched = true;
       m = -mu;
@@ -193,7 +229,7 @@ template <class T> HalfSwing<T> half_swing(T v, T eps, T mu, T phi0, bool helpin
       result.apex = top;
     }
     if (!rising && phi_end <= 0) {
-      const T t = series.time_of_angle(T(0), apex_time, step);
+      const T t = series.time_of_return(apex_time, step);
       go_on_from(series, t, T(0));
       result.speed = -w;
       result.speed2_change = (result.switched ? T(4 * mu * phi0) : T(0)) -
