@@ -1,7 +1,6 @@
 #include "common.hpp"
 
-#include "goingrate/base/atomic_file.hpp"
-
+#include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 
@@ -12,7 +11,7 @@ constexpr std::size_t issues_shown = 5; // the rest is counted; `rate --json` li
 }
 
 void say(const GlobalOptions& global, std::string_view line) {
-  if (!global.quiet) fmt::print(stderr, "{}\n", line);
+  if (!global.quiet) std::fputs(fmt::format("{}\n", line).c_str(), stderr);
 }
 
 void add_log_options(CLI::App& command, LogOptions& options) {
@@ -41,18 +40,30 @@ LogFormat format_of(const std::string& name) {
 }
 
 void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
-  for (const std::string& line : loaded.log.assumptions) say(global, "assumed: " + line);
+  for (const std::string& line : loaded.log.assumptions)
+    say(global, "assumed: " + line);
   const auto& issues = loaded.log.issues;
   for (std::size_t i = 0; i < std::min(issues.size(), issues_shown); ++i)
-    say(global, fmt::format("{}:{}:{}: {}: {}", loaded.log.source, issues[i].line,
-                            issues[i].column, issues[i].found, issues[i].action));
+    say(global, fmt::format("{}:{}:{}: {}: {}", loaded.log.source, issues[i].line, issues[i].column,
+                            issues[i].found, issues[i].action));
   if (issues.size() > issues_shown)
     say(global, fmt::format("... and {} more lines with issues", issues.size() - issues_shown));
+  std::size_t splits = 0;
   for (const Gap& gap : loaded.beats.gaps)
-    if (!gap.bridged)
-      say(global, fmt::format("the log is split after cycle {}: about {} beats are missing, a count "
-                              "that is right with probability {:.2f}; the longest part is used",
-                              gap.after_cycle, gap.length, gap.probability));
+    if (!gap.bridged && ++splits <= issues_shown)
+      say(global,
+          fmt::format("the log is split after cycle {}: about {} beats are missing, a count "
+                      "that is right with probability {:.2f}; the longest part is used",
+                      gap.after_cycle, gap.length, gap.probability));
+  if (splits > issues_shown)
+    say(global, fmt::format("... and at {} more places", splits - issues_shown));
+  const double ratio = loaded.beats.typical_period_s / loaded.nominal_period_s;
+  constexpr double plausible = 0.05; // no pendulum clock is off by an hour a day
+  if (std::abs(ratio - 1.0) > plausible)
+    say(global,
+        fmt::format("warning: the mean period {:.6g} s is {:.3g} times the nominal period: is "
+                    "--nominal-period right, or does the log hold both directions?",
+                    loaded.beats.typical_period_s, ratio));
 }
 
 } // namespace
@@ -71,18 +82,20 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   }
   loaded.good = loaded.beats.longest_segment();
   if (loaded.good.size() < 3)
-    throw NumericsError(fmt::format("{}: no run of three beats that could be numbered together",
-                                    options.path));
+    throw NumericsError(
+        fmt::format("{}: no run of three beats that could be numbered together", options.path));
   tell_about(loaded, global);
   return loaded;
 }
 
-void add_json_option(CLI::App& command, std::string& path) {
-  command.add_option("--json", path, "write the result as JSON to this file; '-' is standard output");
+std::string table_output(const std::string& output, const std::string& json) {
+  if (!output.empty()) return output;
+  return json == "-" ? "" : "-";
 }
 
-void write_json(const std::string& path, std::string_view text) {
-  if (!path.empty()) write_whole_file(path, text);
+void add_json_option(CLI::App& command, std::string& path) {
+  command.add_option("--json", path,
+                     "write the result as JSON to this file; '-' is standard output");
 }
 
 } // namespace goingrate::apps

@@ -44,11 +44,18 @@ struct NumberedLog {
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.
 NumberedLog load(const LogOptions& options, const GlobalOptions& global);
 
-/// Adds --json; the text is written when the command has its result.
-void add_json_option(CLI::App& command, std::string& path);
-void write_json(const std::string& path, std::string_view text);
+/// Where the readable result goes: to `output`; if that is not given to standard output, or nowhere
+/// if the JSON goes there.
+std::string table_output(const std::string& output, const std::string& json);
 
+/// Adds --json.
+void add_json_option(CLI::App& command, std::string& path);
+
+/// A line on standard error unless --quiet; one that cannot be written is lost without complaint.
 void say(const GlobalOptions& global, std::string_view line);
+
+/// The numbers of "3,30,300"; throws ArgumentError naming `option`.
+std::vector<double> numbers_in(const std::string& option, const std::string& text);
 
 /// Options of every command that fits.
 struct ModelOptions {
@@ -63,18 +70,6 @@ void add_model_options(CLI::App& command, ModelOptions& options);
 /// The options of the fit; `auto` events are those of the diary, said on standard error.
 FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
                        const GlobalOptions& global);
-
-/// The spectrum of the rate and, where the fit determines the clock, its drive.
-struct DriveAnalysis {
-  Spectrum rate_spectrum;
-  std::optional<DriveResponse> response;
-  std::optional<DriveSplit> split;
-};
-
-DriveAnalysis analyse_drive(const NumberedLog& loaded, const FitSummary& fit, double split_hz);
-
-/// Averaging factors for "3,30,300" (seconds); throws ArgumentError.
-std::vector<std::size_t> listed_factors(const std::string& taus, std::size_t points, double tau0_s);
 
 // The subcommands: each adds itself to the program.
 void add_simulate(CLI::App& program, const GlobalOptions& global);

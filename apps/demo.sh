@@ -4,6 +4,7 @@ set -euo pipefail
 here=$(pwd)
 cd "$(dirname "$0")/.."
 . apps/setup.sh
+goingrate_setup
 if [ $# -eq 0 ]; then
   log=data/logs/interruption.csv
   page=build/interruption.html

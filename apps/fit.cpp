@@ -14,7 +14,7 @@ namespace {
 struct FitCommand {
   LogOptions log;
   ModelOptions model;
-  std::string output = "-";
+  std::string output;
   std::string json;
 };
 
@@ -22,9 +22,9 @@ void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitSummary fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
                                    fit_options(options.model, loaded, global));
-  write_json(options.json, fit_json(fit));
-  if (options.json != "-") write_whole_file(options.output, fit_text(fit));
   if (fit.status != FitStatus::converged) throw NumericsError("no fit: " + fit.termination);
+  write_whole_files(
+      {{options.json, fit_json(fit)}, {table_output(options.output, options.json), fit_text(fit)}});
 }
 
 } // namespace

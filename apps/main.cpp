@@ -11,10 +11,17 @@
 namespace {
 
 // Exit codes that scripts rely on.
-enum ExitCode { done = 0, our_fault = 1, wrong_usage = 2, bad_input = 3, no_result = 4, no_output = 5 };
+enum ExitCode {
+  done = 0,
+  our_fault = 1,
+  wrong_usage = 2,
+  bad_input = 3,
+  no_result = 4,
+  no_output = 5
+};
 
 int complain(ExitCode code, const char* what) {
-  fmt::print(stderr, "goingrate: {}\n", what);
+  std::fputs(fmt::format("goingrate: {}\n", what).c_str(), stderr); // lost if it cannot be written
   return code;
 }
 
@@ -23,7 +30,8 @@ int complain(ExitCode code, const char* what) {
 int main(int argc, char** argv) {
   using namespace goingrate;
   std::signal(SIGPIPE, SIG_IGN); // a closed pipe is an output that cannot be written, not a crash
-  CLI::App program{"Fits, diagnoses and simulates pendulum clocks from their timing logs.", "goingrate"};
+  CLI::App program{"Fits, diagnoses and simulates pendulum clocks from their timing logs.",
+                   "goingrate"};
   program.set_version_flag("--version", "goingrate " GOINGRATE_VERSION);
   program.require_subcommand(1);
   program.fallthrough();

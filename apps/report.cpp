@@ -5,8 +5,8 @@
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/report.hpp"
 
-#include <fmt/format.h>
 #include <filesystem>
+#include <fmt/format.h>
 #include <memory>
 
 namespace goingrate::apps {
@@ -27,8 +27,8 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
   data.fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
                        fit_options(options.model, loaded, global));
-  DriveAnalysis drive = analyse_drive(loaded, data.fit, 0.0);
-  data.rate_spectrum = std::move(drive.rate_spectrum);
+  DriveAnalysis drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
+  if (drive.rate_spectrum) data.rate_spectrum = std::move(*drive.rate_spectrum);
   data.response = drive.response;
   data.split = std::move(drive.split);
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
@@ -47,16 +47,18 @@ std::string page_beside(const std::string& log) {
 void run(const ReportCommand& options, const GlobalOptions& global) {
   const ReportData data = gather(options, global);
   const std::string page = options.output.empty() ? page_beside(options.log.path) : options.output;
-  write_json(options.json, report_json(data));
-  write_whole_file(page, report_html(data));
-  if (options.json != "-" && page != "-") write_whole_file("-", report_text(data));
+  const bool talk = options.json != "-" && page != "-";
+  write_whole_files({{options.json, report_json(data)},
+                     {page, report_html(data)},
+                     {talk ? "-" : "", report_text(data)}});
   if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).string());
 }
 
 } // namespace
 
 void add_report(CLI::App& program, const GlobalOptions& global) {
-  auto* command = program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
+  auto* command =
+      program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
   auto options = std::make_shared<ReportCommand>();
   options->model.events = {"auto"};
   add_log_options(*command, options->log);

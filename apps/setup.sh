@@ -1,17 +1,16 @@
 #!/usr/bin/env bash
-# Installs what goingrate is built with, on Debian and its kin; elsewhere says what is needed.
-# Meant to be sourced: `. apps/setup.sh [extra package ...]`. Silent if everything is there.
-goingrate_packages=(g++ cmake ninja-build pkg-config libboost-dev libeigen3-dev libceres-dev
-  libfftw3-dev libfmt-dev libfast-float-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev "$@")
-
+# goingrate_setup [EXTRA PACKAGE ...]: installs what goingrate is built with, on Debian and its kin;
+# elsewhere says what is needed. Meant to be sourced. Silent if everything is there.
 goingrate_setup() {
+  local packages=(g++ cmake ninja-build pkg-config libboost-dev libeigen3-dev libceres-dev libfftw3-dev
+    libfmt-dev libfast-float-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev "$@")
   if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
-    echo "This is no Debian system. goingrate needs (Debian's names): ${goingrate_packages[*]}" >&2
+    echo "This is no Debian system. goingrate needs (Debian's names): ${packages[*]}" >&2
     echo "Going on; CMake will say what it does not find." >&2
     return 0
   fi
   local missing=() package
-  for package in "${goingrate_packages[@]}"; do
+  for package in "${packages[@]}"; do
     dpkg-query -W -f='${db:Status-Status}\n' "$package" 2> /dev/null | grep -qx installed \
       || missing+=("$package")
   done
@@ -24,5 +23,3 @@ goingrate_setup() {
       apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null && return 0
   echo "The packages could not be installed; going on in case CMake finds what it needs." >&2
 }
-
-goingrate_setup

@@ -33,6 +33,7 @@ void append_truth(std::string& text, const Period& period) {
 }
 
 std::string why_stopped(SwingStatus status) {
+  if (status == SwingStatus::not_finite) return "the numbers overflowed";
   return status == SwingStatus::overturned ? "the pendulum passed the top" : "the clock stalled";
 }
 
@@ -47,15 +48,15 @@ void run(const SimulateOptions& options, const GlobalOptions& global) {
     sensor.see(*period);
     if (!options.truth.empty()) append_truth(truth, *period);
   }
-  if (run.last().cycle == 0)
-    throw NumericsError(why_stopped(run.status()) + " before it completed a period");
-  if (!options.truth.empty()) write_whole_file(options.truth, truth);
-  write_whole_file(options.output, native_log_text(sensor.log(scenario.clock.nominal_period_s),
-                                                   decimals_for(scenario.sensor)));
-  say(global, fmt::format("{} periods by direct integration", run.last().cycle));
   if (run.status() != SwingStatus::crossed)
-    throw NumericsError(fmt::format("{} after {} periods; what was written ends there",
-                                    why_stopped(run.status()), run.last().cycle));
+    throw NumericsError(
+        fmt::format("{} after {} periods; nothing was written (--set run.periods={} "
+                    "ends before)",
+                    why_stopped(run.status()), run.last().cycle, run.last().cycle));
+  write_whole_files({{options.truth, truth},
+                     {options.output, native_log_text(sensor.log(scenario.clock.nominal_period_s),
+                                                      decimals_for(scenario.sensor))}});
+  say(global, fmt::format("{} periods by direct integration", run.last().cycle));
 }
 
 } // namespace
@@ -65,7 +66,8 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
   auto options = std::make_shared<SimulateOptions>();
   command->add_option("scenario", options->scenario, "scenario in TOML; '-' is standard input")
       ->required();
-  command->add_option("-o,--output", options->output, "the log to write; standard output if not given");
+  command->add_option("-o,--output", options->output,
+                      "the log to write; standard output if not given");
   command->add_option("--truth", options->truth, "also write the true state, one row a period");
   command->add_option("--seed", options->seed, "of the random streams")->capture_default_str();
   command->add_option("--set", options->overrides, "override a key of the scenario: clock.mu=3e-5")

@@ -24,11 +24,15 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitSummary fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
                                    fit_options(options.model, loaded, global));
-  const DriveAnalysis drive = analyse_drive(loaded, fit, options.split_hz);
-  write_json(options.json, spectrum_json(drive.rate_spectrum, drive.response, drive.split));
-  if (!options.output.empty()) write_whole_file(options.output, spectrum_table(drive.rate_spectrum));
-  if (options.json != "-" && options.output != "-")
-    write_whole_file("-", split_text(drive.response, drive.split));
+  const DriveAnalysis drive =
+      analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
+  if (!drive.rate_spectrum)
+    throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
+  const bool talk = options.json != "-" && options.output != "-";
+  write_whole_files(
+      {{options.json, spectrum_json(*drive.rate_spectrum, drive.response, drive.split)},
+       {options.output, spectrum_table(*drive.rate_spectrum)},
+       {talk ? "-" : "", split_text(drive.response, drive.split)}});
 }
 
 } // namespace

@@ -18,7 +18,7 @@ struct StabilityCommand {
   std::string data = "timestamps";
   std::string taus = "octave";
   double tau0_s = 0.0;
-  std::string output = "-";
+  std::string output;
   std::string json;
 };
 
@@ -50,7 +50,7 @@ std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points,
   if (taus == "octave") return octave_factors(points);
   if (taus == "decade") return decade_factors(points);
   if (taus == "all") return all_factors(points);
-  return listed_factors(taus, points, tau0_s);
+  return factors_for(numbers_in("taus", taus), points, tau0_s);
 }
 
 void run(const StabilityCommand& options, const GlobalOptions& global) {
@@ -58,8 +58,8 @@ void run(const StabilityCommand& options, const GlobalOptions& global) {
   const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s);
   const DeviationKind kind = options.kind == "adev" ? DeviationKind::adev : DeviationKind::oadev;
   const DeviationTable table = allan_deviation(kind, phase.phase_s, phase.tau0_s, factors);
-  write_json(options.json, stability_json(table));
-  if (options.json != "-") write_whole_file(options.output, deviation_text(table));
+  write_whole_files({{options.json, stability_json(table)},
+                     {table_output(options.output, options.json), deviation_text(table)}});
 }
 
 } // namespace
@@ -69,14 +69,20 @@ void add_stability(CLI::App& program, const GlobalOptions& global) {
   auto options = std::make_shared<StabilityCommand>();
   add_log_options(*command, options->log);
   command->add_option("--kind", options->kind, "oadev (overlapping) or adev")
-      ->check(CLI::IsMember({"oadev", "adev"}))->capture_default_str();
-  command->add_option("--data", options->data,
-                      "what the file holds: timestamps (a log), phase (s) or frequency, one a line")
-      ->check(CLI::IsMember({"timestamps", "phase", "frequency"}))->capture_default_str();
-  command->add_option("--tau0", options->tau0_s, "time between values, s; of a log: its nominal period")
+      ->check(CLI::IsMember({"oadev", "adev"}))
+      ->capture_default_str();
+  command
+      ->add_option("--data", options->data,
+                   "what the file holds: timestamps (a log), phase (s) or frequency, one a line")
+      ->check(CLI::IsMember({"timestamps", "phase", "frequency"}))
+      ->capture_default_str();
+  command
+      ->add_option("--tau0", options->tau0_s,
+                   "time between values, s; of a log: its nominal period")
       ->check(CLI::PositiveNumber);
-  command->add_option("--taus", options->taus,
-                      "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
+  command
+      ->add_option("--taus", options->taus,
+                   "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "the table; standard output if not given");
   add_json_option(*command, options->json);

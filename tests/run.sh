@@ -2,7 +2,8 @@
 # Sets up, builds and runs all tests; ends with ctest's summary. Arguments go to ctest.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-. apps/setup.sh libgtest-dev zlib1g-dev dpkg-dev file
+. apps/setup.sh
+goingrate_setup libgtest-dev zlib1g-dev dpkg-dev file
 cmake --preset release -DBUILD_TESTING=ON -DGOINGRATE_WARNINGS_AS_ERRORS=ON > /dev/null
 cmake --build --preset release -j2
 ctest --preset release "$@"

@@ -2,12 +2,14 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
-#include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
@@ -27,33 +29,53 @@ void write_all(int file, std::string_view text, const std::string& path) {
 // Owns a temporary file beside the target until it is committed by a rename.
 class Draft {
 public:
-  explicit Draft(const std::string& target) : target_(target) {
-    name_ = fmt::format("{}.part-{}", target, ::getpid());
-    file_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file_ < 0) throw OutputError(target, std::strerror(errno));
+  Draft(const std::string& path, std::string_view text) : target_(path) {
+    std::error_code not_there; // a link is followed, so that the file it names is replaced
+    if (std::filesystem::is_symlink(path, not_there))
+      target_ = std::filesystem::weakly_canonical(path, not_there).string();
+    name_ = target_ + ".part-XXXXXX";
+    file_ = ::mkostemp(name_.data(), O_CLOEXEC);
+    if (file_ < 0) throw OutputError(path, std::strerror(errno));
+    try {
+      keep_mode();
+      write_all(file_, text, path);
+      const bool synced = ::fsync(file_) == 0 || errno == EINVAL;
+      const bool closed = ::close(std::exchange(file_, -1)) == 0;
+      if (!synced || !closed) throw OutputError(path, std::strerror(errno));
+    } catch (...) {
+      discard();
+      throw;
+    }
   }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
-  ~Draft() {
-    if (file_ >= 0) ::close(file_);
-    if (!committed_) ::unlink(name_.c_str());
-  }
+  Draft(Draft&& other) noexcept
+      : target_(std::move(other.target_)), name_(std::exchange(other.name_, {})),
+        file_(std::exchange(other.file_, -1)) {}
+  Draft& operator=(Draft&&) = delete;
+  ~Draft() { discard(); }
 
-  void commit(std::string_view text) {
-    write_all(file_, text, target_);
-    const bool synced = ::fsync(file_) == 0 || errno == EINVAL;
-    const bool closed = ::close(std::exchange(file_, -1)) == 0;
-    if (!synced || !closed) throw OutputError(target_, std::strerror(errno));
+  void commit() {
     if (::rename(name_.c_str(), target_.c_str()) != 0)
       throw OutputError(target_, std::strerror(errno));
-    committed_ = true;
+    name_.clear();
   }
 
 private:
+  // A replaced file keeps its mode; a new one gets what the user's mask leaves.
+  void keep_mode() const {
+    struct stat old {};
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    const bool replaces = ::stat(target_.c_str(), &old) == 0;
+    ::fchmod(file_, replaces ? old.st_mode & 07777 : 0666 & ~mask);
+  }
+  void discard() {
+    if (file_ >= 0) ::close(std::exchange(file_, -1));
+    if (!name_.empty()) ::unlink(name_.c_str());
+  }
+
   std::string target_;
   std::string name_;
   int file_ = -1;
-  bool committed_ = false;
 };
 
 bool is_special_file(const std::string& path) {
@@ -63,18 +85,41 @@ bool is_special_file(const std::string& path) {
          !std::filesystem::is_directory(status);
 }
 
+// A stream has no old content to keep: standard output, a pipe, a device.
+bool is_stream(const std::string& path) { return path == "-" || is_special_file(path); }
+
+void write_stream(const std::string& path, std::string_view text) {
+  if (path == "-") return write_all(STDOUT_FILENO, text, "standard output");
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file < 0) throw OutputError(path, std::strerror(errno));
+  try {
+    write_all(file, text, path);
+  } catch (...) {
+    ::close(file);
+    throw;
+  }
+  ::close(file);
+}
+
 } // namespace
 
 void write_whole_file(const std::string& path, std::string_view text) {
-  if (path == "-") return write_all(STDOUT_FILENO, text, "standard output");
-  if (is_special_file(path)) { // a pipe or /dev/null: renaming over it would replace the device
-    const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file < 0) throw OutputError(path, std::strerror(errno));
-    write_all(file, text, path);
-    ::close(file);
-    return;
-  }
-  Draft(path).commit(text);
+  if (is_stream(path)) return write_stream(path, text);
+  Draft(path, text).commit();
+}
+
+void write_whole_files(const std::vector<std::pair<std::string, std::string>>& outputs) {
+  const auto to_stdout = std::count_if(outputs.begin(), outputs.end(),
+                                       [](const auto& output) { return output.first == "-"; });
+  if (to_stdout > 1)
+    throw ArgumentError("output", "-", "given once: standard output holds one result");
+  std::vector<Draft> drafts;
+  for (const auto& [path, text] : outputs)
+    if (!path.empty() && !is_stream(path)) drafts.emplace_back(path, text);
+  for (const auto& [path, text] : outputs)
+    if (!path.empty() && is_stream(path)) write_stream(path, text);
+  for (Draft& draft : drafts)
+    draft.commit();
 }
 
 } // namespace goingrate

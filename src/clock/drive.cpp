@@ -7,10 +7,11 @@
 namespace goingrate {
 
 void check(const DriveVariability& drive) {
-  if (!(drive.fast_rms >= 0.0) || !std::isfinite(drive.fast_rms))
-    throw ArgumentError("fast_rms", drive.fast_rms, "a number not below 0");
-  if (!(drive.slow_rms >= 0.0) || !std::isfinite(drive.slow_rms))
-    throw ArgumentError("slow_rms", drive.slow_rms, "a number not below 0");
+  const auto relative = [](const char* name, double rms) {
+    if (!(rms >= 0.0 && rms <= 100.0)) throw ArgumentError(name, rms, "between 0 and 100");
+  };
+  relative("fast_rms", drive.fast_rms);
+  relative("slow_rms", drive.slow_rms);
   if (drive.slow_rms > 0.0 && !(drive.slow_time_s > 0.0))
     throw ArgumentError("slow_time", drive.slow_time_s, "a positive number of seconds");
 }

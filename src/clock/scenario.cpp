@@ -24,8 +24,7 @@ namespace {
 
 void check_sensor(const SensorSettings& sensor) {
   const auto not_negative = [](std::string_view name, double value) {
-    if (!(value >= 0.0) || !std::isfinite(value))
-      throw ArgumentError(name, value, "a number not below 0");
+    if (!(value >= 0.0 && value <= 1e6)) throw ArgumentError(name, value, "between 0 and 1e6");
   };
   const auto probability = [](std::string_view name, double value) {
     if (!(value >= 0.0 && value < 1.0)) throw ArgumentError(name, value, "at least 0 and below 1");
@@ -51,8 +50,8 @@ void check_event(const ClockEvent& event, ClockParameters& clock) {
 
 void check(const Scenario& scenario) {
   check(scenario.clock);
-  if (scenario.start_amplitude && !(*scenario.start_amplitude > 0.0 &&
-                                    *scenario.start_amplitude < 2.0))
+  if (scenario.start_amplitude &&
+      !(*scenario.start_amplitude > 0.0 && *scenario.start_amplitude < 2.0))
     throw ArgumentError("start.amplitude", *scenario.start_amplitude,
                         "above 0 and below 2 (at 2 the pendulum turns over)");
   if (scenario.periods.has_value() == scenario.duration_s.has_value())
@@ -62,7 +61,8 @@ void check(const Scenario& scenario) {
   if (scenario.duration_s && !(*scenario.duration_s > 0.0 && std::isfinite(*scenario.duration_s)))
     throw ArgumentError("duration", *scenario.duration_s, "a positive number of seconds");
   ClockParameters clock = scenario.clock;
-  for (const ClockEvent& event : scenario.events) check_event(event, clock);
+  for (const ClockEvent& event : scenario.events)
+    check_event(event, clock);
   check(scenario.drive);
   check_sensor(scenario.sensor);
 }
@@ -111,7 +111,8 @@ public:
   void finish() const {
     for (const auto& [key, node] : table_) {
       if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
-        throw InputError(place(key.source()), fmt::format("unknown key '{}{}'", prefix(), key.str()),
+        throw InputError(place(key.source()),
+                         fmt::format("unknown key '{}{}'", prefix(), key.str()),
                          fmt::format("one of {}", fmt::join(known_, ", ")));
     }
   }

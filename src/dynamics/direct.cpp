@@ -10,7 +10,8 @@ namespace goingrate {
 
 DirectPendulum::DirectPendulum(double velocity) : v2_{velocity * velocity, 0.0} {
   if (!(velocity > 0.0 && velocity < 2.0))
-    throw ArgumentError("velocity", velocity, "above 0 and below 2 (where the pendulum turns over)");
+    throw ArgumentError("velocity", velocity,
+                        "above 0 and below 2 (where the pendulum turns over)");
   v2_.lo = std::fma(velocity, velocity, -v2_.hi);
 }
 
@@ -74,8 +75,8 @@ DirectRun::DirectRun(const Scenario& scenario, std::uint64_t seed)
 void DirectRun::apply_due_events() {
   const double nominal_before = clock_.nominal_period_s;
   std::erase_if(pending_, [&](const ClockEvent& event) {
-    const bool due = event.at_period ? now_.cycle >= *event.at_period
-                                     : now_.time_s.value() >= *event.at_s;
+    const bool due =
+        event.at_period ? now_.cycle >= *event.at_period : now_.time_s.value() >= *event.at_s;
     if (due) clock_ = event.applied_to(clock_);
     return due;
   });

@@ -1,5 +1,6 @@
 #include "goingrate/dynamics/stationary.hpp"
 
+#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/half_swing.hpp"
 
 #include <cmath>
@@ -27,17 +28,15 @@ std::optional<double> stationary_rate_first_order(const ClockParameters& clock) 
 }
 
 double rate_excess_of(TwoPart<double> period) {
-  constexpr double two_pi_high = 2.0 * pi;
-  constexpr double two_pi_low = 2.4492935982947064e-16; // 2 pi minus its nearest double
-  period += -two_pi_high;
+  period += -two_pi;
   period += -two_pi_low;
   const double excess = period.value();
-  return -excess / (two_pi_high + excess);
+  return -excess / (two_pi + excess);
 }
 
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
   const auto start = stationary_amplitude(clock);
-  if (!start) return {};
+  if (!start || !(*start < 2.0)) return {}; // beyond, first order starts the search over the top
   // Newton on v^2 with the slope of first order, -2 pi eps per half swing; what the slope lacks is
   // of order eps and lambda^2, so every round gains at least two digits.
   TwoPart<double> v2{*start * *start, 0.0};
@@ -70,8 +69,7 @@ std::optional<DriveResponse> drive_response(const ClockParameters& clock) {
   const double q2 = std::pow(*lambda / clock.phi0, 2);
   DriveResponse response;
   response.fast_gain = clock.epsilon * std::sqrt(q2 - 1.0);
-  response.slow_gain =
-      -*lambda * *lambda / 16.0 + clock.epsilon * q2 / (2.0 * std::sqrt(q2 - 1.0));
+  response.slow_gain = -*lambda * *lambda / 16.0 + clock.epsilon * q2 / (2.0 * std::sqrt(q2 - 1.0));
   response.corner_hz = 2.0 * clock.epsilon / clock.nominal_period_s;
   return response;
 }

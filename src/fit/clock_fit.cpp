@@ -61,32 +61,85 @@ struct Fitted {
   FitProblem problem;
   Minimum minimum;
   double bic = 0.0;
+  Rivals rivals;
 };
 
-Minimum best_start(const FitProblem& problem, const FitOptions& options) {
-  constexpr std::size_t thin = 240;  // beats that tell which valley a start lies in
-  constexpr int few = 12;            // iterations that tell which starts are worth finishing
+// Where the search came to rest on thinned data from different corners of the starting grid.
+std::vector<Minimum> finalists_of(const FitProblem& problem, const FitOptions& options) {
+  constexpr std::size_t thin = 240; // beats that tell which valley a start lies in
+  constexpr int few = 12;           // iterations that tell which starts are worth finishing
   constexpr std::size_t finalists = 6;
   const TimingData data = thinned(problem.data, problem.parameters, thin);
   std::vector<Minimum> tried;
   for (const auto& point : starting_points(problem.parameters, data)) {
-    FitProblem trial{data, problem.parameters, problem.weights, {},
+    FitProblem trial{data,
+                     problem.parameters,
+                     problem.weights,
+                     {},
                      make_priors(options, problem.parameters, point)};
     Minimum minimum = minimise(trial, point, few);
     if (minimum.usable) tried.push_back(std::move(minimum));
     if (problem.parameters.free_count == 0) break;
   }
-  std::sort(tried.begin(), tried.end(),
-            [](const Minimum& a, const Minimum& b) { return a.cost < b.cost; });
+  const auto by_cost = [](const Minimum& a, const Minimum& b) { return a.cost < b.cost; };
+  std::sort(tried.begin(), tried.end(), by_cost);
   if (tried.size() > finalists) tried.resize(finalists);
-  Minimum best;
-  for (const Minimum& start : tried) {
-    FitProblem trial{data, problem.parameters, problem.weights, {},
+  for (Minimum& start : tried) {
+    FitProblem trial{data,
+                     problem.parameters,
+                     problem.weights,
+                     {},
                      make_priors(options, problem.parameters, start.x)};
-    Minimum minimum = minimise(trial, start.x, 200);
-    if (minimum.usable && (!best.usable || minimum.cost < best.cost)) best = std::move(minimum);
+    start = minimise(trial, start.x, 200);
   }
-  return best;
+  std::erase_if(tried, [](const Minimum& minimum) { return !minimum.usable; });
+  std::sort(tried.begin(), tried.end(), by_cost);
+  return tried;
+}
+
+// Two and five sigma along the direction the data know least, as far as that is sane.
+std::vector<std::vector<double>> along_the_valley(const Certainty& known,
+                                                  std::span<const double> x) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(known.unwidened, Eigen::ComputeThinU);
+  const Eigen::VectorXd weakest = svd.matrixU().col(0) * svd.singularValues()[0];
+  const double longest = 3.0 / std::max(weakest.cwiseAbs().maxCoeff(), 1e-300); // a factor e^3
+  std::vector<std::vector<double>> points;
+  for (const double sigmas : {-5.0, -2.0, 2.0, 5.0}) {
+    points.emplace_back(x.begin(), x.end());
+    const double step = std::clamp(sigmas, -longest, longest);
+    for (std::size_t k = 0; k < x.size(); ++k)
+      points.back()[k] += step * weakest[static_cast<Eigen::Index>(k)];
+  }
+  return points;
+}
+
+// Searches again, from the finalists and from along the valley, on at most a few thousand beats;
+// moves to a better minimum if there is one and keeps the others that are nearly as good.
+void find_rivals(Fitted& fitted, const std::vector<Minimum>& finalists) {
+  if (fitted.problem.parameters.free_count == 0) return;
+  constexpr std::size_t enough = 3000; // beats: what is thinned away makes the check stricter
+  constexpr int iterations = 60;
+  const TimingData data = thinned(fitted.problem.data, fitted.problem.parameters, enough);
+  const FitProblem check{
+      data, fitted.problem.parameters, fitted.problem.weights, {}, fitted.problem.priors};
+  Minimum best = minimise(check, fitted.minimum.x, iterations);
+  if (!best.usable) return;
+  std::vector<std::vector<double>> starts = along_the_valley(certainty(check, best.x), best.x);
+  for (const Minimum& finalist : finalists)
+    starts.push_back(finalist.x);
+  std::vector<Minimum> found{best};
+  for (const auto& start : starts) {
+    found.push_back(minimise(check, start, iterations));
+    if (found.back().usable && found.back().cost < best.cost) best = found.back();
+  }
+  if (best.cost < found.front().cost - 0.5) fitted.minimum.x = best.x;
+  fitted.rivals.best = best.x;
+  fitted.rivals.known = certainty(check, best.x);
+  // Three sigma of cost, widened like the sigmas for what the noise leaves unexplained.
+  const double widening = std::max(check.weights.time_widening, check.weights.amplitude_widening);
+  for (const Minimum& other : found)
+    if (other.usable && other.cost - best.cost < 4.5 * widening * widening)
+      fitted.rivals.points.push_back(other.x);
 }
 
 // Alternates between the minimum and the size of the noise; three rounds settle both to a per cent
@@ -104,20 +157,29 @@ void settle(FitProblem& problem, Minimum& minimum, bool keep_noise) {
 }
 
 double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
-  // -2 log likelihood of the whitened times and amplitudes + k log N; constants cancel between models
-  // of one log.
-  const auto rows = static_cast<double>(problem.data.size());
+  // -2 log likelihood of the whitened times and amplitudes + k log N; constants cancel between
+  // models of one log.
+  const auto times = static_cast<double>(problem.data.size()) - 1.0;
+  double amplitudes = 0.0;
+  for (const double a : problem.data.amplitude_rad)
+    amplitudes += std::isnan(a) ? 0.0 : 1.0;
   double deviance = 2.0 * minimum.cost;
   deviance += Whitening(problem.data.cycle, problem.weights.timing).log_determinant();
-  if (problem.data.has_amplitude()) deviance += 2.0 * rows * std::log(problem.weights.amplitude_rad);
-  return deviance + static_cast<double>(problem.parameters.free_count) * std::log(rows);
+  if (amplitudes > 0.0) deviance += 2.0 * amplitudes * std::log(problem.weights.amplitude_rad);
+  return deviance +
+         static_cast<double>(problem.parameters.free_count) * std::log(times + amplitudes);
 }
 
-Fitted fit_averaged(const TimingData& data, const Parameters& parameters, const FitOptions& options) {
-  Fitted fitted{{data, parameters, first_weights(data), {}, {}}, {}, 0.0};
-  fitted.minimum = best_start(fitted.problem, options);
-  if (!fitted.minimum.usable) return fitted;
+Fitted fit_averaged(const TimingData& data, const Parameters& parameters,
+                    const FitOptions& options) {
+  Fitted fitted{{data, parameters, first_weights(data), {}, {}}, {}, 0.0, {}};
+  const auto finalists = finalists_of(fitted.problem, options);
+  if (finalists.empty()) return fitted;
+  fitted.minimum = finalists.front();
   fitted.problem.priors = make_priors(options, parameters, fitted.minimum.x);
+  settle(fitted.problem, fitted.minimum, false);
+  if (!fitted.minimum.usable) return fitted;
+  find_rivals(fitted, finalists);
   settle(fitted.problem, fitted.minimum, false);
   fitted.bic = bayes_criterion(fitted.problem, fitted.minimum);
   return fitted;
@@ -169,21 +231,24 @@ void state_quality(const Fitted& fitted, FitSummary& summary) {
   summary.model_amplitude_rad = prediction->amplitude;
   const auto n = static_cast<double>(data.size());
   double sum = 0.0;
-  for (const double r : summary.residual_s) sum += r * r;
+  for (const double r : summary.residual_s)
+    sum += r * r;
   quality.rms_s = std::sqrt(sum / n);
   const double jitter = std::max(local_jitter(data.cycle, data.lateness_s), least_jitter(data));
   quality.chi2 = sum / (jitter * jitter);
   quality.dof = n - 1.0 - static_cast<double>(problem.parameters.free_count);
   // The jitter itself comes from third differences: variance of its square 4.6/N of its square.
-  const double spread = std::sqrt(2.0 / quality.dof + 4.6 / n);
-  const boost::math::normal chance(1.0, spread);
-  quality.p_value = cdf(complement(chance, quality.chi2 / quality.dof));
+  quality.p_value = unknown;
+  if (quality.dof >= 1.0) {
+    const boost::math::normal chance(1.0, std::sqrt(2.0 / quality.dof + 4.6 / n));
+    quality.p_value = cdf(complement(chance, quality.chi2 / quality.dof));
+  }
   std::vector<double> white(data.size() - 1);
   Whitening(data.cycle, problem.weights.timing).apply<double>(summary.residual_s, white);
   quality.whiteness_p = whiteness_p(white);
   quality.bic = fitted.bic;
-  quality.aic = fitted.bic +
-                static_cast<double>(problem.parameters.free_count) * (2.0 - std::log(n));
+  quality.aic =
+      fitted.bic + static_cast<double>(problem.parameters.free_count) * (2.0 - std::log(n));
   quality.amplitude_rms_rad = unknown;
   if (!data.has_amplitude()) return;
   double amplitude_sum = 0.0;
@@ -218,7 +283,15 @@ struct Choice {
 // friction shows (a stationary log fits anything and says nothing).
 Choice choose_escapement(const TimingData& data, const Parameters& with, const Parameters& without,
                          const FitOptions& options, FitSummary& summary) {
-  const bool may_be_free = options.events.empty() && !options.fixed.contains("mu");
+  const auto speaks_of_escapement = [](const auto& named) {
+    return named == "mu" || named == "phi0";
+  };
+  bool may_be_free =
+      options.events.empty(); // whoever speaks of the escapement means that there is one
+  for (const auto& [name, value] : options.fixed)
+    may_be_free = may_be_free && !speaks_of_escapement(name);
+  for (const Prior& prior : options.priors)
+    may_be_free = may_be_free && !speaks_of_escapement(prior.name);
   bool simpler = false;
   if (may_be_free) {
     constexpr std::size_t enough = 1000; // beats: whether a pendulum is driven shows in a few
@@ -234,8 +307,8 @@ Choice choose_escapement(const TimingData& data, const Parameters& with, const P
     summary.alternatives.push_back({"no escapement (thinned)", free.bic,
                                     simpler ? "explains the log with fewer parameters"
                                             : "no simpler explanation of this log"});
-    summary.alternatives.push_back({"constant-torque (thinned)", driven.bic,
-                                    simpler ? "the drive is not needed" : "taken"});
+    summary.alternatives.push_back(
+        {"constant-torque (thinned)", driven.bic, simpler ? "the drive is not needed" : "taken"});
   }
   return {fit_averaged(data, simpler ? without : with, options), !simpler};
 }
@@ -262,8 +335,17 @@ void state(const Fitted& fitted, const FitOptions& options, double nominal_perio
            FitSummary& summary) {
   Certainty known = certainty(fitted.problem, fitted.minimum.x);
   distrust_ripples(fitted.problem, fitted.minimum.x, known);
-  summary.status = fitted.minimum.converged ? FitStatus::converged : FitStatus::not_converged;
+  distrust_by_rivals(fitted.rivals, known);
+  summary.status = FitStatus::converged;
   summary.termination = fitted.minimum.termination;
+  if (!fitted.minimum.converged) { // it crept along a valley to the end of its patience
+    known.distrusted.assign(known.distrusted.size(), true);
+    summary.termination = "stopped on a flat valley: the log does not determine the parameters";
+  }
+  const NoiseEstimate noise = noise_with_sigmas(
+      fitted.problem.data.cycle, predict_at(fitted.problem, fitted.minimum.x)->residual_s);
+  summary.jitter_relative_sigma = noise.jitter_relative_sigma;
+  summary.walk_relative_sigma = noise.walk_relative_sigma;
   summary.timing_noise = fitted.problem.weights.timing;
   summary.noise = summary.timing_noise.walk_s > 0.0 ? "jitter + random walk" : "jitter";
   summary.amplitude_noise_rad = fitted.problem.weights.amplitude_rad;
@@ -273,7 +355,8 @@ void state(const Fitted& fitted, const FitOptions& options, double nominal_perio
   summary.combinations.clear();
   summary.correlated.clear();
   summary.correlation.clear();
-  state_results(fitted.problem, fitted.minimum.x, known, options, nominal_period_s, summary);
+  state_results(fitted.problem, fitted.minimum.x, known, fitted.rivals, options, nominal_period_s,
+                summary);
 }
 
 } // namespace
@@ -299,14 +382,19 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   const double shift = largest_determined_shift(summary);
   const bool wanted = options.dynamics == FitDynamics::direct ||
                       (options.dynamics == FitDynamics::automatic && shift > 0.2);
-  if (options.dynamics == FitDynamics::averaged1) summary.chosen_by = "asked for";
-  else summary.chosen_by = "first order is good enough: it shifts no determined parameter by more than 0.2 sigma";
-  if (shifts.empty()) summary.chosen_by = "the full equation of motion stops at these parameters; first order is all there is";
+  if (options.dynamics == FitDynamics::averaged1)
+    summary.chosen_by = "asked for";
+  else
+    summary.chosen_by =
+        "first order is good enough: it shifts no determined parameter by more than 0.2 sigma";
+  if (shifts.empty())
+    summary.chosen_by =
+        "the full equation of motion stops at these parameters; first order is all there is";
   if (wanted && !shifts.empty()) {
     const double first_order_bic = fitted.bic;
     if (refine_to_direct(fitted)) {
-      summary.alternatives.push_back({"averaged1", first_order_bic,
-                                      fmt::format("off by up to {:.2g} sigma", shift)});
+      summary.alternatives.push_back(
+          {"averaged1", first_order_bic, fmt::format("off by up to {:.2g} sigma", shift)});
       summary.dynamics = "direct";
       summary.chosen_by = options.dynamics == FitDynamics::direct
                               ? "asked for"
@@ -315,16 +403,21 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
       attach_shifts(fitted.problem.parameters, shifts, summary);
     }
   }
-  summary.alternatives.push_back({summary.dynamics + ", " + summary.escapement, fitted.bic, "chosen"});
+  summary.alternatives.push_back(
+      {summary.dynamics + ", " + summary.escapement, fitted.bic, "chosen"});
   state_quality(fitted, summary);
   return summary;
 }
 
 std::optional<ClockParameters> fitted_clock(const FitSummary& fit) {
   if (fit.status != FitStatus::converged || fit.escapement == "none") return {};
+  constexpr double well_enough = 0.1; // what hangs on the clock is then good to a tenth or so
   std::map<std::string, double> last; // later events overwrite earlier ones
-  for (const FittedParameter& parameter : fit.parameters)
-    last[parameter.name.substr(0, parameter.name.find('@'))] = parameter.value;
+  for (const FittedParameter& parameter : fit.parameters) {
+    const bool vague = parameter.sigma > well_enough * std::abs(parameter.value);
+    last[parameter.name.substr(0, parameter.name.find('@'))] =
+        vague ? std::numeric_limits<double>::quiet_NaN() : parameter.value;
+  }
   const ClockParameters clock{last["T0"], last["epsilon"], last["mu"], last["phi0"]};
   const bool known = std::isfinite(clock.nominal_period_s + clock.epsilon + clock.mu + clock.phi0);
   return known && clock.mu > 0.0 ? std::optional(clock) : std::nullopt;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -52,7 +53,8 @@ private:
 
 double robust_scatter(std::vector<double> values) {
   if (values.empty()) return 0.0;
-  for (double& v : values) v = std::abs(v);
+  for (double& v : values)
+    v = std::abs(v);
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return 1.4826 * *middle; // of a normal deviate about zero
@@ -65,23 +67,28 @@ struct Jumps {
   [[nodiscard]] double score(std::size_t i) const { return std::abs(jump[i]) / scatter; }
 };
 
-// A smooth bend jumps a little everywhere. What the neighbours two windows away foretell (their mean;
-// near an end, the straight line or parabola through those on one side) is taken off where that makes
-// the jump smaller; a sudden change, which its neighbours do not foretell, stays as it is.
+// A smooth bend jumps a little everywhere. What the neighbours two windows away foretell (their
+// mean; near an end, the straight line or parabola through those on one side) is taken off where
+// that makes the jump smaller; a sudden change, which its neighbours do not foretell, stays as it
+// is.
 double without_bend(const std::vector<double>& jump, std::size_t i, std::size_t window) {
   const std::size_t reach = 2 * window;
   const auto at = [&](std::ptrdiff_t k) {
-    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(i) + k * static_cast<std::ptrdiff_t>(reach);
+    const std::ptrdiff_t place =
+        static_cast<std::ptrdiff_t>(i) + k * static_cast<std::ptrdiff_t>(reach);
     const auto w = static_cast<std::ptrdiff_t>(window);
     const bool inside = place >= w && place + w < static_cast<std::ptrdiff_t>(jump.size());
-    return inside ? jump[static_cast<std::size_t>(place)] : std::numeric_limits<double>::quiet_NaN();
+    return inside ? jump[static_cast<std::size_t>(place)]
+                  : std::numeric_limits<double>::quiet_NaN();
   };
   double least = jump[i];
   const auto consider = [&](double foretold) {
     const double left = jump[i] - foretold;
     if (std::isnan(left)) return;
-    if (left * jump[i] <= 0.0) least = 0.0;
-    else if (std::abs(left) < std::abs(least)) least = left;
+    if (left * jump[i] <= 0.0)
+      least = 0.0;
+    else if (std::abs(left) < std::abs(least))
+      least = left;
   };
   consider(0.5 * (at(-1) + at(1)));
   if (std::isnan(at(-1) + at(1))) {
@@ -132,16 +139,15 @@ public:
       error_.time.push_back(beats[i].time - beats[0].time);
       error_.value.push_back(error[i]);
       cycle_.push_back(beats[i].cycle);
-      if (!std::isnan(beats[i].amplitude_rad)) amplitude_.value.push_back(beats[i].amplitude_rad);
     }
-    // Amplitudes are used when every beat has one, so that one index serves both series.
-    if (amplitude_.value.size() == beats.size()) amplitude_.time = error_.time;
-    else amplitude_.value.clear();
-    rate_jumps_ = slope_jumps(error_, options.window, options.least_rate_change / options.least_significance);
+    fill_amplitudes(beats);
+    rate_jumps_ =
+        slope_jumps(error_, options.window, options.least_rate_change / options.least_significance);
     if (!has_amplitude()) return;
     const double per_window = options.least_amplitude_change / options.least_significance;
     const double seconds = static_cast<double>(options.window) * nominal_period_s;
-    swing_jumps_ = slope_jumps(amplitude_, options.window, per_window * amplitude_.value.front() / seconds);
+    swing_jumps_ =
+        slope_jumps(amplitude_, options.window, per_window * amplitude_.value.front() / seconds);
   }
 
   // The larger of the two jumps at beat i, in units of their scatter.
@@ -157,7 +163,8 @@ public:
   [[nodiscard]] std::vector<std::size_t> places() const {
     const std::size_t n = error_.time.size();
     std::vector<double> score(n, 0.0);
-    for (std::size_t i = 0; i < n; ++i) score[i] = significance(i);
+    for (std::size_t i = 0; i < n; ++i)
+      score[i] = significance(i);
     std::vector<std::size_t> found;
     while (found.size() < options_.most_changes) {
       const auto best = std::max_element(score.begin(), score.end());
@@ -168,7 +175,8 @@ public:
       // One change raises the score over a window on each side; a second one needs its own.
       const std::size_t from = at > options_.window ? at - options_.window : 0;
       std::fill(score.begin() + static_cast<std::ptrdiff_t>(from),
-                score.begin() + static_cast<std::ptrdiff_t>(std::min(n, at + options_.window + 1)), 0.0);
+                score.begin() + static_cast<std::ptrdiff_t>(std::min(n, at + options_.window + 1)),
+                0.0);
     }
     std::sort(found.begin(), found.end());
     return found;
@@ -176,7 +184,8 @@ public:
 
   // After a step everything relaxes, and what relaxes is bent: within five windows of a stronger
   // change one of a tenth of its significance is taken for that bend.
-  [[nodiscard]] bool in_the_wake(std::size_t at, double score, const std::vector<std::size_t>& found) const {
+  [[nodiscard]] bool in_the_wake(std::size_t at, double score,
+                                 const std::vector<std::size_t>& found) const {
     return std::any_of(found.begin(), found.end(), [&](std::size_t other) {
       const std::size_t apart = at > other ? at - other : other - at;
       return apart <= 5 * options_.window && score < 0.1 * significance(other);
@@ -189,14 +198,17 @@ public:
     const std::size_t w = options_.window;
     const std::size_t from = at > w ? at - w : 0;
     const std::size_t to = std::min(n, at + w + 1);
-    const double error_scale = std::max(local_white_noise(std::span(error_.value).subspan(from, to - from)), 1e-15);
+    const double error_scale =
+        std::max(local_white_noise(std::span(error_.value).subspan(from, to - from)), 1e-15);
     const double amplitude_scale =
         has_amplitude()
-            ? std::max(local_white_noise(std::span(amplitude_.value).subspan(from, to - from)), 1e-15)
+            ? std::max(local_white_noise(std::span(amplitude_.value).subspan(from, to - from)),
+                       1e-15)
             : 1.0;
     std::size_t best = at;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = std::max(from + 3, at - std::min(at, w / 2)); k + 3 < to && k <= at + w / 2; ++k) {
+    for (std::size_t k = std::max(from + 3, at - std::min(at, w / 2));
+         k + 3 < to && k <= at + w / 2; ++k) {
       double misfit = broken_line_misfit(error_, from, to, k) / (error_scale * error_scale);
       if (has_amplitude())
         misfit += broken_line_misfit(amplitude_, from, to, k) / (amplitude_scale * amplitude_scale);
@@ -223,14 +235,32 @@ public:
   }
 
 private:
+  // One index serves both series: a blank amplitude takes the value before it. With more than a
+  // tenth of them blank the amplitudes are left alone.
+  void fill_amplitudes(std::span<const Beat> beats) {
+    std::size_t blank = 0;
+    double last = unknown;
+    for (const Beat& beat : beats) {
+      blank += std::isnan(beat.amplitude_rad) ? 1 : 0;
+      if (std::isnan(last)) last = beat.amplitude_rad;
+    }
+    if (10 * blank > beats.size()) return;
+    for (const Beat& beat : beats) {
+      if (!std::isnan(beat.amplitude_rad)) last = beat.amplitude_rad;
+      amplitude_.value.push_back(last);
+    }
+    amplitude_.time = error_.time;
+  }
+
   DiaryOptions options_;
   Track error_, amplitude_;
   Jumps rate_jumps_, swing_jumps_;
   std::vector<std::int64_t> cycle_;
 };
 
-// Relaxation of the points [from, to) by Gauss-Newton in the time constant, the rest being linear.
-std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_t to, bool to_zero) {
+// Relaxation of the points [from, to): a search in the rate, all else being linear.
+std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_t to,
+                                bool to_zero) {
   if (to < from + 20) return {};
   const auto n = static_cast<Eigen::Index>(to - from);
   const double span = track.time[to - 1] - track.time[from];
@@ -247,20 +277,18 @@ std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_
     linear = design.colPivHouseholderQr().solve(value);
     return Eigen::VectorXd(value - design * linear);
   };
-  // The rate is scanned from a hundredth to a hundred per span, then narrowed by golden section.
+  // The rate is scanned from a hundredth to a hundred per span, then narrowed.
   double best = 1.0 / span;
   for (double r = 0.01 / span; r < 100.0 / span; r *= 1.2)
     if (misfit(r).squaredNorm() < misfit(best).squaredNorm()) best = r;
-  double low = best / 1.2, high = best * 1.2;
-  constexpr double golden = 0.6180339887498949;
-  while (high - low > 1e-9 * best) {
-    const double a = high - golden * (high - low);
-    const double b = low + golden * (high - low);
-    (misfit(a).squaredNorm() < misfit(b).squaredNorm() ? high : low) = (misfit(a).squaredNorm() < misfit(b).squaredNorm() ? b : a);
-  }
-  const double rate = 0.5 * (low + high);
+  constexpr int bits = 26; // half the digits: the minimum is flat
+  const double rate =
+      boost::math::tools::brent_find_minima([&](double r) { return misfit(r).squaredNorm(); },
+                                            best / 1.2, best * 1.2, bits)
+          .first;
   const Eigen::VectorXd residual = misfit(rate);
-  if (rate < 0.011 / span || rate > 90.0 / span || linear.size() == 0) return {}; // at an end: no curve
+  if (rate < 0.011 / span || rate > 90.0 / span || linear.size() == 0)
+    return {}; // at an end: no curve
   Eigen::MatrixXd jacobian(n, design.cols() + 1);
   jacobian.leftCols(design.cols()) = design;
   jacobian.col(design.cols()) = -linear[0] * time.array() * design.col(0).array();
@@ -269,23 +297,23 @@ std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_
   const std::span<const double> white(residual.data(), static_cast<std::size_t>(n));
   Relaxation result;
   result.time_constant_s = 1.0 / rate;
-  result.sigma_s = std::sqrt(covariance(design.cols(), design.cols()) * correlation_time(white)) / (rate * rate);
+  result.sigma_s =
+      std::sqrt(covariance(design.cols(), design.cols()) * correlation_time(white)) / (rate * rate);
   result.window_s = span;
   result.limit_rad = to_zero ? 0.0 : linear[1];
   result.rms_rad = std::sqrt(residual.squaredNorm() / static_cast<double>(n));
-  result.exponential = whiteness_p(white) > 0.001;
   result.shorter_window_s = result.longer_window_s = unknown;
   if (!(result.sigma_s < result.time_constant_s)) return {};
   return result;
 }
 
 std::size_t first_after(const Track& track, double time_s) {
-  return static_cast<std::size_t>(
-      std::upper_bound(track.time.begin(), track.time.end(), time_s) - track.time.begin());
+  return static_cast<std::size_t>(std::upper_bound(track.time.begin(), track.time.end(), time_s) -
+                                  track.time.begin());
 }
 
-// The relaxation over the window, and over a shorter and a longer one: a single exponential gives the
-// same time each time.
+// The relaxation over the window, and over a shorter and a longer one: a single exponential gives
+// the same time each time.
 std::optional<Relaxation> recovery_after(const Track& track, std::size_t from, double window_s) {
   const auto over = [&](double part) {
     return relax(track, from, first_after(track, track.time[from] + part * window_s), false);
@@ -296,12 +324,17 @@ std::optional<Relaxation> recovery_after(const Track& track, std::size_t from, d
   const auto longer = over(1.25);
   recovery->shorter_window_s = shorter ? shorter->time_constant_s : unknown;
   recovery->longer_window_s = longer ? longer->time_constant_s : unknown;
+  // The three share their data: twice the sigma of one is what they may differ by, doubled for
+  // safety.
+  const double apart = recovery->longer_window_s - recovery->shorter_window_s;
+  recovery->exponential = !(std::abs(apart) > 4.0 * recovery->sigma_s);
   return recovery;
 }
 
 double mean_value(const Track& track, std::size_t from, std::size_t to) {
   double sum = 0.0;
-  for (std::size_t i = from; i < to; ++i) sum += track.value[i];
+  for (std::size_t i = from; i < to; ++i)
+    sum += track.value[i];
   return sum / static_cast<double>(to - from);
 }
 
@@ -312,7 +345,8 @@ bool begins_interruption(const Change& change) {
 
 bool ends_interruption(const Change& begin, const Change& end) {
   const bool returns = end.rate_change > 0.0 && end.amplitude_slope_change > 0.0;
-  return returns && std::abs(end.rate_change + begin.rate_change) < 0.5 * std::abs(begin.rate_change);
+  return returns &&
+         std::abs(end.rate_change + begin.rate_change) < 0.5 * std::abs(begin.rate_change);
 }
 
 std::vector<Interruption> interruptions_among(const std::vector<Change>& changes,
@@ -322,13 +356,15 @@ std::vector<Interruption> interruptions_among(const std::vector<Change>& changes
   for (std::size_t j = 0; j < changes.size(); ++j) {
     if (!begins_interruption(changes[j])) continue;
     std::size_t k = j + 1;
-    while (k < changes.size() && !ends_interruption(changes[j], changes[k])) ++k;
+    while (k < changes.size() && !ends_interruption(changes[j], changes[k]))
+      ++k;
     if (k == changes.size()) continue;
     const std::size_t from = knots[j], to = knots[k];
     Interruption event;
     event.begin = changes[j];
     event.end = changes[k];
-    event.amplitude_before_rad = mean_value(amplitude, from - std::min<std::size_t>(from, 20), from);
+    event.amplitude_before_rad =
+        mean_value(amplitude, from - std::min<std::size_t>(from, 20), from);
     event.amplitude_after_rad = mean_value(amplitude, to - std::min<std::size_t>(to - from, 5), to);
     event.rate_change = changes[j].rate_change;
     event.decay = relax(amplitude, from, to, true);
@@ -341,8 +377,10 @@ std::vector<Interruption> interruptions_among(const std::vector<Change>& changes
 
 } // namespace
 
-Diary keep_diary(std::span<const Beat> beats, double nominal_period_s, const DiaryOptions& options) {
-  if (options.window < 4) throw ArgumentError("window", static_cast<double>(options.window), "at least 4");
+Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
+                 const DiaryOptions& options) {
+  if (options.window < 4)
+    throw ArgumentError("window", static_cast<double>(options.window), "at least 4");
   Diary diary;
   if (beats.size() < 4 * options.window) return diary; // nothing to compare a change with
   const Search search(beats, nominal_period_s, options);
@@ -359,11 +397,24 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s, const Dia
   for (std::size_t j = 0; j < knots.size(); ++j) {
     const std::size_t k = knots[j];
     const std::size_t before = std::max(j == 0 ? 0 : knots[j - 1], k - std::min(k, options.window));
-    const std::size_t after = std::min(j + 1 < knots.size() ? knots[j + 1] : beats.size(), k + options.window);
+    const std::size_t after =
+        std::min(j + 1 < knots.size() ? knots[j + 1] : beats.size(), k + options.window);
     diary.changes.push_back(search.change_at(k, before, after));
   }
-  if (search.has_amplitude()) diary.interruptions = interruptions_among(diary.changes, knots, search.amplitude(), options);
+  if (search.has_amplitude())
+    diary.interruptions = interruptions_among(diary.changes, knots, search.amplitude(), options);
   return diary;
+}
+
+std::vector<Change> strongest_changes(const Diary& diary, std::size_t most) {
+  std::vector<Change> changes = diary.changes;
+  std::stable_sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
+    return a.significance > b.significance;
+  });
+  if (changes.size() > most) changes.resize(most);
+  std::sort(changes.begin(), changes.end(),
+            [](const Change& a, const Change& b) { return a.cycle < b.cycle; });
+  return changes;
 }
 
 } // namespace goingrate

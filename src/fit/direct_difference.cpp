@@ -41,16 +41,13 @@ public:
     // t - n P = (time - 2 pi n) T0/2pi + n (T0 - P): both brackets are small.
     TwoPart<double> excess = time_;
     const double turns = two_pi * static_cast<double>(cycle_);
-    constexpr double two_pi_low = 2.4492935982947064e-16; // 2 pi minus its nearest double
     excess += -turns;
     excess += -std::fma(two_pi, static_cast<double>(cycle_), -turns);
     excess += -two_pi_low * static_cast<double>(cycle_);
     return excess.value() * going_.T0 / two_pi +
            static_cast<double>(cycle_) * (going_.T0 - reference_period_s);
   }
-  [[nodiscard]] double amplitude() const {
-    return turning_angle_of_velocity(pendulum_.velocity());
-  }
+  [[nodiscard]] double amplitude() const { return turning_angle_of_velocity(pendulum_.velocity()); }
 
 private:
   static double start(const Parameters& parameters, std::span<const double> x,
@@ -93,7 +90,8 @@ std::optional<Correction> difference_to_direct(const FitProblem& problem,
   Prediction<double> averaged;
   if (!predict(problem.parameters, x, seen, averaged)) return {};
   correction.residual_s = averaged.residual_s;
-  for (std::size_t i = 0; i < seen.size(); ++i) correction.amplitude[i] -= averaged.amplitude[i];
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    correction.amplitude[i] -= averaged.amplitude[i];
   return correction;
 }
 

@@ -24,11 +24,11 @@ double shape_of_jitter(double frequency_hz, double period_s) {
 
 // The two unknowns of the white model and their covariance.
 struct White {
-  double drive = 0.0;    // D_fast, 1/Hz
-  double jitter2 = 0.0;  // j^2, s^2
+  double drive = 0.0;   // D_fast, 1/Hz
+  double jitter2 = 0.0; // j^2, s^2
   double drive_sigma = 0.0;
   double jitter2_sigma = 0.0;
-  bool both = true;      // both are above 0; otherwise the other one is at its bound
+  bool both = true; // both are above 0; otherwise the other one is at its bound
 };
 
 // Normal equations of sum w (S - D h - J s)^2 with w = 1/model^2: at convergence those of Whittle's
@@ -41,16 +41,18 @@ struct Sums {
 // frequencies a thousandfold and the median of their block hardly at all.
 class WhiteFit {
 public:
-  WhiteFit(const Spectrum& spectrum, double period_s, const DriveResponse& response, double split_hz) {
+  WhiteFit(const Spectrum& spectrum, double period_s, const DriveResponse& response,
+           double split_hz) {
     for (const double f : spectrum.frequency_hz) {
       gain2_.push_back(std::norm(response.at(f)));
       shape_.push_back(shape_of_jitter(f, period_s));
     }
     const auto& f = spectrum.frequency_hz;
-    // The tail of the slow drive reaches above the split and falls as 1/f^2: from ten times the split
-    // it is a hundredth. At least the upper half is left to fit the white part.
+    // The tail of the slow drive reaches above the split and falls as 1/f^2: from ten times the
+    // split it is a hundredth. At least the upper half is left to fit the white part.
     const double clear_hz = std::max(10.0 * split_hz, spectrum.resolution_hz);
-    auto first = static_cast<std::size_t>(std::upper_bound(f.begin(), f.end(), clear_hz) - f.begin());
+    auto first =
+        static_cast<std::size_t>(std::upper_bound(f.begin(), f.end(), clear_hz) - f.begin());
     first = std::min(first, f.size() / 2);
     make_blocks(spectrum, first);
   }
@@ -77,9 +79,9 @@ private:
     double gain2 = 0.0, shape = 0.0, density = 0.0;
   };
 
-  // Each density is chi-squared over its degrees of freedom times the truth: the median lies below the
-  // mean by a known factor, and scatters as 1/(4 n p^2), p the probability density at the median. Hann
-  // windowing correlates neighbours, so that 1.9 frequencies count as one.
+  // Each density is chi-squared over its degrees of freedom times the truth: the median lies below
+  // the mean by a known factor, and scatters as 1/(4 n p^2), p the probability density at the
+  // median. Hann windowing correlates neighbours, so that 1.9 frequencies count as one.
   void make_blocks(const Spectrum& spectrum, std::size_t first) {
     const std::size_t n = gain2_.size() - first;
     const std::size_t size = std::clamp<std::size_t>(n / 100, std::min<std::size_t>(8, n), 256);
@@ -132,8 +134,10 @@ private:
     White white;
     white.drive = (s.hy * s.ss - s.sy * s.hs) / determinant;
     white.jitter2 = (s.sy * s.hh - s.hy * s.hs) / determinant;
-    if (white.drive <= 0.0) white = {0.0, s.sy / s.ss, 0.0, 0.0, false};
-    else if (white.jitter2 <= 0.0) white = {s.hy / s.hh, 0.0, 0.0, 0.0, false};
+    if (white.drive <= 0.0)
+      white = {0.0, s.sy / s.ss, 0.0, 0.0, false};
+    else if (white.jitter2 <= 0.0)
+      white = {s.hy / s.hh, 0.0, 0.0, 0.0, false};
     return white;
   }
 
@@ -179,7 +183,8 @@ std::vector<double> rate_about_fit(std::span<const Beat> beats, double nominal_p
   for (std::size_t i = 1; i < beats.size(); ++i) {
     const double late = fit.residual_s[i] - fit.residual_s[i - 1];
     const double rate = -late / (beats[i].time - beats[i - 1].time);
-    series.insert(series.end(), static_cast<std::size_t>(beats[i].cycle - beats[i - 1].cycle), rate);
+    series.insert(series.end(), static_cast<std::size_t>(beats[i].cycle - beats[i - 1].cycle),
+                  rate);
   }
   return series;
 }
@@ -208,6 +213,21 @@ DriveSplit split_drive(const Spectrum& spectrum, double period_s, const DriveRes
     result.note += fmt::format("{}the log is too short for the slow drive: it would take {:.3g} s",
                                result.note.empty() ? "" : "; ", 3.0 / result.split_hz);
   return result;
+}
+
+DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
+                            const FitSummary& fit, double split_hz) {
+  DriveAnalysis drive;
+  const auto rates = rate_about_fit(beats, nominal_period_s, fit);
+  if (rates.size() < 8) return drive;
+  // One segment, for the longest reach; a trend is a slow variation too and stays in.
+  drive.rate_spectrum =
+      welch_spectrum(rates, nominal_period_s, {.segment = rates.size(), .detrend_linear = false});
+  const auto clock = fitted_clock(fit);
+  if (clock) drive.response = drive_response(*clock);
+  if (drive.response && drive.rate_spectrum->frequency_hz.size() >= 8)
+    drive.split = split_drive(*drive.rate_spectrum, nominal_period_s, *drive.response, split_hz);
+  return drive;
 }
 
 } // namespace goingrate

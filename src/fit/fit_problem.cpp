@@ -12,8 +12,7 @@ template <class T> struct Rows {
   std::size_t times = 0;
 };
 
-template <class T>
-bool evaluate(const FitProblem& problem, std::span<const T> x, Rows<T>& rows) {
+template <class T> bool evaluate(const FitProblem& problem, std::span<const T> x, Rows<T>& rows) {
   const TimingData& data = problem.data;
   Prediction<T> prediction;
   if (!predict(problem.parameters, x, data, prediction)) return false;
@@ -41,7 +40,8 @@ template <int width>
 std::optional<Linearisation> linearise_with(const FitProblem& problem, std::span<const double> x) {
   using Jet = ceres::Jet<double, width>;
   std::vector<Jet> jets;
-  for (std::size_t k = 0; k < x.size(); ++k) jets.emplace_back(x[k], static_cast<int>(k));
+  for (std::size_t k = 0; k < x.size(); ++k)
+    jets.emplace_back(x[k], static_cast<int>(k));
   Rows<Jet> rows;
   if (!evaluate<Jet>(problem, jets, rows)) return {};
   Linearisation result;
@@ -61,7 +61,8 @@ std::optional<Linearisation> linearise_with(const FitProblem& problem, std::span
 
 std::size_t row_count(const FitProblem& problem) {
   std::size_t rows = problem.data.size() - 1 + problem.priors.size();
-  for (const double amplitude : problem.data.amplitude_rad) rows += std::isnan(amplitude) ? 0 : 1;
+  for (const double amplitude : problem.data.amplitude_rad)
+    rows += std::isnan(amplitude) ? 0 : 1;
   return rows;
 }
 
@@ -114,22 +115,23 @@ std::optional<Prediction<double>> predict_at(const FitProblem& problem, std::spa
     mean += prediction.residual_s[i];
   }
   mean /= static_cast<double>(prediction.residual_s.size());
-  for (double& r : prediction.residual_s) r -= mean;
+  for (double& r : prediction.residual_s)
+    r -= mean;
   return prediction;
 }
 
 Minimum minimise(const FitProblem& problem, std::vector<double> start, int iterations) {
   Minimum minimum;
   minimum.x = std::move(start);
-  Rows<double> rows;
-  if (!evaluate<double>(problem, minimum.x, rows)) {
+  const auto at_start = linearise(problem, minimum.x); // with derivatives, which can overflow alone
+  if (!at_start || !at_start->residual.allFinite() || !at_start->jacobian.allFinite()) {
     minimum.termination = "the start lies outside the domain of the model";
     return minimum;
   }
   if (problem.parameters.free_count == 0) {
     minimum.usable = minimum.converged = true;
     minimum.termination = "nothing free";
-    for (const double row : rows.value) minimum.cost += 0.5 * row * row;
+    minimum.cost = 0.5 * at_start->residual.squaredNorm();
     return minimum;
   }
   ceres::Problem ceres_problem;
@@ -139,7 +141,8 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, int itera
   options.max_num_iterations = iterations;
   options.logging_type = ceres::SILENT;
   // A step that changes the cost (half a chi-squared) by 1e-4 is a hundredth of a sigma.
-  options.function_tolerance = 1e-4 / std::max(0.5 * static_cast<double>(rows.value.size()), 1.0);
+  options.function_tolerance =
+      1e-4 / std::max(0.5 * static_cast<double>(at_start->residual.size()), 1.0);
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-13;
   ceres::Solver::Summary summary;

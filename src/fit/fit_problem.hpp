@@ -9,8 +9,8 @@
 
 namespace goingrate::timing_model {
 
-/// What is known of the noise, and how much wider a sigma becomes for what the noise leaves unexplained
-/// (see Certainty); the widening does not change the weights.
+/// What is known of the noise, and how much wider a sigma becomes for what the noise leaves
+/// unexplained (see Certainty); the widening does not change the weights.
 struct Weights {
   TimingNoise timing;
   double amplitude_rad = 0.0;
@@ -39,7 +39,8 @@ struct FitProblem {
   std::vector<CoordinatePrior> priors;
 };
 
-/// Whitened residuals of times, then of amplitudes, then priors; and their Jacobian by columns of x.
+/// Whitened residuals of times, then of amplitudes, then priors; and their Jacobian by columns of
+/// x.
 struct Linearisation {
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;
@@ -65,13 +66,13 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, int itera
 /// Residuals of time (s, mean removed) and model amplitudes at x.
 std::optional<Prediction<double>> predict_at(const FitProblem& problem, std::span<const double> x);
 
-/// The difference between the full equation of motion and the averaged one at x; nothing if the full
-/// pendulum stops before the log ends.
+/// The difference between the full equation of motion and the averaged one at x; nothing if the
+/// full pendulum stops before the log ends.
 std::optional<Correction> difference_to_direct(const FitProblem& problem,
                                                std::span<const double> x);
 
-/// Velocity at the crossing over averaged amplitude in the limit cycle of the first clock; 1 if it has
-/// none.
+/// Velocity at the crossing over averaged amplitude in the limit cycle of the first clock; 1 if it
+/// has none.
 double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x);
 
 /// The most free parameters a fit may have: the width of the automatic derivatives.

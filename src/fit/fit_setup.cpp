@@ -34,11 +34,16 @@ constexpr double typical_torque = 1e-5;    // scale of a changed torque where th
 
 std::string_view base_name(Quantity quantity) {
   switch (quantity) {
-  case Quantity::T0: return "T0";
-  case Quantity::epsilon: return "epsilon";
-  case Quantity::mu: return "mu";
-  case Quantity::phi0: return "phi0";
-  case Quantity::lambda0: break;
+  case Quantity::T0:
+    return "T0";
+  case Quantity::epsilon:
+    return "epsilon";
+  case Quantity::mu:
+    return "mu";
+  case Quantity::phi0:
+    return "phi0";
+  case Quantity::lambda0:
+    break;
   }
   return "lambda0";
 }
@@ -94,6 +99,8 @@ Parameters make_parameters(const FitOptions& options, const TimingData& data, bo
       throw ArgumentError("event", cycle, "inside the log, after the event before it");
     parameters.event_cycles.push_back(last = cycle);
     for (const std::string& name : event.names) {
+      if (std::count(event.names.begin(), event.names.end(), name) > 1)
+        throw ArgumentError("event", name, "named once at each event");
       const Quantity quantity = changing_quantity(name);
       const bool torque = quantity == Quantity::mu;
       add(quantity, parameters.event_cycles.size(),
@@ -101,11 +108,15 @@ Parameters make_parameters(const FitOptions& options, const TimingData& data, bo
     }
   }
   for (const auto& [name, value] : options.fixed)
-    if (!known.contains(name)) throw ArgumentError("fix", name, fmt::format("{}", fmt::join(known, ", ")));
+    if (!known.contains(name))
+      throw ArgumentError("fix", name, fmt::format("{}", fmt::join(known, ", ")));
   for (const Prior& prior : options.priors) {
     if (!known.contains(prior.name))
       throw ArgumentError("prior", prior.name, fmt::format("{}", fmt::join(known, ", ")));
-    if (!(prior.sigma > 0.0) || !(prior.value > 0.0))
+    if (options.fixed.contains(prior.name))
+      throw ArgumentError("prior", prior.name, "a parameter that is not fixed");
+    const bool zero_allowed = prior.name.starts_with("mu@");
+    if (!(prior.sigma > 0.0) || !(prior.value > 0.0 || (zero_allowed && prior.value == 0.0)))
       throw ArgumentError("prior", prior.name, "VALUE+-SIGMA, both above 0");
   }
   if (parameters.free_count > most_parameters)
@@ -121,8 +132,12 @@ std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parame
     if (!slot.free) continue;
     const double centre = start[slot.index];
     switch (slot.coordinate) {
-    case Coordinate::logarithm: priors.push_back({slot.index, centre, 5.0}); break;
-    case Coordinate::stretch: priors.push_back({slot.index, 0.0, 0.01}); break;
+    case Coordinate::logarithm:
+      priors.push_back({slot.index, centre, 5.0});
+      break;
+    case Coordinate::stretch:
+      priors.push_back({slot.index, 0.0, 0.01});
+      break;
     case Coordinate::multiple:
       priors.push_back({slot.index, centre, 5.0 * std::max(1.0, std::abs(centre))});
       break;
@@ -173,7 +188,8 @@ double known_amplitude(const TimingData& data, bool last) {
   const std::size_t take = std::min<std::size_t>(seen.size(), 20);
   const auto begin = last ? seen.end() - static_cast<std::ptrdiff_t>(take) : seen.begin();
   double sum = 0.0;
-  for (auto it = begin; it != begin + static_cast<std::ptrdiff_t>(take); ++it) sum += *it;
+  for (auto it = begin; it != begin + static_cast<std::ptrdiff_t>(take); ++it)
+    sum += *it;
   return sum / static_cast<double>(take);
 }
 
@@ -197,12 +213,21 @@ std::vector<double> coordinates(const Guess& guess, const Parameters& parameters
   for (const Slot& slot : parameters.slots) {
     double value = 0.0;
     switch (slot.quantity) {
-    case Quantity::T0: value = data.reference_period_s; break;
-    case Quantity::epsilon: value = epsilon; break;
-    case Quantity::phi0: value = phi0; break;
-    case Quantity::lambda0: value = guess.lambda * guess.start_ratio; break;
+    case Quantity::T0:
+      value = data.reference_period_s;
+      break;
+    case Quantity::epsilon:
+      value = epsilon;
+      break;
+    case Quantity::phi0:
+      value = phi0;
+      break;
+    case Quantity::lambda0:
+      value = guess.lambda * guess.start_ratio;
+      break;
     case Quantity::mu:
-      if (slot.event > 0) mu = std::max(0.02 * mu, mu + rate_jump(data, parameters, slot.event) / fast_gain);
+      if (slot.event > 0)
+        mu = std::max(0.02 * mu, mu + rate_jump(data, parameters, slot.event) / fast_gain);
       if (!slot.free) mu = slot.fixed_value;
       value = mu;
       break;
@@ -236,12 +261,14 @@ TimingData thinned(const TimingData& data, const Parameters& parameters, std::si
   std::set<std::size_t> chosen;
   const std::size_t last = data.size() - 1;
   const std::size_t even = count / (parameters.event_cycles.size() + 2);
-  for (std::size_t k = 0; k <= even; ++k) chosen.insert(k * last / even);
+  for (std::size_t k = 0; k <= even; ++k)
+    chosen.insert(k * last / even);
   std::vector<std::size_t> starts{0};
-  for (const double cycle : parameters.event_cycles) starts.push_back(first_beat_at(data, cycle));
+  for (const double cycle : parameters.event_cycles)
+    starts.push_back(first_beat_at(data, cycle));
   for (const std::size_t start : starts) // geometric spacing after each event
     for (double step = 1.0; start + static_cast<std::size_t>(step) < last && step < 1e7;
-         step *= std::pow(static_cast<double>(last), 1.5 / static_cast<double>(even)) )
+         step *= std::pow(static_cast<double>(last), 1.5 / static_cast<double>(even)))
       chosen.insert(start + static_cast<std::size_t>(step));
   const std::vector<std::size_t> indices(chosen.begin(), chosen.end());
   return subset(data, indices);

@@ -19,7 +19,8 @@ std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parame
 
 /// Starting points that cover the clocks people have: friction from 1e-5 to 3e-3, amplitudes from
 /// 0.02 to 0.2 rad (or the log's own), one to four times the switching angle, at rest in its
-/// stationary swing or half or one and a half times it. Events start from the jump seen in the rate.
+/// stationary swing or half or one and a half times it. Events start from the jump seen in the
+/// rate.
 std::vector<std::vector<double>> starting_points(const Parameters& parameters,
                                                  const TimingData& data);
 

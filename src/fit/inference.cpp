@@ -50,6 +50,17 @@ DerivedQuantity derive(std::string name, std::string expression, std::string uni
           (certainty.factor.transpose() * gradient).norm()};
 }
 
+constexpr double rivals_apart = 3.5; // sigma: beyond what three sigma of cost allow
+
+bool rivals_agree(const Rivals& rivals,
+                  const std::function<double(std::span<const double>)>& function) {
+  if (rivals.points.empty()) return true;
+  const auto best = derive("", "", "", function, rivals.best, rivals.known);
+  return std::all_of(rivals.points.begin(), rivals.points.end(), [&](const auto& point) {
+    return std::abs(function(point) - best.value) <= rivals_apart * best.sigma;
+  });
+}
+
 DerivedQuantity unless_undetermined(DerivedQuantity quantity) {
   if (!(quantity.sigma <= largest_relative_sigma * std::abs(quantity.value)))
     quantity.value = quantity.sigma = unknown;
@@ -78,7 +89,8 @@ double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<co
   // of what it has been corrected for.
   const double lambda2 = std::max(clock.lambda0 * clock.lambda0,
                                   2.0 * clock.mu * clock.phi0 / (std::numbers::pi * clock.epsilon));
-  const double correction = lambda2 / 16.0 + 2.0 * clock.mu / (std::numbers::pi * std::sqrt(lambda2));
+  const double correction =
+      lambda2 / 16.0 + 2.0 * clock.mu / (std::numbers::pi * std::sqrt(lambda2));
   return largest_relative_sigma * correction;
 }
 
@@ -109,8 +121,8 @@ void state_parameters(const FitProblem& problem, std::span<const double> x,
     } else {
       const auto i = static_cast<Eigen::Index>(slot.index);
       const double sigma = certainty.sigma(i);
-      parameter.status = has_prior(options, parameter.name) ? ParameterStatus::prior
-                                                            : ParameterStatus::free;
+      parameter.status =
+          has_prior(options, parameter.name) ? ParameterStatus::prior : ParameterStatus::free;
       parameter.sigma = sigma * std::abs(slot.slope(x));
       if (!(sigma <= tolerable_sigma(problem, slot, x)) || certainty.distrusted[slot.index]) {
         parameter.status = ParameterStatus::undetermined;
@@ -121,8 +133,7 @@ void state_parameters(const FitProblem& problem, std::span<const double> x,
   }
 }
 
-void state_correlation(const FitProblem& problem, const Certainty& certainty,
-                       FitSummary& summary) {
+void state_correlation(const FitProblem& problem, const Certainty& certainty, FitSummary& summary) {
   const Eigen::MatrixXd covariance = certainty.covariance();
   const auto n = covariance.rows();
   for (const Slot& slot : problem.parameters.slots)
@@ -142,20 +153,23 @@ double phase_at_end(const FitProblem& problem, std::span<const double> x) {
 }
 
 void state_combinations(const FitProblem& problem, std::span<const double> x,
-                        const Certainty& certainty, double nominal_period_s, FitSummary& summary) {
+                        const Certainty& certainty, const Rivals& rivals, double nominal_period_s,
+                        FitSummary& summary) {
   using std::numbers::pi;
   const auto of_clock = [&](std::string name, std::string expression, std::string unit, auto get) {
-    return unless_undetermined(derive(
-        std::move(name), std::move(expression), std::move(unit),
-        [&, get](std::span<const double> at) { return get(final_clock(problem.parameters, at)); }, x,
-        certainty));
+    const auto function = [&, get](std::span<const double> at) {
+      return get(final_clock(problem.parameters, at));
+    };
+    auto quantity =
+        derive(std::move(name), std::move(expression), std::move(unit), function, x, certainty);
+    if (!rivals_agree(rivals, function)) quantity.sigma = std::numeric_limits<double>::infinity();
+    return unless_undetermined(std::move(quantity));
   };
-  summary.q_factor = of_clock("Q", "1/(2 epsilon)", "",
-                              [](const FinalClock& c) { return 0.5 / c.epsilon; });
-  summary.decay_time = of_clock("decay time", "T0/(2 pi epsilon)", "s", [](const FinalClock& c) {
-    return c.T0 / (two_pi * c.epsilon);
-  });
-  const auto settled = of_clock(
+  summary.q_factor =
+      of_clock("Q", "1/(2 epsilon)", "", [](const FinalClock& c) { return 0.5 / c.epsilon; });
+  summary.decay_time = of_clock("decay time", "T0/(2 pi epsilon)", "s",
+                                [](const FinalClock& c) { return c.T0 / (two_pi * c.epsilon); });
+  summary.stationary_amplitude = of_clock(
       "stationary amplitude", "sqrt(2 mu phi0/(pi epsilon))", "rad", [](const FinalClock& c) {
         return std::sqrt(std::max(0.0, 2.0 * c.mu * c.phi0 / (pi * c.epsilon)));
       });
@@ -165,20 +179,22 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
                                const double y2 = std::max(0.0, lambda2 - c.phi0 * c.phi0);
                                return 2.0 * c.mu / pi * std::sqrt(y2) / lambda2;
                              });
-  if (!friction_known(problem, certainty))
-    for (DerivedQuantity* quantity : {&summary.q_factor, &summary.decay_time})
+  // What a relaxation that was not seen would lead to is not known either.
+  if (!std::isfinite(summary.decay_time.value) || !friction_known(problem, certainty))
+    for (DerivedQuantity* quantity :
+         {&summary.q_factor, &summary.decay_time, &summary.stationary_amplitude})
       quantity->value = quantity->sigma = unknown;
   const bool driven = summary.escapement != "none";
-  summary.stationary_amplitude = settled;
   if (!driven) summary.stationary_amplitude.value = summary.stationary_amplitude.sigma = unknown;
 
   // The mean period over the log: what the residual at the end does when the clock changes.
   const double cycles = problem.data.cycle.back();
-  auto period = derive("mean period", "(t_N - t_0)/N of the model", "s",
-                       [&](std::span<const double> at) {
-                         return problem.data.reference_period_s - phase_at_end(problem, at) / cycles;
-                       },
-                       x, certainty);
+  auto period = derive(
+      "mean period", "(t_N - t_0)/N of the model", "s",
+      [&](std::span<const double> at) {
+        return problem.data.reference_period_s - phase_at_end(problem, at) / cycles;
+      },
+      x, certainty);
   summary.rate_s_per_day = {"rate", "T0_nominal/mean period - 1", "s/day",
                             seconds_gained_per_day(nominal_period_s / period.value - 1.0),
                             seconds_gained_per_day(period.sigma / period.value)};
@@ -188,7 +204,7 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
   };
   add_if_known(summary.decay_time);
   if (!driven) return;
-  add_if_known(settled);
+  add_if_known(summary.stationary_amplitude);
   add_if_known(gain);
 }
 
@@ -196,9 +212,9 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
 
 namespace {
 
-// T0 is the mean period less the circular and escapement errors. Where the escapement error (the fast
-// gain times the drive) is not determined neither is T0, whatever the curvature says at the place on
-// the flat valley where the fit came to rest.
+// T0 is the mean period less the circular and escapement errors. Where the escapement error (the
+// fast gain times the drive) is not determined neither is T0, whatever the curvature says at the
+// place on the flat valley where the fit came to rest.
 void doubt_T0_without_gain(FitSummary& summary) {
   const auto is_gain = [](const DerivedQuantity& q) { return q.name == "fast gain"; };
   const bool known = summary.escapement == "none" ||
@@ -219,7 +235,8 @@ Certainty certainty(const FitProblem& problem, std::span<const double> x) {
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(linear->jacobian);
   const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
   // H^-1 J' sqrt(W) = R^-1 (sqrt(W) Q)': as a factor, reduced to n columns by a second QR.
-  Eigen::MatrixXd widened = qr.householderQ() * Eigen::MatrixXd::Identity(linear->jacobian.rows(), n);
+  Eigen::MatrixXd widened =
+      qr.householderQ() * Eigen::MatrixXd::Identity(linear->jacobian.rows(), n);
   const auto times = static_cast<Eigen::Index>(linear->times);
   const auto amplitudes = static_cast<Eigen::Index>(linear->amplitudes);
   widened.topRows(times) *= problem.weights.time_widening;
@@ -253,6 +270,26 @@ double cost_with_held(const FitProblem& problem, std::span<const double> x, cons
 
 } // namespace
 
+void distrust_by_rivals(const Rivals& rivals, Certainty& known) {
+  for (std::size_t k = 0; k < known.distrusted.size() && !rivals.points.empty(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const double sigma = rivals.known.sigma(row);
+    double farthest = 0.0;
+    for (const auto& point : rivals.points)
+      farthest = std::max(farthest, std::abs(point[k] - rivals.best[k]));
+    if (farthest > rivals_apart * sigma) known.distrusted[k] = true;
+    known.factor.row(row) *= std::hypot(1.0, farthest / sigma);
+  }
+  const Eigen::MatrixXd covariance = known.covariance();
+  const std::vector<bool> doubted = known.distrusted;
+  for (std::size_t k = 0; k < doubted.size(); ++k)
+    for (std::size_t j = 0; j < doubted.size(); ++j) {
+      const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(j);
+      const double size = std::sqrt(covariance(row, row) * covariance(column, column));
+      if (doubted[j] && std::abs(covariance(row, column)) > 0.99 * size) known.distrusted[k] = true;
+    }
+}
+
 void distrust_ripples(const FitProblem& problem, std::span<const double> x, Certainty& known) {
   const auto linear = linearise(problem, x);
   if (!linear) return;
@@ -282,12 +319,12 @@ Eigen::VectorXd shift_by(const FitProblem& problem, std::span<const double> x,
   return linear->jacobian.householderQr().solve(other->residual - linear->residual);
 }
 
-void state_results(const FitProblem& problem, std::span<const double> x,
-                   const Certainty& certainty, const FitOptions& options, double nominal_period_s,
+void state_results(const FitProblem& problem, std::span<const double> x, const Certainty& certainty,
+                   const Rivals& rivals, const FitOptions& options, double nominal_period_s,
                    FitSummary& summary) {
   state_parameters(problem, x, certainty, options, summary);
   state_correlation(problem, certainty, summary);
-  state_combinations(problem, x, certainty, nominal_period_s, summary);
+  state_combinations(problem, x, certainty, rivals, nominal_period_s, summary);
   doubt_T0_without_gain(summary);
 }
 

@@ -14,9 +14,8 @@ TimingData timing_data(std::span<const Beat> beats) {
   const Beat& first = beats.front();
   data.reference_period_s =
       (beats.back().time - first.time) / static_cast<double>(beats.back().cycle - first.cycle);
-  const bool amplitudes = std::any_of(beats.begin(), beats.end(), [](const Beat& beat) {
-    return !std::isnan(beat.amplitude_rad);
-  });
+  const bool amplitudes = std::any_of(
+      beats.begin(), beats.end(), [](const Beat& beat) { return !std::isnan(beat.amplitude_rad); });
   for (const Beat& beat : beats) {
     const std::int64_t n = beat.cycle - first.cycle;
     data.cycle.push_back(static_cast<double>(n));

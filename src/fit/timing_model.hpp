@@ -36,18 +36,24 @@ struct Slot {
     using std::exp;
     if (!free) return T(fixed_value);
     switch (coordinate) {
-    case Coordinate::logarithm: return exp(x[index]);
-    case Coordinate::multiple: return x[index] * scale;
-    case Coordinate::stretch: break;
+    case Coordinate::logarithm:
+      return exp(x[index]);
+    case Coordinate::multiple:
+      return x[index] * scale;
+    case Coordinate::stretch:
+      break;
     }
     return (x[index] + 1.0) * scale;
   }
   /// The x that gives `value`.
   [[nodiscard]] double coordinate_of(double value) const {
     switch (coordinate) {
-    case Coordinate::logarithm: return std::log(value);
-    case Coordinate::multiple: return value / scale;
-    case Coordinate::stretch: break;
+    case Coordinate::logarithm:
+      return std::log(value);
+    case Coordinate::multiple:
+      return value / scale;
+    case Coordinate::stretch:
+      break;
     }
     return value / scale - 1.0;
   }
@@ -62,15 +68,15 @@ struct Parameters {
   std::vector<Slot> slots;
   std::vector<double> event_cycles; ///< in order; event k of the slots is entry k - 1
   std::size_t free_count = 0;
-  /// lambda0 over the averaged amplitude at the start. 1 for averaged1, where lambda0 is that average;
-  /// for the full equation lambda0 is the velocity at the crossing, and the ratio is that of the limit
-  /// cycle, so that a stationary start is stationary in both.
+  /// lambda0 over the averaged amplitude at the start. 1 for averaged1, where lambda0 is that
+  /// average; for the full equation lambda0 is the velocity at the crossing, and the ratio is that
+  /// of the limit cycle, so that a stationary start is stationary in both.
   double start_ratio = 1.0;
 };
 
 /// What the model says about each beat.
 template <class T> struct Prediction {
-  std::vector<T> residual_s; ///< model's lateness of phase: (psi(t_i) - 2 pi n_i) T0 / 2 pi
+  std::vector<T> residual_s; ///< t_i less the model's time: (psi(t_i) - 2 pi n_i) T0 / (2 pi psi')
   std::vector<T> amplitude;  ///< turning angle, rad
 };
 
@@ -100,11 +106,21 @@ void apply_changes(const Parameters& parameters, std::span<const T> x, std::size
     if (slot.event != event) continue;
     const T value = slot.value(x);
     switch (slot.quantity) {
-    case Quantity::T0: going.T0 = value; break;
-    case Quantity::epsilon: going.epsilon = value; break;
-    case Quantity::mu: going.mu = value; break;
-    case Quantity::phi0: going.phi0 = value; break;
-    case Quantity::lambda0: going.amplitude2_start = value * value; break;
+    case Quantity::T0:
+      going.T0 = value;
+      break;
+    case Quantity::epsilon:
+      going.epsilon = value;
+      break;
+    case Quantity::mu:
+      going.mu = value;
+      break;
+    case Quantity::phi0:
+      going.phi0 = value;
+      break;
+    case Quantity::lambda0:
+      going.amplitude2_start = value * value;
+      break;
     }
   }
 }
@@ -150,8 +166,11 @@ bool predict(const Parameters& parameters, std::span<const T> x, const TimingDat
     const T t = data.elapsed_s[i] * scaled_per_second - going.start;
     if (!motion.in_domain(t)) return false;
     const auto state = motion.at(t);
-    out.residual_s[i] = data.lateness_s[i] - data.cycle[i] * longer +
-                        seconds_per_scaled * (going.excess + state.phase_excess);
+    // What is late in phase is late in time by the rate: without the division a model that runs
+    // slow would shrink the noise, and be preferred for it.
+    out.residual_s[i] = (data.lateness_s[i] - data.cycle[i] * longer +
+                         seconds_per_scaled * (going.excess + state.phase_excess)) /
+                        (state.rate_excess + 1.0);
     out.amplitude[i] = turning_angle(T(sqrt(state.amplitude2)));
     if (!isfinite(out.residual_s[i]) || !isfinite(out.amplitude[i])) return false;
   }

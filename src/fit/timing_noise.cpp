@@ -6,6 +6,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/tools/minima.hpp>
 #include <cstdint>
+#include <limits>
 
 namespace goingrate {
 
@@ -24,7 +25,8 @@ Whitening::Whitening(std::span<const double> cycle, const TimingNoise& noise) {
 
 double Whitening::log_determinant() const {
   double sum = 0.0;
-  for (const double d : diagonal_) sum += std::log(d);
+  for (const double d : diagonal_)
+    sum += std::log(d);
   return 2.0 * sum;
 }
 
@@ -32,7 +34,8 @@ namespace {
 
 double sum_of_squares(std::span<const double> values) {
   double sum = 0.0;
-  for (const double v : values) sum += v * v;
+  for (const double v : values)
+    sum += v * v;
   return sum;
 }
 
@@ -76,6 +79,34 @@ TimingNoise estimate_noise(std::span<const double> cycle, std::span<const double
   return {std::sqrt(walk.scale2 * (1.0 - share)), std::sqrt(walk.scale2 * share)};
 }
 
+NoiseEstimate noise_with_sigmas(std::span<const double> cycle, std::span<const double> residual) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  NoiseEstimate estimate{estimate_noise(cycle, residual), 0.0, 0.0};
+  const double n = static_cast<double>(residual.size());
+  if (estimate.noise.walk_s == 0.0) {
+    estimate.jitter_relative_sigma = 1.0 / std::sqrt(2.0 * n); // of n normal values
+    return estimate;
+  }
+  const auto cost = [&](double log_j, double log_w) { // minus the log likelihood
+    const Whitening whitening(cycle, {estimate.noise.jitter_s * std::exp(log_j),
+                                      estimate.noise.walk_s * std::exp(log_w)});
+    std::vector<double> white(residual.size() - 1);
+    whitening.apply<double>(residual, white);
+    return 0.5 * (sum_of_squares(white) + whitening.log_determinant());
+  };
+  constexpr double h = 0.05; // of the logarithm: curvature over a twentieth
+  const double here = cost(0, 0);
+  const double jj = (cost(h, 0) - 2 * here + cost(-h, 0)) / (h * h);
+  const double ww = (cost(0, h) - 2 * here + cost(0, -h)) / (h * h);
+  const double jw = (cost(h, h) - cost(h, -h) - cost(-h, h) + cost(-h, -h)) / (4 * h * h);
+  const double determinant = jj * ww - jw * jw;
+  estimate.jitter_relative_sigma =
+      determinant > 0.0 && ww > 0.0 ? std::sqrt(ww / determinant) : infinite;
+  estimate.walk_relative_sigma =
+      ww > 0.0 ? std::sqrt(jj > 0.0 && determinant > 0.0 ? jj / determinant : 1.0 / ww) : infinite;
+  return estimate;
+}
+
 namespace {
 // Third difference of four values in a row: 1, -3, 3, -1, so white noise is raised by 1+9+9+1.
 constexpr double third_difference_gain = 20.0;
@@ -110,7 +141,8 @@ namespace {
 
 double autocorrelation(std::span<const double> x, double mean, double variance, std::size_t lag) {
   double sum = 0.0;
-  for (std::size_t i = lag; i < x.size(); ++i) sum += (x[i] - mean) * (x[i - lag] - mean);
+  for (std::size_t i = lag; i < x.size(); ++i)
+    sum += (x[i] - mean) * (x[i - lag] - mean);
   return sum / (static_cast<double>(x.size()) * variance);
 }
 
@@ -121,9 +153,11 @@ struct Moments {
 
 Moments moments(std::span<const double> x) {
   Moments m;
-  for (const double v : x) m.mean += v;
+  for (const double v : x)
+    m.mean += v;
   m.mean /= static_cast<double>(x.size());
-  for (const double v : x) m.variance += (v - m.mean) * (v - m.mean);
+  for (const double v : x)
+    m.variance += (v - m.mean) * (v - m.mean);
   m.variance /= static_cast<double>(x.size());
   return m;
 }

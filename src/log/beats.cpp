@@ -33,12 +33,13 @@ struct TypicalPeriod {
 
 // A jittery sensor asks for an average over many beats, a wandering clock for the last beat alone.
 // Jitter j makes neighbouring periods anticorrelated (covariance -j^2), wander w adds w^2 to their
-// variance; from both comes the steady gain of the Kalman filter of a random walk seen through jitter.
+// variance; from both comes the steady gain of the Kalman filter of a random walk seen through
+// jitter.
 double follower_gain(double variance, double covariance) {
   const double j2 = std::max(0.0, -covariance);
   const double w2 = std::max(0.0, variance - 2.0 * j2);
   const double predicted = 0.5 * (w2 + std::sqrt(w2 * w2 + 4.0 * w2 * j2));
-  if (!(predicted + j2 > 0.0)) return 1.0; // no noise at all
+  if (!(predicted + j2 > 0.0)) return 1.0;            // no noise at all
   return std::max(0.1, predicted / (predicted + j2)); // never so lazy that a change of rate is lost
 }
 
@@ -88,7 +89,9 @@ public:
 
   [[nodiscard]] Guess guess(const Instant& time) const {
     const double elapsed = time - anchor_;
-    const auto cycles = static_cast<std::int64_t>(std::llround(elapsed / period_));
+    const double periods = elapsed / period_;
+    if (!(std::abs(periods) < 1e15)) return {0, elapsed}; // no count a double could hold
+    const auto cycles = static_cast<std::int64_t>(std::llround(periods));
     return {cycles, elapsed - static_cast<double>(cycles) * period_};
   }
 
@@ -98,14 +101,16 @@ public:
     return std::abs(guess.error) <= std::min(tolerance_ * growth, 0.25 * period_);
   }
 
-  // The anchor follows the beats with a gain that begins as an average and settles at the least one.
+  // The anchor follows the beats with a gain that begins as an average and settles at the least
+  // one.
   void follow(const Instant& time, const Guess& guess) {
     ++since_start_;
     const double gain = std::max(least_gain_, 1.0 / static_cast<double>(since_start_ + 1));
     anchor_ = time + -(1.0 - gain) * guess.error;
     cycle_ += guess.cycles;
     const double rate_gain = std::min(gain * gain, 0.01);
-    period_ += rate_gain * guess.error / static_cast<double>(std::max<std::int64_t>(guess.cycles, 1));
+    period_ +=
+        rate_gain * guess.error / static_cast<double>(std::max<std::int64_t>(guess.cycles, 1));
   }
 
   [[nodiscard]] std::int64_t cycle() const { return cycle_; }
@@ -136,17 +141,19 @@ class Numbering {
 public:
   Numbering(std::vector<Beat>& beats, const TypicalPeriod& typical)
       : beats_(beats), typical_(typical),
-        // Ten standard deviations of a period, at least 1 % (a fraction of any beat error), never so
-        // much that a double trigger could pass.
+        // Ten standard deviations of a period, at least 1 % (a fraction of any beat error), never
+        // so much that a double trigger could pass.
         tolerance_(std::clamp(10.0 * typical.scatter, 0.01 * typical.mean, 0.2 * typical.mean)),
         tracker_(typical, tolerance_) {}
 
   void run() {
     std::size_t i = first_steady(beats_, 0, typical_.mean, tolerance_);
     if (i == beats_.size()) i = 0; // too few for a run: trust the first event
-    for (std::size_t k = 0; k < i; ++k) mark_spurious(k);
+    for (std::size_t k = 0; k < i; ++k)
+      mark_spurious(k);
     begin_segment(i, 0);
-    for (++i; i < beats_.size(); ++i) i = place(i);
+    for (++i; i < beats_.size(); ++i)
+      i = place(i);
   }
 
 private:
@@ -155,7 +162,6 @@ private:
   void begin_segment(std::size_t i, std::int64_t cycle) {
     tracker_.start(beats_[i].time, cycle);
     accept(i, cycle);
-    first_of_segment_ = i;
   }
 
   void accept(std::size_t i, std::int64_t cycle) {
@@ -174,7 +180,8 @@ private:
       return i;
     }
     const std::size_t best = nearest_rival(i, guess);
-    for (std::size_t k = i; k < best; ++k) mark_spurious(k);
+    for (std::size_t k = i; k < best; ++k)
+      mark_spurious(k);
     const auto chosen = tracker_.guess(beats_[best].time);
     tracker_.follow(beats_[best].time, chosen);
     accept(best, tracker_.cycle());
@@ -196,15 +203,17 @@ private:
     return best;
   }
 
-  // The events no longer fit: look for a steady run after the last good beat and start afresh there.
+  // The events no longer fit: look for a steady run after the last good beat and start afresh
+  // there.
   std::size_t resynchronise(std::size_t i) {
     const std::size_t from = last_good_ + 1;
     const std::size_t start = first_steady(beats_, from, typical_.mean, tolerance_);
     misfits_ = 0;
     if (start == beats_.size() || start > i) return i;
-    for (std::size_t k = from; k < start; ++k) mark_spurious(k);
-    const double elapsed = beats_[start].time - beats_[last_good_].time;
-    const auto cycles = std::max<std::int64_t>(1, std::llround(elapsed / typical_.mean));
+    for (std::size_t k = from; k < start; ++k)
+      mark_spurious(k);
+    const double periods = (beats_[start].time - beats_[last_good_].time) / typical_.mean;
+    const auto cycles = static_cast<std::int64_t>(std::clamp(std::round(periods), 1.0, 1e15));
     const std::int64_t cycle = beats_[last_good_].cycle + cycles;
     ++segment_;
     begin_segment(start, cycle);
@@ -216,7 +225,6 @@ private:
   double tolerance_;
   Tracker tracker_;
   std::size_t last_good_ = 0;
-  std::size_t first_of_segment_ = 0;
   std::uint32_t segment_ = 0;
   int misfits_ = 0;
 };
@@ -254,10 +262,9 @@ std::vector<double> longest_run(const std::vector<Beat>& good, double period) {
 // Probability that the nearest integer is the right one for an error of standard deviation sigma
 // (in periods) when the observed misfit is `misfit` periods: its likelihood among its neighbours'.
 double count_probability(double misfit, double sigma) {
-  if (sigma <= 0.0) return 1.0;
+  if (!(sigma < 100.0)) return 0.0; // a hundred counts are as likely as the right one
   double all = 0.0;
   const auto reach = static_cast<int>(std::ceil(8.0 * sigma)) + 1; // beyond, nothing adds 1e-14
-  if (reach > 1000) return 0.0;
   for (int k = -reach; k <= reach; ++k) {
     const double z = (misfit + k) / sigma;
     const double z0 = misfit / sigma;
@@ -266,18 +273,58 @@ double count_probability(double misfit, double sigma) {
   return 1.0 / all;
 }
 
+// A false event that came near a missed beat was taken for it. It stands alone: its own error
+// against the straight line through its neighbours is large and theirs are minus half of it, unlike
+// at a change of the rate, where the neighbours lie on their lines.
+void strike_lone_outliers(Beats& result, const TypicalPeriod& typical) {
+  std::vector<Beat*> good;
+  for (Beat& beat : result.beats)
+    if (beat.flag == BeatFlag::good) good.push_back(&beat);
+  const std::size_t n = good.size();
+  std::vector<double> error(n, 0.0);
+  const auto consecutive = [&](std::size_t i, std::size_t k) {
+    return good[k]->cycle - good[i]->cycle == static_cast<std::int64_t>(k - i);
+  };
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    if (!consecutive(i - 1, i + 1)) continue;
+    error[i] = 0.5 * ((good[i]->time - good[i - 1]->time) - (good[i + 1]->time - good[i]->time));
+  }
+  // Twelve standard deviations of the errors nearby (a stretch may be noisier than the rest), and a
+  // ten-thousandth of a period in a log without noise.
+  const auto limit_at = [&](std::size_t i) {
+    constexpr std::size_t reach = 20;
+    std::vector<double> sizes;
+    for (std::size_t k = i - std::min(i, reach); k < std::min(n, i + reach + 1); ++k)
+      sizes.push_back(std::abs(error[k]));
+    return std::max(12.0 * normal_from_mad * median(sizes), 1e-4 * typical.mean);
+  };
+  for (std::size_t i = 2; i + 2 < n; ++i) {
+    if (std::abs(error[i]) < 1e-4 * typical.mean || !consecutive(i - 2, i + 2)) continue;
+    if (std::abs(error[i]) < limit_at(i)) continue;
+    const auto mirrored = [&](double neighbour) {
+      return std::abs(neighbour / error[i] + 0.5) < 0.2;
+    };
+    if (mirrored(error[i - 1]) && mirrored(error[i + 1])) good[i]->flag = BeatFlag::spurious;
+  }
+}
+
 class GapJudge {
 public:
   GapJudge(const std::vector<Beat>& good, const TypicalPeriod& typical)
       : typical_(typical), run_(longest_run(good, typical.mean)) {}
 
   [[nodiscard]] double probability(std::int64_t length, double misfit_s) const {
+    // However steady the log, it is not believed over ten times its own length.
+    if (length > 10 * static_cast<std::int64_t>(run_.size())) return 0.0;
     const auto span = static_cast<std::size_t>(length) + 1;
     const std::size_t longest = std::max<std::size_t>(run_.size() / 3, 1);
     const std::size_t m = std::min(span, longest);
     double sigma = std::max(foresight_error(run_, m), typical_.scatter);
     // Beyond what the log shows, a random walk of rate: error growing as the 3/2 power.
     if (span > m) sigma *= std::pow(static_cast<double>(span) / static_cast<double>(m), 1.5);
+    // Nor is any clock trusted to keep its rate over a gap to better than 1e-6, a tenth of a second
+    // a day, even if the log is too short or too coarse to show its wander.
+    sigma = std::max(sigma, 1e-6 * static_cast<double>(span) * typical_.mean);
     return count_probability(misfit_s / typical_.mean, sigma / typical_.mean);
   }
 
@@ -297,8 +344,8 @@ void find_gaps(Beats& result, const TypicalPeriod& typical, double least_probabi
     const bool step = good[i].segment != good[i - 1].segment;
     const std::int64_t length = good[i].cycle - good[i - 1].cycle - 1;
     if (length > 0 || step) {
-      const double misfit = good[i].time - good[i - 1].time -
-                            static_cast<double>(length + 1) * typical.mean;
+      const double misfit =
+          good[i].time - good[i - 1].time - static_cast<double>(length + 1) * typical.mean;
       const double probability = step ? 0.0 : judge.probability(length, misfit);
       const bool bridged = probability >= least_probability;
       result.gaps.push_back({good[i - 1].cycle, length, probability, bridged});
@@ -361,17 +408,28 @@ Beats number_beats(const ClockLog& log, const NumberingOptions& options) {
   result.typical_period_s = typical.mean;
   result.scatter_s = typical.scatter;
   Numbering(result.beats, typical).run();
-  for (const Beat& beat : result.beats) result.spurious += beat.flag == BeatFlag::spurious ? 1 : 0;
+  strike_lone_outliers(result, typical);
+  for (const Beat& beat : result.beats)
+    result.spurious += beat.flag == BeatFlag::spurious ? 1 : 0;
   find_gaps(result, typical, options.least_probability);
   place_downward(result, downward);
   return result;
 }
 
+std::int64_t cycle_at(std::span<const Beat> beats, double time_s) {
+  for (const Beat& beat : beats)
+    if (beat.time - beats.front().time >= time_s) return beat.cycle - beats.front().cycle;
+  return beats.back().cycle - beats.front().cycle;
+}
+
 std::string_view name_of(BeatFlag flag) {
   switch (flag) {
-  case BeatFlag::spurious: return "spurious";
-  case BeatFlag::down: return "down";
-  case BeatFlag::good: break;
+  case BeatFlag::spurious:
+    return "spurious";
+  case BeatFlag::down:
+    return "down";
+  case BeatFlag::good:
+    break;
   }
   return "";
 }

@@ -32,8 +32,8 @@ std::vector<double> rate_per_period(std::span<const Beat> beats, double nominal_
   for (std::size_t i = 1; i < beats.size(); ++i) {
     const double elapsed = beats[i].time - beats[i - 1].time;
     const std::int64_t cycles = beats[i].cycle - beats[i - 1].cycle;
-    const double late = residual_from_grid(beats[i].time, beats[i - 1].time, cycles,
-                                           nominal_period_s);
+    const double late =
+        residual_from_grid(beats[i].time, beats[i - 1].time, cycles, nominal_period_s);
     rates.push_back((0.0 - late) / elapsed); // keeps the digits that n T0 / dt - 1 loses, and no -0
   }
   return rates;
@@ -52,7 +52,8 @@ std::vector<double> rate_on_every_cycle(std::span<const Beat> beats, double nomi
   const auto rates = rate_per_period(beats, nominal_period_s);
   std::vector<double> series;
   for (std::size_t i = 0; i < rates.size(); ++i)
-    series.insert(series.end(), static_cast<std::size_t>(beats[i + 1].cycle - beats[i].cycle), rates[i]);
+    series.insert(series.end(), static_cast<std::size_t>(beats[i + 1].cycle - beats[i].cycle),
+                  rates[i]);
   return series;
 }
 
@@ -72,7 +73,8 @@ namespace {
 double mean_rate_sigma(std::span<const Beat> beats, std::span<const double> error) {
   double largest = 0.0;
   const std::size_t last = beats.size() - 1;
-  for (std::size_t k = std::min<std::size_t>(4, last); k <= std::min<std::size_t>(64, last); k *= 2) {
+  for (std::size_t k = std::min<std::size_t>(4, last); k <= std::min<std::size_t>(64, last);
+       k *= 2) {
     double sum = 0.0;
     double sum2 = 0.0;
     for (std::size_t b = 0; b < k; ++b) {

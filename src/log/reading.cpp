@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fast_float/fast_float.h>
@@ -16,6 +16,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <span>
 #include <sys/stat.h>
 
@@ -42,7 +43,8 @@ std::vector<Field> split(std::string_view line, std::string_view separators, boo
       text.remove_prefix(1);
       ++column;
     }
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\t'))
+      text.remove_suffix(1);
     if (!merge || !text.empty()) fields.push_back({text, column});
     begin = end + 1;
   }
@@ -51,7 +53,16 @@ std::vector<Field> split(std::string_view line, std::string_view separators, boo
 
 std::string shown(std::string_view text) {
   constexpr std::size_t longest = 40; // enough to recognise the place, short enough for one line
-  return fmt::format("'{}{}'", text.substr(0, longest), text.size() > longest ? "..." : "");
+  std::string clean;
+  for (const char c :
+       text.substr(0, longest)) { // Latin-1 or half a character must not spoil a message
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte < 0x7f)
+      clean += c;
+    else
+      clean += fmt::format("\\x{:02x}", byte);
+  }
+  return fmt::format("'{}{}'", clean, text.size() > longest ? "..." : "");
 }
 
 bool is_number(std::string_view text) { return parse_instant(text).has_value(); }
@@ -102,7 +113,8 @@ using Columns = std::map<std::string, std::size_t, std::less<>>;
 std::optional<Columns> native_header(std::string_view line) {
   Columns columns;
   std::size_t index = 0;
-  for (const Field& field : split(line, ",", false)) columns.emplace(field.text, index++);
+  for (const Field& field : split(line, ",", false))
+    columns.emplace(field.text, index++);
   if (!columns.contains("time_s")) return {};
   return columns;
 }
@@ -142,6 +154,15 @@ public:
                            "line left out"});
   }
   void accept(const Line& line, const Instant& time, double amplitude, Edge edge) {
+    if (std::abs(time.to_double()) > 4e18) { // differences of two such would not fit
+      log_.issues.push_back({line.number, 1, "a time beyond 4e18 s", "line left out"});
+      return;
+    }
+    if (!std::isnan(amplitude) && !(amplitude > 0.0 && amplitude < std::numbers::pi)) {
+      log_.issues.push_back({line.number, 1, fmt::format("an amplitude of {} rad", amplitude),
+                             "amplitude taken as unknown"});
+      amplitude = no_amplitude;
+    }
     log_.events.push_back({time, amplitude, line.number, edge});
     log_.has_amplitude = log_.has_amplitude || !std::isnan(amplitude);
   }
@@ -168,8 +189,8 @@ void read_timestamps(const std::vector<Line>& data, Collector& collector) {
 void read_clock_error(const std::vector<Line>& data, Collector& collector) {
   for (const Line& line : data) {
     const auto fields = split(line.text, " \t", true);
-    constexpr std::array<std::string_view, 3> meaning{"a label in seconds", "a clock error in seconds",
-                                                      "an amplitude in mrad"};
+    constexpr std::array<std::string_view, 3> meaning{
+        "a label in seconds", "a clock error in seconds", "an amplitude in mrad"};
     std::array<Instant, 3> value;
     std::size_t good = 0;
     while (good < 3 && good < fields.size()) {
@@ -230,7 +251,8 @@ void read_native(const std::vector<Line>& data, const std::string& source, Colle
 }
 
 // "# key: value"
-std::optional<std::string_view> header_value(const std::vector<Line>& comments, std::string_view key) {
+std::optional<std::string_view> header_value(const std::vector<Line>& comments,
+                                             std::string_view key) {
   for (const Line& line : comments) {
     std::string_view text = line.text.substr(line.text.find('#') + 1);
     const std::size_t colon = text.find(':');
@@ -245,16 +267,19 @@ void restore_order(ClockLog& log) {
   const auto earlier = [](const LogEvent& a, const LogEvent& b) { return a.time < b.time; };
   const auto out_of_order = std::is_sorted_until(log.events.begin(), log.events.end(), earlier);
   if (out_of_order == log.events.end()) return;
-  log.issues.push_back({out_of_order->line, 1, "a time earlier than the one before",
-                        "events sorted by time"});
+  log.issues.push_back(
+      {out_of_order->line, 1, "a time earlier than the one before", "events sorted by time"});
   std::stable_sort(log.events.begin(), log.events.end(), earlier);
 }
 
 std::string_view name_of(LogFormat format) {
   switch (format) {
-  case LogFormat::native: return "goingrate's native log";
-  case LogFormat::clock_error: return "a clock-error log (label s, error s, amplitude mrad)";
-  case LogFormat::timestamps: break;
+  case LogFormat::native:
+    return "goingrate's native log";
+  case LogFormat::clock_error:
+    return "a clock-error log (label s, error s, amplitude mrad)";
+  case LogFormat::timestamps:
+    break;
   }
   return "one time in seconds a line";
 }
@@ -266,12 +291,12 @@ double label_step(const std::vector<Line>& data) {
   for (const Line& line : data) {
     const auto fields = split(line.text, " \t", true);
     const auto label = fields.empty() ? std::nullopt : parse_instant(fields[0].text);
-    if (label && last) ++steps[label->seconds - *last];
-    if (label) last = label->seconds;
+    if (!label || std::abs(label->to_double()) > 4e18) continue;
+    if (last) ++steps[label->seconds - *last];
+    last = label->seconds;
   }
-  const auto commonest = std::max_element(steps.begin(), steps.end(), [](auto& a, auto& b) {
-    return a.second < b.second;
-  });
+  const auto commonest = std::max_element(steps.begin(), steps.end(),
+                                          [](auto& a, auto& b) { return a.second < b.second; });
   return commonest == steps.end() ? 0.0 : static_cast<double>(commonest->first);
 }
 
@@ -285,7 +310,8 @@ void settle_nominal_period(ClockLog& log, const Lines& lines, const ReadingOptio
       log.assumptions.push_back(fmt::format("nominal period {} s, the step of the labels", step));
     }
   } else if (const auto stated = header_value(lines.comments, "nominal_period_s")) {
-    if (const auto value = parse_instant(*stated); value && value->to_double() > 0.0) {
+    if (const auto value = parse_instant(*stated);
+        value && value->to_double() > 1e-9 && value->to_double() < 1e9) {
       log.nominal_period_s = value->to_double();
       log.assumptions.push_back(fmt::format("nominal period {} s, from the header", *stated));
     }
@@ -296,14 +322,19 @@ void refuse_if_mostly_bad(const ClockLog& log, std::size_t data_lines) {
   if (log.events.size() * 2 < data_lines && !log.issues.empty()) {
     const LineIssue& first = log.issues.front();
     throw InputError({log.source, first.line, first.column},
-                     fmt::format("{} unusable lines out of {}, here first: {}",
-                                 log.issues.size(), data_lines, first.found),
+                     fmt::format("{} unusable lines out of {}, here first: {}", log.issues.size(),
+                                 data_lines, first.found),
                      "a log of which at least half can be read");
   }
   if (log.events.size() < fewest_events)
-    throw InputError({log.source, data_lines == 0 ? 1 : log.events.empty() ? 1 : log.events.back().line, 1},
-                     fmt::format("{} event{}", log.events.size(), log.events.size() == 1 ? "" : "s"),
-                     fmt::format("at least {}", fewest_events));
+    throw InputError(
+        {log.source,
+         data_lines == 0      ? 1
+         : log.events.empty() ? 1
+                              : log.events.back().line,
+         1},
+        fmt::format("{} event{}", log.events.size(), log.events.size() == 1 ? "" : "s"),
+        fmt::format("at least {}", fewest_events));
 }
 
 } // namespace
@@ -322,9 +353,15 @@ ClockLog read_log(std::string_view text, const std::string& source, const Readin
                                         options.format ? "" : ", found from the first lines"));
   Collector collector(log, lines.data.size());
   switch (log.format) {
-  case LogFormat::native: read_native(lines.data, source, collector); break;
-  case LogFormat::timestamps: read_timestamps(lines.data, collector); break;
-  case LogFormat::clock_error: read_clock_error(lines.data, collector); break;
+  case LogFormat::native:
+    read_native(lines.data, source, collector);
+    break;
+  case LogFormat::timestamps:
+    read_timestamps(lines.data, collector);
+    break;
+  case LogFormat::clock_error:
+    read_clock_error(lines.data, collector);
+    break;
   }
   const std::size_t headers = log.format == LogFormat::native ? 1 : 0;
   refuse_if_mostly_bad(log, lines.data.size() - headers);

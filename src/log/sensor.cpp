@@ -27,13 +27,15 @@ void Sensor::see(const Period& period) {
 Instant Sensor::measured(const TwoPart<double>& time_s, double extra_s) {
   Instant time = Instant::from_seconds(time_s.hi) + time_s.lo + extra_s;
   if (settings_.resolution_s > 0.0) {
-    const double part = std::round(time.fraction / settings_.resolution_s) * settings_.resolution_s;
-    time = Instant{time.seconds, 0.0} + part;
+    // The nearest multiple of the resolution: what is left of it is taken off.
+    const auto multiple = std::llround(time.to_double() / settings_.resolution_s);
+    time = time + -residual_from_grid(time, Instant{}, multiple, settings_.resolution_s);
   }
   return time;
 }
 
-void Sensor::report(const TwoPart<double>& time_s, double period_s, double amplitude_rad, Edge edge) {
+void Sensor::report(const TwoPart<double>& time_s, double period_s, double amplitude_rad,
+                    Edge edge) {
   // Every stream is drawn from whether or not its draw is used, so that one fault's probability
   // does not change the pattern of another.
   const double jitter = settings_.jitter_rms_s * jitter_.normal();

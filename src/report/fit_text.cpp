@@ -41,8 +41,10 @@ std::string quality_lines(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
   std::string text = fmt::format(
       "[statistics]\n  {} beats; residual rms {:.3g} s; chi-squared {:.5g} for {:.0f} degrees of "
-      "freedom (p = {:.2g})\n  noise: jitter {:.3g} s",
-      fit.residual_s.size(), q.rms_s, q.chi2, q.dof, q.p_value, fit.timing_noise.jitter_s);
+      "freedom (p = {:.2g})\n  noise: jitter {}",
+      fit.residual_s.size(), q.rms_s, q.chi2, q.dof, q.p_value,
+      fit.jitter_relative_sigma < 1.0 / 3.0 ? fmt::format("{:.3g} s", fit.timing_noise.jitter_s)
+                                            : std::string("undetermined"));
   if (fit.timing_noise.walk_s > 0.0)
     text += fmt::format(", random walk {:.3g} s a period", fit.timing_noise.walk_s);
   if (std::isfinite(q.amplitude_rms_rad))
@@ -51,10 +53,11 @@ std::string quality_lines(const FitSummary& fit) {
                       q.whiteness_p, q.bic, q.aic);
   const double widest = std::max(fit.time_widening, fit.amplitude_widening);
   if (widest > 1.05)
-    text += fmt::format("  sigmas are widened by up to {:.3g} for correlation left in the residuals\n",
-                        widest);
+    text += fmt::format(
+        "  sigmas are widened by up to {:.3g} for correlation left in the residuals\n", widest);
   if (q.whiteness_p < 1e-3)
-    text += "  the residuals are not white: the model misses something, take the values with care\n";
+    text +=
+        "  the residuals are not white: the model misses something, take the values with care\n";
   return text;
 }
 
@@ -65,12 +68,13 @@ std::string fit_text(const FitSummary& fit) {
   std::string text = fmt::format(
       "[model]\n  dynamics {}, escapement {}, linear friction, noise {}\n  chosen: {}\n  {}\n",
       fit.dynamics, fit.escapement, fit.noise, fit.chosen_by, fit.termination);
-  if (fit.status == FitStatus::not_converged) return text + "the fit did not converge: no results\n";
   text += quality_lines(fit);
   text += "[parameters]\n";
-  for (const FittedParameter& p : fit.parameters) text += parameter_line(p);
+  for (const FittedParameter& p : fit.parameters)
+    text += parameter_line(p);
   text += "[determined by this log]\n";
-  for (const DerivedQuantity& quantity : fit.combinations) text += derived_line(quantity);
+  for (const DerivedQuantity& quantity : fit.combinations)
+    text += derived_line(quantity);
   if (std::isfinite(fit.q_factor.value)) text += derived_line(fit.q_factor);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

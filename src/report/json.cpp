@@ -55,10 +55,14 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
 
 std::string_view name_of(ParameterStatus status) {
   switch (status) {
-  case ParameterStatus::fixed: return "fixed";
-  case ParameterStatus::prior: return "prior";
-  case ParameterStatus::undetermined: return "undetermined";
-  case ParameterStatus::free: break;
+  case ParameterStatus::fixed:
+    return "fixed";
+  case ParameterStatus::prior:
+    return "prior";
+  case ParameterStatus::undetermined:
+    return "undetermined";
+  case ParameterStatus::free:
+    break;
   }
   return "free";
 }
@@ -83,9 +87,11 @@ Json derived_object(const DerivedQuantity& quantity) {
 }
 
 Json noise_parameter(const char* name, double value, double relative_sigma) {
-  FittedParameter p{name, "s", ParameterStatus::free, value, value * relative_sigma,
-                    std::numeric_limits<double>::quiet_NaN()};
-  return parameter_object(p);
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  const bool known = relative_sigma < 1.0 / 3.0; // as for every other parameter
+  return parameter_object({name, "s", known ? ParameterStatus::free : ParameterStatus::undetermined,
+                           known ? value : unknown, known ? value * relative_sigma : unknown,
+                           unknown});
 }
 
 Json fit_object(const FitSummary& fit) {
@@ -99,12 +105,13 @@ Json fit_object(const FitSummary& fit) {
                    {"noise", fit.noise},
                    {"chosen_by", fit.chosen_by}};
   json["parameters"] = Json::array();
-  for (const FittedParameter& p : fit.parameters) json["parameters"].push_back(parameter_object(p));
-  // The sample standard deviation of n normal values is known to 1/sqrt(2 n).
-  const double relative = 1.0 / std::sqrt(2.0 * static_cast<double>(fit.residual_s.size()));
-  json["parameters"].push_back(noise_parameter("jitter_rms", fit.timing_noise.jitter_s, relative));
+  for (const FittedParameter& p : fit.parameters)
+    json["parameters"].push_back(parameter_object(p));
+  json["parameters"].push_back(
+      noise_parameter("jitter_rms", fit.timing_noise.jitter_s, fit.jitter_relative_sigma));
   if (fit.timing_noise.walk_s > 0.0)
-    json["parameters"].push_back(noise_parameter("period_noise_rms", fit.timing_noise.walk_s, relative));
+    json["parameters"].push_back(
+        noise_parameter("period_noise_rms", fit.timing_noise.walk_s, fit.walk_relative_sigma));
   json["combinations"] = Json::array();
   for (const DerivedQuantity& c : fit.combinations)
     json["combinations"].push_back({{"name", c.name},
@@ -118,15 +125,20 @@ Json fit_object(const FitSummary& fit) {
                      {"rate_s_per_day", derived_object(fit.rate_s_per_day)},
                      {"decay_time_s", derived_object(fit.decay_time)}};
   const FitQuality& q = fit.quality;
-  json["quality"] = {{"chi2", number(q.chi2)},       {"dof", number(q.dof)},
-                     {"p_value", number(q.p_value)}, {"whiteness_p", number(q.whiteness_p)},
-                     {"rms_s", number(q.rms_s)},     {"amplitude_rms_rad", number(q.amplitude_rms_rad)},
-                     {"aic", number(q.aic)},         {"bic", number(q.bic)},
+  json["quality"] = {{"chi2", number(q.chi2)},
+                     {"dof", number(q.dof)},
+                     {"p_value", number(q.p_value)},
+                     {"whiteness_p", number(q.whiteness_p)},
+                     {"rms_s", number(q.rms_s)},
+                     {"amplitude_rms_rad", number(q.amplitude_rms_rad)},
+                     {"aic", number(q.aic)},
+                     {"bic", number(q.bic)},
                      {"time_widening", number(fit.time_widening)},
                      {"amplitude_widening", number(fit.amplitude_widening)}};
   json["alternatives"] = Json::array();
   for (const FitAlternative& a : fit.alternatives)
-    json["alternatives"].push_back({{"model", a.model}, {"bic", number(a.bic)}, {"verdict", a.verdict}});
+    json["alternatives"].push_back(
+        {{"model", a.model}, {"bic", number(a.bic)}, {"verdict", a.verdict}});
   return json;
 }
 
@@ -141,8 +153,13 @@ Json spectrum_object(const Spectrum& spectrum, const std::optional<DriveResponse
   json["fast_gain"] = response ? number(response->fast_gain) : Json(nullptr);
   json["slow_gain"] = response ? number(response->slow_gain) : Json(nullptr);
   const double unknown = std::numeric_limits<double>::quiet_NaN();
-  const DriveSplit none{unknown, {unknown, unknown, unknown}, {unknown, unknown, unknown},
-                        {unknown, unknown, unknown}, {}, {}, {}};
+  const DriveSplit none{unknown,
+                        {unknown, unknown, unknown},
+                        {unknown, unknown, unknown},
+                        {unknown, unknown, unknown},
+                        {},
+                        {},
+                        {}};
   const DriveSplit& parts = split ? *split : none;
   json["split_hz"] = number(parts.split_hz);
   json["fast"] = rms_object(parts.fast);
@@ -193,7 +210,8 @@ Json relaxation_object(const std::optional<Relaxation>& relaxation) {
 Json diary_object(const Diary& diary) {
   Json json;
   json["changes"] = Json::array();
-  for (const Change& change : diary.changes) json["changes"].push_back(change_object(change));
+  for (const Change& change : diary.changes)
+    json["changes"].push_back(change_object(change));
   json["interruptions"] = Json::array();
   for (const Interruption& event : diary.interruptions)
     json["interruptions"].push_back({{"from_s", number(event.begin.at_s)},
@@ -206,7 +224,10 @@ Json diary_object(const Diary& diary) {
   return json;
 }
 
-std::string text_of(const Json& json) { return json.dump(2) + "\n"; }
+// A file name in some other encoding than UTF-8 is written with replacement characters.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 } // namespace
 

@@ -148,12 +148,10 @@ std::string fit(const ReportData& data) {
   const FitSummary& fit = data.fit;
   std::string body;
   if (fit.status != FitStatus::converged) {
-    const bool stopped = fit.status == FitStatus::not_converged;
-    body =
-        fmt::format("<p class=\"warning\">{} {}</p>\n",
-                    stopped ? "The fit did not converge: there are no values to report."
-                            : "No model of this kind fits the log: there are no values to report.",
-                    escape_markup(fit.termination.empty() ? "" : "(" + fit.termination + ")"));
+    body = fmt::format(
+        "<p class=\"warning\">No model of this kind fits the log: there are no values to "
+        "report. {}</p>\n",
+        escape_markup(fit.termination.empty() ? "" : "(" + fit.termination + ")"));
     return section("fit", "Fit of the pendulum model", body + alternatives_table(fit));
   }
   if (fit.parameters.empty())

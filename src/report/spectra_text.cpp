@@ -10,12 +10,18 @@ namespace {
 
 std::string noise_name(int alpha) {
   switch (alpha) {
-  case 2: return "white phase (jitter)";
-  case 1: return "flicker phase";
-  case 0: return "white rate";
-  case -1: return "flicker rate";
-  case -2: return "random walk of rate";
-  default: return fmt::format("f^{} rate", alpha);
+  case 2:
+    return "white phase (jitter)";
+  case 1:
+    return "flicker phase";
+  case 0:
+    return "white rate";
+  case -1:
+    return "flicker rate";
+  case -2:
+    return "random walk of rate";
+  default:
+    return fmt::format("f^{} rate", alpha);
   }
 }
 
@@ -30,11 +36,12 @@ std::string rms_line(const char* name, const RmsEstimate& rms, double factor, co
 } // namespace
 
 std::string deviation_text(const DeviationTable& table) {
-  std::string text = fmt::format("{:>12} {:>9} {:>10} {:>14} {:>12} {:>12}  noise\n", "tau/s", "m", "n",
-                                 name_of(table.kind), "low 68 %", "high 68 %");
+  std::string text = fmt::format("{:>12} {:>9} {:>10} {:>14} {:>12} {:>12}  noise\n", "tau/s", "m",
+                                 "n", name_of(table.kind), "low 68 %", "high 68 %");
   for (const DeviationRow& row : table.rows) {
     text += fmt::format("{:>12.6g} {:>9} {:>10} {:>14.6e}", row.tau_s, row.m, row.n, row.value);
-    text += row.interval ? fmt::format(" {:>12.4e} {:>12.4e}  {}\n", row.low, row.high, noise_name(row.alpha))
+    text += row.interval ? fmt::format(" {:>12.4e} {:>12.4e}  {}\n", row.low, row.high,
+                                       noise_name(row.alpha))
                          : fmt::format(" {:>12} {:>12}  -\n", "-", "-");
   }
   return text;
@@ -43,8 +50,10 @@ std::string deviation_text(const DeviationTable& table) {
 std::string split_text(const std::optional<DriveResponse>& response,
                        const std::optional<DriveSplit>& split) {
   if (!response)
-    return "The log does not determine how the clock answers its drive, so fast and slow drive cannot\n"
-           "be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from elsewhere, an\n"
+    return "The log does not determine how the clock answers its drive, so fast and slow drive "
+           "cannot\n"
+           "be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from elsewhere, "
+           "an\n"
            "amplitude column, a ring-down, or a deliberate change of the driving weight.\n";
   std::string text = fmt::format(
       "response of the rate to a relative change of drive: {:.4g} at once, {:.4g} in the long run\n"

@@ -30,10 +30,12 @@ std::string per_day(double rate_excess, double sigma) {
 }
 
 std::string beats_line(const ReportData& data) {
-  std::string line = fmt::format("Beats: {} over {}", data.rate.crossings, span_of(data.rate.duration_s));
+  std::string line =
+      fmt::format("Beats: {} over {}", data.rate.crossings, span_of(data.rate.duration_s));
   line += fmt::format("; {} missed, {} spurious", data.numbered.missed, data.numbered.spurious);
   if (data.numbered.segments > 1)
-    line += fmt::format("; the log is in {} pieces, the longest is analysed", data.numbered.segments);
+    line +=
+        fmt::format("; the log is in {} pieces, the longest is analysed", data.numbered.segments);
   return line + ".\n";
 }
 
@@ -42,12 +44,14 @@ std::string rate_lines(const ReportData& data) {
   std::string text = fmt::format("Rate: {} {}, from the first beat to the last.\n",
                                  rate.rate_excess < 0.0 ? "loses" : "gains",
                                  per_day(std::abs(rate.rate_excess), rate.rate_excess_sigma));
-  text += fmt::format("  exactly {:+.2f} ms/day end to end; a straight line fitted to the clock's error "
-                      "gives {:+.1f} ms/day.\n",
-                      1e3 * seconds_gained_per_day(rate.rate_excess),
-                      1e3 * seconds_gained_per_day(rate.slope_rate_excess));
-  text += "  The first is reported: it is what the hands show, and the line leans on the middle of the "
-          "log.\n";
+  text += fmt::format(
+      "  exactly {:+.2f} ms/day end to end; a straight line fitted to the clock's error "
+      "gives {:+.1f} ms/day.\n",
+      1e3 * seconds_gained_per_day(rate.rate_excess),
+      1e3 * seconds_gained_per_day(rate.slope_rate_excess));
+  text +=
+      "  The first is reported: it is what the hands show, and the line leans on the middle of the "
+      "log.\n";
   text += fmt::format("  Mean period {} s against {} s.\n",
                       with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12),
                       rate.nominal_period_s);
@@ -70,23 +74,26 @@ std::string amplitude_line(const ReportData& data) {
 }
 
 std::string recovery_lines(const Relaxation& recovery) {
-  std::string text = fmt::format("    Then it recovered with a time constant of {} s (first {:.0f} s",
-                                 with_sigma(recovery.time_constant_s, recovery.sigma_s),
-                                 recovery.window_s);
+  std::string text =
+      fmt::format("    Then it recovered with a time constant of {} s (first {:.0f} s",
+                  with_sigma(recovery.time_constant_s, recovery.sigma_s), recovery.window_s);
   if (std::isfinite(recovery.shorter_window_s + recovery.longer_window_s))
-    text += fmt::format(";\n    {:.0f} s from three quarters of that stretch, {:.0f} s from five quarters",
-                        recovery.shorter_window_s, recovery.longer_window_s);
+    text += fmt::format(
+        ";\n    {:.0f} s from three quarters of that stretch, {:.0f} s from five quarters",
+        recovery.shorter_window_s, recovery.longer_window_s);
   text += ").\n";
-  if (!recovery.exponential) text += "    It is not a single exponential: the drive did not return all at once or stayed uneven.\n";
+  if (!recovery.exponential)
+    text += "    The time depends on the stretch: no single exponential. The drive came back "
+            "unevenly.\n";
   return text;
 }
 
 std::string interruption_lines(const Interruption& event) {
-  std::string text = fmt::format(
-      "  {:.0f} to {:.0f} s: the drive was interrupted. The rate changed by {} at once and came back;\n"
-      "    the amplitude fell from {:.2f} to {:.2f} mrad",
-      event.begin.at_s, event.end.at_s, ppm(event.rate_change), 1e3 * event.amplitude_before_rad,
-      1e3 * event.amplitude_after_rad);
+  std::string text = fmt::format("  {:.0f} to {:.0f} s: the drive was interrupted. The rate "
+                                 "changed by {} at once and came back;\n"
+                                 "    the amplitude fell from {:.2f} to {:.2f} mrad",
+                                 event.begin.at_s, event.end.at_s, ppm(event.rate_change),
+                                 1e3 * event.amplitude_before_rad, 1e3 * event.amplitude_after_rad);
   if (event.decay)
     text += fmt::format(", a free decay with a time constant of {} s",
                         with_sigma(event.decay->time_constant_s, event.decay->sigma_s));
@@ -100,41 +107,60 @@ std::string interruption_lines(const Interruption& event) {
 }
 
 bool part_of_interruption(const Diary& diary, const Change& change) {
-  return std::any_of(diary.interruptions.begin(), diary.interruptions.end(), [&](const Interruption& i) {
-    return change.at_s >= i.begin.at_s && change.at_s <= i.end.at_s;
-  });
+  return std::any_of(diary.interruptions.begin(), diary.interruptions.end(),
+                     [&](const Interruption& i) {
+                       return change.at_s >= i.begin.at_s && change.at_s <= i.end.at_s;
+                     });
 }
 
 std::string diary_lines(const Diary& diary) {
   if (diary.changes.empty()) return "Diary: no sudden change of rate or amplitude.\n";
   std::string text = "Diary (seconds after the first beat):\n";
-  for (const Interruption& event : diary.interruptions) text += interruption_lines(event);
+  for (const Interruption& event : diary.interruptions)
+    text += interruption_lines(event);
   constexpr int most = 4; // the page has them all
   int told = 0;
   for (const Change& change : diary.changes) {
     if (part_of_interruption(diary, change) || told++ >= most) continue;
     text += fmt::format("  {:.0f} s: the rate changed by {}", change.at_s, ppm(change.rate_change));
     if (std::isfinite(change.amplitude_slope_change))
-      text += fmt::format(", the amplitude's slope by {:+.2g} mrad/s", 1e3 * change.amplitude_slope_change);
+      text += fmt::format(", the amplitude's slope by {:+.2g} mrad/s",
+                          1e3 * change.amplitude_slope_change);
     text += ".\n";
   }
   return text;
 }
 
-std::string fit_lines(const FitSummary& fit) {
+// The friction of the fit against that of a free decay in the diary.
+std::string disagreement(const FitSummary& fit, const Diary& diary) {
+  for (const Interruption& event : diary.interruptions) {
+    if (!event.decay || !std::isfinite(fit.decay_time.value)) continue;
+    const double apart = fit.decay_time.value - event.decay->time_constant_s;
+    const double sigma = std::hypot(fit.decay_time.sigma, event.decay->sigma_s);
+    if (std::abs(apart) > 2.0 * sigma)
+      return fmt::format(
+          "  Its decay time {} s disagrees with the free decay above: trust that one.\n",
+          with_sigma(fit.decay_time.value, fit.decay_time.sigma));
+  }
+  return {};
+}
+
+std::string fit_lines(const FitSummary& fit, const Diary& diary) {
   if (fit.status != FitStatus::converged) return "Fit: no result (" + fit.termination + ").\n";
   std::string known, unknown;
   for (const FittedParameter& p : fit.parameters) {
-    if (p.status == ParameterStatus::undetermined) unknown += (unknown.empty() ? "" : ", ") + p.name;
+    if (p.status == ParameterStatus::undetermined)
+      unknown += (unknown.empty() ? "" : ", ") + p.name;
     else if (p.status != ParameterStatus::fixed)
       known += fmt::format("  {:<8} {} {}\n", p.name, with_sigma(p.value, p.sigma), p.unit);
   }
-  std::string text = fmt::format("Fit of the pendulum model ({}, escapement {}):\n", fit.dynamics,
-                                 fit.escapement);
+  std::string text =
+      fmt::format("Fit of the pendulum model ({}, escapement {}):\n", fit.dynamics, fit.escapement);
   text += known;
   if (std::isfinite(fit.q_factor.value))
     text += fmt::format("  Q        {}\n", with_sigma(fit.q_factor.value, fit.q_factor.sigma));
   if (!unknown.empty()) text += fmt::format("  not determined by this log: {}\n", unknown);
+  text += disagreement(fit, diary);
   if (fit.quality.whiteness_p < 1e-3)
     text += "  The residuals are not white: this clock does more than the model knows. Sigmas are\n"
             "  widened for it; read the values as rough.\n";
@@ -142,22 +168,27 @@ std::string fit_lines(const FitSummary& fit) {
 }
 
 std::string drive_lines(const ReportData& data) {
-  if (!data.split) return "Drive: the log does not determine the clock's response, so fast and slow drive are not split.\n";
+  if (!data.split)
+    return "Drive: the log does not determine the clock's response, so fast and slow drive are not "
+           "split.\n";
   const auto part = [](const RmsEstimate& rms) {
     if (std::isnan(rms.rms)) return std::string("unknown");
     if (rms.low68 == 0.0) return fmt::format("at most {:.2g} %", 100.0 * rms.high68);
-    return fmt::format("{:.2g} % ({:.2g} to {:.2g})", 100.0 * rms.rms, 100.0 * rms.low68, 100.0 * rms.high68);
+    return fmt::format("{:.2g} % ({:.2g} to {:.2g})", 100.0 * rms.rms, 100.0 * rms.low68,
+                       100.0 * rms.high68);
   };
-  std::string text = fmt::format("Drive: fast variations {}, slow ones {} (rms, parted at {:.2g} Hz).\n",
-                                 part(data.split->fast), part(data.split->slow), data.split->split_hz);
+  std::string text =
+      fmt::format("Drive: fast variations {}, slow ones {} (rms, parted at {:.2g} Hz).\n",
+                  part(data.split->fast), part(data.split->slow), data.split->split_hz);
   if (!data.split->note.empty()) text += "  " + data.split->note + ".\n";
   return text;
 }
 
 std::string stability_line(const DeviationTable& table) {
   if (table.rows.empty()) return {};
-  const auto best = std::min_element(table.rows.begin(), table.rows.end(),
-                                     [](const auto& a, const auto& b) { return a.value < b.value; });
+  const auto best =
+      std::min_element(table.rows.begin(), table.rows.end(),
+                       [](const auto& a, const auto& b) { return a.value < b.value; });
   std::string text = fmt::format("Stability (OADEV): {:.3g} over {}", table.rows.front().value,
                                  span_of(table.rows.front().tau_s));
   text += fmt::format(", best {:.3g} over {}.\n", best->value, span_of(best->tau_s));
@@ -175,7 +206,7 @@ std::string report_text(const ReportData& data) {
   text += rate_lines(data);
   text += amplitude_line(data);
   text += diary_lines(data.diary);
-  text += fit_lines(data.fit);
+  text += fit_lines(data.fit, data.diary);
   text += drive_lines(data);
   text += stability_line(data.deviation);
   return text;

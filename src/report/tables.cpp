@@ -22,7 +22,8 @@ std::string with_sigma(double value, double sigma, int digits) {
   if (top < -3 || top > 6) { // in powers of ten, one exponent for both
     const double unit = std::pow(10.0, top);
     const int decimals = std::max(0, top - first + 1);
-    return fmt::format("({:.{}f} +- {:.{}f})e{}", value / unit, decimals, sigma / unit, decimals, top);
+    return fmt::format("({:.{}f} +- {:.{}f})e{}", value / unit, decimals, sigma / unit, decimals,
+                       top);
   }
   const int decimals = std::max(0, 1 - first);
   return fmt::format("{:.{}f} +- {:.{}f}", value, decimals, sigma, decimals);
@@ -51,7 +52,8 @@ private:
     if (follows) {
       const std::array<Beat, 2> pair{*last_, beat};
       const double rate = rate_per_period(pair, nominal_period_s_).front();
-      const double period = (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle);
+      const double period =
+          (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle);
       fmt::format_to(out_, "{:.12g},{:.6e},{:.6f},", period, rate, seconds_gained_per_day(rate));
     } else {
       text += ",,,";
@@ -79,7 +81,8 @@ private:
 
 std::string rate_table(const Beats& beats, double nominal_period_s) {
   RateTable table(nominal_period_s);
-  for (const Beat& beat : beats.beats) table.add(beat);
+  for (const Beat& beat : beats.beats)
+    table.add(beat);
   return std::move(table.text);
 }
 
@@ -87,8 +90,8 @@ std::string rate_text(const Beats& beats, const RateSummary& summary) {
   const double rate = seconds_gained_per_day(summary.rate_excess);
   const double sigma = seconds_gained_per_day(summary.rate_excess_sigma);
   std::string text = fmt::format("{} beats over {:.6g} s; {} missed, {} spurious, {} segment{}\n",
-                                 summary.crossings, summary.duration_s, beats.missed, beats.spurious,
-                                 beats.segments, beats.segments == 1 ? "" : "s");
+                                 summary.crossings, summary.duration_s, beats.missed,
+                                 beats.spurious, beats.segments, beats.segments == 1 ? "" : "s");
   text += fmt::format("mean period {} s against {} s: {} by {} s a day (end to end); "
                       "a straight line fitted to the clock's error gives {:+.4g} s a day",
                       with_sigma(summary.mean_period_s, summary.mean_period_sigma_s, 12),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/sums.hpp"
@@ -168,6 +169,22 @@ std::vector<double> phase_from_frequency(std::span<const double> y, double tau0_
     phase.push_back(gap ? nan : sum.value() * tau0_s);
   }
   return phase;
+}
+
+std::vector<std::size_t> factors_for(std::span<const double> taus_s, std::size_t phase_points,
+                                     double tau0_s) {
+  std::vector<std::size_t> factors;
+  for (const double tau : taus_s) {
+    const double m = std::round(tau / tau0_s);
+    const bool multiple = std::abs(m * tau0_s - tau) <= 1e-6 * tau;
+    if (!multiple || !(m >= 1.0) || !(2.0 * m < static_cast<double>(phase_points)))
+      throw ArgumentError("tau", tau,
+                          "a multiple of " + std::to_string(tau0_s) + " s below half the data");
+    factors.push_back(static_cast<std::size_t>(m));
+  }
+  std::sort(factors.begin(), factors.end());
+  factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
+  return factors;
 }
 
 } // namespace goingrate

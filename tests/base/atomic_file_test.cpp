@@ -50,6 +50,28 @@ TEST_F(AtomicFileTest, AMissingFolderIsAnOutputError) {
   EXPECT_THROW(write_whole_file(folder_ / "none" / "a.txt", "x"), OutputError);
 }
 
+TEST_F(AtomicFileTest, OfSeveralFilesNoneIsReplacedIfOneFails) {
+  write_whole_file(folder_ / "a.txt", "old");
+  EXPECT_THROW(write_whole_files({{folder_ / "a.txt", "new"}, {folder_ / "none" / "b.txt", "new"}}),
+               OutputError);
+  EXPECT_EQ(content(folder_ / "a.txt"), "old");
+  EXPECT_THROW(write_whole_files({{folder_ / "a.txt", "new"}, {"-", "x"}, {"-", "y"}}),
+               ArgumentError);
+  EXPECT_EQ(content(folder_ / "a.txt"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(AtomicFileTest, ALinkIsFollowedAndTheModeKept) {
+  write_whole_file(folder_ / "real.txt", "old");
+  fs::permissions(folder_ / "real.txt", fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink(folder_ / "real.txt", folder_ / "link.txt");
+  write_whole_file(folder_ / "link.txt", "new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.txt"));
+  EXPECT_EQ(content(folder_ / "real.txt"), "new");
+  EXPECT_EQ(fs::status(folder_ / "real.txt").permissions(),
+            fs::perms::owner_read | fs::perms::owner_write);
+}
+
 TEST_F(AtomicFileTest, ADeviceIsWrittenToAndNotReplaced) {
   write_whole_file("/dev/null", "gone");
   EXPECT_FALSE(fs::is_regular_file("/dev/null"));

@@ -12,15 +12,22 @@ TEST(InstantTest, ReadsUnixTimeToTheLastDigit) {
   const auto t = parse_instant("1361605080.2279906");
   ASSERT_TRUE(t);
   EXPECT_EQ(t->seconds, 1361605080);
-  EXPECT_EQ(t->fraction, 0.2279906); // the double nearest the text, which Unix time in one double is not
+  EXPECT_EQ(t->fraction,
+            0.2279906); // the double nearest the text, which Unix time in one double is not
   EXPECT_EQ(format_instant(*t, 7), "1361605080.2279906");
 }
 
 TEST(InstantTest, ReadsWhatPeopleWrite) {
   for (const auto& [text, seconds, fraction] :
-       std::initializer_list<std::tuple<const char*, std::int64_t, double>>{
-           {"-1.25", -2, 0.75}, {"+3", 3, 0.0}, {"-4", -4, 0.0}, {".5", 0, 0.5}, {"7.", 7, 0.0},
-           {"1.5e1", 15, 0.0}, {"-2.5E-001", -1, 0.75}, {"0", 0, 0.0}, {"-0.0", 0, 0.0}}) {
+       std::initializer_list<std::tuple<const char*, std::int64_t, double>>{{"-1.25", -2, 0.75},
+                                                                            {"+3", 3, 0.0},
+                                                                            {"-4", -4, 0.0},
+                                                                            {".5", 0, 0.5},
+                                                                            {"7.", 7, 0.0},
+                                                                            {"1.5e1", 15, 0.0},
+                                                                            {"-2.5E-001", -1, 0.75},
+                                                                            {"0", 0, 0.0},
+                                                                            {"-0.0", 0, 0.0}}) {
     const auto t = parse_instant(text);
     ASSERT_TRUE(t) << text;
     EXPECT_EQ(t->seconds, seconds) << text;
@@ -29,8 +36,8 @@ TEST(InstantTest, ReadsWhatPeopleWrite) {
 }
 
 TEST(InstantTest, RefusesWhatIsNoNumber) {
-  for (const char* text : {"", "-", "+", ".", "1.2.3", "1,5", "12s", "nan", "inf", "--1", "1e400", "0x10",
-                           "99999999999999999999", "1 2"})
+  for (const char* text : {"", "-", "+", ".", "1.2.3", "1,5", "12s", "nan", "inf", "--1", "1e400",
+                           "0x10", "99999999999999999999", "1 2"})
     EXPECT_FALSE(parse_instant(text)) << text;
 }
 
@@ -61,11 +68,12 @@ TEST(InstantTest, ResidualKeepsDigits) {
   // After 1e8 periods of 2.000123 s a residual of 1e-9 s is still there to a part in 1e6.
   const double period = 2.000123;
   const std::int64_t n = 100000000;
-  const boost::multiprecision::cpp_bin_float_quad exact = n * boost::multiprecision::cpp_bin_float_quad(period);
+  const boost::multiprecision::cpp_bin_float_quad exact =
+      n * boost::multiprecision::cpp_bin_float_quad(period);
   const auto whole = static_cast<std::int64_t>(exact);
   const Instant origin{1700000000, 0.25};
-  const Instant t = Instant{origin.seconds + whole, origin.fraction} +
-                    static_cast<double>(exact - whole) + 1e-9;
+  const Instant t =
+      Instant{origin.seconds + whole, origin.fraction} + static_cast<double>(exact - whole) + 1e-9;
   EXPECT_NEAR(residual_from_grid(t, origin, n, period), 1e-9, 1e-15);
 }
 

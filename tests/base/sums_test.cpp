@@ -20,7 +20,7 @@ TEST(SumsTest, MillionTermsAgreeWithWiderArithmetic) {
     plain += term;
   }
   const auto error = static_cast<double>(sum.hi + (sum.lo - wide));
-  EXPECT_LT(std::abs(error), 1e-18); // 1e6 roundings of 2^-106 of 6e6
+  EXPECT_LT(std::abs(error), 1e-18);                            // 1e6 roundings of 2^-106 of 6e6
   EXPECT_GT(std::abs(static_cast<double>(plain - wide)), 1e-9); // what the plain sum loses
 }
 

@@ -17,20 +17,23 @@ using namespace goingrate;
 
 void direct_period(benchmark::State& state) {
   DirectPendulum pendulum(0.0390886300401325);
-  for (auto _ : state) benchmark::DoNotOptimize(pendulum.advance(2.5e-4, 2e-5, 0.03));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(pendulum.advance(2.5e-4, 2e-5, 0.03));
 }
 BENCHMARK(direct_period);
 
 void averaged_crossing(benchmark::State& state) {
   const AveragedMotion<double> motion(2.5e-4, 4e-5, 0.03, 0.0390886 * 0.0390886);
   double t = 0.0;
-  for (auto _ : state) benchmark::DoNotOptimize(motion.at(t += 6.28));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(motion.at(t += 6.28));
 }
 BENCHMARK(averaged_crossing);
 
 void read_and_number(benchmark::State& state) {
   const std::string text = native_log_text(test::simulated_log(test::at_point_a(100000), 1), 12);
-  for (auto _ : state) benchmark::DoNotOptimize(number_beats(read_log(text, "bench")));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(number_beats(read_log(text, "bench")));
   state.SetBytesProcessed(static_cast<std::int64_t>(text.size()) * state.iterations());
 }
 BENCHMARK(read_and_number)->Unit(benchmark::kMillisecond);
@@ -40,14 +43,16 @@ void fit_jump(benchmark::State& state) {
   FitOptions options;
   options.fixed["T0"] = 2.0;
   options.events = {{150, {"mu"}}};
-  for (auto _ : state) benchmark::DoNotOptimize(fit_clock(data, 2.0, options));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(fit_clock(data, 2.0, options));
 }
 BENCHMARK(fit_jump)->Unit(benchmark::kMillisecond);
 
 void oadev_octaves(benchmark::State& state) {
   RandomStream random(1, StreamPurpose::jitter);
   std::vector<double> phase(1000000);
-  for (double& x : phase) x = 1e-6 * random.normal();
+  for (double& x : phase)
+    x = 1e-6 * random.normal();
   const auto factors = octave_factors(phase.size());
   for (auto _ : state)
     benchmark::DoNotOptimize(allan_deviation(DeviationKind::oadev, phase, 1.0, factors));
@@ -57,8 +62,10 @@ BENCHMARK(oadev_octaves)->Unit(benchmark::kMillisecond);
 void spectrum_of_a_prime_length(benchmark::State& state) {
   RandomStream random(1, StreamPurpose::jitter);
   std::vector<double> rate(100003);
-  for (double& x : rate) x = random.normal();
-  for (auto _ : state) benchmark::DoNotOptimize(welch_spectrum(rate, 1.0, {.segment = rate.size()}));
+  for (double& x : rate)
+    x = random.normal();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(welch_spectrum(rate, 1.0, {.segment = rate.size()}));
 }
 BENCHMARK(spectrum_of_a_prime_length)->Unit(benchmark::kMillisecond);
 

@@ -16,11 +16,15 @@ struct Moments {
 Moments measure(const DriveVariability& drive, std::size_t n, std::size_t lag) {
   DriveSequence sequence(drive, 2.0, 42);
   std::vector<double> d(n);
-  for (double& x : d) x = sequence.next() - 1.0;
+  for (double& x : d)
+    x = sequence.next() - 1.0;
   Moments m;
-  for (const double x : d) m.mean += x / static_cast<double>(n);
-  for (const double x : d) m.rms += x * x / static_cast<double>(n);
-  for (std::size_t i = lag; i < n; ++i) m.lag += d[i] * d[i - lag] / static_cast<double>(n);
+  for (const double x : d)
+    m.mean += x / static_cast<double>(n);
+  for (const double x : d)
+    m.rms += x * x / static_cast<double>(n);
+  for (std::size_t i = lag; i < n; ++i)
+    m.lag += d[i] * d[i - lag] / static_cast<double>(n);
   m.lag /= m.rms;
   m.rms = std::sqrt(m.rms);
   return m;
@@ -28,7 +32,8 @@ Moments measure(const DriveVariability& drive, std::size_t n, std::size_t lag) {
 
 TEST(DriveTest, WithoutVariabilityTheFactorIsOne) {
   DriveSequence sequence({}, 2.0, 1);
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(sequence.next(), 1.0);
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(sequence.next(), 1.0);
 }
 
 TEST(DriveTest, FastDriveIsWhiteWithItsRms) {
@@ -46,7 +51,8 @@ TEST(DriveTest, SlowDriveHasItsRmsAndItsTime) {
 }
 
 TEST(DriveTest, ASeedGivesTheSameDrawsAlwaysAndAnotherSeedOthers) {
-  DriveSequence a({0.3, 0.1, 50.0}, 2.0, 7), b({0.3, 0.1, 50.0}, 2.0, 7), c({0.3, 0.1, 50.0}, 2.0, 8);
+  DriveSequence a({0.3, 0.1, 50.0}, 2.0, 7), b({0.3, 0.1, 50.0}, 2.0, 7),
+      c({0.3, 0.1, 50.0}, 2.0, 8);
   int equal = 0;
   for (int i = 0; i < 100; ++i) {
     const double x = a.next();
@@ -61,7 +67,8 @@ TEST(DriveTest, FirstDrawsArePinnedSoThatLogsStayReproducible) {
   const double first = random.normal();
   RandomStream again(1, StreamPurpose::fast_drive);
   EXPECT_EQ(first, again.normal());
-  EXPECT_NEAR(first, 2.9263274551075198, 1e-15); // recorded; Boost promises the same on any compiler
+  EXPECT_NEAR(first, 2.9263274551075198,
+              1e-15); // recorded; Boost promises the same on any compiler
 }
 
 TEST(DriveTest, RefusesValuesOutOfRange) {

@@ -36,8 +36,8 @@ protected:
 
   // Runs `goingrate ARGUMENTS` in the test's own folder.
   Outcome run(const std::string& arguments, const std::string& before = "") const {
-    const std::string line = fmt::format("cd '{}' && {} '{}' {} > out.txt 2> err.txt", folder_.string(),
-                                         before, GOINGRATE_COMMAND, arguments);
+    const std::string line = fmt::format("cd '{}' && {} '{}' {} > out.txt 2> err.txt",
+                                         folder_.string(), before, GOINGRATE_COMMAND, arguments);
     const int status = std::system(line.c_str());
     return {WEXITSTATUS(status), content(folder_ / "out.txt"), content(folder_ / "err.txt")};
   }
@@ -61,7 +61,8 @@ TEST_F(CommandTest, SimulateWritesALogAndTheTruth) {
   EXPECT_EQ(std::count(truth.begin(), truth.end(), '\n'), 2001);
   const std::string log = content(folder_ / "log.csv");
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 2001 + 3);
-  EXPECT_EQ(run("simulate " + scenario("jump") + " --seed 3").out, log) << "standard output is the default";
+  EXPECT_EQ(run("simulate " + scenario("jump") + " --seed 3").out, log)
+      << "standard output is the default";
   EXPECT_NE(run("simulate " + scenario("jump") + " --seed 4").out, log);
 }
 
@@ -73,9 +74,10 @@ TEST_F(CommandTest, SimulateReachesTheExactStationaryRates) {
   for (const Point& p : {Point{"2.5e-4", "2e-5", 1.133264436573979e-04},
                          Point{"2.5e-4", "4e-5", 1.960046634308295e-04},
                          Point{"1.167245e-4", "1.5e-5", 1.844068077230375e-08}}) {
-    put("s.toml", fmt::format("[clock]\nnominal_period=6.283185307179586\nepsilon={}\nmu={}\nphi0=0.03\n"
-                              "[run]\nperiods=100\n",
-                              p.epsilon, p.mu));
+    put("s.toml",
+        fmt::format("[clock]\nnominal_period=6.283185307179586\nepsilon={}\nmu={}\nphi0=0.03\n"
+                    "[run]\nperiods=100\n",
+                    p.epsilon, p.mu));
     ASSERT_EQ(run("simulate s.toml -o log.csv --truth truth.csv").code, 0);
     const std::string truth = content(folder_ / "truth.csv");
     const std::size_t row = truth.rfind('\n', truth.size() - 2) + 1;
@@ -86,19 +88,21 @@ TEST_F(CommandTest, SimulateReachesTheExactStationaryRates) {
 }
 
 TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
-  run("simulate " + scenario("jump") + " -o log.csv --set sensor.missed=0.05 --set sensor.spurious=0.05");
+  run("simulate " + scenario("jump") +
+      " -o log.csv --set sensor.missed=0.05 --set sensor.spurious=0.05");
   const Outcome outcome = run("rate log.csv --json rate.json");
   ASSERT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.out.substr(0, outcome.out.find('\n')),
             "cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags");
   const auto result = json("rate.json");
-  for (const char* key : {"schema", "crossings", "periods", "missed", "spurious", "gaps", "mean_period_s",
-                          "rate_excess", "rate_s_per_day", "rate_sigma_s_per_day", "last_period_s",
-                          "duration_s"})
+  for (const char* key :
+       {"schema", "crossings", "periods", "missed", "spurious", "gaps", "mean_period_s",
+        "rate_excess", "rate_s_per_day", "rate_sigma_s_per_day", "last_period_s", "duration_s"})
     EXPECT_TRUE(result.contains(key)) << key;
   // The ends of the log may be among the missed.
   EXPECT_NEAR(result["periods"].get<int>(), 2000, 6);
-  EXPECT_EQ(result["crossings"].get<int>() + result["missed"].get<int>(), result["periods"].get<int>() + 1);
+  EXPECT_EQ(result["crossings"].get<int>() + result["missed"].get<int>(),
+            result["periods"].get<int>() + 1);
   EXPECT_NEAR(result["spurious"].get<int>(), 100, 40);
 }
 
@@ -116,8 +120,8 @@ TEST_F(CommandTest, FitPrintsAndItsJsonHasTheKeysScriptsRelyOn) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("[parameters]"), std::string::npos);
   const auto fit = json("fit.json");
-  for (const char* key : {"model", "parameters", "combinations", "correlation", "derived", "quality",
-                          "alternatives", "termination"})
+  for (const char* key : {"model", "parameters", "combinations", "correlation", "derived",
+                          "quality", "alternatives", "termination"})
     EXPECT_TRUE(fit.contains(key)) << key;
   for (const char* key : {"dynamics", "escapement", "friction", "noise", "chosen_by"})
     EXPECT_TRUE(fit["model"].contains(key)) << key;
@@ -133,7 +137,8 @@ TEST_F(CommandTest, FitPrintsAndItsJsonHasTheKeysScriptsRelyOn) {
 TEST_F(CommandTest, FitFindsTheEventByItselfOrByTime) {
   run("simulate " + scenario("jump") + " -o log.csv");
   for (const char* event : {"auto", "300s:mu"}) {
-    const Outcome outcome = run(fmt::format("fit log.csv --fix T0=2 --event {} --json fit.json", event));
+    const Outcome outcome =
+        run(fmt::format("fit log.csv --fix T0=2 --event {} --json fit.json", event));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_NEAR(json("fit.json")["parameters"][5]["value"].get<double>(), 4e-5, 1e-6) << event;
   }
@@ -150,8 +155,9 @@ TEST_F(CommandTest, AnUndeterminedParameterIsAWordAndNull) {
 
 TEST_F(CommandTest, SpectrumSplitsTheDriveOfAKnownClock) {
   run("simulate " + scenario("noisy-drive") + " -o log.csv --set run.periods=20000");
-  const Outcome outcome = run("spectrum log.csv --fix T0=2 --fix epsilon=1.167245e-4 --fix mu=1.5e-5 "
-                              "--fix phi0=0.03 --json s.json -o s.csv");
+  const Outcome outcome =
+      run("spectrum log.csv --fix T0=2 --fix epsilon=1.167245e-4 --fix mu=1.5e-5 "
+          "--fix phi0=0.03 --json s.json -o s.csv");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto result = json("s.json");
   EXPECT_NEAR(result["corner_hz"].get<double>(), 1.167245e-4, 1e-12); // 2 epsilon / T0
@@ -167,8 +173,8 @@ TEST_F(CommandTest, StabilityReproducesTheNistSet) {
     n = 16807 * n % 2147483647;
   }
   put("nist.txt", frequency);
-  const Outcome outcome =
-      run("stability nist.txt --data frequency --tau0 1 --taus 1,10,100 --kind oadev --json s.json");
+  const Outcome outcome = run(
+      "stability nist.txt --data frequency --tau0 1 --taus 1,10,100 --kind oadev --json s.json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto rows = json("s.json")["rows"];
   ASSERT_EQ(rows.size(), 3u);
@@ -195,13 +201,13 @@ TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
   put("binary.log", std::string("\x00\x01\x02", 3));
   put("words.log", "once upon a time\n");
   for (const char* command : {"rate", "fit", "spectrum", "stability", "report"}) {
-    for (const auto& [file, place] :
-         std::initializer_list<std::pair<const char*, const char*>>{{"empty.log", "empty.log:1:1: "},
-                                                                   {"one.log", "one.log:1:1: "},
-                                                                   {"binary.log", "binary.log:1:1: "},
-                                                                   {"words.log", "words.log:1:1: "},
-                                                                   {"absent.log", "absent.log:0:0: "},
-                                                                   {".", ".:0:0: "}}) {
+    for (const auto& [file, place] : std::initializer_list<std::pair<const char*, const char*>>{
+             {"empty.log", "empty.log:1:1: "},
+             {"one.log", "one.log:1:1: "},
+             {"binary.log", "binary.log:1:1: "},
+             {"words.log", "words.log:1:1: "},
+             {"absent.log", "absent.log:0:0: "},
+             {".", ".:0:0: "}}) {
       const Outcome outcome = run(fmt::format("{} {}", command, file));
       EXPECT_EQ(outcome.code, 3) << command << " " << file << outcome.err;
       EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
@@ -213,7 +219,8 @@ TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
 
 TEST_F(CommandTest, AFailureOverwritesNothing) {
   put("empty.log", "");
-  for (const char* file : {"out.html", "out.json", "out.csv", "truth.csv"}) put(file, "precious");
+  for (const char* file : {"out.html", "out.json", "out.csv", "truth.csv"})
+    put(file, "precious");
   EXPECT_EQ(run("report empty.log -o out.html --json out.json").code, 3);
   EXPECT_EQ(run("rate empty.log -o out.csv --json out.json").code, 3);
   EXPECT_EQ(run("simulate empty.log -o out.csv --truth truth.csv").code, 3);
@@ -221,6 +228,58 @@ TEST_F(CommandTest, AFailureOverwritesNothing) {
     EXPECT_EQ(content(folder_ / file), "precious") << file;
   for (const auto& entry : fs::directory_iterator(folder_))
     EXPECT_EQ(entry.path().string().find(".part-"), std::string::npos) << entry.path();
+}
+
+TEST_F(CommandTest, OneOutputThatCannotBeWrittenLeavesTheOthersAsTheyWere) {
+  put("truth.csv", "precious");
+  put("out.json", "precious");
+  EXPECT_EQ(run("simulate " + scenario("jump") + " --truth truth.csv -o no/such/log.csv").code, 5);
+  run("simulate " + scenario("jump") + " -o log.csv");
+  EXPECT_EQ(run("report log.csv --json out.json -o no/such/page.html").code, 5);
+  EXPECT_EQ(content(folder_ / "truth.csv"), "precious");
+  EXPECT_EQ(content(folder_ / "out.json"), "precious");
+  EXPECT_EQ(run("report log.csv -o - --json -").code, 2) << "two results on one stream";
+}
+
+TEST_F(CommandTest, AnUnwritableStandardErrorIsNoCrash) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  const std::string line = fmt::format("'{}' rate no-such-file 2> /dev/full", GOINGRATE_COMMAND);
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 3);
+}
+
+TEST_F(CommandTest, LatinOneInABadLineSpoilsNoJson) {
+  put("l.csv", "0.0\n2.0\nbeat \xe9t\xe9\n4.0\n6.0\n");
+  EXPECT_EQ(run("rate l.csv --json l.json").code, 0);
+  EXPECT_EQ(json("l.json")["issues"].size(), 1u);
+}
+
+TEST_F(CommandTest, TheShortestLogsGetAReport) {
+  for (int n = 3; n <= 12; ++n) {
+    std::string log;
+    for (int i = 0; i < n; ++i)
+      log += fmt::format("{:.6f}\n", 2.0 * i + (i % 3) * 1e-5);
+    put("short.log", log);
+    const Outcome outcome = run("report short.log -o page.html --json r.json");
+    EXPECT_EQ(outcome.code, 0) << n << outcome.err;
+  }
+}
+
+TEST_F(CommandTest, DemoHandsItsArgumentsToReportAndNotToTheInstaller) {
+  // The set-up with stand-ins for Debian's tools that say what they are asked.
+  put("dpkg-query", "#!/bin/sh\nfor p; do :; done\necho \"$p\" >> asked.txt\necho installed\n");
+  put("apt-get", "#!/bin/sh\necho called >> apt.txt\n");
+  put("try.sh",
+      fmt::format("set -- my.log --nominal-period 2\n. '{}/apps/setup.sh'\ngoingrate_setup extra\n",
+                  source.string()));
+  const std::string line =
+      fmt::format("cd '{0}' && chmod +x dpkg-query apt-get && PATH={0}:$PATH bash try.sh "
+                  "> said.txt 2>&1",
+                  folder_.string());
+  EXPECT_EQ(std::system(line.c_str()), 0);
+  EXPECT_EQ(content(folder_ / "asked.txt").find("my.log"), std::string::npos);
+  EXPECT_NE(content(folder_ / "asked.txt").find("extra"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "apt.txt"));
+  EXPECT_EQ(content(folder_ / "said.txt"), "") << "silent if all is there";
 }
 
 TEST_F(CommandTest, OutputThatCannotBeWrittenIsExitFive) {
@@ -248,12 +307,14 @@ TEST_F(CommandTest, ABadScenarioIsExitThree) {
   EXPECT_EQ(run("simulate " + scenario("jump") + " --set clock.mu=lots").code, 3);
 }
 
-TEST_F(CommandTest, AStalledClockIsExitFourAndKeepsWhatWasSeen) {
-  const Outcome outcome = run("simulate " + scenario("jump") + " -o log.csv --set clock.epsilon=0.01 "
+TEST_F(CommandTest, AStalledClockIsExitFourAndOverwritesNothing) {
+  put("log.csv", "precious");
+  const Outcome outcome = run("simulate " + scenario("jump") +
+                              " -o log.csv --set clock.epsilon=0.01 "
                               "--set start.amplitude=0.05");
   EXPECT_EQ(outcome.code, 4) << outcome.err;
   EXPECT_NE(outcome.err.find("stalled"), std::string::npos);
-  EXPECT_TRUE(fs::exists(folder_ / "log.csv"));
+  EXPECT_EQ(content(folder_ / "log.csv"), "precious");
 }
 
 TEST_F(CommandTest, EachHelpHasAnExampleThatRuns) {
@@ -264,8 +325,10 @@ TEST_F(CommandTest, EachHelpHasAnExampleThatRuns) {
     const std::size_t at = help.out.find("Example:");
     ASSERT_NE(at, std::string::npos) << command;
     std::string example = help.out.substr(help.out.find("goingrate ", at) + 10);
-    for (std::size_t k; (k = example.find("\\\n")) != std::string::npos;) example.erase(k, 2);
-    while (!example.empty() && (example.back() == '\n' || example.back() == ' ')) example.pop_back();
+    for (std::size_t k; (k = example.find("\\\n")) != std::string::npos;)
+      example.erase(k, 2);
+    while (!example.empty() && (example.back() == '\n' || example.back() == ' '))
+      example.pop_back();
     EXPECT_EQ(run(example).code, 0) << example;
   }
 }

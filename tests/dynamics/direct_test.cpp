@@ -32,13 +32,15 @@ TEST(DirectTest, CrossingTimesOfPointC) {
 }
 
 TEST(DirectTest, LimitCycleDoesNotFreeze) {
-  // Started a part in 1e9 off, v must come back to within rounding of the limit cycle: rounding v to
-  // a double every period would stop it some 1e-14 short. 30 relaxation times of 1/(4 pi eps) periods.
+  // Started a part in 1e9 off, v must come back to within rounding of the limit cycle: rounding v
+  // to a double every period would stop it some 1e-14 short. 30 relaxation times of 1/(4 pi eps)
+  // periods.
   const double exact = 0.0495414393471760923604;
   Scenario scenario = steady(clock_c, 20500);
   scenario.start_amplitude = exact * (1 + 1e-9);
   DirectRun run(scenario, 1);
-  while (run.next()) {}
+  while (run.next()) {
+  }
   EXPECT_NEAR(run.last().velocity / exact, 1.0, 5e-16);
 }
 
@@ -68,7 +70,8 @@ TEST(DirectTest, SecondsAreScaledTimeTimesT0Over2Pi) {
   ClockParameters two_seconds = clock_a;
   two_seconds.nominal_period_s = 2.0;
   DirectRun scaled(steady(clock_a, 100), 1), real(steady(two_seconds, 100), 1);
-  while (scaled.next()) (void)real.next();
+  while (scaled.next())
+    (void)real.next();
   EXPECT_NEAR(real.last().time_s.value(), scaled.last().time_s.value() * 2.0 / two_pi, 1e-12);
 }
 
@@ -82,7 +85,8 @@ TEST(DirectTest, AnEventByTimeActsAtTheNextUpwardCrossing) {
   event.at_s = 9.5 * two_pi;
   by_time.events = {event};
   DirectRun a(by_cycle, 1), b(by_time, 1);
-  while (const auto period = a.next()) EXPECT_EQ(period->period_s, b.next()->period_s);
+  while (const auto period = a.next())
+    EXPECT_EQ(period->period_s, b.next()->period_s);
 }
 
 TEST(DirectTest, ALengthChangeKeepsThePhysicalSpeed) {
@@ -94,7 +98,8 @@ TEST(DirectTest, ALengthChangeKeepsThePhysicalSpeed) {
   event.nominal_period_s = 2.2;
   scenario.events = {event};
   DirectRun run(scenario, 1);
-  while (run.next()) {}
+  while (run.next()) {
+  }
   EXPECT_NEAR(run.last().velocity / 2.2, 0.1 / 2.0, 1e-15);
 }
 
@@ -103,7 +108,8 @@ TEST(DirectTest, AClockWhoseDriveIsTooWeakStallsAndSaysWhen) {
   scenario.start_amplitude = 0.05;
   DirectRun run(scenario, 1);
   std::int64_t periods = 0;
-  while (run.next()) ++periods;
+  while (run.next())
+    ++periods;
   EXPECT_EQ(run.status(), SwingStatus::stalled);
   EXPECT_EQ(run.last().cycle, periods);
   EXPECT_GT(periods, 10);

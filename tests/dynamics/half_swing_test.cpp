@@ -15,7 +15,8 @@ TEST(HalfSwingTest, PeriodOfTheFreePendulumIsTheEllipticIntegral) {
   for (const double v : {1e-3, 0.05, 0.3, 1.0, 1.5, 1.8, 1.95, 1.97}) {
     const auto swing = half_swing(v, 0.0, 0.0, 10.0, true);
     ASSERT_EQ(swing.status, SwingStatus::crossed);
-    EXPECT_NEAR(swing.duration.value() / (2.0 * boost::math::ellint_1(v / 2.0)), 1.0, 2e-15 / (4 - v * v))
+    EXPECT_NEAR(swing.duration.value() / (2.0 * boost::math::ellint_1(v / 2.0)), 1.0,
+                2e-15 / (4 - v * v))
         << v; // a few roundings, and the sensitivity to v near the top
     EXPECT_NEAR(swing.apex, 2.0 * std::asin(v / 2.0), 1e-14 / (2 - v)) << v;
     EXPECT_EQ(swing.speed2_change, 0.0);
@@ -54,20 +55,21 @@ TEST_P(Against128Bits, DurationAndWorkAgreeToRounding) {
             Quad(9e-16) * Quad(4 * std::abs(c.mu) * c.phi0 + 2 * pi * c.eps * c.v * c.v));
   EXPECT_NEAR(fast.apex, static_cast<double>(exact.apex), 1e-14);
   // v'^2 by work and by the end of the motion are the same number.
-  EXPECT_LT(abs(exact.speed * exact.speed - Quad(c.v) * Quad(c.v) - exact.speed2_change), Quad(1e-30));
+  EXPECT_LT(abs(exact.speed * exact.speed - Quad(c.v) * Quad(c.v) - exact.speed2_change),
+            Quad(1e-30));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, Against128Bits,
-    testing::Values(Case{0.0390886300401325, 2.5e-4, 2e-5, 0.03, true},   // A
-                    Case{0.0552840336990741, 2.5e-4, 4e-5, 0.03, true},   // B
+    testing::Values(Case{0.0390886300401325, 2.5e-4, 2e-5, 0.03, true},        // A
+                    Case{0.0552840336990741, 2.5e-4, 4e-5, 0.03, true},        // B
                     Case{0.0495414393471761, 1.167245e-4, 1.5e-5, 0.03, true}, // C
-                    Case{0.0300001, 2.5e-4, 2e-5, 0.03, true},            // grazing the switch
-                    Case{0.02, 2.5e-4, 2e-5, 0.03, true},                 // not reaching it
-                    Case{0.0390886300401325, 2.5e-4, 2e-5, 0.03, false},  // after a missed switch
-                    Case{0.05, 2.5e-4, -2e-5, 0.03, true},                // torque reversed by noise
-                    Case{0.3, 0.05, 2e-2, 0.2, true},                     // heavy friction
-                    Case{1.5, 1e-3, 1e-3, 0.5, true}));                   // far from small
+                    Case{0.0300001, 2.5e-4, 2e-5, 0.03, true},                 // grazing the switch
+                    Case{0.02, 2.5e-4, 2e-5, 0.03, true},                      // not reaching it
+                    Case{0.0390886300401325, 2.5e-4, 2e-5, 0.03, false}, // after a missed switch
+                    Case{0.05, 2.5e-4, -2e-5, 0.03, true},               // torque reversed by noise
+                    Case{0.3, 0.05, 2e-2, 0.2, true},                    // heavy friction
+                    Case{1.5, 1e-3, 1e-3, 0.5, true}));                  // far from small
 
 TEST(HalfSwingTest, ASwitchWithinOneUlpOfTheApexIsDecidedByTheApex) {
   const double eps = 1e-4, mu = 1e-5;

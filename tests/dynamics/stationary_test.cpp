@@ -15,12 +15,33 @@ struct Point {
   double fast_gain, slow_gain;
 };
 
-constexpr Point A{"A", 2.5e-4, 2e-5, 1.133264436573979e-04, 1.133210552128862e-04,
-                  6.28247333681895235959, 0.0390886300401325117257, 2.08814e-4, 1.58569e-4};
-constexpr Point B{"B", 2.5e-4, 4e-5, 1.960046634308295e-04, 1.959334278327624e-04,
-                  6.28195401489720860185, 0.0552840336990741440991, 3.86919e-4, 8.32399e-5};
-constexpr Point C{"C", 1.167245e-4, 1.5e-5, 1.844068077230375e-08, -3.468305925583591e-11,
-                  6.28318519131337413068, 0.0495414393471760923604, 1.53395e-4, -3.22871e-5};
+constexpr Point A{"A",
+                  2.5e-4,
+                  2e-5,
+                  1.133264436573979e-04,
+                  1.133210552128862e-04,
+                  6.28247333681895235959,
+                  0.0390886300401325117257,
+                  2.08814e-4,
+                  1.58569e-4};
+constexpr Point B{"B",
+                  2.5e-4,
+                  4e-5,
+                  1.960046634308295e-04,
+                  1.959334278327624e-04,
+                  6.28195401489720860185,
+                  0.0552840336990741440991,
+                  3.86919e-4,
+                  8.32399e-5};
+constexpr Point C{"C",
+                  1.167245e-4,
+                  1.5e-5,
+                  1.844068077230375e-08,
+                  -3.468305925583591e-11,
+                  6.28318519131337413068,
+                  0.0495414393471760923604,
+                  1.53395e-4,
+                  -3.22871e-5};
 
 ClockParameters clock_at(const Point& p) { return {two_pi, p.epsilon, p.mu, 0.03}; }
 
@@ -29,7 +50,7 @@ class StationaryTest : public testing::TestWithParam<Point> {};
 TEST_P(StationaryTest, LimitCycleMatchesExactValues) {
   const auto cycle = limit_cycle(clock_at(GetParam()));
   ASSERT_TRUE(cycle);
-  EXPECT_NEAR(cycle->rate_excess, GetParam().rate, 1e-15);     // a few roundings of the period
+  EXPECT_NEAR(cycle->rate_excess, GetParam().rate, 1e-15); // a few roundings of the period
   EXPECT_NEAR(cycle->period, GetParam().period, 4e-15);
   EXPECT_NEAR(cycle->velocity, GetParam().velocity, 2e-17);
 }

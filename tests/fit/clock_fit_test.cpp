@@ -17,12 +17,13 @@ const FittedParameter& parameter(const FitSummary& fit, const std::string& name)
 void expect_within(const FitSummary& fit, const std::string& name, double truth, double sigmas) {
   const FittedParameter& p = parameter(fit, name);
   EXPECT_EQ(p.status, ParameterStatus::free) << name;
-  EXPECT_LT(std::abs(p.value - truth), sigmas * p.sigma) << name << " = " << p.value << " +- " << p.sigma;
+  EXPECT_LT(std::abs(p.value - truth), sigmas * p.sigma)
+      << name << " = " << p.value << " +- " << p.sigma;
 }
 
 FitSummary fit_of(const Scenario& scenario, std::uint64_t seed, const FitOptions& options) {
-  return fit_clock(timing_data(test::simulated_beats(scenario, seed)), scenario.clock.nominal_period_s,
-                   options);
+  return fit_clock(timing_data(test::simulated_beats(scenario, seed)),
+                   scenario.clock.nominal_period_s, options);
 }
 
 constexpr double velocity_a = 0.0390886300401325; // exact, of the limit cycle at A
@@ -103,7 +104,9 @@ TEST(ClockFitTest, AStationaryNoiselessLogDeterminesItsRateAndNothingElse) {
     if (!known_T0) {
       EXPECT_EQ(parameter(fit, "T0").status, ParameterStatus::undetermined);
     }
-    EXPECT_NEAR(fit.combinations.front().value, 2.0 * 6.28247333681895236 / 6.28318530717958648, 1e-10);
+    EXPECT_EQ(fit.combinations.front().name, "mean period");
+    EXPECT_NEAR(fit.combinations.front().value, 2.0 * 6.28247333681895236 / 6.28318530717958648,
+                1e-10);
     EXPECT_TRUE(std::isnan(fit.q_factor.value));
     EXPECT_FALSE(fitted_clock(fit));
   }
@@ -118,7 +121,7 @@ TEST(ClockFitTest, AnAmplitudeColumnTellsTheAmplitudeOfAStationaryClockButNotIts
   const FitSummary fit = fit_of(scenario, 1, options);
   EXPECT_EQ(parameter(fit, "epsilon").status, ParameterStatus::undetermined);
   expect_within(fit, "lambda0", velocity_a, 4.0);
-  EXPECT_NEAR(fit.stationary_amplitude.value, 0.0390882, 5e-6);
+  EXPECT_TRUE(std::isnan(fit.stationary_amplitude.value)) << "where it tends hangs on the friction";
 }
 
 TEST(ClockFitTest, TimesAndAmplitudesTogetherFreeT0) {
@@ -159,6 +162,80 @@ TEST(ClockFitTest, DriveNoiseIsSeenAsARandomWalk) {
   EXPECT_LT(std::abs(fit.rate_s_per_day.value - 86400 * 1.96005e-4), 4 * fit.rate_s_per_day.sigma);
 }
 
+// Scenes that determine much or little; what is called determined must be right. Truth lies within
+// four sigma always (a hundred or two comparisons a scene), and the scatter of the normalised
+// errors is that of honest sigmas, or smaller where the check for other minima has widened them.
+struct Scene {
+  const char* name;
+  Scenario scenario;
+  FitOptions options;
+  bool determines_all;
+};
+
+class HonestSigma : public testing::TestWithParam<int> {};
+
+Scene scene(int index) {
+  Scenario start_up = test::at_point_a(3000), amplitudes = test::at_point_a(2000);
+  start_up.start_amplitude = 0.035;
+  start_up.sensor.jitter_rms_s = 1e-5;
+  amplitudes.sensor.jitter_rms_s = 1e-5;
+  amplitudes.sensor.amplitude_rms = 1e-5;
+  Scenario noisy = test::at_point_a(2000);
+  noisy.drive.fast_rms = 0.3;
+  noisy.sensor.jitter_rms_s = 1e-5;
+  const FitOptions jump{FitDynamics::automatic, {{150, {"mu"}}}, {}, {}};
+  const std::vector<Scene> scenes{
+      {"JumpWithT0Free", test::jump_from_a_to_b(2000, 1e-4), jump, true},
+      {"StartUp", start_up, {}, false},
+      {"RingDownUnderJitter", test::ring_down(2000, 1e-4), {}, true},
+      {"StationaryWithAmplitudes", amplitudes, {}, false},
+      {"StationaryUnderDriveNoise", noisy, {}, false},
+  };
+  return scenes[static_cast<std::size_t>(index)];
+}
+
+TEST_P(HonestSigma, WhatIsCalledDeterminedIsRight) {
+  const Scene s = scene(GetParam());
+  const std::map<std::string, double> truth{
+      {"T0", 2.0},    {"epsilon", 2.5e-4},
+      {"mu", 2e-5},   {"phi0", 0.03},
+      {"mu@1", 4e-5}, {"lambda0", s.scenario.start_amplitude.value_or(velocity_a)}};
+  double sum2 = 0.0, count = 0.0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const FitSummary fit = fit_of(s.scenario, seed, s.options);
+    ASSERT_EQ(fit.status, FitStatus::converged);
+    for (const FittedParameter& p : fit.parameters) {
+      if (!std::isfinite(p.sigma)) {
+        EXPECT_FALSE(s.determines_all) << seed << ": " << p.name << " should be determined";
+        continue;
+      }
+      const double z = (p.value - truth.at(p.name)) / p.sigma;
+      EXPECT_LT(std::abs(z), 4.0) << seed << ": " << p.name << " = " << p.value << " +- "
+                                  << p.sigma;
+      sum2 += z * z;
+      ++count;
+    }
+  }
+  if (count == 0.0) return; // nothing was called determined
+  EXPECT_LT(std::sqrt(sum2 / count), 1.35);
+  if (s.determines_all) {
+    EXPECT_GT(std::sqrt(sum2 / count), 0.65);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, HonestSigma, testing::Range(0, 5),
+                         [](const auto& index) { return scene(index.param).name; });
+
+TEST(ClockFitTest, AModelThatRunsSlowIsNotPreferredForShrinkingTheNoise) {
+  // The likelihood at the fit is at least that at the truth, and hardly better: with five
+  // parameters chi-squared falls by some five, not by the per cents a slow clock would take off
+  // every residual.
+  const Scenario scenario = test::ring_down(2000, 1e-4);
+  const FitSummary fit = fit_of(scenario, 12, {});
+  EXPECT_NEAR(fit.quality.rms_s, 1.017e-4, 0.01e-4); // of the simulated jitter itself, seed 12
+  EXPECT_NEAR(parameter(fit, "lambda0").value, 0.1, 1e-4);
+}
+
 TEST(ClockFitTest, APriorEntersTheResult) {
   Scenario scenario = test::jump_from_a_to_b(300, 1e-4);
   FitOptions options;
@@ -191,6 +268,12 @@ TEST(ClockFitTest, NonsenseIsRefusedByName) {
   EXPECT_THROW((void)with([](FitOptions& o) { o.fixed["epsilon"] = -1; }), ArgumentError);
   EXPECT_THROW((void)with([](FitOptions& o) { o.events = {{30, {"mu"}}}; }), ArgumentError);
   EXPECT_THROW((void)with([](FitOptions& o) { o.events = {{5, {"T0"}}}; }), ArgumentError);
+  EXPECT_THROW((void)with([](FitOptions& o) { o.events = {{5, {"mu", "mu"}}}; }), ArgumentError);
+  EXPECT_THROW((void)with([](FitOptions& o) {
+                 o.fixed["T0"] = 2.0;
+                 o.priors = {{"T0", 2.0, 0.1}};
+               }),
+               ArgumentError);
   EXPECT_THROW((void)with([](FitOptions& o) { o.priors = {{"mu", 1e-5, 0.0}}; }), ArgumentError);
   EXPECT_THROW((void)parse_fit_event("mu"), ArgumentError);
   EXPECT_THROW((void)parse_fit_event("15x:mu"), ArgumentError);

@@ -9,10 +9,12 @@ namespace {
 
 TEST(DiaryTest, FindsAndDatesAJumpOfTheDrive) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const Diary diary = keep_diary(test::simulated_beats(test::jump_from_a_to_b(2000, 1e-5), seed), 2.0);
+    const Diary diary =
+        keep_diary(test::simulated_beats(test::jump_from_a_to_b(2000, 1e-5), seed), 2.0);
     ASSERT_EQ(diary.changes.size(), 1u) << seed;
     EXPECT_NEAR(static_cast<double>(diary.changes[0].cycle), 150, 1) << seed;
-    EXPECT_NEAR(diary.changes[0].rate_change, 2.07e-4, 5e-6) << seed; // 1.13e-4 to 3.22e-4, relaxing
+    EXPECT_NEAR(diary.changes[0].rate_change, 2.07e-4, 5e-6)
+        << seed; // 1.13e-4 to 3.22e-4, relaxing
   }
 }
 
@@ -25,14 +27,16 @@ TEST(DiaryTest, QuietLogsStayQuiet) {
     Scenario noisy = test::at_point_b(3000);
     noisy.drive.fast_rms = 0.3;
     for (const Scenario& scenario : {steady, noisy, test::ring_down(3000, 1e-5)})
-      alarms += static_cast<int>(keep_diary(test::simulated_beats(scenario, seed), 2.0).changes.size());
+      alarms +=
+          static_cast<int>(keep_diary(test::simulated_beats(scenario, seed), 2.0).changes.size());
   }
   EXPECT_EQ(alarms, 0);
 }
 
 TEST(DiaryTest, NoiselessLogsRaiseNoAlarm) {
   EXPECT_TRUE(keep_diary(test::simulated_beats(test::at_point_a(2000), 1), 2.0).changes.empty());
-  EXPECT_TRUE(keep_diary(test::simulated_beats(test::ring_down(2000, 0.0), 1), 2.0).changes.empty());
+  EXPECT_TRUE(
+      keep_diary(test::simulated_beats(test::ring_down(2000, 0.0), 1), 2.0).changes.empty());
 }
 
 Scenario interrupted() {
@@ -64,6 +68,24 @@ TEST(DiaryTest, AnInterruptionIsDatedAndItsTimesAreThoseOfTheFriction) {
   EXPECT_LT(event.decay->sigma_s, 0.05 * decay);
   // lambda^2 relaxes at 2 epsilon; lambda itself does so only for small departures, here 7 %.
   EXPECT_NEAR(event.recovery->time_constant_s, 0.5 * decay, 0.1 * decay);
+}
+
+TEST(DiaryTest, DriveNoiseIsNoUnevenReturn) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Scenario scenario = interrupted();
+    scenario.drive.fast_rms = 0.03;
+    const Diary diary = keep_diary(test::simulated_beats(scenario, seed), 2.0);
+    ASSERT_EQ(diary.interruptions.size(), 1u) << seed;
+    ASSERT_TRUE(diary.interruptions[0].recovery) << seed;
+    EXPECT_TRUE(diary.interruptions[0].recovery->exponential) << seed;
+  }
+}
+
+TEST(DiaryTest, ABlankAmplitudeHidesNoInterruption) {
+  auto beats = test::simulated_beats(interrupted(), 1);
+  beats[300].amplitude_rad = NAN;
+  beats[550].amplitude_rad = NAN;
+  EXPECT_EQ(keep_diary(beats, 2.0).interruptions.size(), 1u);
 }
 
 TEST(DiaryTest, AShortLogHasNoDiary) {

@@ -30,9 +30,10 @@ TEST(DriveSplitTest, RecoversBothParts) {
     slow += split.slow.rms / logs;
     fast_inside += split.fast.low68 <= 0.3 && split.fast.high68 >= 0.3 ? 1 : 0;
   }
-  EXPECT_NEAR(fast, 0.3, 0.004);  // 1.2 % each, twenty logs
-  EXPECT_NEAR(slow, 0.1, 0.02);   // some six independent values a log, twenty logs
-  EXPECT_GE(fast_inside, 8);      // 14 expected
+  EXPECT_NEAR(fast, 0.3, 0.004); // 1.2 % each, twenty logs
+  EXPECT_NEAR(slow, 0.1, 0.02);  // some six independent values a log, twenty logs
+  EXPECT_GE(fast_inside, 8);     // 14 expected, within three standard deviations
+  EXPECT_LE(fast_inside, 19);
 }
 
 TEST(DriveSplitTest, JitterIsToldFromDrive) {

@@ -9,7 +9,8 @@
 namespace goingrate {
 namespace {
 
-std::vector<double> made(std::span<const double> cycle, const TimingNoise& noise, std::uint64_t seed) {
+std::vector<double> made(std::span<const double> cycle, const TimingNoise& noise,
+                         std::uint64_t seed) {
   RandomStream jitter(seed, StreamPurpose::jitter), walk(seed, StreamPurpose::fast_drive);
   std::vector<double> r;
   double at = 0.0;
@@ -22,7 +23,8 @@ std::vector<double> made(std::span<const double> cycle, const TimingNoise& noise
 
 std::vector<double> counted(std::size_t n) {
   std::vector<double> cycle(n);
-  for (std::size_t i = 0; i < n; ++i) cycle[i] = static_cast<double>(i);
+  for (std::size_t i = 0; i < n; ++i)
+    cycle[i] = static_cast<double>(i);
   return cycle;
 }
 
@@ -33,19 +35,22 @@ TEST(NoiseTest, WhiteningEqualsTheDenseCholesky) {
   Eigen::MatrixXd covariance(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k)
-      covariance(i, k) = (i == k ? 0.49 : 0.0) +
-                         1.69 * std::min(cycle[static_cast<std::size_t>(i)], cycle[static_cast<std::size_t>(k)]);
+      covariance(i, k) =
+          (i == k ? 0.49 : 0.0) +
+          1.69 * std::min(cycle[static_cast<std::size_t>(i)], cycle[static_cast<std::size_t>(k)]);
   Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(n - 1, n);
-  for (Eigen::Index i = 0; i + 1 < n; ++i) difference.row(i)[i] = -(difference.row(i)[i + 1] = 1.0);
+  for (Eigen::Index i = 0; i + 1 < n; ++i)
+    difference.row(i)[i] = -(difference.row(i)[i + 1] = 1.0);
   const Eigen::MatrixXd dense = difference * covariance * difference.transpose();
   const Eigen::LLT<Eigen::MatrixXd> cholesky(dense);
   const std::vector<double> residual{0.1, -0.3, 0.2, 0.5, -0.9, 0.4, 0.0};
-  const Eigen::VectorXd slow = cholesky.matrixL().solve(
-      difference * Eigen::Map<const Eigen::VectorXd>(residual.data(), n));
+  const Eigen::VectorXd slow =
+      cholesky.matrixL().solve(difference * Eigen::Map<const Eigen::VectorXd>(residual.data(), n));
   std::vector<double> fast(residual.size() - 1);
   const Whitening whitening(cycle, noise);
   whitening.apply<double>(residual, fast);
-  for (Eigen::Index i = 0; i + 1 < n; ++i) EXPECT_NEAR(fast[static_cast<std::size_t>(i)], slow[i], 1e-14);
+  for (Eigen::Index i = 0; i + 1 < n; ++i)
+    EXPECT_NEAR(fast[static_cast<std::size_t>(i)], slow[i], 1e-14);
   EXPECT_NEAR(whitening.log_determinant(), std::log(dense.determinant()), 1e-12);
 }
 
@@ -61,15 +66,29 @@ TEST(NoiseTest, FindsJitterAndWalk) {
     if (j > 1e-6) {
       EXPECT_NEAR(jitter, j, 0.03 * j) << w; // 1.5 % for one log of equal parts
     }
-    if (w == 0.0) EXPECT_LT(walk, 1e-8); // the criterion lets a false walk through in few logs
-    else EXPECT_NEAR(walk, w, 0.08 * w) << w;
+    if (w == 0.0)
+      EXPECT_LT(walk, 1e-8); // the criterion lets a false walk through in few logs
+    else
+      EXPECT_NEAR(walk, w, 0.08 * w) << w;
   }
+}
+
+TEST(NoiseTest, JitterUnderAStrongWalkIsUndetermined) {
+  const auto cycle = counted(2000);
+  const NoiseEstimate buried = noise_with_sigmas(cycle, made(cycle, {1e-7, 1e-4}, 1));
+  EXPECT_GT(buried.jitter_relative_sigma, 1.0 / 3.0);
+  EXPECT_GT(buried.walk_relative_sigma,
+            0.9 / std::sqrt(2 * 2000.0)); // no better than n normal values tell
+  EXPECT_LT(buried.walk_relative_sigma, 0.05);
+  const NoiseEstimate plain = noise_with_sigmas(cycle, made(cycle, {1e-5, 0.0}, 1));
+  EXPECT_NEAR(plain.jitter_relative_sigma, 1 / std::sqrt(2 * 2000.0), 1e-3);
 }
 
 TEST(NoiseTest, LocalJitterIsBlindToDrift) {
   const auto cycle = counted(5000);
   auto r = made(cycle, {1e-5, 0.0}, 4);
-  for (std::size_t i = 0; i < r.size(); ++i) r[i] += 1e-3 * std::sin(0.01 * static_cast<double>(i));
+  for (std::size_t i = 0; i < r.size(); ++i)
+    r[i] += 1e-3 * std::sin(0.01 * static_cast<double>(i));
   EXPECT_NEAR(local_jitter(cycle, r), 1e-5, 5e-7); // 5 %: 2.5 standard errors
 }
 
@@ -78,13 +97,15 @@ TEST(NoiseTest, WhitenessPIsUniformForWhiteNoiseAndSmallForRed) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     RandomStream random(seed, StreamPurpose::jitter);
     std::vector<double> x(500);
-    for (double& v : x) v = random.normal();
+    for (double& v : x)
+      v = random.normal();
     below += whiteness_p(x) < 0.1 ? 1 : 0;
   }
-  EXPECT_GT(below, 8);  // 20 expected, 4.2 standard deviation
+  EXPECT_GT(below, 8); // 20 expected, 4.2 standard deviation
   EXPECT_LT(below, 36);
   std::vector<double> red(500);
-  for (std::size_t i = 0; i < red.size(); ++i) red[i] = std::sin(0.05 * static_cast<double>(i));
+  for (std::size_t i = 0; i < red.size(); ++i)
+    red[i] = std::sin(0.05 * static_cast<double>(i));
   EXPECT_LT(whiteness_p(red), 1e-6);
 }
 
@@ -92,7 +113,8 @@ TEST(NoiseTest, CorrelationTimeIsThatOfAnAutoregression) {
   RandomStream random(1, StreamPurpose::jitter);
   std::vector<double> x(100000);
   double at = 0.0;
-  for (double& v : x) v = at = 0.8 * at + random.normal();
+  for (double& v : x)
+    v = at = 0.8 * at + random.normal();
   EXPECT_NEAR(correlation_time(x), (1 + 0.8) / (1 - 0.8), 1.0); // 9; a tenth for the truncation
 }
 

@@ -12,13 +12,15 @@ ClockLog log_of(const std::vector<double>& times) {
   ClockLog log;
   log.source = "made";
   std::uint32_t line = 0;
-  for (const double t : times) log.events.push_back({Instant::from_seconds(t), NAN, ++line, Edge::up});
+  for (const double t : times)
+    log.events.push_back({Instant::from_seconds(t), NAN, ++line, Edge::up});
   return log;
 }
 
 std::vector<double> steady(int n, double period = 2.0, double start = 0.0) {
   std::vector<double> times;
-  for (int i = 0; i < n; ++i) times.push_back(start + period * i);
+  for (int i = 0; i < n; ++i)
+    times.push_back(start + period * i);
   return times;
 }
 
@@ -27,7 +29,8 @@ TEST(BeatsTest, ASteadyLogIsCountedThrough) {
   EXPECT_EQ(beats.missed, 0);
   EXPECT_EQ(beats.spurious, 0);
   EXPECT_EQ(beats.segments, 1u);
-  for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(beats.beats[i].cycle, static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < 100; ++i)
+    EXPECT_EQ(beats.beats[i].cycle, static_cast<std::int64_t>(i));
 }
 
 TEST(BeatsTest, AMissedBeatLeavesItsNumberFree) {
@@ -60,6 +63,35 @@ TEST(BeatsTest, AFalseEventJustBeforeABeatDoesNotTakeItsPlace) {
   EXPECT_EQ(beats.beats[51].flag, BeatFlag::good);
 }
 
+TEST(BeatsTest, AFalseEventInPlaceOfAMissedBeatIsFoundOut) {
+  auto times = steady(100);
+  times[50] += 0.009; // within the tolerance of a beat
+  const Beats beats = number_beats(log_of(times));
+  EXPECT_EQ(beats.spurious, 1);
+  EXPECT_EQ(beats.missed, 1);
+  EXPECT_EQ(beats.beats[50].flag, BeatFlag::spurious);
+}
+
+TEST(BeatsTest, AStepOfTheRateIsNoOutlier) {
+  auto times = steady(50);
+  for (int i = 1; i < 50; ++i)
+    times.push_back(98.0 + 2.002 * i);
+  EXPECT_EQ(number_beats(log_of(times)).spurious, 0);
+}
+
+TEST(BeatsTest, NoGapIsBridgedThatNobodyCouldCount) {
+  for (const double gap : {2e7, 1e9, 1e15}) {
+    auto times = steady(200);
+    const double resume = times.back() + gap;
+    for (int i = 0; i < 100; ++i)
+      times.push_back(resume + 2.0 * i);
+    const Beats beats = number_beats(log_of(times));
+    ASSERT_EQ(beats.gaps.size(), 1u) << gap;
+    EXPECT_FALSE(beats.gaps[0].bridged) << gap;
+    EXPECT_EQ(beats.longest_segment().size(), 200u) << gap;
+  }
+}
+
 TEST(BeatsTest, FalseEventsAtTheStartAreNotTheFirstBeat) {
   auto times = steady(50);
   times.insert(times.begin(), {-0.9, -0.5});
@@ -70,7 +102,8 @@ TEST(BeatsTest, FalseEventsAtTheStartAreNotTheFirstBeat) {
 
 TEST(BeatsTest, AStepOfTheReferenceClockSplitsTheLog) {
   auto times = steady(60);
-  for (std::size_t i = 30; i < 60; ++i) times[i] += 0.7;
+  for (std::size_t i = 30; i < 60; ++i)
+    times[i] += 0.7;
   const Beats beats = number_beats(log_of(times));
   EXPECT_EQ(beats.segments, 2u);
   ASSERT_EQ(beats.gaps.size(), 1u);
@@ -82,11 +115,13 @@ TEST(BeatsTest, AGapTooLongToCountIsNotBridged) {
   // The rate wanders by 2e-3 from beat to beat: over 20,000 beats nobody can count.
   RandomStream random(3, StreamPurpose::jitter);
   std::vector<double> times{0.0};
-  for (int i = 1; i < 2000; ++i) times.push_back(times.back() + 2.0 + 4e-3 * random.normal());
+  for (int i = 1; i < 2000; ++i)
+    times.push_back(times.back() + 2.0 + 4e-3 * random.normal());
   const double gap = 20000 * 2.0;
   const double end = times.back();
   times.push_back(end + gap);
-  for (int i = 1; i < 1500; ++i) times.push_back(times.back() + 2.0 + 4e-3 * random.normal());
+  for (int i = 1; i < 1500; ++i)
+    times.push_back(times.back() + 2.0 + 4e-3 * random.normal());
   const Beats beats = number_beats(log_of(times));
   ASSERT_EQ(beats.gaps.size(), 1u);
   EXPECT_LT(beats.gaps[0].probability, 0.99);
@@ -97,7 +132,8 @@ TEST(BeatsTest, AGapTooLongToCountIsNotBridged) {
 TEST(BeatsTest, AShortGapOfTheSameClockIsBridged) {
   RandomStream random(3, StreamPurpose::jitter);
   std::vector<double> times{0.0};
-  for (int i = 1; i < 2000; ++i) times.push_back(times.back() + 2.0 + 4e-3 * random.normal());
+  for (int i = 1; i < 2000; ++i)
+    times.push_back(times.back() + 2.0 + 4e-3 * random.normal());
   times.erase(times.begin() + 1000, times.begin() + 1100);
   const Beats beats = number_beats(log_of(times));
   ASSERT_EQ(beats.gaps.size(), 1u);
@@ -121,7 +157,8 @@ struct Tagged {
   std::int64_t cycle;
 };
 
-std::vector<Tagged> faulty_log(std::uint64_t seed, double missed, double spurious, double jitter_s) {
+std::vector<Tagged> faulty_log(std::uint64_t seed, double missed, double spurious,
+                               double jitter_s) {
   RandomStream noise(seed, StreamPurpose::jitter), faults(seed, StreamPurpose::missed);
   std::vector<Tagged> events;
   double t = 0.0;
@@ -142,19 +179,22 @@ TEST(BeatsTest, NumbersEveryEventUnderFaults) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const auto events = faulty_log(seed, 0.1, 0.1, 0.01);
     std::vector<double> times;
-    for (const Tagged& e : events) times.push_back(e.time);
+    for (const Tagged& e : events)
+      times.push_back(e.time);
     const Beats beats = number_beats(log_of(times));
     ASSERT_EQ(beats.segments, 1u) << seed;
     for (std::size_t i = 0; i < events.size(); ++i) {
       if (events[i].cycle < 0) continue;
       ++good;
-      if (beats.beats[i].flag == BeatFlag::spurious) ++lost;
-      else if (beats.beats[i].cycle != events[i].cycle) ++wrong_number;
+      if (beats.beats[i].flag == BeatFlag::spurious)
+        ++lost;
+      else if (beats.beats[i].cycle != events[i].cycle)
+        ++wrong_number;
     }
   }
   EXPECT_EQ(wrong_number, 0u) << "of " << good;
-  // A false event can fall nearer to the foreseen time than the jittered beat itself: within 2 sigma
-  // of it (40 ms of 2 s) with 10 % of beats followed by one, half of the time nearer.
+  // A false event can fall nearer to the foreseen time than the jittered beat itself: within 2
+  // sigma of it (40 ms of 2 s) with 10 % of beats followed by one, half of the time nearer.
   EXPECT_LT(static_cast<double>(lost), 2e-3 * static_cast<double>(good)) << "of " << good;
 }
 

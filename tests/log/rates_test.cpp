@@ -44,8 +44,8 @@ TEST(RatesTest, AMissingBeatSharesItsRateWithItsNeighbour) {
 }
 
 TEST(RatesTest, MeanRateSigmaCovers) {
-  // White noise of rate, 400 logs of 1000 periods: the truth within one sigma in about 68 %, or more
-  // often (the largest of five estimates of the scatter is taken).
+  // White noise of rate, 400 logs of 1000 periods: the truth within one sigma in about 68 %, or
+  // more often (the largest of five estimates of the scatter is taken).
   int inside = 0;
   for (int k = 0; k < 400; ++k) {
     RandomStream random(static_cast<std::uint64_t>(k), StreamPurpose::jitter);
@@ -74,7 +74,8 @@ TEST(RatesTest, TheNominalPeriodIsGuessedOnlyWhereItIsPlain) {
 
 TEST(RatesTest, SimulatedStationaryClockRunsAtItsExactRate) {
   const auto beats = test::simulated_beats(test::at_point_a(1000), 1);
-  EXPECT_NEAR(summarise_rates(beats, 2.0).rate_excess, 1.133264436573979e-04, 1e-14); // 2000 s, 15 digits
+  EXPECT_NEAR(summarise_rates(beats, 2.0).rate_excess, 1.133264436573979e-04,
+              1e-14); // 2000 s, 15 digits
 }
 
 TEST(RatesTest, TwoBeatsAreNotEnough) {

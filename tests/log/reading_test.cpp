@@ -10,7 +10,8 @@ namespace goingrate {
 namespace {
 
 TEST(ReadingTest, BareTimestampsAreFoundAndSaid) {
-  const ClockLog log = read_log("1361605080.2279906\n1361605082.2279907\n1361605084.2279911\n", "x");
+  const ClockLog log =
+      read_log("1361605080.2279906\n1361605082.2279907\n1361605084.2279911\n", "x");
   EXPECT_EQ(log.format, LogFormat::timestamps);
   ASSERT_EQ(log.events.size(), 3u);
   EXPECT_EQ(log.events[0].time.fraction, 0.2279906);
@@ -29,9 +30,10 @@ TEST(ReadingTest, AClockErrorLogGivesTrueTimes) {
 }
 
 TEST(ReadingTest, TheNativeLogKnowsItsColumnsInAnyOrder) {
-  const ClockLog log = read_log("# goingrate log: 1\n# nominal_period_s: 2\n\namplitude_rad,time_s,edge\r\n"
-                                "0.05,0.5,up\r\n,1.5,down\r\n0.051,2.5,up\r\n",
-                                "x");
+  const ClockLog log =
+      read_log("# goingrate log: 1\n# nominal_period_s: 2\n\namplitude_rad,time_s,edge\r\n"
+               "0.05,0.5,up\r\n,1.5,down\r\n0.051,2.5,up\r\n",
+               "x");
   ASSERT_EQ(log.events.size(), 3u);
   EXPECT_EQ(log.nominal_period_s, 2.0);
   EXPECT_EQ(log.events[1].edge, Edge::down);
@@ -91,8 +93,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Bad{"", 1, 1, "an empty file"}, Bad{"\n\n", 1, 1, "no line of data"},
                     Bad{"# only a comment\n", 1, 1, "no line of data"},
                     Bad{std::string("12.0\n13\0.0\n", 10), 2, 3, "binary byte 0x00"},
-                    Bad{"\x7f\x45LF\x02\x01", 1, 5, "binary byte 0x02"}, Bad{"1.0\n", 1, 1, "1 event"},
-                    Bad{"hello world\n", 1, 1, "'hello world'"},
+                    Bad{"\x7f\x45LF\x02\x01", 1, 5, "binary byte 0x02"},
+                    Bad{"1.0\n", 1, 1, "1 event"}, Bad{"hello world\n", 1, 1, "'hello world'"},
                     Bad{"1.0\nx\ny\nz\n", 2, 1, "3 unusable lines out of 4"},
                     Bad{"time_s,edge\n", 1, 1, "0 events"},
                     Bad{"time_s\n1.0\n2.0\n", 3, 1, "2 events"}));
@@ -130,10 +132,12 @@ TEST(WritingTest, ReadsBackWhatWasWritten) {
 
 TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
   ClockLog log;
-  log.events = {{{100, 0.0}, 0.05, 1, Edge::up}, {{101, 0.0}, 0.05, 2, Edge::down},
+  log.events = {{{100, 0.0}, 0.05, 1, Edge::up},
+                {{101, 0.0}, 0.05, 2, Edge::down},
                 {{102, 0.0}, 0.01, 3, Edge::up}};
   correct_edge_to_centre(log, -0.012, 3.0);
-  ASSERT_EQ(log.events.size(), 2u) << "an amplitude that does not reach the edge cannot have crossed it";
+  ASSERT_EQ(log.events.size(), 2u)
+      << "an amplitude that does not reach the edge cannot have crossed it";
   ASSERT_EQ(log.issues.size(), 1u);
   const double shift = std::asin(0.012 / 0.05) * 3.0 / (2.0 * std::numbers::pi);
   EXPECT_NEAR((log.events[0].time - Instant{100, 0.0}), shift, 1e-15);

@@ -46,11 +46,16 @@ TEST(SensorTest, MissedAndSpuriousComeAtTheirRates) {
 }
 
 TEST(SensorTest, ResolutionRoundsTheTimes) {
-  Scenario scenario = test::at_point_a(100);
-  scenario.sensor.resolution_s = 1e-3;
-  for (const LogEvent& event : test::simulated_log(scenario, 1).events) {
-    const double thousandths = event.time.fraction * 1e3;
-    EXPECT_NEAR(thousandths, std::round(thousandths), 1e-9);
+  for (const double resolution : {1e-3, 0.3, 3.0}) { // divides a second, does not, is longer
+    Scenario scenario = test::at_point_a(100);
+    const ClockLog exact = test::simulated_log(scenario, 1);
+    scenario.sensor.resolution_s = resolution;
+    const ClockLog log = test::simulated_log(scenario, 1);
+    for (std::size_t i = 0; i < log.events.size(); ++i) {
+      const double multiple = log.events[i].time.to_double() / resolution;
+      EXPECT_NEAR(multiple, std::round(multiple), 1e-9);
+      EXPECT_LE(std::abs(log.events[i].time - exact.events[i].time), 0.5 * resolution * (1 + 1e-9));
+    }
   }
 }
 
@@ -70,7 +75,8 @@ TEST(SensorTest, OneFaultDoesNotChangeTheDrawsOfAnother) {
   scenario.sensor.spurious = 0.2;
   std::size_t found = 0;
   for (const LogEvent& event : test::simulated_log(scenario, 1).events)
-    for (const LogEvent& other : clean.events) found += event.time == other.time ? 1 : 0;
+    for (const LogEvent& other : clean.events)
+      found += event.time == other.time ? 1 : 0;
   EXPECT_EQ(found, clean.events.size());
 }
 

@@ -25,7 +25,7 @@ Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uin
 
 TEST(TextTest, TheRateTableHasARowForEveryEventAndEveryMissingBeat) {
   Beats beats;
-  beats.beats = {beat(0, 0.0), beat(0, 0.4, BeatFlag::spurious), beat(1, 2.0), beat(3, 6.0),
+  beats.beats = {beat(0, 0.0),    beat(0, 0.4, BeatFlag::spurious),  beat(1, 2.0), beat(3, 6.0),
                  beat(53, 106.0), beat(54, 108.5, BeatFlag::good, 1)};
   const std::string table = rate_table(beats, 2.0);
   EXPECT_EQ(table, "cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags\n"

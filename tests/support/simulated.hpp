@@ -13,7 +13,8 @@ inline ClockLog simulated_log(const Scenario& scenario, std::uint64_t seed) {
   DirectRun run(scenario, seed);
   Sensor sensor(scenario.sensor, seed);
   sensor.see(run.last());
-  while (const auto period = run.next()) sensor.see(*period);
+  while (const auto period = run.next())
+    sensor.see(*period);
   return sensor.log(scenario.clock.nominal_period_s);
 }
 

@@ -31,8 +31,7 @@ struct Instant {
 
 /// `later - earlier` in seconds: rounded once, however far both are from the epoch.
 inline double operator-(const Instant& later, const Instant& earlier) {
-  return static_cast<double>(later.seconds - earlier.seconds) +
-         (later.fraction - earlier.fraction);
+  return static_cast<double>(later.seconds - earlier.seconds) + (later.fraction - earlier.fraction);
 }
 
 /// `t + duration` (seconds); the fraction is rounded once to 1.1e-16 s.
@@ -45,7 +44,8 @@ Instant operator+(const Instant& t, double duration);
 double residual_from_grid(const Instant& t, const Instant& origin, std::int64_t n, double period);
 
 /// Reads a decimal number (sign, digits, point, exponent) into two parts, keeping up to 15 digits
-/// of the fraction exactly rounded. Returns nothing if `text` is not wholly such a number.
+/// of the fraction exactly rounded; a number with an exponent goes through one double. Returns
+/// nothing if `text` is not wholly such a number.
 std::optional<Instant> parse_instant(std::string_view text);
 
 /// Decimal text with `decimals` digits after the point (0 to 17), correctly rounded.

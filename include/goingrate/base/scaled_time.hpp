@@ -9,6 +9,7 @@
 namespace goingrate {
 
 inline constexpr double two_pi = 2.0 * std::numbers::pi;
+inline constexpr double two_pi_low = 2.4492935982947064e-16; ///< 2 pi minus its nearest double
 inline constexpr double seconds_per_day = 86400.0;
 
 /// Converts between seconds and scaled time for a clock of nominal period `T0` (s, > 0).
@@ -29,6 +30,8 @@ private:
 };
 
 /// A rate excess (a fraction) in seconds gained per day.
-constexpr double seconds_gained_per_day(double rate_excess) { return rate_excess * seconds_per_day; }
+constexpr double seconds_gained_per_day(double rate_excess) {
+  return rate_excess * seconds_per_day;
+}
 
 } // namespace goingrate

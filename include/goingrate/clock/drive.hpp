@@ -10,8 +10,8 @@ namespace goingrate {
 /// Variability of the drive relative to mu. The factor is renewed at every upward crossing
 /// (Hoyng, eq. dmu) and constant in between.
 struct DriveVariability {
-  double fast_rms = 0.0;    ///< white from period to period; >= 0
-  double slow_rms = 0.0;    ///< rms of a stationary Ornstein-Uhlenbeck process; >= 0
+  double fast_rms = 0.0;    ///< white from period to period; 0 to 100
+  double slow_rms = 0.0;    ///< rms of a stationary Ornstein-Uhlenbeck process; 0 to 100
   double slow_time_s = 0.0; ///< its correlation time, s; > 0 if slow_rms > 0
 };
 

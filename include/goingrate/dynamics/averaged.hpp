@@ -10,9 +10,9 @@
 //   int x dt        = X t + (x0 - X) (1 - exp(-2 eps t)) / (2 eps)
 //   int y/x dt      = sqrt(b)/X t - [(f(a) - sqrt(b) log(y + sqrt b)) / X]_y0^y / eps,   b > 0,
 //   int y/x dt      = -[(f(a) - f(-b)) / X]_y0^y / eps,                                 b <= 0,
-// where f(q) = sqrt(q) atan(y / sqrt q). The term log|y - sqrt b| of the textbook integral, singular
-// in stationary operation, was replaced by log|x - X| - log(y + sqrt b), whose first part is
-// -2 eps t.
+// where f(q) = sqrt(q) atan(y / sqrt q). The term log|y - sqrt b| of the textbook integral,
+// singular in stationary operation, was replaced by log|x - X| - log(y + sqrt b), whose first part
+// is -2 eps t.
 //
 // lambda is the cycle average of the amplitude sqrt(phi^2 + phi'^2), not its value at a crossing.
 #pragma once
@@ -25,9 +25,10 @@ namespace goingrate {
 /// The averaged motion while the parameters are constant; T is double or an automatic derivative.
 ///
 /// Domain: epsilon > 0, mu any sign, phi0 > 0, and lambda > phi0 all the while (see in_domain).
-/// Accuracy: against step-by-step integration of the same equations 1e-14 in phase over one
-/// relaxation time (AveragedTest.ClosedFormMatchesIntegration); what the equations themselves
-/// lack against the full pendulum is the subject of StationaryTest and AveragedTest.
+/// Accuracy: against step-by-step integration of the same equations 2e-13 in phase over one
+/// relaxation time, the oracle's own rounding (AveragedTest.ClosedFormMatchesIntegration); what the
+/// equations themselves lack against the full pendulum is the subject of StationaryTest and
+/// AveragedTest.
 template <class T> class AveragedMotion {
 public:
   /// `amplitude2_start` is lambda^2 (rad^2) at t = 0.
@@ -42,6 +43,7 @@ public:
   struct State {
     T amplitude2;   ///< lambda^2 (eq. l2jump), rad^2
     T phase_excess; ///< psi(t) - psi(0) - t: the integral of rate_excess
+    T rate_excess;  ///< psi' - 1 (eq. dotpsi4)
   };
 
   /// The state at scaled time t; t must be in_domain.
@@ -50,9 +52,11 @@ public:
     const T gone = -expm1(epsilon_ * t * -2.0); // 1 - exp(-2 eps t)
     const T amplitude2 = start_ + (limit_ - start_) * gone;
     const T area = limit_ * t + (start_ - limit_) * gone / (epsilon_ * 2.0);
-    T pushed = -(primitive(sqrt(amplitude2 - a_)) - primitive0_) / epsilon_;
+    const T y = sqrt(amplitude2 - a_);
+    T pushed = -(primitive(y) - primitive0_) / epsilon_;
     if (limit_ > a_) pushed += sqrt(limit_ - a_) / limit_ * t;
-    return {amplitude2, torque_ * pushed - area * (1.0 / 16.0)};
+    return {amplitude2, torque_ * pushed - area * (1.0 / 16.0),
+            torque_ * y / amplitude2 - amplitude2 * (1.0 / 16.0)};
   }
 
   /// lambda^2 at scaled time t.
@@ -60,16 +64,6 @@ public:
     using std::expm1;
     return start_ - (limit_ - start_) * expm1(epsilon_ * t * -2.0);
   }
-
-  /// psi' - 1 at scaled time t (eq. dotpsi4).
-  [[nodiscard]] T rate_excess(const T& t) const {
-    using std::sqrt;
-    const T x = amplitude2(t);
-    return x * (-1.0 / 16.0) + torque_ * sqrt(x - a_) / x;
-  }
-
-  /// The lambda^2 it tends to, X.
-  [[nodiscard]] const T& amplitude2_limit() const { return limit_; }
 
   /// Whether lambda > phi0 from 0 to t: x is monotone, so both ends tell.
   [[nodiscard]] bool in_domain(const T& t) const { return start_ > a_ && amplitude2(t) > a_; }
@@ -91,9 +85,9 @@ private:
       return (arc(a_, y) - root * log(y + root)) / limit_;
     }
     if (abs(limit_) > a_ * 1e-3) return (arc(a_, y) - arc(-b, y)) / limit_;
-    // The derivative of f at the midpoint, free of the cancellation at a weak drive; what follows in
-    // the Taylor series is below 1e-7 of it, and the whole is multiplied by a mu that is itself a
-    // thousandth of what would keep the clock going.
+    // The derivative of f at the midpoint, free of the cancellation at a weak drive; what follows
+    // in the Taylor series is below 1e-6 of it, and the whole is multiplied by a mu that is itself
+    // a thousandth of what would keep the clock going.
     const T middle = a_ - limit_ * 0.5;
     const T root = sqrt(middle);
     return atan(y / root) / (root * 2.0) - y / ((y * y + middle) * 2.0);
@@ -107,10 +101,11 @@ private:
   T primitive0_{};
 };
 
-/// The largest angle of a swing whose cycle-average amplitude is lambda: lambda (1 + 5 lambda^2/192).
+/// The largest angle of a swing whose cycle-average amplitude is lambda: lambda (1 + 5
+/// lambda^2/192).
 ///
 /// From the energy of the free pendulum, phi'^2 = 2 (cos phi - cos phi_max), averaged over a turn;
-/// the next term is O(lambda^4), 1e-7 of the angle at 0.1 rad (AveragedTest.TurningAngle).
+/// the next term is O(lambda^4), 1e-7 of the angle at 0.1 rad (AveragedModelTest.TurningAngle).
 template <class T> T turning_angle(const T& lambda) {
   return lambda * (lambda * lambda * (5.0 / 192.0) + 1.0);
 }

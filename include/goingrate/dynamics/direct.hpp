@@ -51,8 +51,8 @@ private:
 /// Runs a scenario's clock from its start, an upward crossing (cycle 0, time 0), period by period.
 ///
 /// Events act at upward crossings, the drive is renewed there. The limit cycle's period is kept to
-/// 2e-15 of itself, so that crossing times after n steady periods are within 2e-15 n periods of those
-/// of 128-bit integration (DirectTest.CrossingTimesOfPointC); constant memory.
+/// 2e-15 of itself, so that crossing times after n steady periods are within 2e-15 n periods of
+/// those of 128-bit integration (DirectTest.CrossingTimesOfPointC); constant memory.
 class DirectRun {
 public:
   /// Throws ArgumentError if the scenario is out of range or asks for a stationary start that does

@@ -38,16 +38,17 @@ enum class SwingStatus {
   crossed,    ///< back at the vertical
   stalled,    ///< turned round before reaching the vertical, held up by the torque
   overturned, ///< passed the top
+  not_finite, ///< the numbers overflowed
 };
 
 /// The result of half_swing, all in scaled time.
 template <class T> struct HalfSwing {
   SwingStatus status = SwingStatus::crossed;
-  TwoPart<T> duration;    ///< time between the two passages
-  T speed{};              ///< |phi'| at the second passage
-  T speed2_change{};      ///< its square minus that at the first passage, to full relative accuracy
-  T apex{};               ///< largest angle in between, rad
-  bool switched = false;  ///< the escapement switched in this half swing
+  TwoPart<T> duration;   ///< time between the two passages
+  T speed{};             ///< |phi'| at the second passage
+  T speed2_change{};     ///< its square minus that at the first passage, to full relative accuracy
+  T apex{};              ///< largest angle in between, rad
+  bool switched = false; ///< the escapement switched in this half swing
 };
 
 /// Power series of the motion about one point: order fixed by the precision of T.
@@ -90,7 +91,8 @@ public:
   /// The integral of w^2 over [0, t].
   [[nodiscard]] T friction_integral(T t) const {
     Coefficients share;
-    for (std::size_t k = 0; k <= order; ++k) share[k] = w2_[k] * (T(1) / static_cast<int>(k + 1));
+    for (std::size_t k = 0; k <= order; ++k)
+      share[k] = w2_[k] * (T(1) / static_cast<int>(k + 1));
     return sum(share, t) * t;
   }
 
@@ -138,30 +140,37 @@ private:
   // Coefficient n of w(t)^2, using the symmetry of the products.
   template <std::size_t n> [[nodiscard]] T square_term() const {
     const T half = product<(n + 1) / 2>(w_.data(), w_.data() + n);
-    if constexpr (n % 2 == 0) return 2 * half + w_[n / 2] * w_[n / 2];
-    else return 2 * half;
+    if constexpr (n % 2 == 0)
+      return 2 * half + w_[n / 2] * w_[n / 2];
+    else
+      return 2 * half;
   }
 
   // a[0] b[0] + a[1] b[-1] + ...: `count` terms, b running backwards, added pairwise, which is both
   // quicker (no addition waits for all before it) and closer.
   template <std::size_t count> [[gnu::always_inline]] static T product(const T* a, const T* b) {
-    if constexpr (count == 1) return *a * *b;
-    else return product<count / 2>(a, b) + product<count - count / 2>(a + count / 2, b - count / 2);
+    if constexpr (count == 1)
+      return *a * *b;
+    else
+      return product<count / 2>(a, b) + product<count - count / 2>(a + count / 2, b - count / 2);
   }
 
-  // a[0] + a[stride] t + a[2 stride] t^2 + ... as even part + t (odd part), for the same two reasons.
+  // a[0] + a[stride] t + a[2 stride] t^2 + ... as even part + t (odd part), for the same two
+  // reasons.
   template <std::size_t count, std::size_t stride>
   [[gnu::always_inline]] static T polynomial(const T* a, T t) {
-    if constexpr (count == 1) return *a;
-    else if constexpr (count == 2) return a[0] + t * a[stride];
+    if constexpr (count == 1)
+      return *a;
+    else if constexpr (count == 2)
+      return a[0] + t * a[stride];
     else
       return polynomial<(count + 1) / 2, 2 * stride>(a, t * t) +
              t * polynomial<count / 2, 2 * stride>(a + stride, t * t);
   }
   static T sum(const Coefficients& a, T t) { return polynomial<order + 1, 1>(a.data(), t); }
 
-  // Newton steps from `t`, kept inside a bracket that is halved whenever Newton leaves it. `value` and
-  // `slope` are functions of time.
+  // Newton steps from `t`, kept inside a bracket that is halved whenever Newton leaves it. `value`
+  // and `slope` are functions of time.
   template <class Value, class Slope>
   static T root(Value value, Slope slope, bool rising, T t, T low, T high, T enough) {
     using std::abs;
@@ -193,6 +202,7 @@ private:
 /// switch that was missed. Accuracy: duration and speed2_change to a few roundings of T for v up to
 /// 1.9 (HalfSwingTest); about 1 us for double.
 template <class T> HalfSwing<T> half_swing(T v, T eps, T mu, T phi0, bool helping) {
+  using std::isfinite;
   HalfSwing<T> result;
   T phi = 0;
   T w = v;
@@ -211,6 +221,10 @@ template <class T> HalfSwing<T> half_swing(T v, T eps, T mu, T phi0, bool helpin
     const T step = series.safe_step();
     const T phi_end = series.angle(step);
     const T w_end = series.speed(step);
+    if (!isfinite(phi_end + w_end)) { // a torque or friction beyond all measure
+      result.status = SwingStatus::not_finite;
+      return result;
+    }
     T top = phi_end;
     T apex_time = rising ? step : T(0);
     if (rising && w_end <= 0) {
@@ -232,11 +246,11 @@ template <class T> HalfSwing<T> half_swing(T v, T eps, T mu, T phi0, bool helpin
       const T t = series.time_of_return(apex_time, step);
       go_on_from(series, t, T(0));
       result.speed = -w;
-      result.speed2_change = (result.switched ? T(4 * mu * phi0) : T(0)) -
-                             4 * eps * friction.value();
+      result.speed2_change =
+          (result.switched ? T(4 * mu * phi0) : T(0)) - 4 * eps * friction.value();
       return result;
     }
-    if (rising ? phi_end >= T(std::numbers::pi) : w_end >= 0) {
+    if (rising ? phi_end >= T(std::numbers::pi) || step <= 0 : w_end >= 0) {
       result.status = rising ? SwingStatus::overturned : SwingStatus::stalled;
       return result;
     }

@@ -21,8 +21,8 @@ std::optional<double> stationary_amplitude(const ClockParameters& clock);
 /// (StationaryTest.FirstOrderRateDiffersFromTheExactOneAsTabulated). Nothing where it stalls.
 std::optional<double> stationary_rate_first_order(const ClockParameters& clock);
 
-/// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period T, without cancellation: the rounding
-/// of the double 2 pi itself is put back in.
+/// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period T, without cancellation: the
+/// rounding of the double 2 pi itself is put back in.
 double rate_excess_of(TwoPart<double> period);
 
 /// The limit cycle of the full equation of motion.
@@ -51,8 +51,9 @@ struct DriveResponse {
   }
 };
 
-/// The response in stationary operation, by eqs. dotl4 and dotpsi4. At A, B, C within 1e-3 of that of
-/// the full equation (StationaryTest.DriveResponseMatchesExactGains). Nothing where the clock stalls.
+/// The response in stationary operation, by eqs. dotl4 and dotpsi4. At A, B, C within 1e-3 of that
+/// of the full equation (StationaryTest.DriveResponseMatchesExactGains). Nothing where the clock
+/// stalls.
 std::optional<DriveResponse> drive_response(const ClockParameters& clock);
 
 } // namespace goingrate

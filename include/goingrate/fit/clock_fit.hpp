@@ -1,20 +1,25 @@
 // Fitting the averaged amplitude-phase model to a log of crossings.
 //
-// What is fitted: T0, epsilon, mu, phi0, lambda0 and changes of mu, epsilon or phi0 at given cycles,
-// to times and, where the log has them, amplitudes together. The model is the paper's first-order
-// pair (eqs. dotl4, dotpsi4) in closed form (dynamics/averaged.hpp). Its residual at a crossing is
-//   r_i = (psi(t_i) - 2 pi n_i) T0 / (2 pi),
+// What is fitted: T0, epsilon, mu, phi0, lambda0 and changes of mu, epsilon or phi0 at given
+// cycles, to times and, where the log has them, amplitudes together. The model is the paper's
+// first-order pair (eqs. dotl4, dotpsi4) in closed form (dynamics/averaged.hpp). Its residual at a
+// crossing is
+//   r_i = (psi(t_i) - 2 pi n_i) T0 / (2 pi psi'(t_i)),
 // whitened for jitter and random walk (timing_noise.hpp) and minimised by Ceres.
 //
 // What the first order lacks is measured, not hoped for: the full equation of motion is run once at
-// the fitted parameters, and the difference between its crossings and the averaged ones says how far
-// each parameter is off. Dynamics `direct` adds that difference to the model and fits again until it
-// stands still; the result is then the fit of the full equation, at the cost of a few runs.
+// the fitted parameters, and the difference between its crossings and the averaged ones says how
+// far each parameter is off. Dynamics `direct` adds that difference to the model and fits again
+// until it stands still; the result is then the fit of the full equation, at the cost of a few
+// runs.
 //
 // What a sigma means: the curvature of the likelihood, widened by the correlation that is left in
-// the residuals. What no sigma can mean: a direction the log does not determine. Every parameter has
-// a weak prior (a factor e^5 either way; T0 within 1 % of the mean period), and one whose relative
-// sigma stays above a third is `undetermined`: its value is then not a result.
+// the residuals. What no sigma can mean: a direction the log does not determine. Every parameter
+// has a weak prior (a factor e^5 either way; T0 within 1 % of the mean period), and one whose
+// relative sigma stays above a third is `undetermined`: its value is then not a result. So is one
+// whose curvature proves false: the search is repeated from other starts and from along the least
+// known direction, and where it comes to rest elsewhere at nearly the same cost, what differs is
+// undetermined.
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
@@ -44,7 +49,8 @@ struct Prior {
 
 /// Which equations are fitted.
 enum class FitDynamics {
-  automatic, ///< averaged1 unless that shifts a determined parameter by more than a fifth of its sigma
+  automatic, ///< averaged1 unless that shifts a determined parameter by more than a fifth of its
+             ///< sigma
   averaged1, ///< the paper's first-order averaged equations
   direct,    ///< the full equation of motion
 };
@@ -77,11 +83,11 @@ struct DerivedQuantity {
 };
 
 struct FitQuality {
-  double chi2 = 0.0;      ///< of the times against the jitter seen between neighbouring beats
+  double chi2 = 0.0; ///< of the times against the jitter seen between neighbouring beats
   double dof = 0.0;
-  double p_value = 0.0;   ///< of chi2, given that the jitter itself is known to some per cent only
-  double whiteness_p = 0.0; ///< Ljung-Box on the whitened residuals
-  double rms_s = 0.0;     ///< of the residuals of time
+  double p_value = 0.0; ///< of chi2, given that the jitter itself is known to some per cent only
+  double whiteness_p = 0.0;       ///< Ljung-Box on the whitened residuals
+  double rms_s = 0.0;             ///< of the residuals of time
   double amplitude_rms_rad = 0.0; ///< NaN without amplitudes
   double aic = 0.0, bic = 0.0;
 };
@@ -94,8 +100,7 @@ struct FitAlternative {
 };
 
 enum class FitStatus {
-  converged,      ///< Ceres reports convergence
-  not_converged,  ///< it ran out of iterations: the numbers are not a result
+  converged,      ///< a minimum was found, or a flat valley on which no parameter is determined
   no_valid_model, ///< no start lies in the domain of the model (amplitude above phi0)
 };
 
@@ -112,8 +117,10 @@ struct FitSummary {
   std::vector<DerivedQuantity> combinations;    ///< those that are determined
   DerivedQuantity q_factor, stationary_amplitude, rate_s_per_day, decay_time;
   TimingNoise timing_noise;
+  double jitter_relative_sigma = 0.0; ///< infinite where the log does not determine the jitter
+  double walk_relative_sigma = 0.0;
   double amplitude_noise_rad = 0.0;
-  double time_widening = 1.0;      ///< sigma was multiplied by this for correlation left in the times
+  double time_widening = 1.0; ///< sigma was multiplied by this for correlation left in the times
   double amplitude_widening = 1.0; ///< likewise for the amplitudes
   FitQuality quality;
   std::vector<FitAlternative> alternatives;
@@ -126,13 +133,13 @@ struct FitSummary {
 ///
 /// Accuracy: over ten seeds of the A to B jump (2000 periods of 2 s, jitter 1e-5 s, T0 fixed) all
 /// parameters lie within 3 sigma of the truth (ClockFitTest.JumpOverTenSeeds), likewise T0, epsilon
-/// and lambda0 of a ring-down. Cost: about 0.5 s for 2000 beats, dominated by the search for a start.
-/// Throws ArgumentError for names, values or events that make no sense, or more than 16 free
+/// and lambda0 of a ring-down. Cost: about 0.5 s for 2000 beats, dominated by the search for a
+/// start. Throws ArgumentError for names, values or events that make no sense, or more than 16 free
 /// parameters.
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options);
 
-/// The clock as it goes after the last event; nothing if one of its parameters is not determined or
-/// there is no escapement.
+/// The clock as it goes after the last event; nothing if one of its parameters is not known to a
+/// tenth or there is no escapement.
 std::optional<ClockParameters> fitted_clock(const FitSummary& fit);
 
 /// Reads "CYCLE:NAME[,NAME]"; throws ArgumentError.

@@ -13,10 +13,10 @@ namespace goingrate {
 /// A moment at which the rate or the speed of change of the amplitude jumped.
 struct Change {
   std::int64_t cycle = 0;
-  double at_s = 0.0;                 ///< after the first beat
-  double rate_change = 0.0;          ///< rate excess after minus before
+  double at_s = 0.0;                   ///< after the first beat
+  double rate_change = 0.0;            ///< rate excess after minus before
   double amplitude_slope_change = 0.0; ///< rad/s after minus before; NaN without amplitudes
-  double significance = 0.0;         ///< in units of the log's own typical fluctuation
+  double significance = 0.0;           ///< in units of the log's own typical fluctuation
 };
 
 /// An exponential approach of the amplitude to a limit, A = limit + (start - limit) exp(-t/time).
@@ -26,10 +26,10 @@ struct Relaxation {
   double window_s = 0.0;   ///< the stretch of log that was fitted
   double limit_rad = 0.0;  ///< 0 for a free decay
   double rms_rad = 0.0;    ///< of the residuals
-  bool exponential = true; ///< the residuals are white: one exponential is enough
+  bool exponential = true; ///< false: the time depends on the stretch fitted (see below) by 4 sigma
   double shorter_window_s = 0.0; ///< the time constant from three quarters of the window,
-  double longer_window_s = 0.0;  ///< and from five quarters: how far it depends on the stretch; NaN if
-                                 ///< that fit has no answer
+  double longer_window_s = 0.0;  ///< and from five quarters: how far it depends on the stretch; NaN
+                                ///< if that fit has no answer
 };
 
 /// A stretch without (or with less) drive: the rate jumps one way and back, the amplitude decays
@@ -51,10 +51,10 @@ struct Diary {
 
 /// Settings of the search.
 struct DiaryOptions {
-  std::size_t window = 30;      ///< beats on each side of a change
-  double least_significance = 10.0;      ///< in units of the jump's robust scatter
-  double least_rate_change = 1e-6;       ///< 0.09 s a day: smaller ones are not told
-  double least_amplitude_change = 1e-3;  ///< of the amplitude, over one window
+  std::size_t window = 30;              ///< beats on each side of a change
+  double least_significance = 10.0;     ///< in units of the jump's robust scatter
+  double least_rate_change = 1e-6;      ///< 0.09 s a day: smaller ones are not told
+  double least_amplitude_change = 1e-3; ///< of the amplitude, over one window
   std::size_t most_changes = 8;
   double recovery_window_s = 3000.0;
 };
@@ -63,11 +63,14 @@ struct DiaryOptions {
 ///
 /// The clock's error and the amplitude are locally straight lines; at each beat the slopes of the
 /// `window` beats before and after are compared. The jump is a change where it exceeds
-/// `least_significance` times its own robust scatter over the log, so that a clock's ordinary wander
-/// raises no alarm. The place is refined by a least-squares broken line.
+/// `least_significance` times its own robust scatter over the log, so that a clock's ordinary
+/// wander raises no alarm. The place is refined by a least-squares broken line.
 /// TrinityTest.FindsTheInterruption dates the known one; DiaryTest.QuietLogsStayQuiet bounds false
 /// alarms.
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
+
+/// The `most` most significant changes, in order of time.
+std::vector<Change> strongest_changes(const Diary& diary, std::size_t most);
 
 } // namespace goingrate

@@ -1,11 +1,12 @@
 // The noise of crossing times: jitter of the sensor and a random walk of the clock.
 //
-// Jitter is white in time, so its period differences are anticorrelated; noise of the drive is white
-// in rate, so its times are a random walk. With residual r_i at cycle n_i the differences
-// d_i = r_i - r_{i-1} have a tridiagonal covariance,
+// Jitter is white in time, so its period differences are anticorrelated; noise of the drive is
+// white in rate, so its times are a random walk. With residual r_i at cycle n_i the differences d_i
+// = r_i - r_{i-1} have a tridiagonal covariance,
 //   var d_i = 2 j^2 + w^2 (n_i - n_{i-1}),   cov(d_i, d_{i+1}) = -j^2,
 // whose Cholesky factor has two diagonals: whitening costs O(N). Taking differences removes the
-// unknown time of the first crossing without loss: for w = 0 it is least squares with a free offset.
+// unknown time of the first crossing without loss: for w = 0 it is least squares with a free
+// offset.
 #pragma once
 
 #include <cmath>
@@ -44,8 +45,19 @@ private:
   std::vector<double> below_;    // left of the diagonal, entry 0 unused
 };
 
+/// The noise of a log and how well it is known.
+struct NoiseEstimate {
+  TimingNoise noise;
+  double jitter_relative_sigma =
+      0.0;                          ///< of the jitter; infinite where the log does not determine it
+  double walk_relative_sigma = 0.0; ///< likewise; 0 where there is no walk
+};
+
+/// The noise of `residual` with sigmas from the curvature of the likelihood in (log j, log w).
+NoiseEstimate noise_with_sigmas(std::span<const double> cycle, std::span<const double> residual);
+
 /// Jitter and walk that maximise the likelihood of `residual`; walk is 0 unless it raises the log
-/// likelihood by more than half of log N (BIC). NoiseTest.FindsJitterAndWalk shows bias and scatter.
+/// likelihood by more than half of log N (BIC). NoiseTest.FindsJitterAndWalk bounds the bias.
 TimingNoise estimate_noise(std::span<const double> cycle, std::span<const double> residual);
 
 /// Jitter from third differences of consecutive beats, blind to anything smooth over four periods:

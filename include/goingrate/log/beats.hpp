@@ -3,6 +3,7 @@
 
 #include "goingrate/log/clock_log.hpp"
 
+#include <span>
 #include <string_view>
 
 namespace goingrate {
@@ -27,9 +28,9 @@ struct Beat {
 /// Cycles without an event.
 struct Gap {
   std::int64_t after_cycle = 0;
-  std::int64_t length = 0;     ///< cycles missing, at least 1
-  double probability = 1.0;    ///< that `length` is right
-  bool bridged = true;         ///< false: the log is split here
+  std::int64_t length = 0;  ///< cycles missing, at least 1
+  double probability = 1.0; ///< that `length` is right
+  bool bridged = true;      ///< false: the log is split here
 };
 
 /// A numbered log.
@@ -64,6 +65,10 @@ struct NumberingOptions {
 /// 2 % of the period (BeatsTest.NumbersEveryEventUnderFaults). Cost O(N).
 /// Throws InputError if no period can be found.
 Beats number_beats(const ClockLog& log, const NumberingOptions& options = {});
+
+/// The cycle, counted from the first of `beats`, of the first beat at or after `time_s` seconds
+/// from it; the last one's if there is none.
+std::int64_t cycle_at(std::span<const Beat> beats, double time_s);
 
 std::string_view name_of(BeatFlag flag);
 

@@ -38,15 +38,15 @@ double nominal_period(const ClockLog& log, const Beats& beats,
 /// it is too large rather than too small (RatesTest.MeanRateSigmaCovers).
 RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s);
 
-/// Rate excess of each period, T0 (n_i - n_{i-1}) / (t_i - t_{i-1}) - 1: one value for each beat but
-/// the first (eq. ratemeas).
+/// Rate excess of each period, T0 (n_i - n_{i-1}) / (t_i - t_{i-1}) - 1: one value for each beat
+/// but the first (eq. ratemeas).
 std::vector<double> rate_per_period(std::span<const Beat> beats, double nominal_period_s);
 
 /// The clock's error x_i = n_i T0 - (t_i - t_0), s, positive when fast; one value for each beat.
 std::vector<double> clock_error(std::span<const Beat> beats, double nominal_period_s);
 
-/// Rate excess of every cycle between the first and the last beat; the cycles of a gap carry the mean
-/// rate over the gap, so that the sum of the rates stays what the clock did.
+/// Rate excess of every cycle between the first and the last beat; the cycles of a gap carry the
+/// mean rate over the gap, so that the sum of the rates stays what the clock did.
 std::vector<double> rate_on_every_cycle(std::span<const Beat> beats, double nominal_period_s);
 
 /// A series with one value for each cycle from the first beat to the last; NaN where a beat is

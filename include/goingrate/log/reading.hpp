@@ -12,17 +12,16 @@ namespace goingrate {
 struct ReadingOptions {
   std::optional<LogFormat> format;
   std::optional<double> nominal_period_s;
-  /// Angle (rad) from the vertical at which the sensor sees the rising pendulum: the leading edge of
-  /// a centred flag is at minus half its width. 0: the events are crossings of the vertical.
-  double edge_angle_rad = 0.0;
 };
 
 /// Reads the whole text of a log; `source` names it in messages.
 ///
 /// The format is found from the first line of data and said in `assumptions`. A line that cannot be
 /// used is left out and listed in `issues`; order is restored by sorting, also listed.
-/// Throws InputError (file, line, column, found, expected) if the text is empty, binary, of no known
-/// format, if fewer than half of its lines can be used, or fewer than three events are found.
+/// Amplitudes outside 0 to pi rad are taken as unknown, times beyond 4e18 s left out; both are
+/// told. Throws InputError (file, line, column, found, expected) if the text is empty, binary, of
+/// no known format, if fewer than half of its lines can be used, or fewer than three events are
+/// found.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});
 
@@ -35,7 +34,9 @@ std::vector<double> read_numbers(std::string_view text, const std::string& sourc
 std::string read_text(const std::string& path);
 
 /// Moves every event from the sensor's edge to the vertical:
-/// t - (T0 / 2 pi) asin(angle / amplitude), with each event's own amplitude.
+/// t - (T0 / 2 pi) asin(angle / amplitude), with each event's own amplitude. `edge_angle_rad` is
+/// the angle at which the sensor sees the rising pendulum: for the leading edge of a centred flag
+/// minus half the flag's width.
 ///
 /// The next term, of order epsilon and amplitude^2, is below 1e-4 of the correction. Events without
 /// an amplitude above |angle| become issues and are removed. Trinity clock, 2013-03-30: the robust

@@ -12,8 +12,8 @@ namespace goingrate {
 /// Watches the pendulum and writes down what it sees, with its own faults.
 ///
 /// Each reported time is true time + jitter (normal), rounded to the resolution. A crossing is
-/// missed with probability `missed`; after each a false event comes, with probability `spurious`, at
-/// a uniformly distributed moment of the following period. Amplitudes are the turning angle that
+/// missed with probability `missed`; after each a false event comes, with probability `spurious`,
+/// at a uniformly distributed moment of the following period. Amplitudes are the turning angle that
 /// belongs to the velocity at the crossing, as a flag's passage time tells it, + noise.
 /// Reproducible: each kind of fault draws from its own stream of the seed.
 class Sensor {

@@ -20,10 +20,11 @@ struct ReportData {
   RateSummary rate;
   Diary diary;
   FitSummary fit;
-  Spectrum rate_spectrum;               ///< of the rate per period about the fitted model
+  Spectrum rate_spectrum{}; ///< of the rate per period about the fitted model; empty if
+                            ///< the log is too short
   std::optional<DriveResponse> response; ///< if the fit determines it
   std::optional<DriveSplit> split;
-  DeviationTable deviation; ///< overlapping Allan deviation of the clock's error
+  DeviationTable deviation{}; ///< overlapping Allan deviation of the clock's error
 };
 
 /// The summary for the terminal: at most 40 lines of at most 100 characters, in plain words.

@@ -15,10 +15,11 @@ namespace goingrate {
 /// A sigma of 0 or NaN gives the value with `digits` digits and no sigma.
 std::string with_sigma(double value, double sigma, int digits = 6);
 
-/// The per-period table as CSV: cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags.
-/// Every event has its row; a missing beat has a row without times, flagged `missed`, and a run of
-/// more than `rows_per_gap` of them one row flagged `gap`. A period after a missing beat is the mean
-/// over the cycles since the last one.
+/// The per-period table as CSV:
+/// cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags. Every event has its row; a
+/// missing beat has a row without times, flagged `missed`, and a run of more than `rows_per_gap` of
+/// them one row flagged `gap`. A period after a missing beat is the mean over the cycles since the
+/// last one.
 std::string rate_table(const Beats& beats, double nominal_period_s);
 
 /// Two or three lines: how many beats, how long, the rate and its uncertainty.

@@ -88,6 +88,13 @@ struct DeviationTable {
 /// of them costs O(N^2): 0.15 s for 10^4 phases and 12 s for 10^5 as measured on one core.
 [[nodiscard]] std::vector<std::size_t> all_factors(std::size_t phase_points);
 
+/// The factors for averaging times `taus_s`, sorted and without repetition.
+///
+/// Each time must be a multiple of `tau0_s` (to 1e-6 of itself, for decimal text) with 2 m <
+/// `phase_points`. Throws ArgumentError otherwise.
+[[nodiscard]] std::vector<std::size_t> factors_for(std::span<const double> taus_s,
+                                                   std::size_t phase_points, double tau0_s);
+
 /// Adds up fractional frequencies to phase: x[0] = 0, x[i+1] = x[i] + y[i] tau0.
 ///
 /// Gaps: x[i+1] is NaN whenever y[i] is NaN, and the sum goes on underneath as if y[i] had been

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Each room includes only itself and those below it; Ceres and FFTW stay out of the public headers.
+# The rules of the house: each room includes only itself and those below it, Ceres and FFTW stay out of
+# the public headers, and every test that a docstring names exists.
 set -euo pipefail
 cd "$1"
 rooms=(base clock dynamics log spectra fit report)
@@ -27,4 +28,11 @@ for library in 'ceres/' fftw3; do
     fault=1
   fi
 done
+while read -r name; do
+  suite=${name%%.*} test=${name#*.}
+  if ! grep -rqE "TEST(_F|_P)?\($suite, $test\)" tests; then
+    echo "a header names the test $name, which does not exist"
+    fault=1
+  fi
+done < <(grep -rhoE '\b[A-Z][A-Za-z0-9]+\.[A-Z][A-Za-z0-9]{5,}\b' include | grep -vE '^(README|NIST)\.' | sort -u)
 exit $fault
