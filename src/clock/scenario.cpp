@@ -86,6 +86,15 @@ public:
     return value;
   }
 
+  // A key of the scenario language for something that is not modelled: its neutral value is
+  // accepted.
+  void only_zero(std::string_view key) {
+    const auto value = number(key);
+    known_.pop_back(); // not offered to whoever misspells another key
+    accepted_.emplace_back(key);
+    if (value.value_or(0.0) != 0.0) wrong(*table_.get(key), key, "0: this is not modelled");
+  }
+
   std::optional<std::int64_t> count(std::string_view key) {
     const toml::node* node = find(key);
     if (node == nullptr) return {};
@@ -110,7 +119,10 @@ public:
 
   void finish() const {
     for (const auto& [key, node] : table_) {
-      if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
+      const auto among = [&](const std::vector<std::string>& keys) {
+        return std::find(keys.begin(), keys.end(), key.str()) != keys.end();
+      };
+      if (!among(known_) && !among(accepted_))
         throw InputError(place(key.source()),
                          fmt::format("unknown key '{}{}'", prefix(), key.str()),
                          fmt::format("one of {}", fmt::join(known_, ", ")));
@@ -137,7 +149,8 @@ private:
   const toml::table& table_;
   std::string name_;
   const std::string& file_;
-  std::vector<std::string> known_;
+  std::vector<std::string> known_;    // keys that mean something
+  std::vector<std::string> accepted_; // keys that may be there if they say nothing
 };
 
 void read_clock(Section section, ClockParameters& clock) {
@@ -147,6 +160,8 @@ void read_clock(Section section, ClockParameters& clock) {
   clock.phi0 = section.number("phi0").value_or(0.0);
   const auto escapement = section.word("escapement", {"constant-torque", "none"});
   if (escapement == "none") clock.escapement = Escapement::none;
+  section.only_zero("quadratic_drag");
+  section.only_zero("dry_friction");
   section.finish();
 }
 
@@ -192,6 +207,8 @@ void read_sensor(Section section, SensorSettings& sensor) {
   sensor.missed = section.number("missed").value_or(0.0);
   sensor.spurious = section.number("spurious").value_or(0.0);
   sensor.amplitude_rms = section.number("amplitude_rms");
+  section.only_zero("offset");
+  section.only_zero("flag_width");
   section.finish();
 }
 

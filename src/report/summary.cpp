@@ -186,13 +186,16 @@ std::string drive_lines(const ReportData& data) {
 
 std::string stability_line(const DeviationTable& table) {
   if (table.rows.empty()) return {};
-  const auto best =
-      std::min_element(table.rows.begin(), table.rows.end(),
-                       [](const auto& a, const auto& b) { return a.value < b.value; });
+  // The longest times rest on one or two differences; four spans of the log are the least to speak
+  // of.
+  const auto last = std::find_if(table.rows.begin() + 1, table.rows.end(),
+                                 [](const DeviationRow& row) { return row.n < 2 * row.m; });
+  const auto best = std::min_element(
+      table.rows.begin(), last, [](const auto& a, const auto& b) { return a.value < b.value; });
   std::string text = fmt::format("Stability (OADEV): {:.3g} over {}", table.rows.front().value,
                                  span_of(table.rows.front().tau_s));
   text += fmt::format(", best {:.3g} over {}.\n", best->value, span_of(best->tau_s));
-  if (best + 1 < table.rows.end() && best->tau_s < 0.2 * table.rows.back().tau_s)
+  if (best + 1 < last && best->tau_s < 0.3 * std::prev(last)->tau_s)
     text += fmt::format("  Averaging helps up to {}; beyond, slow causes rule: look for those.\n",
                         span_of(best->tau_s));
   return text;

@@ -64,6 +64,11 @@ TEST(ScenarioTest, WhatIsNotSaidIsTheDefault) {
   EXPECT_FALSE(s.sensor.amplitude_rms);
 }
 
+TEST(ScenarioTest, WhatIsNotModelledMayBeThereAtZero) {
+  EXPECT_NO_THROW((void)parse_scenario(minimal, "s.toml", {"clock.dry_friction=0.0", "sensor.offset=0"}));
+  EXPECT_THROW((void)parse_scenario(minimal, "s.toml", {"clock.dry_friction=1e-6"}), InputError);
+}
+
 TEST(ScenarioTest, OverridesReplaceOneKeyAndKeepTheRest) {
   const Scenario s = parse_scenario(minimal, "s.toml", {"clock.mu=5e-5", "sensor.jitter_rms=1e-3"});
   EXPECT_EQ(s.clock.mu, 5e-5);
