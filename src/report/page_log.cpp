@@ -3,6 +3,7 @@
 #include "markup.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
+#include "goingrate/spectra/noise_type.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -100,24 +101,6 @@ std::string interruption_table(const Interruption& event, std::size_t number) {
   return table.html();
 }
 
-std::string noise_name(const DeviationRow& row) {
-  if (!row.interval) return "–";
-  switch (row.alpha) {
-  case 2:
-    return "white phase (jitter)";
-  case 1:
-    return "flicker phase";
-  case 0:
-    return "white rate";
-  case -1:
-    return "flicker rate";
-  case -2:
-    return "random walk of rate";
-  default:
-    return typeset(fmt::format("f^{} rate", row.alpha));
-  }
-}
-
 std::string list(const std::vector<std::string>& items) {
   std::string html = "<ul>\n";
   for (const std::string& item : items)
@@ -209,7 +192,7 @@ std::string stability(const ReportData& data) {
     table.row({duration_text(row.tau_s), plain_number(row.tau_s, 6), fmt::format("{}", row.n),
                plain_number(row.value, 4),
                row.interval ? plain_number(row.low) + " to " + plain_number(row.high) : "–",
-               plain_number(seconds_gained_per_day(row.value)), noise_name(row)});
+               plain_number(seconds_gained_per_day(row.value)), row.interval ? std::string(noise_name(row.alpha)) : "–"});
   return section("stability", "Stability",
                  table.empty() ? paragraph("The log is too short for it.") : table.html());
 }

@@ -1,5 +1,7 @@
 #include "goingrate/report/tables.hpp"
 
+#include "goingrate/spectra/noise_type.hpp"
+
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
@@ -7,23 +9,6 @@
 namespace goingrate {
 
 namespace {
-
-std::string noise_name(int alpha) {
-  switch (alpha) {
-  case 2:
-    return "white phase (jitter)";
-  case 1:
-    return "flicker phase";
-  case 0:
-    return "white rate";
-  case -1:
-    return "flicker rate";
-  case -2:
-    return "random walk of rate";
-  default:
-    return fmt::format("f^{} rate", alpha);
-  }
-}
 
 std::string rms_line(const char* name, const RmsEstimate& rms, double factor, const char* unit) {
   if (std::isnan(rms.rms)) return fmt::format("  {:<22} not determined\n", name);

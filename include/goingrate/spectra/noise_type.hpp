@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
 
 namespace goingrate {
 
@@ -87,5 +88,23 @@ inline constexpr std::size_t least_points_for_noise_type = 30;
 /// Cost: two quantiles. Throws ArgumentError outside the domain.
 [[nodiscard]] DeviationInterval chi_squared_interval(double deviation, double degrees_of_freedom,
                                                      double probability = one_sigma_probability);
+
+/// What clock people call noise of exponent `alpha` (of the rate's spectrum, f^alpha).
+[[nodiscard]] constexpr std::string_view noise_name(int alpha) {
+  switch (alpha) {
+  case 2:
+    return "white phase (jitter)";
+  case 1:
+    return "flicker phase";
+  case 0:
+    return "white rate";
+  case -1:
+    return "flicker rate";
+  case -2:
+    return "random walk of rate";
+  default:
+    return alpha > 0 ? "steeper than jitter" : "slower than a random walk of rate";
+  }
+}
 
 } // namespace goingrate
