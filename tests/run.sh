@@ -4,7 +4,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh
 goingrate_setup libgtest-dev zlib1g-dev dpkg-dev file
-cmake --preset release -DBUILD_TESTING=ON -DGOINGRATE_WARNINGS_AS_ERRORS=ON > /dev/null
+# A newer compiler may warn of more; only the project's own checks insist.
+cmake --preset release -DBUILD_TESTING=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null
 cmake --build --preset release -j2
 [ -d ../shared/real ] \
   || echo "There is no ../shared/real with public measurements: the tests that need them are skipped."
