@@ -25,6 +25,10 @@ void add_log_options(CLI::App& command, LogOptions& options) {
       .add_option("--nominal-period", options.nominal_period_s,
                   "T0 in s, the period to compare with")
       ->check(CLI::PositiveNumber);
+  command.add_flag(
+      "--both-edges", options.both_edges,
+      "the log holds both directions without labels; found by itself if the clock is out "
+      "of beat");
   command
       .add_option("--flag-width", options.flag_width_rad,
                   "angle (rad) of a centred flag as seen from the pivot, whose leading edge gave "
@@ -74,6 +78,10 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   if (options.nominal_period_s > 0.0) reading.nominal_period_s = options.nominal_period_s;
   NumberedLog loaded;
   loaded.log = read_log(read_text(options.path), options.path, reading);
+  const bool labelled = label_alternate_edges(loaded.log, options.both_edges);
+  if (loaded.log.format == LogFormat::timestamps && !labelled)
+    loaded.log.assumptions.emplace_back(
+        "each event is one period (--both-edges if both directions are in the log)");
   loaded.beats = number_beats(loaded.log);
   loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
   if (options.flag_width_rad > 0.0) {

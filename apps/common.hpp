@@ -29,6 +29,7 @@ struct LogOptions {
   std::string format;
   double nominal_period_s = 0.0; ///< 0: not given
   double flag_width_rad = 0.0;
+  bool both_edges = false;
 };
 
 void add_log_options(CLI::App& command, LogOptions& options);

@@ -182,13 +182,13 @@ public:
     return found;
   }
 
-  // After a step everything relaxes, and what relaxes is bent: within five windows of a stronger
-  // change one of a tenth of its significance is taken for that bend.
+  // After a step everything relaxes, and what relaxes is bent: within eight windows of a stronger
+  // change one of a fifth of its significance is taken for that bend.
   [[nodiscard]] bool in_the_wake(std::size_t at, double score,
                                  const std::vector<std::size_t>& found) const {
     return std::any_of(found.begin(), found.end(), [&](std::size_t other) {
       const std::size_t apart = at > other ? at - other : other - at;
-      return apart <= 5 * options_.window && score < 0.1 * significance(other);
+      return apart <= 8 * options_.window && score < 0.2 * significance(other);
     });
   }
 

@@ -1,6 +1,7 @@
 #include "fit_problem.hpp"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 namespace goingrate::timing_model {
 
@@ -66,6 +67,19 @@ std::size_t row_count(const FitProblem& problem) {
   return rows;
 }
 
+// Ceres tells of every failed trial on standard error, which belongs to the user; what matters is
+// in its summary.
+class QuietLogging {
+public:
+  QuietLogging() : before_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
+  QuietLogging(const QuietLogging&) = delete;
+  QuietLogging& operator=(const QuietLogging&) = delete;
+  ~QuietLogging() { FLAGS_minloglevel = before_; }
+
+private:
+  int before_;
+};
+
 // The problem as Ceres sees it: one block of residuals over one block of parameters.
 class Cost final : public ceres::CostFunction {
 public:
@@ -84,7 +98,7 @@ public:
       return true;
     }
     const auto linear = linearise(problem_, x);
-    if (!linear) return false;
+    if (!linear || !linear->residual.allFinite() || !linear->jacobian.allFinite()) return false;
     Eigen::Map<Eigen::VectorXd>(residuals, linear->residual.size()) = linear->residual;
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor>(jacobians[0], linear->jacobian.rows(), linear->jacobian.cols()) =
@@ -146,6 +160,7 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, int itera
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-13;
   ceres::Solver::Summary summary;
+  const QuietLogging quiet;
   ceres::Solve(options, &ceres_problem, &summary);
   minimum.usable = summary.IsSolutionUsable();
   minimum.converged = summary.termination_type == ceres::CONVERGENCE;

@@ -146,6 +146,17 @@ void state_correlation(const FitProblem& problem, const Certainty& certainty, Fi
   }
 }
 
+// Standard deviation of the slope of a straight line (s a cycle) under the noise of the times.
+double line_sigma(const FitProblem& problem) {
+  const auto& cycle = problem.data.cycle;
+  std::vector<double> white(cycle.size() - 1);
+  Whitening(cycle, problem.weights.timing).apply<double>(cycle, white);
+  double sum = 0.0;
+  for (const double w : white)
+    sum += w * w;
+  return problem.weights.time_widening / std::sqrt(sum);
+}
+
 double phase_at_end(const FitProblem& problem, std::span<const double> x) {
   Prediction<double> prediction;
   if (!predict(problem.parameters, x, problem.data, prediction)) return unknown;
@@ -187,14 +198,12 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
   const bool driven = summary.escapement != "none";
   if (!driven) summary.stationary_amplitude.value = summary.stationary_amplitude.sigma = unknown;
 
-  // The mean period over the log: what the residual at the end does when the clock changes.
+  // The mean period over the log by the model; its sigma is that of a straight line through the
+  // times, which no flat valley of the clock's parameters can touch.
   const double cycles = problem.data.cycle.back();
-  auto period = derive(
-      "mean period", "(t_N - t_0)/N of the model", "s",
-      [&](std::span<const double> at) {
-        return problem.data.reference_period_s - phase_at_end(problem, at) / cycles;
-      },
-      x, certainty);
+  const DerivedQuantity period{"mean period", "(t_N - t_0)/N of the model", "s",
+                               problem.data.reference_period_s - phase_at_end(problem, x) / cycles,
+                               line_sigma(problem)};
   summary.rate_s_per_day = {"rate", "T0_nominal/mean period - 1", "s/day",
                             seconds_gained_per_day(nominal_period_s / period.value - 1.0),
                             seconds_gained_per_day(period.sigma / period.value)};

@@ -325,6 +325,10 @@ public:
     // Nor is any clock trusted to keep its rate over a gap to better than 1e-6, a tenth of a second
     // a day, even if the log is too short or too coarse to show its wander.
     sigma = std::max(sigma, 1e-6 * static_cast<double>(span) * typical_.mean);
+    // No whole number of periods fits: the clock stood still, or the reference jumped. (In a short gap it
+    // is rather a false event beside it that misleads.)
+    constexpr std::int64_t stop = 20;
+    if (length >= stop && std::abs(misfit_s) > 6.0 * sigma) return 0.0;
     return count_probability(misfit_s / typical_.mean, sigma / typical_.mean);
   }
 
@@ -414,6 +418,50 @@ Beats number_beats(const ClockLog& log, const NumberingOptions& options) {
   find_gaps(result, typical, options.least_probability);
   place_downward(result, downward);
   return result;
+}
+
+namespace {
+
+// Whether intervals alternate: neighbours on opposite sides of the median, next neighbours on the
+// same, and both much alike. Jitter alone gives correlations of -1/2 and 0.
+bool intervals_alternate(const std::vector<double>& steps, double centre) {
+  double variance = 0.0, next = 0.0, second = 0.0;
+  for (std::size_t i = 0; i + 2 < steps.size(); ++i) {
+    const auto off = [&](std::size_t k) { return steps[k] - centre; };
+    const double widest = 0.45 * centre; // a clock further out of beat than this does not go
+    if (std::max({std::abs(off(i)), std::abs(off(i + 1)), std::abs(off(i + 2))}) > widest) continue;
+    variance += off(i) * off(i);
+    next += off(i) * off(i + 1);
+    second += off(i) * off(i + 2);
+  }
+  return variance > 0.0 && next < -0.75 * variance && second > 0.75 * variance;
+}
+
+} // namespace
+
+bool label_alternate_edges(ClockLog& log, bool certain) {
+  const bool labelled = std::any_of(log.events.begin(), log.events.end(),
+                                    [](const LogEvent& e) { return e.edge == Edge::down; });
+  if (labelled || log.events.size() < 8) return false;
+  std::vector<double> steps, pairs;
+  for (std::size_t i = 1; i < log.events.size(); ++i)
+    steps.push_back(log.events[i].time - log.events[i - 1].time);
+  for (std::size_t i = 1; i < steps.size(); ++i)
+    pairs.push_back(steps[i] + steps[i - 1]);
+  const double half = 0.5 * median(pairs); // the beat error cancels in a pair
+  if (!(half > 0.0) || (!certain && !intervals_alternate(steps, half))) return false;
+  std::int64_t beat = 0;
+  for (std::size_t i = 1; i < log.events.size(); ++i) {
+    const double beats = steps[i - 1] / half;
+    if (beats < 1e15) beat += std::llround(beats);
+    log.events[i].edge = beat % 2 == 0 ? Edge::up : Edge::down;
+  }
+  log.assumptions.push_back(
+      certain ? "both directions are in the log: every other event is a downward crossing"
+              : "the intervals alternate, so both directions are in the log: every other event is "
+                "taken "
+                "as a downward crossing");
+  return true;
 }
 
 std::int64_t cycle_at(std::span<const Beat> beats, double time_s) {

@@ -39,12 +39,13 @@ std::string correlation_lines(const FitSummary& fit) {
 
 std::string quality_lines(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
-  std::string text = fmt::format(
-      "[statistics]\n  {} beats; residual rms {:.3g} s; chi-squared {:.5g} for {:.0f} degrees of "
-      "freedom (p = {:.2g})\n  noise: jitter {}",
-      fit.residual_s.size(), q.rms_s, q.chi2, q.dof, q.p_value,
-      fit.jitter_relative_sigma < 1.0 / 3.0 ? fmt::format("{:.3g} s", fit.timing_noise.jitter_s)
-                                            : std::string("undetermined"));
+  std::string text = fmt::format("[statistics]\n  {} beats; residual rms {:.3g} s; chi-squared "
+                                 "against jitter alone {:.5g} for {:.0f} degrees of "
+                                 "freedom (p = {:.2g})\n  noise: jitter {}",
+                                 fit.residual_s.size(), q.rms_s, q.chi2, q.dof, q.p_value,
+                                 fit.jitter_relative_sigma < 1.0 / 3.0
+                                     ? fmt::format("{:.3g} s", fit.timing_noise.jitter_s)
+                                     : std::string("undetermined"));
   if (fit.timing_noise.walk_s > 0.0)
     text += fmt::format(", random walk {:.3g} s a period", fit.timing_noise.walk_s);
   if (std::isfinite(q.amplitude_rms_rad))

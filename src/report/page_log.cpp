@@ -192,7 +192,8 @@ std::string stability(const ReportData& data) {
     table.row({duration_text(row.tau_s), plain_number(row.tau_s, 6), fmt::format("{}", row.n),
                plain_number(row.value, 4),
                row.interval ? plain_number(row.low) + " to " + plain_number(row.high) : "–",
-               plain_number(seconds_gained_per_day(row.value)), row.interval ? std::string(noise_name(row.alpha)) : "–"});
+               plain_number(seconds_gained_per_day(row.value)),
+               row.interval ? std::string(noise_name(row.alpha)) : "–"});
   return section("stability", "Stability",
                  table.empty() ? paragraph("The log is too short for it.") : table.html());
 }

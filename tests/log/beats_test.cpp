@@ -79,6 +79,24 @@ TEST(BeatsTest, AStepOfTheRateIsNoOutlier) {
   EXPECT_EQ(number_beats(log_of(times)).spurious, 0);
 }
 
+TEST(BeatsTest, AStoppedClockIsSplitWhereItStopped) {
+  // 3600.2 s would be a whole number of periods, and no stop to be seen.
+  for (const double phase : {0.05, 0.37, 0.5, 0.63, 0.8, 0.95}) {
+    RandomStream random(4, StreamPurpose::jitter);
+    std::vector<double> times;
+    for (int i = 0; i < 1000; ++i)
+      times.push_back(1.00005 * i + 1e-4 * random.normal());
+    const double restart = times.back() + 3600.0 + phase;
+    for (int i = 0; i < 700; ++i)
+      times.push_back(restart + 1.00005 * i + 1e-4 * random.normal());
+    const Beats beats = number_beats(log_of(times));
+    ASSERT_FALSE(beats.gaps.empty()) << phase;
+    EXPECT_EQ(beats.gaps[0].after_cycle, 999) << phase;
+    EXPECT_FALSE(beats.gaps[0].bridged) << phase;
+    EXPECT_EQ(beats.longest_segment().size(), 1000u) << phase;
+  }
+}
+
 TEST(BeatsTest, NoGapIsBridgedThatNobodyCouldCount) {
   for (const double gap : {2e7, 1e9, 1e15}) {
     auto times = steady(200);
@@ -139,6 +157,34 @@ TEST(BeatsTest, AShortGapOfTheSameClockIsBridged) {
   ASSERT_EQ(beats.gaps.size(), 1u);
   EXPECT_GT(beats.gaps[0].probability, 0.99);
   EXPECT_EQ(beats.beats.back().cycle, 1999);
+}
+
+TEST(BeatsTest, AlternatingIntervalsAreBothDirections) {
+  RandomStream random(5, StreamPurpose::jitter);
+  for (const double out_of_beat : {0.02, 0.2}) {
+    std::vector<double> times;
+    for (int i = 0; i < 400; ++i)
+      times.push_back(1.00005 * i + (i % 2) * out_of_beat + 1e-4 * random.normal());
+    times.erase(times.begin() + 101); // a missed one must not shift the sides
+    ClockLog log = log_of(times);
+    EXPECT_TRUE(label_alternate_edges(log, false));
+    const Beats beats = number_beats(log);
+    EXPECT_NEAR(beats.typical_period_s, 2.0001, 1e-5);
+    EXPECT_EQ(beats.spurious, 0);
+    EXPECT_EQ(beats.longest_segment().size(), 200u);
+  }
+}
+
+TEST(BeatsTest, OneDirectionWithJitterIsNotTakenForTwo) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    RandomStream random(seed, StreamPurpose::jitter);
+    std::vector<double> times;
+    for (int i = 0; i < 50; ++i)
+      times.push_back(2.0 * i + 0.01 * random.normal());
+    ClockLog log = log_of(times);
+    EXPECT_FALSE(label_alternate_edges(log, false));
+    EXPECT_TRUE(label_alternate_edges(log, true));
+  }
 }
 
 TEST(BeatsTest, DownwardCrossingsStandBetweenTheBeats) {

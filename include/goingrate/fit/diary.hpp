@@ -29,7 +29,7 @@ struct Relaxation {
   bool exponential = true; ///< false: the time depends on the stretch fitted (see below) by 4 sigma
   double shorter_window_s = 0.0; ///< the time constant from three quarters of the window,
   double longer_window_s = 0.0;  ///< and from five quarters: how far it depends on the stretch; NaN
-                                ///< if that fit has no answer
+                                 ///< if that fit has no answer
 };
 
 /// A stretch without (or with less) drive: the rate jumps one way and back, the amplitude decays

@@ -71,7 +71,8 @@ double local_white_noise(std::span<const double> series);
 double whiteness_p(std::span<const double> white, std::size_t lags = 20);
 
 /// Factor by which correlation of `white` raises the variance of its mean: 1 + 2 sum of the
-/// autocorrelations up to the first negative pair (Geyer 1992), at least 1.
+/// autocorrelations up to the first negative pair (Geyer 1992), or what the scatter of 8 or 16
+/// batch means shows if that is more; at least 1.
 double correlation_time(std::span<const double> white);
 
 } // namespace goingrate

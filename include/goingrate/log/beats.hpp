@@ -52,6 +52,11 @@ struct NumberingOptions {
   double least_probability = 0.99; ///< below it a gap's count is not trusted and the log is split
 };
 
+/// Labels every other event of a log without edge labels as a downward crossing: all events if
+/// `certain`, else only where the intervals alternate between two lengths (out of beat), which one
+/// direction alone never does. Says so in `log.assumptions`; returns whether it did.
+bool label_alternate_edges(ClockLog& log, bool certain);
+
 /// Numbers every event of `log`.
 ///
 /// The typical period is the mean of the differences near their median. Each event is compared with
