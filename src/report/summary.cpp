@@ -29,6 +29,12 @@ std::string per_day(double rate_excess, double sigma) {
   return with_sigma(rate, error, 5) + " s/day";
 }
 
+std::string plain_rate(double rate_excess) {
+  const double rate = seconds_gained_per_day(rate_excess);
+  return std::abs(rate) < 1.0 ? fmt::format("{:+.2f} ms/day", 1e3 * rate)
+                              : fmt::format("{:+.4f} s/day", rate);
+}
+
 std::string beats_line(const ReportData& data) {
   std::string line =
       fmt::format("Beats: {} over {}", data.rate.crossings, span_of(data.rate.duration_s));
@@ -44,11 +50,8 @@ std::string rate_lines(const ReportData& data) {
   std::string text = fmt::format("Rate: {} {}, from the first beat to the last.\n",
                                  rate.rate_excess < 0.0 ? "loses" : "gains",
                                  per_day(std::abs(rate.rate_excess), rate.rate_excess_sigma));
-  text += fmt::format(
-      "  exactly {:+.2f} ms/day end to end; a straight line fitted to the clock's error "
-      "gives {:+.1f} ms/day.\n",
-      1e3 * seconds_gained_per_day(rate.rate_excess),
-      1e3 * seconds_gained_per_day(rate.slope_rate_excess));
+  text += fmt::format("  That is {} end to end; a line fitted to the clock's error gives {}.\n",
+                      plain_rate(rate.rate_excess), plain_rate(rate.slope_rate_excess));
   text +=
       "  The first is reported: it is what the hands show, and the line leans on the middle of the "
       "log.\n";
@@ -170,7 +173,8 @@ std::string fit_lines(const FitSummary& fit, const Diary& diary) {
 std::string drive_lines(const ReportData& data) {
   if (!data.split)
     return "Drive: the log does not determine the clock's response, so fast and slow drive are not "
-           "split.\n";
+           "split.\n  What would tell: amplitudes, a ring-down, or a change of the driving "
+           "weight.\n";
   const auto part = [](const RmsEstimate& rms) {
     if (std::isnan(rms.rms)) return std::string("unknown");
     if (rms.low68 == 0.0) return fmt::format("at most {:.2g} %", 100.0 * rms.high68);
