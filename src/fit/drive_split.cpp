@@ -28,7 +28,6 @@ struct White {
   double jitter2 = 0.0; // j^2, s^2
   double drive_sigma = 0.0;
   double jitter2_sigma = 0.0;
-  bool both = true; // both are above 0; otherwise the other one is at its bound
 };
 
 // Normal equations of sum w (S - D h - J s)^2 with w = 1/model^2: at convergence those of Whittle's
@@ -112,7 +111,7 @@ private:
       sum.gain2 += block.gain2;
       sum.shape += block.shape;
     }
-    return {0.5 * sum.density / sum.gain2, 0.5 * sum.density / sum.shape, 0.0, 0.0, true};
+    return {0.5 * sum.density / sum.gain2, 0.5 * sum.density / sum.shape, 0.0, 0.0};
   }
 
   [[nodiscard]] Sums weighted_sums(const White& white) const {
@@ -135,9 +134,9 @@ private:
     white.drive = (s.hy * s.ss - s.sy * s.hs) / determinant;
     white.jitter2 = (s.sy * s.hh - s.hy * s.hs) / determinant;
     if (white.drive <= 0.0)
-      white = {0.0, s.sy / s.ss, 0.0, 0.0, false};
+      white = {0.0, s.sy / s.ss, 0.0, 0.0};
     else if (white.jitter2 <= 0.0)
-      white = {s.hy / s.hh, 0.0, 0.0, 0.0, false};
+      white = {s.hy / s.hh, 0.0, 0.0, 0.0};
     return white;
   }
 
