@@ -4,7 +4,7 @@
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/clock/scenario.hpp"
-#include "goingrate/dynamics/direct.hpp"
+#include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/log/sensor.hpp"
 #include "goingrate/log/writing.hpp"
 
@@ -32,15 +32,10 @@ void append_truth(std::string& text, const Period& period) {
                  period.amplitude_rad, period.mu);
 }
 
-std::string why_stopped(SwingStatus status) {
-  if (status == SwingStatus::not_finite) return "the numbers overflowed";
-  return status == SwingStatus::overturned ? "the pendulum passed the top" : "the clock stalled";
-}
-
 void run(const SimulateOptions& options, const GlobalOptions& global) {
   const Scenario scenario =
       parse_scenario(read_text(options.scenario), options.scenario, options.overrides);
-  DirectRun run(scenario, options.seed);
+  ClockRun run(scenario, options.seed);
   Sensor sensor(scenario.sensor, options.seed);
   std::string truth = "cycle,time_s,period_s,velocity,amplitude_rad,mu\n";
   sensor.see(run.last());
@@ -52,11 +47,14 @@ void run(const SimulateOptions& options, const GlobalOptions& global) {
     throw NumericsError(
         fmt::format("{} after {} periods; nothing was written (--set run.periods={} "
                     "ends before)",
-                    why_stopped(run.status()), run.last().cycle, run.last().cycle));
+                    words_for(run.status()), run.last().cycle, run.last().cycle));
   write_whole_files({{options.truth, truth},
                      {options.output, native_log_text(sensor.log(scenario.clock.nominal_period_s),
                                                       decimals_for(scenario.sensor))}});
-  say(global, fmt::format("{} periods by direct integration", run.last().cycle));
+  say(global, fmt::format("{} periods by {}: {}", run.last().cycle, name_of(run.method().method),
+                          run.method().reason));
+  if (run.fallbacks() > 0)
+    say(global, fmt::format("{} of them outside the map, by direct integration", run.fallbacks()));
 }
 
 } // namespace

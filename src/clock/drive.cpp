@@ -3,6 +3,7 @@
 #include "goingrate/base/errors.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace goingrate {
 
@@ -14,6 +15,15 @@ void check(const DriveVariability& drive) {
   relative("slow_rms", drive.slow_rms);
   if (drive.slow_rms > 0.0 && !(drive.slow_time_s > 0.0))
     throw ArgumentError("slow_time", drive.slow_time_s, "a positive number of seconds");
+  for (const auto& sine : drive.sines) {
+    if (!(std::abs(sine.amplitude) <= 100.0))
+      throw ArgumentError("sine.amplitude", sine.amplitude, "between -100 and 100");
+    if (!(sine.period_s > 0.0 && std::isfinite(sine.period_s)))
+      throw ArgumentError("sine.period", sine.period_s, "a positive number of seconds");
+  }
+  if (drive.series && (drive.fast_rms > 0.0 || drive.slow_rms > 0.0))
+    throw ArgumentError("drive.series", "with fast_rms or slow_rms",
+                        "either a series or random variations");
 }
 
 DriveSequence::DriveSequence(const DriveVariability& drive, double period_s, std::uint64_t seed)
@@ -27,13 +37,21 @@ DriveSequence::DriveSequence(const DriveVariability& drive, double period_s, std
   }
 }
 
-double DriveSequence::next() {
+double DriveSequence::next(double time_s) {
   double factor = 1.0;
+  if (drive_.series) {
+    if (used_ == drive_.series->size())
+      throw ArgumentError("drive.series", static_cast<double>(used_),
+                          "as many factors as the run has periods");
+    factor = (*drive_.series)[used_++];
+  }
   if (drive_.fast_rms > 0.0) factor += drive_.fast_rms * fast_stream_.normal();
   if (drive_.slow_rms > 0.0) {
     factor += drive_.slow_rms * slow_;
     slow_ = memory_ * slow_ + innovation_ * slow_stream_.normal();
   }
+  for (const auto& sine : drive_.sines)
+    factor += sine.amplitude * std::sin(2.0 * std::numbers::pi * time_s / sine.period_s);
   return factor;
 }
 

@@ -7,6 +7,22 @@
 
 namespace goingrate {
 
+namespace {
+
+void check_table(std::string_view name, const TorqueTable& table) {
+  if (table.points.size() == 1)
+    throw ArgumentError(name, "one point", "a table of two points at least");
+  double before = -std::numbers::pi;
+  for (const auto& [angle, torque] : table.points) {
+    if (!(angle > before && angle < std::numbers::pi))
+      throw ArgumentError(name, angle, "an angle between -pi and pi, above the one before it");
+    if (!(std::abs(torque) < 1.0)) throw ArgumentError(name, torque, "a torque between -1 and 1");
+    before = angle;
+  }
+}
+
+} // namespace
+
 void check(const ClockParameters& clock) {
   // Written as "not (good)" so that a NaN is refused too.
   if (!(clock.nominal_period_s >= 1e-6 && clock.nominal_period_s <= 1e6))
@@ -18,10 +34,30 @@ void check(const ClockParameters& clock) {
   if (clock.escapement == Escapement::constant_torque && clock.mu > 0.0 &&
       !(clock.phi0 > 0.0 && clock.phi0 < std::numbers::pi))
     throw ArgumentError("phi0", clock.phi0, "an angle between 0 and pi rad");
+  if (!(clock.quadratic_drag >= 0.0 && clock.quadratic_drag <= 10.0))
+    throw ArgumentError("quadratic_drag", clock.quadratic_drag, "between 0 and 10");
+  if (!(clock.dry_friction >= 0.0 && clock.dry_friction < 1.0))
+    throw ArgumentError("dry_friction", clock.dry_friction, "at least 0 and below 1");
+  if (!(clock.impulse >= 0.0 && clock.impulse < 1.0))
+    throw ArgumentError("impulse", clock.impulse, "at least 0 and below 1");
+  if (!(std::abs(clock.impulse_angle) < std::numbers::pi / 2.0))
+    throw ArgumentError("angle", clock.impulse_angle, "between -pi/2 and pi/2 rad");
+  check_table("rising", clock.rising);
+  check_table("falling", clock.falling);
 }
 
 std::string_view name_of(Escapement escapement) {
-  return escapement == Escapement::none ? "none" : "constant-torque";
+  switch (escapement) {
+  case Escapement::constant_torque:
+    return "constant-torque";
+  case Escapement::single_impulse:
+    return "single-impulse";
+  case Escapement::profile:
+    return "profile";
+  case Escapement::none:
+    break;
+  }
+  return "none";
 }
 
 } // namespace goingrate

@@ -1,31 +1,47 @@
 #include "goingrate/dynamics/direct.hpp"
 
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
-#include "goingrate/dynamics/stationary.hpp"
 
 #include <cmath>
 
 namespace goingrate {
 
-DirectPendulum::DirectPendulum(double velocity) : v2_{velocity * velocity, 0.0} {
+DirectPendulum::DirectPendulum(const ClockParameters& clock, double velocity)
+    : v2_{velocity * velocity, 0.0} {
   if (!(velocity > 0.0 && velocity < 2.0))
     throw ArgumentError("velocity", velocity,
                         "above 0 and below 2 (where the pendulum turns over)");
   v2_.lo = std::fma(velocity, velocity, -v2_.hi);
+  set_clock(clock);
 }
 
-DirectPendulum::Step DirectPendulum::advance(double epsilon, double mu, double phi0) {
-  Step step;
-  for (const bool upward : {true, false}) {
-    const auto swing = half_swing(velocity(), epsilon, mu, phi0, helping_);
+void DirectPendulum::set_clock(const ClockParameters& clock) {
+  check(clock);
+  clock_ = clock;
+  if (clock.escapement != Escapement::constant_torque) profile_ = period_profile(clock);
+}
+
+HalfSwing<double> DirectPendulum::half(bool right, double factor) const {
+  const double v = velocity();
+  const double mu = clock_.acting_torque() * factor;
+  if (clock_.is_plain()) return half_swing(v, clock_.epsilon, mu, clock_.phi0, helping_);
+  const SwingFriction<double> friction{clock_.epsilon, clock_.quadratic_drag, clock_.dry_friction};
+  if (clock_.escapement == Escapement::constant_torque)
+    return half_swing(v, friction, mu, clock_.phi0, helping_);
+  return half_swing(v, friction, right ? profile_.right : profile_.left, factor);
+}
+
+PeriodStep DirectPendulum::advance(double factor) {
+  PeriodStep step;
+  for (const bool right : {true, false}) {
+    const auto swing = half(right, factor);
     step.status = swing.status;
     if (swing.status != SwingStatus::crossed) return step;
     v2_ += swing.speed2_change;
     // The torque that helped and did not switch, or that switched, is seen mirrored from here on.
     helping_ = swing.switched || !helping_;
-    step.full += swing.duration;
-    if (upward) step.down = step.full;
+    step.excess += swing.excess;
+    if (right) step.half_excess = step.excess;
   }
   return step;
 }
@@ -39,74 +55,45 @@ void DirectPendulum::rescale(double ratio) {
 
 namespace {
 
-double start_velocity_of(const Scenario& scenario) {
-  if (scenario.start_amplitude) return *scenario.start_amplitude;
-  const auto cycle = limit_cycle(scenario.clock);
-  if (!cycle)
-    throw ArgumentError("start.amplitude", "stationary",
-                        "a number: this clock has no stationary swing (it would stall, or has no "
-                        "drive or no friction)");
-  return cycle->velocity;
-}
-
-const Scenario& checked(const Scenario& scenario) {
-  check(scenario);
-  return scenario;
-}
-
-TwoPart<double> in_seconds(const TwoPart<double>& scaled, const TimeScale& scale) {
-  TwoPart<double> result{scale.seconds(scaled.hi), 0.0};
-  result += scale.seconds(scaled.lo);
-  return result;
+template <class T> SwingProfile<T> converted(const SwingProfile<double>& from) {
+  SwingProfile<T> to{from.kick_at_start, {}, {}};
+  for (const auto& s : from.rise)
+    to.rise.push_back({s.until, s.constant, s.slope, s.kick});
+  for (const auto& s : from.fall)
+    to.fall.push_back({s.until, s.constant, s.slope, s.kick});
+  return to;
 }
 
 } // namespace
 
+RegularPeriod<long double> regular_period(const ClockParameters& clock, long double speed2,
+                                          long double factor) {
+  using T = long double;
+  const SwingFriction<T> friction{clock.epsilon, clock.quadratic_drag, clock.dry_friction};
+  const T mu = clock.acting_torque() * factor;
+  const bool tabulated =
+      clock.escapement == Escapement::profile || clock.escapement == Escapement::single_impulse;
+  const PeriodProfile profile = tabulated ? period_profile(clock) : PeriodProfile{};
+  RegularPeriod<T> period;
+  for (const bool right : {true, false}) {
+    const T v = std::sqrt(speed2 + period.speed2_change);
+    HalfSwing<T> swing;
+    if (tabulated)
+      swing = half_swing(v, friction, converted<T>(right ? profile.right : profile.left), factor);
+    else if (clock.is_plain())
+      swing = half_swing<T>(v, clock.epsilon, mu, clock.phi0, true);
+    else
+      swing = half_swing<T>(v, friction, mu, clock.phi0, true);
+    const bool switches = tabulated || mu == 0 || swing.switched;
+    if (swing.status != SwingStatus::crossed || !switches) return {};
+    period.speed2_change += swing.speed2_change;
+    period.excess += swing.excess;
+    if (right) period.half_excess = period.excess;
+  }
+  period.regular = true;
+  return period;
+}
+
 double turning_angle_of_velocity(double velocity) { return 2.0 * std::asin(0.5 * velocity); }
-
-DirectRun::DirectRun(const Scenario& scenario, std::uint64_t seed)
-    : scenario_(checked(scenario)), pending_(scenario.events), clock_(scenario.clock),
-      drive_(scenario.drive, scenario.clock.nominal_period_s, seed),
-      start_velocity_(start_velocity_of(scenario)), pendulum_(start_velocity_) {
-  now_.velocity = start_velocity_;
-  now_.amplitude_rad = turning_angle_of_velocity(start_velocity_);
-}
-
-void DirectRun::apply_due_events() {
-  const double nominal_before = clock_.nominal_period_s;
-  std::erase_if(pending_, [&](const ClockEvent& event) {
-    const bool due =
-        event.at_period ? now_.cycle >= *event.at_period : now_.time_s.value() >= *event.at_s;
-    if (due) clock_ = event.applied_to(clock_);
-    return due;
-  });
-  if (clock_.nominal_period_s != nominal_before)
-    pendulum_.rescale(clock_.nominal_period_s / nominal_before);
-}
-
-bool DirectRun::complete() const {
-  return scenario_.periods ? now_.cycle >= *scenario_.periods
-                           : now_.time_s.value() >= *scenario_.duration_s;
-}
-
-std::optional<Period> DirectRun::next() {
-  if (status_ != SwingStatus::crossed || complete()) return {};
-  apply_due_events();
-  now_.mu = clock_.acting_torque() * drive_.next();
-  const auto step = pendulum_.advance(clock_.epsilon, now_.mu, clock_.phi0);
-  status_ = step.status;
-  if (status_ != SwingStatus::crossed) return {};
-  const TimeScale scale(clock_.nominal_period_s);
-  const auto length = in_seconds(step.full, scale);
-  now_.down_s = now_.time_s;
-  now_.down_s += in_seconds(step.down, scale);
-  now_.time_s += length;
-  now_.period_s = length.value();
-  now_.rate_excess = rate_excess_of(step.full);
-  now_.velocity = pendulum_.velocity();
-  now_.amplitude_rad = turning_angle_of_velocity(now_.velocity);
-  ++now_.cycle;
-  return now_;
-}
 
 } // namespace goingrate

@@ -1,8 +1,13 @@
 #include "goingrate/dynamics/stationary.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
+#include "goingrate/base/sums.hpp"
+#include "goingrate/dynamics/direct.hpp"
 #include "goingrate/dynamics/half_swing.hpp"
+#include "goingrate/dynamics/moments.hpp"
 
+#include <algorithm>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -10,7 +15,29 @@ namespace goingrate {
 
 using std::numbers::pi;
 
+namespace {
+
+// The largest lambda at which drive and friction balance, for laws without a formula: sought
+// downwards from 2 rad, where friction still wins.
+std::optional<double> balanced_amplitude(const ClockParameters& clock) {
+  const auto gain = [&](double lambda) {
+    return drive_moments(clock, lambda).a - friction_moment(clock, lambda);
+  };
+  constexpr double shrink = 0.97; // finer than any feature of a profile that a clock could feel
+  double high = 2.0;
+  while (high > 1e-6 && gain(high * shrink) <= 0.0)
+    high *= shrink;
+  if (high <= 1e-6) return {};
+  std::uintmax_t rounds = 60;
+  const auto [low, top] = boost::math::tools::bisect(
+      gain, high * shrink, high, boost::math::tools::eps_tolerance<double>(50), rounds);
+  return 0.5 * (low + top);
+}
+
+} // namespace
+
 std::optional<double> stationary_amplitude(const ClockParameters& clock) {
+  if (!clock.is_plain()) return balanced_amplitude(clock);
   const double mu = clock.acting_torque();
   if (mu <= 0.0 || clock.epsilon <= 0.0) return {};
   const double lambda = std::sqrt(2.0 * mu * clock.phi0 / (pi * clock.epsilon));
@@ -21,49 +48,94 @@ std::optional<double> stationary_amplitude(const ClockParameters& clock) {
 std::optional<double> stationary_rate_first_order(const ClockParameters& clock) {
   const auto lambda = stationary_amplitude(clock);
   if (!lambda) return {};
-  const double circular = -*lambda * *lambda / 16.0;
-  const double escapement =
-      clock.epsilon * std::sqrt(2.0 * clock.mu / (pi * clock.epsilon * clock.phi0) - 1.0);
-  return circular + escapement;
+  return -*lambda * *lambda / 16.0 - drive_moments(clock, *lambda).b / *lambda;
 }
 
-double rate_excess_of(TwoPart<double> period) {
-  period += -two_pi;
-  period += -two_pi_low;
-  const double excess = period.value();
-  return -excess / (two_pi + excess);
+double rate_excess_of(double period_excess) { return -period_excess / (two_pi + period_excess); }
+
+namespace {
+
+LimitCycle limit_cycle_of(long double speed2, double period_excess) {
+  return {static_cast<double>(std::sqrt(speed2)), period_excess, two_pi + period_excess,
+          rate_excess_of(period_excess)};
 }
 
-std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
-  const auto start = stationary_amplitude(clock);
-  if (!start || !(*start < 2.0)) return {}; // beyond, first order starts the search over the top
-  // Newton on v^2 with the slope of first order, -2 pi eps per half swing; what the slope lacks is
-  // of order eps and lambda^2, so every round gains at least two digits.
-  TwoPart<double> v2{*start * *start, 0.0};
+// A few rounds in 64 bits take the cycle to rounding of the double it is returned in.
+std::optional<LimitCycle> polished(const ClockParameters& clock, long double speed2,
+                                   long double slope) {
+  RegularPeriod<long double> period;
+  for (int i = 0; i < 4; ++i) {
+    period = regular_period(clock, speed2, 1.0L);
+    if (!period.regular) return {};
+    const long double step = period.speed2_change / slope;
+    speed2 += step;
+    if (std::abs(step) < 1e-18L * speed2) break;
+  }
+  return limit_cycle_of(speed2, static_cast<double>(period.excess));
+}
+
+// Newton on v^2 with the slope of first order, -2 pi eps per half swing; what the slope lacks is of
+// order eps and lambda^2, so every round gains at least two digits.
+std::optional<LimitCycle> plain_limit_cycle(const ClockParameters& clock, double start) {
+  TwoPart<double> v2{start * start, 0.0};
   const double slope = 2.0 * pi * clock.epsilon;
   constexpr int rounds = 60; // 10 suffice in the paper's region; more near stall and at 2 rad
   HalfSwing<double> swing;
-  double step = 0.0;
+  double step = 0.0, last_step = 0.0;
   for (int i = 0; i < rounds; ++i) {
     swing = half_swing(std::sqrt(v2.value()), clock.epsilon, clock.mu, clock.phi0, true);
     if (swing.status != SwingStatus::crossed || !swing.switched) return {};
     step = swing.speed2_change / slope;
     v2 += step;
     if (!(v2.value() > 0.0)) return {};
-    if (std::abs(step) <= 1e-17 * v2.value()) break; // below the rounding of v
+    // Rounding: the steps have stopped shrinking, or v would not change.
+    const bool settled = std::abs(step) > 0.5 * std::abs(last_step);
+    if (std::abs(step) <= (settled ? 1e-14 : 1e-17) * v2.value()) break;
+    last_step = step;
   }
-  if (std::abs(step) > 1e-13 * v2.value()) return {}; // no fixed point is near: about to stall
-  LimitCycle cycle;
-  cycle.velocity = std::sqrt(v2.value());
-  TwoPart<double> period = swing.duration;
-  period += swing.duration;
-  cycle.period = period.value();
-  cycle.rate_excess = rate_excess_of(period);
-  cycle.apex = swing.apex;
-  return cycle;
+  if (std::abs(step) > 1e-12 * v2.value()) return {}; // no fixed point is near: about to stall
+  return polished(clock, v2.value(), 2.0L * slope);
+}
+
+// Secant steps on the whole period's change of v^2, for laws whose two halves may differ.
+std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, double start) {
+  long double x = static_cast<long double>(start) * start, x_before = 0.0L, change_before = 0.0L;
+  long double slope = -1e-2L; // a cautious first step; the second knows better
+  if (clock.epsilon > 0.0) slope = -4.0L * pi * clock.epsilon;
+  for (int i = 0; i < 100; ++i) {
+    const auto period = regular_period(clock, x, 1.0L);
+    if (!period.regular) return {};
+    if (i > 0 && x != x_before) slope = (period.speed2_change - change_before) / (x - x_before);
+    if (!(slope < 0.0L)) return {}; // not a cycle that attracts
+    x_before = x;
+    change_before = period.speed2_change;
+    // At most a tenth at a time: a profile's balance may be far from what its average says.
+    const long double step = std::clamp(-period.speed2_change / slope, -0.1L * x, 0.1L * x);
+    if (std::abs(step) <= 1e-17L * x) return limit_cycle_of(x, static_cast<double>(period.excess));
+    x += step;
+  }
+  return {};
+}
+
+} // namespace
+
+std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
+  // Beyond 2, first order starts the search over the top.
+  if (!clock.is_plain()) {
+    const auto start = stationary_amplitude(clock);
+    return start && *start < 2.0 ? general_limit_cycle(clock, *start) : std::nullopt;
+  }
+  const double mu = clock.acting_torque();
+  if (!(mu > 0.0 && clock.epsilon > 0.0)) return {};
+  const double lambda = std::sqrt(2.0 * mu * clock.phi0 / (pi * clock.epsilon));
+  // The true stall line lies a little below that of first order: start where the switch is reached.
+  const double reaching = 2.0 * std::sin(0.5 * clock.phi0) * 1.001;
+  const double start = std::max(lambda, reaching);
+  return lambda > 0.8 * clock.phi0 && start < 2.0 ? plain_limit_cycle(clock, start) : std::nullopt;
 }
 
 std::optional<DriveResponse> drive_response(const ClockParameters& clock) {
+  if (!clock.is_plain()) return {};
   const auto lambda = stationary_amplitude(clock);
   if (!lambda) return {};
   const double q2 = std::pow(*lambda / clock.phi0, 2);

@@ -14,7 +14,9 @@ namespace {
 class Rerun {
 public:
   Rerun(const Parameters& parameters, std::span<const double> x)
-      : parameters_(parameters), x_(x), pendulum_(start(parameters, x, going_)) {}
+      : parameters_(parameters), x_(x), pendulum_({}, start(parameters, x, going_)) {
+    pendulum_.set_clock(clock());
+  }
 
   // A pendulum at or beyond the top has no swing to follow.
   static bool can_start(const Parameters& parameters, std::span<const double> x) {
@@ -26,12 +28,13 @@ public:
   bool advance_to(double cycle) {
     while (static_cast<double>(cycle_) < cycle) {
       while (event_ < parameters_.event_cycles.size() &&
-             static_cast<double>(cycle_) >= parameters_.event_cycles[event_])
+             static_cast<double>(cycle_) >= parameters_.event_cycles[event_]) {
         apply_changes(parameters_, x_, ++event_, going_);
-      const auto step = pendulum_.advance(going_.epsilon, going_.mu, going_.phi0);
+        pendulum_.set_clock(clock());
+      }
+      const auto step = pendulum_.advance(direction_);
       if (step.status != SwingStatus::crossed) return false;
-      time_ += step.full.hi;
-      time_ += step.full.lo;
+      excess_ += step.excess;
       ++cycle_;
     }
     return true;
@@ -39,17 +42,18 @@ public:
 
   [[nodiscard]] double lateness_s(double reference_period_s) const {
     // t - n P = (time - 2 pi n) T0/2pi + n (T0 - P): both brackets are small.
-    TwoPart<double> excess = time_;
-    const double turns = two_pi * static_cast<double>(cycle_);
-    excess += -turns;
-    excess += -std::fma(two_pi, static_cast<double>(cycle_), -turns);
-    excess += -two_pi_low * static_cast<double>(cycle_);
-    return excess.value() * going_.T0 / two_pi +
+    return excess_.value() * going_.T0 / two_pi +
            static_cast<double>(cycle_) * (going_.T0 - reference_period_s);
   }
   [[nodiscard]] double amplitude() const { return turning_angle_of_velocity(pendulum_.velocity()); }
 
 private:
+  // The fit may try a torque below 0, which no clock has: its sign goes into the drive's factor.
+  ClockParameters clock() {
+    direction_ = going_.mu < 0.0 ? -1.0 : 1.0;
+    return {going_.T0, going_.epsilon, std::abs(going_.mu), going_.phi0};
+  }
+
   static double start(const Parameters& parameters, std::span<const double> x,
                       Going<double>& going) {
     apply_changes(parameters, x, 0, going);
@@ -59,8 +63,9 @@ private:
   const Parameters& parameters_;
   std::span<const double> x_;
   Going<double> going_;
+  double direction_ = 1.0;
   DirectPendulum pendulum_;
-  TwoPart<double> time_;
+  TwoPart<double> excess_; // time minus 2 pi a cycle
   std::int64_t cycle_ = 0;
   std::size_t event_ = 0;
 };

@@ -17,7 +17,7 @@ Moments measure(const DriveVariability& drive, std::size_t n, std::size_t lag) {
   DriveSequence sequence(drive, 2.0, 42);
   std::vector<double> d(n);
   for (double& x : d)
-    x = sequence.next() - 1.0;
+    x = sequence.next(0.0) - 1.0;
   Moments m;
   for (const double x : d)
     m.mean += x / static_cast<double>(n);
@@ -33,7 +33,7 @@ Moments measure(const DriveVariability& drive, std::size_t n, std::size_t lag) {
 TEST(DriveTest, WithoutVariabilityTheFactorIsOne) {
   DriveSequence sequence({}, 2.0, 1);
   for (int i = 0; i < 10; ++i)
-    EXPECT_EQ(sequence.next(), 1.0);
+    EXPECT_EQ(sequence.next(0.0), 1.0);
 }
 
 TEST(DriveTest, FastDriveIsWhiteWithItsRms) {
@@ -55,9 +55,9 @@ TEST(DriveTest, ASeedGivesTheSameDrawsAlwaysAndAnotherSeedOthers) {
       c({0.3, 0.1, 50.0}, 2.0, 8);
   int equal = 0;
   for (int i = 0; i < 100; ++i) {
-    const double x = a.next();
-    EXPECT_EQ(x, b.next());
-    equal += x == c.next() ? 1 : 0;
+    const double x = a.next(0.0);
+    EXPECT_EQ(x, b.next(0.0));
+    equal += x == c.next(0.0) ? 1 : 0;
   }
   EXPECT_EQ(equal, 0);
 }

@@ -66,8 +66,8 @@ TEST(ScenarioTest, WhatIsNotSaidIsTheDefault) {
 
 TEST(ScenarioTest, WhatIsNotModelledMayBeThereAtZero) {
   EXPECT_NO_THROW(
-      (void)parse_scenario(minimal, "s.toml", {"clock.dry_friction=0.0", "sensor.offset=0"}));
-  EXPECT_THROW((void)parse_scenario(minimal, "s.toml", {"clock.dry_friction=1e-6"}), InputError);
+      (void)parse_scenario(minimal, "s.toml", {"sensor.flag_width=0.0", "sensor.offset=0"}));
+  EXPECT_THROW((void)parse_scenario(minimal, "s.toml", {"sensor.offset=1e-3"}), InputError);
 }
 
 TEST(ScenarioTest, OverridesReplaceOneKeyAndKeepTheRest) {

@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/averaged.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
-#include "goingrate/dynamics/direct.hpp"
+#include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
 #include <gtest/gtest.h>

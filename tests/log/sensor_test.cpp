@@ -10,7 +10,7 @@ namespace {
 TEST(SensorTest, APerfectSensorReportsTheTruth) {
   const Scenario scenario = test::at_point_a(50);
   const ClockLog log = test::simulated_log(scenario, 1);
-  DirectRun run(scenario, 1);
+  ClockRun run(scenario, 1);
   ASSERT_EQ(log.events.size(), 51u);
   EXPECT_EQ(log.events[0].time, Instant{});
   for (std::size_t i = 1; i < log.events.size(); ++i)

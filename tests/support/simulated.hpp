@@ -1,7 +1,7 @@
 // Logs whose truth is known: the simulator and its sensor, in memory.
 #pragma once
 
-#include "goingrate/dynamics/direct.hpp"
+#include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/sensor.hpp"
 
@@ -10,7 +10,7 @@
 namespace goingrate::test {
 
 inline ClockLog simulated_log(const Scenario& scenario, std::uint64_t seed) {
-  DirectRun run(scenario, seed);
+  ClockRun run(scenario, seed);
   Sensor sensor(scenario.sensor, seed);
   sensor.see(run.last());
   while (const auto period = run.next())

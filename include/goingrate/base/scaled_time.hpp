@@ -4,6 +4,8 @@
 // t_scaled = 2 pi t / T0 (Hoyng, below eq. ddt1). A rate excess psi' - 1 has no unit.
 #pragma once
 
+#include "goingrate/base/sums.hpp"
+
 #include <numbers>
 
 namespace goingrate {
@@ -23,6 +25,14 @@ public:
   }
   [[nodiscard]] constexpr double scaled(double seconds) const {
     return nominal_period_s_ == two_pi ? seconds : seconds * (two_pi / nominal_period_s_);
+  }
+
+  /// T0 in seconds, and its half; 2 pi to all digits when the nominal period is 2 pi.
+  [[nodiscard]] constexpr TwoPart<double> nominal() const {
+    return {nominal_period_s_, nominal_period_s_ == two_pi ? two_pi_low : 0.0};
+  }
+  [[nodiscard]] constexpr TwoPart<double> half_nominal() const {
+    return {0.5 * nominal().hi, 0.5 * nominal().lo};
   }
 
 private:

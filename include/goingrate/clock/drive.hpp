@@ -4,6 +4,8 @@
 #include "goingrate/base/random.hpp"
 
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace goingrate {
 
@@ -13,12 +15,28 @@ struct DriveVariability {
   double fast_rms = 0.0;    ///< white from period to period; 0 to 100
   double slow_rms = 0.0;    ///< rms of a stationary Ornstein-Uhlenbeck process; 0 to 100
   double slow_time_s = 0.0; ///< its correlation time, s; > 0 if slow_rms > 0
+
+  /// amplitude * sin(2 pi t / period), with t the time of the crossing.
+  struct Sine {
+    double amplitude; ///< relative; -100 to 100
+    double period_s;  ///< > 0
+    friend bool operator==(const Sine&, const Sine&) = default;
+  };
+  std::vector<Sine> sines{};
+
+  /// One factor a period, instead of 1 and the random parts; sines are added to it.
+  std::shared_ptr<const std::vector<double>> series{};
+
+  /// Whether the factor is 1 in every period.
+  [[nodiscard]] bool is_steady() const {
+    return fast_rms == 0.0 && slow_rms == 0.0 && sines.empty() && !series;
+  }
 };
 
 /// Throws ArgumentError naming the first value outside the ranges given above.
 void check(const DriveVariability& drive);
 
-/// The drive's factor of period after period: 1 + fast + slow, reproducible from the seed.
+/// The drive's factor of period after period: 1 + fast + slow + sines, reproducible from the seed.
 class DriveSequence {
 public:
   /// `period_s` is the time between renewals that the slow process is stepped with (T0).
@@ -26,13 +44,15 @@ public:
 
   /// The factor for the next period. Exact in law for the slow part: s' = r s + sqrt(1-r^2) g with
   /// r = exp(-period/slow_time). Negative where a normal deviate makes it so, as in the paper.
-  double next();
+  /// `time_s`: when the period begins. Throws ArgumentError if a series has no factor left.
+  double next(double time_s);
 
 private:
   DriveVariability drive_;
   double memory_ = 0.0;     // r
   double innovation_ = 0.0; // sqrt(1 - r^2), without cancellation for long memories
   double slow_ = 0.0;       // unit variance
+  std::size_t used_ = 0;    // factors of the series
   RandomStream fast_stream_;
   RandomStream slow_stream_;
 };

@@ -2,16 +2,32 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 namespace goingrate {
 
 /// The escapements that exist.
 enum class Escapement {
-  constant_torque, ///< torque +mu, then -mu from phi0 on; see escapement.hpp
+  constant_torque, ///< torque +mu until phi rises through phi0, then -mu until it falls through
+                   ///< -phi0 (Hoyng, sec. modesc)
+  single_impulse,  ///< an impulse of energy e when phi rises through an angle (eq. blow1)
+  profile,         ///< a table of torque against angle for each direction
   none,            ///< a free pendulum
 };
 
-/// A pendulum clock: phi'' + 2 epsilon phi' + sin phi = m (Hoyng, eq. ddt1), in scaled time.
+/// Torque against angle: linear between the points, zero outside them.
+struct TorqueTable {
+  struct Point {
+    double angle;  ///< rad, rising from point to point
+    double torque; ///< scaled, as mu; positive to the right
+    friend bool operator==(const Point&, const Point&) = default;
+  };
+  std::vector<Point> points; ///< none, or two at least
+  friend bool operator==(const TorqueTable&, const TorqueTable&) = default;
+};
+
+/// A pendulum clock (Hoyng, eq. ddt1, with two more friction laws), in scaled time:
+///   phi'' + 2 epsilon phi' + quadratic_drag |phi'| phi' + dry_friction sign(phi') + sin phi = m
 struct ClockParameters {
   double nominal_period_s = 2.0; ///< T0, s: small-amplitude period without friction and drive;
                                  ///< 1e-6 to 1e6
@@ -19,9 +35,23 @@ struct ClockParameters {
   double mu = 0.0;               ///< driving torque over moment of inertia, scaled; 0 <= mu < 1
   double phi0 = 0.0;             ///< switching angle, rad; 0 < phi0 < pi with an escapement
   Escapement escapement = Escapement::constant_torque;
+  double quadratic_drag = 0.0; ///< 0 to 10
+  double dry_friction = 0.0;   ///< 0 <= dry_friction < 1
+  double impulse = 0.0;        ///< e of a single impulse: phi'^2/2 grows by it; 0 <= impulse < 1
+  double impulse_angle = 0.0;  ///< where, rad; between -pi/2 and pi/2
+  TorqueTable rising{}, falling{}; ///< a profile's torque while phi rises and while it falls
 
-  /// The torque that really acts: 0 without an escapement.
-  [[nodiscard]] double acting_torque() const { return escapement == Escapement::none ? 0.0 : mu; }
+  /// The torque of the constant-torque escapement, 0 with any other.
+  [[nodiscard]] double acting_torque() const {
+    return escapement == Escapement::constant_torque ? mu : 0.0;
+  }
+  /// Whether friction is linear and the escapement has constant torque or is absent: the laws of
+  /// the paper's main text, which the fast methods know.
+  [[nodiscard]] bool is_plain() const {
+    return quadratic_drag == 0.0 && dry_friction == 0.0 &&
+           (escapement == Escapement::constant_torque || escapement == Escapement::none);
+  }
+  friend bool operator==(const ClockParameters&, const ClockParameters&) = default;
 };
 
 /// Throws ArgumentError naming the first parameter outside the ranges given above.

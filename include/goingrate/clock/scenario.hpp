@@ -17,10 +17,41 @@ namespace goingrate {
 struct ClockEvent {
   std::optional<std::int64_t> at_period;
   std::optional<double> at_s;
-  std::optional<double> nominal_period_s, epsilon, mu, phi0;
+  std::optional<double> nominal_period_s{}, epsilon{}, mu{}, phi0{}, quadratic_drag{},
+      dry_friction{}, impulse{}, impulse_angle{};
 
   /// The parameters after this event.
   [[nodiscard]] ClockParameters applied_to(ClockParameters clock) const;
+};
+
+/// How the motion is found (see dynamics/clock_run.hpp).
+enum class Method { automatic, direct, map, averaged1, averaged2, rk4 };
+
+/// When the paper's RK4 decides the sign of the torque (see dynamics/rk4.hpp).
+enum class Rk4Torque { per_step, per_stage, at_switches };
+
+/// The method and what it needs to know.
+struct MethodSettings {
+  Method method = Method::automatic;
+  double dt = 0.03; ///< step of rk4, scaled; 1e-6 to 1
+  Rk4Torque rk4_torque = Rk4Torque::per_stage;
+  /// What automatic must keep crossing times within, s; none: a tenth of the sensor's jitter or
+  /// resolution, or, without either, to rounding.
+  std::optional<double> tolerance_s;
+};
+
+/// Relative changes of the pendulum's length: the period is T0 sqrt(1 + change), renewed at every
+/// upward crossing (Hoyng, sec. disc: -change/2 on the rate).
+struct LengthChanges {
+  double drift_per_day = 0.0; ///< -0.1 to 0.1
+  struct Sine {
+    double amplitude; ///< -0.1 to 0.1
+    double period_s;  ///< > 0
+  };
+  std::vector<Sine> sines{};
+  [[nodiscard]] bool none() const { return drift_per_day == 0.0 && sines.empty(); }
+  /// The relative change at a time.
+  [[nodiscard]] double at(double time_s) const;
 };
 
 /// Which crossings the simulated sensor reports.
@@ -42,15 +73,21 @@ struct Scenario {
   std::optional<double> start_amplitude; ///< phi' at the first upward crossing; none: limit cycle
   std::optional<std::int64_t> periods;   ///< exactly one of periods and duration_s is set
   std::optional<double> duration_s;
+  MethodSettings method;
   std::vector<ClockEvent> events; ///< in order of time
   DriveVariability drive;
+  LengthChanges length;
   SensorSettings sensor;
 };
 
 /// Throws ArgumentError naming the first value outside its range.
 void check(const Scenario& scenario);
 
-/// Reads a scenario from TOML text; `file` names it in messages, `overrides` are "key=value" with
+/// The names scenarios use.
+std::string_view name_of(Method method);
+
+/// Reads a scenario from TOML text; `file` names it in messages and is where the path of a
+/// drive.series starts from, `overrides` are "key=value" with
 /// dotted keys ("clock.epsilon=1e-3"), applied over the text.
 /// Throws InputError with line and column for text that is no TOML, for unknown keys, for values of
 /// a wrong type and for values out of range.

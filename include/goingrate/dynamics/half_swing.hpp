@@ -3,18 +3,16 @@
 // Problem. phi'' + 2 eps phi' + sin phi = m (Hoyng, eq. ddt1), with the constant-torque escapement:
 // a torque that helps the motion until the pendulum rises through phi0, then opposes it, and is
 // kept until the mirrored switch in the other half swing. A swing to the left is the mirror image
-// of a swing to the right, so one canonical case is enough: phi = 0, phi' = v > 0.
+// of a swing to the right, so one canonical case is enough: phi = 0, phi' = v > 0. Other laws of
+// torque and friction (clock/laws) come as a list of angles to stop at and the force between them.
 //
-// Method. Power series in time of phi, w = phi', w^2, c = cos phi and s = sin phi. With
-//   w_{k+1} = (-2 eps w_k - s_k + m [k=0]) / (k+1)          from the equation of motion,
-//   c_{k+1} = (w^2)_{k+1} / 2 + (2 eps (w^2)_k - m w_k)/(k+1)  from the energy equation,
-//   s_{k+1} = sum_j c_j w_{k-j} / (k+1)                        from s' = c phi',
-// a step costs one and a half convolutions. Switch, apex and crossing are roots of the polynomials.
-//
-// The change of v^2 over the half swing is not taken from v'^2 - v^2, which would lose its digits,
-// but from the work done: v'^2 - v^2 = 4 mu phi0 [switched] - 4 eps * integral of w^2 dt. Friction
-// and drive change v^2 by parts per thousand, so carrying v^2 in two parts keeps the limit cycle
-// from freezing at the rounding of v (DirectTest.LimitCycleDoesNotFreeze).
+// Method. Harmonic motion with slowly varying a and b,
+//   phi = a cos theta - b sin theta,  phi' = -a sin theta - b cos theta,  theta = t - pi,
+// which starts at theta = -pi with a = 0, b = v. A Taylor step (swing_series.hpp) gives what the
+// forces add, delta and delta', and with them a += delta cos - delta' sin, b -= delta sin + delta'
+// cos at the new theta. At the passage phi = 0 and theta is the duration minus pi; v'^2 = a^2 +
+// b^2. Neither is ever the small difference of large numbers: rounding is of the order 1e-16 of the
+// forces, not of the motion. Stops are roots of the series, found by Newton steps.
 //
 // Degenerate cases, each a status: the escapement is not reached (no switch; the torque stays and
 // opposes the next half swing), the pendulum does not come back through the vertical (stalled), it
@@ -22,167 +20,396 @@
 // apex: switch if apex > phi0.
 #pragma once
 
-#include <array>
+#include "goingrate/base/sums.hpp"
+#include "goingrate/dynamics/swing_series.hpp"
+#include "goingrate/dynamics/swing_status.hpp"
+
+#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
-#include "goingrate/base/sums.hpp"
+#include <boost/math/constants/constants.hpp>
 
 namespace goingrate {
 
-/// How a half swing ended.
-enum class SwingStatus {
-  crossed,    ///< back at the vertical
-  stalled,    ///< turned round before reaching the vertical, held up by the torque
-  overturned, ///< passed the top
-  not_finite, ///< the numbers overflowed
-};
-
-/// The result of half_swing, all in scaled time.
+/// The result of a half swing, all in scaled time.
 template <class T> struct HalfSwing {
   SwingStatus status = SwingStatus::crossed;
-  TwoPart<T> duration;   ///< time between the two passages
-  T speed{};             ///< |phi'| at the second passage
-  T speed2_change{};     ///< its square minus that at the first passage, to full relative accuracy
-  T apex{};              ///< largest angle in between, rad
+  T excess{};            ///< time between the two passages minus pi
+  T speed2_change{};     ///< square of |phi'| at the second passage minus that at the first
+  T apex{};              ///< largest angle in between, rad; found by laws that stop there, else 0
   bool switched = false; ///< the escapement switched in this half swing
 };
 
-/// Power series of the motion about one point: order fixed by the precision of T.
-template <class T> class SwingSeries {
+/// Friction as half_swing sees it: linear, quadratic and dry together.
+template <class T> struct SwingFriction { T epsilon{}, quadratic{}, dry{}; };
+
+/// The constant torque as half_swing sees it: +mu until phi0, then -mu, or -mu all the way.
+/// `linear_only` promises that friction is.
+template <class T, bool linear_only> class ConstantTorqueSwing {
 public:
-  // Half the digits of T in nepers plus a few: the optimum of Jorba and Zou (2005), sec. 3.2, for
-  // smooth problems; 20 for double, 41 for 113 bits.
-  static constexpr int order = std::numeric_limits<T>::digits * 35 / 100 + 2;
+  static constexpr bool any_law = !linear_only;
+  static constexpr bool stops_at_apex = !linear_only; // where other friction changes its sign
 
-  /// The series about (phi, w) for friction eps and constant torque m.
-  SwingSeries(T phi, T w, T eps, T m) : eps_(eps), m_(m) {
-    using std::cos, std::sin;
-    phi_[0] = phi;
-    w_[0] = w;
-    w2_[0] = w * w;
-    s_[0] = sin(phi);
-    c_[0] = cos(phi);
-    expand(eps, m, std::make_index_sequence<order>{});
+  /// `helping`: the torque acts along the motion and switches at phi0; otherwise it opposes it all
+  /// the way, as after a switch that was missed.
+  ConstantTorqueSwing(const SwingFriction<T>& friction, const T& mu, const T& phi0, bool helping)
+      : force_{(helping ? mu : T(-mu)) - friction.dry, T(0), 2 * friction.epsilon,
+               friction.quadratic},
+        mu_(mu), phi0_(phi0), dry_(friction.dry), to_switch_(helping && phi0 > 0) {}
+
+  [[nodiscard]] const SwingForce<T>& force() const { return force_; }
+  [[nodiscard]] bool has_stop() const { return to_switch_; }
+  [[nodiscard]] const T& stop() const { return phi0_; }
+  T pass() {
+    force_.constant -= 2 * mu_;
+    to_switch_ = false;
+    switched_ = true;
+    return T(0);
+  }
+  void turn(const T&) {
+    to_switch_ = false;
+    force_.constant += 2 * dry_;
+    force_.quadratic = -force_.quadratic;
+  }
+  [[nodiscard]] bool held(const T& phi) const {
+    using std::sin;
+    return dry_ > 0 && force_.constant - sin(phi) >= 0; // constant holds +dry here
+  }
+  [[nodiscard]] bool switched() const { return switched_; }
+  /// The change of v^2 that the torque alone makes over the half swing.
+  [[nodiscard]] T work() const { return switched_ ? T(4 * mu_ * phi0_) : T(0); }
+
+private:
+  SwingForce<T> force_;
+  T mu_, phi0_, dry_;
+  bool to_switch_;
+  bool switched_ = false;
+};
+
+/// Stretches of torque that is linear in the angle, as met in a half swing to the right: those of
+/// the rise from the vertical upwards, those of the fall from the top downwards.
+template <class T> struct SwingStretch {
+  T until{};             ///< where it ends; of the last one, beyond reach (rise) or 0 (fall)
+  T constant{}, slope{}; ///< torque = constant + slope phi
+  T kick{};              ///< energy of an impulse at its end
+};
+template <class T> struct SwingProfile {
+  T kick_at_start{};
+  std::vector<SwingStretch<T>> rise, fall;
+};
+
+/// A half swing under a SwingProfile times `factor`.
+template <class T> class ProfileSwing {
+public:
+  static constexpr bool any_law = true;
+  static constexpr bool stops_at_apex = true;
+
+  /// `profile` must outlive the swing.
+  ProfileSwing(const SwingFriction<T>& friction, const SwingProfile<T>& profile, const T& factor)
+      : friction_(friction), profile_(&profile), factor_(factor) {
+    set_force();
   }
 
-  /// A step for which the last two terms of phi and w stay below rounding of the amplitude.
-  [[nodiscard]] T safe_step() const {
-    using std::abs, std::exp, std::log, std::sqrt;
-    const T size = sqrt(phi_[0] * phi_[0] + w2_[0]);
-    const T allowed = size * std::numeric_limits<T>::epsilon() / 2;
-    T shortest = std::numeric_limits<T>::max();
-    for (int k : {order - 1, order}) {
-      const T term = abs(phi_[static_cast<std::size_t>(k)]) + abs(w_[static_cast<std::size_t>(k)]);
-      if (term > 0) shortest = std::min<T>(shortest, exp(log(T(allowed / term)) / k));
-    }
-    return std::min<T>(shortest, T(3)); // below half a period whatever the series says
+  [[nodiscard]] const SwingForce<T>& force() const { return force_; }
+  [[nodiscard]] bool has_stop() const { return at_ + 1 < side().size(); }
+  [[nodiscard]] const T& stop() const { return side()[at_].until; }
+  T pass() {
+    const T energy = side()[at_].kick * factor_;
+    ++at_;
+    set_force();
+    return energy;
+  }
+  void turn(const T& phi) {
+    rising_ = false;
+    at_ = 0;
+    while (has_stop() && stop() >= phi)
+      ++at_;
+    set_force();
+  }
+  [[nodiscard]] bool held(const T& phi) const {
+    using std::sin;
+    return friction_.dry > 0 && force_.constant + force_.slope * phi - sin(phi) >= 0;
+  }
+  [[nodiscard]] bool switched() const { return true; }
+
+private:
+  [[nodiscard]] const std::vector<SwingStretch<T>>& side() const {
+    return rising_ ? profile_->rise : profile_->fall;
+  }
+  void set_force() {
+    const T sign = rising_ ? T(1) : T(-1);
+    const SwingStretch<T>& stretch = side()[at_];
+    force_ = {stretch.constant * factor_ - sign * friction_.dry, stretch.slope * factor_,
+              2 * friction_.epsilon, sign * friction_.quadratic};
   }
 
-  [[nodiscard]] T angle(T t) const { return sum(phi_, t); }
-  [[nodiscard]] T speed(T t) const { return sum(w_, t); }
+  SwingFriction<T> friction_;
+  const SwingProfile<T>* profile_;
+  T factor_;
+  SwingForce<T> force_;
+  std::size_t at_ = 0;
+  bool rising_ = true;
+};
 
-  /// w' = -2 eps w - sin phi + m.
-  [[nodiscard]] T acceleration(T t) const { return m_ - 2 * eps_ * speed(t) - sum(s_, t); }
+/// One half swing under a law; use through half_swing().
+///
+/// `Law` offers force() (constant until the next stop), has_stop()/stop() (the next angle ahead, in
+/// the present direction, at which the law changes; falling stops are above 0), pass() (the stop
+/// is reached: the law changes and returns the energy of a kick), turn(phi) (the apex is reached),
+/// held(phi) (the pendulum at rest there stays there).
+template <class T, class Law> class HalfSwingRun {
+public:
+  HalfSwingRun(const T& v, Law law) : law_(std::move(law)), v_(v), w_(v) {}
 
-  /// The integral of w^2 over [0, t].
-  [[nodiscard]] T friction_integral(T t) const {
-    Coefficients share;
-    for (std::size_t k = 0; k <= order; ++k)
-      share[k] = w2_[k] * (T(1) / static_cast<int>(k + 1));
-    return sum(share, t) * t;
-  }
-
-  /// The time in [0, high] at which the rising angle reaches `target`, which it does there.
-  [[nodiscard]] T time_of_rise(T target, T high) const {
-    return root([&](T t) { return angle(t) - target; }, [&](T t) { return speed(t); }, true,
-                (target - phi_[0]) / w_[0], T(0), high, newton_enough);
-  }
-  /// The time in [low, high] at which the falling angle passes zero; it does so between.
-  [[nodiscard]] T time_of_return(T low, T high) const {
-    return root([&](T t) { return angle(t); }, [&](T t) { return speed(t); }, false,
-                high - angle(high) / speed(high), low, high, newton_enough);
-  }
-  /// The time in [0, high] at which w falls through zero. The angle is flat there, so that half the
-  /// digits of the time give all those of the angle.
-  [[nodiscard]] T time_of_apex(T high) const {
-    using std::sqrt;
-    return root([&](T t) { return speed(t); }, [&](T t) { return acceleration(t); }, false,
-                -w_[0] / w_[1], T(0), high, T(sqrt(newton_enough)));
+  [[nodiscard]] HalfSwing<T> run() {
+    // A stop takes a step or two, a half swing some five; far more is a torque beyond all measure.
+    constexpr int most_steps = 100000;
+    for (int i = 0; i < most_steps && !done_; ++i)
+      step();
+    if (!done_) result_.status = SwingStatus::not_finite;
+    result_.switched = law_.switched();
+    return result_;
   }
 
 private:
-  using Coefficients = std::array<T, order + 1>;
+  using Series = SwingSeries<T, Law::any_law>;
+  static inline const T pi = boost::math::constants::pi<T>();
 
-  // After a Newton step of this length the next would be shorter than rounding.
-  static inline const T newton_enough = [] {
+  struct Ahead { // the state at the end of a step that may be taken
+    T phi, w, a, b_gain, cosine, sine;
+    TwoPart<T> theta;
+  };
+
+  void end(SwingStatus status) {
+    result_.status = status;
+    done_ = true;
+  }
+
+  // Where theta and the angles of the rotation will be after t.
+  [[nodiscard]] Ahead turn_by(const T& t) const {
+    using std::cos, std::sin;
+    Ahead to;
+    to.theta = theta_;
+    to.theta += t;
+    const T theta = to.theta.value();
+    to.cosine = cos(theta);
+    to.sine = sin(theta);
+    return to;
+  }
+
+  void fill(Ahead& to, const Series& series, const T& t) const {
+    const auto delta = series.deviation(t);
+    to.a = a_ + (delta.angle * to.cosine - delta.speed * to.sine);
+    to.b_gain = b_gain_ - (delta.angle * to.sine + delta.speed * to.cosine);
+    const T b = v_ + to.b_gain;
+    to.phi = to.a * to.cosine - b * to.sine;
+    to.w = -to.a * to.sine - b * to.cosine;
+  }
+
+  [[nodiscard]] Ahead look(const Series& series, const T& t) const {
+    Ahead to = turn_by(t);
+    fill(to, series, t);
+    return to;
+  }
+
+  void go(const Series& series, const T& t, const Ahead& to) {
+    // The work of friction, where gravity moves a and b so much more than friction does that the
+    // rounding of the one would drown the other.
+    if constexpr (!Law::any_law)
+      if (wide()) friction_ += series.friction_integral(t);
+    theta_ = to.theta;
+    a_ = to.a;
+    b_gain_ = to.b_gain;
+    phi_ = to.phi;
+    w_ = to.w;
+  }
+  [[nodiscard]] bool wide() const { return v_ * v_ > 300 * law_.force().linear; }
+
+  void step() {
+    using std::isfinite;
+    Ahead to = turn_by(Series::step_length(rung_)); // while the series is being found
+    const int rung_before = rung_;
+    const Series series(phi_, w_, law_.force());
+    find_rung(series);
+    if (rung_ == Series::rungs) return end(SwingStatus::not_finite);
+    const T& reach = Series::step_length(rung_);
+    if (rising_ && law_.has_stop() && try_stop(series, reach)) return;
+    if (!Law::stops_at_apex && !law_.has_stop() && try_passage(series, reach)) return;
+    if (rung_ != rung_before) to = turn_by(reach);
+    fill(to, series, reach);
+    if (!isfinite(to.phi + to.w)) return end(SwingStatus::not_finite);
+    rising_ ? step_up(series, reach, to) : step_down(series, reach, to);
+  }
+
+  // The longest step that the series allows, or one rung below: no to and fro.
+  void find_rung(const Series& series) {
+    const auto reaches = [&](int i) {
+      if constexpr (Law::any_law) return series.reaches(i);
+      return wide() ? series.reaches_with_work(i) : series.reaches(i);
+    };
+    if (rung_ > 1 && reaches(rung_ - 2))
+      for (rung_ -= 2; rung_ > 0 && reaches(rung_ - 1);)
+        --rung_;
+    while (rung_ < Series::rungs && !reaches(rung_))
+      ++rung_;
+  }
+
+  void step_up(const Series& series, const T& reach, const Ahead& to) {
+    const bool turns = to.w <= 0;
+    if (law_.has_stop() || (turns && Law::stops_at_apex)) {
+      const T apex_time = turns ? time_of_apex(series, reach) : reach;
+      if (law_.has_stop() && (turns ? series.angle(apex_time) : to.phi) > law_.stop())
+        return pass_stop(series, root_of_stop(series, T(0), apex_time));
+      if (turns && Law::stops_at_apex) return turn(series, apex_time);
+      // The torque that was not switched stays; what is ahead now is the passage.
+      if (turns) law_.turn(to.phi);
+    }
+    rising_ = !turns;
+    if (turns && to.phi <= 0) return pass_vertical(series, root_of_passage(series, T(0), reach));
+    if (to.phi >= pi) return end(SwingStatus::overturned);
+    go(series, reach, to);
+  }
+
+  void step_down(const Series& series, const T& reach, const Ahead& to) {
+    if constexpr (Law::stops_at_apex) {
+      if (law_.has_stop() && to.phi <= law_.stop())
+        return pass_stop(series, root_of_stop(series, T(0), reach));
+    }
+    if (to.phi <= 0) return pass_vertical(series, root_of_passage(series, T(0), reach));
+    if (to.w >= 0) return end(SwingStatus::stalled);
+    go(series, reach, to);
+  }
+
+  // Harmonic motion on from here reaches the stop, or the vertical, with a known velocity; the
+  // deviation there gives a Newton step (with the curvature for the stop), and refine() one more.
+  // False if that is not to be trusted: near the apex, or beyond the step.
+  bool try_stop(const Series& series, const T& reach) {
+    using std::abs, std::asin, std::sqrt;
+    const T amplitude = sqrt(phi_ * phi_ + w_ * w_);
+    const T& stop = law_.stop();
+    if (!(stop < amplitude * T(0.98))) return false;
+    const T guess = asin(T(stop / amplitude)) - (phi_ == 0 ? T(0) : asin(T(phi_ / amplitude)));
+    if (!(guess > 0 && guess < reach)) return false;
+    const auto delta = series.deviation(guess);
+    const T w = sqrt((amplitude - stop) * (amplitude + stop)) + delta.speed;
+    const T newton = -delta.angle / w;
+    const T t = guess + newton * (1 + newton * stop / (2 * w));
+    if (!(abs(newton) < T(0.01) && t > 0 && t < reach)) return false;
+    pass_stop(series, t);
+    return true;
+  }
+
+  bool try_passage(const Series& series, const T& reach) {
+    using std::abs, std::atan, std::sqrt;
+    if (!(w_ < v_ * T(-0.25))) return false;
+    const T b = v_ + b_gain_;
+    const T guess = atan(T(a_ / b)) - theta_.value();
+    if (!(guess > 0 && guess < reach)) return false;
+    const auto delta = series.deviation(guess);
+    const T newton = delta.angle / (sqrt(a_ * a_ + b * b) - delta.speed);
+    const T t = guess + newton;
+    if (!(abs(newton) < T(0.01) && t > 0 && t < reach)) return false;
+    pass_vertical(series, t);
+    return true;
+  }
+
+  void turn(const Series& series, const T& t) {
+    Ahead to = look(series, t);
+    w_ = T(0);
+    result_.apex = to.phi;
+    go(series, t, to);
+    law_.turn(phi_);
+    rising_ = false;
+    if (law_.held(phi_)) end(SwingStatus::stalled);
+  }
+
+  // The root is good to half the digits at least; the rest is one Newton step in theta, with the
+  // change of a and b over it.
+  Ahead refine(const Series& series, const T& t, const T& target) {
+    Ahead to = look(series, t);
+    const T force = law_.force().at(target, to.w, detail::sine_defects(target).g);
+    const T dt = (target - to.phi) / to.w;
+    friction_ += to.w * to.w * dt; // go() adds what comes before
+    to.theta += dt;
+    to.a -= force * dt * to.sine;
+    to.b_gain -= force * dt * to.cosine;
+    to.w += dt * (force - to.phi);
+    to.phi = target;
+    return to;
+  }
+
+  void pass_stop(const Series& series, const T& t) {
     using std::sqrt;
-    return T(sqrt(std::numeric_limits<T>::epsilon()) / 16);
-  }();
-
-  // All loops over coefficients are unrolled when compiled: they are short and of known length.
-  template <std::size_t... k> void expand(T eps, T m, std::index_sequence<k...>) {
-    (advance<k>(eps, m), ...);
+    go(series, t, refine(series, t, law_.stop()));
+    const T energy = law_.pass();
+    if (energy == 0) return;
+    const T kicked = sqrt(w_ * w_ + 2 * energy);
+    const T gain = 2 * energy / (kicked + (w_ > 0 ? w_ : T(-w_))) * (w_ > 0 ? T(1) : T(-1));
+    const Ahead here = look_here();
+    a_ -= gain * here.sine;
+    b_gain_ -= gain * here.cosine;
+    w_ += gain;
+  }
+  [[nodiscard]] Ahead look_here() const {
+    using std::cos, std::sin;
+    Ahead here;
+    here.cosine = cos(theta_.value());
+    here.sine = sin(theta_.value());
+    return here;
   }
 
-  template <std::size_t k> void advance(T eps, T m) {
-    const T share = T(1) / static_cast<int>(k + 1); // a constant: a division a coefficient is dear
-    phi_[k + 1] = w_[k] * share;
-    w_[k + 1] = (-2 * eps * w_[k] - s_[k] + (k == 0 ? m : T(0))) * share;
-    w2_[k + 1] = square_term<k + 1>();
-    c_[k + 1] = w2_[k + 1] / 2 + (2 * eps * w2_[k] - m * w_[k]) * share;
-    s_[k + 1] = product<k + 1>(c_.data(), w_.data() + k) * share;
+  void pass_vertical(const Series& series, const T& t) {
+    const Ahead to = refine(series, t, T(0));
+    go(series, t, to);
+    result_.excess = theta_.value();
+    result_.speed2_change = a_ * a_ + b_gain_ * (2 * v_ + b_gain_);
+    if constexpr (!Law::any_law)
+      if (wide()) result_.speed2_change = law_.work() - 2 * law_.force().linear * friction_.value();
+    end(SwingStatus::crossed);
   }
 
-  // Coefficient n of w(t)^2, using the symmetry of the products.
-  template <std::size_t n> [[nodiscard]] T square_term() const {
-    const T half = product<(n + 1) / 2>(w_.data(), w_.data() + n);
-    if constexpr (n % 2 == 0)
-      return 2 * half + w_[n / 2] * w_[n / 2];
-    else
-      return 2 * half;
+  // ---- roots --------------------------------------------------------------------------------
+
+  [[nodiscard]] T root_of_stop(const Series& series, const T& low, const T& high) const {
+    return root_of_stop(series, low, high, (law_.stop() - phi_) / w_);
+  }
+  [[nodiscard]] T root_of_stop(const Series& series, const T& low, const T& high,
+                               const T& guess) const {
+    return root([&](const T& t) { return series.angle(t) - law_.stop(); },
+                [&](const T& t) { return series.speed(t); }, rising_, guess, low, high);
+  }
+  [[nodiscard]] T root_of_passage(const Series& series, const T& low, const T& high) const {
+    return root([&](const T& t) { return series.angle(t); },
+                [&](const T& t) { return series.speed(t); }, false, high, low, high);
+  }
+  [[nodiscard]] T time_of_apex(const Series& series, const T& high) const {
+    return root([&](const T& t) { return series.speed(t); },
+                [&](const T& t) {
+                  const T phi = series.angle(t), w = series.speed(t);
+                  return law_.force().at(phi, w, detail::sine_defects(phi).g) - phi;
+                },
+                false, high / 2, T(0), high);
   }
 
-  // a[0] b[0] + a[1] b[-1] + ...: `count` terms, b running backwards, added pairwise, which is both
-  // quicker (no addition waits for all before it) and closer.
-  template <std::size_t count> [[gnu::always_inline]] static T product(const T* a, const T* b) {
-    if constexpr (count == 1)
-      return *a * *b;
-    else
-      return product<count / 2>(a, b) + product<count - count / 2>(a + count / 2, b - count / 2);
-  }
-
-  // a[0] + a[stride] t + a[2 stride] t^2 + ... as even part + t (odd part), for the same two
-  // reasons.
-  template <std::size_t count, std::size_t stride>
-  [[gnu::always_inline]] static T polynomial(const T* a, T t) {
-    if constexpr (count == 1)
-      return *a;
-    else if constexpr (count == 2)
-      return a[0] + t * a[stride];
-    else
-      return polynomial<(count + 1) / 2, 2 * stride>(a, t * t) +
-             t * polynomial<count / 2, 2 * stride>(a + stride, t * t);
-  }
-  static T sum(const Coefficients& a, T t) { return polynomial<order + 1, 1>(a.data(), t); }
-
-  // Newton steps from `t`, kept inside a bracket that is halved whenever Newton leaves it. `value`
-  // and `slope` are functions of time.
+  // Newton steps from `t`, kept inside a bracket that is halved whenever Newton leaves it.
   template <class Value, class Slope>
-  static T root(Value value, Slope slope, bool rising, T t, T low, T high, T enough) {
-    using std::abs;
+  static T root(Value value, Slope slope, bool rising, T t, T low, T high) {
+    using std::abs, std::sqrt;
+    // After a Newton step of this length the next would be shorter than rounding.
+    static const T enough = T(sqrt(std::numeric_limits<T>::epsilon()) / 16);
     if (!(t > low && t < high)) t = low + (high - low) / 2;
     for (int i = 0; i < 200; ++i) {
       const T at = value(t);
       ((at > 0) == rising ? high : low) = t;
-      const T step = at / slope(t);
-      const T next = t - step;
+      const T newton = at / slope(t);
+      const T next = t - newton;
       if (next >= low && next <= high) {
         t = next;
-        if (abs(step) <= enough) break;
+        if (abs(newton) <= enough) break;
       } else {
         t = low + (high - low) / 2;
         if (high - low <= std::numeric_limits<T>::epsilon() * abs(t)) break;
@@ -191,71 +418,56 @@ private:
     return t;
   }
 
-  T eps_, m_;
-  Coefficients phi_, w_, w2_, s_, c_;
+  Law law_;
+  T v_;         // at the start
+  T phi_{}, w_; // now
+  T a_{};
+  T b_gain_{}; // b - v
+  TwoPart<T> theta_{-pi, pi_low()};
+  TwoPart<T> friction_;
+  bool rising_ = true;
+  int rung_ = 3; // a good guess for a clock's amplitude
+  bool done_ = false;
+  HalfSwing<T> result_;
+
+  // -pi minus its nearest T.
+  static T pi_low() {
+    if constexpr (std::numeric_limits<T>::digits == 53)
+      return T(-1.2246467991473532e-16);
+    else
+      return T(0);
+  }
 };
 
-/// Follows the pendulum from (phi = 0, phi' = v > 0) to its next passage through phi = 0.
+/// Follows the pendulum from (phi = 0, phi' = v > 0) to its next passage through phi = 0, with
+/// linear friction and constant torque.
 ///
-/// `mu` any torque (a negative one too), `phi0` the switching angle. `helping`: the torque acts
-/// along the motion at the start and switches at phi0; otherwise it opposes all the way, as after a
-/// switch that was missed. Accuracy: duration and speed2_change to a few roundings of T for v up to
-/// 1.9 (HalfSwingTest); about 1 us for double.
+/// `mu` any torque (a negative one too), `phi0` the switching angle, `helping` as in
+/// ConstantTorqueSwing. Accuracy: excess and speed2_change to a few roundings of the forces for v
+/// up to 1.9 (HalfSwingTest); about 0.6 us for double.
 template <class T> HalfSwing<T> half_swing(T v, T eps, T mu, T phi0, bool helping) {
-  using std::isfinite;
-  HalfSwing<T> result;
-  T phi = 0;
-  T w = v;
-  T m = helping ? mu : T(-mu);
-  bool rising = true;
-  TwoPart<T> friction;
-  const auto go_on_from = [&](const SwingSeries<T>& series, T t, T new_phi) {
-    result.duration += t;
-    friction += series.friction_integral(t);
-    phi = new_phi;
-    w = series.speed(t);
-  };
+  using Law = ConstantTorqueSwing<T, true>;
+  return HalfSwingRun<T, Law>(v, Law({eps, T(0), T(0)}, mu, phi0, helping)).run();
+}
 
-  for (;;) {
-    const SwingSeries<T> series(phi, w, eps, m);
-    const T step = series.safe_step();
-    const T phi_end = series.angle(step);
-    const T w_end = series.speed(step);
-    if (!isfinite(phi_end + w_end)) { // a torque or friction beyond all measure
-      result.status = SwingStatus::not_finite;
-      return result;
-    }
-    T top = phi_end;
-    T apex_time = rising ? step : T(0);
-    if (rising && w_end <= 0) {
-      apex_time = series.time_of_apex(step);
-      top = series.angle(apex_time);
-    }
-    if (rising && helping && !result.switched && top > phi0) {
-      const T t = series.time_of_rise(phi0, apex_time);
-      go_on_from(series, t, phi0);
-      result.switched = true;
-      m = -mu;
-      continue;
-    }
-    if (rising && w_end <= 0) {
-      rising = false;
-      result.apex = top;
-    }
-    if (!rising && phi_end <= 0) {
-      const T t = series.time_of_return(apex_time, step);
-      go_on_from(series, t, T(0));
-      result.speed = -w;
-      result.speed2_change =
-          (result.switched ? T(4 * mu * phi0) : T(0)) - 4 * eps * friction.value();
-      return result;
-    }
-    if (rising ? phi_end >= T(std::numbers::pi) || step <= 0 : w_end >= 0) {
-      result.status = rising ? SwingStatus::overturned : SwingStatus::stalled;
-      return result;
-    }
-    go_on_from(series, step, phi_end);
-  }
+/// The same with quadratic and dry friction too.
+template <class T>
+HalfSwing<T> half_swing(T v, const SwingFriction<T>& friction, T mu, T phi0, bool helping) {
+  using Law = ConstantTorqueSwing<T, false>;
+  return HalfSwingRun<T, Law>(v, Law(friction, mu, phi0, helping)).run();
+}
+
+/// The same with the torque of a profile times `factor`.
+template <class T>
+HalfSwing<T> half_swing(T v, const SwingFriction<T>& friction, const SwingProfile<T>& profile,
+                        T factor) {
+  using std::sqrt;
+  const T kick = profile.kick_at_start * factor;
+  const T kicked = kick == 0 ? v : T(sqrt(v * v + 2 * kick));
+  auto swing =
+      HalfSwingRun<T, ProfileSwing<T>>(kicked, ProfileSwing<T>(friction, profile, factor)).run();
+  swing.speed2_change += 2 * kick;
+  return swing;
 }
 
 } // namespace goingrate

@@ -4,7 +4,6 @@
 // psi' - 1 (a fraction). All angles in rad, all times scaled unless a name ends in _s.
 #pragma once
 
-#include "goingrate/base/sums.hpp"
 #include "goingrate/clock/parameters.hpp"
 
 #include <complex>
@@ -12,30 +11,33 @@
 
 namespace goingrate {
 
-/// lambda = sqrt(2 mu phi0 / (pi epsilon)) (Hoyng, eq. statam): the cycle average of first order.
-/// Nothing if there is no drive or no friction, or if lambda <= phi0, where the clock stalls.
+/// The amplitude at which drive and friction balance, in first order (cycle average): lambda =
+/// sqrt(2 mu phi0 / (pi epsilon)) (Hoyng, eq. statam); for other laws the largest lambda with
+/// friction_moment = a (moments.hpp), e.g. sqrt(e / (2 pi epsilon)) for a single impulse.
+/// Nothing if there is no drive or no friction, or if the escapement is not reached (lambda <=
+/// phi0) and the clock stalls.
 std::optional<double> stationary_amplitude(const ClockParameters& clock);
 
-/// Rate excess -mu phi0/(8 pi eps) + eps sqrt(2 mu/(pi eps phi0) - 1) (eq. statrate).
+/// Rate excess -lambda^2/16 - b/lambda there: -mu phi0/(8 pi eps) + eps sqrt(2 mu/(pi eps phi0) -
+/// 1) for constant torque (eq. statrate), -e/(32 pi eps) - eps tan psi1 for an impulse (eq. blow6).
 /// Off by 5.4e-9, 7.1e-8, 1.8e-8 at the paper's points A, B, C
 /// (StationaryTest.FirstOrderRateDiffersFromTheExactOneAsTabulated). Nothing where it stalls.
 std::optional<double> stationary_rate_first_order(const ClockParameters& clock);
 
-/// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period T, without cancellation: the
-/// rounding of the double 2 pi itself is put back in.
-double rate_excess_of(TwoPart<double> period);
+/// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period, from T - 2 pi.
+double rate_excess_of(double period_excess);
 
 /// The limit cycle of the full equation of motion.
 struct LimitCycle {
-  double velocity = 0.0;    ///< v*: phi' at the upward crossing
-  double period = 0.0;      ///< T, scaled
-  double rate_excess = 0.0; ///< 2 pi / T - 1, without cancellation
-  double apex = 0.0;        ///< largest angle, rad
+  double velocity = 0.0;      ///< v*: phi' at the upward crossing
+  double period_excess = 0.0; ///< T - 2 pi, scaled, to its own rounding
+  double period = 0.0;        ///< T, scaled
+  double rate_excess = 0.0;   ///< 2 pi / T - 1, without cancellation
 };
 
-/// Solves v' = v for the return map of half_swing. Velocity and period within 1e-15, rate excess
-/// within 2e-15 of 128-bit values at A, B, C (StationaryTest.LimitCycleMatchesExactValues).
-/// Nothing where the clock stalls or turns over.
+/// Solves v' = v for the return map of the full equation of motion, any clock law. Velocity and
+/// period within 1e-15, rate excess within 2e-15 of 128-bit values at A, B, C
+/// (StationaryTest.LimitCycleMatchesExactValues). Nothing where the clock stalls or turns over.
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock);
 
 /// How the rate answers a small relative change of the drive, mu -> mu (1 + d).
@@ -53,7 +55,7 @@ struct DriveResponse {
 
 /// The response in stationary operation, by eqs. dotl4 and dotpsi4. At A, B, C within 1e-3 of that
 /// of the full equation (StationaryTest.DriveResponseMatchesExactGains). Nothing where the clock
-/// stalls.
+/// stalls, and for other laws than constant torque with linear friction.
 std::optional<DriveResponse> drive_response(const ClockParameters& clock);
 
 } // namespace goingrate

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "goingrate/clock/scenario.hpp"
-#include "goingrate/dynamics/direct.hpp"
+#include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/log/clock_log.hpp"
 
 #include <optional>

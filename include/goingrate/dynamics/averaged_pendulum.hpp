@@ -1,0 +1,54 @@
+// The averaged equations as a clock that advances period by period.
+#pragma once
+
+#include "goingrate/clock/parameters.hpp"
+#include "goingrate/dynamics/period_step.hpp"
+
+namespace goingrate {
+
+/// Which averaged equations.
+enum class AveragedOrder {
+  first,         ///< dotl3, dotpsi3, circular error -lambda^2/16 (Hoyng)
+  first_in_full, ///< the same with the circular error to all orders, J1(lambda)/lambda - 1/2 (ce3)
+  second,        ///< averaged2.hpp
+};
+
+/// A pendulum that obeys the averaged equations.
+///
+/// First order works for every clock law, its moments from moments.hpp; with constant torque and
+/// linear friction lambda^2 is advanced in closed form (eq. l2jump) and the phase by Simpson's rule
+/// over the period, otherwise both by one Runge-Kutta step of a period (the equations vary slowly:
+/// 1e-13 of the phase, AveragedPendulumTest.OnePeriodAgreesWithFineSteps). Second order knows
+/// constant torque and the single impulse with linear friction.
+///
+/// In first order the velocity is lambda, the cycle average of the amplitude; in second order it is
+/// phi' at the upward crossing. The downward crossing is put in the middle of the period, where it
+/// is to first order for symmetric escapements. What the equations lack against the full pendulum
+/// is listed in averaged.hpp and averaged2.hpp; 20 to 50 ns a period.
+class AveragedPendulum {
+public:
+  /// Starts at an upward crossing. Throws ArgumentError for a velocity outside (0, 2), clock
+  /// parameters out of range, and laws that the second order does not know.
+  AveragedPendulum(const ClockParameters& clock, double velocity, AveragedOrder order);
+
+  void set_clock(const ClockParameters& clock);
+  /// One period with the torque times `factor`. Status stalled once the amplitude does not reach
+  /// the switching angle.
+  PeriodStep advance(double factor = 1.0);
+
+  [[nodiscard]] double velocity() const;
+  void rescale(double ratio) { amplitude2_ *= ratio * ratio; }
+
+private:
+  PeriodStep first_order(double factor);
+  PeriodStep first_order_any_law(double factor);
+  PeriodStep second_order(double factor);
+  [[nodiscard]] double circular(double amplitude2) const;
+
+  ClockParameters clock_;
+  AveragedOrder order_;
+  double amplitude2_;
+  double kept_ = 0.0, kept_half_ = 0.0; // exp(-4 pi eps) - 1 and the same for half a period
+};
+
+} // namespace goingrate

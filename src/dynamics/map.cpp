@@ -1,0 +1,281 @@
+#include "goingrate/dynamics/map.hpp"
+
+#include "goingrate/dynamics/stationary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
+    !defined(__SANITIZE_ADDRESS__)
+#define GOINGRATE_WIDEST_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define GOINGRATE_WIDEST_LANES
+#endif
+
+// Vectors of eight are passed between functions of this file only, which are all inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace goingrate {
+
+namespace {
+
+using Wide = long double;
+constexpr double patch_ratio = 1.08;
+constexpr std::size_t most_rows = 18, most_columns = 10; // Chebyshev nodes
+
+Wide node(std::size_t i, std::size_t count) {
+  return std::cos(std::numbers::pi_v<Wide> * (2 * i + 1) / (2 * count));
+}
+
+// Monomial coefficients of the polynomial of degree count - 1 through values at Chebyshev nodes,
+// with the Chebyshev coefficients on the way.
+template <std::size_t most> struct Expansion {
+  std::array<Wide, most> chebyshev{}, monomial{};
+
+  explicit Expansion(const std::vector<Wide>& values) {
+    const std::size_t count = values.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      Wide sum = 0;
+      for (std::size_t i = 0; i < count; ++i)
+        sum += values[i] * std::cos(std::numbers::pi_v<Wide> * k * (2 * i + 1) / (2 * count));
+      chebyshev[k] = sum * (k == 0 ? 1 : 2) / count;
+    }
+  }
+
+  // Keeps the first `terms` and turns them into powers.
+  void keep(std::size_t terms) {
+    std::array<Wide, most + 1> before{}, now{}, next{}; // T_{k-1}, T_k, T_{k+1}
+    now[0] = 1;
+    monomial.fill(0);
+    for (std::size_t k = 0; k < terms; ++k) {
+      for (std::size_t i = 0; i <= k; ++i)
+        monomial[i] += chebyshev[k] * now[i];
+      next.fill(0);
+      for (std::size_t i = 0; i + 1 < next.size(); ++i)
+        next[i + 1] = (k == 0 ? 1 : 2) * now[i];
+      for (std::size_t i = 0; i < next.size(); ++i)
+        next[i] -= k == 0 ? 0 : before[i];
+      before = now;
+      now = next;
+    }
+  }
+};
+
+using Table = std::vector<std::vector<Wide>>; // [row][column]
+
+// Chebyshev coefficients in both directions.
+Table chebyshev_of(Table values) {
+  for (auto& row : values) {
+    const Expansion<most_columns> in_factor(row);
+    std::copy_n(in_factor.chebyshev.begin(), row.size(), row.begin());
+  }
+  for (std::size_t j = 0; j < values.front().size(); ++j) {
+    std::vector<Wide> column;
+    for (const auto& row : values)
+      column.push_back(row[j]);
+    const Expansion<most_rows> in_x(column);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i][j] = in_x.chebyshev[i];
+  }
+  return values;
+}
+
+Table monomial_of(Table chebyshev, std::size_t rows, std::size_t columns) {
+  const auto convert = [](std::vector<Wide> coefficients, auto expansion, std::size_t keep) {
+    std::copy(coefficients.begin(), coefficients.end(), expansion.chebyshev.begin());
+    expansion.keep(keep);
+    return std::vector<Wide>(expansion.monomial.begin(),
+                             expansion.monomial.begin() + static_cast<std::ptrdiff_t>(keep));
+  };
+  Table result(rows, std::vector<Wide>(columns));
+  for (std::size_t i = 0; i < rows; ++i)
+    result[i] = convert(chebyshev[i], Expansion<most_columns>({}), columns);
+  for (std::size_t j = 0; j < columns; ++j) {
+    std::vector<Wide> column;
+    for (std::size_t i = 0; i < rows; ++i)
+      column.push_back(result[i][j]);
+    column = convert(column, Expansion<most_rows>({}), rows);
+    for (std::size_t i = 0; i < rows; ++i)
+      result[i][j] = column[i];
+  }
+  return result;
+}
+
+// The rows and columns beyond which every coefficient is below `allowed`.
+struct Extent {
+  std::size_t rows = 1, columns = 1;
+};
+Extent extent_of(const Table& chebyshev, Wide allowed) {
+  Extent extent;
+  for (std::size_t i = 0; i < chebyshev.size(); ++i)
+    for (std::size_t j = 0; j < chebyshev[i].size(); ++j)
+      if (std::abs(chebyshev[i][j]) > allowed) {
+        extent.rows = std::max(extent.rows, i + 1);
+        extent.columns = std::max(extent.columns, j + 1);
+      }
+  return extent;
+}
+
+// sum_ij c[i][j] s^i t^j: Horner in t, then even and odd powers of s apart. The sums in t do not
+// wait for s, which the period before has just found.
+template <class Number, class Coefficients>
+[[gnu::always_inline]] inline Number polynomial(const Coefficients& c, std::size_t rows,
+                                                std::size_t columns, const Number& s,
+                                                const Number& t) {
+  const auto row = [&](std::size_t i) __attribute__((always_inline)) {
+    Number sum = t * 0.0 + c[(i + 1) * columns - 1];
+    for (std::size_t j = columns - 1; j-- > 0;)
+      sum = sum * t + c[i * columns + j];
+    return sum;
+  };
+  const Number s2 = s * s;
+  const std::size_t last_even = (rows - 1) & ~std::size_t{1};
+  Number even = row(last_even);
+  for (std::size_t i = last_even; i >= 2; i -= 2)
+    even = even * s2 + row(i - 2);
+  if (rows == 1) return even;
+  const std::size_t last_odd = ((rows - 2) | std::size_t{1});
+  Number odd = row(last_odd);
+  for (std::size_t i = last_odd; i >= 3; i -= 2)
+    odd = odd * s2 + row(i - 2);
+  return even + odd * s;
+}
+
+typedef double Two __attribute__((vector_size(16)));
+typedef double Lanes __attribute__((vector_size(8 * MapPatch::lanes)));
+
+// Every other coefficient: one of the two quantities that stand side by side.
+struct Strided {
+  const double* first;
+  double operator[](std::size_t i) const { return first[2 * i]; }
+};
+
+} // namespace
+
+MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
+                   const FactorRange& factors)
+    : low_(low), high_(high), factor_middle_(0.5 * (factors.low + factors.high)),
+      factor_scale_(factors.high > factors.low ? 2.0 / (factors.high - factors.low) : 0.0) {
+  const std::size_t columns = factors.high > factors.low ? most_columns : 1;
+  Table change, excess, half;
+  for (std::size_t i = 0; i < most_rows; ++i) {
+    for (Table* table : {&change, &excess, &half})
+      table->emplace_back();
+    const Wide x = (Wide(high) + low) / 2 + (Wide(high) - low) / 2 * node(i, most_rows);
+    for (std::size_t j = 0; j < columns; ++j) {
+      const Wide factor =
+          columns == 1 ? Wide(factor_middle_) : factor_middle_ + node(j, columns) / factor_scale_;
+      const auto period = regular_period(clock, x, factor);
+      if (!period.regular) return; // not usable
+      change.back().push_back(period.speed2_change);
+      excess.back().push_back(period.excess);
+      half.back().push_back(period.half_excess);
+    }
+  }
+  change = chebyshev_of(std::move(change));
+  excess = chebyshev_of(std::move(excess));
+  half = chebyshev_of(std::move(half));
+  // A steady error of the excess shows undiminished in the rate; one of v^2 is collected over a
+  // relaxation time 1/(4 pi eps) and shows through dT/dx = pi/8.
+  constexpr Wide allowed_excess = 4e-19L;
+  const Wide allowed_change =
+      32 * std::max<Wide>(clock.epsilon, 1e-8L) * allowed_excess + 1e-23L * high;
+  const Extent of_change = extent_of(change, allowed_change),
+               of_excess = extent_of(excess, std::max<Wide>(allowed_excess, 1e-18L * high));
+  rows_ = std::max(of_change.rows, of_excess.rows);
+  columns_ = std::max(of_change.columns, of_excess.columns);
+  // Decay is only seen if some coefficients at the end were already negligible.
+  if (rows_ + 2 > most_rows || (columns > 1 && columns_ + 2 > most_columns)) return;
+  change = monomial_of(std::move(change), rows_, columns_);
+  excess = monomial_of(std::move(excess), rows_, columns_);
+  half = monomial_of(std::move(half), rows_, columns_);
+  for (std::size_t i = 0; i < rows_; ++i)
+    for (std::size_t j = 0; j < columns_; ++j) {
+      coefficients_.push_back(
+          {static_cast<double>(change[i][j]), static_cast<double>(excess[i][j])});
+      half_.push_back(static_cast<double>(half[i][j]));
+    }
+  usable_ = true;
+}
+
+MapPatch::Values MapPatch::at(double x, double factor) const {
+  const double s = (x - 0.5 * (low_ + high_)) * (2.0 / (high_ - low_));
+  const double t = (factor - factor_middle_) * factor_scale_;
+  const Two values = polynomial(reinterpret_cast<const Two*>(coefficients_.data()), rows_, columns_,
+                                Two{s, s}, Two{t, t});
+  return {values[0], values[1]};
+}
+
+double MapPatch::half_excess(double x, double factor) const {
+  const double s = (x - 0.5 * (low_ + high_)) * (2.0 / (high_ - low_));
+  return polynomial(half_.data(), rows_, columns_, s, (factor - factor_middle_) * factor_scale_);
+}
+
+GOINGRATE_WIDEST_LANES
+void MapPatch::at(const std::array<double, lanes>& x, const std::array<double, lanes>& factor,
+                  std::array<double, lanes>& speed2_change,
+                  std::array<double, lanes>& excess) const {
+  Lanes s, t;
+  for (std::size_t k = 0; k < lanes; ++k) {
+    s[k] = (x[k] - 0.5 * (low_ + high_)) * (2.0 / (high_ - low_));
+    t[k] = (factor[k] - factor_middle_) * factor_scale_;
+  }
+  const double* c = coefficients_.front().data();
+  const Lanes change = polynomial(Strided{c}, rows_, columns_, s, t);
+  const Lanes late = polynomial(Strided{c + 1}, rows_, columns_, s, t);
+  for (std::size_t k = 0; k < lanes; ++k) {
+    speed2_change[k] = change[k];
+    excess[k] = late[k];
+  }
+}
+
+ReturnMap::ReturnMap(const ClockParameters& clock, const FactorRange& factors)
+    : clock_(clock), factors_(factors) {
+  const auto cycle = limit_cycle(clock);
+  anchor_ = cycle ? cycle->velocity * cycle->velocity : 1.0;
+}
+
+const MapPatch* ReturnMap::find(double x) {
+  if (!(x > 0.0)) return nullptr;
+  const int index = static_cast<int>(std::lround(std::log(x / anchor_) / std::log(patch_ratio)));
+  // Rounding can put x just beside the patch of its index.
+  for (const int i : {index, index - 1, index + 1}) {
+    const double low = anchor_ * std::pow(patch_ratio, i - 0.5);
+    const double high = anchor_ * std::pow(patch_ratio, i + 0.5);
+    if (!(x >= low && x < high)) continue;
+    auto& patch = patches_[i];
+    if (!patch) patch = std::make_unique<MapPatch>(clock_, low, high, factors_);
+    return patch->usable() ? patch.get() : nullptr;
+  }
+  return nullptr;
+}
+
+MapPendulum::MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors)
+    : direct_(clock, velocity), factors_(factors),
+      map_(std::make_unique<ReturnMap>(clock, factors)) {}
+
+void MapPendulum::set_clock(const ClockParameters& clock) {
+  direct_.set_clock(clock);
+  map_ = std::make_unique<ReturnMap>(clock, factors_);
+  patch_ = nullptr;
+}
+
+void MapPendulum::rescale(double ratio) { direct_.rescale(ratio); }
+
+PeriodStep MapPendulum::advance(double factor) {
+  const double x = direct_.speed2().hi;
+  if (patch_ == nullptr || !patch_->contains(x)) patch_ = map_->find(x);
+  if (patch_ == nullptr || !factors_.contains(factor) || !direct_.is_regular()) {
+    ++fallbacks_;
+    return direct_.advance(factor);
+  }
+  const auto values = patch_->at(x, factor);
+  PeriodStep step;
+  step.excess = values.excess;
+  if (halves_) step.half_excess = patch_->half_excess(x, factor);
+  direct_.add_to_speed2(values.speed2_change);
+  return step;
+}
+
+} // namespace goingrate

@@ -1,0 +1,71 @@
+#include "goingrate/dynamics/swing_profile.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace goingrate {
+
+namespace {
+
+using Stretch = SwingStretch<double>;
+constexpr double beyond_reach = std::numeric_limits<double>::infinity();
+
+TorqueTable mirrored(TorqueTable table) {
+  for (auto& point : table.points)
+    point = {-point.angle, -point.torque};
+  std::reverse(table.points.begin(), table.points.end());
+  return table;
+}
+
+// The stretches of the part of the table at phi > 0, from the vertical upwards.
+std::vector<Stretch> upwards(const TorqueTable& table) {
+  std::vector<Stretch> stretches;
+  if (!table.points.empty() && table.points.front().angle > 0.0)
+    stretches.push_back({table.points.front().angle});
+  for (std::size_t i = 1; i < table.points.size(); ++i) {
+    const auto& [from, torque] = table.points[i - 1];
+    const auto& [to, torque_to] = table.points[i];
+    if (to <= 0.0) continue;
+    const double slope = (torque_to - torque) / (to - from);
+    stretches.push_back({to, torque - slope * from, slope});
+  }
+  stretches.push_back({beyond_reach});
+  return stretches;
+}
+
+// The same from the top downwards: each stretch ends where the one below it begins.
+std::vector<Stretch> downwards(const TorqueTable& table) {
+  std::vector<Stretch> stretches = upwards(table);
+  std::reverse(stretches.begin(), stretches.end());
+  for (std::size_t i = 0; i < stretches.size(); ++i)
+    stretches[i].until = i + 1 < stretches.size() ? stretches[i + 1].until : 0.0;
+  return stretches;
+}
+
+// A stretch that ends at `angle` with a kick, and goes on after it without torque.
+std::vector<Stretch> kick_at(double angle, double energy, double end) {
+  return {{angle, 0.0, 0.0, energy}, {end}};
+}
+
+} // namespace
+
+PeriodProfile period_profile(const ClockParameters& clock) {
+  PeriodProfile profile;
+  if (clock.escapement == Escapement::profile) {
+    profile.right = {0.0, upwards(clock.rising), downwards(clock.falling)};
+    profile.left = {0.0, upwards(mirrored(clock.falling)), downwards(mirrored(clock.rising))};
+    return profile;
+  }
+  for (SwingProfile<double>* side : {&profile.right, &profile.left}) {
+    side->rise = {{beyond_reach}};
+    side->fall = {{0.0}};
+  }
+  if (clock.escapement != Escapement::single_impulse) return profile;
+  const double angle = clock.impulse_angle;
+  if (angle > 0.0) profile.right.rise = kick_at(angle, clock.impulse, beyond_reach);
+  if (angle < 0.0) profile.left.fall = kick_at(-angle, clock.impulse, 0.0);
+  if (angle == 0.0) profile.right.kick_at_start = clock.impulse;
+  return profile;
+}
+
+} // namespace goingrate
