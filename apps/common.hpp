@@ -79,5 +79,7 @@ void add_fit(CLI::App& program, const GlobalOptions& global);
 void add_spectrum(CLI::App& program, const GlobalOptions& global);
 void add_stability(CLI::App& program, const GlobalOptions& global);
 void add_report(CLI::App& program, const GlobalOptions& global);
+void add_map(CLI::App& program, const GlobalOptions& global);
+void add_chart(CLI::App& program, const GlobalOptions& global);
 
 } // namespace goingrate::apps

@@ -44,6 +44,8 @@ int main(int argc, char** argv) {
     apps::add_spectrum(program, global);
     apps::add_stability(program, global);
     apps::add_report(program, global);
+    apps::add_map(program, global);
+    apps::add_chart(program, global);
     program.parse(argc, argv);
     if (std::fflush(stdout) != 0) return complain(no_output, "cannot write standard output");
     return done;

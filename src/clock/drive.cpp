@@ -30,6 +30,7 @@ DriveSequence::DriveSequence(const DriveVariability& drive, double period_s, std
     : drive_(drive), fast_stream_(seed, StreamPurpose::fast_drive),
       slow_stream_(seed, StreamPurpose::slow_drive) {
   check(drive);
+  unusual_ = drive.series != nullptr || !drive.sines.empty();
   if (drive.slow_rms > 0.0) {
     memory_ = std::exp(-period_s / drive.slow_time_s);
     innovation_ = std::sqrt(-std::expm1(-2.0 * period_s / drive.slow_time_s));
@@ -37,18 +38,13 @@ DriveSequence::DriveSequence(const DriveVariability& drive, double period_s, std
   }
 }
 
-double DriveSequence::next(double time_s) {
+double DriveSequence::unusual(double time_s) {
   double factor = 1.0;
   if (drive_.series) {
     if (used_ == drive_.series->size())
       throw ArgumentError("drive.series", static_cast<double>(used_),
                           "as many factors as the run has periods");
     factor = (*drive_.series)[used_++];
-  }
-  if (drive_.fast_rms > 0.0) factor += drive_.fast_rms * fast_stream_.normal();
-  if (drive_.slow_rms > 0.0) {
-    factor += drive_.slow_rms * slow_;
-    slow_ = memory_ * slow_ + innovation_ * slow_stream_.normal();
   }
   for (const auto& sine : drive_.sines)
     factor += sine.amplitude * std::sin(2.0 * std::numbers::pi * time_s / sine.period_s);

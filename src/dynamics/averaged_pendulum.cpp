@@ -109,7 +109,9 @@ PeriodStep AveragedPendulum::second_order(double factor) {
         amplitude2_ + 4.0 * (mu * clock_.phi0 - 0.5 * pi * clock_.epsilon * amplitude2_);
     const double phi02 = clock_.phi0 * clock_.phi0;
     if (mu != 0.0 && !(std::fmin(mean, amplitude2_) > phi02)) return {SwingStatus::stalled};
-    period = second_order_period(clock_.epsilon, mu, mu == 0.0 ? 0.0 : clock_.phi0, amplitude2_);
+    // Without torque any switching angle will do that the formula is regular at.
+    const double phi0 = mu == 0.0 ? 0.5 * velocity() : clock_.phi0;
+    period = second_order_period(clock_.epsilon, mu, phi0, amplitude2_);
   }
   amplitude2_ += period.amplitude2_change;
   PeriodStep step;

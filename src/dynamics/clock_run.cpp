@@ -21,6 +21,20 @@ FactorRange factor_range(const DriveVariability& drive) {
   return {range.low - spread, range.high + spread};
 }
 
+double drive_strength(const ClockParameters& clock) {
+  switch (clock.escapement) {
+  case Escapement::constant_torque:
+    return clock.mu;
+  case Escapement::single_impulse:
+    return clock.impulse;
+  case Escapement::profile:
+    return 1.0;
+  case Escapement::none:
+    break;
+  }
+  return 0.0;
+}
+
 namespace {
 
 const Scenario& checked(const Scenario& scenario) {
@@ -118,20 +132,6 @@ bool ClockRun::complete() const {
                            : now_.time_s.value() >= *scenario_.duration_s;
 }
 
-double ClockRun::strength() const {
-  switch (clock_.escapement) {
-  case Escapement::constant_torque:
-    return clock_.mu;
-  case Escapement::single_impulse:
-    return clock_.impulse;
-  case Escapement::profile:
-    return 1.0;
-  case Escapement::none:
-    break;
-  }
-  return 0.0;
-}
-
 std::optional<Period> ClockRun::next() {
   if (status_ != SwingStatus::crossed || complete()) return {};
   if (!pending_.empty() || !scenario_.length.none()) apply_due_changes();
@@ -141,7 +141,7 @@ std::optional<Period> ClockRun::next() {
   status_ = step.status;
   if (status_ != SwingStatus::crossed) return {};
   const TimeScale scale(period_now_s_);
-  now_.mu = strength() * factor;
+  now_.mu = drive_strength(clock_) * factor;
   now_.down_s = now_.time_s;
   now_.down_s += scale.half_nominal();
   now_.down_s += scale.seconds(step.half_excess);

@@ -1,17 +1,11 @@
 #include "goingrate/dynamics/map.hpp"
 
 #include "goingrate/dynamics/stationary.hpp"
+#include "lanes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
-    !defined(__SANITIZE_ADDRESS__)
-#define GOINGRATE_WIDEST_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define GOINGRATE_WIDEST_LANES
-#endif
 
 // Vectors of eight are passed between functions of this file only, which are all inlined.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -102,40 +96,41 @@ Table monomial_of(Table chebyshev, std::size_t rows, std::size_t columns) {
   return result;
 }
 
-// The rows and columns beyond which every coefficient is below `allowed`.
-struct Extent {
-  std::size_t rows = 1, columns = 1;
-};
-Extent extent_of(const Table& chebyshev, Wide allowed) {
-  Extent extent;
-  for (std::size_t i = 0; i < chebyshev.size(); ++i)
-    for (std::size_t j = 0; j < chebyshev[i].size(); ++j)
-      if (std::abs(chebyshev[i][j]) > allowed) {
-        extent.rows = std::max(extent.rows, i + 1);
-        extent.columns = std::max(extent.columns, j + 1);
-      }
-  return extent;
+// How many coefficients each row needs so that all beyond are below `allowed`; no row needs more
+// than the one before it, as powers of x take up those of higher Chebyshev rows.
+std::vector<std::size_t> extent_of(const Table& chebyshev, Wide allowed) {
+  std::vector<std::size_t> counts(chebyshev.size(), 0);
+  std::size_t needed = 0;
+  for (std::size_t i = chebyshev.size(); i-- > 0; counts[i] = needed)
+    for (std::size_t j = needed; j < chebyshev[i].size(); ++j)
+      if (std::abs(chebyshev[i][j]) > allowed) needed = j + 1;
+  counts.front() = std::max<std::size_t>(counts.front(), 1);
+  while (counts.back() == 0)
+    counts.pop_back();
+  return counts;
 }
 
-// sum_ij c[i][j] s^i t^j: Horner in t, then even and odd powers of s apart. The sums in t do not
-// wait for s, which the period before has just found.
+// sum_ij c_ij s^i t^j, the c_ij of row i from starts[i] to starts[i+1]: Horner in t, then even and
+// odd powers of s apart. The sums in t do not wait for s, which the period before has just found.
 template <class Number, class Coefficients>
-[[gnu::always_inline]] inline Number polynomial(const Coefficients& c, std::size_t rows,
-                                                std::size_t columns, const Number& s,
-                                                const Number& t) {
+[[gnu::always_inline]] inline Number polynomial(const Coefficients& c,
+                                                const std::vector<std::size_t>& starts,
+                                                const Number& s, const Number& t) {
   const auto row = [&](std::size_t i) __attribute__((always_inline)) {
-    Number sum = t * 0.0 + c[(i + 1) * columns - 1];
-    for (std::size_t j = columns - 1; j-- > 0;)
-      sum = sum * t + c[i * columns + j];
+    std::size_t j = starts[i + 1] - 1;
+    Number sum = t * 0.0 + c[j];
+    while (j-- > starts[i])
+      sum = sum * t + c[j];
     return sum;
   };
+  const std::size_t rows = starts.size() - 1;
   const Number s2 = s * s;
   const std::size_t last_even = (rows - 1) & ~std::size_t{1};
   Number even = row(last_even);
   for (std::size_t i = last_even; i >= 2; i -= 2)
     even = even * s2 + row(i - 2);
   if (rows == 1) return even;
-  const std::size_t last_odd = ((rows - 2) | std::size_t{1});
+  const std::size_t last_odd = (rows - 2) | std::size_t{1};
   Number odd = row(last_odd);
   for (std::size_t i = last_odd; i >= 3; i -= 2)
     odd = odd * s2 + row(i - 2);
@@ -181,35 +176,39 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
   constexpr Wide allowed_excess = 4e-19L;
   const Wide allowed_change =
       32 * std::max<Wide>(clock.epsilon, 1e-8L) * allowed_excess + 1e-23L * high;
-  const Extent of_change = extent_of(change, allowed_change),
-               of_excess = extent_of(excess, std::max<Wide>(allowed_excess, 1e-18L * high));
-  rows_ = std::max(of_change.rows, of_excess.rows);
-  columns_ = std::max(of_change.columns, of_excess.columns);
+  auto counts = extent_of(change, allowed_change);
+  const auto of_excess =
+      extent_of(excess, std::max<Wide>(allowed_excess, 1e-18L * static_cast<Wide>(high)));
+  counts.resize(std::max(counts.size(), of_excess.size()), 0);
+  for (std::size_t i = 0; i < of_excess.size(); ++i)
+    counts[i] = std::max(counts[i], of_excess[i]);
   // Decay is only seen if some coefficients at the end were already negligible.
-  if (rows_ + 2 > most_rows || (columns > 1 && columns_ + 2 > most_columns)) return;
-  change = monomial_of(std::move(change), rows_, columns_);
-  excess = monomial_of(std::move(excess), rows_, columns_);
-  half = monomial_of(std::move(half), rows_, columns_);
-  for (std::size_t i = 0; i < rows_; ++i)
-    for (std::size_t j = 0; j < columns_; ++j) {
+  if (counts.size() + 2 > most_rows || (columns > 1 && counts.front() + 2 > most_columns)) return;
+  change = monomial_of(std::move(change), counts.size(), counts.front());
+  excess = monomial_of(std::move(excess), counts.size(), counts.front());
+  half = monomial_of(std::move(half), counts.size(), counts.front());
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    for (std::size_t j = 0; j < counts[i]; ++j) {
       coefficients_.push_back(
           {static_cast<double>(change[i][j]), static_cast<double>(excess[i][j])});
       half_.push_back(static_cast<double>(half[i][j]));
     }
+    starts_.push_back(half_.size());
+  }
   usable_ = true;
 }
 
 MapPatch::Values MapPatch::at(double x, double factor) const {
   const double s = (x - 0.5 * (low_ + high_)) * (2.0 / (high_ - low_));
   const double t = (factor - factor_middle_) * factor_scale_;
-  const Two values = polynomial(reinterpret_cast<const Two*>(coefficients_.data()), rows_, columns_,
+  const Two values = polynomial(reinterpret_cast<const Two*>(coefficients_.data()), starts_,
                                 Two{s, s}, Two{t, t});
   return {values[0], values[1]};
 }
 
 double MapPatch::half_excess(double x, double factor) const {
   const double s = (x - 0.5 * (low_ + high_)) * (2.0 / (high_ - low_));
-  return polynomial(half_.data(), rows_, columns_, s, (factor - factor_middle_) * factor_scale_);
+  return polynomial(half_.data(), starts_, s, (factor - factor_middle_) * factor_scale_);
 }
 
 GOINGRATE_WIDEST_LANES
@@ -222,8 +221,8 @@ void MapPatch::at(const std::array<double, lanes>& x, const std::array<double, l
     t[k] = (factor[k] - factor_middle_) * factor_scale_;
   }
   const double* c = coefficients_.front().data();
-  const Lanes change = polynomial(Strided{c}, rows_, columns_, s, t);
-  const Lanes late = polynomial(Strided{c + 1}, rows_, columns_, s, t);
+  const Lanes change = polynomial(Strided{c}, starts_, s, t);
+  const Lanes late = polynomial(Strided{c + 1}, starts_, s, t);
   for (std::size_t k = 0; k < lanes; ++k) {
     speed2_change[k] = change[k];
     excess[k] = late[k];
@@ -253,7 +252,7 @@ const MapPatch* ReturnMap::find(double x) {
 
 MapPendulum::MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors)
     : direct_(clock, velocity), factors_(factors),
-      map_(std::make_unique<ReturnMap>(clock, factors)) {}
+      map_(std::make_unique<ReturnMap>(clock, factors)), patch_(map_->find(direct_.speed2().hi)) {}
 
 void MapPendulum::set_clock(const ClockParameters& clock) {
   direct_.set_clock(clock);

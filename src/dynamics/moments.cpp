@@ -73,7 +73,7 @@ double circular_error(double lambda) {
   // J1(x)/x - 1/2 = sum over k >= 1 of (-x^2/4)^k / (2 k! (k+1)!): no cancellation at small x.
   const double q = -0.25 * lambda * lambda;
   double term = 0.5, sum = 0.0;
-  for (int k = 1; k <= 12; ++k) { // the last is below 1e-18 of the first at x = 1
+  for (int k = 1; std::abs(term) > 1e-17 * std::abs(sum); ++k) {
     term *= q / (k * (k + 1));
     sum += term;
   }

@@ -145,8 +145,9 @@ void Rk4Clock::set_clock(const ClockParameters& clock) {
 }
 
 PeriodStep Rk4Clock::advance(double factor) {
-  const auto period =
-      pendulum_.advance(clock_.epsilon, clock_.acting_torque() * factor, clock_.phi0);
+  const double mu = clock_.acting_torque() * factor;
+  const double phi0 = mu == 0.0 ? 3.0 : clock_.phi0; // without torque there is nothing to switch
+  const auto period = pendulum_.advance(clock_.epsilon, mu, phi0);
   return {period.status, period.down - 0.5 * two_pi, period.full - two_pi};
 }
 

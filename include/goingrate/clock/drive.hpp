@@ -45,14 +45,25 @@ public:
   /// The factor for the next period. Exact in law for the slow part: s' = r s + sqrt(1-r^2) g with
   /// r = exp(-period/slow_time). Negative where a normal deviate makes it so, as in the paper.
   /// `time_s`: when the period begins. Throws ArgumentError if a series has no factor left.
-  double next(double time_s);
+  double next(double time_s) {
+    double factor = unusual_ ? unusual(time_s) : 1.0;
+    if (drive_.fast_rms > 0.0) factor += drive_.fast_rms * fast_stream_.normal();
+    if (drive_.slow_rms > 0.0) {
+      factor += drive_.slow_rms * slow_;
+      slow_ = memory_ * slow_ + innovation_ * slow_stream_.normal();
+    }
+    return factor;
+  }
 
 private:
+  double unusual(double time_s); // the series' factor, or 1, and the sines
+
   DriveVariability drive_;
   double memory_ = 0.0;     // r
   double innovation_ = 0.0; // sqrt(1 - r^2), without cancellation for long memories
   double slow_ = 0.0;       // unit variance
   std::size_t used_ = 0;    // factors of the series
+  bool unusual_ = false;    // there is a series or a sine
   RandomStream fast_stream_;
   RandomStream slow_stream_;
 };

@@ -58,7 +58,6 @@ private:
 
   void apply_due_changes();
   [[nodiscard]] bool complete() const;
-  [[nodiscard]] double strength() const;
 
   Scenario scenario_;
   MethodChoice choice_;
@@ -75,5 +74,8 @@ private:
 /// The factors that a drive will take most of the time: 1 within seven standard deviations of its
 /// random parts and the whole of its sines and series.
 FactorRange factor_range(const DriveVariability& drive);
+
+/// What a factor of the drive multiplies: mu, or the impulse, or 1 for a profile.
+double drive_strength(const ClockParameters& clock);
 
 } // namespace goingrate

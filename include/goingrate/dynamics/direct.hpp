@@ -35,6 +35,8 @@ public:
 
   /// Whether the escapement stands as it does in regular operation: it helps the coming swing.
   [[nodiscard]] bool is_regular() const { return helping_; }
+  /// Restates v^2.
+  void set_speed2(const TwoPart<double>& speed2) { v2_ = speed2; }
   /// What somebody else found one regular period to do to v^2.
   void add_to_speed2(double change) { v2_ += change; }
 

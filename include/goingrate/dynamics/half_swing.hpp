@@ -298,7 +298,8 @@ private:
     const T w = sqrt((amplitude - stop) * (amplitude + stop)) + delta.speed;
     const T newton = -delta.angle / w;
     const T t = guess + newton * (1 + newton * stop / (2 * w));
-    if (!(abs(newton) < T(0.01) && t > 0 && t < reach)) return false;
+    // The cube of the step is left to refine(), which squares it: 1e-20.
+    if (!(abs(newton) < T(5e-4) && t > 0 && t < reach)) return false;
     pass_stop(series, t);
     return true;
   }
@@ -312,7 +313,10 @@ private:
     const auto delta = series.deviation(guess);
     const T newton = delta.angle / (sqrt(a_ * a_ + b * b) - delta.speed);
     const T t = guess + newton;
-    if (!(abs(newton) < T(0.01) && t > 0 && t < reach)) return false;
+    // Gravity does not bend the motion here: what is left is the square of the step by F/w.
+    const T bend = law_.force().at(T(0), w_, T(0)) / w_;
+    if (!(abs(newton) < T(0.01) && abs(newton * newton * bend) < T(1e-9) && t > 0 && t < reach))
+      return false;
     pass_vertical(series, t);
     return true;
   }

@@ -42,7 +42,9 @@ public:
   [[nodiscard]] bool usable() const { return usable_; }
   [[nodiscard]] bool contains(double x) const { return x >= low_ && x < high_; }
   /// Degrees in x and in the factor.
-  [[nodiscard]] std::array<std::size_t, 2> degrees() const { return {rows_ - 1, columns_ - 1}; }
+  [[nodiscard]] std::array<std::size_t, 2> degrees() const {
+    return {starts_.size() - 2, starts_[1] - 1};
+  }
 
   [[nodiscard]] Values at(double x, double factor) const;
   [[nodiscard]] double half_excess(double x, double factor) const;
@@ -55,8 +57,9 @@ public:
 private:
   double low_, high_, factor_middle_, factor_scale_;
   bool usable_ = false;
-  std::size_t rows_ = 1, columns_ = 1; // coefficients in x, in the factor
-  // Monomial coefficients, row by row: change of v^2 and excess side by side; the half apart.
+  // Monomial coefficients, one row a power of x, where each row starts, and the last ends: change
+  // of v^2 and excess side by side; the half apart.
+  std::vector<std::size_t> starts_{0};
   std::vector<std::array<double, 2>> coefficients_;
   std::vector<double> half_;
 };

@@ -28,4 +28,19 @@ constexpr std::string_view words_for(SwingStatus status) {
   return "the numbers overflowed";
 }
 
+/// In one word, for tables.
+constexpr std::string_view short_name(SwingStatus status) {
+  switch (status) {
+  case SwingStatus::crossed:
+    return "goes";
+  case SwingStatus::stalled:
+    return "stalls";
+  case SwingStatus::overturned:
+    return "overturns";
+  case SwingStatus::not_finite:
+    break;
+  }
+  return "overflows";
+}
+
 } // namespace goingrate

@@ -1,0 +1,130 @@
+// goingrate map: stationary operation over friction and torque.
+#include "common.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/dynamics/operating_point.hpp"
+#include "goingrate/dynamics/stationary.hpp"
+#include "goingrate/report/chart_report.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <memory>
+
+namespace goingrate::apps {
+
+namespace {
+
+struct MapCommand {
+  double phi0 = 0.03;
+  std::vector<double> epsilon{1e-5, 5e-4};
+  std::vector<double> mu{1e-6, 5e-5};
+  std::size_t points = 41;
+  bool first_order = false;
+  std::vector<std::string> solve;
+  std::string output, json;
+};
+
+std::vector<double> log_grid(const std::vector<double>& ends, std::size_t points) {
+  std::vector<double> grid;
+  for (std::size_t i = 0; i < points; ++i)
+    grid.push_back(ends[0] * std::pow(ends[1] / ends[0],
+                                      static_cast<double>(i) / static_cast<double>(points - 1)));
+  return grid;
+}
+
+RateMap rate_map(const MapCommand& options) {
+  RateMap map{options.phi0,
+              log_grid(options.epsilon, options.points),
+              log_grid(options.mu, options.points),
+              {}};
+  for (const double mu : map.mu) {
+    map.rate_excess.emplace_back();
+    for (const double epsilon : map.epsilon) {
+      const ClockParameters clock{2.0, epsilon, mu, options.phi0};
+      std::optional<double> rate;
+      if (options.first_order)
+        rate = stationary_rate_first_order(clock);
+      else if (const auto cycle = limit_cycle(clock))
+        rate = cycle->rate_excess;
+      map.rate_excess.back().push_back(rate.value_or(std::numeric_limits<double>::quiet_NaN()));
+    }
+  }
+  return map;
+}
+
+KnownPair known_pair(const std::vector<std::string>& words) {
+  KnownPair known;
+  for (const std::string& word : words) {
+    const auto equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    if (equals == std::string::npos) throw ArgumentError("solve", word, "NAME=VALUE");
+    const double value = numbers_in("solve", word.substr(equals + 1)).front();
+    if (name == "epsilon")
+      known.epsilon = value;
+    else if (name == "mu")
+      known.mu = value;
+    else if (name == "amplitude")
+      known.amplitude = value;
+    else if (name == "rate_excess")
+      known.rate_excess = value;
+    else if (name == "rate")
+      known.rate_excess = value / 86400.0;
+    else
+      throw ArgumentError("solve", name, "epsilon, mu, amplitude, rate (s/day) or rate_excess");
+  }
+  return known;
+}
+
+void solve(const MapCommand& options) {
+  const auto points =
+      operating_points(known_pair(options.solve), options.phi0,
+                       options.first_order ? Equations::first_order : Equations::exact);
+  if (points.empty()) throw NumericsError("no clock of this escapement angle runs like that");
+  write_whole_files(
+      {{options.json, operating_points_json(points, options.phi0)},
+       {table_output(options.output, options.json), operating_points_text(points, options.phi0)}});
+}
+
+void run(const MapCommand& options) {
+  if (!options.solve.empty()) return solve(options);
+  for (const auto* ends : {&options.epsilon, &options.mu})
+    if (!((*ends)[0] > 0.0 && (*ends)[1] > (*ends)[0]))
+      throw ArgumentError(ends == &options.mu ? "mu" : "epsilon", (*ends)[0],
+                          "two numbers above 0, the smaller first");
+  const RateMap map = rate_map(options);
+  write_whole_files({{options.json, rate_map_json(map)},
+                     {table_output(options.output, options.json), rate_map_table(map)}});
+}
+
+} // namespace
+
+void add_map(CLI::App& program, const GlobalOptions& global) {
+  auto* command = program.add_subcommand("map", "stationary rate over friction and torque");
+  auto options = std::make_shared<MapCommand>();
+  command->add_option("--phi0", options->phi0, "escapement angle, rad")
+      ->check(CLI::Range(1e-6, 3.0))
+      ->capture_default_str();
+  command->add_option("--epsilon", options->epsilon, "smallest and largest friction")->expected(2);
+  command->add_option("--mu", options->mu, "smallest and largest torque")->expected(2);
+  command->add_option("--points", options->points, "a side")
+      ->check(CLI::Range(2, 2000))
+      ->capture_default_str();
+  command->add_flag("--first-order", options->first_order,
+                    "the paper's averaged equations instead of the full one");
+  command
+      ->add_option("--solve", options->solve,
+                   "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
+                   "rate_excess=")
+      ->expected(2);
+  command->add_option("-o,--output", options->output, "CSV; standard output if not given");
+  add_json_option(*command, options->json);
+  command->footer("Example:\n  goingrate map --solve amplitude=0.05 rate=0");
+  command->callback([options, &global] {
+    (void)global;
+    run(*options);
+  });
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,93 @@
+// Speed against accuracy, measured here and now.
+//
+// Every method runs the same scenes; its crossing times are held against an oracle, the equation of
+// motion integrated with 64 bits (long double), which is good to 1e-18 a period. All in scaled time
+// and on one core.
+#pragma once
+
+#include "goingrate/clock/parameters.hpp"
+#include "goingrate/dynamics/swing_status.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// A named scene: a start and, period by period, a clock and a drive factor.
+struct ChartScene {
+  std::string name;
+  double velocity = 0.0; ///< at the start, an upward crossing
+  /// The clock from a period on; the first entry is for period 0.
+  struct Stretch {
+    std::size_t from_period;
+    ClockParameters clock;
+  };
+  std::vector<Stretch> stretches;
+  std::vector<double> factors; ///< one a period
+};
+
+/// The scenes of the chart, `periods` long: "C steady", "C noisy" (30 % white drive), "jump" (A to
+/// B after 150 periods), "ring-down" (from 0.1 rad at epsilon 2.5e-4), "near stall" (lambda = 1.1
+/// phi0), "large amplitude" (1.2 rad, epsilon 1e-3).
+std::vector<ChartScene> chart_scenes(std::size_t periods);
+
+/// What one method did on one scene: the time of each upward crossing minus 2 pi a period.
+struct ChartRun {
+  SwingStatus status = SwingStatus::crossed;
+  std::vector<double> lateness;
+  double setup_s = 0.0;   ///< making maps and the like
+  double running_s = 0.0; ///< all periods, without the setup
+};
+
+/// A method under a name and a setting ("dt=0.03"); `run` does a scene once.
+struct ChartMethod {
+  std::string name, setting;
+  std::function<ChartRun(const ChartScene&)> run;
+};
+
+/// The methods of this library: rk4 in its variants, direct, map, averaged1 (with -lambda^2/16 and
+/// with the circular error in full), averaged2.
+std::vector<ChartMethod> chart_methods();
+
+/// Runs any pendulum that has set_clock(clock) and advance(factor) -> PeriodStep over a scene.
+/// `make(clock, velocity)` builds it; the time that takes is the setup. Declared here so that
+/// methods from elsewhere are measured in the same way.
+template <class Make> ChartRun run_scene(const ChartScene& scene, Make make);
+
+/// One line of the chart.
+struct ChartRow {
+  std::string scenario, method, setting;
+  SwingStatus status = SwingStatus::crossed; ///< how the method ended; not crossed: no numbers
+  double ns_per_period = 0.0;                ///< median of the repetitions, without the setup
+  double setup_us = 0.0;
+  double max_error = 0.0; ///< largest error of a crossing time, scaled
+};
+
+/// Measures; `repetitions` >= 1 runs each, medians.
+std::vector<ChartRow> measure_chart(const std::vector<ChartScene>& scenes,
+                                    const std::vector<ChartMethod>& methods, int repetitions);
+
+/// The rows of one scene that no other beats in both speed and accuracy, from fast to slow.
+std::vector<ChartRow> chart_frontier(const std::vector<ChartRow>& rows, const std::string& scene);
+
+/// One point of the map of limits.
+struct LimitRow {
+  double epsilon, ratio, amplitude; ///< ratio = lambda / phi0; amplitude lambda, rad
+  SwingStatus exact;                ///< how the full equation ends within the run
+  struct Error {
+    std::string method;
+    SwingStatus status;
+    double error; ///< of the last crossing time over the whole run, relative to it
+  };
+  std::vector<Error> errors;
+  std::string breaks; ///< in words: what is first worse than 1e-6, and why
+};
+
+/// Runs every method at balance (mu = pi eps lambda^2 / 2 phi0) for `periods` periods over epsilon
+/// from 1e-6 to 0.3, lambda/phi0 from 1 to 10 and amplitudes up to 3 rad.
+std::vector<LimitRow> measure_limits(int periods);
+
+} // namespace goingrate
+
+#include "goingrate/dynamics/chart_run.hpp"

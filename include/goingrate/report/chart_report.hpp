@@ -1,0 +1,41 @@
+// The chart of methods, their limits, and rate maps, as text, JSON and figures.
+#pragma once
+
+#include "goingrate/dynamics/chart.hpp"
+#include "goingrate/dynamics/operating_point.hpp"
+#include "goingrate/report/figure.hpp"
+
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// One table a scene, from fast to slow; a star marks the frontier. The last column is the error in
+/// seconds of a clock of the given nominal period.
+std::string chart_text(const std::vector<ChartRow>& rows, double nominal_period_s);
+
+/// {"rows": [{method, setting, scenario, ns_per_period, max_error, setup_us, status}]}; max_error
+/// in scaled time.
+std::string chart_json(const std::vector<ChartRow>& rows);
+
+/// Error against time a period for one scene, the frontier joined, with the sensor's jitter (s) as
+/// a line: methods below it are worth nothing more to that sensor.
+Figure chart_figure(const std::vector<ChartRow>& rows, const std::string& scene,
+                    double nominal_period_s, double jitter_s);
+
+/// One line a point: errors of each method, and what breaks first.
+std::string limits_text(const std::vector<LimitRow>& rows);
+std::string limits_json(const std::vector<LimitRow>& rows);
+
+/// Stationary rate over a grid of epsilon and mu.
+struct RateMap {
+  double phi0 = 0.0;
+  std::vector<double> epsilon, mu;
+  std::vector<std::vector<double>> rate_excess; ///< [mu][epsilon]; NaN where the clock stalls
+};
+std::string rate_map_table(const RateMap& map); ///< CSV: epsilon,mu,rate_excess,rate_s_per_day
+std::string rate_map_json(const RateMap& map);
+std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0);
+std::string operating_points_json(const std::vector<OperatingPoint>& points, double phi0);
+
+} // namespace goingrate

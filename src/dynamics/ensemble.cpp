@@ -1,0 +1,298 @@
+#include "goingrate/dynamics/ensemble.hpp"
+
+#include "goingrate/base/scaled_time.hpp"
+#include "goingrate/dynamics/stationary.hpp"
+#include "lanes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace goingrate {
+
+namespace {
+
+constexpr std::size_t lanes = MapPatch::lanes;
+using Lane = std::array<double, lanes>;
+
+// TwoPart, lane by lane: the same operations in the same order.
+struct LaneSums {
+  Lane hi{}, lo{};
+  [[nodiscard]] TwoPart<double> at(std::size_t k) const { return {hi[k], lo[k]}; }
+  void set(std::size_t k, const TwoPart<double>& value) {
+    hi[k] = value.hi;
+    lo[k] = value.lo;
+  }
+};
+
+[[gnu::always_inline]] inline void add(double& hi, double& lo, double x) {
+  const double sum = hi + x, part = sum - hi;
+  lo += (hi - (sum - part)) + (x - part);
+  const double all = sum + lo;
+  lo -= all - sum;
+  hi = all;
+}
+
+GOINGRATE_WIDEST_LANES
+void add_to_lanes(LaneSums& sums, const Lane& x) {
+  for (std::size_t k = 0; k < lanes; ++k)
+    add(sums.hi[k], sums.lo[k], x[k]);
+}
+
+// A period to each lane's time: nominal period and excess, as ClockRun adds them.
+GOINGRATE_WIDEST_LANES
+void add_period(LaneSums& time, const TwoPart<double>& nominal, const Lane& excess_s) {
+  for (std::size_t k = 0; k < lanes; ++k) {
+    double hi = time.hi[k], lo = time.lo[k];
+    add(hi, lo, nominal.hi);
+    add(hi, lo, nominal.lo);
+    add(hi, lo, excess_s[k]);
+    time.hi[k] = hi;
+    time.lo[k] = lo;
+  }
+}
+
+// Only what every lane does at the same period can be done in lanes.
+bool fits_lanes(const Scenario& scenario, Method method) {
+  const bool by_period =
+      std::all_of(scenario.events.begin(), scenario.events.end(), [](const ClockEvent& event) {
+        return event.at_period && !event.nominal_period_s;
+      });
+  return method == Method::map && by_period && scenario.periods && scenario.length.none() &&
+         scenario.sensor.edges == SensorEdges::up;
+}
+
+// The clocks of the scenario, each with its map; one set a thread, since maps grow as they are
+// used.
+struct Stage {
+  std::int64_t from_cycle;
+  ClockParameters clock;
+  ReturnMap map;
+};
+
+std::vector<Stage> stages_of(const Scenario& scenario) {
+  const FactorRange factors = factor_range(scenario.drive);
+  std::vector<Stage> stages;
+  stages.push_back({0, scenario.clock, ReturnMap(scenario.clock, factors)});
+  auto events = scenario.events;
+  std::stable_sort(events.begin(), events.end(),
+                   [](const auto& a, const auto& b) { return *a.at_period < *b.at_period; });
+  for (const ClockEvent& event : events) {
+    const ClockParameters clock = event.applied_to(stages.back().clock);
+    stages.push_back({*event.at_period, clock, ReturnMap(clock, factors)});
+  }
+  return stages;
+}
+
+class LaneGroup {
+public:
+  LaneGroup(const Scenario& scenario, std::vector<Stage>& stages, double velocity,
+            std::uint64_t seed, std::size_t count)
+      : scenario_(scenario), stages_(stages), count_(count) {
+    for (std::size_t k = 0; k < lanes; ++k) {
+      // Lanes beyond the last realisation run a copy that nobody looks at.
+      drives_.emplace_back(scenario.drive, scenario.clock.nominal_period_s,
+                           seed + std::min(k, count - 1));
+      direct_.emplace_back(scenario.clock, velocity);
+      speed2_.set(k, direct_.back().speed2());
+    }
+  }
+
+  // Runs to the end; `each(k, period)` after every period if wanted.
+  template <class Each> void run(Each each) {
+    while (cycle_ < *scenario_.periods && going_ > 0) {
+      while (stage_ + 1 < stages_.size() && cycle_ >= stages_[stage_ + 1].from_cycle)
+        next_stage();
+      Lane factor, excess;
+      for (std::size_t k = 0; k < lanes; ++k)
+        factor[k] = stopped(k) ? 1.0 : drives_[k].next(time_.hi[k]);
+      if (!together(factor, excess)) one_by_one(factor, excess);
+      finish(excess);
+      last_factor_ = factor;
+      last_excess_ = excess;
+      for (std::size_t k = 0; k < count_; ++k)
+        if (!stopped(k)) each(k);
+    }
+  }
+
+  [[nodiscard]] SwingStatus status(std::size_t k) const { return status_[k]; }
+
+  // The period completed last.
+  [[nodiscard]] Period period(std::size_t k) const {
+    const TimeScale scale(clock().nominal_period_s);
+    Period period;
+    period.cycle = status_[k] == SwingStatus::crossed ? cycle_ : stopped_at_[k];
+    period.time_s = time_.at(k);
+    period.period_s = scale.nominal().hi + scale.seconds(last_excess_[k]);
+    period.down_s = time_.at(k); // not looked for; half a period before, to first order
+    period.down_s += -0.5 * period.period_s;
+    period.rate_excess = rate_excess_of(last_excess_[k]);
+    period.velocity = std::sqrt(speed2_.at(k).value());
+    period.amplitude_rad = turning_angle_of_velocity(period.velocity);
+    period.mu = drive_strength(clock()) * last_factor_[k];
+    return period;
+  }
+
+private:
+  [[nodiscard]] const ClockParameters& clock() const { return stages_[stage_].clock; }
+  [[nodiscard]] bool stopped(std::size_t k) const { return status_[k] != SwingStatus::crossed; }
+
+  void next_stage() {
+    ++stage_;
+    for (auto& direct : direct_)
+      direct.set_clock(clock());
+    patch_ = nullptr;
+  }
+
+  // One period of all lanes through one patch; false if a lane does not fit.
+  bool together(const Lane& factor, Lane& excess) {
+    ReturnMap& map = stages_[stage_].map;
+    if (patch_ == nullptr || !patch_->contains(speed2_.hi[0])) patch_ = map.find(speed2_.hi[0]);
+    if (patch_ == nullptr || irregular_ || going_ < lanes) return false;
+    bool fits = true;
+    for (std::size_t k = 0; k < lanes; ++k)
+      fits = fits & patch_->contains(speed2_.hi[k]) & map.factors().contains(factor[k]);
+    if (!fits) return false;
+    Lane change;
+    patch_->at(speed2_.hi, factor, change, excess);
+    add_to_lanes(speed2_, change);
+    return true;
+  }
+
+  // Each lane as MapPendulum does it.
+  void one_by_one(const Lane& factor, Lane& excess) {
+    ReturnMap& map = stages_[stage_].map;
+    irregular_ = false;
+    for (std::size_t k = 0; k < lanes; ++k) {
+      excess[k] = 0.0;
+      if (stopped(k)) continue;
+      const MapPatch* patch = map.find(speed2_.hi[k]);
+      if (patch != nullptr && map.factors().contains(factor[k]) && direct_[k].is_regular()) {
+        const auto values = patch->at(speed2_.hi[k], factor[k]);
+        excess[k] = values.excess;
+        TwoPart<double> speed2 = speed2_.at(k);
+        speed2 += values.speed2_change;
+        speed2_.set(k, speed2);
+        continue;
+      }
+      direct_[k].set_speed2(speed2_.at(k));
+      const PeriodStep step = direct_[k].advance(factor[k]);
+      if (step.status != SwingStatus::crossed) {
+        status_[k] = step.status;
+        stopped_at_[k] = cycle_;
+        --going_;
+        continue;
+      }
+      excess[k] = step.excess;
+      speed2_.set(k, direct_[k].speed2());
+      irregular_ = irregular_ || !direct_[k].is_regular();
+    }
+  }
+
+  void finish(const Lane& excess) {
+    const TimeScale scale(clock().nominal_period_s);
+    Lane seconds;
+    for (std::size_t k = 0; k < lanes; ++k)
+      seconds[k] = scale.seconds(excess[k]);
+    ++cycle_;
+    if (going_ == lanes) return add_period(time_, scale.nominal(), seconds);
+    const LaneSums before = time_;
+    add_period(time_, scale.nominal(), seconds);
+    for (std::size_t k = 0; k < lanes; ++k)
+      if (stopped(k)) time_.set(k, before.at(k));
+  }
+
+  const Scenario& scenario_;
+  std::vector<Stage>& stages_;
+  std::size_t count_, stage_ = 0, going_ = lanes;
+  std::vector<DriveSequence> drives_;
+  std::vector<DirectPendulum> direct_; // for periods off the map, and what memory they have
+  LaneSums speed2_, time_;
+  Lane last_factor_{}, last_excess_{};
+  std::array<SwingStatus, lanes> status_{};
+  std::array<std::int64_t, lanes> stopped_at_{};
+  std::int64_t cycle_ = 0;
+  const MapPatch* patch_ = nullptr;
+  bool irregular_ = false;
+};
+
+// Calls work(i) for i below count from several threads; an exception of one is thrown here.
+template <class Work> void share_out(std::size_t count, std::size_t threads, Work make_worker) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failing;
+  const auto run = [&] {
+    try {
+      auto worker = make_worker();
+      for (std::size_t i = next++; i < count; i = next++)
+        worker(i);
+    } catch (...) {
+      const std::lock_guard lock(failing);
+      if (!failure) failure = std::current_exception();
+      next = count;
+    }
+  };
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  std::vector<std::thread> others;
+  for (std::size_t t = 1; t < std::min(threads, count); ++t)
+    others.emplace_back(run);
+  run();
+  for (auto& other : others)
+    other.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+// Runs everything; `each(realisation, period maker)` after every period, `last(...)` at the end.
+template <class Each, class Last>
+void run_all(const Scenario& scenario, const EnsembleOptions& options, Each each, Last last) {
+  if (options.realisations == 0) return;
+  const ClockRun first(scenario, options.seed); // checks the scenario and chooses the method
+  Scenario decided = scenario;
+  decided.method.method = first.method().method;
+  if (!fits_lanes(decided, decided.method.method)) {
+    share_out(options.realisations, options.threads, [&] {
+      return [&](std::size_t i) {
+        ClockRun run(decided, options.seed + i);
+        while (run.next())
+          each(i, [&] { return run.last(); });
+        last(i, run.last(), run.status());
+      };
+    });
+    return;
+  }
+  const std::size_t groups = (options.realisations + lanes - 1) / lanes;
+  share_out(groups, options.threads, [&] {
+    return [&, stages = stages_of(decided)](std::size_t g) mutable {
+      const std::size_t base = g * lanes, count = std::min(lanes, options.realisations - base);
+      LaneGroup group(decided, stages, first.start_velocity(), options.seed + base, count);
+      group.run([&](std::size_t k) { each(base + k, [&] { return group.period(k); }); });
+      for (std::size_t k = 0; k < count; ++k)
+        last(base + k, group.period(k), group.status(k));
+    };
+  });
+}
+
+} // namespace
+
+std::vector<SwingStatus> run_ensemble(const Scenario& scenario, const EnsembleOptions& options,
+                                      const PeriodSink& sink) {
+  std::vector<SwingStatus> status(options.realisations);
+  run_all(
+      scenario, options, [&](std::size_t i, auto period) { sink(i, period()); },
+      [&](std::size_t i, const Period&, SwingStatus end) { status[i] = end; });
+  return status;
+}
+
+std::vector<Period> final_periods(const Scenario& scenario, const EnsembleOptions& options) {
+  std::vector<Period> periods(options.realisations);
+  run_all(
+      scenario, options, [](std::size_t, auto) {},
+      [&](std::size_t i, const Period& period, SwingStatus) { periods[i] = period; });
+  return periods;
+}
+
+} // namespace goingrate
