@@ -5,9 +5,12 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/clock/scenario.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
+#include "goingrate/dynamics/ensemble.hpp"
 #include "goingrate/log/sensor.hpp"
 #include "goingrate/log/writing.hpp"
 
+#include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 #include <iterator>
 #include <memory>
@@ -21,6 +24,8 @@ struct SimulateOptions {
   std::string output = "-";
   std::string truth;
   std::uint64_t seed = 1;
+  std::size_t realisations = 1;
+  std::size_t threads = 0;
   std::vector<std::string> overrides;
 };
 
@@ -32,29 +37,122 @@ void append_truth(std::string& text, const Period& period) {
                  period.amplitude_rad, period.mu);
 }
 
-void run(const SimulateOptions& options, const GlobalOptions& global) {
-  const Scenario scenario =
-      parse_scenario(read_text(options.scenario), options.scenario, options.overrides);
-  ClockRun run(scenario, options.seed);
-  Sensor sensor(scenario.sensor, options.seed);
-  std::string truth = "cycle,time_s,period_s,velocity,amplitude_rad,mu\n";
-  sensor.see(run.last());
-  while (const auto period = run.next()) {
-    sensor.see(*period);
-    if (!options.truth.empty()) append_truth(truth, *period);
+// The log and the truth of one realisation, written as they grow.
+class Writer {
+public:
+  Writer(const Scenario& scenario, const Period& start, std::uint64_t seed,
+         const std::string& log_path, const std::string& truth_path)
+      : columns_{scenario.sensor.edges == SensorEdges::both,
+                 scenario.sensor.amplitude_rms.has_value(), decimals_for(scenario.sensor)},
+        sensor_(scenario.sensor, seed) {
+    files_.emplace_back(log_path);
+    files_.emplace_back(truth_path);
+    files_[0].text() = native_log_header(columns_, scenario.clock.nominal_period_s);
+    if (files_[1].wanted()) files_[1].text() = "cycle,time_s,period_s,velocity,amplitude_rad,mu\n";
+    sensor_.see(start);
   }
-  if (run.status() != SwingStatus::crossed)
+
+  void see(const Period& period) {
+    sensor_.see(period);
+    if (period.cycle % 1024 == 0) take(false);
+    if (files_[1].wanted()) append_truth(files_[1].text(), period);
+    files_[1].flush_if_large();
+  }
+
+  // Puts all on disk; nothing is replaced yet.
+  void finish() {
+    take(true);
+    for (StreamedFile& file : files_)
+      file.finish();
+  }
+  void commit() {
+    for (StreamedFile& file : files_)
+      file.commit();
+  }
+
+private:
+  void take(bool at_end) {
+    for (const LogEvent& event : sensor_.take(at_end))
+      append_native_line(files_[0].text(), event, columns_);
+    files_[0].flush_if_large();
+  }
+
+  NativeColumns columns_;
+  Sensor sensor_;
+  std::vector<StreamedFile> files_; // log, truth
+};
+
+// jump.csv becomes jump-07.csv.
+std::string numbered(const std::string& path, std::size_t k, std::size_t count) {
+  if (path.empty() || count == 1) return path;
+  const std::filesystem::path name(path);
+  const auto digits = static_cast<int>(fmt::format("{}", count - 1).size());
+  return (name.parent_path() /
+          fmt::format("{}-{:0{}}{}", name.stem().string(), k, digits, name.extension().string()))
+      .string();
+}
+
+void check_going(SwingStatus status, const Period& last) {
+  if (status != SwingStatus::crossed)
     throw NumericsError(
         fmt::format("{} after {} periods; nothing was written (--set run.periods={} "
                     "ends before)",
-                    words_for(run.status()), run.last().cycle, run.last().cycle));
-  write_whole_files({{options.truth, truth},
-                     {options.output, native_log_text(sensor.log(scenario.clock.nominal_period_s),
-                                                      decimals_for(scenario.sensor))}});
+                    words_for(status), last.cycle, last.cycle));
+}
+
+void run_single(const Scenario& scenario, const SimulateOptions& options,
+                const GlobalOptions& global) {
+  ClockRun run(scenario, options.seed);
+  Writer writer(scenario, run.last(), options.seed, options.output, options.truth);
+  while (const auto period = run.next())
+    writer.see(*period);
+  check_going(run.status(), run.last());
+  writer.finish();
+  writer.commit();
   say(global, fmt::format("{} periods by {}: {}", run.last().cycle, name_of(run.method().method),
                           run.method().reason));
   if (run.fallbacks() > 0)
     say(global, fmt::format("{} of them outside the map, by direct integration", run.fallbacks()));
+}
+
+void run_many(const Scenario& scenario, const SimulateOptions& options,
+              const GlobalOptions& global) {
+  if (options.output == "-" || options.truth == "-")
+    throw ArgumentError("output", "-", "a file name: each realisation is written to its own");
+  const ClockRun first(scenario, options.seed);
+  std::vector<Writer> writers;
+  writers.reserve(options.realisations);
+  constexpr std::size_t at_once = 64; // files that are open at a time
+  for (std::size_t from = 0; from < options.realisations; from += at_once) {
+    const std::size_t count = std::min(at_once, options.realisations - from);
+    for (std::size_t k = from; k < from + count; ++k)
+      writers.emplace_back(scenario, first.last(), options.seed + k,
+                           numbered(options.output, k, options.realisations),
+                           numbered(options.truth, k, options.realisations));
+    std::vector<Period> last(count);
+    const auto status = run_ensemble(scenario, {options.seed + from, count, options.threads},
+                                     [&](std::size_t k, const Period& period) {
+                                       last[k] = period;
+                                       writers[from + k].see(period);
+                                     });
+    for (std::size_t k = 0; k < count; ++k) {
+      check_going(status[k], last[k]);
+      writers[from + k].finish();
+    }
+  }
+  for (Writer& writer : writers)
+    writer.commit();
+  say(global, fmt::format("{} realisations by {}: {}", options.realisations,
+                          name_of(first.method().method), first.method().reason));
+}
+
+void run(const SimulateOptions& options, const GlobalOptions& global) {
+  const Scenario scenario =
+      parse_scenario(read_text(options.scenario), options.scenario, options.overrides);
+  if (options.output == "-" && options.truth == "-")
+    throw ArgumentError("output", "-", "given once: standard output holds one result");
+  options.realisations == 1 ? run_single(scenario, options, global)
+                            : run_many(scenario, options, global);
 }
 
 } // namespace
@@ -68,6 +166,13 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
                       "the log to write; standard output if not given");
   command->add_option("--truth", options->truth, "also write the true state, one row a period");
   command->add_option("--seed", options->seed, "of the random streams")->capture_default_str();
+  command
+      ->add_option("--realisations", options->realisations,
+                   "so many logs, name-0.csv and on; number k is what --seed SEED+k gives alone")
+      ->check(CLI::Range(1, 10000000))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "0: one a core; changes nothing but the time")
+      ->capture_default_str();
   command->add_option("--set", options->overrides, "override a key of the scenario: clock.mu=3e-5")
       ->allow_extra_args(false);
   command->footer("Example:\n  goingrate simulate data/scenarios/jump.toml -o jump.csv --seed 7");

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <optional>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
@@ -29,29 +30,32 @@ void write_all(int file, std::string_view text, const std::string& path) {
 // Owns a temporary file beside the target until it is committed by a rename.
 class Draft {
 public:
-  Draft(const std::string& path, std::string_view text) : target_(path) {
+  explicit Draft(const std::string& path) : target_(path), path_(path) {
     std::error_code not_there; // a link is followed, so that the file it names is replaced
     if (std::filesystem::is_symlink(path, not_there))
       target_ = std::filesystem::weakly_canonical(path, not_there).string();
     name_ = target_ + ".part-XXXXXX";
     file_ = ::mkostemp(name_.data(), O_CLOEXEC);
     if (file_ < 0) throw OutputError(path, std::strerror(errno));
-    try {
-      keep_mode();
-      write_all(file_, text, path);
-      const bool synced = ::fsync(file_) == 0 || errno == EINVAL;
-      const bool closed = ::close(std::exchange(file_, -1)) == 0;
-      if (!synced || !closed) throw OutputError(path, std::strerror(errno));
-    } catch (...) {
-      discard();
-      throw;
-    }
+    keep_mode();
+  }
+  Draft(const std::string& path, std::string_view text) : Draft(path) {
+    write(text); // the destructor discards what is left if this throws
+    finish();
   }
   Draft(Draft&& other) noexcept
-      : target_(std::move(other.target_)), name_(std::exchange(other.name_, {})),
-        file_(std::exchange(other.file_, -1)) {}
+      : target_(std::move(other.target_)), path_(std::move(other.path_)),
+        name_(std::exchange(other.name_, {})), file_(std::exchange(other.file_, -1)) {}
   Draft& operator=(Draft&&) = delete;
   ~Draft() { discard(); }
+
+  void write(std::string_view text) { write_all(file_, text, path_); }
+
+  void finish() {
+    const bool synced = ::fsync(file_) == 0 || errno == EINVAL;
+    const bool closed = ::close(std::exchange(file_, -1)) == 0;
+    if (!synced || !closed) throw OutputError(path_, std::strerror(errno));
+  }
 
   void commit() {
     if (::rename(name_.c_str(), target_.c_str()) != 0)
@@ -74,6 +78,7 @@ private:
   }
 
   std::string target_;
+  std::string path_; // as the user wrote it, for messages
   std::string name_;
   int file_ = -1;
 };
@@ -120,6 +125,63 @@ void write_whole_files(const std::vector<std::pair<std::string, std::string>>& o
     if (!path.empty() && is_stream(path)) write_stream(path, text);
   for (Draft& draft : drafts)
     draft.commit();
+}
+
+// ---- pieces -------------------------------------------------------------------------------------
+
+struct StreamedFile::Target {
+  std::optional<Draft> draft; // none for a stream
+  int stream = -1;
+  bool opened = false; // the stream was opened here and is closed here
+  ~Target() {
+    if (opened) ::close(stream);
+  }
+};
+
+StreamedFile::StreamedFile(const std::string& path)
+    : path_(path), target_(std::make_unique<Target>()) {
+  if (path.empty()) return;
+  if (path == "-") {
+    target_->stream = STDOUT_FILENO;
+  } else if (is_stream(path)) {
+    target_->stream = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (target_->stream < 0) throw OutputError(path, std::strerror(errno));
+    target_->opened = true;
+  } else {
+    target_->draft.emplace(path);
+  }
+}
+
+StreamedFile::StreamedFile(StreamedFile&&) noexcept = default;
+StreamedFile::~StreamedFile() = default;
+
+void StreamedFile::flush() {
+  if (target_->draft)
+    target_->draft->write(text_);
+  else if (wanted())
+    write_all(target_->stream, text_, path_ == "-" ? "standard output" : path_);
+  text_.clear();
+}
+
+void StreamedFile::flush_if_large() {
+  constexpr std::size_t large = 1 << 20;
+  if (text_.size() >= large) flush();
+}
+
+void StreamedFile::finish() {
+  flush();
+  if (target_->draft) target_->draft->finish();
+}
+
+void StreamedFile::commit() {
+  if (target_->draft) target_->draft->commit();
+}
+
+void commit_all(std::vector<StreamedFile>& files) {
+  for (StreamedFile& file : files)
+    file.finish();
+  for (StreamedFile& file : files)
+    file.commit();
 }
 
 } // namespace goingrate

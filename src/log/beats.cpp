@@ -325,8 +325,8 @@ public:
     // Nor is any clock trusted to keep its rate over a gap to better than 1e-6, a tenth of a second
     // a day, even if the log is too short or too coarse to show its wander.
     sigma = std::max(sigma, 1e-6 * static_cast<double>(span) * typical_.mean);
-    // No whole number of periods fits: the clock stood still, or the reference jumped. (In a short gap it
-    // is rather a false event beside it that misleads.)
+    // No whole number of periods fits: the clock stood still, or the reference jumped. (In a short
+    // gap it is rather a false event beside it that misleads.)
     constexpr std::int64_t stop = 20;
     if (length >= stop && std::abs(misfit_s) > 6.0 * sigma) return 0.0;
     return count_probability(misfit_s / typical_.mean, sigma / typical_.mean);

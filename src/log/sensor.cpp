@@ -22,6 +22,22 @@ void Sensor::see(const Period& period) {
   if (settings_.edges == SensorEdges::both && period.cycle > 0)
     report(period.down_s, 0.5 * period.period_s, unknown, Edge::down);
   report(period.time_s, period.period_s, amplitude, Edge::up);
+  latest_crossing_s_ = period.time_s.hi;
+}
+
+std::vector<LogEvent> Sensor::take(bool at_end) {
+  // Jitter beyond 40 sigma does not happen; a resolution shifts by half of itself.
+  const double certain_s =
+      latest_crossing_s_ - 40.0 * settings_.jitter_rms_s - settings_.resolution_s;
+  std::stable_sort(events_.begin(), events_.end(),
+                   [](const LogEvent& a, const LogEvent& b) { return a.time < b.time; });
+  const auto end =
+      at_end ? events_.end() : std::find_if(events_.begin(), events_.end(), [&](const LogEvent& e) {
+        return e.time.to_double() >= certain_s;
+      });
+  std::vector<LogEvent> ready(events_.begin(), end);
+  events_.erase(events_.begin(), end);
+  return ready;
 }
 
 Instant Sensor::measured(const TwoPart<double>& time_s, double extra_s) {

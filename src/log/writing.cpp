@@ -7,24 +7,34 @@
 
 namespace goingrate {
 
+std::string native_log_header(const NativeColumns& columns,
+                              std::optional<double> nominal_period_s) {
+  std::string text = "# goingrate log: 1\n";
+  if (nominal_period_s)
+    fmt::format_to(std::back_inserter(text), "# nominal_period_s: {}\n", *nominal_period_s);
+  text += "time_s";
+  if (columns.edge) text += ",edge";
+  if (columns.amplitude) text += ",amplitude_rad";
+  text += '\n';
+  return text;
+}
+
+void append_native_line(std::string& text, const LogEvent& event, const NativeColumns& columns) {
+  text += format_instant(event.time, columns.decimals);
+  if (columns.edge) text += event.edge == Edge::up ? ",up" : ",down";
+  if (columns.amplitude) text += ',';
+  if (columns.amplitude && !std::isnan(event.amplitude_rad))
+    fmt::format_to(std::back_inserter(text), "{:.9g}", event.amplitude_rad);
+  text += '\n';
+}
+
 std::string native_log_text(const ClockLog& log, int decimals) {
   const bool both_edges = std::any_of(log.events.begin(), log.events.end(),
                                       [](const LogEvent& e) { return e.edge == Edge::down; });
-  std::string text = "# goingrate log: 1\n";
-  auto out = std::back_inserter(text);
-  if (log.nominal_period_s) fmt::format_to(out, "# nominal_period_s: {}\n", *log.nominal_period_s);
-  text += "time_s";
-  if (both_edges) text += ",edge";
-  if (log.has_amplitude) text += ",amplitude_rad";
-  text += '\n';
-  for (const LogEvent& event : log.events) {
-    text += format_instant(event.time, decimals);
-    if (both_edges) text += event.edge == Edge::up ? ",up" : ",down";
-    if (log.has_amplitude) text += ',';
-    if (log.has_amplitude && !std::isnan(event.amplitude_rad))
-      fmt::format_to(out, "{:.9g}", event.amplitude_rad);
-    text += '\n';
-  }
+  const NativeColumns columns{both_edges, log.has_amplitude, decimals};
+  std::string text = native_log_header(columns, log.nominal_period_s);
+  for (const LogEvent& event : log.events)
+    append_native_line(text, event, columns);
   return text;
 }
 

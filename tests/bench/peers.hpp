@@ -26,7 +26,7 @@ std::vector<ChartMethod> odeint_peers();
 /// GSL: Prince-Dormand 8(9) (rk8pd) at 1e-12 and 1e-14; Newton to the stops.
 std::vector<ChartMethod> gsl_peers();
 
-/// SUNDIALS: CVODE's Adams method at 1e-12 and 1e-15, with its own root finder, which does not see
+/// SUNDIALS: CVODE's Adams method at 1e-12 and 1e-14, with its own root finder, which does not see
 /// a torque that switches and a pendulum that turns back within one of its steps of some 0.05.
 std::vector<ChartMethod> sundials_peers();
 
@@ -73,8 +73,10 @@ inline constexpr double longest_period = 200.0;
 /// A quarter swing: no step up to that can miss the vertical by passing it twice.
 inline constexpr double longest_step = 0.5 * std::numbers::pi;
 
-/// A period's length as run_scene takes it.
-inline PeriodStep crossed_after(double time) {
+/// What a period of length `time` did that ended with phi' = `speed`. A motion below the absolute
+/// tolerance is noise, whose crossings mean nothing: it counts as stalled.
+inline PeriodStep period_end(double time, double speed, double absolute_tolerance) {
+  if (!(speed > absolute_tolerance)) return {SwingStatus::stalled};
   return {SwingStatus::crossed, 0.0, (time - two_pi) - two_pi_low};
 }
 
@@ -86,7 +88,8 @@ inline PeriodStep crossed_after(double time) {
 template <class Stepper> class SteppedPendulum {
 public:
   SteppedPendulum(const ClockParameters& clock, double velocity, double tolerance)
-      : stepper_({tolerance * velocity, tolerance}), now_(start_of(velocity)) {
+      : absolute_tolerance_(tolerance * velocity), stepper_({absolute_tolerance_, tolerance}),
+        now_(start_of(velocity)) {
     set_clock(clock);
   }
 
@@ -100,11 +103,13 @@ public:
   PeriodStep advance(double factor);
 
 private:
+  bool cut_at_turn(double sign, double angle, double& h, Motion& next);
   bool stop_at_switch(double& h, Motion& next);
   double stop_at(double angle, double h, Motion& at);
   double turning_point(double h, Motion& at);
   [[nodiscard]] double acceleration(const Motion& x) const { return law_.acceleration(x[0], x[1]); }
 
+  double absolute_tolerance_;
   Stepper stepper_;
   ClockParameters clock_;
   bool switches_ = false;  // a free pendulum has no reason to stop at phi0
@@ -127,10 +132,11 @@ template <class Stepper> PeriodStep SteppedPendulum<Stepper>::advance(double fac
     Motion next;
     double h = stepper_.step(law_, now_, slope_, next);
     if (!(h > 0.0 && std::isfinite(next[0] + next[1]))) return {SwingStatus::not_finite};
+    cut_at_turn(-side, 0.0, h, next);
     if (side < 0.0 && next[0] >= 0.0) {
       time += stop_at(0.0, h, next);
       now_ = next;
-      return crossed_after(time);
+      return period_end(time, next[1], absolute_tolerance_);
     }
     if (switches_ && stop_at_switch(h, next)) {
       direction_ = -direction_;
@@ -151,18 +157,24 @@ template <class Stepper> PeriodStep SteppedPendulum<Stepper>::advance(double fac
   return {SwingStatus::stalled};
 }
 
-// Whether the torque switches in the step of length h from now_ to `next`; if so both are cut
-// there.
+// Whether sign * phi passes `angle` in the step, turns and comes back; if so the step is cut where
+// it turns. Near stall that happens, and costs nothing elsewhere.
+template <class Stepper>
+bool SteppedPendulum<Stepper>::cut_at_turn(double sign, double angle, double& h, Motion& next) {
+  const bool turned = sign * now_[1] > 0.0 && sign * next[1] < 0.0;
+  if (!turned || sign * next[0] >= angle) return false;
+  Motion top = next;
+  const double to_top = turning_point(h, top);
+  if (sign * top[0] < angle) return false;
+  next = top;
+  h = to_top;
+  return true;
+}
+
+// Whether the torque switches in the step; if so it is cut there.
 template <class Stepper> bool SteppedPendulum<Stepper>::stop_at_switch(double& h, Motion& next) {
-  if (direction_ * next[0] < clock_.phi0) {
-    // Near stall the step may have gone past phi0, turned and come back.
-    if (!(direction_ * now_[1] > 0.0 && direction_ * next[1] < 0.0)) return false;
-    Motion top = next;
-    const double to_top = turning_point(h, top);
-    if (direction_ * top[0] < clock_.phi0) return false;
-    next = top;
-    h = to_top;
-  }
+  const bool passes = direction_ * next[0] >= clock_.phi0;
+  if (!passes && !cut_at_turn(direction_, clock_.phi0, h, next)) return false;
   h = stop_at(direction_ * clock_.phi0, h, next);
   return true;
 }

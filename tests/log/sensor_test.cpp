@@ -89,5 +89,31 @@ TEST(SensorTest, DecimalsFollowTheNoise) {
   EXPECT_EQ(decimals_for(sensor), 6);
 }
 
+TEST(SensorTest, EventsTakenPieceByPieceAreTheWholeLog) {
+  Scenario scenario = test::at_point_a(500);
+  scenario.sensor.edges = SensorEdges::both;
+  scenario.sensor.jitter_rms_s = 0.02; // neighbours change places
+  scenario.sensor.spurious = 0.3;
+  scenario.sensor.missed = 0.1;
+  const ClockLog whole = test::simulated_log(scenario, 3);
+  ClockRun run(scenario, 3);
+  Sensor sensor(scenario.sensor, 3);
+  sensor.see(run.last());
+  std::vector<LogEvent> pieces;
+  const auto take = [&](bool at_end) {
+    for (const LogEvent& event : sensor.take(at_end))
+      pieces.push_back(event);
+  };
+  while (const auto period = run.next()) {
+    sensor.see(*period);
+    if (period->cycle % 7 == 0) take(false);
+  }
+  EXPECT_GT(pieces.size(), 900u); // it does not keep all to the end
+  take(true);
+  ASSERT_EQ(pieces.size(), whole.events.size());
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    EXPECT_EQ(pieces[i].time, whole.events[i].time) << i;
+}
+
 } // namespace
 } // namespace goingrate

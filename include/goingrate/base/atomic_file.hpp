@@ -1,6 +1,7 @@
 // Output files that are either whole or absent.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,5 +18,35 @@ void write_whole_file(const std::string& path, std::string_view text);
 /// replaced. An empty path is an output nobody asked for. Throws OutputError, and ArgumentError if
 /// two of them are standard output.
 void write_whole_files(const std::vector<std::pair<std::string, std::string>>& outputs);
+
+/// An output that is too long to be held in memory: written piece by piece, in constant memory, to a
+/// file beside the target (or straight to standard output or a pipe), and renamed over the target
+/// by commit(). Without commit() the old file stays and nothing is left behind.
+class StreamedFile {
+public:
+  /// "-" is standard output; an empty path is an output nobody asked for. Throws OutputError.
+  explicit StreamedFile(const std::string& path);
+  StreamedFile(StreamedFile&&) noexcept;
+  ~StreamedFile();
+
+  /// Whether anybody asked for it.
+  [[nodiscard]] bool wanted() const { return !path_.empty(); }
+  /// Text to append to; hand it over with flush_if_large() now and then.
+  [[nodiscard]] std::string& text() { return text_; }
+  void flush_if_large();
+  /// Everything is put on disk; commit() then only renames.
+  void finish();
+  void commit();
+
+private:
+  void flush();
+  struct Target;
+  std::string path_;
+  std::string text_;
+  std::unique_ptr<Target> target_;
+};
+
+/// Finishes all, then commits all.
+void commit_all(std::vector<StreamedFile>& files);
 
 } // namespace goingrate

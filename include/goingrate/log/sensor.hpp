@@ -26,6 +26,10 @@ public:
   /// The events seen so far, in order of time, as a native log.
   [[nodiscard]] ClockLog log(double nominal_period_s) const;
 
+  /// Hands over, in order of time, the events that nothing seen later can precede (or all, at the
+  /// end of the run): for logs that are written as they grow.
+  std::vector<LogEvent> take(bool at_end);
+
 private:
   void report(const TwoPart<double>& time_s, double period_s, double amplitude_rad, Edge edge);
   [[nodiscard]] Instant measured(const TwoPart<double>& time_s, double extra_s);
@@ -33,6 +37,7 @@ private:
   SensorSettings settings_;
   RandomStream jitter_, amplitude_noise_, missed_, spurious_;
   std::vector<LogEvent> events_;
+  double latest_crossing_s_ = 0.0;
 };
 
 /// Decimals that lose nothing of what the sensor can tell: three digits below its noise, 6 to 15.
