@@ -46,9 +46,9 @@ template <class T> struct SineDefects { T g, q; };
 // a[0] + a[stride] t + a[2 stride] t^2 + ... as even part + t (odd part): no addition waits for
 // all before it.
 template <std::size_t count, std::size_t stride, class T, class A>
-[[gnu::always_inline]] inline T polynomial(const A* a, const T& t) {
+[[gnu::always_inline]] inline A polynomial(const A* a, const T& t) {
   if constexpr (count == 1)
-    return T(*a);
+    return *a;
   else if constexpr (count == 2)
     return a[0] + t * a[stride];
   else
@@ -89,6 +89,8 @@ template <class T> struct PairOf {
   struct type {
     T a, b;
     friend type operator*(const type& x, const type& y) { return {x.a * y.a, x.b * y.b}; }
+    friend type operator*(const T& x, const type& y) { return {x * y.a, x * y.b}; }
+    friend type operator+(const type& x, const type& y) { return {x.a + y.a, x.b + y.b}; }
     type& operator+=(const type& y) {
       a += y.a;
       b += y.b;
@@ -100,12 +102,15 @@ template <class T> struct PairOf {
 template <> struct PairOf<double> { typedef double type __attribute__((vector_size(16))); };
 
 // Coefficients of a series that is multiplied with others of its kind. Beside each stand pairs, so
-// that a product takes two terms at a time.
-template <class T, std::size_t count> class ProductSeries {
+// that a product takes two terms at a time: those of the first factor rising, of the second
+// (`second`) falling.
+template <class T, std::size_t count, bool second> class ProductSeries {
 public:
+  using Second = ProductSeries<T, count, true>;
+
   template <std::size_t k> [[gnu::always_inline]] void set(const T& value) {
     a_[k] = value;
-    if constexpr (k > 0) falling_[k] = Pair{value, a_[k - 1]};
+    if constexpr (second && k > 0) falling_[k] = Pair{value, a_[k - 1]};
     if constexpr (k > 1 && k % 2 == 0) rising_[k / 2] = Pair{a_[k - 1], value};
   }
   [[gnu::always_inline]] const T& operator[](std::size_t k) const { return a_[k]; }
@@ -113,9 +118,9 @@ public:
 
   // a_1 b_{n-1} + a_2 b_{n-2} + ... + a_{n-1} b_1, from the middle outwards.
   template <std::size_t n>
-  [[nodiscard, gnu::always_inline]] T inner_product(const ProductSeries& b) const {
+  [[nodiscard, gnu::always_inline]] T inner_product(const Second& b) const {
     T last = T(0);
-    if constexpr (n >= 2 && n % 2 == 0) last = a_[n - 1] * b.a_[1];
+    if constexpr (n >= 2 && n % 2 == 0) last = a_[n - 1] * b[1];
     if constexpr (n < 3)
       return last;
     else
@@ -136,27 +141,33 @@ public:
   }
 
 private:
+  friend class ProductSeries<T, count, false>;
   using Pair = typename PairOf<T>::type;
 
-  // The first 2 `number` terms of inner_product<n>, beginning with those next to the middle.
+  // The first 2 `number` terms of inner_product<n>. Two sums, so that neither of the two newest
+  // factors, one at each end, waits for the other.
   template <std::size_t n, std::size_t number>
-  [[gnu::always_inline]] T pairs(const ProductSeries& b) const {
+  [[gnu::always_inline]] T pairs(const Second& b) const {
     constexpr std::size_t middle = number < n / 4 + 1 ? number : n / 4 + 1;
-    Pair sum = rising_[middle] * b.falling_[n - 2 * middle + 1];
+    Pair low = rising_[middle] * b.falling_[n - 2 * middle + 1];
     [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) {
-      ((sum += rising_[middle + 1 + i] * b.falling_[n - 2 * (middle + 1 + i) + 1]), ...);
-    }
-    (std::make_index_sequence<number - middle>{});
-    [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) {
-      ((sum += rising_[middle - 1 - i] * b.falling_[n - 2 * (middle - 1 - i) + 1]), ...);
+      ((low += rising_[middle - 1 - i] * b.falling_[n - 2 * (middle - 1 - i) + 1]), ...);
     }
     (std::make_index_sequence<middle - 1>{});
-    return sum[0] + sum[1];
+    if constexpr (number > middle) {
+      Pair high = rising_[middle + 1] * b.falling_[n - 2 * (middle + 1) + 1];
+      [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) {
+        ((high += rising_[middle + 2 + i] * b.falling_[n - 2 * (middle + 2 + i) + 1]), ...);
+      }
+      (std::make_index_sequence<number - middle - 1>{});
+      low += high;
+    }
+    return low[0] + low[1];
   }
 
   std::array<T, count> a_;
-  std::array<Pair, count> falling_;        // (a_k, a_{k-1}) at k
-  std::array<Pair, count / 2 + 1> rising_; // (a_{2k-1}, a_{2k}) at k
+  std::array<Pair, second ? count : 1> falling_; // (a_k, a_{k-1}) at k
+  std::array<Pair, count / 2 + 1> rising_;       // (a_{2k-1}, a_{2k}) at k
 };
 
 } // namespace detail
@@ -198,7 +209,7 @@ public:
   [[nodiscard]] bool reaches_with_work(int i) const {
     using std::abs;
     const Rung& rung = ladder()[static_cast<std::size_t>(i)];
-    const T tail = (abs(half_w2_[order - 2]) * rung.step + abs(half_w2_[order - 3])) * rung.power;
+    const T tail = (abs(half_square(order)) * rung.step + abs(half_square(order - 1))) * rung.power;
     const T energy = phi_ * phi_ + w_[0] * w_[0];
     return reaches(i) &&
            tail * rung.step * rung.step <= energy * (std::numeric_limits<T>::epsilon() / 4);
@@ -217,19 +228,35 @@ public:
     T angle, speed;
   };
   [[nodiscard]] Deviation deviation(const T& t) const {
-    return {sum(delta_, t), sum(speed_delta_, t)};
+    const Pair both = detail::polynomial<order + 1, 1>(deviation_.data(), t);
+    return {both[0], both[1]};
   }
   [[nodiscard]] T speed(const T& t) const { return sum(w_.all(), t); }
   [[nodiscard]] T angle(const T& t) const { return phi_ + integral(w_.all(), t); }
   /// The integral of w^2 over [0, t].
-  [[nodiscard]] T friction_integral(const T& t) const { return 2 * integral(half_w2_, t); }
+  [[nodiscard]] T friction_integral(const T& t) const {
+    Coefficients half_squares;
+    for (std::size_t k = 0; k <= order; ++k)
+      half_squares[k] = half_square(k);
+    return 2 * integral(half_squares, t);
+  }
 
 private:
   using Coefficients = std::array<T, order + 1>;
+  using Pair = typename detail::PairOf<T>::type;
 
   // Terms k and k+1 of the deviation in a step h, without h^k.
   template <std::size_t k> [[nodiscard]] T pair(const T& h) const {
-    return abs_sum(delta_[k], speed_delta_[k]) + abs_sum(delta_[k + 1], speed_delta_[k + 1]) * h;
+    return abs_sum(deviation_[k][0], deviation_[k][1]) +
+           abs_sum(deviation_[k + 1][0], deviation_[k + 1][1]) * h;
+  }
+
+  // Half of coefficient n of w^2.
+  [[nodiscard]] T half_square(std::size_t n) const {
+    T sum = 0;
+    for (std::size_t i = 0; i <= n; ++i)
+      sum += w_[i] * w_[n - i];
+    return sum / 2;
   }
 
   static T abs_sum(const T& x, const T& y) {
@@ -254,15 +281,17 @@ private:
   }
 
   template <std::size_t... k> void expand(std::index_sequence<k...>) {
-    half_w2_[0] = w_[0] * w_[0] * T(0.5);
+    half_square_ = w_[0] * w_[0] * T(0.5);
     harmonic_[0] = w_[0];
     harmonic_[1] = -phi_;
-    delta_[0] = speed_delta_[0] = delta_[1] = T(0);
-    speed_delta_[1] = g_[0] + (force_.constant - force_.linear * w_[0]);
-    if constexpr (any_law) speed_delta_[1] += other_force<0>();
-    w_.template set<1>(speed_delta_[1] - phi_);
+    T force = g_[0] + (force_.constant - force_.linear * w_[0]);
+    if constexpr (any_law) force += other_force<0>();
+    deviation_[0] = Pair{T(0), T(0)};
+    deviation_[1] = Pair{T(0), force};
+    speed_delta_[0] = T(0);
+    speed_delta_[1] = force;
+    w_.template set<1>(force - phi_);
     (advance<k>(), ...);
-    half_w2_[order - 1] = half_w2_[order] = T(0);
   }
 
   // From w_{k+1}, q_{k-1} and all before them to w_{k+2} and q_k. The newest coefficients enter
@@ -276,13 +305,14 @@ private:
       g_[k + 1] = (product + (k > 0 ? q_[k] * w_[0] : T(0))) * (T(1) / (n + 1));
       product += other_force<k + 1>() * T(n + 1);
     }
-    product -= speed_delta_[k];
+    product -= speed_delta_[k % 2];
     if constexpr (k > 0) product += q_[k] * w_[0];
     const T friction = w_[k + 1] * (force_.linear * by2);
-    harmonic_[k + 2] = -by12 * harmonic_[k];
-    delta_[k + 2] = speed_delta_[k + 1] * by2;
-    speed_delta_[k + 2] = product * by12 - friction;
-    w_.template set<k + 2>((product * by12 + harmonic_[k + 2]) - friction);
+    harmonic_[k % 2] *= -by12;
+    const T speed_delta = product * by12 - friction;
+    w_.template set<k + 2>((product * by12 + harmonic_[k % 2]) - friction);
+    deviation_[k + 2] = Pair{speed_delta_[(k + 1) % 2] * by2, speed_delta};
+    speed_delta_[k % 2] = speed_delta;
   }
 
   // q_k; and (w^2)_k / 2 on the way.
@@ -290,7 +320,8 @@ private:
     const T by = T(1) / static_cast<int>(k);
     const T inner = w_.template inner_half_square<k>();
     const T outer = w_[0] * w_[k];
-    half_w2_[k] = inner + outer;
+    const T half_square_before = half_square_;
+    half_square_ = inner + outer;
     if constexpr (any_law) {
       s_.template set<k - 1>(angle_coefficient<k - 1>() - g_[k - 1]);
       T product = s_.template inner_product<k - 1>(w_) + s_[0] * w_[k - 1];
@@ -298,7 +329,8 @@ private:
       q_.template set<k>(product * by);
     } else {
       q_.template set<k>(
-          ((force_.constant * w_[k - 1] - twice_linear_ * half_w2_[k - 1]) * by - inner) - outer);
+          ((force_.constant * w_[k - 1] - twice_linear_ * half_square_before) * by - inner) -
+          outer);
     }
   }
 
@@ -311,7 +343,7 @@ private:
 
   // What S and K add to F_k.
   template <std::size_t k> [[nodiscard, gnu::always_inline]] T other_force() const {
-    T half_square = half_w2_[0];
+    T half_square = w_[0] * w_[0] * T(0.5);
     if constexpr (k > 0) half_square = w_.template inner_half_square<k>() + w_[0] * w_[k];
     return force_.slope * angle_coefficient<k>() - force_.quadratic * 2 * half_square;
   }
@@ -336,15 +368,19 @@ private:
       return t * power<n - 1>(t);
   }
 
-  using Factor = detail::ProductSeries<T, order + 1>;
+  template <bool second> using Factor = detail::ProductSeries<T, order + 1, second>;
 
   T phi_;
   SwingForce<T> force_;
   T twice_linear_ = 2 * force_.linear;
-  Factor w_, q_;
-  Coefficients half_w2_, harmonic_, delta_, speed_delta_;
+  Factor<true> w_;
+  Factor<false> q_;
+  std::array<Pair, order + 1> deviation_; // angle and speed
+  // Only the last ones are needed: of even and odd order, and of order k.
+  std::array<T, 2> harmonic_, speed_delta_;
+  T half_square_;
   std::array<T, any_law ? order + 1 : 1> g_;
-  std::conditional_t<any_law, Factor, T> s_;
+  std::conditional_t<any_law, Factor<false>, T> s_;
 };
 
 } // namespace goingrate
