@@ -196,11 +196,12 @@ LimitScene limit_scene(double epsilon, double ratio, double amplitude, std::size
 // Why a method is worse than 1e-6 here, by the assumption that is broken most.
 std::string reason_for(const LimitScene& at, const std::string& method) {
   if (method.starts_with("rk4")) return "its step of 0.03";
-  if (at.epsilon >= 0.01) return "friction is not small";
-  if (at.ratio < 1.2) return "the switch is close to the apex";
-  if (at.amplitude > 0.2)
+  const double circular = at.amplitude * at.amplitude / 16.0;
+  if (at.epsilon >= 0.01 && at.epsilon > circular) return "friction is not small";
+  if (at.amplitude > 0.15)
     return method == "averaged1 -l2/16" ? "the circular error is more than -lambda^2/16"
                                         : "the amplitude is not small";
+  if (at.ratio < 1.2) return "the switch is close to the apex";
   return "second-order terms";
 }
 

@@ -16,9 +16,9 @@ namespace {
 using namespace goingrate;
 
 void direct_period(benchmark::State& state) {
-  DirectPendulum pendulum(0.0390886300401325);
+  DirectPendulum pendulum({2.0, 2.5e-4, 2e-5, 0.03}, 0.0390886300401325);
   for (auto _ : state)
-    benchmark::DoNotOptimize(pendulum.advance(2.5e-4, 2e-5, 0.03));
+    benchmark::DoNotOptimize(pendulum.advance());
 }
 BENCHMARK(direct_period);
 

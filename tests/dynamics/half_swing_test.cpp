@@ -64,7 +64,7 @@ TEST_P(Against128Bits, DurationAndWorkAgreeToRounding) {
   // A few roundings of what the forces did, not of the motion: 1e-18 in a clock.
   const double forces =
       c.v * c.v / 8 + 2 * std::abs(c.mu) / c.v + 2 * c.eps; // excess, about, before any cancels
-  // Each of some five steps may cut off a quarter of the rounding of the motion.
+  // Each of some five steps may cut off an eighth of the rounding of the motion.
   EXPECT_LT(abs(fast.excess - exact.excess), Quad(4e-16 * forces + 1e-16));
   // Work and friction, each to some roundings; what gravity adds to them on the way to v^2/50.
   const double worked = 4 * std::abs(c.mu) * c.phi0 + 2 * pi * c.eps * c.v * c.v;
@@ -100,6 +100,19 @@ TEST(HalfSwingTest, ASwitchWithinOneUlpOfTheApexIsDecidedByTheApex) {
 TEST(HalfSwingTest, AWeakSwingUnderAStrongTorqueStalls) {
   // The torque holds the pendulum at 0.01 rad, the swing is smaller than that.
   EXPECT_EQ(half_swing(1e-3, 1e-3, 0.01, 0.5, true).status, SwingStatus::stalled);
+}
+
+TEST(HalfSwingTest, AWeakSwingThatDipsThroughTheVerticalHasCrossed) {
+  // The torque holds the pendulum up on the wrong side; the swing takes it through the vertical for
+  // less than a step. It is at rest at 0.005 rad and swings 0.0051 to either side.
+  const double mu = 0.005, speed = std::sqrt(0.0051 * 0.0051 - mu * mu);
+  const auto swing = half_swing(speed, 1e-9, mu, 0.5, true);
+  EXPECT_EQ(swing.status, SwingStatus::crossed);
+  // About the rest the motion is harmonic: 2 (pi - acos(0.005/0.0051)) between the passages.
+  EXPECT_NEAR(std::numbers::pi + swing.excess, 2 * (std::numbers::pi - std::acos(mu / 0.0051)),
+              2e-3); // the circular error, and friction
+  const double less = std::sqrt(0.00501 * 0.00501 - mu * mu);
+  EXPECT_EQ(half_swing(less, 1e-3, mu, 0.5, true).status, SwingStatus::stalled);
 }
 
 TEST(HalfSwingTest, TooMuchSpeedOverturns) {

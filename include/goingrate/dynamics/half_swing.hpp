@@ -261,7 +261,7 @@ private:
   void step_up(const Series& series, const T& reach, const Ahead& to) {
     const bool turns = to.w <= 0;
     if (law_.has_stop() || (turns && Law::stops_at_apex)) {
-      const T apex_time = turns ? time_of_apex(series, reach) : reach;
+      const T apex_time = turns ? time_of_turn(series, reach, false) : reach;
       if (law_.has_stop() && (turns ? series.angle(apex_time) : to.phi) > law_.stop())
         return pass_stop(series, root_of_stop(series, T(0), apex_time));
       if (turns && Law::stops_at_apex) return turn(series, apex_time);
@@ -275,12 +275,16 @@ private:
   }
 
   void step_down(const Series& series, const T& reach, const Ahead& to) {
+    // A weak swing may dip through the vertical and turn back within the step.
+    const bool turns = to.w >= 0;
+    const T lowest_time = turns ? time_of_turn(series, reach, true) : reach;
+    const T lowest = turns ? series.angle(lowest_time) : to.phi;
     if constexpr (Law::stops_at_apex) {
-      if (law_.has_stop() && to.phi <= law_.stop())
-        return pass_stop(series, root_of_stop(series, T(0), reach));
+      if (law_.has_stop() && lowest <= law_.stop())
+        return pass_stop(series, root_of_stop(series, T(0), lowest_time));
     }
-    if (to.phi <= 0) return pass_vertical(series, root_of_passage(series, T(0), reach));
-    if (to.w >= 0) return end(SwingStatus::stalled);
+    if (lowest <= 0) return pass_vertical(series, root_of_passage(series, T(0), lowest_time));
+    if (turns) return end(SwingStatus::stalled);
     go(series, reach, to);
   }
 
@@ -390,13 +394,14 @@ private:
     return root([&](const T& t) { return series.angle(t); },
                 [&](const T& t) { return series.speed(t); }, false, high, low, high);
   }
-  [[nodiscard]] T time_of_apex(const Series& series, const T& high) const {
+  // The time at which w passes zero, upwards if `rising`.
+  [[nodiscard]] T time_of_turn(const Series& series, const T& high, bool rising) const {
     return root([&](const T& t) { return series.speed(t); },
                 [&](const T& t) {
                   const T phi = series.angle(t), w = series.speed(t);
                   return law_.force().at(phi, w, detail::sine_defects(phi).g) - phi;
                 },
-                false, high / 2, T(0), high);
+                rising, high / 2, T(0), high);
   }
 
   // Newton steps from `t`, kept inside a bracket that is halved whenever Newton leaves it.

@@ -187,7 +187,7 @@ public:
     expand(std::make_index_sequence<order - 1>{});
   }
 
-  /// Whether the terms after the last are below a quarter of the rounding of the motion in step i
+  /// Whether the terms after the last are below an eighth of the rounding of the motion in step i
   /// of the ladder.
   ///
   /// Terms come in pairs, even and odd. What follows the last pair p1 is p1 r and less, with r the
@@ -201,7 +201,7 @@ public:
     const T before = p2 / p3;
     const T ratio = before * p2 > p1 ? before : T(p1 / p2);
     const T last = before * p2 > p1 ? T(before * p2) : p1;
-    const T allowed = abs_sum(phi_, w_[0]) * (std::numeric_limits<T>::epsilon() / 4);
+    const T allowed = abs_sum(phi_, w_[0]) * (std::numeric_limits<T>::epsilon() / 8);
     return !(last * ratio * rung.power > allowed); // 0/0: there is no deviation
   }
 
@@ -212,11 +212,11 @@ public:
     const T tail = (abs(half_square(order)) * rung.step + abs(half_square(order - 1))) * rung.power;
     const T energy = phi_ * phi_ + w_[0] * w_[0];
     return reaches(i) &&
-           tail * rung.step * rung.step <= energy * (std::numeric_limits<T>::epsilon() / 4);
+           tail * rung.step * rung.step <= energy * (std::numeric_limits<T>::epsilon() / 8);
   }
 
   /// The steps that are taken: a short ladder, so that the step of the last series is likely to
-  /// serve the next and the processor need not wait for the test. None is longer than 1.2: the
+  /// serve the next and the processor need not wait for the test. None is longer than 1.16: the
   /// events of half_swing are further apart or looked for one by one.
   static constexpr int rungs = 200; // down to 1e-9
   [[nodiscard]] static const T& step_length(int i) {
@@ -270,7 +270,7 @@ private:
   static const std::array<Rung, rungs>& ladder() {
     static const auto made = [] {
       std::array<Rung, rungs> all;
-      T step = T(1.2);
+      T step = T(1.16);
       for (Rung& rung : all) {
         rung = {step, power<order - 5>(step)};
         step *= T(0.9);

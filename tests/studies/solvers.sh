@@ -1,0 +1,12 @@
+#!/bin/sh
+# Builds with the bench preset and prints the figures of the solvers; solvers.txt holds one such
+# print with its date and machine. Takes two minutes.
+set -e
+cd "$(dirname "$0")/../.."
+cmake --preset bench > /dev/null
+cmake --build --preset bench -j2 --target study_solvers goingrate_chart > /dev/null
+date -u +%Y-%m-%d
+grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
+build/bench/study_solvers
+echo
+build/bench/goingrate_chart
