@@ -1,8 +1,10 @@
-#!/bin/sh
+#!/usr/bin/env bash
 # Builds with the bench preset and prints the figures of the solvers; solvers.txt holds one such
-# print with its date and machine. Takes two minutes.
+# print with its date and machine. Takes some minutes.
 set -e
 cd "$(dirname "$0")/../.."
+. apps/setup.sh
+goingrate_setup libgtest-dev zlib1g-dev libbenchmark-dev libsundials-dev libgsl-dev
 cmake --preset bench > /dev/null
 cmake --build --preset bench -j2 --target study_solvers goingrate_chart > /dev/null
 date -u +%Y-%m-%d
