@@ -62,10 +62,10 @@ double median(std::vector<double> values) {
 }
 
 ChartMethod rk4_method(Rk4Torque torque, double dt) {
-  const char* when = torque == Rk4Torque::per_step    ? "torque a step"
-                     : torque == Rk4Torque::per_stage ? "torque a stage"
-                                                      : "at switches";
-  return {"rk4", fmt::format("dt={} {}", dt, when), [=](const ChartScene& scene) {
+  const char* name = torque == Rk4Torque::per_step    ? "rk4-per-step"
+                     : torque == Rk4Torque::per_stage ? "rk4"
+                                                      : "rk4-at-switches";
+  return {name, fmt::format("dt={}", dt), [=](const ChartScene& scene) {
             return run_scene(scene, [&](const ClockParameters& clock, double velocity) {
               return Rk4Clock(clock, velocity, dt, torque);
             });

@@ -47,16 +47,16 @@ std::string chart_text(const std::vector<ChartRow>& rows, double nominal_period_
       return a.status == SwingStatus::crossed &&
              (b.status != SwingStatus::crossed || a.ns_per_period < b.ns_per_period);
     });
-    fmt::format_to(out, "{}\n  {:<11} {:<29} {:>12} {:>10} {:>11} {:>11}\n", scene, "method",
+    fmt::format_to(out, "{}\n  {:<15} {:<29} {:>12} {:>10} {:>11} {:>11}\n", scene, "method",
                    "setting", "ns a period", "setup us", "max error", "seconds");
     for (const ChartRow& row : mine) {
       if (row.status != SwingStatus::crossed) {
-        fmt::format_to(out, "  {:<11} {:<29} {}\n", row.method, row.setting, words_for(row.status));
+        fmt::format_to(out, "  {:<15} {:<29} {}\n", row.method, row.setting, words_for(row.status));
         continue;
       }
       const bool best = std::any_of(frontier.begin(), frontier.end(),
                                     [&](const auto& f) { return same_method(f, row); });
-      fmt::format_to(out, "{} {:<11} {:<29} {:>12.1f} {:>10.1f} {:>11.1e} {:>11.1e}\n",
+      fmt::format_to(out, "{} {:<15} {:<29} {:>12.1f} {:>10.1f} {:>11.1e} {:>11.1e}\n",
                      best ? '*' : ' ', row.method, row.setting, row.ns_per_period, row.setup_us,
                      row.max_error, row.max_error * nominal_period_s / two_pi);
     }

@@ -28,7 +28,7 @@ int main() {
   std::fputs(chart_text(rows, 2.0).c_str(), stdout);
   const double direct = row_of(rows, "direct", "to rounding").ns_per_period;
   const double map = row_of(rows, "map", "to rounding").ns_per_period;
-  const double rk4 = row_of(rows, "rk4", "dt=0.03 torque a stage").ns_per_period;
+  const double rk4 = row_of(rows, "rk4", "dt=0.03").ns_per_period;
   const double odeint = row_of(rows, "odeint-f78", "tol=1e-15").ns_per_period;
   const double averaged = row_of(rows, "averaged1", "circular error -lambda^2/16").ns_per_period;
   const double second = row_of(rows, "averaged2", "second order").ns_per_period;

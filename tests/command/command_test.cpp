@@ -366,7 +366,7 @@ TEST_F(CommandTest, ChartHasTheKeysScriptsRelyOn) {
   for (const auto& row : chart["rows"]) {
     for (const char* key : {"method", "setting", "ns_per_period", "max_error", "scenario"})
       EXPECT_TRUE(row.contains(key)) << key;
-    rk4 = rk4 || (row["method"] == "rk4" && row["setting"] == "dt=0.03 torque a stage");
+    rk4 = rk4 || (row["method"] == "rk4" && row["setting"] == "dt=0.03");
   }
   EXPECT_TRUE(rk4);
   EXPECT_EQ(content(folder_ / "chart.svg").substr(0, 4), "<svg");

@@ -29,7 +29,7 @@ TEST(ChartTest, ErrorsAreThoseOfTheReference) {
   // The rate error of each method at C (rk4.hpp, stationary.hpp) times 400 periods; that of rk4
   // comes with the amplitude, over a relaxation time of 700 periods.
   const double turns = 400 * 6.283185307;
-  const double per_step = find(rows, "C steady", "rk4", "torque a step")->max_error / turns;
+  const double per_step = find(rows, "C steady", "rk4-per-step")->max_error / turns;
   EXPECT_GT(per_step, 2e-6);
   EXPECT_LT(per_step, 5.5e-6);
   const double first_order = find(rows, "C steady", "averaged1", "16")->max_error / turns;

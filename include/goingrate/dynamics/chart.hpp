@@ -46,7 +46,8 @@ struct ChartMethod {
   std::function<ChartRun(const ChartScene&)> run;
 };
 
-/// The methods of this library: rk4 in its variants, direct, map, averaged1 (with -lambda^2/16 and
+/// The methods of this library: rk4 (torque chosen in every stage), rk4-per-step and
+/// rk4-at-switches, direct, map, averaged1 (with -lambda^2/16 and
 /// with the circular error in full), averaged2.
 std::vector<ChartMethod> chart_methods();
 

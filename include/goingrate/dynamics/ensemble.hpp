@@ -26,12 +26,12 @@ using PeriodSink = std::function<void(std::size_t realisation, const Period&)>;
 
 /// Runs all realisations. Returns the status of each; a realisation whose clock stops ends early.
 ///
-/// Throughput a core: at least four times that of single runs for a noisy clock at point C
-/// (tests/bench; the sink is part of it). Throws as ClockRun does.
+/// Throws as ClockRun does; EnsembleTest.RealisationsAreSingleRunsWhateverTheThreads.
 std::vector<SwingStatus> run_ensemble(const Scenario& scenario, const EnsembleOptions& options,
                                       const PeriodSink& sink);
 
-/// The last period of each realisation; cheaper than a sink for each period.
+/// The last period of each realisation; cheaper than a sink for each period: five times the
+/// throughput of single runs for a noisy clock at point C (tests/studies/solvers.txt).
 std::vector<Period> final_periods(const Scenario& scenario, const EnsembleOptions& options);
 
 } // namespace goingrate
