@@ -85,8 +85,49 @@ std::optional<Instant> parse_instant(std::string_view text) {
   return Instant{-t->seconds - 1, 1.0 - t->fraction};
 }
 
+namespace {
+
+__extension__ typedef unsigned __int128 Wide; // 53 bits times 10^15 need 103
+
+// The digits of a fraction in [0, 1), rounded exactly (a tie to even): fraction * 10^decimals.
+std::uint64_t fraction_digits(double fraction, std::uint64_t power) {
+  int exponent = 0;
+  const double mantissa = std::frexp(fraction, &exponent);
+  const auto whole = static_cast<std::uint64_t>(std::ldexp(mantissa, 53));
+  const int shift = 53 - exponent;               // fraction = whole * 2^-shift, shift >= 53
+  if (fraction == 0.0 || shift >= 120) return 0; // below half of the last digit
+  const Wide product = static_cast<Wide>(whole) * power;
+  const Wide half = static_cast<Wide>(1) << (shift - 1);
+  const Wide rest = product & ((half << 1) - 1);
+  const auto digits = static_cast<std::uint64_t>(product >> shift);
+  return digits + (rest > half || (rest == half && digits % 2 == 1) ? 1 : 0);
+}
+
+// The usual case, fast: logs are written by the hundred million.
+std::string format_positive(std::int64_t seconds, double fraction, int decimals) {
+  std::uint64_t power = 1;
+  for (int i = 0; i < decimals; ++i)
+    power *= 10;
+  std::uint64_t digits = fraction_digits(fraction, power);
+  if (digits == power) {
+    ++seconds;
+    digits = 0;
+  }
+  std::string text = fmt::format_int(seconds).str();
+  text.push_back('.');
+  const std::size_t point = text.size();
+  text.resize(point + static_cast<std::size_t>(decimals));
+  for (std::size_t i = text.size(); i-- > point; digits /= 10)
+    text[i] = static_cast<char>('0' + digits % 10);
+  return text;
+}
+
+} // namespace
+
 std::string format_instant(const Instant& t, int decimals) {
   if (decimals < 0 || decimals > 17) throw ArgumentError("decimals", decimals, "between 0 and 17");
+  if (t.seconds >= 0 && decimals >= 1 && decimals <= 15)
+    return format_positive(t.seconds, t.fraction, decimals);
   Instant magnitude = t;
   const bool negative = t.seconds < 0;
   if (negative) {

@@ -52,12 +52,16 @@ Instant Sensor::measured(const TwoPart<double>& time_s, double extra_s) {
 
 void Sensor::report(const TwoPart<double>& time_s, double period_s, double amplitude_rad,
                     Edge edge) {
-  // Every stream is drawn from whether or not its draw is used, so that one fault's probability
-  // does not change the pattern of another.
-  const double jitter = settings_.jitter_rms_s * jitter_.normal();
-  const bool seen = missed_.uniform() >= settings_.missed;
-  const double chance = spurious_.uniform();
-  const double moment = spurious_.uniform();
+  // Each fault has a stream of its own, drawn from at every crossing if it occurs at all, so that
+  // one fault's probability does not change the pattern of another.
+  const double jitter =
+      settings_.jitter_rms_s > 0.0 ? settings_.jitter_rms_s * jitter_.normal() : 0.0;
+  const bool seen = settings_.missed == 0.0 || missed_.uniform() >= settings_.missed;
+  double chance = 1.0, moment = 0.0;
+  if (settings_.spurious > 0.0) {
+    chance = spurious_.uniform();
+    moment = spurious_.uniform();
+  }
   if (seen) events_.push_back({measured(time_s, jitter), amplitude_rad, 0, edge});
   if (chance < settings_.spurious)
     events_.push_back({measured(time_s, moment * period_s), unknown, 0, edge});

@@ -3,7 +3,10 @@
 #include "goingrate/base/errors.hpp"
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <cstdio>
 #include <gtest/gtest.h>
+#include <string>
 
 namespace goingrate {
 namespace {
@@ -79,6 +82,25 @@ TEST(InstantTest, ResidualKeepsDigits) {
 
 TEST(InstantTest, AskingForTooManyDecimalsIsAnError) {
   EXPECT_THROW((void)format_instant({}, 18), ArgumentError);
+}
+
+TEST(InstantTest, DigitsAreThoseOfTheExactDecimalExpansion) {
+  // Against the C library, which rounds the exact value of a double correctly.
+  double fraction = 0.123456789;
+  for (int i = 0; i < 20000; ++i) {
+    fraction = std::fmod(fraction * 1103.515245 + 0.12345, 1.0);
+    const double value = i % 5 == 0 ? std::ldexp(fraction, -(i % 70)) : fraction;
+    for (const int decimals : {1, 6, 12, 15}) {
+      char expected[40];
+      std::snprintf(expected, sizeof expected, "%.*f", decimals, value);
+      const bool carries = expected[0] == '1';
+      const std::string text = format_instant(Instant{41, value}, decimals);
+      ASSERT_EQ(text, (carries ? "42" : "41") + std::string(expected + 1)) << value;
+    }
+  }
+  EXPECT_EQ(format_instant(Instant{7, 0.5}, 1), "7.5");
+  EXPECT_EQ(format_instant(Instant{7, 0.125}, 2), "7.12"); // a tie, to even
+  EXPECT_EQ(format_instant(Instant{7, 0.375}, 2), "7.38");
 }
 
 } // namespace
