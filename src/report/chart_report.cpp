@@ -1,22 +1,16 @@
 #include "goingrate/report/chart_report.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
+#include "json_parts.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 namespace goingrate {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json with_schema(const char* name) { return {{"schema", name}, {"version", 1}}; }
 
 // An error of exactly 0 is below what the oracle's 64 bits show.
 constexpr double smallest_error = 1e-19;
@@ -70,15 +64,15 @@ std::string chart_text(const std::vector<ChartRow>& rows, double nominal_period_
 }
 
 std::string chart_json(const std::vector<ChartRow>& rows) {
-  Json json = with_schema("goingrate.chart");
+  Json json = json_with_schema("goingrate.chart");
   json["rows"] = Json::array();
   for (const ChartRow& row : rows)
     json["rows"].push_back({{"method", row.method},
                             {"setting", row.setting},
                             {"scenario", row.scenario},
-                            {"ns_per_period", number(row.ns_per_period)},
-                            {"max_error", number(row.max_error)},
-                            {"setup_us", number(row.setup_us)},
+                            {"ns_per_period", json_number(row.ns_per_period)},
+                            {"max_error", json_number(row.max_error)},
+                            {"setup_us", json_number(row.setup_us)},
                             {"status", std::string(words_for(row.status))}});
   return json.dump(1) + '\n';
 }
@@ -147,14 +141,14 @@ std::string limits_text(const std::vector<LimitRow>& rows) {
 }
 
 std::string limits_json(const std::vector<LimitRow>& rows) {
-  Json json = with_schema("goingrate.limits");
+  Json json = json_with_schema("goingrate.limits");
   json["rows"] = Json::array();
   for (const LimitRow& row : rows) {
     Json errors = Json::array();
     for (const auto& error : row.errors)
       errors.push_back({{"method", error.method},
                         {"status", std::string(short_name(error.status))},
-                        {"error", number(error.error)}});
+                        {"error", json_number(error.error)}});
     json["rows"].push_back({{"epsilon", row.epsilon},
                             {"ratio", row.ratio},
                             {"amplitude_rad", row.amplitude},
@@ -183,7 +177,7 @@ std::string rate_map_table(const RateMap& map) {
 }
 
 std::string rate_map_json(const RateMap& map) {
-  Json json = with_schema("goingrate.map");
+  Json json = json_with_schema("goingrate.map");
   json["phi0"] = map.phi0;
   json["epsilon"] = map.epsilon;
   json["mu"] = map.mu;
@@ -191,7 +185,7 @@ std::string rate_map_json(const RateMap& map) {
   for (const auto& row : map.rate_excess) {
     Json values = Json::array();
     for (const double rate : row)
-      values.push_back(number(rate));
+      values.push_back(json_number(rate));
     json["rate_excess"].push_back(values);
   }
   return json.dump() + '\n';
@@ -210,7 +204,7 @@ std::string operating_points_text(const std::vector<OperatingPoint>& points, dou
 }
 
 std::string operating_points_json(const std::vector<OperatingPoint>& points, double phi0) {
-  Json json = with_schema("goingrate.operating_points");
+  Json json = json_with_schema("goingrate.operating_points");
   json["phi0"] = phi0;
   json["points"] = Json::array();
   for (const OperatingPoint& point : points)

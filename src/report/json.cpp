@@ -1,27 +1,17 @@
 #include "goingrate/report/json.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
+#include "json_parts.hpp"
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 namespace goingrate {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json with_schema(const char* name) { return {{"schema", name}, {"version", 1}}; }
-
-} // namespace
-
-namespace {
-
 Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary) {
-  Json json = with_schema("goingrate.rate");
+  Json json = json_with_schema("goingrate.rate");
   json["source"] = log.source;
   json["crossings"] = summary.crossings;
   json["periods"] = summary.periods;
@@ -32,17 +22,17 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   for (const Gap& gap : beats.gaps)
     json["gaps"].push_back({{"after_cycle", gap.after_cycle},
                             {"length", gap.length},
-                            {"probability", number(gap.probability)},
+                            {"probability", json_number(gap.probability)},
                             {"bridged", gap.bridged}});
-  json["nominal_period_s"] = number(summary.nominal_period_s);
-  json["mean_period_s"] = number(summary.mean_period_s);
-  json["mean_period_sigma_s"] = number(summary.mean_period_sigma_s);
-  json["last_period_s"] = number(summary.last_period_s);
-  json["duration_s"] = number(summary.duration_s);
-  json["rate_excess"] = number(summary.rate_excess);
-  json["rate_s_per_day"] = number(seconds_gained_per_day(summary.rate_excess));
-  json["rate_sigma_s_per_day"] = number(seconds_gained_per_day(summary.rate_excess_sigma));
-  json["slope_rate_s_per_day"] = number(seconds_gained_per_day(summary.slope_rate_excess));
+  json["nominal_period_s"] = json_number(summary.nominal_period_s);
+  json["mean_period_s"] = json_number(summary.mean_period_s);
+  json["mean_period_sigma_s"] = json_number(summary.mean_period_sigma_s);
+  json["last_period_s"] = json_number(summary.last_period_s);
+  json["duration_s"] = json_number(summary.duration_s);
+  json["rate_excess"] = json_number(summary.rate_excess);
+  json["rate_s_per_day"] = json_number(seconds_gained_per_day(summary.rate_excess));
+  json["rate_sigma_s_per_day"] = json_number(seconds_gained_per_day(summary.rate_excess_sigma));
+  json["slope_rate_s_per_day"] = json_number(seconds_gained_per_day(summary.slope_rate_excess));
   json["assumptions"] = log.assumptions;
   json["issues"] = Json::array();
   for (const LineIssue& issue : log.issues)
@@ -71,19 +61,19 @@ std::string_view name_of(ParameterStatus status) {
 Json parameter_object(const FittedParameter& p) {
   constexpr double sigmas95 = 1.959963984540054;
   return {{"name", p.name},
-          {"value", number(p.value)},
-          {"sigma", number(p.sigma)},
-          {"low68", number(p.value - p.sigma)},
-          {"high68", number(p.value + p.sigma)},
-          {"low95", number(p.value - sigmas95 * p.sigma)},
-          {"high95", number(p.value + sigmas95 * p.sigma)},
+          {"value", json_number(p.value)},
+          {"sigma", json_number(p.sigma)},
+          {"low68", json_number(p.value - p.sigma)},
+          {"high68", json_number(p.value + p.sigma)},
+          {"low95", json_number(p.value - sigmas95 * p.sigma)},
+          {"high95", json_number(p.value + sigmas95 * p.sigma)},
           {"unit", p.unit},
           {"status", name_of(p.status)},
-          {"first_order_shift_sigma", number(p.model_shift)}};
+          {"first_order_shift_sigma", json_number(p.model_shift)}};
 }
 
 Json derived_object(const DerivedQuantity& quantity) {
-  return {{"value", number(quantity.value)}, {"sigma", number(quantity.sigma)}};
+  return {{"value", json_number(quantity.value)}, {"sigma", json_number(quantity.sigma)}};
 }
 
 Json noise_parameter(const char* name, double value, double relative_sigma) {
@@ -95,7 +85,7 @@ Json noise_parameter(const char* name, double value, double relative_sigma) {
 }
 
 Json fit_object(const FitSummary& fit) {
-  Json json = with_schema("goingrate.fit");
+  Json json = json_with_schema("goingrate.fit");
   json["termination"] = fit.termination;
   json["converged"] = fit.status == FitStatus::converged;
   if (fit.status != FitStatus::converged) return json;
@@ -116,8 +106,8 @@ Json fit_object(const FitSummary& fit) {
   for (const DerivedQuantity& c : fit.combinations)
     json["combinations"].push_back({{"name", c.name},
                                     {"expression", c.expression},
-                                    {"value", number(c.value)},
-                                    {"sigma", number(c.sigma)},
+                                    {"value", json_number(c.value)},
+                                    {"sigma", json_number(c.sigma)},
                                     {"unit", c.unit}});
   json["correlation"] = {{"names", fit.correlated}, {"matrix", fit.correlation}};
   json["derived"] = {{"Q", derived_object(fit.q_factor)},
@@ -125,33 +115,35 @@ Json fit_object(const FitSummary& fit) {
                      {"rate_s_per_day", derived_object(fit.rate_s_per_day)},
                      {"decay_time_s", derived_object(fit.decay_time)}};
   const FitQuality& q = fit.quality;
-  json["quality"] = {{"chi2", number(q.chi2)},
-                     {"dof", number(q.dof)},
-                     {"p_value", number(q.p_value)},
-                     {"whiteness_p", number(q.whiteness_p)},
-                     {"rms_s", number(q.rms_s)},
-                     {"amplitude_rms_rad", number(q.amplitude_rms_rad)},
-                     {"aic", number(q.aic)},
-                     {"bic", number(q.bic)},
-                     {"time_widening", number(fit.time_widening)},
-                     {"amplitude_widening", number(fit.amplitude_widening)}};
+  json["quality"] = {{"chi2", json_number(q.chi2)},
+                     {"dof", json_number(q.dof)},
+                     {"p_value", json_number(q.p_value)},
+                     {"whiteness_p", json_number(q.whiteness_p)},
+                     {"rms_s", json_number(q.rms_s)},
+                     {"amplitude_rms_rad", json_number(q.amplitude_rms_rad)},
+                     {"aic", json_number(q.aic)},
+                     {"bic", json_number(q.bic)},
+                     {"time_widening", json_number(fit.time_widening)},
+                     {"amplitude_widening", json_number(fit.amplitude_widening)}};
   json["alternatives"] = Json::array();
   for (const FitAlternative& a : fit.alternatives)
     json["alternatives"].push_back(
-        {{"model", a.model}, {"bic", number(a.bic)}, {"verdict", a.verdict}});
+        {{"model", a.model}, {"bic", json_number(a.bic)}, {"verdict", a.verdict}});
   return json;
 }
 
 Json rms_object(const RmsEstimate& rms) {
-  return {{"rms", number(rms.rms)}, {"low68", number(rms.low68)}, {"high68", number(rms.high68)}};
+  return {{"rms", json_number(rms.rms)},
+          {"low68", json_number(rms.low68)},
+          {"high68", json_number(rms.high68)}};
 }
 
 Json spectrum_object(const Spectrum& spectrum, const std::optional<DriveResponse>& response,
                      const std::optional<DriveSplit>& split) {
-  Json json = with_schema("goingrate.spectrum");
-  json["corner_hz"] = response ? number(response->corner_hz) : Json(nullptr);
-  json["fast_gain"] = response ? number(response->fast_gain) : Json(nullptr);
-  json["slow_gain"] = response ? number(response->slow_gain) : Json(nullptr);
+  Json json = json_with_schema("goingrate.spectrum");
+  json["corner_hz"] = response ? json_number(response->corner_hz) : Json(nullptr);
+  json["fast_gain"] = response ? json_number(response->fast_gain) : Json(nullptr);
+  json["slow_gain"] = response ? json_number(response->slow_gain) : Json(nullptr);
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   const DriveSplit none{unknown,
                         {unknown, unknown, unknown},
@@ -161,10 +153,10 @@ Json spectrum_object(const Spectrum& spectrum, const std::optional<DriveResponse
                         {},
                         {}};
   const DriveSplit& parts = split ? *split : none;
-  json["split_hz"] = number(parts.split_hz);
+  json["split_hz"] = json_number(parts.split_hz);
   json["fast"] = rms_object(parts.fast);
   json["slow"] = rms_object(parts.slow);
-  json["jitter_rms_s"] = number(parts.jitter_s.rms);
+  json["jitter_rms_s"] = json_number(parts.jitter_s.rms);
   json["note"] = split ? parts.note : "the log does not determine the clock's response";
   json["unit"] = "1/Hz, one-sided density of the relative rate";
   json["frequency_hz"] = spectrum.frequency_hz;
@@ -173,38 +165,38 @@ Json spectrum_object(const Spectrum& spectrum, const std::optional<DriveResponse
 }
 
 Json stability_object(const DeviationTable& table) {
-  Json json = with_schema("goingrate.stability");
+  Json json = json_with_schema("goingrate.stability");
   json["kind"] = name_of(table.kind);
-  json["tau0_s"] = number(table.tau0_s);
+  json["tau0_s"] = json_number(table.tau0_s);
   json["rows"] = Json::array();
   for (const DeviationRow& row : table.rows)
-    json["rows"].push_back({{"tau_s", number(row.tau_s)},
+    json["rows"].push_back({{"tau_s", json_number(row.tau_s)},
                             {"m", row.m},
                             {"n", row.n},
-                            {"value", number(row.value)},
-                            {"low", row.interval ? number(row.low) : Json(nullptr)},
-                            {"high", row.interval ? number(row.high) : Json(nullptr)},
+                            {"value", json_number(row.value)},
+                            {"low", row.interval ? json_number(row.low) : Json(nullptr)},
+                            {"high", row.interval ? json_number(row.high) : Json(nullptr)},
                             {"alpha", row.alpha}});
   return json;
 }
 
 Json change_object(const Change& change) {
   return {{"cycle", change.cycle},
-          {"at_s", number(change.at_s)},
-          {"rate_change", number(change.rate_change)},
-          {"amplitude_slope_change_rad_per_s", number(change.amplitude_slope_change)}};
+          {"at_s", json_number(change.at_s)},
+          {"rate_change", json_number(change.rate_change)},
+          {"amplitude_slope_change_rad_per_s", json_number(change.amplitude_slope_change)}};
 }
 
 Json relaxation_object(const std::optional<Relaxation>& relaxation) {
   if (!relaxation) return nullptr;
-  return {{"time_constant_s", number(relaxation->time_constant_s)},
-          {"sigma_s", number(relaxation->sigma_s)},
-          {"window_s", number(relaxation->window_s)},
-          {"limit_rad", number(relaxation->limit_rad)},
-          {"rms_rad", number(relaxation->rms_rad)},
+  return {{"time_constant_s", json_number(relaxation->time_constant_s)},
+          {"sigma_s", json_number(relaxation->sigma_s)},
+          {"window_s", json_number(relaxation->window_s)},
+          {"limit_rad", json_number(relaxation->limit_rad)},
+          {"rms_rad", json_number(relaxation->rms_rad)},
           {"exponential", relaxation->exponential},
-          {"three_quarter_window_s", number(relaxation->shorter_window_s)},
-          {"five_quarter_window_s", number(relaxation->longer_window_s)}};
+          {"three_quarter_window_s", json_number(relaxation->shorter_window_s)},
+          {"five_quarter_window_s", json_number(relaxation->longer_window_s)}};
 }
 
 Json diary_object(const Diary& diary) {
@@ -214,13 +206,14 @@ Json diary_object(const Diary& diary) {
     json["changes"].push_back(change_object(change));
   json["interruptions"] = Json::array();
   for (const Interruption& event : diary.interruptions)
-    json["interruptions"].push_back({{"from_s", number(event.begin.at_s)},
-                                     {"to_s", number(event.end.at_s)},
-                                     {"rate_change", number(event.rate_change)},
-                                     {"amplitude_before_rad", number(event.amplitude_before_rad)},
-                                     {"amplitude_after_rad", number(event.amplitude_after_rad)},
-                                     {"decay", relaxation_object(event.decay)},
-                                     {"recovery", relaxation_object(event.recovery)}});
+    json["interruptions"].push_back(
+        {{"from_s", json_number(event.begin.at_s)},
+         {"to_s", json_number(event.end.at_s)},
+         {"rate_change", json_number(event.rate_change)},
+         {"amplitude_before_rad", json_number(event.amplitude_before_rad)},
+         {"amplitude_after_rad", json_number(event.amplitude_after_rad)},
+         {"decay", relaxation_object(event.decay)},
+         {"recovery", relaxation_object(event.recovery)}});
   return json;
 }
 
@@ -245,7 +238,7 @@ std::string spectrum_json(const Spectrum& spectrum, const std::optional<DriveRes
 std::string stability_json(const DeviationTable& table) { return text_of(stability_object(table)); }
 
 std::string report_json(const ReportData& data) {
-  Json json = with_schema("goingrate.report");
+  Json json = json_with_schema("goingrate.report");
   json["rate"] = rate_object(data.log, data.numbered, data.rate);
   json["diary"] = diary_object(data.diary);
   json["fit"] = fit_object(data.fit);
