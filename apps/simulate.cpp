@@ -72,7 +72,7 @@ public:
 
 private:
   void take(bool at_end) {
-    for (const LogEvent& event : sensor_.take(at_end))
+    for (const Beat& event : sensor_.take(at_end))
       append_native_line(files_[0].text(), event, columns_);
     files_[0].flush_if_large();
   }

@@ -225,7 +225,7 @@ private:
   double tolerance_;
   Tracker tracker_;
   std::size_t last_good_ = 0;
-  std::uint32_t segment_ = 0;
+  std::uint16_t segment_ = 0;
   int misfits_ = 0;
 };
 
@@ -342,8 +342,8 @@ void find_gaps(Beats& result, const TypicalPeriod& typical, double least_probabi
   for (const Beat& beat : result.beats)
     if (beat.flag == BeatFlag::good) good.push_back(beat);
   const GapJudge judge(good, typical);
-  std::uint32_t split = 0;
-  std::vector<std::uint32_t> segment_of(good.size(), 0);
+  std::uint16_t split = 0;
+  std::vector<std::uint16_t> segment_of(good.size(), 0);
   for (std::size_t i = 1; i < good.size(); ++i) {
     const bool step = good[i].segment != good[i - 1].segment;
     const std::int64_t length = good[i].cycle - good[i - 1].cycle - 1;
@@ -362,7 +362,7 @@ void find_gaps(Beats& result, const TypicalPeriod& typical, double least_probabi
   for (Beat& beat : result.beats) {
     if (beat.flag == BeatFlag::good) beat.segment = segment_of[k++];
   }
-  result.segments = split + 1;
+  result.segments = split + 1u;
 }
 
 // Downward crossings take the cycle and segment of the upward crossing before them.
@@ -398,17 +398,24 @@ std::vector<Beat> Beats::longest_segment() const {
 }
 
 Beats number_beats(const ClockLog& log, const NumberingOptions& options) {
+  return number_beats(std::vector<Beat>(log.events), log.source, options);
+}
+
+Beats number_beats(std::vector<Beat>&& events, const std::string& source,
+                   const NumberingOptions& options) {
   Beats result;
   std::vector<Beat> downward;
-  for (const LogEvent& event : log.events) {
-    Beat beat{event.time, 0, event.amplitude_rad, event.line, 0, BeatFlag::good};
-    if (event.edge == Edge::down) beat.flag = BeatFlag::down;
-    (event.edge == Edge::down ? downward : result.beats).push_back(beat);
-  }
+  for (Beat& beat : events)
+    if (beat.edge == Edge::down) {
+      beat.flag = BeatFlag::down;
+      downward.push_back(beat);
+    }
+  std::erase_if(events, [](const Beat& beat) { return beat.edge == Edge::down; });
+  result.beats = std::move(events);
   if (result.beats.size() < 3)
-    throw InputError({log.source, 1, 1}, fmt::format("{} upward crossings", result.beats.size()),
+    throw InputError({source, 1, 1}, fmt::format("{} upward crossings", result.beats.size()),
                      "at least 3");
-  const TypicalPeriod typical = typical_period(result.beats, log.source);
+  const TypicalPeriod typical = typical_period(result.beats, source);
   result.typical_period_s = typical.mean;
   result.scatter_s = typical.scatter;
   Numbering(result.beats, typical).run();
@@ -441,7 +448,7 @@ bool intervals_alternate(const std::vector<double>& steps, double centre) {
 
 bool label_alternate_edges(ClockLog& log, bool certain) {
   const bool labelled = std::any_of(log.events.begin(), log.events.end(),
-                                    [](const LogEvent& e) { return e.edge == Edge::down; });
+                                    [](const Beat& e) { return e.edge == Edge::down; });
   if (labelled || log.events.size() < 8) return false;
   std::vector<double> steps, pairs;
   for (std::size_t i = 1; i < log.events.size(); ++i)

@@ -163,7 +163,7 @@ public:
                              "amplitude taken as unknown"});
       amplitude = no_amplitude;
     }
-    log_.events.push_back({time, amplitude, line.number, edge});
+    log_.events.push_back(event_at(time, edge, line.number, amplitude));
     log_.has_amplitude = log_.has_amplitude || !std::isnan(amplitude);
   }
 
@@ -264,7 +264,7 @@ std::optional<std::string_view> header_value(const std::vector<Line>& comments,
 }
 
 void restore_order(ClockLog& log) {
-  const auto earlier = [](const LogEvent& a, const LogEvent& b) { return a.time < b.time; };
+  const auto earlier = [](const Beat& a, const Beat& b) { return a.time < b.time; };
   const auto out_of_order = std::is_sorted_until(log.events.begin(), log.events.end(), earlier);
   if (out_of_order == log.events.end()) return;
   log.issues.push_back(
@@ -411,7 +411,7 @@ std::string read_text(const std::string& path) {
 
 void correct_edge_to_centre(ClockLog& log, double edge_angle_rad, double period_s) {
   if (edge_angle_rad == 0.0) return;
-  std::erase_if(log.events, [&](LogEvent& event) {
+  std::erase_if(log.events, [&](Beat& event) {
     if (!(event.amplitude_rad > std::abs(edge_angle_rad))) {
       log.issues.push_back({event.line, 1,
                             fmt::format("amplitude {} rad that does not reach the sensor's edge",

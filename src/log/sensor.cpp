@@ -25,17 +25,17 @@ void Sensor::see(const Period& period) {
   latest_crossing_s_ = period.time_s.hi;
 }
 
-std::vector<LogEvent> Sensor::take(bool at_end) {
+std::vector<Beat> Sensor::take(bool at_end) {
   // Jitter beyond 40 sigma does not happen; a resolution shifts by half of itself.
   const double certain_s =
       latest_crossing_s_ - 40.0 * settings_.jitter_rms_s - settings_.resolution_s;
   std::stable_sort(events_.begin(), events_.end(),
-                   [](const LogEvent& a, const LogEvent& b) { return a.time < b.time; });
+                   [](const Beat& a, const Beat& b) { return a.time < b.time; });
   const auto end =
-      at_end ? events_.end() : std::find_if(events_.begin(), events_.end(), [&](const LogEvent& e) {
+      at_end ? events_.end() : std::find_if(events_.begin(), events_.end(), [&](const Beat& e) {
         return e.time.to_double() >= certain_s;
       });
-  std::vector<LogEvent> ready(events_.begin(), end);
+  std::vector<Beat> ready(events_.begin(), end);
   events_.erase(events_.begin(), end);
   return ready;
 }
@@ -62,9 +62,9 @@ void Sensor::report(const TwoPart<double>& time_s, double period_s, double ampli
     chance = spurious_.uniform();
     moment = spurious_.uniform();
   }
-  if (seen) events_.push_back({measured(time_s, jitter), amplitude_rad, 0, edge});
+  if (seen) events_.push_back(event_at(measured(time_s, jitter), edge, 0, amplitude_rad));
   if (chance < settings_.spurious)
-    events_.push_back({measured(time_s, moment * period_s), unknown, 0, edge});
+    events_.push_back(event_at(measured(time_s, moment * period_s), edge));
 }
 
 ClockLog Sensor::log(double nominal_period_s) const {
@@ -74,7 +74,7 @@ ClockLog Sensor::log(double nominal_period_s) const {
   log.has_amplitude = settings_.amplitude_rms.has_value();
   log.nominal_period_s = nominal_period_s;
   std::stable_sort(log.events.begin(), log.events.end(),
-                   [](const LogEvent& a, const LogEvent& b) { return a.time < b.time; });
+                   [](const Beat& a, const Beat& b) { return a.time < b.time; });
   return log;
 }
 

@@ -19,7 +19,7 @@ std::string native_log_header(const NativeColumns& columns,
   return text;
 }
 
-void append_native_line(std::string& text, const LogEvent& event, const NativeColumns& columns) {
+void append_native_line(std::string& text, const Beat& event, const NativeColumns& columns) {
   text += format_instant(event.time, columns.decimals);
   if (columns.edge) text += event.edge == Edge::up ? ",up" : ",down";
   if (columns.amplitude) text += ',';
@@ -30,10 +30,10 @@ void append_native_line(std::string& text, const LogEvent& event, const NativeCo
 
 std::string native_log_text(const ClockLog& log, int decimals) {
   const bool both_edges = std::any_of(log.events.begin(), log.events.end(),
-                                      [](const LogEvent& e) { return e.edge == Edge::down; });
+                                      [](const Beat& e) { return e.edge == Edge::down; });
   const NativeColumns columns{both_edges, log.has_amplitude, decimals};
   std::string text = native_log_header(columns, log.nominal_period_s);
-  for (const LogEvent& event : log.events)
+  for (const Beat& event : log.events)
     append_native_line(text, event, columns);
   return text;
 }

@@ -13,7 +13,7 @@ ClockLog log_of(const std::vector<double>& times) {
   log.source = "made";
   std::uint32_t line = 0;
   for (const double t : times)
-    log.events.push_back({Instant::from_seconds(t), NAN, ++line, Edge::up});
+    log.events.push_back(event_at(Instant::from_seconds(t), Edge::up, ++line));
   return log;
 }
 

@@ -132,9 +132,8 @@ TEST(WritingTest, ReadsBackWhatWasWritten) {
 
 TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
   ClockLog log;
-  log.events = {{{100, 0.0}, 0.05, 1, Edge::up},
-                {{101, 0.0}, 0.05, 2, Edge::down},
-                {{102, 0.0}, 0.01, 3, Edge::up}};
+  log.events = {event_at({100, 0.0}, Edge::up, 1, 0.05), event_at({101, 0.0}, Edge::down, 2, 0.05),
+                event_at({102, 0.0}, Edge::up, 3, 0.01)};
   correct_edge_to_centre(log, -0.012, 3.0);
   ASSERT_EQ(log.events.size(), 2u)
       << "an amplitude that does not reach the edge cannot have crossed it";

@@ -64,7 +64,7 @@ TEST(SensorTest, AmplitudesAreTheTurningAnglesOfTheVelocity) {
   scenario.sensor.amplitude_rms = 0.0;
   const ClockLog log = test::simulated_log(scenario, 1);
   EXPECT_TRUE(log.has_amplitude);
-  for (const LogEvent& event : log.events)
+  for (const Beat& event : log.events)
     EXPECT_NEAR(event.amplitude_rad, 2.0 * std::asin(0.5 * 0.0390886300401325), 1e-15);
 }
 
@@ -74,8 +74,8 @@ TEST(SensorTest, OneFaultDoesNotChangeTheDrawsOfAnother) {
   const ClockLog clean = test::simulated_log(scenario, 1);
   scenario.sensor.spurious = 0.2;
   std::size_t found = 0;
-  for (const LogEvent& event : test::simulated_log(scenario, 1).events)
-    for (const LogEvent& other : clean.events)
+  for (const Beat& event : test::simulated_log(scenario, 1).events)
+    for (const Beat& other : clean.events)
       found += event.time == other.time ? 1 : 0;
   EXPECT_EQ(found, clean.events.size());
 }
@@ -99,9 +99,9 @@ TEST(SensorTest, EventsTakenPieceByPieceAreTheWholeLog) {
   ClockRun run(scenario, 3);
   Sensor sensor(scenario.sensor, 3);
   sensor.see(run.last());
-  std::vector<LogEvent> pieces;
+  std::vector<Beat> pieces;
   const auto take = [&](bool at_end) {
-    for (const LogEvent& event : sensor.take(at_end))
+    for (const Beat& event : sensor.take(at_end))
       pieces.push_back(event);
   };
   while (const auto period = run.next()) {

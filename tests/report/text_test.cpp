@@ -19,7 +19,7 @@ TEST(TextTest, WithoutASigmaThereIsNone) {
   EXPECT_EQ(with_sigma(1.5, NAN), "1.5");
 }
 
-Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uint32_t segment = 0) {
+Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uint16_t segment = 0) {
   return {Instant::from_seconds(t), cycle, NAN, 0, segment, flag};
 }
 

@@ -8,23 +8,6 @@
 
 namespace goingrate {
 
-/// What an event turned out to be.
-enum class BeatFlag : std::uint8_t {
-  good,     ///< an upward crossing with its cycle number
-  spurious, ///< no crossing of its own: a double trigger or a false one
-  down,     ///< a downward crossing, numbered with the upward crossing before it
-};
-
-/// One event with its place in the going of the clock.
-struct Beat {
-  Instant time;
-  std::int64_t cycle;   ///< 0 for the first good beat; meaningless where spurious
-  double amplitude_rad; ///< NaN where the log has none
-  std::uint32_t line;
-  std::uint32_t segment; ///< beats of one segment are numbered without doubt
-  BeatFlag flag;
-};
-
 /// Cycles without an event.
 struct Gap {
   std::int64_t after_cycle = 0;
@@ -70,6 +53,11 @@ bool label_alternate_edges(ClockLog& log, bool certain);
 /// 2 % of the period (BeatsTest.NumbersEveryEventUnderFaults). Cost O(N).
 /// Throws InputError if no period can be found.
 Beats number_beats(const ClockLog& log, const NumberingOptions& options = {});
+
+/// The same for events that are handed over: no second copy of a long log is made. `source` names
+/// the log in messages.
+Beats number_beats(std::vector<Beat>&& events, const std::string& source,
+                   const NumberingOptions& options = {});
 
 /// The cycle, counted from the first of `beats`, of the first beat at or after `time_s` seconds
 /// from it; the last one's if there is none.

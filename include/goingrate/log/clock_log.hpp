@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,13 +22,31 @@ enum class LogFormat {
 /// Which way the pendulum went.
 enum class Edge : std::uint8_t { up, down };
 
-/// One event of the log. The amplitude is NaN where the log has none.
-struct LogEvent {
-  Instant time;
-  double amplitude_rad;
-  std::uint32_t line; ///< line of the file, from 1
-  Edge edge;
+/// What an event turned out to be when the beats were numbered.
+enum class BeatFlag : std::uint8_t {
+  good,     ///< an upward crossing with its cycle number (or not numbered yet)
+  spurious, ///< no crossing of its own: a double trigger or a false one
+  down,     ///< a downward crossing, numbered with the upward crossing before it
 };
+
+/// One event of a log: as it was read and, once numbered, with its place in the going of the clock.
+/// 40 bytes, so that a year of seconds fits in memory.
+struct Beat {
+  Instant time;
+  std::int64_t cycle = 0; ///< 0 for the first good beat; meaningless where spurious
+  double amplitude_rad = std::numeric_limits<double>::quiet_NaN(); ///< NaN where the log has none
+  std::uint32_t line = 0;                                          ///< line of the file, from 1
+  std::uint16_t segment = 0; ///< beats of one segment are numbered without doubt
+  BeatFlag flag = BeatFlag::good;
+  Edge edge = Edge::up;
+};
+static_assert(sizeof(Beat) == 40);
+
+/// An event that is not numbered yet.
+inline Beat event_at(const Instant& time, Edge edge = Edge::up, std::uint32_t line = 0,
+                     double amplitude_rad = std::numeric_limits<double>::quiet_NaN()) {
+  return {time, 0, amplitude_rad, line, 0, BeatFlag::good, edge};
+}
 
 /// Something wrong with one line, and what was done about it.
 struct LineIssue {
@@ -41,7 +60,7 @@ struct LineIssue {
 struct ClockLog {
   std::string source; ///< file name as given
   LogFormat format = LogFormat::timestamps;
-  std::vector<LogEvent> events;
+  std::vector<Beat> events;
   bool has_amplitude = false;
   std::optional<double> nominal_period_s; ///< if the log states one
   std::vector<std::string> assumptions;   ///< what was taken for granted, in plain sentences

@@ -28,7 +28,7 @@ public:
 
   /// Hands over, in order of time, the events that nothing seen later can precede (or all, at the
   /// end of the run): for logs that are written as they grow.
-  std::vector<LogEvent> take(bool at_end);
+  std::vector<Beat> take(bool at_end);
 
 private:
   void report(const TwoPart<double>& time_s, double period_s, double amplitude_rad, Edge edge);
@@ -36,7 +36,7 @@ private:
 
   SensorSettings settings_;
   RandomStream jitter_, amplitude_noise_, missed_, spurious_;
-  std::vector<LogEvent> events_;
+  std::vector<Beat> events_;
   double latest_crossing_s_ = 0.0;
 };
 

@@ -19,6 +19,6 @@ struct NativeColumns {
   int decimals = 9;
 };
 std::string native_log_header(const NativeColumns& columns, std::optional<double> nominal_period_s);
-void append_native_line(std::string& text, const LogEvent& event, const NativeColumns& columns);
+void append_native_line(std::string& text, const Beat& event, const NativeColumns& columns);
 
 } // namespace goingrate
