@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fast_float/fast_float.h>
 #include <fmt/format.h>
+#include <limits>
 
 namespace goingrate {
 
@@ -32,62 +32,169 @@ double residual_from_grid(const Instant& t, const Instant& origin, std::int64_t 
 
 namespace {
 
-bool all_digits(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
+__extension__ typedef unsigned __int128 Wide; // 53 bits times 10^15 need 103
 
-std::optional<double> parse_double(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = fast_float::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
-  return value;
-}
+constexpr int most_digits = 19; // of a number that a 64-bit integer always holds
 
-// Digits of both sides of the point, without sign or exponent.
-std::optional<Instant> parse_plain(std::string_view whole, std::string_view fraction) {
-  Instant t;
-  if (!whole.empty()) {
-    const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), t.seconds);
-    if (error != std::errc() || end != whole.data() + whole.size()) return {};
+constexpr std::array<std::uint64_t, most_digits + 1> powers_of_ten = [] {
+  std::array<std::uint64_t, most_digits + 1> powers{};
+  std::uint64_t power = 1;
+  for (std::uint64_t& entry : powers) {
+    entry = power;
+    power *= 10;
   }
-  if (!fraction.empty()) {
-    const auto value = parse_double(fmt::format("0.{}", fraction));
-    if (!value) return {};
-    t.fraction = *value;
-    if (t.fraction >= 1.0) { // 0.99999999999999999 rounds up to one
-      t.fraction = 0.0;
-      ++t.seconds;
+  return powers;
+}();
+
+// A decimal number as it stands: digits * 10^exponent. Zeros in front are not counted.
+struct Decimal {
+  std::uint64_t digits = 0;
+  int count = 0; // of digits held
+  int exponent = 0;
+
+  void add(char digit, bool after_point) {
+    if (count < most_digits) {
+      digits = digits * 10 + static_cast<std::uint64_t>(digit - '0');
+      count += digits != 0 ? 1 : 0;
+      exponent -= after_point ? 1 : 0;
+    } else {
+      exponent += after_point ? 0 : 1; // too many digits: this one only counts the place
     }
   }
-  return t;
+};
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Reads "[eE][+-]digits" wholly; nothing if it is something else.
+std::optional<int> parse_exponent(std::string_view text) {
+  if (text.size() < 2 || (text.front() != 'e' && text.front() != 'E')) return {};
+  text.remove_prefix(1);
+  const bool negative = text.front() == '-';
+  if (text.front() == '-' || text.front() == '+') text.remove_prefix(1);
+  if (text.empty()) return {};
+  int exponent = 0;
+  for (const char c : text) {
+    if (!is_digit(c)) return {};
+    exponent = std::min(exponent * 10 + (c - '0'), 100000); // beyond, all are alike
+  }
+  return negative ? -exponent : exponent;
+}
+
+// An unsigned decimal number, wholly.
+std::optional<Decimal> parse_decimal(std::string_view text, char point) {
+  Decimal number;
+  bool after_point = false, any = false;
+  std::size_t i = 0;
+  for (; i < text.size(); ++i) {
+    if (is_digit(text[i])) {
+      number.add(text[i], after_point);
+      any = true;
+    } else if (text[i] == point && !after_point) {
+      after_point = true;
+    } else {
+      break;
+    }
+  }
+  if (!any) return {};
+  if (i == text.size()) return number;
+  const auto exponent = parse_exponent(text.substr(i));
+  if (!exponent) return {};
+  number.exponent += *exponent;
+  return number;
+}
+
+// digits * seconds * 10^exponent, split at the point by whole-number division.
+std::optional<Instant> scaled(const Decimal& number, std::uint32_t seconds, int power) {
+  const int exponent = number.exponent + power;
+  Wide value = static_cast<Wide>(number.digits) * seconds;
+  constexpr Wide limit = std::numeric_limits<std::int64_t>::max();
+  if (value == 0) return Instant{};
+  if (exponent >= 0) {
+    for (int i = 0; i < exponent; ++i)
+      if ((value *= 10) > limit) return {};
+    if (value > limit) return {};
+    return Instant{static_cast<std::int64_t>(value), 0.0};
+  }
+  if (exponent < -37) { // 10^38 is more than 128 bits hold; below 1e-18 s nothing is left anyway
+    const long double tiny = static_cast<long double>(value) * std::pow(10.0L, exponent);
+    return Instant{0, static_cast<double>(tiny)};
+  }
+  Wide unit = 1;
+  for (int i = 0; i < -exponent; ++i)
+    unit *= 10;
+  const Wide whole = value / unit;
+  if (whole > limit) return {};
+  const Wide rest = value % unit;
+  const auto fraction =
+      static_cast<double>(static_cast<long double>(rest) / static_cast<long double>(unit));
+  const auto units = static_cast<std::int64_t>(whole);
+  return fraction < 1.0 ? Instant{units, fraction} : Instant{units + 1, 0.0};
+}
+
+// Seconds with digits on both sides of the point and no more than a double's worth behind it: one
+// division rounds once. What nearly every line of every log is.
+std::optional<Instant> parse_plain_seconds(std::string_view text, char point) {
+  constexpr std::size_t most_whole = 18, most_decimals = 15;
+  const char* c = text.data();
+  const char* const end = c + text.size();
+  std::uint64_t whole = 0, part = 0;
+  const char* const begin = c;
+  for (; c != end && is_digit(*c); ++c)
+    whole = whole * 10 + static_cast<std::uint64_t>(*c - '0');
+  const auto whole_digits = static_cast<std::size_t>(c - begin);
+  std::size_t decimals = 0;
+  if (c != end && *c == point) {
+    const char* const after = ++c;
+    for (; c != end && is_digit(*c); ++c)
+      part = part * 10 + static_cast<std::uint64_t>(*c - '0');
+    decimals = static_cast<std::size_t>(c - after);
+  }
+  if (c != end || whole_digits > most_whole || decimals > most_decimals ||
+      whole_digits + decimals == 0)
+    return {};
+  return Instant{static_cast<std::int64_t>(whole),
+                 static_cast<double>(part) / static_cast<double>(powers_of_ten[decimals])};
+}
+
+// Seconds with more than 15 decimals: the fraction is rounded to the nearest double all the same.
+std::optional<Instant> parse_long_seconds(std::string_view text, char point) {
+  const std::size_t at = text.find(point);
+  if (at == std::string_view::npos || at > 18) return {};
+  std::array<char, 42> digits{'0', '.'};
+  const std::string_view fraction = text.substr(at + 1, digits.size() - 2);
+  std::copy(fraction.begin(), fraction.end(), digits.begin() + 2);
+  double value = 0.0;
+  const char* const end = digits.data() + 2 + fraction.size();
+  const auto [stop, error] = fast_float::from_chars(digits.data(), end, value);
+  const auto whole = parse_plain_seconds(text.substr(0, at + 1), point);
+  if (!whole || error != std::errc() || stop != end) return {};
+  return value < 1.0 ? Instant{whole->seconds, value} : Instant{whole->seconds + 1, 0.0};
+}
+
+std::optional<Instant> parse_unsigned(std::string_view text, TimeUnit unit, char point) {
+  if (unit == in_seconds) {
+    if (const auto plain = parse_plain_seconds(text, point)) return plain;
+    if (const auto precise = parse_long_seconds(text, point)) return precise;
+  }
+  const auto number = parse_decimal(text, point);
+  if (!number) return {};
+  return scaled(*number, unit.seconds, unit.power);
 }
 
 } // namespace
 
-std::optional<Instant> parse_instant(std::string_view text) {
-  const bool negative = !text.empty() && text.front() == '-';
-  if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
+std::optional<Instant> parse_instant(std::string_view text, TimeUnit unit, char point) {
   if (text.empty()) return {};
-  const std::size_t point = text.find('.');
-  const std::string_view whole = text.substr(0, point);
-  const std::string_view fraction =
-      point == std::string_view::npos ? std::string_view{} : text.substr(point + 1);
-  if (whole.empty() && fraction.empty()) return {};
-  if (!all_digits(whole) || !all_digits(fraction)) { // an exponent, or no number at all
-    if (text.front() == '+' || text.front() == '-') return {};
-    const auto value = parse_double(text);
-    if (!value || std::abs(*value) >= 9.2e18) return {};
-    return Instant::from_seconds(negative ? -*value : *value);
-  }
-  auto t = parse_plain(whole, fraction);
+  const bool negative = text.front() == '-';
+  if (negative || text.front() == '+') text.remove_prefix(1);
+  auto t = parse_unsigned(text, unit, point);
   if (!t || !negative) return t;
-  if (t->fraction == 0.0) return Instant{-t->seconds, 0.0};
-  return Instant{-t->seconds - 1, 1.0 - t->fraction};
+  const double complement = 1.0 - t->fraction; // one if the fraction is none, or below all digits
+  if (complement == 1.0) return Instant{-t->seconds, 0.0};
+  return Instant{-t->seconds - 1, complement};
 }
 
 namespace {
-
-__extension__ typedef unsigned __int128 Wide; // 53 bits times 10^15 need 103
 
 // The digits of a fraction in [0, 1), rounded exactly (a tie to even): fraction * 10^decimals.
 std::uint64_t fraction_digits(double fraction, std::uint64_t power) {
@@ -105,9 +212,7 @@ std::uint64_t fraction_digits(double fraction, std::uint64_t power) {
 
 // The usual case, fast: logs are written by the hundred million.
 std::string format_positive(std::int64_t seconds, double fraction, int decimals) {
-  std::uint64_t power = 1;
-  for (int i = 0; i < decimals; ++i)
-    power *= 10;
+  const std::uint64_t power = powers_of_ten[static_cast<std::size_t>(decimals)];
   std::uint64_t digits = fraction_digits(fraction, power);
   if (digits == power) {
     ++seconds;

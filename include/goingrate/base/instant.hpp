@@ -43,10 +43,23 @@ Instant operator+(const Instant& t, double duration);
 /// 1e-16 s even after 1e8 periods; shown by `InstantTest.ResidualKeepsDigits`.
 double residual_from_grid(const Instant& t, const Instant& origin, std::int64_t n, double period);
 
-/// Reads a decimal number (sign, digits, point, exponent) into two parts, keeping up to 15 digits
-/// of the fraction exactly rounded; a number with an exponent goes through one double. Returns
-/// nothing if `text` is not wholly such a number.
-std::optional<Instant> parse_instant(std::string_view text);
+/// What a number of a file counts: `seconds` * 10^`power` seconds.
+struct TimeUnit {
+  std::uint32_t seconds = 1;
+  int power = 0;
+  bool operator==(const TimeUnit&) const = default;
+};
+inline constexpr TimeUnit in_seconds{1, 0}, in_milliseconds{1, -3}, in_microseconds{1, -6},
+    in_nanoseconds{1, -9}, in_minutes{60, 0}, in_hours{3600, 0}, in_days{86400, 0};
+
+/// Reads a decimal number (sign, digits, `point`, digits, exponent) of the given unit into two
+/// parts. The arithmetic is that of whole numbers, so nothing is lost: the seconds are exact, the
+/// fraction is the nearest double if the number has at most 15 decimals (or 19 digits in another
+/// unit: then to 1.2e-16 s). Digits beyond the 19th after the first are not read where an exponent
+/// or another unit is in play. Returns nothing if `text` is not wholly such a number or is beyond
+/// 9.2e18 s (InstantTest.ReadsEveryUnitExactly, InstantTest.MillionTimesComeBack).
+std::optional<Instant> parse_instant(std::string_view text, TimeUnit unit = in_seconds,
+                                     char point = '.');
 
 /// Decimal text with `decimals` digits after the point (0 to 17), correctly rounded.
 std::string format_instant(const Instant& t, int decimals);
