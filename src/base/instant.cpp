@@ -160,8 +160,10 @@ std::optional<Instant> parse_plain_seconds(std::string_view text, char point) {
 std::optional<Instant> parse_long_seconds(std::string_view text, char point) {
   const std::size_t at = text.find(point);
   if (at == std::string_view::npos || at > 18) return {};
+  const std::string_view decimals = text.substr(at + 1);
+  if (!std::all_of(decimals.begin(), decimals.end(), is_digit)) return {};
   std::array<char, 42> digits{'0', '.'};
-  const std::string_view fraction = text.substr(at + 1, digits.size() - 2);
+  const std::string_view fraction = decimals.substr(0, digits.size() - 2);
   std::copy(fraction.begin(), fraction.end(), digits.begin() + 2);
   double value = 0.0;
   const char* const end = digits.data() + 2 + fraction.size();
