@@ -15,12 +15,8 @@ void say(const GlobalOptions& global, std::string_view line) {
 }
 
 void add_log_options(CLI::App& command, LogOptions& options) {
-  command.add_option("log", options.path, "the log; '-' is standard input")->required();
-  command
-      .add_option("--format", options.format,
-                  "read it as this format: native, timestamps (one time in s a line), clock-error "
-                  "(label s, error s, amplitude mrad); found from the file if not given")
-      ->check(CLI::IsMember({"native", "timestamps", "clock-error"}));
+  command.add_option("log", options.path, "the log, gzip or not; '-' is standard input")
+      ->required();
   command
       .add_option("--nominal-period", options.nominal_period_s,
                   "T0 in s, the period to compare with")
@@ -34,13 +30,66 @@ void add_log_options(CLI::App& command, LogOptions& options) {
                   "angle (rad) of a centred flag as seen from the pivot, whose leading edge gave "
                   "the times: they are moved to the vertical with each beat's amplitude")
       ->check(CLI::Range(0.0, 1.0));
+  add_reading_options(command, options);
+}
+
+void add_reading_options(CLI::App& command, LogOptions& options) {
+  constexpr const char* group = "How the log is read (found out and said if not given)";
+  command.add_option("--format", options.format, "what kind of log it is")
+      ->check(CLI::IsMember(format_names()))
+      ->group(group);
+  command
+      .add_option("--column", options.columns,
+                  "what a column holds: ROLE=PLACE[:UNIT], the place counted from 1 or a name of "
+                  "the header; time=2, period=3:us, amplitude=5:mrad, angle=2:deg, error, width, "
+                  "edge, temperature, pressure, ignored")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--unit", options.unit, "of the times: s, ms, us, ns, min, h, d, mjd")
+      ->check(CLI::IsMember({"s", "ms", "us", "ns", "min", "h", "d", "mjd"}))
+      ->group(group);
+  command
+      .add_option("--wrap", options.wrap_s,
+                  "the times begin again every so many s; 0: they never do. With --nominal-period "
+                  "also for counters that overflow more than once a beat")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command.add_option("--tau0", options.tau0_s, "s between values of phase, frequency or intervals")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  command.add_flag("--decimal-comma", options.decimal_comma, "12,5 is twelve and a half")
+      ->group(group);
+  command.add_option("--channel", options.channel, "of a TICC: chA, chB")->group(group);
+  command
+      .add_option("--rest-angle", options.rest_angle_rad,
+                  "of angle samples: the angle (rad) at which the pendulum hangs")
+      ->group(group);
+  command.add_flag("--strict", options.strict, "the first line at fault is an error")->group(group);
+}
+
+ReadingOptions reading_options(const LogOptions& options, const GlobalOptions&) {
+  ReadingOptions reading;
+  if (!options.format.empty()) reading.format = format_named(options.format);
+  if (options.nominal_period_s > 0.0) reading.nominal_period_s = options.nominal_period_s;
+  if (options.tau0_s > 0.0) reading.tau0_s = options.tau0_s;
+  if (!options.unit.empty()) reading.unit = unit_named(options.unit);
+  reading.columns = options.columns;
+  reading.wrap_s = options.wrap_s;
+  reading.rest_angle_rad = options.rest_angle_rad;
+  reading.decimal_comma = options.decimal_comma;
+  reading.channel = options.channel;
+  reading.strict = options.strict;
+  return reading;
 }
 
 namespace {
 
-LogFormat format_of(const std::string& name) {
-  if (name == "native") return LogFormat::native;
-  return name == "clock-error" ? LogFormat::clock_error : LogFormat::timestamps;
+std::string words_for(const LineIssue& issue, const std::string& source) {
+  const std::string lines = issue.last_line > issue.line
+                                ? fmt::format(" (and on to line {})", issue.last_line)
+                                : std::string();
+  return fmt::format("{}:{}:{}: {}: {}{}", source, issue.line, issue.column, issue.found,
+                     issue.action, lines);
 }
 
 void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
@@ -48,10 +97,10 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
     say(global, "assumed: " + line);
   const auto& issues = loaded.log.issues;
   for (std::size_t i = 0; i < std::min(issues.size(), issues_shown); ++i)
-    say(global, fmt::format("{}:{}:{}: {}: {}", loaded.log.source, issues[i].line, issues[i].column,
-                            issues[i].found, issues[i].action));
+    say(global, words_for(issues[i], loaded.log.source));
   if (issues.size() > issues_shown)
-    say(global, fmt::format("... and {} more lines with issues", issues.size() - issues_shown));
+    say(global, fmt::format("... and {} more issues (rate --json lists all)",
+                            issues.size() - issues_shown));
   std::size_t splits = 0;
   for (const Gap& gap : loaded.beats.gaps)
     if (!gap.bridged && ++splits <= issues_shown)
@@ -73,11 +122,8 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
 } // namespace
 
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
-  ReadingOptions reading;
-  if (!options.format.empty()) reading.format = format_of(options.format);
-  if (options.nominal_period_s > 0.0) reading.nominal_period_s = options.nominal_period_s;
   NumberedLog loaded;
-  loaded.log = read_log(read_text(options.path), options.path, reading);
+  loaded.log = read_log_file(options.path, reading_options(options, global));
   const bool labelled = label_alternate_edges(loaded.log, options.both_edges);
   if (loaded.log.format == LogFormat::timestamps && !labelled)
     loaded.log.assumptions.emplace_back(

@@ -9,7 +9,9 @@
 #include "goingrate/log/reading.hpp"
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace goingrate::apps {
 
@@ -30,9 +32,21 @@ struct LogOptions {
   double nominal_period_s = 0.0; ///< 0: not given
   double flag_width_rad = 0.0;
   bool both_edges = false;
+  std::vector<std::string> columns; ///< ROLE=PLACE[:UNIT]
+  std::string unit;
+  std::optional<double> wrap_s, rest_angle_rad;
+  double tau0_s = 0.0; ///< 0: not given
+  bool decimal_comma = false;
+  std::string channel;
+  bool strict = false;
 };
 
 void add_log_options(CLI::App& command, LogOptions& options);
+/// Of these, the ones that say how the text is read.
+void add_reading_options(CLI::App& command, LogOptions& options);
+
+/// What the reader is told.
+ReadingOptions reading_options(const LogOptions& options, const GlobalOptions& global);
 
 /// A log read, corrected and numbered.
 struct NumberedLog {

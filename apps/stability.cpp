@@ -17,7 +17,6 @@ struct StabilityCommand {
   std::string kind = "oadev";
   std::string data = "timestamps";
   std::string taus = "octave";
-  double tau0_s = 0.0;
   std::string output;
   std::string json;
 };
@@ -32,10 +31,10 @@ Phase phase_of(const StabilityCommand& options, const GlobalOptions& global) {
     const NumberedLog loaded = load(options.log, global);
     const auto error = clock_error(loaded.good, loaded.nominal_period_s);
     return {on_every_cycle(loaded.good, error),
-            options.tau0_s > 0.0 ? options.tau0_s : loaded.nominal_period_s};
+            options.log.tau0_s > 0.0 ? options.log.tau0_s : loaded.nominal_period_s};
   }
   auto numbers = read_numbers(read_text(options.log.path), options.log.path);
-  double tau0_s = options.tau0_s;
+  double tau0_s = options.log.tau0_s;
   if (tau0_s == 0.0) {
     tau0_s = 1.0;
     say(global, "assumed: one value a second (--tau0 says otherwise)");
@@ -76,10 +75,6 @@ void add_stability(CLI::App& program, const GlobalOptions& global) {
                    "what the file holds: timestamps (a log), phase (s) or frequency, one a line")
       ->check(CLI::IsMember({"timestamps", "phase", "frequency"}))
       ->capture_default_str();
-  command
-      ->add_option("--tau0", options->tau0_s,
-                   "time between values, s; of a log: its nominal period")
-      ->check(CLI::PositiveNumber);
   command
       ->add_option("--taus", options->taus,
                    "averaging times: octave, decade, all, or a list in seconds (3,30,300)")

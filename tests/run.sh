@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh
-goingrate_setup libgtest-dev zlib1g-dev dpkg-dev file
+goingrate_setup libgtest-dev dpkg-dev file
 # A newer compiler may warn of more; only the project's own checks insist.
 cmake --preset release -DBUILD_TESTING=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null
 cmake --build --preset release -j2

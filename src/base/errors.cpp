@@ -12,6 +12,7 @@ ArgumentError::ArgumentError(std::string_view name, std::string_view value, std:
 
 namespace {
 std::string located(const TextPlace& place) {
+  if (place.line == 0) return place.file; // the whole file
   return fmt::format("{}:{}:{}", place.file, place.line, place.column);
 }
 } // namespace

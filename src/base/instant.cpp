@@ -196,6 +196,11 @@ std::optional<Instant> parse_instant(std::string_view text, TimeUnit unit, char 
   return Instant{-t->seconds - 1, complement};
 }
 
+std::optional<Instant> whole_units(std::int64_t count, TimeUnit unit) {
+  if (count < 0) throw ArgumentError("count", static_cast<double>(count), "at least 0");
+  return scaled({static_cast<std::uint64_t>(count), 0, 0}, unit.seconds, unit.power);
+}
+
 namespace {
 
 // The digits of a fraction in [0, 1), rounded exactly (a tie to even): fraction * 10^decimals.

@@ -3,6 +3,7 @@
 #include "goingrate/base/scaled_time.hpp"
 #include "json_parts.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,8 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   json["issues"] = Json::array();
   for (const LineIssue& issue : log.issues)
     json["issues"].push_back({{"line", issue.line},
+                              {"last_line", std::max(issue.line, issue.last_line)},
+                              {"kind", name_of(issue.kind)},
                               {"column", issue.column},
                               {"found", issue.found},
                               {"action", issue.action}});

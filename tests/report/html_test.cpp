@@ -141,7 +141,7 @@ TEST(HtmlReportTest, EscapesWhatComesFromTheLog) {
   ReportData data = some_report();
   data.log.source = "<b>&\"";
   data.log.assumptions = {"<script>alert(1)</script>"};
-  data.log.issues = {{3, 1, "<i>\x02\xc3", "left & out"}};
+  data.log.issues = {{3, 1, IssueKind::unreadable, "<i>\x02\xc3", "left & out", 3}};
   const std::string page = page_of(data);
   EXPECT_NE(page.find("<h1>The going of &lt;b&gt;&amp;&quot;</h1>"), std::string::npos);
   EXPECT_EQ(count_of(page, "<script"), 0U);
@@ -198,7 +198,7 @@ TEST(HtmlReportTest, AShortLogWithNothingFoundOutIsStillAPage) {
 TEST(HtmlReportTest, ShowsTheFirstTwentyFaultyLinesAndCountsTheRest) {
   ReportData data = some_report();
   for (std::size_t i = 0; i < 33; ++i)
-    data.log.issues.push_back({i + 1, 0, "FAULT", "left out"});
+    data.log.issues.push_back({i + 1, 0, IssueKind::unreadable, "FAULT", "left out", i + 1});
   const std::string page = page_of(data);
   EXPECT_EQ(count_of(page, ">FAULT<"), 20U);
   EXPECT_NE(page.find("… and 13 more."), std::string::npos);
@@ -206,7 +206,7 @@ TEST(HtmlReportTest, ShowsTheFirstTwentyFaultyLinesAndCountsTheRest) {
 
 TEST(HtmlReportTest, CutsAFaultyLineThatIsVeryLong) {
   ReportData data = some_report();
-  data.log.issues = {{1, 1, std::string(1'000'000, 'x'), "left out"}};
+  data.log.issues = {{1, 1, IssueKind::unreadable, std::string(1'000'000, 'x'), "left out", 1}};
   EXPECT_LT(page_of(data).size(), 500'000U);
 }
 

@@ -61,6 +61,9 @@ inline constexpr TimeUnit in_seconds{1, 0}, in_milliseconds{1, -3}, in_microseco
 std::optional<Instant> parse_instant(std::string_view text, TimeUnit unit = in_seconds,
                                      char point = '.');
 
+/// `count` (not negative) units as an Instant, by whole-number arithmetic; nothing beyond 9.2e18 s.
+std::optional<Instant> whole_units(std::int64_t count, TimeUnit unit);
+
 /// Decimal text with `decimals` digits after the point (0 to 17), correctly rounded.
 std::string format_instant(const Instant& t, int decimals);
 

@@ -2,22 +2,17 @@
 #pragma once
 
 #include "goingrate/base/instant.hpp"
+#include "goingrate/log/layout.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace goingrate {
-
-/// The formats that are read.
-enum class LogFormat {
-  native,      ///< '#' header, then CSV with named columns, see README
-  timestamps,  ///< one time in seconds a line
-  clock_error, ///< "label error amplitude_mrad": label s, error s (positive: fast), amplitude mrad
-};
 
 /// Which way the pendulum went.
 enum class Edge : std::uint8_t { up, down };
@@ -48,12 +43,39 @@ inline Beat event_at(const Instant& time, Edge edge = Edge::up, std::uint32_t li
   return {time, 0, amplitude_rad, line, 0, BeatFlag::good, edge};
 }
 
-/// Something wrong with one line, and what was done about it.
+/// What can be wrong with a line.
+enum class IssueKind : std::uint8_t {
+  unreadable,   ///< a field that is not what it should be
+  missing,      ///< an empty field, too few or too many fields
+  no_value,     ///< NaN, or all nines, in a place that needs a number
+  out_of_range, ///< a number that cannot be meant
+  binary,       ///< bytes that no text has
+  truncated,    ///< a last line that was cut short
+  out_of_order, ///< a time before the one before
+  label_jitter, ///< a label written a step early or late
+  gap,          ///< a place left empty on purpose
+  header,       ///< a header in the middle, or one that does not fit the columns
+  incomplete,   ///< one edge of a passage without the other
+};
+std::string_view name_of(IssueKind kind);
+
+/// Something wrong with one line, or with a run of lines in the same way, and what was done about
+/// it.
 struct LineIssue {
   std::size_t line = 0;
   std::size_t column = 0;
-  std::string found;
+  IssueKind kind = IssueKind::unreadable;
+  std::string found; ///< in the first of the lines
   std::string action;
+  std::size_t last_line = 0; ///< of the run; `line` if it is one
+};
+
+/// What else the log says of its events: each empty, or one value an event, NaN where unknown.
+struct EventColumns {
+  std::vector<double> width_s{};       ///< how long the flag was seen
+  std::vector<double> sigma_s{};       ///< standard deviation of the time
+  std::vector<double> temperature_c{}; ///< degrees Celsius
+  std::vector<double> pressure_mbar{};
 };
 
 /// A log: events in order of time.
@@ -61,8 +83,10 @@ struct ClockLog {
   std::string source; ///< file name as given
   LogFormat format = LogFormat::timestamps;
   std::vector<Beat> events;
+  EventColumns columns;
   bool has_amplitude = false;
   std::optional<double> nominal_period_s; ///< if the log states one
+  std::optional<double> flag_width_rad;   ///< the same
   std::vector<std::string> assumptions;   ///< what was taken for granted, in plain sentences
   std::vector<LineIssue> issues;
 };

@@ -3,27 +3,65 @@
 
 #include "goingrate/log/clock_log.hpp"
 
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace goingrate {
 
 /// What the reader may be told instead of finding out.
 struct ReadingOptions {
-  std::optional<LogFormat> format;
-  std::optional<double> nominal_period_s;
+  std::optional<LogFormat> format{};
+  std::optional<double> nominal_period_s{};
+  std::vector<std::string> columns{}; ///< "time=2", "amplitude=5:mrad", "angle=Angle (deg)"
+  std::optional<TimeUnit> unit{};     ///< of the times (in_days: MJD)
+  std::optional<double> wrap_s{};     ///< times begin again after so much; 0: they never do
+  std::optional<double> tau0_s{};     ///< between values of phase, frequency or intervals
+  bool decimal_comma = false;
+  std::string channel{};                  ///< of a TICC
+  std::optional<double> rest_angle_rad{}; ///< of angle samples: where the pendulum hangs
+  bool strict = false;                    ///< the first issue is an error
+  std::function<void(double)> progress{}; ///< told now and then which part has been read
 };
 
 /// Reads the whole text of a log; `source` names it in messages.
 ///
-/// The format is found from the first line of data and said in `assumptions`. A line that cannot be
-/// used is left out and listed in `issues`; order is restored by sorting, also listed.
+/// The layout is found from the beginning of the text and said in `assumptions`, each part of it
+/// can be overridden. Times keep all their digits. A line that cannot be used is left out, one that
+/// can be mended is mended; both are listed in `issues` (line, column, kind, what was done). Order
+/// is restored by sorting, a log with the newest line first is turned round.
 /// Amplitudes outside 0 to pi rad are taken as unknown, times beyond 4e18 s left out; both are
-/// told. Throws InputError (file, line, column, found, expected) if the text is empty, binary, of
+/// told. Angle samples become crossings, see crossings_of_samples.
+/// Throws InputError (file, line, column, found, expected) if the text is empty, binary, of
 /// no known format, if fewer than half of its lines can be used, or fewer than three events are
-/// found.
+/// found. Formats: ReadingTest, Formats/ReadsInTheWild. Speed and memory:
+/// tests/studies/reading.txt.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});
+
+/// The same for a file (gzip or not), or standard input for "-", held a piece at a time.
+ClockLog read_log_file(const std::string& path, const ReadingOptions& options = {});
+
+/// A log that is still being written: events as they come.
+class LogFollower {
+public:
+  /// `wait` is called at the end of a growing file, and returns false to give up. Waits for the
+  /// first lines to find out the layout. Throws InputError as read_log does.
+  LogFollower(const std::string& path, const ReadingOptions& options, std::function<bool()> wait);
+  ~LogFollower();
+
+  /// The next event; nothing at the end.
+  std::optional<Beat> next();
+  /// Assumptions and issues so far; its events are those not yet handed out.
+  [[nodiscard]] const ClockLog& log() const;
+
+private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 /// Reads a column of numbers, one a line ('#' lines are comments; "nan" is a gap), as phase and
 /// frequency data come. Throws InputError at the first line that is no number, and for fewer than
@@ -39,8 +77,9 @@ std::string read_text(const std::string& path);
 /// minus half the flag's width.
 ///
 /// The next term, of order epsilon and amplitude^2, is below 1e-4 of the correction. Events without
-/// an amplitude above |angle| become issues and are removed. Trinity clock, 2013-03-30: the robust
-/// scatter of its periods falls from 44.5 to 31.6 us (TrinityTest.EdgeCorrectionLowersTheNoise).
+/// an amplitude above |angle| become issues and are moved with the log's median amplitude. Trinity
+/// clock, 2013-03-30: the robust scatter of its periods falls from 44.5 to 31.6 us
+/// (TrinityTest.EdgeCorrectionLowersTheNoise).
 void correct_edge_to_centre(ClockLog& log, double edge_angle_rad, double period_s);
 
 } // namespace goingrate

@@ -1,0 +1,80 @@
+// How the text of a log is laid out: its separators, and what each of its columns means.
+#pragma once
+
+#include "goingrate/base/instant.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+/// The kinds of logs that are read. README, "Logs it reads", shows a line of each.
+enum class LogFormat {
+  native,      ///< '#' header, then CSV with named columns, see README
+  timestamps,  ///< a time a line: seconds, another unit, MJD, date and time, a counter
+  clock_error, ///< "label error amplitude_mrad": label s, error s (positive: fast), amplitude mrad
+  periods,     ///< a period a line
+  phase,       ///< the clock's error a line, one every tau0: Stable32, SigmaTheta .xtt
+  frequency,   ///< relative frequency a line, one every tau0: SigmaTheta .ykt
+  ticc,        ///< TAPR TICC: "time chA"
+  ticc_interval, ///< TAPR TICC: "interval TI(A->B)"
+  table,         ///< columns with names
+  angle,         ///< samples of the angle; crossings are found by local fits
+};
+
+/// What a column holds.
+enum class ColumnRole : std::uint8_t {
+  ignored,
+  time,        ///< of the event or sample
+  date,        ///< the time of day stands in the next column
+  period,      ///< from the event before to this one
+  half_period, ///< the same, of half a swing
+  clock_error, ///< s, positive: fast
+  phase,       ///< the same, of events that come every tau0
+  frequency,   ///< relative
+  amplitude,
+  angle,
+  position, ///< sideways displacement; its unit does not matter
+  width,    ///< how long the flag was seen, s
+  edge,     ///< up or down; of a gate's two edges up-in, up-out, down-in, down-out
+  temperature,
+  pressure,
+  channel, ///< chA, chB, TI(A->B)
+};
+
+struct LogColumn {
+  ColumnRole role = ColumnRole::ignored;
+  TimeUnit unit{};    ///< of a time
+  double scale = 1.0; ///< what other numbers are multiplied by to get rad, s, degrees C or mbar
+  std::string name{};
+};
+
+/// The layout of one log.
+struct Layout {
+  LogFormat format = LogFormat::timestamps;
+  char separator = ' ';         ///< ' ' stands for any run of blanks and tabs
+  char point = '.';             ///< decimal point
+  std::uint32_t first_line = 1; ///< line of the first data
+  std::vector<LogColumn> columns;
+  bool calendar = false;        ///< times are dates or times of day
+  std::optional<double> wrap_s; ///< at which times begin again from nothing
+  double tau0_s = 1.0;          ///< of phase, frequency and intervals
+  std::string channel;          ///< of the TICC that is read; others are left out
+  bool newest_first = false;
+
+  /// The first column of a role.
+  [[nodiscard]] std::optional<std::size_t> find(ColumnRole role) const;
+};
+
+std::string_view name_of(LogFormat format); ///< as --format takes it
+std::string_view name_of(ColumnRole role);  ///< as --column takes it
+std::optional<LogFormat> format_named(std::string_view name);
+std::optional<ColumnRole> role_named(std::string_view name);
+std::vector<std::string> format_names();
+/// The unit of time of that name: s, ms, us, ns, min, h, d, mjd and what else headers say.
+std::optional<TimeUnit> unit_named(std::string_view name);
+
+} // namespace goingrate

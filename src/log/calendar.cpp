@@ -1,0 +1,109 @@
+#include "calendar.hpp"
+
+#include <chrono>
+#include <string>
+
+namespace goingrate {
+
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Takes pieces off the front of a text.
+class Taker {
+public:
+  explicit Taker(std::string_view text) : rest(text) {}
+
+  // A whole number of `least` to `most` digits.
+  std::optional<int> number(std::size_t least, std::size_t most) {
+    std::size_t count = 0;
+    int value = 0;
+    while (count < most && count < rest.size() && is_digit(rest[count]))
+      value = value * 10 + (rest[count++] - '0');
+    if (count < least) return {};
+    rest.remove_prefix(count);
+    return value;
+  }
+  bool any_of(std::string_view characters) {
+    if (rest.empty() || characters.find(rest.front()) == std::string_view::npos) return false;
+    rest.remove_prefix(1);
+    return true;
+  }
+  void blanks() {
+    while (any_of(" \t")) {
+    }
+  }
+
+  std::string_view rest;
+};
+
+// "hh:mm:ss.fff", the seconds with all their digits; nothing else may follow but a zone.
+std::optional<Instant> time_of_day(Taker& text, std::string_view between, char point) {
+  const auto hour = text.number(1, 2);
+  if (!hour || *hour > 24 || !text.any_of(between)) return {};
+  const auto minute = text.number(1, 2);
+  if (!minute || *minute > 59) return {};
+  Instant seconds;
+  if (text.any_of(between)) {
+    std::size_t length = 0;
+    while (length < text.rest.size() && (is_digit(text.rest[length]) || text.rest[length] == point))
+      ++length;
+    const auto value = parse_instant(text.rest.substr(0, length), in_seconds, point);
+    if (!value || value->seconds > 60) return {}; // 60: a leap second
+    seconds = *value;
+    text.rest.remove_prefix(length);
+  }
+  seconds.seconds += *hour * 3600 + *minute * 60;
+  return seconds;
+}
+
+// Seconds east of Greenwich; nothing if what is left is no zone.
+std::optional<std::int64_t> zone(Taker& text, bool& given) {
+  text.blanks();
+  given = !text.rest.empty();
+  if (text.rest.empty() || text.rest == "Z" || text.rest == "z" || text.rest == "UTC" ||
+      text.rest == "GMT")
+    return 0;
+  const bool west = text.rest.front() == '-';
+  if (!text.any_of("+-")) return {};
+  const auto hours = text.number(2, 2);
+  text.any_of(":");
+  const auto minutes = text.rest.empty() ? 0 : text.number(2, 2);
+  if (!hours || !minutes || !text.rest.empty() || *hours > 14 || *minutes > 59) return {};
+  const std::int64_t east = *hours * 3600 + *minutes * 60;
+  return west ? -east : east;
+}
+
+} // namespace
+
+std::optional<CalendarTime> parse_calendar(std::string_view text, char point) {
+  CalendarTime result;
+  Taker alone(text);
+  if (const auto time = time_of_day(alone, ":", point)) {
+    const auto east = zone(alone, result.has_zone);
+    if (!east) return {};
+    result.time = *time;
+    return result;
+  }
+  Taker date(text);
+  const auto year = date.number(4, 4);
+  if (!year || !date.any_of("-_/.")) return {};
+  const auto month = date.number(1, 2);
+  if (!month || !date.any_of("-_/.")) return {};
+  const auto day = date.number(1, 2);
+  if (!day || !date.any_of(" \tTt_-")) return {};
+  date.blanks();
+  const auto time = time_of_day(date, ":-_", point);
+  if (!time) return {};
+  const auto east = zone(date, result.has_zone);
+  const std::chrono::year_month_day ymd{std::chrono::year(*year),
+                                        std::chrono::month(static_cast<unsigned>(*month)),
+                                        std::chrono::day(static_cast<unsigned>(*day))};
+  if (!east || !ymd.ok()) return {};
+  const std::int64_t days = std::chrono::sys_days(ymd).time_since_epoch().count();
+  result.has_date = true;
+  result.time = {time->seconds + days * 86400 - *east, time->fraction};
+  return result;
+}
+
+} // namespace goingrate

@@ -1,0 +1,204 @@
+#include "column_names.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+namespace goingrate {
+
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return result;
+}
+
+// Micro and degree come in UTF-8 (two code points of micro) and in Latin-1.
+std::string plain_unit(std::string_view text) {
+  std::string unit = lower(text);
+  const auto replace = [&](std::string_view what, std::string_view with) {
+    if (const auto at = unit.find(what); at != std::string::npos)
+      unit.replace(at, what.size(), with);
+  };
+  replace("\xc2\xb5", "u");
+  replace("\xce\xbc", "u");
+  replace("\xb5", "u");
+  replace("\xc2\xb0", "deg");
+  replace("\xb0", "deg");
+  std::erase(unit, ' ');
+  return unit;
+}
+
+struct TimeName {
+  std::string_view name;
+  TimeUnit unit;
+};
+constexpr std::array<TimeName, 22> time_names{{{"s", in_seconds},
+                                               {"ms", in_milliseconds},
+                                               {"us", in_microseconds},
+                                               {"ns", in_nanoseconds},
+                                               {"min", in_minutes},
+                                               {"h", in_hours},
+                                               {"d", in_days},
+                                               {"sec", in_seconds},
+                                               {"secs", in_seconds},
+                                               {"second", in_seconds},
+                                               {"seconds", in_seconds},
+                                               {"msec", in_milliseconds},
+                                               {"millis", in_milliseconds},
+                                               {"milliseconds", in_milliseconds},
+                                               {"usec", in_microseconds},
+                                               {"micros", in_microseconds},
+                                               {"microseconds", in_microseconds},
+                                               {"minutes", in_minutes},
+                                               {"hours", in_hours},
+                                               {"day", in_days},
+                                               {"days", in_days},
+                                               {"mjd", in_days}}};
+
+struct ScaleName {
+  std::string_view name;
+  double scale;
+};
+constexpr double degree = std::numbers::pi / 180.0;
+constexpr std::array<ScaleName, 7> angle_names{{{"rad", 1.0},
+                                                {"radians", 1.0},
+                                                {"mrad", 1e-3},
+                                                {"urad", 1e-6},
+                                                {"deg", degree},
+                                                {"degree", degree},
+                                                {"degrees", degree}}};
+constexpr std::array<ScaleName, 5> pressure_names{
+    {{"mbar", 1.0}, {"hpa", 1.0}, {"pa", 1e-2}, {"kpa", 10.0}, {"bar", 1e3}}};
+constexpr std::array<ScaleName, 4> temperature_names{
+    {{"c", 1.0}, {"degc", 1.0}, {"celsius", 1.0}, {"degcelsius", 1.0}}};
+
+template <class Names>
+bool set_scale(LogColumn& column, const Names& names, std::string_view unit) {
+  const auto entry = std::find_if(names.begin(), names.end(),
+                                  [&](const ScaleName& known) { return known.name == unit; });
+  if (entry == names.end()) return false;
+  column.scale = entry->scale;
+  return true;
+}
+
+bool is_time_role(ColumnRole role) {
+  return role == ColumnRole::time || role == ColumnRole::period || role == ColumnRole::half_period;
+}
+
+bool is_time_scale_role(ColumnRole role) {
+  return role == ColumnRole::clock_error || role == ColumnRole::phase || role == ColumnRole::width;
+}
+
+// "Time (s)", "Angle/rad", "t [ms]" come apart by their signs; "time_s" and "width us" by the last
+// word, if it is a unit.
+std::pair<std::string, std::string> name_and_unit(std::string_view text) {
+  const std::size_t open = text.find_first_of("([");
+  if (open != std::string_view::npos) {
+    const std::size_t close = std::min(text.find_first_of(")]", open), text.size());
+    return {lower(text.substr(0, open)), plain_unit(text.substr(open + 1, close - open - 1))};
+  }
+  if (const std::size_t slash = text.rfind('/'); slash != std::string_view::npos)
+    return {lower(text.substr(0, slash)), plain_unit(text.substr(slash + 1))};
+  if (const std::size_t gap = text.find_last_of("_ "); gap != std::string_view::npos)
+    return {lower(text), plain_unit(text.substr(gap + 1))};
+  return {lower(text), plain_unit(text)};
+}
+
+struct RoleWord {
+  std::string_view word;
+  ColumnRole role;
+};
+// The first that the name contains counts; the longer come before those they contain.
+constexpr std::array<RoleWord, 25> role_words{{{"uncertainty", ColumnRole::ignored},
+                                               {"sigma", ColumnRole::ignored},
+                                               {"residual", ColumnRole::ignored},
+                                               {"angvel", ColumnRole::ignored},
+                                               {"velocity", ColumnRole::ignored},
+                                               {"half-period", ColumnRole::half_period},
+                                               {"half_period", ColumnRole::half_period},
+                                               {"half period", ColumnRole::half_period},
+                                               {"halfperiod", ColumnRole::half_period},
+                                               {"width", ColumnRole::width},
+                                               {"interval", ColumnRole::period},
+                                               {"period", ColumnRole::period},
+                                               {"clock error", ColumnRole::clock_error},
+                                               {"clock_error", ColumnRole::clock_error},
+                                               {"drift", ColumnRole::clock_error},
+                                               {"amplitude", ColumnRole::amplitude},
+                                               {"temp", ColumnRole::temperature},
+                                               {"press", ColumnRole::pressure},
+                                               {"baro", ColumnRole::pressure},
+                                               {"angle", ColumnRole::angle},
+                                               {"theta", ColumnRole::angle},
+                                               {"edge", ColumnRole::edge},
+                                               {"direction", ColumnRole::edge},
+                                               {"time", ColumnRole::time},
+                                               {"date", ColumnRole::time}}};
+constexpr std::array<RoleWord, 9> short_names{{{"t", ColumnRole::time},
+                                               {"mjd", ColumnRole::time},
+                                               {"utc", ColumnRole::time},
+                                               {"unix", ColumnRole::time},
+                                               {"epoch", ColumnRole::time},
+                                               {"phi", ColumnRole::angle},
+                                               {"\xce\xb8", ColumnRole::angle}, // theta
+                                               {"\xcf\x86", ColumnRole::angle}, // phi
+                                               {"x", ColumnRole::position}}};
+
+ColumnRole role_of(std::string_view name) {
+  while (!name.empty() && name.back() == ' ')
+    name.remove_suffix(1);
+  for (const RoleWord& entry : short_names)
+    if (name == entry.word) return entry.role;
+  for (const RoleWord& entry : role_words)
+    if (name.find(entry.word) != std::string_view::npos) return entry.role;
+  return ColumnRole::ignored;
+}
+
+} // namespace
+
+std::optional<TimeUnit> unit_named(std::string_view name) {
+  const std::string plain = plain_unit(name);
+  for (const TimeName& known : time_names)
+    if (known.name == plain) return known.unit;
+  return {};
+}
+
+std::string_view name_of(TimeUnit unit) {
+  for (const TimeName& known : time_names)
+    if (known.unit == unit) return known.name;
+  return "?";
+}
+
+bool set_unit(LogColumn& column, std::string_view text) {
+  const std::string unit = plain_unit(text);
+  if (is_time_role(column.role) || is_time_scale_role(column.role)) {
+    const auto time = unit_named(unit);
+    if (!time) return false;
+    column.unit = *time;
+    column.scale = time->seconds * std::pow(10.0, time->power);
+    return true;
+  }
+  if (column.role == ColumnRole::amplitude || column.role == ColumnRole::angle)
+    return set_scale(column, angle_names, unit);
+  if (column.role == ColumnRole::temperature) return set_scale(column, temperature_names, unit);
+  if (column.role == ColumnRole::pressure) return set_scale(column, pressure_names, unit);
+  return false;
+}
+
+NamedColumn column_named(std::string_view text) {
+  const auto [name, unit] = name_and_unit(text);
+  NamedColumn result;
+  result.column.name = std::string(text);
+  result.column.role = role_of(name);
+  result.has_unit = set_unit(result.column, unit);
+  return result;
+}
+
+} // namespace goingrate

@@ -1,0 +1,57 @@
+// What the user says of columns.
+#include "column_names.hpp"
+#include "layout_detection.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <charconv>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+std::size_t place_of(std::string_view place, const LogHead& head, const std::string& word) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(place.data(), place.data() + place.size(), number);
+  if (error == std::errc() && end == place.data() + place.size()) {
+    if (number >= 1 && number <= head.columns) return number - 1;
+    throw ArgumentError("column", word, fmt::format("a place from 1 to {}", head.columns));
+  }
+  for (std::size_t i = 0; i < head.names.size(); ++i)
+    if (head.names[i] == place) return i;
+  throw ArgumentError("column", word, "a number from 1, or a name of the header");
+}
+
+} // namespace
+
+void apply_columns(const std::vector<std::string>& columns, const LogHead& head, Layout& layout) {
+  for (const std::string& word : columns) {
+    const std::size_t equals = word.find('=');
+    const auto role = role_named(std::string_view(word).substr(0, equals));
+    if (equals == std::string::npos || !role)
+      throw ArgumentError("column", word,
+                          "ROLE=PLACE[:UNIT], role one of time, period, half-period, error, phase, "
+                          "frequency, amplitude, angle, position, width, edge, temperature, "
+                          "pressure, channel, ignored");
+    std::string_view place = std::string_view(word).substr(equals + 1);
+    const std::size_t colon = place.rfind(':');
+    const std::string_view unit =
+        colon == std::string_view::npos ? std::string_view{} : place.substr(colon + 1);
+    LogColumn column;
+    column.role = *role;
+    const bool has_unit = !unit.empty() && set_unit(column, unit);
+    if (has_unit) place = place.substr(0, colon);
+    const std::size_t at = place_of(place, head, word);
+    if (!has_unit) { // the header's unit for the new role, if it states one
+      const NamedColumn named = column_named(layout.columns[at].name);
+      if (named.column.role == *role) column = named.column;
+    }
+    column.name = layout.columns[at].name;
+    for (LogColumn& other : layout.columns)
+      if (other.role == *role && *role != ColumnRole::ignored) other.role = ColumnRole::ignored;
+    layout.columns[at] = column;
+  }
+}
+
+} // namespace goingrate

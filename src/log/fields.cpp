@@ -1,0 +1,110 @@
+#include "fields.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fast_float/fast_float.h>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+Field trimmed(std::string_view text, std::size_t column) {
+  while (!text.empty() && is_blank(text.front())) {
+    text.remove_prefix(1);
+    ++column;
+  }
+  while (!text.empty() && is_blank(text.back()))
+    text.remove_suffix(1);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
+    return {text.substr(1, text.size() - 2), column + 1};
+  return {text, column};
+}
+
+void split_at_blanks(std::string_view line, std::vector<Field>& fields) {
+  std::size_t i = 0;
+  while (i < line.size()) {
+    while (i < line.size() && is_blank(line[i]))
+      ++i;
+    const std::size_t begin = i;
+    while (i < line.size() && !is_blank(line[i]))
+      ++i;
+    if (i > begin) fields.push_back(trimmed(line.substr(begin, i - begin), begin + 1));
+  }
+}
+
+} // namespace
+
+void split_fields(std::string_view line, char separator, std::vector<Field>& fields) {
+  fields.clear();
+  if (separator == ' ') {
+    split_at_blanks(line, fields);
+    return;
+  }
+  std::size_t begin = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i <= line.size(); ++i) {
+    if (i < line.size() && line[i] == '"') quoted = !quoted;
+    if (i < line.size() && (quoted || line[i] != separator)) continue;
+    fields.push_back(trimmed(line.substr(begin, i - begin), begin + 1));
+    begin = i + 1;
+  }
+}
+
+std::optional<double> parse_number(std::string_view text, char point) {
+  if (!text.empty() && text.front() == '+') {
+    text.remove_prefix(1);
+    if (!text.empty() && text.front() == '-') return {};
+  }
+  double value = 0.0;
+  const fast_float::parse_options options{fast_float::chars_format::general, point};
+  const auto [end, error] =
+      fast_float::from_chars_advanced(text.data(), text.data() + text.size(), value, options);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  return value;
+}
+
+bool says_nothing(std::string_view text) {
+  constexpr std::array<std::string_view, 8> words{"nan",  "na", "n/a", "null",
+                                                  "none", "-",  "--",  "inf"};
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  if (lower == "-nan" || lower == "-inf" || lower == "+inf") return true;
+  return lower.empty() || std::find(words.begin(), words.end(), lower) != words.end();
+}
+
+bool all_nines(std::string_view text) {
+  if (!text.empty() && text.front() == '-') text.remove_prefix(1);
+  std::size_t nines = 0, others = 0;
+  for (const char c : text)
+    ++(c == '9' ? nines : others);
+  const bool one_point = others == 0 || (others == 1 && text.find_first_of(".,") != text.npos);
+  return nines >= 4 && one_point;
+}
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t longest = 40; // enough to recognise the place, short enough for one line
+  std::string clean;
+  for (const char c : text.substr(0, longest)) { // half a character must not spoil a message
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte < 0x7f)
+      clean += c;
+    else
+      clean += fmt::format("\\x{:02x}", byte);
+  }
+  return fmt::format("'{}{}'", clean, text.size() > longest ? "..." : "");
+}
+
+bool has_binary(std::string_view line) {
+  return std::any_of(line.begin(), line.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte < 0x20 && c != '\t' && c != '\f' && c != '\r';
+  });
+}
+
+} // namespace goingrate

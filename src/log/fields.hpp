@@ -1,0 +1,38 @@
+// Lines into fields, fields into numbers.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+/// One field of a line, without blanks and quotes around it.
+struct Field {
+  std::string_view text;
+  std::size_t column = 1; ///< from 1
+};
+
+/// Cuts `line` at each `separator` outside quotes, or, for ' ', at each run of blanks and tabs.
+/// `fields` is overwritten, so that its memory serves for all lines.
+void split_fields(std::string_view line, char separator, std::vector<Field>& fields);
+
+/// A finite number with the given decimal point ('.' or ','), wholly; a sign "+" is allowed.
+std::optional<double> parse_number(std::string_view text, char point = '.');
+
+/// The words with which programs say that there is no number: nan, NaN, NA, N/A, null, inf, --.
+bool says_nothing(std::string_view text);
+
+/// All nines, as instruments write for "no value": 9999.999, -9999, 99999.9 (at least four of
+/// them).
+bool all_nines(std::string_view text);
+
+/// Text for a message: quoted, cut to 40 characters, bytes outside ASCII as \xNN.
+std::string shown(std::string_view text);
+
+/// Whether the line has a byte that no text has (a control character other than a tab).
+bool has_binary(std::string_view line);
+
+} // namespace goingrate

@@ -1,0 +1,77 @@
+#include "goingrate/log/layout.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace goingrate {
+
+namespace {
+
+constexpr std::array<std::pair<LogFormat, std::string_view>, 10> formats{{
+    {LogFormat::native, "native"},
+    {LogFormat::timestamps, "timestamps"},
+    {LogFormat::clock_error, "clock-error"},
+    {LogFormat::periods, "periods"},
+    {LogFormat::phase, "phase"},
+    {LogFormat::frequency, "frequency"},
+    {LogFormat::ticc, "ticc"},
+    {LogFormat::ticc_interval, "ticc-interval"},
+    {LogFormat::table, "table"},
+    {LogFormat::angle, "angle"},
+}};
+
+constexpr std::array<std::pair<ColumnRole, std::string_view>, 16> roles{{
+    {ColumnRole::ignored, "ignored"},
+    {ColumnRole::time, "time"},
+    {ColumnRole::date, "date"},
+    {ColumnRole::period, "period"},
+    {ColumnRole::half_period, "half-period"},
+    {ColumnRole::clock_error, "error"},
+    {ColumnRole::phase, "phase"},
+    {ColumnRole::frequency, "frequency"},
+    {ColumnRole::amplitude, "amplitude"},
+    {ColumnRole::angle, "angle"},
+    {ColumnRole::position, "position"},
+    {ColumnRole::width, "width"},
+    {ColumnRole::edge, "edge"},
+    {ColumnRole::temperature, "temperature"},
+    {ColumnRole::pressure, "pressure"},
+    {ColumnRole::channel, "channel"},
+}};
+
+template <class Table, class Value> std::string_view name_in(const Table& table, Value value) {
+  const auto* entry = std::find_if(table.begin(), table.end(),
+                                   [&](const auto& pair) { return pair.first == value; });
+  return entry->second;
+}
+
+template <class Table>
+auto value_in(const Table& table, std::string_view name)
+    -> std::optional<typename Table::value_type::first_type> {
+  for (const auto& [value, known] : table)
+    if (known == name) return value;
+  return {};
+}
+
+} // namespace
+
+std::optional<std::size_t> Layout::find(ColumnRole role) const {
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].role == role) return i;
+  return {};
+}
+
+std::string_view name_of(LogFormat format) { return name_in(formats, format); }
+std::string_view name_of(ColumnRole role) { return name_in(roles, role); }
+std::optional<LogFormat> format_named(std::string_view name) { return value_in(formats, name); }
+std::optional<ColumnRole> role_named(std::string_view name) { return value_in(roles, name); }
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const auto& [format, name] : formats)
+    names.emplace_back(name);
+  return names;
+}
+
+} // namespace goingrate

@@ -1,0 +1,384 @@
+#include "layout_detection.hpp"
+
+#include "calendar.hpp"
+#include "column_names.hpp"
+#include "issue_list.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+// The unit in which a beat takes between 0.02 s and 100 s; samples of an angle may be closer.
+std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
+  if (step >= 0.02 && step < 100.0) return in_seconds;
+  if (step >= 100.0 && step < 2e4) return in_milliseconds;
+  if (step >= 2e4 && step < 5e7) return in_microseconds;
+  if (step >= 5e7 && step < 1e11) return in_nanoseconds;
+  constexpr double mjd_1900 = 15000.0, mjd_2100 = 90000.0;
+  if (sample.least > mjd_1900 && sample.most < mjd_2100 && step > 0.02 / 86400.0 && step < 1e-3)
+    return in_days;
+  return {};
+}
+
+class Detection {
+public:
+  Detection(const LogHead& head, const ReadingOptions& options, ClockLog& log)
+      : head_(head), options_(options), log_(log), first_(head.fields(0)) {
+    layout_.separator = head.separator;
+    layout_.point = head.point;
+    layout_.first_line = head.rows.front().number;
+    layout_.columns.resize(head.columns);
+    for (std::size_t i = 0; i < head.columns; ++i)
+      samples_.push_back(head.sample(i));
+  }
+
+  Layout run() {
+    if (head_.comma_was_guessed)
+      assume("a comma is the decimal point (--decimal-comma says so for certain)");
+    const bool named = !head_.names.empty() && read_names();
+    if (options_.format)
+      layout_.format = *options_.format;
+    else
+      layout_.format = named ? format_of_names() : format_of_contents();
+    if (!named || !options_.columns.empty()) fill_columns(named);
+    if (!options_.columns.empty()) {
+      apply_columns(options_.columns, head_, layout_);
+      if (!options_.format) layout_.format = format_of_names();
+    }
+    check_needed_columns();
+    settle_times();
+    layout_.tau0_s = options_.tau0_s.value_or(options_.nominal_period_s.value_or(1.0));
+    log_.assumptions.insert(log_.assumptions.begin(),
+                            fmt::format("format: {}{}", words_for(layout_.format),
+                                        options_.format ? "" : ", found from the first lines"));
+    return layout_;
+  }
+
+private:
+  void assume(std::string text) { log_.assumptions.push_back(std::move(text)); }
+  [[nodiscard]] bool is_number(std::size_t column) const {
+    return column < samples_.size() && samples_[column].numbers * 2 > samples_[column].rows;
+  }
+  [[nodiscard]] bool is_calendar(std::size_t column) const {
+    return column < samples_.size() && samples_[column].calendars * 2 > samples_[column].rows;
+  }
+  void set(std::size_t column, ColumnRole role, double scale = 1.0) {
+    layout_.columns[column].role = role;
+    layout_.columns[column].scale = scale;
+  }
+
+  static std::string_view words_for(LogFormat format);
+  bool read_names();
+  [[nodiscard]] LogFormat format_of_names() const;
+  [[nodiscard]] LogFormat format_of_contents() const;
+  [[nodiscard]] LogFormat format_of_one_column() const;
+  [[nodiscard]] bool looks_like_clock_error() const;
+  [[nodiscard]] bool has_date_in_front() const;
+  void fill_columns(bool named);
+  void fill_time();
+  void check_needed_columns();
+  void settle_times();
+  void settle_unit(LogColumn& column, const ColumnSample& sample);
+  void settle_angle_unit();
+
+  const LogHead& head_;
+  const ReadingOptions& options_;
+  ClockLog& log_;
+  std::vector<Field> first_;
+  std::vector<ColumnSample> samples_;
+  std::vector<bool> stated_unit_;
+  Layout layout_;
+};
+
+std::string_view Detection::words_for(LogFormat format) {
+  switch (format) {
+  case LogFormat::native:
+    return "goingrate's native log";
+  case LogFormat::clock_error:
+    return "a clock-error log (label s, error s, amplitude mrad)";
+  case LogFormat::periods:
+    return "one period a line";
+  case LogFormat::phase:
+    return "phase data, the clock's error in seconds a line (positive: fast)";
+  case LogFormat::frequency:
+    return "frequency data, the relative rate a line";
+  case LogFormat::ticc:
+    return "TICC timestamps";
+  case LogFormat::ticc_interval:
+    return "TICC intervals, taken as the clock's error (positive: fast)";
+  case LogFormat::table:
+    return "columns with names";
+  case LogFormat::angle:
+    return "samples of the angle";
+  case LogFormat::timestamps:
+    break;
+  }
+  return "one time a line";
+}
+
+// Roles and units from the header; false if it names nothing that is known.
+bool Detection::read_names() {
+  std::size_t known = 0;
+  stated_unit_.assign(head_.columns, false);
+  for (std::size_t i = 0; i < std::min(head_.columns, head_.names.size()); ++i) {
+    const NamedColumn named = column_named(head_.names[i]);
+    const bool taken = layout_.find(named.column.role).has_value();
+    layout_.columns[i] = named.column;
+    if (taken && named.column.role != ColumnRole::ignored) // the first of a name counts
+      layout_.columns[i].role = ColumnRole::ignored;
+    stated_unit_[i] = named.has_unit;
+    known += layout_.columns[i].role != ColumnRole::ignored ? 1 : 0;
+  }
+  if (head_.names.size() != head_.columns && known > 0) {
+    const std::size_t line =
+        head_.titles.empty() ? head_.rows.front().number - 1 : head_.titles.back().number;
+    IssueList(log_, options_.strict)
+        .add(line, 1, IssueKind::header,
+             fmt::format("a header of {} names over {} columns", head_.names.size(), head_.columns),
+             "names taken from the left");
+  }
+  return known > 0;
+}
+
+LogFormat Detection::format_of_names() const {
+  if (!head_.names.empty() && layout_.separator == ',' &&
+      std::find(head_.names.begin(), head_.names.end(), "time_s") != head_.names.end())
+    return LogFormat::native;
+  if (layout_.find(ColumnRole::angle) || layout_.find(ColumnRole::position))
+    return LogFormat::angle;
+  if (layout_.find(ColumnRole::phase)) return LogFormat::phase;
+  if (layout_.find(ColumnRole::frequency)) return LogFormat::frequency;
+  return LogFormat::table;
+}
+
+bool Detection::looks_like_clock_error() const {
+  // Whole-number labels in step with the lines, and an error that is small beside them.
+  return head_.columns == 3 && is_number(0) && is_number(1) && is_number(2) && samples_[0].whole &&
+         !samples_[1].whole && samples_[0].rising > 0.5 &&
+         std::max(std::abs(samples_[1].least), std::abs(samples_[1].most)) <= 43200.0;
+}
+
+// "2013-02-22 23:38:00": the date is a field of its own where blanks separate.
+bool Detection::has_date_in_front() const {
+  return first_.size() >= 2 && !is_number(0) && is_calendar(1) &&
+         parse_calendar(fmt::format("{} {}", first_[0].text, first_[1].text), layout_.point);
+}
+
+LogFormat Detection::format_of_contents() const {
+  if (first_.size() >= 2 && is_number(0)) {
+    if (first_[1].text.starts_with("ch")) return LogFormat::ticc;
+    if (first_[1].text.starts_with("TI(")) return LogFormat::ticc_interval;
+  }
+  if (is_calendar(0) || has_date_in_front()) return LogFormat::timestamps;
+  if (head_.columns == 1) return format_of_one_column();
+  if (looks_like_clock_error()) return LogFormat::clock_error;
+  const bool timed = is_number(0) && samples_[0].rising > 0.9;
+  if (timed && is_number(1) && samples_[1].smooth && samples_[1].crossings >= 3)
+    return LogFormat::angle;
+  const std::string& name = log_.source;
+  if (timed && is_number(1) && (name.ends_with(".ykt") || name.ends_with(".ykt.gz")))
+    return LogFormat::frequency;
+  if (timed && is_number(1) && (name.ends_with(".xtt") || name.ends_with(".xtt.gz")))
+    return LogFormat::phase;
+  for (std::size_t i = 0; i < head_.columns; ++i)
+    if (is_calendar(i)) return LogFormat::table;
+  if (timed || !options_.columns.empty()) return LogFormat::table;
+  const HeadLine& first = head_.rows.front();
+  throw InputError({log_.source, first.number, 1}, shown(first.text),
+                   "a known layout; --format and --column say what the columns are");
+}
+
+LogFormat Detection::format_of_one_column() const {
+  const ColumnSample& only = samples_.front();
+  if (!parse_number(first_[0].text, layout_.point)) {
+    const HeadLine& first = head_.rows.front();
+    throw InputError({log_.source, first.number, 1}, shown(first.text), "a time a line");
+  }
+  const bool steady = !is_number(0) || only.rising > 0.6 || only.falling > 0.8;
+  const bool beats = !is_number(0) || options_.unit || unit_for_step(only.typical_step, only);
+  if ((steady && beats) || options_.wrap_s) return LogFormat::timestamps;
+  // Periods of one clock are alike; the error of a clock wanders about nothing in particular.
+  const bool alike = only.least > 0.0 && only.spread < 0.2 * only.median &&
+                     (options_.unit || unit_for_step(only.median, only));
+  if (alike) return LogFormat::periods;
+  if (only.whole && only.least >= 0.0 && only.most > 100.0) {
+    const HeadLine& first = head_.rows.front();
+    throw InputError({log_.source, first.number, 1},
+                     fmt::format("whole numbers that do not rise, from {}", shown(first.text)),
+                     "times; if they are a counter that wraps more than once a beat, --wrap and "
+                     "--nominal-period say so");
+  }
+  return LogFormat::phase;
+}
+
+void Detection::fill_time() {
+  if (has_date_in_front()) {
+    set(0, ColumnRole::date);
+    set(1, ColumnRole::time);
+    return;
+  }
+  for (std::size_t i = 0; i < head_.columns; ++i)
+    if (is_calendar(i)) return set(i, ColumnRole::time);
+  set(0, ColumnRole::time);
+}
+
+// The roles of columns that no header names.
+void Detection::fill_columns(bool named) {
+  if (named && layout_.format != LogFormat::phase && layout_.format != LogFormat::frequency) return;
+  const std::size_t last = head_.columns - 1;
+  switch (layout_.format) {
+  case LogFormat::clock_error:
+    if (head_.columns < 2) break;
+    set(0, ColumnRole::time);
+    set(1, ColumnRole::clock_error);
+    if (head_.columns > 2) set(2, ColumnRole::amplitude, 1e-3);
+    break;
+  case LogFormat::periods:
+    set(0, ColumnRole::period);
+    break;
+  case LogFormat::phase:
+  case LogFormat::frequency:
+    set(std::min<std::size_t>(last, 1),
+        layout_.format == LogFormat::phase ? ColumnRole::phase : ColumnRole::frequency);
+    break;
+  case LogFormat::ticc:
+  case LogFormat::ticc_interval:
+    set(0, layout_.format == LogFormat::ticc ? ColumnRole::time : ColumnRole::phase);
+    if (head_.columns < 2) break;
+    set(1, ColumnRole::channel);
+    layout_.channel = options_.channel.empty() ? std::string(first_[1].text) : options_.channel;
+    assume(fmt::format("channel {} (--channel)", layout_.channel));
+    break;
+  case LogFormat::angle:
+    fill_time();
+    if (head_.columns > 1) set(1, ColumnRole::angle);
+    break;
+  case LogFormat::native:
+  case LogFormat::timestamps:
+  case LogFormat::table:
+    fill_time();
+    if (options_.columns.empty()) {
+      const std::size_t used = layout_.find(ColumnRole::date) ? 2 : 1;
+      if (head_.columns > used)
+        assume(fmt::format("{} other column{} not read (--column says what they are)",
+                           head_.columns - used, head_.columns - used == 1 ? " is" : "s are"));
+    }
+    break;
+  }
+}
+
+void Detection::check_needed_columns() {
+  const auto has = [&](ColumnRole role) { return layout_.find(role).has_value(); };
+  // The finer of a time and a period counts: a logger's own time stamps are often whole seconds.
+  if (const auto time = layout_.find(ColumnRole::time);
+      time && (has(ColumnRole::period) || has(ColumnRole::half_period))) {
+    const auto period = has(ColumnRole::period) ? layout_.find(ColumnRole::period)
+                                                : layout_.find(ColumnRole::half_period);
+    const bool coarse = samples_[*time].whole && !layout_.columns[*period].name.empty();
+    const bool forced = std::any_of(options_.columns.begin(), options_.columns.end(),
+                                    [](const std::string& c) { return c.starts_with("time="); });
+    const bool use_time = forced || !coarse;
+    assume(use_time ? "times are read, the column of periods is not (--column period=N)"
+                    : "periods are added up; the column of times, in whole numbers, is not read "
+                      "(--column time=N)");
+    layout_.columns[use_time ? *period : *time].role = ColumnRole::ignored;
+  }
+  const bool timed = has(ColumnRole::time) || has(ColumnRole::period) ||
+                     has(ColumnRole::half_period) || has(ColumnRole::phase) ||
+                     has(ColumnRole::frequency);
+  const bool complete =
+      timed &&
+      (layout_.format != LogFormat::angle || has(ColumnRole::angle) || has(ColumnRole::position)) &&
+      (layout_.format != LogFormat::clock_error || has(ColumnRole::clock_error)) &&
+      (layout_.format != LogFormat::native || head_.names.size() > 0);
+  if (complete) return;
+  const HeadLine& line = head_.titles.empty() ? head_.rows.front() : head_.titles.back();
+  throw InputError({log_.source, line.number, 1}, shown(line.text),
+                   layout_.format == LogFormat::native ? "a header row with time_s"
+                   : layout_.format == LogFormat::angle
+                       ? "columns for a time and an angle (--column time=1 --column angle=2)"
+                       : "a column with a time or a period (--column time=1)");
+}
+
+void Detection::settle_times() {
+  const auto at = layout_.find(ColumnRole::time);
+  if (at) {
+    const ColumnSample& sample = samples_[*at];
+    layout_.calendar = is_calendar(*at) || layout_.find(ColumnRole::date).has_value();
+    const bool date = sample.has_date || layout_.find(ColumnRole::date);
+    if (layout_.calendar && !date) layout_.wrap_s = 86400.0;
+    if (options_.wrap_s) layout_.wrap_s = options_.wrap_s;
+    layout_.newest_first = sample.falling > 0.8 && sample.falling > sample.rising;
+    if (layout_.newest_first) {
+      assume("the newest line is first; the log is turned round");
+      if (layout_.wrap_s && !options_.wrap_s) layout_.wrap_s = 0.0;
+    }
+    if (!layout_.calendar) settle_unit(layout_.columns[*at], sample);
+  }
+  for (const ColumnRole role : {ColumnRole::period, ColumnRole::half_period})
+    if (const auto column = layout_.find(role)) {
+      ColumnSample sample = samples_[*column];
+      sample.typical_step = sample.median;
+      settle_unit(layout_.columns[*column], sample);
+    }
+  if (layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency))
+    if (!options_.tau0_s && !options_.nominal_period_s)
+      assume("one value a second (--tau0 says otherwise)");
+  settle_angle_unit();
+}
+
+void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
+  const auto index = static_cast<std::size_t>(&column - layout_.columns.data());
+  const bool by_user =
+      std::any_of(options_.columns.begin(), options_.columns.end(), [&](const std::string& word) {
+        return word.starts_with(fmt::format("{}=", name_of(column.role))) &&
+               word.find(':') != std::string::npos;
+      });
+  if (options_.unit) {
+    column.unit = *options_.unit;
+    return;
+  }
+  if (by_user || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
+    return;
+  const auto likely = unit_for_step(sample.typical_step, sample);
+  const bool stated = index < stated_unit_.size() && stated_unit_[index];
+  if (!likely || *likely == column.unit) return;
+  const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
+  const double step_s = sample.typical_step * own;
+  if (stated && step_s > 1e-3 && step_s < 4000.0) return; // unusual, but not absurd
+  assume(stated ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken "
+                              "(--unit)",
+                              name_of(column.unit), step_s, name_of(*likely))
+                : fmt::format("times are in {} (--unit)", *likely == in_days
+                                                              ? std::string_view("days, as MJD")
+                                                              : name_of(*likely)));
+  column.unit = *likely;
+}
+
+void Detection::settle_angle_unit() {
+  const auto at = layout_.find(ColumnRole::angle);
+  if (!at) return;
+  const bool stated = *at < stated_unit_.size() && stated_unit_[*at];
+  const double half = 0.5 * (samples_[*at].most - samples_[*at].least);
+  if (stated || layout_.columns[*at].scale != 1.0) return;
+  if (half > 3.2) { // more than upside down
+    (void)set_unit(layout_.columns[*at], "deg");
+    assume("angles are in degrees (--column angle=N:rad)");
+  } else {
+    assume("angles are in rad (--column angle=N:deg)");
+  }
+}
+
+} // namespace
+
+Layout detect_layout(const LogHead& head, const ReadingOptions& options, ClockLog& log) {
+  return Detection(head, options, log).run();
+}
+
+} // namespace goingrate

@@ -1,0 +1,227 @@
+#include "lines.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+namespace goingrate {
+
+namespace {
+
+constexpr std::size_t chunk = 1 << 18;         // stays in the second-level cache
+constexpr std::size_t longest_line = 16 << 20; // no log has one; a file without line ends would
+
+// A file descriptor, read as it comes.
+class FileSource : public ByteSource {
+public:
+  FileSource(const std::string& path, std::function<bool()> wait)
+      : path_(path), wait_(std::move(wait)) {
+    if (path == "-") {
+      descriptor_ = STDIN_FILENO;
+      return;
+    }
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0)
+      throw InputError({path}, std::strerror(errno), "a readable file");
+    if (S_ISDIR(status.st_mode)) {
+      ::close(descriptor_);
+      throw InputError({path}, "a directory", "a readable file");
+    }
+    if (S_ISREG(status.st_mode)) size_ = static_cast<std::uint64_t>(status.st_size);
+  }
+  FileSource(const FileSource&) = delete;
+  FileSource& operator=(const FileSource&) = delete;
+  ~FileSource() override {
+    if (descriptor_ != STDIN_FILENO) ::close(descriptor_);
+  }
+
+  std::size_t read(char* to, std::size_t size) override {
+    while (true) {
+      const ssize_t count = ::read(descriptor_, to, size);
+      if (count > 0) {
+        taken_ += static_cast<std::uint64_t>(count);
+        return static_cast<std::size_t>(count);
+      }
+      if (count == 0 && (!wait_ || !size_ || !wait_())) return 0; // a closed pipe does not grow
+      if (count < 0 && errno != EINTR) throw InputError({path_}, std::strerror(errno), "more text");
+    }
+  }
+  [[nodiscard]] std::optional<std::uint64_t> size() const override { return size_; }
+  [[nodiscard]] std::uint64_t taken() const override { return taken_; }
+
+private:
+  std::string path_;
+  std::function<bool()> wait_;
+  int descriptor_ = -1;
+  std::optional<std::uint64_t> size_;
+  std::uint64_t taken_ = 0;
+};
+
+// Hands out first what was already taken from a source to look at it.
+class PeekedSource : public ByteSource {
+public:
+  PeekedSource(std::unique_ptr<ByteSource> source, std::string peeked)
+      : source_(std::move(source)), peeked_(std::move(peeked)) {}
+  std::size_t read(char* to, std::size_t size) override {
+    if (peeked_.empty()) return source_->read(to, size);
+    const std::size_t count = std::min(size, peeked_.size());
+    std::copy_n(peeked_.begin(), count, to);
+    peeked_.erase(0, count);
+    return count;
+  }
+  [[nodiscard]] std::optional<std::uint64_t> size() const override { return source_->size(); }
+  [[nodiscard]] std::uint64_t taken() const override { return source_->taken(); }
+
+private:
+  std::unique_ptr<ByteSource> source_;
+  std::string peeked_;
+};
+
+// Unpacks gzip, also several members one after the other.
+class GzipSource : public ByteSource {
+public:
+  GzipSource(std::unique_ptr<ByteSource> packed, std::string path)
+      : packed_(std::move(packed)), path_(std::move(path)) {
+    constexpr int gzip_only = 16 + MAX_WBITS;
+    if (inflateInit2(&stream_, gzip_only) != Z_OK) throw std::bad_alloc();
+  }
+  GzipSource(const GzipSource&) = delete;
+  GzipSource& operator=(const GzipSource&) = delete;
+  ~GzipSource() override { inflateEnd(&stream_); }
+
+  std::size_t read(char* to, std::size_t size) override {
+    stream_.next_out = reinterpret_cast<Bytef*>(to);
+    stream_.avail_out = static_cast<uInt>(size);
+    while (stream_.avail_out == size) {
+      if (stream_.avail_in == 0 && !refill()) {
+        if (inside_) throw InputError({path_}, "gzip data that end early", "a whole .gz file");
+        return 0;
+      }
+      inside_ = true;
+      const int code = inflate(&stream_, Z_NO_FLUSH);
+      if (code == Z_STREAM_END) {
+        inside_ = false;
+        inflateReset(&stream_);
+      } else if (code != Z_OK && code != Z_BUF_ERROR) {
+        throw InputError({path_}, "damaged gzip data", "a .gz file that unpacks");
+      }
+    }
+    return size - stream_.avail_out;
+  }
+  [[nodiscard]] std::optional<std::uint64_t> size() const override { return packed_->size(); }
+  [[nodiscard]] std::uint64_t taken() const override { return packed_->taken(); }
+
+private:
+  bool refill() {
+    const std::size_t count = packed_->read(input_.data(), input_.size());
+    stream_.next_in = reinterpret_cast<Bytef*>(input_.data());
+    stream_.avail_in = static_cast<uInt>(count);
+    return count > 0;
+  }
+
+  std::unique_ptr<ByteSource> packed_;
+  std::string path_;
+  z_stream stream_{};
+  std::array<char, 1 << 16> input_{};
+  bool inside_ = false;
+};
+
+} // namespace
+
+std::unique_ptr<ByteSource> open_source(const std::string& path, std::function<bool()> wait) {
+  std::unique_ptr<ByteSource> source = std::make_unique<FileSource>(path, std::move(wait));
+  std::string first(2, '\0');
+  std::size_t count = source->read(first.data(), 2);
+  if (count == 1) count += source->read(first.data() + 1, 1);
+  first.resize(count);
+  const bool packed = first == "\x1f\x8b";
+  source = std::make_unique<PeekedSource>(std::move(source), std::move(first));
+  if (packed) source = std::make_unique<GzipSource>(std::move(source), path);
+  return source;
+}
+
+LineReader::LineReader(std::string_view text, std::string name)
+    : name_(std::move(name)), rest_(text), at_end_(true) {}
+
+LineReader::LineReader(std::unique_ptr<ByteSource> source, std::string name)
+    : source_(std::move(source)), name_(std::move(name)) {}
+
+// Appends what comes next to what is left; false at the end.
+bool LineReader::refill() {
+  if (at_end_) return false;
+  if (rest_.size() > longest_line)
+    throw InputError({name_, number_ + 1, 1},
+                     fmt::format("a line of more than {} bytes", longest_line),
+                     "a log in lines of text");
+  std::copy(rest_.begin(), rest_.end(), buffer_.begin()); // moves towards the front
+  const std::size_t kept = rest_.size();
+  if (buffer_.size() < kept + chunk) buffer_.resize(std::max(kept + chunk, kept * 2));
+  const std::size_t count = source_->read(buffer_.data() + kept, buffer_.size() - kept);
+  at_end_ = count == 0;
+  rest_ = {buffer_.data(), kept + count};
+  return count > 0;
+}
+
+void LineReader::settle_line_end() {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  if (rest_.starts_with(mark)) rest_.remove_prefix(mark.size());
+  const bool has_lf = rest_.find('\n') != std::string_view::npos;
+  line_end_ = !has_lf && rest_.find('\r') != std::string_view::npos ? '\r' : '\n';
+  started_ = true;
+}
+
+std::string_view LineReader::head(std::size_t lines) {
+  const auto enough = [&] {
+    return static_cast<std::size_t>(std::count(rest_.begin(), rest_.end(), '\n')) >= lines;
+  };
+  while (!enough() && rest_.size() < longest_line && refill()) {
+  }
+  settle_line_end();
+  const auto count = static_cast<double>(std::count(rest_.begin(), rest_.end(), line_end_)) + 1.0;
+  const double seen = static_cast<double>(rest_.size());
+  double all = seen;
+  if (source_ && source_->size() && source_->taken() > 0) // of a packed file in proportion
+    all *= static_cast<double>(*source_->size()) / static_cast<double>(source_->taken());
+  lines_expected_ = seen > 0.0 ? static_cast<std::size_t>(count * std::max(1.0, all / seen)) : 0;
+  return rest_;
+}
+
+std::optional<Line> LineReader::next() {
+  if (!started_) {
+    while (rest_.size() < 3 && refill()) {
+    }
+    settle_line_end();
+  }
+  std::size_t searched = 0;
+  while (true) {
+    const std::size_t end = rest_.find(line_end_, searched);
+    if (end != std::string_view::npos) {
+      std::string_view text = rest_.substr(0, end);
+      rest_.remove_prefix(end + 1);
+      if (!text.empty() && text.back() == '\r') text.remove_suffix(1);
+      return Line{text, ++number_, true};
+    }
+    searched = rest_.size();
+    if (refill()) continue;
+    if (rest_.empty()) return {};
+    const Line last{rest_, ++number_, false};
+    rest_ = {};
+    return last;
+  }
+}
+
+std::optional<double> LineReader::fraction_read() const {
+  if (!source_ || !source_->size() || *source_->size() == 0) return {};
+  return static_cast<double>(source_->taken()) / static_cast<double>(*source_->size());
+}
+
+} // namespace goingrate

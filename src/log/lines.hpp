@@ -1,0 +1,76 @@
+// Lines of a text that may be a string, a file or a pipe, plain or compressed by gzip.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+/// Where bytes come from.
+class ByteSource {
+public:
+  virtual ~ByteSource() = default;
+  /// Up to `size` bytes into `to`; 0 at the end. Throws InputError if it cannot be read on.
+  virtual std::size_t read(char* to, std::size_t size) = 0;
+  /// Bytes in all, if that is known, and bytes taken so far: for progress.
+  [[nodiscard]] virtual std::optional<std::uint64_t> size() const { return {}; }
+  [[nodiscard]] virtual std::uint64_t taken() const = 0;
+};
+
+/// A file, or standard input for "-"; gzip is recognised by its first two bytes. With `wait`, the
+/// end of a regular file is waited for to grow; `wait` returns false to give up.
+/// Throws InputError if it cannot be opened or is a directory.
+std::unique_ptr<ByteSource> open_source(const std::string& path,
+                                        std::function<bool()> wait = nullptr);
+
+/// One line without its end.
+struct Line {
+  std::string_view text; ///< valid until the next call of the reader
+  std::uint32_t number = 0;
+  bool ended = true; ///< false for a last line without a line end
+};
+
+/// Cuts a text into lines: LF, CR LF, or CR alone if the text's head has no LF. A byte-order mark
+/// is skipped. A text in memory is not copied; a source is held one buffer at a time.
+class LineReader {
+public:
+  LineReader(std::string_view text, std::string name);
+  LineReader(std::unique_ptr<ByteSource> source, std::string name);
+
+  /// The beginning of the text, at least `lines` lines of it if there are so many (and no more than
+  /// 16 MiB): to find out what it is. Only before the first next().
+  std::string_view head(std::size_t lines);
+
+  /// Whether `head` was all of it.
+  [[nodiscard]] bool whole_is_in_head() const { return at_end_; }
+
+  /// The next line. Throws InputError for a line of more than 16 MiB.
+  std::optional<Line> next();
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// Bytes of the source still to come, in this reader's reckoning; nothing if unknown.
+  [[nodiscard]] std::optional<double> fraction_read() const;
+  /// The source's size over the mean length of the lines in `head`: what to reserve.
+  [[nodiscard]] std::size_t lines_expected() const { return lines_expected_; }
+
+private:
+  bool refill();
+  void settle_line_end();
+
+  std::unique_ptr<ByteSource> source_; // none for a text in memory
+  std::string name_;
+  std::vector<char> buffer_;
+  std::string_view rest_; // of the buffer, or of the text
+  char line_end_ = '\n';
+  std::uint32_t number_ = 0;
+  std::size_t lines_expected_ = 0;
+  bool at_end_ = false;
+  bool started_ = false;
+};
+
+} // namespace goingrate

@@ -1,0 +1,322 @@
+#include "log_head.hpp"
+
+#include "calendar.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+namespace goingrate {
+
+namespace {
+
+constexpr std::size_t most_rows = 20000; // enough to see any pendulum swing at 10 kHz
+
+void refuse_binary(std::string_view text, const std::string& source) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw InputError({source, 1, 1}, "text in UTF-16", "text in UTF-8, Latin-1 or ASCII");
+  std::size_t line = 1, column = 1;
+  constexpr std::size_t looked_at = 4096; // further on, a bad line is left out by itself
+  for (const char c : text.substr(0, looked_at)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f')
+      throw InputError({source, line, column}, fmt::format("the binary byte 0x{:02x}", byte),
+                       "a log in plain text");
+    column = c == '\n' ? 1 : column + 1;
+    line += c == '\n' ? 1 : 0;
+  }
+}
+
+std::vector<HeadLine> lines_of(std::string_view text, bool whole) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  if (text.starts_with(mark)) text.remove_prefix(mark.size());
+  const bool has_lf = text.find('\n') != std::string_view::npos;
+  const char line_end = has_lf ? '\n' : '\r';
+  std::vector<HeadLine> lines;
+  std::uint32_t number = 0;
+  while (!text.empty() && lines.size() < most_rows) {
+    const std::size_t end = text.find(line_end);
+    if (end == std::string_view::npos && !whole && !lines.empty()) break; // cut by the buffer
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    lines.push_back({line, ++number});
+  }
+  return lines;
+}
+
+bool is_value(std::string_view text, char point) {
+  return parse_number(text, point) || parse_calendar(text, point);
+}
+
+bool is_date(std::string_view text) {
+  return text.size() >= 8 && parse_calendar(fmt::format("{} 0:0", text)).has_value();
+}
+
+// Whether a line looks like data: its first field is a value, or one of its first is a time.
+bool is_row(std::string_view line, char separator, char point) {
+  std::vector<Field> fields;
+  split_fields(line, separator, fields);
+  if (fields.empty()) return false;
+  const std::size_t looked_at = std::min<std::size_t>(fields.size(), 3);
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    const std::string_view text = fields[i].text;
+    if (is_value(text, point) || is_date(text)) return true;
+    if (i == 0 && !text.empty() && separator == ' ' && !says_nothing(text)) return false;
+  }
+  return false;
+}
+
+std::size_t count_fields(std::string_view line, char separator) {
+  std::vector<Field> fields;
+  split_fields(line, separator, fields);
+  return fields.size();
+}
+
+// "12,25" and the like: digits, one comma, digits, no point.
+bool has_decimal_comma(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string_view::npos || comma == 0) return false;
+  return text.find('.') == std::string_view::npos && parse_number(text, ',').has_value();
+}
+
+bool any_digit(std::string_view line) {
+  return line.find_first_of("0123456789") != std::string_view::npos;
+}
+
+// The first separator that cuts most lines alike into two or more.
+char find_separator(const std::vector<HeadLine>& lines) {
+  for (const char candidate : {'\t', ';', ',', '|'}) {
+    std::size_t with = 0, all = 0;
+    for (const HeadLine& line : lines) {
+      if (!any_digit(line.text)) continue;
+      ++all;
+      with += count_fields(line.text, candidate) >= 2 ? 1 : 0;
+    }
+    if (all > 0 && with * 10 >= all * 9) return candidate;
+  }
+  return ' ';
+}
+
+// A comma that cuts every line into two whole numbers, the second of always the same length, stands
+// for a decimal point.
+bool comma_is_point(const std::vector<HeadLine>& lines) {
+  std::size_t length = 0, rows = 0;
+  for (const HeadLine& line : lines) {
+    std::vector<Field> fields;
+    split_fields(line.text, ',', fields);
+    if (fields.size() != 2) return false;
+    const auto digits = [](std::string_view text) {
+      return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    };
+    if (!digits(fields[1].text) || !(digits(fields[0].text) || parse_calendar(fields[0].text))) {
+      if (rows == 0) continue; // a header
+      return false;
+    }
+    if (rows++ == 0) length = fields[1].text.size();
+    if (fields[1].text.size() != length) return false;
+  }
+  return rows >= 3 && length >= 3;
+}
+
+void settle_separators(LogHead& head, const std::vector<HeadLine>& lines, bool decimal_comma) {
+  head.separator = find_separator(lines);
+  if (decimal_comma) head.point = ',';
+  if (head.separator == ',') {
+    head.comma_was_guessed = !decimal_comma && comma_is_point(lines);
+    if (decimal_comma || head.comma_was_guessed) {
+      head.point = ',';
+      head.separator = ' ';
+    }
+    return;
+  }
+  std::size_t commas = 0, points = 0;
+  for (const HeadLine& line : lines) {
+    std::vector<Field> fields;
+    split_fields(line.text, head.separator, fields);
+    for (const Field& field : fields) {
+      commas += has_decimal_comma(field.text) ? 1 : 0;
+      points += field.text.find(',') == field.text.npos && parse_number(field.text) &&
+                        field.text.find('.') != field.text.npos
+                    ? 1
+                    : 0;
+    }
+  }
+  if (decimal_comma || commas <= points) return;
+  head.point = ',';
+  head.comma_was_guessed = true;
+}
+
+std::vector<std::string> names_in(std::string_view line, char separator) {
+  std::vector<Field> fields;
+  split_fields(line, separator, fields);
+  std::vector<std::string> names;
+  for (const Field& field : fields)
+    names.emplace_back(field.text);
+  return names;
+}
+
+// A Vernier block has long names, short names and units in lines of their own.
+void name_vernier_columns(LogHead& head) {
+  std::vector<std::vector<std::string>> lines;
+  for (const HeadLine& title : head.titles)
+    if (auto names = names_in(title.text, head.separator); names.size() == head.columns)
+      lines.push_back(std::move(names));
+  if (lines.size() < 2) return;
+  const auto& units = lines.back();
+  const auto& longs = lines.size() >= 3 ? lines[lines.size() - 3] : lines[lines.size() - 2];
+  head.names.clear();
+  for (std::size_t i = 0; i < head.columns; ++i)
+    head.names.push_back(fmt::format("{} ({})", longs[i], units[i]));
+}
+
+void name_columns(LogHead& head) {
+  if (!head.titles.empty() && head.titles.front().text.starts_with("Vernier Format"))
+    return name_vernier_columns(head);
+  if (!head.titles.empty()) {
+    head.names = names_in(head.titles.back().text, head.separator);
+    return;
+  }
+  // "# time_s, amplitude_rad" as a comment: as many words as columns, the last such line.
+  for (const HeadLine& comment : head.comments) {
+    if (comment.number > head.rows.front().number) break;
+    const std::string_view text = comment.text.substr(comment.text.find_first_of("#%") + 1);
+    auto names = names_in(text, head.separator);
+    if (head.columns >= 2 && names.size() == head.columns) head.names = std::move(names);
+  }
+}
+
+} // namespace
+
+LogHead cut_head(std::string_view text, bool whole, const std::string& source, bool decimal_comma) {
+  if (text.empty()) throw InputError({source, 1, 1}, "an empty file", "a log of events");
+  refuse_binary(text, source);
+  LogHead head;
+  std::vector<HeadLine> lines;
+  for (const HeadLine& line : lines_of(text, whole)) {
+    const std::size_t start = line.text.find_first_not_of(" \t\f");
+    if (start == std::string_view::npos) continue;
+    const bool comment = line.text[start] == '#' || line.text[start] == '%';
+    (comment ? head.comments : lines).push_back(line);
+  }
+  if (lines.empty()) throw InputError({source, 1, 1}, "no line of data", "a log of events");
+  settle_separators(head, lines, decimal_comma);
+  std::map<std::size_t, std::size_t> counts;
+  for (const HeadLine& line : lines) {
+    if (head.rows.empty() && !is_row(line.text, head.separator, head.point)) {
+      head.titles.push_back(line);
+      continue;
+    }
+    head.rows.push_back(line);
+    ++counts[count_fields(line.text, head.separator)];
+  }
+  if (head.rows.empty()) {
+    const HeadLine& first = head.titles.front();
+    if (first.text.find("time") != std::string_view::npos)
+      throw InputError({source, first.number, 1}, "a header and 0 events", "lines of data");
+    throw InputError({source, first.number, 1}, shown(first.text),
+                     "a log: a time a line, or columns with a header (README: Logs it reads)");
+  }
+  const auto commonest = std::max_element(counts.begin(), counts.end(),
+                                          [](auto& a, auto& b) { return a.second < b.second; });
+  head.columns = commonest->first;
+  name_columns(head);
+  return head;
+}
+
+std::vector<Field> LogHead::fields(std::size_t i) const {
+  std::vector<Field> result;
+  split_fields(rows[i].text, separator, result);
+  return result;
+}
+
+std::optional<std::string_view> LogHead::value_of(std::string_view key) const {
+  for (const HeadLine& line : comments) {
+    const std::string_view text = line.text.substr(line.text.find_first_of("#%") + 1);
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos) continue;
+    std::vector<Field> name, value;
+    split_fields(text.substr(0, colon), '\n', name);
+    split_fields(text.substr(colon + 1), '\n', value);
+    if (name.front().text == key) return value.front().text;
+  }
+  return {};
+}
+
+namespace {
+
+double median_of(std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void describe_steps(ColumnSample& sample, const std::vector<double>& values) {
+  std::vector<double> steps;
+  double up = 0.0, down = 0.0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const double step = values[i] - values[i - 1];
+    up += step > 0.0 ? 1.0 : 0.0;
+    down += step < 0.0 ? 1.0 : 0.0;
+    if (step != 0.0) steps.push_back(std::abs(step));
+  }
+  const auto count = static_cast<double>(std::max<std::size_t>(values.size(), 2) - 1);
+  sample.rising = up / count;
+  sample.falling = down / count;
+  sample.typical_step = median_of(steps);
+}
+
+void describe_swing(ColumnSample& sample, const std::vector<double>& values) {
+  const double middle = 0.5 * (sample.least + sample.most);
+  double variance = 0.0, next = 0.0;
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) {
+    const double a = values[i] - middle, b = values[i + 1] - middle;
+    sample.crossings += (a < 0.0) != (b < 0.0) ? 1 : 0;
+    variance += a * a;
+    next += a * b;
+  }
+  // Five samples a swing or more have a correlation of cos(2 pi / 5) or more.
+  sample.smooth = variance > 0.0 && next > 0.3 * variance;
+}
+
+} // namespace
+
+ColumnSample LogHead::sample(std::size_t column) const {
+  ColumnSample result;
+  std::vector<double> values;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto row = fields(i);
+    if (column >= row.size()) continue;
+    ++result.rows;
+    const std::string_view text = row[column].text;
+    if (const auto number = parse_number(text, point)) {
+      ++result.numbers;
+      if (all_nines(text)) continue;
+      values.push_back(*number);
+      result.whole = result.whole && text.find(point) == std::string_view::npos;
+    } else if (const auto time = parse_calendar(text, point)) {
+      ++result.calendars;
+      result.has_date = result.has_date || time->has_date;
+      values.push_back(time->time.to_double());
+    }
+  }
+  if (values.empty()) return result;
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  result.least = *least;
+  result.most = *most;
+  describe_steps(result, values);
+  describe_swing(result, values);
+  std::vector<double> sorted = values;
+  result.median = median_of(sorted);
+  for (double& value : sorted)
+    value = std::abs(value - result.median);
+  result.spread = median_of(sorted);
+  return result;
+}
+
+} // namespace goingrate

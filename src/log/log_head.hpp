@@ -1,0 +1,58 @@
+// The beginning of a log, cut into comments, header and rows, to find out what it is.
+#pragma once
+
+#include "fields.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+/// One line of the head.
+struct HeadLine {
+  std::string_view text;
+  std::uint32_t number = 0;
+};
+
+/// What the values of a column are like, in the rows of the head.
+struct ColumnSample {
+  std::size_t numbers = 0;   ///< rows with a number
+  std::size_t calendars = 0; ///< rows with a date or a time of day
+  std::size_t rows = 0;
+  bool whole = true; ///< all numbers without decimals
+  bool has_date = false;
+  double rising = 0.0;       ///< part of the steps that go up
+  double falling = 0.0;      ///< and down
+  double typical_step = 0.0; ///< median size of a step that is not zero
+  double median = 0.0;
+  double spread = 0.0; ///< median deviation from the median
+  double least = 0.0, most = 0.0;
+  std::size_t crossings = 0; ///< changes of sign about the middle of the range
+  bool smooth = false;       ///< neighbours are much alike: samples of something that swings
+};
+
+struct LogHead {
+  std::vector<HeadLine> comments; ///< '#' or '%' lines before and among the data
+  std::vector<HeadLine> titles;   ///< other lines before the data
+  std::vector<HeadLine> rows;     ///< lines of data
+  char separator = ' ';
+  char point = '.';
+  bool comma_was_guessed = false;
+  std::size_t columns = 0;        ///< of most rows
+  std::vector<std::string> names; ///< of the columns, where the head has them; else empty
+
+  /// The fields of row i.
+  [[nodiscard]] std::vector<Field> fields(std::size_t i) const;
+  /// The text "key: value" of a comment.
+  [[nodiscard]] std::optional<std::string_view> value_of(std::string_view key) const;
+  [[nodiscard]] ColumnSample sample(std::size_t column) const;
+};
+
+/// Cuts `text`, whose last line may be incomplete unless `whole`. `decimal_comma` is certain if
+/// set. Throws InputError for text that is binary, UTF-16, or has no line of data.
+LogHead cut_head(std::string_view text, bool whole, const std::string& source, bool decimal_comma);
+
+} // namespace goingrate

@@ -1,0 +1,366 @@
+#include "row_reader.hpp"
+
+#include "calendar.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+
+namespace goingrate {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+// What counters and timers are known to wrap at, in the unit of the column.
+std::vector<double> wrap_candidates(const Layout& layout, TimeUnit unit) {
+  const double unit_s = unit.seconds * std::pow(10.0, unit.power);
+  std::vector<double> candidates{65536.0 * unit_s, 4294967296.0 * unit_s, 86400.0};
+  if (layout.format == LogFormat::ticc) candidates.insert(candidates.end(), {10.0, 100.0, 1000.0});
+  std::sort(candidates.begin(), candidates.end());
+  return candidates;
+}
+
+Unwrapper::Settings unwrapping(const Layout& layout, const ReadingOptions& options) {
+  const auto time = layout.find(ColumnRole::time);
+  Unwrapper::Settings settings;
+  settings.unit = time ? layout.columns[*time].unit : TimeUnit{};
+  settings.wrap_s = layout.wrap_s;
+  settings.candidates_s = wrap_candidates(layout, settings.unit);
+  settings.step_s = layout.wrap_s ? options.nominal_period_s : std::nullopt;
+  if (layout.newest_first && !layout.wrap_s) settings.wrap_s = 0.0;
+  return settings;
+}
+
+std::size_t decimals_of(std::string_view text, char point) {
+  const std::size_t at = text.find(point);
+  return at == std::string_view::npos ? 0 : text.size() - at;
+}
+
+} // namespace
+
+RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log)
+    : layout_(layout), log_(log), issues_(log, options.strict),
+      unwrap_(unwrapping(layout, options)), time_(layout.find(ColumnRole::time)),
+      date_(layout.find(ColumnRole::date)), period_(layout.find(ColumnRole::period)),
+      half_period_(layout.find(ColumnRole::half_period)),
+      error_(layout.find(ColumnRole::clock_error)), phase_(layout.find(ColumnRole::phase)),
+      frequency_(layout.find(ColumnRole::frequency)),
+      amplitude_(layout.find(ColumnRole::amplitude)), angle_(layout.find(ColumnRole::angle)),
+      width_(layout.find(ColumnRole::width)), edge_(layout.find(ColumnRole::edge)),
+      temperature_(layout.find(ColumnRole::temperature)),
+      pressure_(layout.find(ColumnRole::pressure)), channel_(layout.find(ColumnRole::channel)) {
+  if (!angle_) angle_ = layout.find(ColumnRole::position);
+}
+
+void RowReader::reject(const Line& line, std::size_t column, IssueKind kind, std::string found) {
+  ++rejected_;
+  issues_.add(line.number, column, kind, std::move(found), "line left out");
+}
+
+void RowReader::reject_field(const Line& line, const Field& field, std::string_view expected) {
+  if (!line.ended) {
+    reject(line, field.column, IssueKind::truncated,
+           fmt::format("a last line that breaks off: {}", shown(line.text)));
+  } else if (field.text.empty()) {
+    reject(line, field.column, IssueKind::missing,
+           fmt::format("found nothing, expected {}", expected));
+  } else {
+    reject(line, field.column,
+           says_nothing(field.text) ? IssueKind::no_value : IssueKind::unreadable,
+           fmt::format("found {}, expected {}", shown(field.text), expected));
+  }
+}
+
+bool RowReader::only_a_comment(const Line& line) const {
+  const std::size_t start = line.text.find_first_not_of(" \t\f");
+  return start == std::string_view::npos || line.text[start] == '#' || line.text[start] == '%';
+}
+
+void RowReader::add(const Line& line) {
+  if (line.number < layout_.first_line || only_a_comment(line)) return;
+  ++data_lines_;
+  split_fields(line.text, layout_.separator, fields_);
+  if (!row_fits(line)) return;
+  if (channel_ && !layout_.channel.empty() && fields_[*channel_].text != layout_.channel) {
+    ++other_channels_;
+    --data_lines_;
+    return;
+  }
+  const auto time = time_of(line);
+  if (!time) return;
+  if (angle_) {
+    const double angle = number_at(line, angle_, "an angle");
+    if (std::isnan(angle))
+      ++rejected_;
+    else
+      samples_.push_back({*time, angle * layout_.columns[*angle_].scale, line.number});
+    return;
+  }
+  Beat beat = event_at(*time, half_period_ && row_++ % 2 == 1 ? Edge::down : Edge::up, line.number);
+  if (edge_ && !read_edge(line, beat)) return;
+  beat.amplitude_rad = amplitude_at(line);
+  accept(line, beat);
+}
+
+// The right number of fields, of text.
+bool RowReader::row_fits(const Line& line) {
+  const std::size_t columns = layout_.columns.size();
+  if (fields_.size() == columns && !has_binary(line.text)) return true;
+  if (has_binary(line.text)) {
+    reject(line, 1, IssueKind::binary, fmt::format("bytes that are no text: {}", shown(line.text)));
+  } else if (!line.ended && fields_.size() < columns) {
+    reject(line, line.text.size() + 1, IssueKind::truncated,
+           fmt::format("a last line that breaks off: {}", shown(line.text)));
+  } else if (fields_.size() < columns) {
+    reject(line, line.text.size() + 1, IssueKind::missing,
+           fmt::format("found {} of {} columns", fields_.size(), columns));
+  } else {
+    const Field& extra = fields_[columns];
+    reject(line, extra.column, IssueKind::missing,
+           columns == 1
+               ? fmt::format("found {}, expected nothing after the time", shown(extra.text))
+               : fmt::format("found {} columns, expected {}", fields_.size(), columns));
+  }
+  return false;
+}
+
+// ---- times
+
+std::optional<Instant> RowReader::time_of(const Line& line) {
+  if (phase_) return time_on_grid(line, *phase_);
+  if (frequency_) return time_on_grid(line, *frequency_);
+  if (period_) return accumulated_time(line, *period_);
+  if (half_period_) return accumulated_time(line, *half_period_);
+  return written_time(line);
+}
+
+// The text of the time: of date and time, from the first letter of the one to the last of the
+// other.
+Field RowReader::time_field() const {
+  const Field& time = fields_[*time_];
+  if (!date_) return time;
+  const Field& date = fields_[*date_];
+  const char* const end = time.text.data() + time.text.size();
+  return {{date.text.data(), static_cast<std::size_t>(end - date.text.data())}, date.column};
+}
+
+std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
+  if (!layout_.calendar) return parse_instant(text, layout_.columns[*time_].unit, layout_.point);
+  const auto time = parse_calendar(text, layout_.point);
+  return time ? std::optional(time->time) : std::nullopt;
+}
+
+// All nines where a time should be, and far from the times around: no time.
+bool RowReader::is_sentinel(std::string_view text, const Instant& time) const {
+  if (!last_ || text.front() != '9' || !all_nines(text)) return false;
+  const double step = time - *last_;
+  return step < 0.0 || step > 100.0 * typical_step_s_;
+}
+
+// A last line without line end and with fewer decimals than the one before has lost some.
+bool RowReader::is_cut_short(const Line& line, std::string_view text) {
+  const std::size_t before = decimals_;
+  decimals_ = decimals_of(text, layout_.point);
+  return !line.ended && last_ && decimals_ < before;
+}
+
+std::optional<Instant> RowReader::written_time(const Line& line) {
+  const Field field = time_field();
+  auto time = parsed_time(field.text);
+  if (!time) {
+    reject_field(line, field, layout_.calendar ? "a date and time" : "a time in seconds");
+    return {};
+  }
+  if (is_sentinel(field.text, *time)) {
+    reject(line, field.column, IssueKind::no_value,
+           fmt::format("{}, which stands for no value", shown(field.text)));
+    return {};
+  }
+  if (is_cut_short(line, field.text)) {
+    reject(line, field.column, IssueKind::truncated,
+           fmt::format("a last line that breaks off: {}", shown(line.text)));
+    return {};
+  }
+  if (std::abs(time->to_double()) > 4e18) { // differences of two such would not fit
+    reject(line, field.column, IssueKind::out_of_range, "a time beyond 4e18 s");
+    return {};
+  }
+  if (!error_) {
+    time = unwrap_(*time);
+  } else {
+    const double error = number_at(line, error_, "a clock error in seconds");
+    if (std::isnan(error)) {
+      ++rejected_;
+      return {};
+    }
+    // The clock shows `label` when true time is label - error: a positive error is a fast clock.
+    time = *time + -error * layout_.columns[*error_].scale;
+  }
+  if (last_ && *time - *last_ > 0.0)
+    typical_step_s_ += (*time - *last_ - typical_step_s_) * (typical_step_s_ > 0.0 ? 0.125 : 1.0);
+  last_ = time;
+  return time;
+}
+
+// Periods are added up; of one that cannot be read the one before is taken, to keep the count.
+std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t column) {
+  const LogColumn& meaning = layout_.columns[column];
+  auto period = parse_instant(fields_[column].text, meaning.unit, layout_.point);
+  const double size = period ? period->to_double() : unknown;
+  const bool usable = size > 0.0 && size < 1e6 && !all_nines(fields_[column].text);
+  if (!usable) {
+    if (!line.ended) {
+      reject_field(line, fields_[column], "a period");
+      return {};
+    }
+    issues_.add(line.number, fields_[column].column, IssueKind::no_value,
+                fmt::format("found {}, expected a period", shown(fields_[column].text)),
+                "the period before it taken, to keep the count");
+    period = Instant::from_seconds(last_period_s_);
+  } else {
+    last_period_s_ = size;
+  }
+  whole_s_ += period->seconds;
+  part_s_ += period->fraction;
+  if (part_s_.hi >= 1.0) {
+    part_s_ += -1.0;
+    ++whole_s_;
+  }
+  return Instant{whole_s_, 0.0} + part_s_.value();
+}
+
+// Row n is the event that should have come at n tau0; an error x > 0 is a fast clock, which is
+// early.
+std::optional<Instant> RowReader::time_on_grid(const Line& line, std::size_t column) {
+  const std::int64_t n = row_++;
+  const Field& field = fields_[column];
+  const auto value = parse_number(field.text, layout_.point);
+  if (!value && !says_nothing(field.text)) {
+    reject_field(line, field, "a number");
+    return {};
+  }
+  const bool empty = phase_ && layout_.format == LogFormat::phase && n > 0 && value == 0.0;
+  if (!value || empty || all_nines(field.text)) {
+    ++rejected_;
+    issues_.add(line.number, field.column, IssueKind::gap,
+                empty ? "an exact zero, which stands for a gap" : "no value",
+                "taken as a missing beat");
+    --data_lines_, --rejected_; // on purpose: no sign of a wrong format
+    return {};
+  }
+  const double scaled = *value * layout_.columns[column].scale;
+  if (frequency_) part_s_ += scaled * layout_.tau0_s;
+  const double error = frequency_ ? part_s_.value() : scaled;
+  if (!(std::abs(error) < 1e9)) {
+    reject(line, field.column, IssueKind::out_of_range, fmt::format("an error of {} s", error));
+    return {};
+  }
+  const std::int64_t periods = frequency_ ? n + 1 : n;
+  const Instant origin{};
+  const double late = residual_from_grid(origin, origin, periods, layout_.tau0_s);
+  return Instant::from_seconds(-late) + -error;
+}
+
+// ---- the other columns
+
+double RowReader::number_at(const Line& line, const Place& place, std::string_view expected) {
+  if (!place) return unknown;
+  const Field& field = fields_[*place];
+  const auto value = parse_number(field.text, layout_.point);
+  if (value && !all_nines(field.text)) return *value;
+  if (!says_nothing(field.text)) // empty or NaN: the file's own word for it
+    issues_.add(line.number, field.column, value ? IssueKind::no_value : IssueKind::unreadable,
+                fmt::format("found {}, expected {}", shown(field.text), expected),
+                "taken as unknown");
+  return unknown;
+}
+
+double RowReader::amplitude_at(const Line& line) {
+  if (!amplitude_) return unknown;
+  const double amplitude =
+      number_at(line, amplitude_, "an amplitude") * layout_.columns[*amplitude_].scale;
+  if (std::isnan(amplitude) || (amplitude > 0.0 && amplitude < std::numbers::pi)) return amplitude;
+  issues_.add(line.number, fields_[*amplitude_].column, IssueKind::out_of_range,
+              fmt::format("an amplitude of {} rad", amplitude), "amplitude taken as unknown");
+  return unknown;
+}
+
+bool RowReader::read_edge(const Line& line, Beat& beat) {
+  const Field& field = fields_[*edge_];
+  const std::string_view word = field.text;
+  if (word.starts_with("up") || word == "rising" || word == "1") {
+    beat.edge = Edge::up;
+  } else if (word.starts_with("down") || word == "falling" || word == "0") {
+    beat.edge = Edge::down;
+  } else {
+    reject_field(line, field, "up or down");
+    return false;
+  }
+  if (!word.ends_with("-in") && !word.ends_with("-out")) return true;
+  accept_gate_edge(line, beat, word);
+  return false;
+}
+
+// The two edges of one passage become its middle and its width.
+void RowReader::accept_gate_edge(const Line& line, const Beat& beat, std::string_view word) {
+  const auto incomplete = [&](std::size_t number, std::string_view which) {
+    ++rejected_;
+    issues_.add(number, 1, IssueKind::incomplete,
+                fmt::format("one edge of a passage without its {}", which), "edge left out");
+  };
+  if (word.ends_with("-in")) {
+    if (entered_) incomplete(entered_->line, "second");
+    entered_ = beat;
+    return;
+  }
+  const double width = entered_ ? beat.time - entered_->time : 0.0;
+  if (!entered_ || entered_->edge != beat.edge || !(width > 0.0)) {
+    incomplete(line.number, "first");
+    return;
+  }
+  --data_lines_; // two lines, one event
+  const Beat middle = event_at(entered_->time + 0.5 * width, beat.edge, entered_->line);
+  entered_.reset();
+  append(middle, width, number_at(line, temperature_, "a temperature"),
+         number_at(line, pressure_, "a pressure"));
+}
+
+void RowReader::accept(const Line& line, Beat beat) {
+  double width = number_at(line, width_, "a width");
+  if (!std::isnan(width)) {
+    width *= layout_.columns[*width_].scale;
+    beat.time = beat.time + 0.5 * width; // the log has the leading edge
+  }
+  append(beat, width, number_at(line, temperature_, "a temperature"),
+         number_at(line, pressure_, "a pressure"));
+}
+
+void RowReader::append(const Beat& beat, double width_s, double temperature_c,
+                       double pressure_mbar) {
+  log_.events.push_back(beat);
+  log_.has_amplitude = log_.has_amplitude || !std::isnan(beat.amplitude_rad);
+  const bool widths = width_ || !log_.columns.width_s.empty() || !std::isnan(width_s);
+  if (widths) log_.columns.width_s.push_back(width_s);
+  if (temperature_)
+    log_.columns.temperature_c.push_back(temperature_c * layout_.columns[*temperature_].scale);
+  if (pressure_)
+    log_.columns.pressure_mbar.push_back(pressure_mbar * layout_.columns[*pressure_].scale);
+}
+
+void RowReader::finish() {
+  if (unwrap_.wraps() > 0)
+    log_.assumptions.push_back(fmt::format("the times begin again {} time{}, every {:.12g} s",
+                                           unwrap_.wraps(), unwrap_.wraps() == 1 ? "" : "s",
+                                           unwrap_.wrap_s()));
+  if (other_channels_ > 0)
+    log_.assumptions.push_back(fmt::format("{} lines of other channels than {} (--channel)",
+                                           other_channels_, layout_.channel));
+  if (width_ || !log_.columns.width_s.empty())
+    log_.assumptions.emplace_back("times are those of the flag's leading edge; half its width is "
+                                  "added to each");
+}
+
+} // namespace goingrate

@@ -1,0 +1,81 @@
+// From lines to events, by a known layout.
+#pragma once
+
+#include "fields.hpp"
+#include "issue_list.hpp"
+#include "lines.hpp"
+#include "unwrapper.hpp"
+
+#include "goingrate/base/sums.hpp"
+#include "goingrate/log/angle_samples.hpp"
+#include "goingrate/log/clock_log.hpp"
+#include "goingrate/log/reading.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// Reads lines, one after the other, into `log.events` and its columns, or into samples().
+class RowReader {
+public:
+  RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log);
+
+  void add(const Line& line);
+  /// Says what can be said only at the end.
+  void finish();
+
+  [[nodiscard]] const std::vector<AngleSample>& samples() const { return samples_; }
+  /// Lines that should have held data, and those of them that gave nothing.
+  [[nodiscard]] std::size_t data_lines() const { return data_lines_; }
+  [[nodiscard]] std::size_t rejected() const { return rejected_; }
+
+private:
+  using Place = std::optional<std::size_t>; // the column of a role
+
+  void reject(const Line& line, std::size_t column, IssueKind kind, std::string found);
+  void reject_field(const Line& line, const Field& field, std::string_view expected);
+  [[nodiscard]] bool only_a_comment(const Line& line) const;
+  bool row_fits(const Line& line);
+
+  // Times. Each rejects the line and gives nothing if it cannot be had.
+  std::optional<Instant> time_of(const Line& line);
+  std::optional<Instant> written_time(const Line& line);
+  std::optional<Instant> accumulated_time(const Line& line, std::size_t column);
+  std::optional<Instant> time_on_grid(const Line& line, std::size_t column);
+  [[nodiscard]] Field time_field() const;
+  [[nodiscard]] std::optional<Instant> parsed_time(std::string_view text) const;
+  [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
+  bool is_cut_short(const Line& line, std::string_view text);
+
+  // The other columns: NaN where there is nothing to read.
+  double number_at(const Line& line, const Place& place, std::string_view expected);
+  double amplitude_at(const Line& line);
+  bool read_edge(const Line& line, Beat& beat);
+
+  void accept(const Line& line, Beat beat);
+  void append(const Beat& beat, double width_s, double temperature_c, double pressure_mbar);
+  void accept_gate_edge(const Line& line, const Beat& beat, std::string_view word);
+
+  Layout layout_;
+  ClockLog& log_;
+  IssueList issues_;
+  Unwrapper unwrap_;
+  Place time_, date_, period_, half_period_, error_, phase_, frequency_, amplitude_, angle_, width_,
+      edge_, temperature_, pressure_, channel_;
+  std::vector<Field> fields_;
+  std::vector<AngleSample> samples_;
+  std::size_t data_lines_ = 0, rejected_ = 0, other_channels_ = 0;
+  std::size_t decimals_ = 0; // of the time in the line before
+  std::int64_t row_ = 0;     // of phase, frequency and intervals
+  std::int64_t whole_s_ = 0; // what was accumulated: whole seconds and the rest
+  TwoPart<double> part_s_{};
+  double last_period_s_ = 0.0;
+  double typical_step_s_ = 0.0;
+  std::optional<Instant> last_;
+  std::optional<Beat> entered_; // the first of a gate's two edges
+};
+
+} // namespace goingrate

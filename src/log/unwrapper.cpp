@@ -1,0 +1,52 @@
+#include "unwrapper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace goingrate {
+
+Instant Unwrapper::operator()(const Instant& raw) {
+  if (settings_.wrap_s == 0.0) return raw;
+  if (last_raw_) {
+    const double step = raw - *last_raw_;
+    if (!settings_.wrap_s && step < 0.0) guess(last_raw_->to_double(), raw.to_double());
+    if (settings_.wrap_s) count_wraps(step);
+    // The last eight steps or so: enough to know a step from a jump.
+    if (step > 0.0)
+      typical_step_s_ += (step - typical_step_s_) * (typical_step_s_ > 0.0 ? 0.125 : 1.0);
+  }
+  last_raw_ = raw;
+  if (wraps_ == 0) return raw;
+  const Instant sum = raw + offset_.fraction;
+  return {sum.seconds + offset_.seconds, sum.fraction};
+}
+
+// A step back is a wrap if the next reading then follows as soon as the ones before did.
+void Unwrapper::guess(double before_s, double after_s) {
+  constexpr double patience = 20.0; // steps: a short gap may hide the wrap itself
+  for (const double wrap : settings_.candidates_s) {
+    if (before_s >= wrap || after_s < 0.0 || before_s - after_s < 0.5 * wrap) continue;
+    if (after_s + wrap - before_s > patience * typical_step_s_) continue;
+    settings_.wrap_s = wrap;
+    return;
+  }
+}
+
+void Unwrapper::count_wraps(double step_s) {
+  const double wrap = *settings_.wrap_s;
+  std::int64_t more = 0;
+  if (settings_.step_s)
+    more = std::llround(std::max(0.0, (*settings_.step_s - step_s) / wrap));
+  else if (step_s < -0.5 * wrap)
+    more = 1;
+  if (more == 0) return;
+  wraps_ += more;
+  const double unit_s = settings_.unit.seconds * std::pow(10.0, settings_.unit.power);
+  const double units = std::round(wrap / unit_s);
+  const bool whole = std::abs(units * unit_s - wrap) < 1e-9 * wrap && units < 9e15;
+  const auto exact =
+      whole ? whole_units(static_cast<std::int64_t>(units) * wraps_, settings_.unit) : std::nullopt;
+  offset_ = exact ? *exact : Instant::from_seconds(static_cast<double>(wraps_) * wrap);
+}
+
+} // namespace goingrate

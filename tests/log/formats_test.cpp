@@ -1,0 +1,402 @@
+// Every layout of log that is met in the wild, each written from the same crossings.
+#include "goingrate/base/errors.hpp"
+#include "goingrate/log/reading.hpp"
+#include "log/calendar.hpp"
+#include "log/unwrapper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fmt/format.h>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+namespace goingrate {
+namespace {
+
+// Crossings every 2.0001 s on a grid of 0.1 us, from 2013-02-22 23:38:00.2279906 UTC on.
+std::int64_t crossing_in_tenths_of_us(int i) {
+  return 13615762802279906LL + 20001000LL * i + (i * 37) % 11;
+}
+
+std::vector<std::int64_t> true_crossings(int count = 60) {
+  std::vector<std::int64_t> ticks;
+  for (int i = 0; i < count; ++i)
+    ticks.push_back(crossing_in_tenths_of_us(i));
+  return ticks;
+}
+
+std::string seconds_text(std::int64_t ticks, char point = '.') {
+  return fmt::format("{}{}{:07d}", ticks / 10000000, point, ticks % 10000000);
+}
+
+// The log's times against the truth: equal steps, to the last digit.
+void expect_same_steps(const ClockLog& log, const std::vector<std::int64_t>& ticks,
+                       double within_s = 1e-15) {
+  ASSERT_EQ(log.events.size(), ticks.size());
+  for (std::size_t i = 1; i < ticks.size(); ++i)
+    ASSERT_NEAR(log.events[i].time - log.events[0].time,
+                1e-7 * static_cast<double>(ticks[i] - ticks[0]),
+                within_s + 3e-14) // two roundings of a double of two minutes
+        << "event " << i;
+}
+
+bool says(const ClockLog& log, std::string_view part) {
+  return std::any_of(log.assumptions.begin(), log.assumptions.end(),
+                     [&](const std::string& line) { return line.find(part) != line.npos; });
+}
+
+struct Wild {
+  const char* name;
+  std::string (*line)(std::int64_t tick, int i);
+  std::string header;
+  LogFormat format;
+  const char* said;
+  double within_s = 1e-15;
+  ReadingOptions options{};
+};
+
+std::string calendar(std::int64_t ticks, const char* pattern) {
+  const std::int64_t of_day = ticks / 10000000 - 1361577600 + 86400; // since 2013-02-22 0:00
+  const std::int64_t day = 22 + of_day / 86400, s = of_day % 86400;
+  return fmt::format(fmt::runtime(pattern), day, s / 3600, s / 60 % 60, s % 60, ticks % 10000000);
+}
+
+std::vector<Wild> wild_formats() {
+  using F = LogFormat;
+  std::vector<Wild> list;
+  const auto add = [&](Wild wild) { list.push_back(std::move(wild)); };
+  add({"UnixSeconds", [](std::int64_t t, int) { return seconds_text(t); }, "", F::timestamps,
+       "one time a line"});
+  add({"DateAndTime",
+       [](std::int64_t t, int) { return calendar(t, "2013-02-{:02} {:02}:{:02}:{:02}.{:07}"); }, "",
+       F::timestamps, "one time a line"});
+  add({"DateAndTimeIso",
+       [](std::int64_t t, int) { return calendar(t, "2013-02-{:02}T{:02}:{:02}:{:02}.{:07}Z"); },
+       "", F::timestamps, "one time a line"});
+  add({"DateAndTimeZone",
+       [](std::int64_t t, int) {
+         return calendar(t, "2013-02-{:02} {:02}:{:02}:{:02}.{:07}+00:00");
+       },
+       "", F::timestamps, "one time a line"});
+  add({"DateUnderscores",
+       [](std::int64_t t, int) { return calendar(t, "2013_02_{:02}_{:02}-{:02}-{:02}.{:07}"); }, "",
+       F::timestamps, "one time a line"});
+  add({"TimeOfDayOverMidnight",
+       [](std::int64_t t, int) {
+         const auto text = calendar(t + 12600000000LL, "{:02}/{:02}:{:02}:{:02}.{:07}");
+         return text.substr(3);
+       },
+       "", F::timestamps, "begin again 1 time"});
+  add({"SecondsOfDayOverMidnight",
+       [](std::int64_t t, int) { return seconds_text((t + 12600000000LL) % 864000000000LL); }, "",
+       F::timestamps, "begin again 1 time, every 86400 s"});
+  add({"Periods",
+       [](std::int64_t, int i) {
+         return seconds_text(
+             crossing_in_tenths_of_us(i) -
+             (i > 0 ? crossing_in_tenths_of_us(i - 1) : crossing_in_tenths_of_us(0) - 20001000));
+       },
+       "", F::periods, "one period a line"});
+  add({"ClockError",
+       [](std::int64_t t, int i) {
+         const std::int64_t label = 1361576280 + 2 * i;
+         return fmt::format("{} {:.7f} {:.6f}", label,
+                            1e-7 * static_cast<double>(label * 10000000 - t), 46.4);
+       },
+       "", F::clock_error, "clock-error", 1e-9});
+  add({"Ticc",
+       [](std::int64_t t, int) { return seconds_text(t - 13615690000000000LL) + "0000 chA"; },
+       "# timestamp (seconds with 11 decimal places)\n", F::ticc, "TICC timestamps"});
+  add({"TiccRollsOverAt100",
+       [](std::int64_t t, int) { return seconds_text(t % 1000000000LL) + " chA"; }, "# TICC\n",
+       F::ticc, "every 100 s"});
+  add({"StableThirtyTwoPhase",
+       [](std::int64_t t, int i) {
+         return fmt::format("{:.15e}",
+                            -1e-7 * static_cast<double>(t - 13615762802279906LL - 20000000LL * i));
+       },
+       "# Stable32\n",
+       F::phase,
+       "phase data",
+       1e-9,
+       {.tau0_s = 2.0}});
+  add({"CsvWithNamedColumns",
+       [](std::int64_t t, int i) {
+         return fmt::format("{},{},3.3737645,9.7653027,26.64,18.97,CO", i,
+                            calendar(t, "2013-02-{:02} {:02}:{:02}:{:02}.{:07}+00:00"));
+       },
+       "id,timestamp,a,b,temperature,humidity,state\n", F::table, "columns with names"});
+  add({"CsvWithoutHeader",
+       [](std::int64_t t, int i) {
+         return fmt::format("{},{},3.3737645,9.7653027,26.64,18.97,CO", i,
+                            calendar(t, "2013-02-{:02} {:02}:{:02}:{:02}.{:07}+00:00"));
+       },
+       "", F::table, "6 other columns are not read"});
+  add({"PhyphoxStopwatch",
+       [](std::int64_t t, int) { return fmt::format("{},{}", seconds_text(t), "2.0"); },
+       "\"Event time (s)\",\"Interval (s)\"\n", F::table, "times are read"});
+  add({"DecimalComma", [](std::int64_t t, int) { return seconds_text(t, ','); }, "", F::timestamps,
+       "comma is the decimal point"});
+  add({"MicrosecondsThatWrap",
+       [](std::int64_t t, int) { return fmt::format("{}", t / 10 % 4294967296LL); }, "",
+       F::timestamps, "times are in us", 2e-6});
+  add({"SixteenBitCounter",
+       [](std::int64_t t, int) { return fmt::format("{}", t / 10 % 65536); },
+       "",
+       F::timestamps,
+       "every 0.065536 s",
+       2e-6,
+       {.nominal_period_s = 2.0, .unit = in_microseconds, .wrap_s = 0.065536}});
+  add({"ArduinoHalfPeriods",
+       [](std::int64_t, int i) {
+         // the half-periods sum to the crossings of both directions; every second one is a line
+         // here
+         const auto step = crossing_in_tenths_of_us(i) - crossing_in_tenths_of_us(i - 1);
+         return fmt::format("{},{:.1f},{},{},{}", 1361576280 + 2 * i,
+                            0.1 * static_cast<double>(step), 15234, 21.5, 1013.2);
+       },
+       "timestamp,half-period us,pulse width us,temperature C,pressure mbar\n", F::table,
+       "periods are added up"});
+  add({"SemicolonTable",
+       [](std::int64_t t, int) { return fmt::format("{};1,2345E0;NaN", seconds_text(t, ',')); },
+       "\"Time (s)\";\"Amplitude (mrad)\";\"Temperature (C)\"\n", F::table,
+       "comma is the decimal"});
+  add({"VernierBlock",
+       [](std::int64_t t, int) {
+         return fmt::format("{}\t46.4", seconds_text(t - 13615762800000000LL));
+       },
+       "Vernier Format 3\nUntitled\nRun 1\nTime\tAmplitude\nt\tA\ns\tmrad\n\n", F::table,
+       "columns with names"});
+  add({"NewestFirst", nullptr, "", F::timestamps, "newest line is first"});
+  add({"LatinComments", [](std::int64_t t, int) { return seconds_text(t); },
+       "% d\xe9"
+       "but de l'exp\xe9rience, 20 \xb0"
+       "C\n",
+       F::timestamps, "one time a line"});
+  add({"ExplicitPlus",
+       [](std::int64_t t, int i) {
+         return fmt::format(
+             "{}{:.12E}", t >= 13615762802279906LL + 20000000LL * i ? "-" : "+",
+             std::abs(1e-7 * static_cast<double>(t - 13615762802279906LL - 20000000LL * i)));
+       },
+       "",
+       F::phase,
+       "phase data",
+       1e-9,
+       {.tau0_s = 2.0}});
+  add({"WrongUnitInTheHeader",
+       [](std::int64_t t, int) { return fmt::format("{},5", t / 10 - 1361576280000000LL); },
+       "Time (s),n\n", F::table, "the header's unit (s) would make a beat of 2e+06 s", 2e-6});
+  return list;
+}
+
+void PrintTo(const Wild& wild, std::ostream* out) { *out << wild.name; }
+
+class Formats : public testing::TestWithParam<Wild> {};
+
+TEST_P(Formats, ReadsInTheWild) {
+  const Wild& wild = GetParam();
+  auto ticks = true_crossings();
+  std::string text = wild.header;
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    text += (wild.line ? wild.line(ticks[i], static_cast<int>(i))
+                       : seconds_text(ticks[ticks.size() - 1 - i])) +
+            "\n";
+  const ClockLog log = read_log(text, "wild.log", wild.options);
+  EXPECT_EQ(log.format, wild.format);
+  EXPECT_TRUE(says(log, wild.said)) << fmt::format("{}", fmt::join(log.assumptions, "\n"));
+  EXPECT_TRUE(log.issues.empty()) << log.issues.front().found << log.issues.front().action;
+  expect_same_steps(log, ticks, wild.within_s);
+}
+
+INSTANTIATE_TEST_SUITE_P(Logs, Formats, testing::ValuesIn(wild_formats()),
+                         [](const auto& entry) { return std::string(entry.param.name); });
+
+TEST(FormatsTest, MjdIsReadToItsLastDigit) {
+  std::string text;
+  for (int i = 0; i < 30; ++i) // 2 s are 0.0000231481 days
+    text += fmt::format("56345.{:010d}\n", 9847248610LL + 231481LL * i);
+  const ClockLog log = read_log(text, "x");
+  EXPECT_TRUE(says(log, "days, as MJD"));
+  EXPECT_NEAR(log.events[29].time - log.events[0].time, 86400e-10 * 231481.0 * 29, 1e-12);
+}
+
+TEST(FormatsTest, IntervalsOfATiccAreTheClocksError) {
+  std::string text;
+  for (int i = 0; i < 30; ++i)
+    text += fmt::format("{:.12f} TI(A->B)\n", 0.3 + 1.2e-8 * i);
+  const ClockLog log = read_log(text, "x");
+  EXPECT_EQ(log.format, LogFormat::ticc_interval);
+  EXPECT_NEAR(log.events[29].time - log.events[0].time, 29.0 - 29 * 1.2e-8, 1e-12);
+}
+
+TEST(FormatsTest, AnInteriorZeroOfPhaseIsAGapAndTheFirstIsNot) {
+  const ClockLog log = read_log("0\n1e-6\n-2e-6\n0\n3e-6\n2e-6\n-1e-6\n", "x");
+  EXPECT_EQ(log.format, LogFormat::phase);
+  EXPECT_EQ(log.events.size(), 6u);
+  ASSERT_EQ(log.issues.size(), 1u);
+  EXPECT_EQ(log.issues[0].line, 4u);
+  EXPECT_EQ(log.issues[0].kind, IssueKind::gap);
+}
+
+TEST(FormatsTest, FrequencyDataAddUpToTimes) {
+  ReadingOptions options;
+  options.format = LogFormat::frequency;
+  options.tau0_s = 10.0;
+  const ClockLog log = read_log("1e-3\n2e-3\n-1e-3\n0\n", "x", options);
+  ASSERT_EQ(log.events.size(), 4u);
+  EXPECT_NEAR(log.events[0].time.to_double(), 9.99, 1e-12);
+  EXPECT_NEAR(log.events[3].time.to_double(), 40.0 - 0.02, 1e-12);
+}
+
+TEST(FormatsTest, SigmaThetaColumnsGoByTheNameOfTheFile) {
+  std::string text = "% SigmaTheta \xe9\n";
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("{} {:.16e}\n", i, i % 2 ? 1e-9 : -1e-9);
+  EXPECT_EQ(read_log(text, "a.ykt").format, LogFormat::frequency);
+  EXPECT_EQ(read_log(text, "a.xtt").format, LogFormat::phase);
+}
+
+TEST(FormatsTest, ColumnsAreSetByHand) {
+  std::string text;
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("{} {} {}\n", 20 - i, 46.0, 2.5 * i);
+  ReadingOptions options;
+  options.columns = {"time=3", "amplitude=2:mrad"};
+  const ClockLog log = read_log(text, "x", options);
+  EXPECT_NEAR(log.events[19].time - log.events[0].time, 47.5, 1e-12);
+  EXPECT_NEAR(log.events[0].amplitude_rad, 0.046, 1e-15);
+  for (const char* wrong : {"time", "time=4", "tide=1", "time=0", "amplitude=2:m", "time=names"}) {
+    options.columns = {wrong};
+    EXPECT_THROW((void)read_log(text, "x", options), ArgumentError) << wrong;
+  }
+}
+
+TEST(FormatsTest, LabelJitterIsMendedAndTold) {
+  std::string text;
+  for (int i = 0; i < 40; ++i) {
+    const int label = 3 * (i == 20 ? 19 : i == 30 ? 31 : i); // one early, one late
+    text += fmt::format("{} {:.6f} 46.4\n", 1364774403 + label, -1.27 + 1e-5 * i);
+  }
+  const ClockLog log = read_log(text, "x");
+  EXPECT_EQ(log.nominal_period_s, 3.0);
+  ASSERT_EQ(log.issues.size(), 2u);
+  EXPECT_EQ(log.issues[0].kind, IssueKind::label_jitter);
+  EXPECT_EQ(log.issues[0].line, 21u);
+  EXPECT_EQ(log.issues[1].line, 31u);
+  for (std::size_t i = 1; i < log.events.size(); ++i)
+    EXPECT_NEAR(log.events[i].time - log.events[i - 1].time, 3.0 - 1e-5, 1e-9);
+}
+
+TEST(FormatsTest, SentinelsEmptyFieldsAndNanAreNoTimes) {
+  const ClockLog log = read_log("time_s,amplitude_rad\n0.0,0.05\n2.0,\n9999.999,0.05\n,0.05\n"
+                                "4.0,NaN\nnan,0.05\n6.0,99999\n8.0,0.05\n",
+                                "x");
+  ASSERT_EQ(log.events.size(), 5u);
+  EXPECT_TRUE(std::isnan(log.events[1].amplitude_rad));
+  EXPECT_TRUE(std::isnan(log.events[3].amplitude_rad));
+  std::vector<IssueKind> kinds;
+  for (const LineIssue& issue : log.issues)
+    kinds.push_back(issue.kind);
+  EXPECT_EQ(kinds, (std::vector<IssueKind>{IssueKind::no_value, IssueKind::missing,
+                                           IssueKind::no_value, IssueKind::no_value}))
+      << "amplitudes that are empty or NaN are unknown by the file's own word";
+}
+
+TEST(FormatsTest, ATruncatedLastLineIsLeftOut) {
+  for (const char* last : {"8.1", "8.", "8,0.05", "1"}) {
+    const std::string rows = std::string_view(last).find(',') == std::string_view::npos
+                                 ? "0.125\n2.125\n4.125\n6.125\n"
+                                 : "0.125,0.05,3\n2.125,0.05,3\n4.125,0.05,3\n6.125,0.05,3\n";
+    const ClockLog log = read_log(rows + last, "x");
+    EXPECT_EQ(log.events.size(), 4u) << last;
+    ASSERT_EQ(log.issues.size(), 1u) << last;
+    EXPECT_EQ(log.issues[0].kind, IssueKind::truncated) << last;
+  }
+  EXPECT_TRUE(read_log("0.125\n2.125\n4.125", "x").issues.empty()); // whole, without a line end
+}
+
+TEST(FormatsTest, RunsOfBadLinesAreOneIssue) {
+  const ClockLog log = read_log("0\n2\n4\nx\ny\nz\n6\n8\n10\n", "x");
+  ASSERT_EQ(log.issues.size(), 1u);
+  EXPECT_EQ(log.issues[0].line, 4u);
+  EXPECT_EQ(log.issues[0].last_line, 6u);
+}
+
+TEST(FormatsTest, StrictMakesTheFirstIssueAnError) {
+  ReadingOptions options;
+  options.strict = true;
+  EXPECT_THROW((void)read_log("0\n2\n4\nx\n6\n8\n", "log", options), InputError);
+  try {
+    (void)read_log("0\n2\n4\nx\n6\n8\n", "log", options);
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string_view(error.what()).substr(0, 8), "log:4:1:");
+  }
+}
+
+TEST(FormatsTest, AHalfHeaderNamesWhatItCan) {
+  const ClockLog log = read_log("time_s,ampl\n0,0.05,20\n2,0.05,20\n4,0.05,20\n", "x");
+  EXPECT_EQ(log.events.size(), 3u);
+  ASSERT_EQ(log.issues.size(), 1u);
+  EXPECT_EQ(log.issues[0].kind, IssueKind::header);
+}
+
+TEST(FormatsTest, WidthsTemperaturesAndGateEdgesBecomeColumns) {
+  const ClockLog log = read_log("time_s,edge,temperature_c\n0.00,up-in,20\n0.02,up-out,20\n"
+                                "1.00,down-in,20\n1.02,down-out,21\n2.00,up-in,20\n2.02,up-out,22\n"
+                                "3.00,down-in,20\n4.00,up-in,20\n4.02,up-out,20\n",
+                                "x");
+  ASSERT_EQ(log.events.size(), 4u);
+  EXPECT_NEAR(log.events[0].time.to_double(), 0.01, 1e-15);
+  EXPECT_NEAR(log.columns.width_s[3], 0.02, 1e-12);
+  EXPECT_EQ(log.columns.temperature_c[2], 22.0);
+  ASSERT_EQ(log.issues.size(), 1u);
+  EXPECT_EQ(log.issues[0].kind, IssueKind::incomplete);
+  EXPECT_EQ(log.issues[0].line, 8u);
+}
+
+TEST(CalendarTest, ReadsWhatLoggersWrite) {
+  for (const char* text :
+       {"2013-02-22 23:38:00.2279906", "2013-02-22T23:38:00.2279906Z",
+        "2013-02-22T23:38:00.2279906+00:00", "2013/02/22 23:38:00.2279906",
+        "2013_02_22_23_38_00.2279906", "2013-02-22-23-38-00.2279906",
+        "2013-02-23 00:38:00.2279906+01:00", "2013-02-22 18:08:00.2279906 -0530"}) {
+    const auto time = parse_calendar(text);
+    ASSERT_TRUE(time) << text;
+    EXPECT_EQ(time->time.seconds, 1361576280) << text;
+    EXPECT_EQ(time->time.fraction, 0.2279906) << text;
+  }
+  for (const char* text : {"2013-02-30 0:00:00", "2013-13-01 0:0:0", "12:60:00", "25:00:00", "12",
+                           "2013-02-22", "12:00:00 +99:00", "12:00:00x", "2013-02-22 12"})
+    EXPECT_FALSE(parse_calendar(text)) << text;
+}
+
+TEST(UnwrapperTest, CountersOfManyWrapsStayExact) {
+  Unwrapper unwrap({65536e-6, {}, 1.0, in_microseconds});
+  for (std::int64_t us = 0; us < 3000000000LL; us += 1000017) {
+    const Instant t = unwrap(*whole_units(us % 65536, in_microseconds));
+    ASSERT_EQ(t.seconds, us / 1000000);
+    ASSERT_NEAR(t.fraction, 1e-6 * static_cast<double>(us % 1000000), 2.3e-16); // one rounding
+  }
+}
+
+TEST(FormatsTest, AGzipFileIsReadAsItIs) {
+  const std::string path = testing::TempDir() + "goingrate_formats.gz";
+  const auto ticks = true_crossings();
+  gzFile file = gzopen(path.c_str(), "wb");
+  for (const std::int64_t tick : ticks)
+    gzputs(file, (seconds_text(tick) + "\n").c_str());
+  gzclose(file);
+  expect_same_steps(read_log_file(path), ticks);
+  // Cut short, it is refused: nobody knows how much is missing.
+  std::ifstream whole(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(whole)), {});
+  std::ofstream(path, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
+  EXPECT_THROW((void)read_log_file(path), InputError);
+  std::remove(path.c_str());
+}
+
+} // namespace
+} // namespace goingrate
