@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <sys/mman.h>
 
 namespace goingrate {
 

@@ -34,11 +34,6 @@ Unwrapper::Settings unwrapping(const Layout& layout, const ReadingOptions& optio
   return settings;
 }
 
-std::size_t decimals_of(std::string_view text, char point) {
-  const std::size_t at = text.find(point);
-  return at == std::string_view::npos ? 0 : text.size() - at;
-}
-
 } // namespace
 
 RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log)
@@ -53,6 +48,7 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       temperature_(layout.find(ColumnRole::temperature)),
       pressure_(layout.find(ColumnRole::pressure)), channel_(layout.find(ColumnRole::channel)) {
   if (!angle_) angle_ = layout.find(ColumnRole::position);
+  plain_ = layout.columns.size() == 1 && time_ && !layout.calendar;
 }
 
 void RowReader::reject(const Line& line, std::size_t column, IssueKind kind, std::string found) {
@@ -80,7 +76,9 @@ bool RowReader::only_a_comment(const Line& line) const {
 }
 
 void RowReader::add(const Line& line) {
-  if (line.number < layout_.first_line || only_a_comment(line)) return;
+  if (line.number < layout_.first_line) return;
+  if (plain_ && add_plain_time(line)) return;
+  if (only_a_comment(line)) return;
   ++data_lines_;
   split_fields(line.text, layout_.separator, fields_);
   if (!row_fits(line)) return;
@@ -103,6 +101,21 @@ void RowReader::add(const Line& line) {
   if (edge_ && !read_edge(line, beat)) return;
   beat.amplitude_rad = amplitude_at(line);
   accept(line, beat);
+}
+
+// What nearly all lines of nearly all logs are, and so on a short way: a good time and nothing
+// else. False for any other line, which then goes the long way.
+bool RowReader::add_plain_time(const Line& line) {
+  if (!line.ended || line.text.empty() || line.text.front() < '0' || line.text.front() > '8')
+    return false;
+  const auto raw = parse_instant(line.text, layout_.columns[0].unit, layout_.point);
+  if (!raw || raw->seconds > 4000000000000000000) return false;
+  ++data_lines_;
+  time_length_ = line.text.size();
+  const Instant time = unwrap_(*raw, typical_step_s_);
+  follow(time);
+  log_.events.push_back(event_at(time, Edge::up, line.number));
+  return true;
 }
 
 // The right number of fields, of text.
@@ -160,11 +173,21 @@ bool RowReader::is_sentinel(std::string_view text, const Instant& time) const {
   return step < 0.0 || step > 100.0 * typical_step_s_;
 }
 
-// A last line without line end and with fewer decimals than the one before has lost some.
+// A last line without line end whose time is shorter than the one before has lost some of it.
 bool RowReader::is_cut_short(const Line& line, std::string_view text) {
-  const std::size_t before = decimals_;
-  decimals_ = decimals_of(text, layout_.point);
-  return !line.ended && last_ && decimals_ < before;
+  const std::size_t before = time_length_;
+  time_length_ = text.size();
+  return !line.ended && last_ && text.size() < before;
+}
+
+// The mean of the last eight steps or so: enough to know a step from a jump.
+void RowReader::follow(const Instant& time) {
+  if (last_) {
+    const double step = time - *last_;
+    if (step > 0.0)
+      typical_step_s_ += (step - typical_step_s_) * (typical_step_s_ > 0.0 ? 0.125 : 1.0);
+  }
+  last_ = time;
 }
 
 std::optional<Instant> RowReader::written_time(const Line& line) {
@@ -189,7 +212,7 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
     return {};
   }
   if (!error_) {
-    time = unwrap_(*time);
+    time = unwrap_(*time, typical_step_s_);
   } else {
     const double error = number_at(line, error_, "a clock error in seconds");
     if (std::isnan(error)) {
@@ -199,9 +222,7 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
     // The clock shows `label` when true time is label - error: a positive error is a fast clock.
     time = *time + -error * layout_.columns[*error_].scale;
   }
-  if (last_ && *time - *last_ > 0.0)
-    typical_step_s_ += (*time - *last_ - typical_step_s_) * (typical_step_s_ > 0.0 ? 0.125 : 1.0);
-  last_ = time;
+  follow(*time);
   return time;
 }
 

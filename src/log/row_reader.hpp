@@ -38,6 +38,7 @@ private:
   void reject(const Line& line, std::size_t column, IssueKind kind, std::string found);
   void reject_field(const Line& line, const Field& field, std::string_view expected);
   [[nodiscard]] bool only_a_comment(const Line& line) const;
+  bool add_plain_time(const Line& line);
   bool row_fits(const Line& line);
 
   // Times. Each rejects the line and gives nothing if it cannot be had.
@@ -49,6 +50,7 @@ private:
   [[nodiscard]] std::optional<Instant> parsed_time(std::string_view text) const;
   [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
   bool is_cut_short(const Line& line, std::string_view text);
+  void follow(const Instant& time);
 
   // The other columns: NaN where there is nothing to read.
   double number_at(const Line& line, const Place& place, std::string_view expected);
@@ -68,13 +70,14 @@ private:
   std::vector<Field> fields_;
   std::vector<AngleSample> samples_;
   std::size_t data_lines_ = 0, rejected_ = 0, other_channels_ = 0;
-  std::size_t decimals_ = 0; // of the time in the line before
-  std::int64_t row_ = 0;     // of phase, frequency and intervals
-  std::int64_t whole_s_ = 0; // what was accumulated: whole seconds and the rest
+  std::size_t time_length_ = 0; // of the text of the time in the line before
+  std::int64_t row_ = 0;        // of phase, frequency and intervals
+  std::int64_t whole_s_ = 0;    // what was accumulated: whole seconds and the rest
   TwoPart<double> part_s_{};
   double last_period_s_ = 0.0;
   double typical_step_s_ = 0.0;
   std::optional<Instant> last_;
+  bool plain_;                  // nothing but a number a line
   std::optional<Beat> entered_; // the first of a gate's two edges
 };
 

@@ -5,15 +5,13 @@
 
 namespace goingrate {
 
-Instant Unwrapper::operator()(const Instant& raw) {
+Instant Unwrapper::placed(const Instant& raw, double typical_step_s) {
   if (settings_.wrap_s == 0.0) return raw;
   if (last_raw_) {
     const double step = raw - *last_raw_;
-    if (!settings_.wrap_s && step < 0.0) guess(last_raw_->to_double(), raw.to_double());
+    if (!settings_.wrap_s && step < 0.0)
+      guess(last_raw_->to_double(), raw.to_double(), typical_step_s);
     if (settings_.wrap_s) count_wraps(step);
-    // The last eight steps or so: enough to know a step from a jump.
-    if (step > 0.0)
-      typical_step_s_ += (step - typical_step_s_) * (typical_step_s_ > 0.0 ? 0.125 : 1.0);
   }
   last_raw_ = raw;
   if (wraps_ == 0) return raw;
@@ -22,11 +20,11 @@ Instant Unwrapper::operator()(const Instant& raw) {
 }
 
 // A step back is a wrap if the next reading then follows as soon as the ones before did.
-void Unwrapper::guess(double before_s, double after_s) {
+void Unwrapper::guess(double before_s, double after_s, double typical_step_s) {
   constexpr double patience = 20.0; // steps: a short gap may hide the wrap itself
   for (const double wrap : settings_.candidates_s) {
     if (before_s >= wrap || after_s < 0.0 || before_s - after_s < 0.5 * wrap) continue;
-    if (after_s + wrap - before_s > patience * typical_step_s_) continue;
+    if (after_s + wrap - before_s > patience * typical_step_s) continue;
     settings_.wrap_s = wrap;
     return;
   }

@@ -19,18 +19,24 @@ public:
   };
   explicit Unwrapper(Settings settings) : settings_(std::move(settings)) {}
 
-  Instant operator()(const Instant& raw);
+  /// `typical_step_s`: of the steps before, to know a wrap from a jump.
+  Instant operator()(const Instant& raw, double typical_step_s) {
+    const bool plain = wraps_ == 0 && !settings_.step_s && (!last_raw_ || raw >= *last_raw_);
+    if (!plain) return placed(raw, typical_step_s);
+    last_raw_ = raw;
+    return raw;
+  }
 
   [[nodiscard]] std::int64_t wraps() const { return wraps_; }
   [[nodiscard]] double wrap_s() const { return settings_.wrap_s.value_or(0.0); }
 
 private:
-  void guess(double before_s, double after_s);
+  Instant placed(const Instant& raw, double typical_step_s);
+  void guess(double before_s, double after_s, double typical_step_s);
   void count_wraps(double step_s);
 
   Settings settings_;
   std::optional<Instant> last_raw_;
-  double typical_step_s_ = 0.0; // running mean of the steps forward
   Instant offset_{};
   std::int64_t wraps_ = 0;
 };
