@@ -1,8 +1,10 @@
 #include "common.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
+#include <functional>
 
 namespace goingrate::apps {
 
@@ -27,9 +29,13 @@ void add_log_options(CLI::App& command, LogOptions& options) {
       "of beat");
   command
       .add_option("--flag-width", options.flag_width_rad,
-                  "angle (rad) of a centred flag as seen from the pivot, whose leading edge gave "
-                  "the times: they are moved to the vertical with each beat's amplitude")
+                  "angle (rad) of a centred flag as seen from the pivot. With a column of widths "
+                  "it gives the amplitudes; without, the times are those of its leading edge and "
+                  "are moved to the vertical with each beat's amplitude")
       ->check(CLI::Range(0.0, 1.0));
+  command.add_option("--sensor-offset", options.sensor_offset,
+                     "angle (rad) at which the sensor stands: times are moved to the vertical, and "
+                     "amplitudes had from the two half-periods; auto: estimated from the log");
   add_reading_options(command, options);
 }
 
@@ -121,6 +127,70 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
 
 } // namespace
 
+namespace {
+
+void number(NumberedLog& loaded) {
+  loaded.beats = number_beats(std::move(loaded.log.events), loaded.log.source);
+  loaded.log.events.clear();
+}
+
+// Corrections change times and amplitudes of events that are numbered: numbered they stay, unless
+// the times moved.
+void with_events(NumberedLog& loaded, const std::function<void(ClockLog&)>& change) {
+  loaded.log.events = std::move(loaded.beats.beats);
+  change(loaded.log);
+  number(loaded);
+}
+
+void use_flag(NumberedLog& loaded, const LogOptions& options) {
+  const double width = options.flag_width_rad > 0.0 ? options.flag_width_rad
+                                                    : loaded.log.flag_width_rad.value_or(0.0);
+  const bool widths = !loaded.log.columns.width_s.empty();
+  if (widths && width == 0.0)
+    loaded.log.assumptions.emplace_back(
+        "the widths give no amplitude: the flag's own width is not known (--flag-width)");
+  if (widths && width > 0.0) {
+    ClockLog& log = loaded.log;
+    log.events = std::move(loaded.beats.beats);
+    set_amplitudes_from_widths(log, width, loaded.nominal_period_s);
+    loaded.beats.beats = std::move(log.events);
+  } else if (options.flag_width_rad > 0.0) {
+    with_events(loaded, [&](ClockLog& log) {
+      move_to_vertical(log, -0.5 * width, 0.5 * width, loaded.nominal_period_s);
+    });
+  }
+}
+
+void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
+  loaded.beat_error_s = beat_error(loaded.beats.beats);
+  if (options.sensor_offset.empty()) return;
+  double offset = 0.0;
+  if (options.sensor_offset == "auto") {
+    loaded.sensor_offset_rad = sensor_offset(loaded.beats.beats, loaded.nominal_period_s);
+    if (!loaded.sensor_offset_rad)
+      throw NumericsError(options.path +
+                          ": the log does not tell where the sensor stands: it needs "
+                          "amplitudes and either both directions or 30 beats");
+    offset = loaded.sensor_offset_rad->value;
+    loaded.log.assumptions.push_back(
+        fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
+                    offset * 1e3, loaded.sensor_offset_rad->sigma * 1e3));
+  } else {
+    offset = numbers_in("sensor-offset", options.sensor_offset).front();
+  }
+  if (!loaded.log.has_amplitude) {
+    set_amplitudes_from_halves(loaded.beats.beats, offset, loaded.nominal_period_s);
+    loaded.log.has_amplitude =
+        std::any_of(loaded.beats.beats.begin(), loaded.beats.beats.end(),
+                    [](const Beat& beat) { return !std::isnan(beat.amplitude_rad); });
+  }
+  with_events(loaded, [&](ClockLog& log) {
+    move_to_vertical(log, offset, offset, loaded.nominal_period_s);
+  });
+}
+
+} // namespace
+
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   NumberedLog loaded;
   loaded.log = read_log_file(options.path, reading_options(options, global));
@@ -128,12 +198,10 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   if (loaded.log.format == LogFormat::timestamps && !labelled)
     loaded.log.assumptions.emplace_back(
         "each event is one period (--both-edges if both directions are in the log)");
-  loaded.beats = number_beats(loaded.log);
+  number(loaded);
   loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
-  if (options.flag_width_rad > 0.0) {
-    correct_edge_to_centre(loaded.log, -0.5 * options.flag_width_rad, loaded.nominal_period_s);
-    loaded.beats = number_beats(loaded.log);
-  }
+  use_flag(loaded, options);
+  use_sensor_offset(loaded, options);
   loaded.good = loaded.beats.longest_segment();
   if (loaded.good.size() < 3)
     throw NumericsError(

@@ -4,6 +4,7 @@
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/diary.hpp"
 #include "goingrate/fit/drive_split.hpp"
+#include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/log/reading.hpp"
@@ -32,6 +33,7 @@ struct LogOptions {
   double nominal_period_s = 0.0; ///< 0: not given
   double flag_width_rad = 0.0;
   bool both_edges = false;
+  std::string sensor_offset;        ///< rad, or auto
   std::vector<std::string> columns; ///< ROLE=PLACE[:UNIT]
   std::string unit;
   std::optional<double> wrap_s, rest_angle_rad;
@@ -52,7 +54,9 @@ ReadingOptions reading_options(const LogOptions& options, const GlobalOptions& g
 struct NumberedLog {
   ClockLog log;
   Beats beats;
-  std::vector<Beat> good; ///< the longest segment
+  std::vector<Beat> good;                          ///< the longest segment
+  std::optional<SensorEstimate> beat_error_s;      ///< where both directions are in the log
+  std::optional<SensorEstimate> sensor_offset_rad; ///< if asked for
   double nominal_period_s = 0.0;
 };
 

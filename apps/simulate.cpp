@@ -42,12 +42,11 @@ class Writer {
 public:
   Writer(const Scenario& scenario, const Period& start, std::uint64_t seed,
          const std::string& log_path, const std::string& truth_path)
-      : columns_{scenario.sensor.edges == SensorEdges::both,
-                 scenario.sensor.amplitude_rms.has_value(), decimals_for(scenario.sensor)},
-        sensor_(scenario.sensor, seed) {
+      : columns_(native_columns(scenario.sensor, scenario.clock.nominal_period_s)),
+        sensor_(scenario, seed) {
     files_.emplace_back(log_path);
     files_.emplace_back(truth_path);
-    files_[0].text() = native_log_header(columns_, scenario.clock.nominal_period_s);
+    files_[0].text() = native_log_header(columns_);
     if (files_[1].wanted()) files_[1].text() = "cycle,time_s,period_s,velocity,amplitude_rad,mu\n";
     sensor_.see(start);
   }
@@ -72,7 +71,7 @@ public:
 
 private:
   void take(bool at_end) {
-    for (const Beat& event : sensor_.take(at_end))
+    for (const SensedEvent& event : sensor_.take(at_end))
       append_native_line(files_[0].text(), event, columns_);
     files_[0].flush_if_large();
   }

@@ -26,6 +26,18 @@ double LengthChanges::at(double time_s) const {
   return change;
 }
 
+double Temperature::at(double time_s) const {
+  double celsius = mean_c + drift_per_day * time_s / seconds_per_day;
+  for (const Sine& sine : sines)
+    celsius += sine.amplitude * std::sin(two_pi * time_s / sine.period_s);
+  return celsius;
+}
+
+double Scenario::length_change_at(double time_s) const {
+  const double warmer = temperature.at(time_s) - temperature.mean_c;
+  return length.at(time_s) + length.temperature_coefficient * warmer;
+}
+
 std::string_view name_of(Method method) {
   switch (method) {
   case Method::automatic:
@@ -56,6 +68,14 @@ void check_sensor(const SensorSettings& sensor) {
   not_negative("jitter_rms", sensor.jitter_rms_s);
   not_negative("resolution", sensor.resolution_s);
   not_negative("amplitude_rms", sensor.amplitude_rms.value_or(0.0));
+  not_negative("temperature_rms", sensor.temperature_rms.value_or(0.0));
+  if (!(std::abs(sensor.offset_rad) <= 1.0))
+    throw ArgumentError("offset", sensor.offset_rad, "between -1 and 1 rad");
+  if (!(sensor.flag_width_rad >= 0.0 && sensor.flag_width_rad <= 1.0))
+    throw ArgumentError("flag_width", sensor.flag_width_rad, "between 0 and 1 rad");
+  const bool two_edges = sensor.edges == SensorEdges::gate || sensor.edges == SensorEdges::four;
+  if (two_edges && sensor.flag_width_rad == 0.0)
+    throw ArgumentError("flag_width", 0.0, "above 0 rad: there are no two edges without a flag");
   probability("missed", sensor.missed);
   probability("spurious", sensor.spurious);
 }
@@ -67,11 +87,27 @@ void check_method(const MethodSettings& method) {
     throw ArgumentError("run.tolerance", *method.tolerance_s, "not below 0 s");
 }
 
+void check_temperature(const Temperature& temperature) {
+  const auto bearable = [](std::string_view name, double kelvin) {
+    if (!(std::abs(kelvin) <= 100.0)) throw ArgumentError(name, kelvin, "between -100 and 100");
+  };
+  bearable("temperature.mean", temperature.mean_c);
+  bearable("temperature.drift_per_day", temperature.drift_per_day);
+  for (const auto& sine : temperature.sines) {
+    bearable("temperature.sine.amplitude", sine.amplitude);
+    if (!(sine.period_s > 0.0))
+      throw ArgumentError("temperature.sine.period", sine.period_s, "a positive number of seconds");
+  }
+}
+
 void check_length(const LengthChanges& length) {
   const auto small = [](std::string_view name, double change) {
     if (!(std::abs(change) <= 0.1)) throw ArgumentError(name, change, "between -0.1 and 0.1");
   };
   small("length.drift_per_day", length.drift_per_day);
+  if (!(std::abs(length.temperature_coefficient) <= 0.01))
+    throw ArgumentError("length.temperature_coefficient", length.temperature_coefficient,
+                        "between -0.01 and 0.01 per K");
   for (const auto& sine : length.sines) {
     small("length.sine.amplitude", sine.amplitude);
     if (!(sine.period_s > 0.0 && std::isfinite(sine.period_s)))
@@ -108,6 +144,7 @@ void check(const Scenario& scenario) {
     check_event(event, clock);
   check(scenario.drive);
   check_length(scenario.length);
+  check_temperature(scenario.temperature);
   check_method(scenario.method);
   check_sensor(scenario.sensor);
 }

@@ -81,15 +81,6 @@ public:
     return *value;
   }
 
-  // A key of the scenario language for something that is not modelled: its neutral value is
-  // accepted.
-  void only_zero(std::string_view key) {
-    const auto value = number(key);
-    known_.pop_back(); // not offered to whoever misspells another key
-    accepted_.emplace_back(key);
-    if (value.value_or(0.0) != 0.0) wrong(*table_.get(key), key, "0: this is not modelled");
-  }
-
   std::optional<std::int64_t> count(std::string_view key) {
     const toml::node* node = find(key);
     if (node == nullptr) return {};
@@ -244,18 +235,32 @@ void read_drive(Section section, const std::string& file, DriveVariability& driv
 void read_length(Section section, LengthChanges& length) {
   length.drift_per_day = section.number("drift_per_day").value_or(0.0);
   length.sines = section.pairs<LengthChanges::Sine>("sine", "amplitude", "period");
+  length.temperature_coefficient = section.number("temperature_coefficient").value_or(0.0);
+  section.finish();
+}
+
+void read_temperature(Section section, Temperature& temperature) {
+  temperature.mean_c = section.number("mean").value_or(20.0);
+  temperature.drift_per_day = section.number("drift_per_day").value_or(0.0);
+  temperature.sines = section.pairs<Temperature::Sine>("sine", "amplitude", "period");
   section.finish();
 }
 
 void read_sensor(Section section, SensorSettings& sensor) {
-  if (section.word("edges", {"up", "both"}) == "both") sensor.edges = SensorEdges::both;
+  const std::map<std::string, SensorEdges> edges{{"up", SensorEdges::up},
+                                                 {"both", SensorEdges::both},
+                                                 {"gate", SensorEdges::gate},
+                                                 {"four", SensorEdges::four}};
+  if (const auto word = section.word("edges", {"up", "both", "gate", "four"}))
+    sensor.edges = edges.at(*word);
   sensor.jitter_rms_s = section.number("jitter_rms").value_or(0.0);
   sensor.resolution_s = section.number("resolution").value_or(0.0);
   sensor.missed = section.number("missed").value_or(0.0);
   sensor.spurious = section.number("spurious").value_or(0.0);
   sensor.amplitude_rms = section.number("amplitude_rms");
-  section.only_zero("offset");
-  section.only_zero("flag_width");
+  sensor.temperature_rms = section.number("temperature_rms");
+  sensor.offset_rad = section.number("offset").value_or(0.0);
+  sensor.flag_width_rad = section.number("flag_width").value_or(0.0);
   section.finish();
 }
 
@@ -278,6 +283,7 @@ void read_root(const toml::table& root, const std::string& file, Scenario& scena
       {"run", [&](Section s) { read_run(std::move(s), scenario); }},
       {"drive", [&](Section s) { read_drive(std::move(s), file, scenario.drive); }},
       {"length", [&](Section s) { read_length(std::move(s), scenario.length); }},
+      {"temperature", [&](Section s) { read_temperature(std::move(s), scenario.temperature); }},
       {"sensor", [&](Section s) { read_sensor(std::move(s), scenario.sensor); }},
   };
   for (const auto& [key, node] : root) {
@@ -289,7 +295,8 @@ void read_root(const toml::table& root, const std::string& file, Scenario& scena
     const auto reader = sections.find(key.str());
     if (reader == sections.end())
       throw InputError(place, fmt::format("unknown section '{}'", key.str()),
-                       "[clock], [start], [run], [[event]], [drive], [length] or [sensor]");
+                       "[clock], [start], [run], [[event]], [drive], [length], "
+                       "[temperature] or [sensor]");
     if (!node.is_table())
       throw InputError(place, fmt::format("{} that is no table", key.str()),
                        fmt::format("a section [{}]", key.str()));

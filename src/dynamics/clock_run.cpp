@@ -62,7 +62,7 @@ double start_velocity_of(const Scenario& scenario, Method method) {
 
 ClockRun::Pendulum ClockRun::make_pendulum(const Scenario& scenario, const MethodChoice& choice,
                                            double velocity) {
-  const bool halves = scenario.sensor.edges == SensorEdges::both;
+  const bool halves = scenario.sensor.edges != SensorEdges::up;
   switch (choice.method) {
   case Method::map: {
     MapPendulum map(scenario.clock, velocity, factor_range(scenario.drive));
@@ -95,6 +95,7 @@ ClockRun::ClockRun(const Scenario& scenario, std::uint64_t seed)
       start_velocity_(start_velocity_of(scenario, choice_.method)),
       pendulum_(make_pendulum(scenario, choice_, start_velocity_)) {
   now_.velocity = start_velocity_;
+  now_.nominal_period_s = period_now_s_;
   now_.amplitude_rad = turning_angle_of_velocity(start_velocity_);
 }
 
@@ -121,7 +122,7 @@ void ClockRun::apply_due_changes() {
   }
   double period_s = clock_.nominal_period_s;
   if (!scenario_.length.none())
-    period_s *= std::sqrt(1.0 + scenario_.length.at(now_.time_s.value()));
+    period_s *= std::sqrt(1.0 + scenario_.length_change_at(now_.time_s.value()));
   if (period_s != period_now_s_)
     std::visit([&](auto& pendulum) { pendulum.rescale(period_s / period_now_s_); }, pendulum_);
   period_now_s_ = period_s;
@@ -142,6 +143,7 @@ std::optional<Period> ClockRun::next() {
   if (status_ != SwingStatus::crossed) return {};
   const TimeScale scale(period_now_s_);
   now_.mu = drive_strength(clock_) * factor;
+  now_.nominal_period_s = period_now_s_;
   now_.down_s = now_.time_s;
   now_.down_s += scale.half_nominal();
   now_.down_s += scale.seconds(step.half_excess);

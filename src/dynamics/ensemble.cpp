@@ -127,6 +127,7 @@ public:
     Period period;
     period.cycle = status_[k] == SwingStatus::crossed ? cycle_ : stopped_at_[k];
     period.time_s = time_.at(k);
+    period.nominal_period_s = clock().nominal_period_s;
     period.period_s = scale.nominal().hi + scale.seconds(last_excess_[k]);
     period.down_s = time_.at(k); // not looked for; half a period before, to first order
     period.down_s += -0.5 * period.period_s;

@@ -148,7 +148,7 @@ double tolerance_of(const Scenario& scenario) {
 
 std::vector<MethodEstimate> estimate_methods(const Scenario& scenario) {
   const Scene scene = scene_of(scenario);
-  const bool halves = scenario.sensor.edges == SensorEdges::both;
+  const bool halves = scenario.sensor.edges != SensorEdges::up;
   const bool averages = scenario.length.none() && (!halves || scenario.clock.is_plain());
   std::vector<MethodEstimate> estimates;
   if (averages)

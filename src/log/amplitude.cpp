@@ -1,16 +1,22 @@
-#include "goingrate/log/reading.hpp"
+#include "goingrate/log/amplitude.hpp"
 
 #include "issue_list.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/ellint_1.hpp>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
+#include <numbers>
+#include <vector>
 
 namespace goingrate {
 
 namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 double median_amplitude(const ClockLog& log) {
   std::vector<double> known;
@@ -22,27 +28,81 @@ double median_amplitude(const ClockLog& log) {
   return *middle;
 }
 
+// Scaled time that a free pendulum of this turning angle takes from -half to +half.
+double passage_time(double half_rad, double amplitude_rad) {
+  const double modulus = std::sin(0.5 * amplitude_rad);
+  return 2.0 * boost::math::ellint_1(modulus, std::asin(std::sin(0.5 * half_rad) / modulus));
+}
+
 } // namespace
 
-void correct_edge_to_centre(ClockLog& log, double edge_angle_rad, double period_s) {
-  if (edge_angle_rad == 0.0) return;
+double amplitude_from_width(double width_s, double flag_width_rad, double period_s) {
+  const double half = 0.5 * flag_width_rad;
+  const double tau = two_pi * width_s / period_s;
+  if (!(tau > 0.0 && tau < std::numbers::pi)) return unknown;
+  double amplitude = half / std::sin(0.5 * tau);
+  // Newton with the slope of small swings: each step gains a factor of the amplitude squared.
+  constexpr int most_steps = 60;
+  for (int i = 0; i < most_steps; ++i) {
+    if (!(amplitude > half && amplitude < 3.1)) return unknown; // never reaches, or turns over
+    const double excess = passage_time(half, amplitude) - tau;
+    const double step = excess * amplitude / (2.0 * std::tan(0.5 * tau));
+    amplitude += step;
+    if (std::abs(step) < 1e-14 * amplitude) return amplitude;
+  }
+  return unknown;
+}
+
+double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitude_rad,
+                                  double period_s) {
+  return amplitude_rad / std::tan(std::numbers::pi * width_s / period_s) * std::numbers::pi *
+         sigma_s / period_s;
+}
+
+void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double period_s) {
+  IssueList issues(log, false);
+  for (std::size_t i = 0; i < log.events.size(); ++i) {
+    Beat& event = log.events[i];
+    const double width = log.columns.width_s[i];
+    if (std::isnan(width)) continue;
+    event.amplitude_rad = amplitude_from_width(width, flag_width_rad, period_s);
+    log.has_amplitude = log.has_amplitude || !std::isnan(event.amplitude_rad);
+    if (std::isnan(event.amplitude_rad))
+      issues.add(event.line, 1, IssueKind::out_of_range,
+                 fmt::format("a width of {:.6g} s, which fits no swing over this flag", width),
+                 "amplitude taken as unknown");
+  }
+  log.assumptions.push_back(
+      fmt::format("amplitudes from the widths, for a flag {:g} mrad wide (--flag-width)",
+                  flag_width_rad * 1e3));
+}
+
+double rate_without_circular_error(double rate_excess, double amplitude_rad) {
+  const double modulus = std::sin(0.5 * amplitude_rad);
+  const double longer = boost::math::ellint_1(modulus) / (0.5 * std::numbers::pi); // T(lambda)/T0
+  // (1 + r) k - 1 without the loss of digits
+  return rate_excess * longer + (longer - 1.0);
+}
+
+void move_to_vertical(ClockLog& log, double rising_rad, double falling_rad, double period_s) {
+  if (rising_rad == 0.0 && falling_rad == 0.0) return;
   const double typical = median_amplitude(log);
   IssueList issues(log, false);
   for (Beat& event : log.events) {
-    const bool reaches = event.amplitude_rad > std::abs(edge_angle_rad);
+    const double angle = event.edge == Edge::up ? rising_rad : -falling_rad;
+    const bool reaches = event.amplitude_rad > std::abs(angle);
     if (!reaches)
       issues.add(event.line, 1, IssueKind::missing,
-                 fmt::format("amplitude {} rad that does not reach the sensor's edge",
-                             event.amplitude_rad),
-                 "the log's median amplitude taken for the edge");
+                 fmt::format("amplitude {} rad that does not reach the sensor at {} rad",
+                             event.amplitude_rad, angle),
+                 "the log's median amplitude taken for its time");
     const double amplitude = reaches ? event.amplitude_rad : typical;
-    const double angle = event.edge == Edge::up ? edge_angle_rad : -edge_angle_rad;
     if (amplitude > std::abs(angle))
       event.time = event.time + -std::asin(angle / amplitude) * period_s / two_pi;
   }
   log.assumptions.push_back(fmt::format(
-      "times moved from the sensor's edge at {:g} mrad to the vertical, with each beat's amplitude",
-      edge_angle_rad * 1e3));
+      "times moved from the sensor at {:.4g} mrad to the vertical, with each beat's amplitude",
+      rising_rad * 1e3));
 }
 
 } // namespace goingrate

@@ -66,8 +66,10 @@ TEST(ScenarioTest, WhatIsNotSaidIsTheDefault) {
 
 TEST(ScenarioTest, WhatIsNotModelledMayBeThereAtZero) {
   EXPECT_NO_THROW(
-      (void)parse_scenario(minimal, "s.toml", {"sensor.flag_width=0.0", "sensor.offset=0"}));
-  EXPECT_THROW((void)parse_scenario(minimal, "s.toml", {"sensor.offset=1e-3"}), InputError);
+      (void)parse_scenario(minimal, "s.toml", {"sensor.flag_width=0.02", "sensor.offset=1e-3"}));
+  EXPECT_THROW((void)parse_scenario(minimal, "s.toml", {"sensor.offset=2"}), InputError);
+  EXPECT_THROW((void)parse_scenario(minimal, "s.toml", {"sensor.edges='gate'"}), InputError)
+      << "two edges need a flag";
 }
 
 TEST(ScenarioTest, OverridesReplaceOneKeyAndKeepTheRest) {

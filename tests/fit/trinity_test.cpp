@@ -1,5 +1,6 @@
 // The Trinity College clock, Cambridge: what is known of two of its days.
 #include "goingrate/fit/diary.hpp"
+#include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/log/reading.hpp"
 #include "goingrate/spectra/stability.hpp"
@@ -21,7 +22,7 @@ protected:
     return read_log(read_text(path->string()), path->string());
   }
   static std::vector<Beat> centred(ClockLog log) {
-    correct_edge_to_centre(log, -flag_half_width, 3.0);
+    move_to_vertical(log, -flag_half_width, flag_half_width, 3.0);
     return number_beats(log).longest_segment();
   }
 };

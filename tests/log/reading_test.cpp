@@ -1,3 +1,4 @@
+#include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/reading.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -136,12 +137,13 @@ TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
   ClockLog log;
   log.events = {event_at({100, 0.0}, Edge::up, 1, 0.05), event_at({101, 0.0}, Edge::down, 2, 0.05),
                 event_at({102, 0.0}, Edge::up, 3, 0.01)};
-  correct_edge_to_centre(log, -0.012, 3.0);
+  move_to_vertical(log, -0.012, 0.012, 3.0);
   ASSERT_EQ(log.issues.size(), 1u)
       << "an amplitude that does not reach the edge cannot have crossed it: the median is taken";
   const double shift = std::asin(0.012 / 0.05) * 3.0 / (2.0 * std::numbers::pi);
   EXPECT_NEAR((log.events[0].time - Instant{100, 0.0}), shift, 1e-15);
-  EXPECT_NEAR((log.events[1].time - Instant{101, 0.0}), -shift, 1e-15);
+  EXPECT_NEAR((log.events[1].time - Instant{101, 0.0}), shift, 1e-15)
+      << "the falling pendulum meets the other edge, as early";
   EXPECT_NEAR((log.events[2].time - Instant{102, 0.0}), shift, 1e-15);
 }
 

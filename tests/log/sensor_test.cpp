@@ -97,12 +97,12 @@ TEST(SensorTest, EventsTakenPieceByPieceAreTheWholeLog) {
   scenario.sensor.missed = 0.1;
   const ClockLog whole = test::simulated_log(scenario, 3);
   ClockRun run(scenario, 3);
-  Sensor sensor(scenario.sensor, 3);
+  Sensor sensor(scenario, 3);
   sensor.see(run.last());
   std::vector<Beat> pieces;
   const auto take = [&](bool at_end) {
-    for (const Beat& event : sensor.take(at_end))
-      pieces.push_back(event);
+    for (const SensedEvent& event : sensor.take(at_end))
+      pieces.push_back(event.beat);
   };
   while (const auto period = run.next()) {
     sensor.see(*period);

@@ -11,7 +11,7 @@ namespace goingrate::test {
 
 inline ClockLog simulated_log(const Scenario& scenario, std::uint64_t seed) {
   ClockRun run(scenario, seed);
-  Sensor sensor(scenario.sensor, seed);
+  Sensor sensor(scenario, seed);
   sensor.see(run.last());
   while (const auto period = run.next())
     sensor.see(*period);

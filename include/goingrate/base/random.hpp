@@ -20,6 +20,7 @@ enum class StreamPurpose : std::uint64_t {
   amplitude_noise = 4,
   missed = 5,
   spurious = 6,
+  temperature_noise = 7,
 };
 
 /// One reproducible stream of deviates, fixed by (seed, purpose).

@@ -49,22 +49,43 @@ struct LengthChanges {
     double period_s;  ///< > 0
   };
   std::vector<Sine> sines{};
-  [[nodiscard]] bool none() const { return drift_per_day == 0.0 && sines.empty(); }
-  /// The relative change at a time.
+  double temperature_coefficient = 0.0; ///< for each K from the mean; -0.01 to 0.01
+  [[nodiscard]] bool none() const {
+    return drift_per_day == 0.0 && sines.empty() && temperature_coefficient == 0.0;
+  }
+  /// The relative change at a time, without that of the temperature.
   [[nodiscard]] double at(double time_s) const;
 };
 
-/// Which crossings the simulated sensor reports.
-enum class SensorEdges { up, both };
+/// The temperature around the clock: what a simulated thermometer shows, and what the pendulum's
+/// length follows.
+struct Temperature {
+  double mean_c = 20.0;       ///< -100 to 100
+  double drift_per_day = 0.0; ///< K, -100 to 100
+  struct Sine {
+    double amplitude; ///< K, -100 to 100
+    double period_s;  ///< > 0
+  };
+  std::vector<Sine> sines{};
+  /// Degrees Celsius at a time.
+  [[nodiscard]] double at(double time_s) const;
+};
+
+/// What the simulated sensor reports of each passage: the upward ones, both directions, both with
+/// the time the flag took, or both with the two edges of the flag.
+enum class SensorEdges { up, both, gate, four };
 
 /// The simulated sensor (see log/sensor.hpp for what each does).
 struct SensorSettings {
   SensorEdges edges = SensorEdges::up;
   double jitter_rms_s = 0.0;
-  double resolution_s = 0.0;           ///< times are rounded to multiples of this; 0: not rounded
-  double missed = 0.0;                 ///< probability that a crossing is not reported
-  double spurious = 0.0;               ///< probability of a false event after a crossing
-  std::optional<double> amplitude_rms; ///< noise of an amplitude column, rad; none: no column
+  double offset_rad = 0.0;               ///< where the beam stands, -1 to 1
+  double flag_width_rad = 0.0;           ///< 0 to 1; 0 with one event a passage
+  double resolution_s = 0.0;             ///< times are rounded to multiples of this; 0: not rounded
+  double missed = 0.0;                   ///< probability that a crossing is not reported
+  double spurious = 0.0;                 ///< probability of a false event after a crossing
+  std::optional<double> amplitude_rms;   ///< noise of an amplitude column, rad; none: no column
+  std::optional<double> temperature_rms; ///< the same of a temperature column, K
 };
 
 /// Everything a simulation needs. Numbers are checked by check(Scenario).
@@ -77,7 +98,11 @@ struct Scenario {
   std::vector<ClockEvent> events; ///< in order of time
   DriveVariability drive;
   LengthChanges length;
+  Temperature temperature;
   SensorSettings sensor;
+
+  /// The relative change of the pendulum's length at a time: its own and that of the temperature.
+  [[nodiscard]] double length_change_at(double time_s) const;
 };
 
 /// Throws ArgumentError naming the first value outside its range.

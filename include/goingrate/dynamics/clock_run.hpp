@@ -18,13 +18,14 @@ namespace goingrate {
 
 /// One period, from one upward crossing to the next.
 struct Period {
-  std::int64_t cycle = 0;     ///< number of the upward crossing that ends it; the start is cycle 0
-  TwoPart<double> time_s;     ///< when it ends, s after the start
-  TwoPart<double> down_s;     ///< the downward crossing within it, s after the start
-  double period_s = 0.0;      ///< its length, s
-  double velocity = 0.0;      ///< phi' at its end, scaled units (averaged1: lambda)
-  double amplitude_rad = 0.0; ///< at its end: turning angle of a free pendulum of this velocity
-  double mu = 0.0;            ///< the torque (or the impulse, or a profile's factor) that acted
+  std::int64_t cycle = 0; ///< number of the upward crossing that ends it; the start is cycle 0
+  TwoPart<double> time_s; ///< when it ends, s after the start
+  TwoPart<double> down_s; ///< the downward crossing within it, s after the start
+  double period_s = 0.0;  ///< its length, s
+  double nominal_period_s = 0.0; ///< T0 with the length as it was, s
+  double velocity = 0.0;         ///< phi' at its end, scaled units (averaged1: lambda)
+  double amplitude_rad = 0.0;    ///< at its end: turning angle of a free pendulum of this velocity
+  double mu = 0.0;               ///< the torque (or the impulse, or a profile's factor) that acted
   double rate_excess = 0.0; ///< 2 pi / length - 1 (Hoyng, eq. ratemeas), against the nominal period
 };
 

@@ -71,15 +71,4 @@ std::vector<double> read_numbers(std::string_view text, const std::string& sourc
 /// Reads a file, or standard input for "-". Throws InputError if it cannot be opened.
 std::string read_text(const std::string& path);
 
-/// Moves every event from the sensor's edge to the vertical:
-/// t - (T0 / 2 pi) asin(angle / amplitude), with each event's own amplitude. `edge_angle_rad` is
-/// the angle at which the sensor sees the rising pendulum: for the leading edge of a centred flag
-/// minus half the flag's width.
-///
-/// The next term, of order epsilon and amplitude^2, is below 1e-4 of the correction. Events without
-/// an amplitude above |angle| become issues and are moved with the log's median amplitude. Trinity
-/// clock, 2013-03-30: the robust scatter of its periods falls from 44.5 to 31.6 us
-/// (TrinityTest.EdgeCorrectionLowersTheNoise).
-void correct_edge_to_centre(ClockLog& log, double edge_angle_rad, double period_s);
-
 } // namespace goingrate

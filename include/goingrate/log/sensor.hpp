@@ -1,42 +1,83 @@
 // The simulated sensor: from true crossings to the events a log would hold.
 #pragma once
 
+#include "goingrate/base/random.hpp"
 #include "goingrate/clock/scenario.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/log/clock_log.hpp"
 
+#include <limits>
 #include <optional>
+#include <vector>
 
 namespace goingrate {
 
+/// One row of the log that the sensor writes.
+struct SensedEvent {
+  enum class Part : std::uint8_t {
+    whole, ///< the passage, or its leading edge
+    in,    ///< with four edges: the flag enters the beam
+    out,   ///< and leaves it
+  };
+  Beat beat;
+  double width_s = std::numeric_limits<double>::quiet_NaN(); ///< of a gate
+  double temperature_c = std::numeric_limits<double>::quiet_NaN();
+  Part part = Part::whole;
+};
+
 /// Watches the pendulum and writes down what it sees, with its own faults.
 ///
-/// Each reported time is true time + jitter (normal), rounded to the resolution. A crossing is
-/// missed with probability `missed`; after each a false event comes, with probability `spurious`,
-/// at a uniformly distributed moment of the following period. Amplitudes are the turning angle that
-/// belongs to the velocity at the crossing, as a flag's passage time tells it, + noise.
-/// Reproducible: each kind of fault draws from its own stream of the seed.
+/// The beam stands at the angle `offset`. Without a flag its crossing is the event. A flag of width
+/// w makes two edges of each passage: the beam is met at offset - w/2 and left at offset + w/2 (the
+/// other way round while phi falls). `up` and `both` report the leading edge, `gate` also how long
+/// the beam was dark, `four` all edges. Times at angles: time_from_vertical, with the forces as
+/// they act on either side of the vertical. Each edge has jitter of its own (normal) and is rounded
+/// to the resolution. A passage is missed with probability `missed`, or because the swing does not
+/// reach the beam; after each a false event comes, with probability `spurious`, at a uniformly
+/// distributed moment of the following period. Amplitudes are the turning angle that belongs to the
+/// velocity at the crossing + noise. Reproducible: each kind of fault draws from its own stream of
+/// the seed.
 class Sensor {
 public:
-  Sensor(const SensorSettings& settings, std::uint64_t seed);
+  Sensor(const Scenario& scenario, std::uint64_t seed);
 
   /// Sees the crossings of one period; the start of a run is a period of length 0.
   void see(const Period& period);
 
-  /// The events seen so far, in order of time, as a native log.
-  [[nodiscard]] ClockLog log(double nominal_period_s) const;
-
   /// Hands over, in order of time, the events that nothing seen later can precede (or all, at the
   /// end of the run): for logs that are written as they grow.
-  std::vector<Beat> take(bool at_end);
+  std::vector<SensedEvent> take(bool at_end);
+
+  /// All events, at the end of the run, as the log that a reader makes of them. Throws
+  /// ArgumentError for `four`, whose edges are paired only by the reader.
+  ClockLog log(double nominal_period_s);
 
 private:
-  void report(const TwoPart<double>& time_s, double period_s, double amplitude_rad, Edge edge);
-  [[nodiscard]] Instant measured(const TwoPart<double>& time_s, double extra_s);
+  struct Passage {
+    TwoPart<double> time_s{}; // through the vertical
+    double speed = 0.0;
+    double period_s = 0.0;
+    double nominal_s = 0.0;
+    double amplitude_rad = std::numeric_limits<double>::quiet_NaN();
+    Edge edge = Edge::up;
+    ClockParameters before{}, after{}; // the laws on the two sides of the vertical
+    double factor_before = 1.0, factor_after = 1.0;
+  };
 
-  SensorSettings settings_;
-  RandomStream jitter_, amplitude_noise_, missed_, spurious_;
-  std::vector<Beat> events_;
+  void report(const Passage& passage);
+  void report_edges(const Passage& passage, double leading_s, double trailing_s);
+  void add(const Passage& passage, const Instant& time, SensedEvent::Part part, double width_s);
+  [[nodiscard]] double delay(const Passage& passage, double angle) const;
+  [[nodiscard]] Instant measured(const TwoPart<double>& time_s, double extra_s) const;
+  double jitter();
+  void finish();
+
+  Scenario scenario_;
+  const SensorSettings settings_;
+  ClockParameters clock_;
+  RandomStream jitter_, amplitude_noise_, missed_, spurious_, temperature_noise_;
+  std::vector<SensedEvent> events_;
+  std::optional<Passage> pending_; // the last upward one: the laws after it are not known yet
   double latest_crossing_s_ = 0.0;
 };
 

@@ -1,24 +1,50 @@
-// Writing logs.
+// Writing logs: the native format, and those of other programs.
 #pragma once
 
+#include "goingrate/log/beats.hpp"
 #include "goingrate/log/clock_log.hpp"
+#include "goingrate/log/rates.hpp"
+#include "goingrate/log/sensor.hpp"
 
 #include <optional>
+#include <span>
 #include <string>
 
 namespace goingrate {
 
-/// The native text of a log: '#' header lines, a row of column names (time_s, and edge and
-/// amplitude_rad where the log has them), one row an event with `decimals` digits of the second.
-/// read_log gives back the same events (WritingTest.ReadsBackWhatWasWritten).
+/// The columns of a native log beside time_s, and what its header states.
+struct NativeColumns {
+  bool edge = false, width = false, amplitude = false, temperature = false, pressure = false;
+  int decimals = 9; ///< of times and widths
+  std::optional<double> nominal_period_s{};
+  std::optional<double> flag_width_rad{};
+};
+
+/// The columns that a simulated sensor fills.
+NativeColumns native_columns(const SensorSettings& sensor, double nominal_period_s);
+
+/// The native text of a log: '#' header lines, a row of column names (time_s, and edge, width_s,
+/// amplitude_rad, temperature_c, pressure_mbar where the log has them), one row an event with
+/// `decimals` digits of the second. Times are those of the flag's leading edge where widths are
+/// given, as the reader expects.
+/// read_log gives back the same events, to the last bit if `decimals` is as large as the times'
+/// digits (WritingTest.ReadsBackWhatWasWritten, WritingTest.DecimalTimesComeBackToTheBit).
 std::string native_log_text(const ClockLog& log, int decimals);
 
 /// The same, piece by piece, for logs that are written as they grow.
-struct NativeColumns {
-  bool edge = false, amplitude = false;
-  int decimals = 9;
-};
-std::string native_log_header(const NativeColumns& columns, std::optional<double> nominal_period_s);
-void append_native_line(std::string& text, const Beat& event, const NativeColumns& columns);
+std::string native_log_header(const NativeColumns& columns);
+void append_native_line(std::string& text, const SensedEvent& event, const NativeColumns& columns);
+
+/// Phase data as Stable32 takes them: '#' header with tau0, then the clock's error x (s, positive:
+/// fast), one line a cycle, an exact 0 where a beat is missing (the first excepted).
+std::string stable32_text(std::span<const Beat> beats, double nominal_period_s);
+
+/// Timestamps as a TAPR TICC prints them: seconds with 11 decimals and the channel, chA upwards,
+/// chB downwards; no date, so times are counted from the second of the first event.
+std::string ticc_text(std::span<const Beat> beats);
+
+/// A summary of keys and values with sigmas, as the .par files of pulsar timing: name, value, fit
+/// flag, sigma; `fit --from` reads it.
+std::string par_text(const RateSummary& summary, const Beats& beats);
 
 } // namespace goingrate

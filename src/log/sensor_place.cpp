@@ -1,0 +1,177 @@
+// Where the sensor stands: from the two half-periods, or from times that follow the amplitude.
+#include "goingrate/log/amplitude.hpp"
+
+#include "goingrate/base/scaled_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace goingrate {
+
+namespace {
+
+// One whole swing: how late the upward crossings are against the downward one between them.
+struct Swing {
+  std::size_t up;   // the upward beat that begins it
+  std::size_t down; // the downward one within
+  double late_s;    // asin(alpha/lambda) T0 / 2 pi
+};
+
+// up, down, up of consecutive cycles.
+std::vector<Swing> whole_swings(std::span<const Beat> beats) {
+  std::vector<std::size_t> used;
+  for (std::size_t i = 0; i < beats.size(); ++i)
+    if (beats[i].flag == BeatFlag::good || beats[i].flag == BeatFlag::down) used.push_back(i);
+  std::vector<Swing> swings;
+  for (std::size_t k = 1; k + 1 < used.size(); ++k) {
+    const Beat &before = beats[used[k - 1]], &down = beats[used[k]], &after = beats[used[k + 1]];
+    const bool whole = before.flag == BeatFlag::good && down.flag == BeatFlag::down &&
+                       after.flag == BeatFlag::good && down.cycle == before.cycle &&
+                       after.cycle == before.cycle + 1 && after.segment == before.segment;
+    if (!whole) continue;
+    const double right = down.time - before.time, left = after.time - down.time;
+    swings.push_back({used[k - 1], used[k], 0.25 * (left - right)});
+  }
+  return swings;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Mean without what lies beyond five robust standard deviations, and its standard error.
+SensorEstimate robust_mean(const std::vector<double>& values) {
+  const double centre = median(values);
+  std::vector<double> deviations;
+  for (const double value : values)
+    deviations.push_back(std::abs(value - centre));
+  const double limit = 5.0 * 1.4826 * median(deviations);
+  double sum = 0.0, sum2 = 0.0, count = 0.0;
+  for (const double value : values) {
+    if (std::abs(value - centre) > limit) continue;
+    sum += value - centre;
+    sum2 += (value - centre) * (value - centre);
+    ++count;
+  }
+  const double mean = sum / count;
+  const double variance = std::max(0.0, sum2 / count - mean * mean);
+  return {centre + mean, std::sqrt(variance / std::max(1.0, count - 1.0))};
+}
+
+constexpr std::size_t fewest_swings = 3;
+
+std::optional<SensorEstimate> offset_from_halves(std::span<const Beat> beats, double period_s) {
+  std::vector<double> offsets;
+  for (const Swing& swing : whole_swings(beats)) {
+    const double own = beats[swing.down].amplitude_rad;
+    const double amplitude = std::isnan(own) ? beats[swing.up].amplitude_rad : own;
+    if (!std::isnan(amplitude))
+      offsets.push_back(amplitude * std::sin(two_pi * swing.late_s / period_s));
+  }
+  if (offsets.size() < fewest_swings) return {};
+  return robust_mean(offsets);
+}
+
+// Second differences over consecutive upward beats of times and of asin(alpha/lambda) T0 / 2 pi.
+struct Curvature {
+  std::vector<double> time, shift, slope; // s; slope: of the shift against alpha, s/rad
+};
+
+Curvature curvature_at(std::span<const Beat> good, double alpha, double period_s) {
+  Curvature result;
+  const double scale = period_s / two_pi;
+  for (std::size_t i = 1; i + 1 < good.size(); ++i) {
+    const Beat &a = good[i - 1], &b = good[i], &c = good[i + 1];
+    if (b.cycle != a.cycle + 1 || c.cycle != b.cycle + 1 || c.segment != a.segment) continue;
+    const double limit = std::abs(alpha);
+    if (!(a.amplitude_rad > limit && b.amplitude_rad > limit && c.amplitude_rad > limit)) continue;
+    const auto shift = [&](const Beat& beat) {
+      return scale * std::asin(alpha / beat.amplitude_rad);
+    };
+    const auto slope = [&](const Beat& beat) {
+      return scale / std::sqrt(beat.amplitude_rad * beat.amplitude_rad - alpha * alpha);
+    };
+    result.time.push_back((c.time - b.time) - (b.time - a.time));
+    result.shift.push_back(shift(a) - 2.0 * shift(b) + shift(c));
+    result.slope.push_back(slope(a) - 2.0 * slope(b) + slope(c));
+  }
+  return result;
+}
+
+// Whether the amplitude scatters about its course from beat to beat, rather than wander: the steps
+// of white scatter have a correlation of -1/2, those of a wander driven from beat to beat of 0.
+bool amplitude_scatters(std::span<const Beat> good) {
+  double variance = 0.0, next = 0.0;
+  for (std::size_t i = 2; i < good.size(); ++i) {
+    const double before = good[i - 1].amplitude_rad - good[i - 2].amplitude_rad;
+    const double after = good[i].amplitude_rad - good[i - 1].amplitude_rad;
+    variance += after * after;
+    next += before * after;
+  }
+  return next < -0.3 * variance;
+}
+
+std::optional<SensorEstimate> offset_from_correlation(std::span<const Beat> good, double period_s) {
+  if (!amplitude_scatters(good)) return {};
+  SensorEstimate estimate;
+  constexpr int most_steps = 20;
+  constexpr std::size_t fewest = 30; // a correlation of less says nothing
+  for (int step = 0; step < most_steps; ++step) {
+    const Curvature now = curvature_at(good, estimate.value, period_s);
+    if (now.time.size() < fewest) return {};
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < now.time.size(); ++i)
+      sizes.push_back(std::abs(now.time[i] - now.shift[i]));
+    const double limit = 5.0 * 1.4826 * median(sizes);
+    double moment = 0.0, weight = 0.0, residual2 = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < now.time.size(); ++i) {
+      const double residual = now.time[i] - now.shift[i];
+      if (std::abs(residual) > limit) continue;
+      moment += now.slope[i] * residual;
+      weight += now.slope[i] * now.slope[i];
+      residual2 += residual * residual;
+      ++count;
+    }
+    if (!(weight > 0.0)) return {};
+    const double change = moment / weight;
+    estimate.value += change;
+    // Second differences of white jitter are correlated (-4/6, 1/6): the slope's are alike, so the
+    // variance of the sum is up to (1 + 2 (16 + 1)/36) times that of independent terms.
+    estimate.sigma = std::sqrt(residual2 / count / weight * (1.0 + 34.0 / 36.0));
+    if (!std::isfinite(estimate.value)) return {};
+    if (std::abs(change) < 1e-3 * estimate.sigma) break;
+  }
+  return estimate;
+}
+
+} // namespace
+
+std::optional<SensorEstimate> beat_error(std::span<const Beat> beats) {
+  std::vector<double> errors;
+  for (const Swing& swing : whole_swings(beats))
+    errors.push_back(2.0 * swing.late_s);
+  if (errors.size() < fewest_swings) return {};
+  return robust_mean(errors);
+}
+
+std::optional<SensorEstimate> sensor_offset(std::span<const Beat> beats, double period_s) {
+  if (const auto halves = offset_from_halves(beats, period_s)) return halves;
+  std::vector<Beat> good;
+  for (const Beat& beat : beats)
+    if (beat.flag == BeatFlag::good && !std::isnan(beat.amplitude_rad)) good.push_back(beat);
+  return offset_from_correlation(good, period_s);
+}
+
+void set_amplitudes_from_halves(std::span<Beat> beats, double offset_rad, double period_s) {
+  for (const Swing& swing : whole_swings(beats)) {
+    const double amplitude = offset_rad / std::sin(two_pi * swing.late_s / period_s);
+    const bool real = amplitude > 0.0 && amplitude < std::numbers::pi;
+    for (const std::size_t i : {swing.up, swing.down})
+      if (real && std::isnan(beats[i].amplitude_rad)) beats[i].amplitude_rad = amplitude;
+  }
+}
+
+} // namespace goingrate

@@ -1,0 +1,152 @@
+#include "goingrate/log/angle_samples.hpp"
+
+#include "goingrate/base/random.hpp"
+#include "goingrate/log/reading.hpp"
+#include "support/real_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace goingrate {
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+// A ring-down about a rest angle, sampled at `rate` Hz with white noise.
+std::vector<AngleSample> ring_down(double rate, double noise, double seconds, std::uint64_t seed) {
+  RandomStream random(seed, StreamPurpose::jitter);
+  std::vector<AngleSample> samples;
+  for (int i = 0; i < static_cast<int>(rate * seconds); ++i) {
+    const double t = i / rate;
+    const double angle = 0.02 + 0.3 * std::exp(-t / 80.0) * std::sin(two_pi * t / 1.6 + 0.3) +
+                         noise * random.normal();
+    samples.push_back(
+        {Instant::from_seconds(1000.0) + t, angle, static_cast<std::uint32_t>(i + 1)});
+  }
+  return samples;
+}
+
+// Passage k of the vertical: the phase is a multiple of pi.
+double passage_time(std::size_t k) {
+  return (static_cast<double>(k + 1) * std::numbers::pi - 0.3) / two_pi * 1.6;
+}
+
+TEST(AngleSamplesTest, SigmasCover) {
+  for (const double rate : {20.0, 200.0}) {
+    double inside = 0.0, all = 0.0, pull = 0.0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const auto swings = crossings_of_samples(ring_down(rate, 2e-3, 60.0, seed), 0.02);
+      ASSERT_GE(swings.crossings.size(), 74u) << rate; // the 75th is 0.08 s before the end
+      for (std::size_t k = 0; k < swings.crossings.size(); ++k) {
+        const double error =
+            swings.crossings[k].time - Instant::from_seconds(1000.0) - passage_time(k);
+        inside += std::abs(error) < swings.crossings[k].sigma_s ? 1.0 : 0.0;
+        pull += error / swings.crossings[k].sigma_s * (k % 2 ? 1.0 : -1.0);
+        ++all;
+      }
+      EXPECT_NEAR(swings.noise, 2e-3,
+                  3.3e-4); // four standard errors of 75 fits with four free each
+    }
+    EXPECT_NEAR(inside / all, 0.683, 4.0 * std::sqrt(0.683 * 0.317 / all)) << rate;
+    EXPECT_NEAR(pull / all, 0.0, 4.0 / std::sqrt(all)) << "no bias of either direction";
+  }
+}
+
+TEST(AngleSamplesTest, TheRestAngleAndAmplitudesAreFound) {
+  const auto swings = crossings_of_samples(ring_down(200.0, 1e-4, 60.0, 1));
+  EXPECT_NEAR(swings.rest_angle, 0.02, 2e-5); // the decay within a swing is 1e-2 of the amplitude
+  EXPECT_NEAR(swings.period_s, 1.6, 1e-2);    // to a sample
+  for (std::size_t k = 1; k + 1 < swings.crossings.size(); ++k)
+    EXPECT_NEAR(swings.crossings[k].amplitude, 0.3 * std::exp(-passage_time(k) / 80.0), 3e-4) << k;
+  EXPECT_EQ(swings.crossings[0].edge, Edge::down);
+  EXPECT_EQ(swings.crossings[1].edge, Edge::up);
+}
+
+TEST(AngleSamplesTest, NoiseAboutTheVerticalIsNotCounted) {
+  const auto swings = crossings_of_samples(ring_down(1000.0, 0.01, 60.0, 3));
+  EXPECT_EQ(swings.crossings.size(), 75u);
+}
+
+TEST(AngleSamplesTest, AGapInTheSamplesIsAGapInTheCrossings) {
+  auto samples = ring_down(100.0, 1e-3, 60.0, 4);
+  samples.erase(samples.begin() + 2000, samples.begin() + 2400); // 4 s
+  const auto swings = crossings_of_samples(samples);
+  EXPECT_GE(swings.crossings.size(), 68u);
+  EXPECT_LE(swings.crossings.size(), 70u);
+  for (const SampledCrossing& crossing : swings.crossings) {
+    const double phase = (crossing.time - Instant::from_seconds(1000.0)) * two_pi / 1.6 + 0.3;
+    EXPECT_NEAR(std::sin(phase), 0.0, 0.02);
+  }
+}
+
+TEST(AngleSamplesTest, TooLittleGivesNothing) {
+  EXPECT_TRUE(crossings_of_samples({}).crossings.empty());
+  EXPECT_TRUE(crossings_of_samples(ring_down(5.0, 0.0, 3.0, 1)).crossings.empty());
+  std::vector<AngleSample> still(100);
+  EXPECT_TRUE(crossings_of_samples(still).crossings.empty());
+}
+
+struct SampledText {
+  const char* name;
+  std::string text;
+};
+
+std::vector<SampledText> sampled_texts() {
+  std::vector<SampledText> texts{
+      {"PhyphoxCommas", "\"Time (s)\",\"Angle (rad)\"\n"},
+      {"PhyphoxDegrees", "\"Time (s)\";\"Angle (deg)\"\n"},
+      {"TrackerPositions", "mass_A\nt\tx\ty\n"},
+      {"Encoder", "Time/s,Angle/rad,AngVel/rad/s\n"},
+      {"VernierAngles", "Vernier Format 3\nUntitled\nRun 1\nTime\tAngle\nt\tA\ns\tdeg\n\n"},
+      {"Bare", ""}};
+  for (const AngleSample& sample : ring_down(50.0, 1e-3, 60.0, 5)) {
+    const double t = sample.time - Instant::from_seconds(1000.0);
+    const double degrees = sample.angle * 180.0 / std::numbers::pi;
+    texts[0].text += fmt::format("{:.4E},{:.6E}\n", t, sample.angle);
+    std::string comma = fmt::format("{:.4f};{:.6f}\n", t, degrees);
+    std::replace(comma.begin(), comma.end(), '.', ',');
+    texts[1].text += comma;
+    texts[2].text += fmt::format("{:.4f}\t{:.6f}\t{:.6f}\n", t, 0.9 * std::sin(sample.angle),
+                                 -0.9 * std::cos(sample.angle));
+    texts[3].text += fmt::format("{:.4f},{:.6f},0\n", t, sample.angle);
+    texts[4].text += fmt::format("{:.4f}\t{:.5f}\n", t, degrees);
+    texts[5].text += fmt::format("{:.4f} {:.6f} 0.001\n", t, sample.angle);
+  }
+  return texts;
+}
+
+TEST(AngleSamplesTest, EveryKindOfSamplesIsRead) {
+  for (const SampledText& sampled : sampled_texts()) {
+    const ClockLog log = read_log(sampled.text, sampled.name);
+    EXPECT_EQ(log.format, LogFormat::angle) << sampled.name;
+    ASSERT_EQ(log.events.size(), 75u) << sampled.name;
+    EXPECT_TRUE(log.issues.empty()) << sampled.name;
+    for (std::size_t k = 0; k < 75; ++k) // five sigma, and the rest angle's own error
+      EXPECT_NEAR(log.events[k].time.to_double(), passage_time(k),
+                  5.0 * log.columns.sigma_s[k] + 5e-4)
+          << sampled.name;
+    const bool angles = sampled.name != std::string_view("TrackerPositions");
+    EXPECT_EQ(std::isnan(log.events[40].amplitude_rad), !angles);
+    if (angles) {
+      EXPECT_NEAR(log.events[40].amplitude_rad, 0.3 * std::exp(-passage_time(40) / 80.0), 2e-3);
+    }
+  }
+}
+
+TEST(AngleSamplesTest, AVideoOfARingDown) {
+  const auto path = test::real_data("video-ringdown/tyler_lab1_data.txt");
+  if (!path) GTEST_SKIP() << "video-ringdown is not there";
+  const ClockLog log = read_log_file(path->string());
+  ASSERT_EQ(log.events.size(), 141u);
+  // The publisher's fit: 1.64991 s on average; the circular error shortens it as the swing fades.
+  EXPECT_NEAR((log.events[140].time - log.events[0].time) / 70.0, 1.64991, 5e-3);
+  EXPECT_NEAR(log.events[1].amplitude_rad, 0.6, 0.1);
+  for (const double sigma : log.columns.sigma_s)
+    EXPECT_LT(sigma, 5e-3);
+}
+
+} // namespace
+} // namespace goingrate
