@@ -105,10 +105,7 @@ public:
 
   void finish() const {
     for (const auto& [key, node] : table_) {
-      const auto among = [&](const std::vector<std::string>& keys) {
-        return std::find(keys.begin(), keys.end(), key.str()) != keys.end();
-      };
-      if (!among(known_) && !among(accepted_))
+      if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
         throw InputError(place(key.source()),
                          fmt::format("unknown key '{}{}'", prefix(), key.str()),
                          fmt::format("one of {}", fmt::join(known_, ", ")));
@@ -136,7 +133,6 @@ private:
   std::string name_;
   const std::string& file_;
   std::vector<std::string> known_;    // keys that mean something
-  std::vector<std::string> accepted_; // keys that may be there if they say nothing
 };
 
 void read_clock(Section section, ClockParameters& clock) {
@@ -200,8 +196,11 @@ ClockEvent read_event(Section section) {
 
 // One factor a line; '#' comments and one row of names are skipped.
 std::vector<double> read_series(const std::string& path) {
+  std::error_code unknown; // a path that cannot be looked at is no file
+  if (!std::filesystem::is_regular_file(path, unknown)) // a device or a pipe might never end
+    throw InputError({path}, "no regular file", "a file with a series of factors");
   std::ifstream in(path);
-  if (!in) throw InputError({path, 0, 0}, "a file that cannot be opened", "a series of factors");
+  if (!in) throw InputError({path}, "a file that cannot be opened", "a series of factors");
   std::vector<double> factors;
   bool named = false;
   std::string line;
@@ -216,7 +215,7 @@ std::vector<double> read_series(const std::string& path) {
     else
       throw InputError({path, number, 1}, fmt::format("'{}'", line), "a finite number a line");
   }
-  if (factors.empty()) throw InputError({path, 0, 0}, "no numbers", "a series of factors");
+  if (factors.empty()) throw InputError({path}, "no numbers", "a series of factors");
   return factors;
 }
 

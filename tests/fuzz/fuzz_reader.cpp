@@ -1,0 +1,73 @@
+// libFuzzer target: any bytes as a log, read under various options, numbered and summarised.
+#include "memory.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/log/amplitude.hpp"
+#include "goingrate/log/beats.hpp"
+#include "goingrate/log/rates.hpp"
+#include "goingrate/log/reading.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace {
+
+using namespace goingrate;
+
+// The first byte of the input chooses the options, so that the fuzzer reaches every format.
+ReadingOptions options_of(std::uint8_t choice) {
+  ReadingOptions options;
+  constexpr std::uint8_t formats = 10;
+  const std::uint8_t format = choice % 16;
+  if (format < formats) options.format = static_cast<LogFormat>(format);
+  options.decimal_comma = (choice & 0x10) != 0;
+  if ((choice & 0x20) != 0) options.wrap_s = 65536e-6;
+  if ((choice & 0x40) != 0) options.nominal_period_s = 2.0;
+  if ((choice & 0x80) != 0) options.columns = {"time=1", "amplitude=2:mrad"};
+  return options;
+}
+
+void demand(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "violated: %s\n", what);
+  std::abort();
+}
+
+void use(ClockLog log) {
+  for (std::size_t i = 1; i < log.events.size(); ++i)
+    demand(log.events[i - 1].time <= log.events[i].time, "events in order of time");
+  for (const Beat& event : log.events)
+    demand(event.time.fraction >= 0.0 && event.time.fraction < 1.0, "a fraction of a second");
+  (void)label_alternate_edges(log, false);
+  const Beats beats = number_beats(log);
+  demand(beats.beats.size() == log.events.size(), "no event is dropped");
+  const auto longest = beats.longest_segment();
+  if (longest.size() < 3) return;
+  const RateSummary summary = summarise_rates(longest, beats.typical_period_s);
+  demand(std::isfinite(summary.rate_excess), "a rate that is a number");
+  (void)beat_error(beats.beats);
+  (void)sensor_offset(beats.beats, beats.typical_period_s);
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
+  fuzz::reset_peak();
+  const std::size_t before = fuzz::peak_bytes();
+  try {
+    use(read_log(text, "fuzz", options_of(data[0])));
+  } catch (const InputError&) { // what bad input is answered with
+  } catch (const ArgumentError&) { // a column that is not there
+  }
+  // Ten times the input, 64 bytes a line (a beat takes 40, whatever the length of its line), and
+  // what any run takes.
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) +
+                     static_cast<std::size_t>(std::count(text.begin(), text.end(), '\r')) + 1;
+  const std::size_t limit = 10 * size + 64 * lines + (128U << 10);
+  demand(fuzz::peak_bytes() - before <= limit, "memory in proportion to the input");
+  return 0;
+}
