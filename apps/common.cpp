@@ -34,6 +34,11 @@ void add_log_options(CLI::App& command, LogOptions& options) {
                   "angle (rad) of a centred flag as seen from the pivot, whose leading edge gave "
                   "the times: they are moved to the vertical with each beat's amplitude")
       ->check(CLI::Range(0.0, 1.0));
+  command
+      .add_option("--gap-probability", options.gap_probability,
+                  "split the log at a gap whose count is right with less than this probability")
+      ->check(CLI::Range(0.5, 1.0))
+      ->capture_default_str();
 }
 
 namespace {
@@ -82,11 +87,11 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   if (loaded.log.format == LogFormat::timestamps && !labelled)
     loaded.log.assumptions.emplace_back(
         "each event is one period (--both-edges if both directions are in the log)");
-  loaded.beats = number_beats(loaded.log);
+  loaded.beats = number_beats(loaded.log, {options.gap_probability});
   loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
   if (options.flag_width_rad > 0.0) {
     correct_edge_to_centre(loaded.log, -0.5 * options.flag_width_rad, loaded.nominal_period_s);
-    loaded.beats = number_beats(loaded.log);
+    loaded.beats = number_beats(loaded.log, {options.gap_probability});
   }
   loaded.good = loaded.beats.longest_segment();
   if (loaded.good.size() < 3)

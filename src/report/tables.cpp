@@ -92,6 +92,12 @@ std::string rate_text(const Beats& beats, const RateSummary& summary) {
   std::string text = fmt::format("{} beats over {:.6g} s; {} missed, {} spurious, {} segment{}\n",
                                  summary.crossings, summary.duration_s, beats.missed,
                                  beats.spurious, beats.segments, beats.segments == 1 ? "" : "s");
+  if (beats.rivals > 0)
+    text += fmt::format("{} cycles have a second event that could as well be the crossing\n",
+                        beats.rivals);
+  if (beats.longest_countable_gap > 0)
+    text += fmt::format("a break of up to {} cycles could be counted in such a log\n",
+                        beats.longest_countable_gap);
   text += fmt::format("mean period {} s against {} s: {} by {} s a day (end to end); "
                       "a straight line fitted to the clock's error gives {:+.4g} s a day",
                       with_sigma(summary.mean_period_s, summary.mean_period_sigma_s, 12),
