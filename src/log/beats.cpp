@@ -94,12 +94,12 @@ private:
     auto& beats = result_.beats;
     const Beat& before = beats[last_];
     const std::int64_t guess = beats[i].cycle + shift_ - before.cycle;
-    const GapCount count = judge_.count(beats, first_, last_, i, reach_);
+    const GapCount count = judge_.count(beats, first_, last_, i, reach_, lost);
     Gap gap;
     gap.after_cycle = before.cycle;
     gap.probability = count.probability;
     gap.bridged = gap.probability >= least_probability_;
-    const bool displaced = lost && count.displaced;
+    const bool displaced = count.displaced;
     const double periods = (beats[i].time - before.time) / result_.typical_period_s;
     gap.length = displaced && periods < 2.0 ? 0 : count.cycles - 1;
     gap.kind = gap.length > shortest_stop ? (displaced ? GapKind::stop : GapKind::gap)

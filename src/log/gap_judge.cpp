@@ -23,7 +23,8 @@ std::size_t stretch_for(double cycles) {
 }
 
 // Breaks that are stops of the clock or jumps of the reference rather than missed beats: one in 1e4
-// of those of one beat, one in twenty from 500 beats on.
+// of those of one beat, one in twenty from 500 beats on. Where the beats were not lost none is: there
+// only a false beat beside the gap can be off.
 double displaced_share(double cycles) { return std::min(1e-4 * cycles, 0.05); }
 
 } // namespace
@@ -32,10 +33,9 @@ bool GapJudge::beyond_belief(double cycles) const {
   return !(cycles <= 10.0 * static_cast<double>(longest_run_));
 }
 
-double GapJudge::probability(double misfit, double sigma, double cycles) const {
+double GapJudge::probability(double misfit, double sigma, double share) const {
   constexpr double hopeless = 3.0; // periods: no count reaches 0.14
   if (!(sigma < hopeless)) return 0.0;
-  const double share = displaced_share(cycles);
   const auto likelihood = [&](double off) {
     return std::exp(-0.5 * off * off / (sigma * sigma)) /
            (sigma * std::sqrt(2.0 * std::numbers::pi));
@@ -60,7 +60,7 @@ GapJudge::Bridge GapJudge::bridge_over(const ClockFilter& before, const ClockFil
 }
 
 GapCount GapJudge::judge(const ClockFilter& before, const ClockFilter& after,
-                         double elapsed_s) const {
+                         double elapsed_s, bool lost) const {
   // The backward filter's offset counts backwards in time.
   const double elapsed = elapsed_s - before.offset() - after.offset();
   const double change = after.period() - before.period();
@@ -78,13 +78,13 @@ GapCount GapJudge::judge(const ClockFilter& before, const ClockFilter& after,
   const double sigma = bridge.sigma_s / mean;
   GapCount count;
   count.cycles = static_cast<std::int64_t>(std::max(1.0, n + shift));
-  count.probability = probability(misfit, sigma, n);
-  count.displaced = count.probability < 0.5 && std::abs(misfit) > 3.0 * sigma;
+  count.probability = probability(misfit, sigma, lost ? displaced_share(n) : 0.0);
+  count.displaced = lost && count.probability < 0.5 && std::abs(misfit) > 3.0 * sigma;
   return count;
 }
 
 GapCount GapJudge::count(std::span<const Beat> beats, std::size_t first, std::size_t before,
-                         std::size_t after, std::size_t last) const {
+                         std::size_t after, std::size_t last, bool lost) const {
   const double guess = std::max(1.0, (beats[after].time - beats[before].time) / period_);
   const std::size_t most = stretch_for(guess);
   const auto good = [&](std::size_t i) { return beats[i].flag == BeatFlag::good; };
@@ -110,7 +110,7 @@ GapCount GapJudge::count(std::span<const Beat> beats, std::size_t first, std::si
     if (good(k)) follow(forward, beats[std::exchange(i, k)], beats[k]);
   for (std::size_t i = to, k = to; k-- > after;)
     if (good(k)) follow(backward, beats[std::exchange(i, k)], beats[k]);
-  return judge(forward, backward, beats[after].time - beats[before].time);
+  return judge(forward, backward, beats[after].time - beats[before].time, lost);
 }
 
 std::int64_t GapJudge::longest_countable(double least_probability) const {
@@ -122,7 +122,7 @@ std::int64_t GapJudge::longest_countable(double least_probability) const {
     for (std::size_t k = 1; k < most; ++k)
       filter.follow(0.0, 1.0, filter.after(1.0));
     const double sigma = bridge_over(filter, filter, n, noise_.rate_walk2).sigma_s / period_;
-    return sigma < 0.25 && probability(sigma, sigma, n) >= least_probability;
+    return sigma < 0.25 && probability(sigma, sigma, displaced_share(n)) >= least_probability;
   };
   std::int64_t low = 1, high = 2;
   while (countable(static_cast<double>(high))) {

@@ -30,9 +30,9 @@ public:
       : noise_(noise), period_(period_s), longest_run_(longest_run) {}
 
   /// The gap before event `after`, whose last beat before is `before`; both flags good. Beats from
-  /// index `first` up to `last` (exclusive) are known to be numbered rightly on their side.
+  /// index `first` up to `last` (exclusive) are known to be numbered rightly on their side. `lost`: the beats had to be looked for afresh, so they may be displaced.
   [[nodiscard]] GapCount count(std::span<const Beat> beats, std::size_t first, std::size_t before,
-                               std::size_t after, std::size_t last) const;
+                               std::size_t after, std::size_t last, bool lost) const;
 
   /// Missing cycles of the longest gap in the middle of an endless log that would be counted with
   /// `least_probability` when the clock is off by one sigma.
@@ -46,9 +46,9 @@ private:
   [[nodiscard]] Bridge bridge_over(const ClockFilter& before, const ClockFilter& after, double n,
                                    double rate_walk2) const;
   [[nodiscard]] GapCount judge(const ClockFilter& before, const ClockFilter& after,
-                               double elapsed_s) const;
+                               double elapsed_s, bool lost) const;
   [[nodiscard]] double probability(double misfit_periods, double sigma_periods,
-                                   double cycles) const;
+                                   double displaced_share) const;
   [[nodiscard]] bool beyond_belief(double cycles) const;
 
   BeatNoise noise_;

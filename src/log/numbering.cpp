@@ -85,13 +85,13 @@ std::size_t Numbering::place(std::size_t i) {
   const double since = beats_[i].time - beats_[last_].time - filter_.offset();
   const double period = filter_.period();
   const double cycles = std::abs(since - period) < 0.5 * period ? 1.0 : std::round(since / period);
-  if (cycles > longest_absence) return resume(i);
+  if (cycles > longest_absence) return resume(i, i);
   if (cycles >= 1.0) {
     const auto foreseen = filter_.after(cycles);
     if (fits(since - cycles * period, filter_.error_variance(foreseen))) return settle(i, cycles);
   }
   mark_spurious(i);
-  if (++misfits_ >= most_misfits) return resume(last_ + 1);
+  if (++misfits_ >= most_misfits) return resume(last_ + 1, i);
   return i;
 }
 
@@ -128,14 +128,15 @@ std::size_t Numbering::settle(std::size_t i, double cycles) {
   return last;
 }
 
-// The beats were lost: looks for them from event i on.
-std::size_t Numbering::resume(std::size_t i) {
+// The beats were lost: looks for them from event i on; those up to `seen` are spurious if there are
+// none.
+std::size_t Numbering::resume(std::size_t i, std::size_t seen) {
   misfits_ = 0;
   const auto found = find_steady_beat(beats_, i, filter_.period(), tolerance_);
-  const std::size_t start = found.value_or(i + 1);
-  for (std::size_t k = next_up(i); k < start && k < beats_.size(); k = next_up(k + 1))
+  const std::size_t start = found.value_or(seen + 1);
+  for (std::size_t k = next_up(i); k < start; k = next_up(k + 1))
     mark_spurious(k);
-  if (!found) return start - 1;
+  if (!found) return seen;
   const double elapsed = beats_[start].time - beats_[last_].time;
   constexpr double most = 1e15; // cycles, which a double still counts
   const double periods = (elapsed - filter_.offset()) / filter_.period();

@@ -26,7 +26,7 @@ private:
   [[nodiscard]] std::size_t next_up(std::size_t i);
   std::size_t place(std::size_t i);
   std::size_t settle(std::size_t i, double cycles);
-  std::size_t resume(std::size_t i);
+  std::size_t resume(std::size_t i, std::size_t seen);
   void mark_spurious(std::size_t i);
   void accept(std::size_t i, std::int64_t cycle);
   [[nodiscard]] bool fits(double error_s, double variance) const;
