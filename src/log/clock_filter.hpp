@@ -3,6 +3,8 @@
 
 #include "beat_noise.hpp"
 
+#include <utility>
+
 namespace goingrate {
 
 /// Estimates the time of the last beat (free of its jitter) and the period, with their covariance,
@@ -21,6 +23,7 @@ public:
   /// may be.
   void start(double period_sigma_s) {
     offset_ = 0.0;
+    doubted_ = {};
     covariance_ = {noise_.jitter2, 0.0, period_sigma_s * period_sigma_s};
   }
 
@@ -45,13 +48,32 @@ public:
   }
 
   /// Takes in a beat n cycles on. An error of more than four of its sigmas means that the clock has
-  /// changed as the noise does not tell: the change is then half believed in time and in period, so
-  /// that a step of the rate is followed within some beats and one false beat is soon forgotten.
-  /// Returns whether it was such a surprise.
+  /// changed as the noise does not tell, or that the beat is a false one. The change is half believed
+  /// in time and in period, so that a step of the rate is followed within some beats; if the next
+  /// beat comes as was foreseen before the surprise, the surprise is forgotten. Returns whether this
+  /// beat was one.
   bool follow(double error_s, double n, Covariance foreseen) {
+    double elapsed = error_s + offset_ + n * period_;
+    if (doubted_.cycles > 0.0) {
+      const Doubt doubt = std::exchange(doubted_, {});
+      ClockFilter without(noise_, doubt.period);
+      without.offset_ = doubt.offset;
+      without.covariance_ = doubt.covariance;
+      const double cycles = doubt.cycles + n;
+      const auto expected = without.after(cycles);
+      const double error = without.error(doubt.elapsed + elapsed, cycles);
+      if (error * error <= 16.0 * error_variance(expected)) {
+        *this = without;
+        elapsed += doubt.elapsed;
+        n = cycles;
+        error_s = error;
+        foreseen = expected;
+      }
+    }
     const double error2 = error_s * error_s;
     const bool surprise = error2 > 16.0 * error_variance(foreseen);
     if (surprise) {
+      doubted_ = {elapsed, n, period_, offset_, covariance_};
       foreseen.tt += 2.0 * error2; // a displaced time, and a changed period's share in it
       foreseen.tp += error2 / n;
       foreseen.pp += error2 / (n * n);
@@ -72,10 +94,17 @@ public:
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
 
 private:
+  // The state before a surprise, and how far back its beat is.
+  struct Doubt {
+    double elapsed = 0.0, cycles = 0.0, period = 0.0, offset = 0.0;
+    Covariance covariance;
+  };
+
   BeatNoise noise_;
   double period_;
   double offset_ = 0.0;
   Covariance covariance_;
+  Doubt doubted_; // cycles 0: none
 };
 
 } // namespace goingrate

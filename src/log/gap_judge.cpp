@@ -22,10 +22,10 @@ std::size_t stretch_for(double cycles) {
       std::clamp(stretch_per_cycle * cycles, shortest_stretch, longest_stretch));
 }
 
-// Breaks that are stops of the clock or jumps of the reference rather than missed beats: one in 1e4
-// of those of one beat, one in twenty from 500 beats on. Where the beats were not lost none is: there
+// Breaks that are stops of the clock or jumps of the reference rather than missed beats: one in 5000
+// of those of one beat, one in ten from 500 beats on. Where the beats were not lost none is: there
 // only a false beat beside the gap can be off.
-double displaced_share(double cycles) { return std::min(1e-4 * cycles, 0.05); }
+double displaced_share(double cycles) { return std::min(2e-4 * cycles, 0.1); }
 
 } // namespace
 

@@ -20,17 +20,18 @@ struct Agreement {
 Agreement agreement(std::span<const Beat> events, std::size_t start, double period_s,
                     double tolerance_s) {
   Agreement agreed{1, 0.0};
-  double last = 0.0;
+  // The grid follows its events half-way: the period here may be off the typical one.
+  double grid = 0.0;
   for (std::size_t i = start + 1; i < events.size() && i < start + 2 * most_tried; ++i) {
     if (events[i].edge == Edge::down) continue;
     const double elapsed = events[i].time - events[start].time;
     if (elapsed > window_periods * period_s) break;
-    const double n = std::round(elapsed / period_s);
-    const double off = std::abs(elapsed - n * period_s);
-    if (n <= last || off > tolerance_s) continue;
+    const double n = std::round((elapsed - grid) / period_s);
+    const double off = elapsed - grid - n * period_s;
+    if (n < 1.0 || std::abs(off) > tolerance_s) continue;
     ++agreed.cycles;
-    agreed.off_s += off;
-    last = n;
+    agreed.off_s += std::abs(off);
+    grid = elapsed - 0.5 * off;
   }
   agreed.off_s /= agreed.cycles;
   return agreed;
