@@ -171,9 +171,12 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
   pass.run();
   if (numbering.has_downward()) {
     place_downward(result.beats, typical.mean_s);
-    result.spurious = std::count_if(result.beats.begin(), result.beats.end(), [](const Beat& beat) {
-      return beat.flag == BeatFlag::spurious;
-    });
+    const auto count = [&](BeatFlag flag) {
+      return std::count_if(result.beats.begin(), result.beats.end(),
+                           [flag](const Beat& beat) { return beat.flag == flag; });
+    };
+    result.spurious = count(BeatFlag::spurious);
+    result.rivals = count(BeatFlag::rival);
   }
   return result;
 }

@@ -48,10 +48,10 @@ public:
   }
 
   /// Takes in a beat n cycles on. An error of more than four of its sigmas means that the clock has
-  /// changed as the noise does not tell, or that the beat is a false one. The change is half believed
-  /// in time and in period, so that a step of the rate is followed within some beats; if the next
-  /// beat comes as was foreseen before the surprise, the surprise is forgotten. Returns whether this
-  /// beat was one.
+  /// changed as the noise does not tell, or that the beat is a false one. The change is half
+  /// believed in time and in period, so that a step of the rate is followed within some beats; if
+  /// the next beat comes as was foreseen before the surprise, the surprise is forgotten. Returns
+  /// whether this beat was one.
   bool follow(double error_s, double n, Covariance foreseen) {
     double elapsed = error_s + offset_ + n * period_;
     if (doubted_.cycles > 0.0) {

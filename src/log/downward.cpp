@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 namespace goingrate {
@@ -15,6 +14,7 @@ namespace {
 // Where downward crossings stand: the fraction of a period after the upward one.
 struct Middle {
   double at = 0.5;
+  double sigma = 0.01;
   double tolerance = 0.05;
 };
 
@@ -35,9 +35,12 @@ Middle typical_middle(std::span<const Beat> beats, double period_s) {
   middle.at = median(fractions);
   for (double& fraction : fractions)
     fraction = std::abs(fraction - middle.at);
+  const double half = median(fractions);
+  constexpr double finest = 1e-9; // of a period, as for upward crossings
+  middle.sigma = std::max(1.4826 * half, finest);
   // Eight standard deviations (12 medians), at least 1 % and never a quarter: an upward crossing
   // taken for a downward one stands half a period off.
-  middle.tolerance = std::clamp(12.0 * median(fractions), 0.01, 0.2);
+  middle.tolerance = std::clamp(12.0 * half, 0.01, 0.2);
   return middle;
 }
 
@@ -74,12 +77,15 @@ private:
     settle(i, off);
   }
 
-  // A downward crossing that fits; of two in one cycle the nearer to the middle is the one.
+  // A downward crossing that fits; of two in one cycle the nearer to the middle is the one, and the
+  // other a rival unless it is a hundred times less likely (exp 4.6), as with upward crossings.
   void settle(std::size_t i, double off) {
     beats_[i].flag = BeatFlag::down;
     if (down_ != none && beats_[down_].cycle == beats_[i].cycle) {
       const bool nearer = std::abs(off) < std::abs(off_);
-      beats_[nearer ? down_ : i].flag = BeatFlag::spurious;
+      const double log_odds =
+          0.5 * std::abs(off * off - off_ * off_) / (middle_.sigma * middle_.sigma);
+      beats_[nearer ? down_ : i].flag = log_odds < 4.6 ? BeatFlag::rival : BeatFlag::spurious;
       if (!nearer) return;
     }
     down_ = i;

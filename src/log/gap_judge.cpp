@@ -22,9 +22,9 @@ std::size_t stretch_for(double cycles) {
       std::clamp(stretch_per_cycle * cycles, shortest_stretch, longest_stretch));
 }
 
-// Breaks that are stops of the clock or jumps of the reference rather than missed beats: one in 5000
-// of those of one beat, one in ten from 500 beats on. Where the beats were not lost none is: there
-// only a false beat beside the gap can be off.
+// Breaks that are stops of the clock or jumps of the reference rather than missed beats: one in
+// 5000 of those of one beat, one in ten from 500 beats on. Where the beats were not lost none is:
+// there only a false beat beside the gap can be off.
 double displaced_share(double cycles) { return std::min(2e-4 * cycles, 0.1); }
 
 } // namespace
@@ -59,8 +59,8 @@ GapJudge::Bridge GapJudge::bridge_over(const ClockFilter& before, const ClockFil
   return {tp / pp, std::sqrt(std::max(0.0, tt - tp * tp / pp) + wander * wander)};
 }
 
-GapCount GapJudge::judge(const ClockFilter& before, const ClockFilter& after,
-                         double elapsed_s, bool lost) const {
+GapCount GapJudge::judge(const ClockFilter& before, const ClockFilter& after, double elapsed_s,
+                         bool lost) const {
   // The backward filter's offset counts backwards in time.
   const double elapsed = elapsed_s - before.offset() - after.offset();
   const double change = after.period() - before.period();
@@ -122,7 +122,7 @@ std::int64_t GapJudge::longest_countable(double least_probability) const {
     for (std::size_t k = 1; k < most; ++k)
       filter.follow(0.0, 1.0, filter.after(1.0));
     const double sigma = bridge_over(filter, filter, n, noise_.rate_walk2).sigma_s / period_;
-    return sigma < 0.25 && probability(sigma, sigma, displaced_share(n)) >= least_probability;
+    return sigma < 0.25 && probability(2.0 * sigma, sigma, displaced_share(n)) >= least_probability;
   };
   std::int64_t low = 1, high = 2;
   while (countable(static_cast<double>(high))) {

@@ -30,12 +30,13 @@ public:
       : noise_(noise), period_(period_s), longest_run_(longest_run) {}
 
   /// The gap before event `after`, whose last beat before is `before`; both flags good. Beats from
-  /// index `first` up to `last` (exclusive) are known to be numbered rightly on their side. `lost`: the beats had to be looked for afresh, so they may be displaced.
+  /// index `first` up to `last` (exclusive) are known to be numbered rightly on their side. `lost`:
+  /// the beats had to be looked for afresh, so they may be displaced.
   [[nodiscard]] GapCount count(std::span<const Beat> beats, std::size_t first, std::size_t before,
                                std::size_t after, std::size_t last, bool lost) const;
 
   /// Missing cycles of the longest gap in the middle of an endless log that would be counted with
-  /// `least_probability` when the clock is off by one sigma.
+  /// `least_probability` when the clock is off by two sigmas: in 95 cases of 100.
   [[nodiscard]] std::int64_t longest_countable(double least_probability) const;
 
 private:

@@ -24,11 +24,11 @@ struct FaultyLog {
 };
 
 /// A random log of 800 to 12,000 periods. Missed U(0, 10 %), false U(0, 10 %) (half of them within
-/// 2 % of a period after a beat that was seen), jitter log-uniform 1e-7 to 1e-2 of the period, noise
-/// of the rate log-uniform 1e-8 to 1e-3, its random walk 1e-10 to 1e-6 a cycle; up to three gaps of
-/// 1 to 5000 periods (log-uniform); in three logs of ten a ramp of the rate of up to 1e-3 over the
-/// log, a step of the rate of up to 1e-3, a stop of 20 to 5000 periods that ends at any phase, a step
-/// of the reference by up to half a period; in one of four both directions.
+/// 2 % of a period after a beat that was seen), jitter log-uniform 1e-7 to 1e-2 of the period,
+/// noise of the rate log-uniform 1e-8 to 1e-3, its random walk 1e-10 to 1e-6 a cycle; up to three
+/// gaps of 1 to 5000 periods (log-uniform); in three logs of ten a ramp of the rate of up to 1e-3
+/// over the log, a step of the rate of up to 1e-3, a stop of 20 to 5000 periods that ends at any
+/// phase, a step of the reference by up to half a period; in one of four both directions.
 class FaultyLogMaker {
 public:
   explicit FaultyLogMaker(std::uint64_t seed)
@@ -115,7 +115,9 @@ private:
     if (both_) crossing(n, time + middle_ * period, Edge::down);
   }
 
-  void add(double time, Edge edge, const TrueEvent& truth) { events_.push_back({time, edge, truth}); }
+  void add(double time, Edge edge, const TrueEvent& truth) {
+    events_.push_back({time, edge, truth});
+  }
 
   FaultyLog finished() {
     std::stable_sort(events_.begin(), events_.end(),
@@ -245,8 +247,7 @@ private:
   }
 
   void judge(const Gap& gap, const TrueEvent& before, const TrueEvent& after) {
-    const bool right =
-        before.epoch == after.epoch && after.cycle - before.cycle == gap.length + 1;
+    const bool right = before.epoch == after.epoch && after.cycle - before.cycle == gap.length + 1;
     const double p = gap.probability;
     auto& bin = score_.bins[p < 0.5 ? 0 : p < 0.9 ? 1 : p < 0.99 ? 2 : p < 0.999 ? 3 : 4];
     ++bin.gaps;

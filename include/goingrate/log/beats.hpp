@@ -35,8 +35,8 @@ struct Beats {
   std::int64_t spurious = 0;     ///< events in either direction
   std::int64_t rivals = 0;
   std::uint32_t segments = 1;
-  /// Cycles of the longest gap that could be counted in the middle of a log as steady as this one
-  /// with the least probability asked for.
+  /// Cycles of the longest gap that would, in 95 cases of 100, be counted with the least
+  /// probability asked for, in the middle of a log as steady as this one.
   std::int64_t longest_countable_gap = 0;
 
   /// The good beats of the segment that has most of them.
