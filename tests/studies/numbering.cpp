@@ -36,8 +36,9 @@ void print(const NumberingScore& s) {
   for (std::size_t k = 0; k < s.bins.size(); ++k) {
     const auto& bin = s.bins[k];
     if (bin.gaps > 0)
-      std::printf("  %-11s %5lld gaps, claimed %.4f, right %.4f\n", names[k], n(bin.gaps),
-                  bin.claimed / static_cast<double>(bin.gaps), 0.01 * percent(bin.right, bin.gaps));
+      std::printf("  %-11s %5lld gaps, claimed %.4f, right %.4f, stops %lld\n", names[k],
+                  n(bin.gaps), bin.claimed / static_cast<double>(bin.gaps),
+                  0.01 * percent(bin.right, bin.gaps), n(bin.stops));
   }
   std::printf("stops of the clock among them: %lld, of which %lld bridged\n", n(s.breaks),
               n(s.stops_bridged));

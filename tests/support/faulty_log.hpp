@@ -150,7 +150,7 @@ struct NumberingScore {
   std::int64_t downs = 0, downs_right = 0, downs_bad = 0;
   std::int64_t logs_wrong = 0, segments = 0, breaks = 0, stops_bridged = 0;
   struct Bin {
-    std::int64_t gaps = 0, right = 0;
+    std::int64_t gaps = 0, right = 0, stops = 0;
     double claimed = 0.0;
   };
   /// Gaps longer than 8 cycles by claimed probability: < 0.5, < 0.9, < 0.99, < 0.999, up to 1.
@@ -255,6 +255,7 @@ private:
     bin.claimed += p;
     if (before.epoch != after.epoch) {
       ++score_.breaks;
+      ++bin.stops;
       score_.stops_bridged += gap.bridged ? 1 : 0;
     }
   }
