@@ -22,10 +22,11 @@ std::size_t stretch_for(double cycles) {
       std::clamp(stretch_per_cycle * cycles, shortest_stretch, longest_stretch));
 }
 
-// Of the breaks after which the beats had to be looked for afresh one in ten is a stop of the clock
-// or a jump of the reference. Where they were not lost none is: there only a false beat beside the
-// gap can be off.
-constexpr double displaced_share = 0.1;
+// Of the breaks after which the beats had to be looked for afresh these are stops of the clock or
+// jumps of the reference: one in 5000 a beat of their length, one in ten from 500 beats on, since a
+// clock is seldom set going again within minutes. Where the beats were not lost none is: there only
+// a false beat beside the gap can be off.
+double displaced_share(double cycles) { return std::min(2e-4 * cycles, 0.1); }
 
 } // namespace
 
@@ -78,7 +79,7 @@ GapCount GapJudge::judge(const ClockFilter& before, const ClockFilter& after, do
   const double sigma = bridge.sigma_s / mean;
   GapCount count;
   count.cycles = static_cast<std::int64_t>(std::max(1.0, n + shift));
-  count.probability = probability(misfit, sigma, lost ? displaced_share : 0.0);
+  count.probability = probability(misfit, sigma, lost ? displaced_share(n) : 0.0);
   count.displaced = lost && count.probability < 0.5 && std::abs(misfit) > 3.0 * sigma;
   return count;
 }
@@ -122,7 +123,7 @@ std::int64_t GapJudge::longest_countable(double least_probability) const {
     for (std::size_t k = 1; k < most; ++k)
       filter.follow(0.0, 1.0, filter.after(1.0));
     const double sigma = bridge_over(filter, filter, n, noise_.rate_walk2).sigma_s / period_;
-    return sigma < 0.25 && probability(2.0 * sigma, sigma, displaced_share) >= least_probability;
+    return sigma < 0.25 && probability(2.0 * sigma, sigma, displaced_share(n)) >= least_probability;
   };
   std::int64_t low = 1, high = 2;
   while (countable(static_cast<double>(high))) {

@@ -49,7 +49,7 @@ private:
   [[nodiscard]] GapCount judge(const ClockFilter& before, const ClockFilter& after,
                                double elapsed_s, bool lost) const;
   [[nodiscard]] double probability(double misfit_periods, double sigma_periods,
-                                   double displaced_share) const;
+                                   double share_displaced) const;
   [[nodiscard]] bool beyond_belief(double cycles) const;
 
   BeatNoise noise_;
