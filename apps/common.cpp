@@ -48,6 +48,17 @@ LogFormat format_of(const std::string& name) {
   return name == "clock-error" ? LogFormat::clock_error : LogFormat::timestamps;
 }
 
+std::string split_text(const Gap& gap) {
+  const std::string place = fmt::format("the log is split after cycle {}: ", gap.after_cycle);
+  if (gap.kind == GapKind::step)
+    return place + "the events go on displaced, as if the reference had been set; the longest part "
+                   "is used";
+  return place + fmt::format("about {} beats are missing, a count that is right with probability "
+                             "{:.2f}{}; the longest part is used",
+                             gap.length, gap.probability,
+                             gap.kind == GapKind::stop ? " (the clock seems to have stopped)" : "");
+}
+
 void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
   for (const std::string& line : loaded.log.assumptions)
     say(global, "assumed: " + line);
@@ -59,11 +70,7 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
     say(global, fmt::format("... and {} more lines with issues", issues.size() - issues_shown));
   std::size_t splits = 0;
   for (const Gap& gap : loaded.beats.gaps)
-    if (!gap.bridged && ++splits <= issues_shown)
-      say(global,
-          fmt::format("the log is split after cycle {}: about {} beats are missing, a count "
-                      "that is right with probability {:.2f}; the longest part is used",
-                      gap.after_cycle, gap.length, gap.probability));
+    if (!gap.bridged && ++splits <= issues_shown) say(global, split_text(gap));
   if (splits > issues_shown)
     say(global, fmt::format("... and at {} more places", splits - issues_shown));
   const double ratio = loaded.beats.typical_period_s / loaded.nominal_period_s;

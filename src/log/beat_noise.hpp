@@ -13,6 +13,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 namespace goingrate {
 
@@ -56,10 +57,15 @@ private:
     std::vector<double> differences;
     double independent = 0.0; // differences that do not overlap
   };
+  struct Row {
+    std::array<double, 3> shares; // of j^2, w^2, r^2 in the variance
+    double variance, freedom;
+  };
   struct Fit {
     std::array<double, 3> variances; // j^2, w^2, r^2
     std::array<double, 3> errors;    // their standard errors
   };
+  [[nodiscard]] std::vector<Row> rows() const;
   [[nodiscard]] Fit maximise_likelihood() const;
 
   std::vector<Octave> octaves_; // lag 2^k

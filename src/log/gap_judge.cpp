@@ -37,15 +37,15 @@ bool GapJudge::beyond_belief(double cycles) const {
 double GapJudge::probability(double misfit, double sigma, double share) const {
   constexpr double hopeless = 3.0; // periods: no count reaches 0.14
   if (!(sigma < hopeless)) return 0.0;
-  const auto likelihood = [&](double off) {
-    return std::exp(-0.5 * off * off / (sigma * sigma)) /
-           (sigma * std::sqrt(2.0 * std::numbers::pi));
-  };
+  // Likelihoods over that of the nearest count, so that a misfit of many sigmas is no 0 / 0.
   double counts = 0.0;
   const double reach = std::ceil(8.0 * sigma) + 2.0; // beyond, nothing adds 1e-14
   for (double k = -reach; k <= reach; ++k)
-    counts += likelihood(misfit + k);
-  return (1.0 - share) * likelihood(misfit) / ((1.0 - share) * counts + share);
+    counts += std::exp(-0.5 * k * (k + 2.0 * misfit) / (sigma * sigma));
+  if (share == 0.0) return 1.0 / counts;
+  const double at_any_phase =
+      sigma * std::sqrt(2.0 * std::numbers::pi) * std::exp(0.5 * misfit * misfit / (sigma * sigma));
+  return (1.0 - share) / ((1.0 - share) * counts + share * at_any_phase);
 }
 
 // The time over a gap given the periods on both sides.

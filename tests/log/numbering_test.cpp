@@ -122,6 +122,16 @@ TEST(NumberingGap, KindsAreTold) {
   EXPECT_EQ(beats.spurious, 0) << "the first beats after a step are good";
 }
 
+TEST(NumberingGap, AFalseBeatBesideAShortGapDoesNotSplitTheLog) {
+  auto events = noisy_clock(600, 1e-6, 0.0, 0.0, 4);
+  events[300].time = events[300].time + 0.015; // in place of a missed beat, far beyond the noise
+  remove(events, 301, 303);
+  const Beats beats = number_beats(std::move(events), "beside");
+  EXPECT_EQ(beats.segments, 1u);
+  for (const Gap& gap : beats.gaps)
+    EXPECT_GT(gap.probability, 0.99);
+}
+
 TEST(Numbering, TwoLikelyEventsAreRivals) {
   auto events = noisy_clock(500, 0.01, 0.0, 0.0, 2);
   events.insert(events.begin() + 251, event_at(events[250].time + 0.004));
@@ -166,11 +176,16 @@ TEST(Numbering, MoreSegmentsThanANumberHoldsAreRefused) {
 
 TEST(NumberingStudy, ShortForm) {
   test::NumberingJudge judge;
+  bool sane = true;
   for (std::uint64_t seed = 1001; seed <= 1040; ++seed) {
     const auto made = test::FaultyLogMaker(seed).make();
-    judge.add(made, number_beats(made.log));
+    const Beats beats = number_beats(made.log);
+    judge.add(made, beats);
+    for (const Gap& gap : beats.gaps)
+      sane = sane && gap.probability >= 0.0 && gap.probability <= 1.0;
   }
   const auto& score = judge.score();
+  EXPECT_TRUE(sane) << "a probability outside 0 to 1";
   EXPECT_GE(static_cast<double>(score.right),
             0.99 * static_cast<double>(score.right + score.wrong));
   EXPECT_LE(score.logs_wrong, 1);

@@ -146,7 +146,7 @@ private:
 /// Counts over many logs.
 struct NumberingScore {
   std::int64_t logs = 0, events = 0, good = 0, right = 0, wrong = 0, bad = 0, rival = 0;
-  std::int64_t false_events = 0, accepted = 0, missed_accepted = 0, unavoidable = 0;
+  std::int64_t false_events = 0, accepted = 0, missed_accepted = 0;
   std::int64_t downs = 0, downs_right = 0, downs_bad = 0;
   std::int64_t logs_wrong = 0, segments = 0, breaks = 0, stops_bridged = 0;
   struct Bin {
