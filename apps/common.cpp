@@ -36,6 +36,11 @@ void add_log_options(CLI::App& command, LogOptions& options) {
   command.add_option("--sensor-offset", options.sensor_offset,
                      "angle (rad) at which the sensor stands: times are moved to the vertical, and "
                      "amplitudes had from the two half-periods; auto: estimated from the log");
+  command
+      .add_option("--gap-probability", options.gap_probability,
+                  "split the log at a gap whose count is right with less than this probability")
+      ->check(CLI::Range(0.5, 1.0))
+      ->capture_default_str();
   add_reading_options(command, options);
 }
 
@@ -98,6 +103,17 @@ std::string words_for(const LineIssue& issue, const std::string& source) {
                      issue.action, lines);
 }
 
+std::string split_text(const Gap& gap) {
+  const std::string place = fmt::format("the log is split after cycle {}: ", gap.after_cycle);
+  if (gap.kind == GapKind::step)
+    return place + "the events go on displaced, as if the reference had been set; the longest part "
+                   "is used";
+  return place + fmt::format("about {} beats are missing, a count that is right with probability "
+                             "{:.2f}{}; the longest part is used",
+                             gap.length, gap.probability,
+                             gap.kind == GapKind::stop ? " (the clock seems to have stopped)" : "");
+}
+
 void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
   for (const std::string& line : loaded.log.assumptions)
     say(global, "assumed: " + line);
@@ -109,11 +125,7 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
                             issues.size() - issues_shown));
   std::size_t splits = 0;
   for (const Gap& gap : loaded.beats.gaps)
-    if (!gap.bridged && ++splits <= issues_shown)
-      say(global,
-          fmt::format("the log is split after cycle {}: about {} beats are missing, a count "
-                      "that is right with probability {:.2f}; the longest part is used",
-                      gap.after_cycle, gap.length, gap.probability));
+    if (!gap.bridged && ++splits <= issues_shown) say(global, split_text(gap));
   if (splits > issues_shown)
     say(global, fmt::format("... and at {} more places", splits - issues_shown));
   const double ratio = loaded.beats.typical_period_s / loaded.nominal_period_s;
@@ -129,17 +141,19 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
 
 namespace {
 
-void number(NumberedLog& loaded) {
-  loaded.beats = number_beats(std::move(loaded.log.events), loaded.log.source);
+void number(NumberedLog& loaded, const LogOptions& options) {
+  loaded.beats =
+      number_beats(std::move(loaded.log.events), loaded.log.source, {options.gap_probability});
   loaded.log.events.clear();
 }
 
 // Corrections change times and amplitudes of events that are numbered: numbered they stay, unless
 // the times moved.
-void with_events(NumberedLog& loaded, const std::function<void(ClockLog&)>& change) {
+void with_events(NumberedLog& loaded, const LogOptions& options,
+                 const std::function<void(ClockLog&)>& change) {
   loaded.log.events = std::move(loaded.beats.beats);
   change(loaded.log);
-  number(loaded);
+  number(loaded, options);
 }
 
 void use_flag(NumberedLog& loaded, const LogOptions& options) {
@@ -155,7 +169,7 @@ void use_flag(NumberedLog& loaded, const LogOptions& options) {
     set_amplitudes_from_widths(log, width, loaded.nominal_period_s);
     loaded.beats.beats = std::move(log.events);
   } else if (options.flag_width_rad > 0.0) {
-    with_events(loaded, [&](ClockLog& log) {
+    with_events(loaded, options, [&](ClockLog& log) {
       move_to_vertical(log, -0.5 * width, 0.5 * width, loaded.nominal_period_s);
     });
   }
@@ -184,7 +198,7 @@ void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
         std::any_of(loaded.beats.beats.begin(), loaded.beats.beats.end(),
                     [](const Beat& beat) { return !std::isnan(beat.amplitude_rad); });
   }
-  with_events(loaded, [&](ClockLog& log) {
+  with_events(loaded, options, [&](ClockLog& log) {
     move_to_vertical(log, offset, offset, loaded.nominal_period_s);
   });
 }
@@ -198,7 +212,7 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   if (loaded.log.format == LogFormat::timestamps && !labelled)
     loaded.log.assumptions.emplace_back(
         "each event is one period (--both-edges if both directions are in the log)");
-  number(loaded);
+  number(loaded, options);
   loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
   use_flag(loaded, options);
   use_sensor_offset(loaded, options);

@@ -1,388 +1,139 @@
 #include "goingrate/log/beats.hpp"
 
+#include "downward.hpp"
+#include "gap_judge.hpp"
 #include "goingrate/base/errors.hpp"
+#include "numbering.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace goingrate {
 
 namespace {
 
-constexpr double normal_from_mad = 1.4826; // standard deviation over median absolute deviation
+// No one notices that a clock stopped and sets it going again within so many beats.
+constexpr std::int64_t shortest_stop = 20;
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-std::vector<double> differences(const std::vector<Beat>& beats) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < beats.size(); ++i)
-    steps.push_back(beats[i].time - beats[i - 1].time);
-  return steps;
-}
-
-struct TypicalPeriod {
-  double mean = 0.0;
-  double scatter = 0.0;
-  double gain = 1.0; // how far the foreseen time should follow one beat, see follower_gain
-};
-
-// A jittery sensor asks for an average over many beats, a wandering clock for the last beat alone.
-// Jitter j makes neighbouring periods anticorrelated (covariance -j^2), wander w adds w^2 to their
-// variance; from both comes the steady gain of the Kalman filter of a random walk seen through
-// jitter.
-double follower_gain(double variance, double covariance) {
-  const double j2 = std::max(0.0, -covariance);
-  const double w2 = std::max(0.0, variance - 2.0 * j2);
-  const double predicted = 0.5 * (w2 + std::sqrt(w2 * w2 + 4.0 * w2 * j2));
-  if (!(predicted + j2 > 0.0)) return 1.0;            // no noise at all
-  return std::max(0.1, predicted / (predicted + j2)); // never so lazy that a change of rate is lost
-}
-
-// Missed and spurious events put differences far from the bulk; the median sits inside it.
-TypicalPeriod typical_period(const std::vector<Beat>& beats, const std::string& source) {
-  auto steps = differences(beats);
-  std::vector<double> sorted = steps;
-  const double centre = median(sorted);
-  if (!(centre > 0.0))
-    throw InputError({source, beats[1].line, 1}, "two events at one time in most places",
-                     "times that increase");
-  const double widest = 0.1 * centre; // 2 % jitter, five times over
-  double sum = 0.0, variance = 0.0, covariance = 0.0;
-  double pairs = 0.0;
-  std::vector<double> deviations;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const double deviation = steps[i] - centre;
-    if (std::abs(deviation) > widest) continue;
-    sum += deviation;
-    variance += deviation * deviation;
-    deviations.push_back(std::abs(deviation));
-    if (i == 0 || std::abs(steps[i - 1] - centre) > widest) continue;
-    covariance += deviation * (steps[i - 1] - centre);
-    ++pairs;
+void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
+              std::span<const std::size_t> resumed) {
+  std::size_t from = 0;
+  for (const std::size_t next : resumed) {
+    differences.add(beats.subspan(from, next - from));
+    from = next;
   }
-  const auto count = static_cast<double>(deviations.size());
-  const double gain = follower_gain(variance / count, pairs > 0.0 ? covariance / pairs : 0.0);
-  return {centre + sum / count, normal_from_mad * median(deviations), gain};
+  differences.add(beats.subspan(from));
 }
 
-// Foresees crossings from the beats so far.
-class Tracker {
-public:
-  Tracker(const TypicalPeriod& typical, double tolerance)
-      : period_(typical.mean), tolerance_(tolerance), least_gain_(typical.gain) {}
+// The noise as a first numbering of a bounded sample shows it. A log that is its own sample is
+// numbered in place, and again later.
+BeatNoise sampled_noise(std::vector<Beat>& beats, const TypicalPeriod& typical) {
+  SecondDifferences differences;
+  for (const Stretch& stretch : sample_stretches(beats.size())) {
+    const std::span<Beat> part(beats.data() + stretch.first, stretch.size());
+    Numbering numbering(part, typical, rough_noise(typical));
+    numbering.run();
+    add_runs(differences, part, numbering.resumed());
+  }
+  return at_least_finest(differences.fit(), typical.mean_s);
+}
 
-  struct Guess {
-    std::int64_t cycles; // since the last beat
-    double error;        // s, observed minus foreseen
+std::int64_t longest_run(std::span<const Beat> beats, std::span<const std::size_t> resumed) {
+  std::int64_t longest = 1;
+  std::size_t from = 0;
+  const auto take = [&](std::size_t to) {
+    longest = std::max(longest, beats[to - 1].cycle - beats[from].cycle + 1);
+    from = to;
   };
-
-  void start(const Instant& time, std::int64_t cycle) {
-    anchor_ = time;
-    cycle_ = cycle;
-    since_start_ = 0;
-  }
-
-  [[nodiscard]] Guess guess(const Instant& time) const {
-    const double elapsed = time - anchor_;
-    const double periods = elapsed / period_;
-    if (!(std::abs(periods) < 1e15)) return {0, elapsed}; // no count a double could hold
-    const auto cycles = static_cast<std::int64_t>(std::llround(periods));
-    return {cycles, elapsed - static_cast<double>(cycles) * period_};
-  }
-
-  // Over a long absence the period may have changed: allow the tolerance to grow to a quarter beat.
-  [[nodiscard]] bool fits(const Guess& guess) const {
-    const double growth = std::sqrt(static_cast<double>(std::max<std::int64_t>(guess.cycles, 1)));
-    return std::abs(guess.error) <= std::min(tolerance_ * growth, 0.25 * period_);
-  }
-
-  // The anchor follows the beats with a gain that begins as an average and settles at the least
-  // one.
-  void follow(const Instant& time, const Guess& guess) {
-    ++since_start_;
-    const double gain = std::max(least_gain_, 1.0 / static_cast<double>(since_start_ + 1));
-    anchor_ = time + -(1.0 - gain) * guess.error;
-    cycle_ += guess.cycles;
-    const double rate_gain = std::min(gain * gain, 0.01);
-    period_ +=
-        rate_gain * guess.error / static_cast<double>(std::max<std::int64_t>(guess.cycles, 1));
-  }
-
-  [[nodiscard]] std::int64_t cycle() const { return cycle_; }
-  [[nodiscard]] double period() const { return period_; }
-
-private:
-  double period_;
-  double tolerance_;
-  double least_gain_;
-  Instant anchor_;
-  std::int64_t cycle_ = 0;
-  int since_start_ = 0;
-};
-
-// The first event that begins a run of three consecutive periods; events before it are spurious.
-std::size_t first_steady(const std::vector<Beat>& beats, std::size_t from, double period,
-                         double tolerance) {
-  for (std::size_t i = from; i + 3 < beats.size(); ++i) {
-    bool steady = true;
-    for (std::size_t k = i; k < i + 3 && steady; ++k)
-      steady = std::abs(beats[k + 1].time - beats[k].time - period) < tolerance;
-    if (steady) return i;
-  }
-  return beats.size();
+  for (const std::size_t next : resumed)
+    take(next);
+  take(beats.size());
+  return longest;
 }
 
-class Numbering {
+// Second pass over a numbered log: counts its gaps, and writes the segments and the cycles that
+// follow from the counts.
+class GapPass {
 public:
-  Numbering(std::vector<Beat>& beats, const TypicalPeriod& typical)
-      : beats_(beats), typical_(typical),
-        // Ten standard deviations of a period, at least 1 % (a fraction of any beat error), never
-        // so much that a double trigger could pass.
-        tolerance_(std::clamp(10.0 * typical.scatter, 0.01 * typical.mean, 0.2 * typical.mean)),
-        tracker_(typical, tolerance_) {}
+  GapPass(Beats& result, const std::vector<std::size_t>& resumed, const GapJudge& judge,
+          double least_probability, const std::string& source)
+      : result_(result), resumed_(resumed), judge_(judge), least_probability_(least_probability),
+        source_(source), reach_(resumed.empty() ? result.beats.size() : resumed.front()) {}
 
   void run() {
-    std::size_t i = first_steady(beats_, 0, typical_.mean, tolerance_);
-    if (i == beats_.size()) i = 0; // too few for a run: trust the first event
-    for (std::size_t k = 0; k < i; ++k)
-      mark_spurious(k);
-    begin_segment(i, 0);
-    for (++i; i < beats_.size(); ++i)
-      i = place(i);
-  }
-
-private:
-  void mark_spurious(std::size_t i) { beats_[i].flag = BeatFlag::spurious; }
-
-  void begin_segment(std::size_t i, std::int64_t cycle) {
-    tracker_.start(beats_[i].time, cycle);
-    accept(i, cycle);
-  }
-
-  void accept(std::size_t i, std::int64_t cycle) {
-    beats_[i].flag = BeatFlag::good;
-    beats_[i].cycle = cycle;
-    beats_[i].segment = segment_;
-    last_good_ = i;
-  }
-
-  // Settles event i and returns the last event settled.
-  std::size_t place(std::size_t i) {
-    const auto guess = tracker_.guess(beats_[i].time);
-    if (guess.cycles < 1 || !tracker_.fits(guess)) {
-      mark_spurious(i);
-      if (++misfits_ >= 6) return resynchronise(i); // about two periods of doubled triggers
-      return i;
-    }
-    const std::size_t best = nearest_rival(i, guess);
-    for (std::size_t k = i; k < best; ++k)
-      mark_spurious(k);
-    const auto chosen = tracker_.guess(beats_[best].time);
-    tracker_.follow(beats_[best].time, chosen);
-    accept(best, tracker_.cycle());
-    misfits_ = 0;
-    return best;
-  }
-
-  // Of the coming events that claim the same cycle as event i, the one nearest the foreseen time.
-  [[nodiscard]] std::size_t nearest_rival(std::size_t i, Tracker::Guess guess) const {
-    std::size_t best = i;
-    for (std::size_t k = i + 1; k < beats_.size(); ++k) {
-      const auto other = tracker_.guess(beats_[k].time);
-      if (other.cycles != guess.cycles || !tracker_.fits(other)) break;
-      if (std::abs(other.error) < std::abs(guess.error)) {
-        best = k;
-        guess = other;
+    auto& beats = result_.beats;
+    auto next_resumed = resumed_.begin();
+    bool lost = false;
+    for (std::size_t i = 0; i < beats.size(); ++i) {
+      if (next_resumed != resumed_.end() && *next_resumed == i) {
+        lost = true;
+        ++next_resumed;
+        reach_ = next_resumed == resumed_.end() ? beats.size() : *next_resumed;
       }
+      Beat& beat = beats[i];
+      if (beat.flag == BeatFlag::good) {
+        if (last_ != none && (lost || beat.cycle + shift_ - beats[last_].cycle != 1))
+          settle(i, lost);
+        lost = false;
+        last_ = i;
+      }
+      if (shift_ != 0) beat.cycle += shift_;
+      beat.segment = segment_;
+      result_.spurious += beat.flag == BeatFlag::spurious ? 1 : 0;
+      result_.rivals += beat.flag == BeatFlag::rival ? 1 : 0;
     }
-    return best;
-  }
-
-  // The events no longer fit: look for a steady run after the last good beat and start afresh
-  // there.
-  std::size_t resynchronise(std::size_t i) {
-    const std::size_t from = last_good_ + 1;
-    const std::size_t start = first_steady(beats_, from, typical_.mean, tolerance_);
-    misfits_ = 0;
-    if (start == beats_.size() || start > i) return i;
-    for (std::size_t k = from; k < start; ++k)
-      mark_spurious(k);
-    const double periods = (beats_[start].time - beats_[last_good_].time) / typical_.mean;
-    const auto cycles = static_cast<std::int64_t>(std::clamp(std::round(periods), 1.0, 1e15));
-    const std::int64_t cycle = beats_[last_good_].cycle + cycles;
-    ++segment_;
-    begin_segment(start, cycle);
-    return start;
-  }
-
-  std::vector<Beat>& beats_;
-  TypicalPeriod typical_;
-  double tolerance_;
-  Tracker tracker_;
-  std::size_t last_good_ = 0;
-  std::uint16_t segment_ = 0;
-  int misfits_ = 0;
-};
-
-// Rms error of foreseeing m cycles ahead from the mean rate of the m before, in an unbroken run.
-double foresight_error(const std::vector<double>& times, std::size_t m) {
-  double sum = 0.0;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i + 2 * m < times.size(); ++i, ++n) {
-    const double error = times[i + 2 * m] - 2.0 * times[i + m] + times[i];
-    sum += error * error;
-  }
-  return n == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(n));
-}
-
-// The longest run of consecutive cycles, as times less the typical period's grid.
-std::vector<double> longest_run(const std::vector<Beat>& good, double period) {
-  std::size_t best = 0;
-  std::size_t best_length = 0;
-  std::size_t start = 0;
-  for (std::size_t i = 0; i < good.size(); ++i) {
-    if (i > 0 && good[i].cycle != good[i - 1].cycle + 1) start = i;
-    if (i - start + 1 > best_length) {
-      best_length = i - start + 1;
-      best = start;
-    }
-  }
-  std::vector<double> times;
-  for (std::size_t i = best; i < best + best_length; ++i)
-    times.push_back(residual_from_grid(good[i].time, good[best].time,
-                                       good[i].cycle - good[best].cycle, period));
-  return times;
-}
-
-// Probability that the nearest integer is the right one for an error of standard deviation sigma
-// (in periods) when the observed misfit is `misfit` periods: its likelihood among its neighbours'.
-double count_probability(double misfit, double sigma) {
-  if (!(sigma < 100.0)) return 0.0; // a hundred counts are as likely as the right one
-  double all = 0.0;
-  const auto reach = static_cast<int>(std::ceil(8.0 * sigma)) + 1; // beyond, nothing adds 1e-14
-  for (int k = -reach; k <= reach; ++k) {
-    const double z = (misfit + k) / sigma;
-    const double z0 = misfit / sigma;
-    all += std::exp(-0.5 * (z * z - z0 * z0));
-  }
-  return 1.0 / all;
-}
-
-// A false event that came near a missed beat was taken for it. It stands alone: its own error
-// against the straight line through its neighbours is large and theirs are minus half of it, unlike
-// at a change of the rate, where the neighbours lie on their lines.
-void strike_lone_outliers(Beats& result, const TypicalPeriod& typical) {
-  std::vector<Beat*> good;
-  for (Beat& beat : result.beats)
-    if (beat.flag == BeatFlag::good) good.push_back(&beat);
-  const std::size_t n = good.size();
-  std::vector<double> error(n, 0.0);
-  const auto consecutive = [&](std::size_t i, std::size_t k) {
-    return good[k]->cycle - good[i]->cycle == static_cast<std::int64_t>(k - i);
-  };
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    if (!consecutive(i - 1, i + 1)) continue;
-    error[i] = 0.5 * ((good[i]->time - good[i - 1]->time) - (good[i + 1]->time - good[i]->time));
-  }
-  // Twelve standard deviations of the errors nearby (a stretch may be noisier than the rest), and a
-  // ten-thousandth of a period in a log without noise.
-  const auto limit_at = [&](std::size_t i) {
-    constexpr std::size_t reach = 20;
-    std::vector<double> sizes;
-    for (std::size_t k = i - std::min(i, reach); k < std::min(n, i + reach + 1); ++k)
-      sizes.push_back(std::abs(error[k]));
-    return std::max(12.0 * normal_from_mad * median(sizes), 1e-4 * typical.mean);
-  };
-  for (std::size_t i = 2; i + 2 < n; ++i) {
-    if (std::abs(error[i]) < 1e-4 * typical.mean || !consecutive(i - 2, i + 2)) continue;
-    if (std::abs(error[i]) < limit_at(i)) continue;
-    const auto mirrored = [&](double neighbour) {
-      return std::abs(neighbour / error[i] + 0.5) < 0.2;
-    };
-    if (mirrored(error[i - 1]) && mirrored(error[i + 1])) good[i]->flag = BeatFlag::spurious;
-  }
-}
-
-class GapJudge {
-public:
-  GapJudge(const std::vector<Beat>& good, const TypicalPeriod& typical)
-      : typical_(typical), run_(longest_run(good, typical.mean)) {}
-
-  [[nodiscard]] double probability(std::int64_t length, double misfit_s) const {
-    // However steady the log, it is not believed over ten times its own length.
-    if (length > 10 * static_cast<std::int64_t>(run_.size())) return 0.0;
-    const auto span = static_cast<std::size_t>(length) + 1;
-    const std::size_t longest = std::max<std::size_t>(run_.size() / 3, 1);
-    const std::size_t m = std::min(span, longest);
-    double sigma = std::max(foresight_error(run_, m), typical_.scatter);
-    // Beyond what the log shows, a random walk of rate: error growing as the 3/2 power.
-    if (span > m) sigma *= std::pow(static_cast<double>(span) / static_cast<double>(m), 1.5);
-    // Nor is any clock trusted to keep its rate over a gap to better than 1e-6, a tenth of a second
-    // a day, even if the log is too short or too coarse to show its wander.
-    sigma = std::max(sigma, 1e-6 * static_cast<double>(span) * typical_.mean);
-    // No whole number of periods fits: the clock stood still, or the reference jumped. (In a short
-    // gap it is rather a false event beside it that misleads.)
-    constexpr std::int64_t stop = 20;
-    if (length >= stop && std::abs(misfit_s) > 6.0 * sigma) return 0.0;
-    return count_probability(misfit_s / typical_.mean, sigma / typical_.mean);
+    result_.segments = segment_ + 1u;
   }
 
 private:
-  TypicalPeriod typical_;
-  std::vector<double> run_;
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+
+  void settle(std::size_t i, bool lost) {
+    auto& beats = result_.beats;
+    const Beat& before = beats[last_];
+    const std::int64_t guess = beats[i].cycle + shift_ - before.cycle;
+    const GapCount count = judge_.count(beats, first_, last_, i, reach_, lost);
+    Gap gap;
+    gap.after_cycle = before.cycle;
+    gap.probability = count.probability;
+    gap.bridged = gap.probability >= least_probability_;
+    const bool displaced = count.displaced;
+    const double periods = (beats[i].time - before.time) / result_.typical_period_s;
+    gap.length = displaced && periods < 2.0 ? 0 : count.cycles - 1;
+    gap.kind = gap.length > shortest_stop ? (displaced ? GapKind::stop : GapKind::gap)
+                                          : (displaced ? GapKind::step : GapKind::missed);
+    if (lost && gap.length == 0) gap.kind = GapKind::step;
+    shift_ += std::max<std::int64_t>(1, gap.length + 1) - guess;
+    if (gap.bridged) {
+      result_.missed += gap.length;
+    } else {
+      begin_segment(i);
+    }
+    result_.gaps.push_back(gap);
+  }
+
+  void begin_segment(std::size_t i) {
+    if (segment_ == std::numeric_limits<std::uint16_t>::max())
+      throw InputError({source_, result_.beats[i].line, 1},
+                       "more than 65536 segments: the beats are lost again and again",
+                       "a log that is steady for some beats in most places");
+    ++segment_;
+    first_ = i;
+  }
+
+  Beats& result_;
+  const std::vector<std::size_t>& resumed_;
+  const GapJudge& judge_;
+  double least_probability_;
+  const std::string& source_;
+  std::size_t last_ = none;
+  std::size_t first_ = 0; // of the segment
+  std::size_t reach_;     // beats before this index are on one numbering with the present one
+  std::int64_t shift_ = 0;
+  std::uint16_t segment_ = 0;
 };
-
-void find_gaps(Beats& result, const TypicalPeriod& typical, double least_probability) {
-  std::vector<Beat> good;
-  for (const Beat& beat : result.beats)
-    if (beat.flag == BeatFlag::good) good.push_back(beat);
-  const GapJudge judge(good, typical);
-  std::uint16_t split = 0;
-  std::vector<std::uint16_t> segment_of(good.size(), 0);
-  for (std::size_t i = 1; i < good.size(); ++i) {
-    const bool step = good[i].segment != good[i - 1].segment;
-    const std::int64_t length = good[i].cycle - good[i - 1].cycle - 1;
-    if (length > 0 || step) {
-      const double misfit =
-          good[i].time - good[i - 1].time - static_cast<double>(length + 1) * typical.mean;
-      const double probability = step ? 0.0 : judge.probability(length, misfit);
-      const bool bridged = probability >= least_probability;
-      result.gaps.push_back({good[i - 1].cycle, length, probability, bridged});
-      if (bridged) result.missed += length;
-      if (!bridged) ++split;
-    }
-    segment_of[i] = split;
-  }
-  std::size_t k = 0;
-  for (Beat& beat : result.beats) {
-    if (beat.flag == BeatFlag::good) beat.segment = segment_of[k++];
-  }
-  result.segments = split + 1u;
-}
-
-// Downward crossings take the cycle and segment of the upward crossing before them.
-void place_downward(Beats& result, const std::vector<Beat>& downward) {
-  if (downward.empty()) return;
-  std::vector<Beat> merged;
-  merged.reserve(result.beats.size() + downward.size());
-  std::merge(result.beats.begin(), result.beats.end(), downward.begin(), downward.end(),
-             std::back_inserter(merged),
-             [](const Beat& a, const Beat& b) { return a.time < b.time; });
-  const Beat* last = nullptr;
-  for (Beat& beat : merged) {
-    if (beat.flag == BeatFlag::good) last = &beat;
-    if (beat.flag == BeatFlag::down) {
-      beat.cycle = last != nullptr ? last->cycle : -1;
-      beat.segment = last != nullptr ? last->segment : 0;
-    }
-  }
-  result.beats = std::move(merged);
-}
 
 } // namespace
 
@@ -392,6 +143,7 @@ std::vector<Beat> Beats::longest_segment() const {
     if (beat.flag == BeatFlag::good) ++sizes[beat.segment];
   const auto best = std::max_element(sizes.begin(), sizes.end()) - sizes.begin();
   std::vector<Beat> chosen;
+  chosen.reserve(sizes[static_cast<std::size_t>(best)]);
   for (const Beat& beat : beats)
     if (beat.flag == BeatFlag::good && beat.segment == best) chosen.push_back(beat);
   return chosen;
@@ -404,71 +156,29 @@ Beats number_beats(const ClockLog& log, const NumberingOptions& options) {
 Beats number_beats(std::vector<Beat>&& events, const std::string& source,
                    const NumberingOptions& options) {
   Beats result;
-  std::vector<Beat> downward;
-  for (Beat& beat : events)
-    if (beat.edge == Edge::down) {
-      beat.flag = BeatFlag::down;
-      downward.push_back(beat);
-    }
-  std::erase_if(events, [](const Beat& beat) { return beat.edge == Edge::down; });
   result.beats = std::move(events);
-  if (result.beats.size() < 3)
-    throw InputError({source, 1, 1}, fmt::format("{} upward crossings", result.beats.size()),
-                     "at least 3");
   const TypicalPeriod typical = typical_period(result.beats, source);
-  result.typical_period_s = typical.mean;
-  result.scatter_s = typical.scatter;
-  Numbering(result.beats, typical).run();
-  strike_lone_outliers(result, typical);
-  for (const Beat& beat : result.beats)
-    result.spurious += beat.flag == BeatFlag::spurious ? 1 : 0;
-  find_gaps(result, typical, options.least_probability);
-  place_downward(result, downward);
+  result.typical_period_s = typical.mean_s;
+  result.scatter_s = typical.scatter_s;
+  Numbering numbering(result.beats, typical, sampled_noise(result.beats, typical));
+  numbering.run();
+  SecondDifferences differences;
+  add_runs(differences, result.beats, numbering.resumed());
+  const BeatNoise noise = at_least_finest(differences.cautious_fit(), typical.mean_s);
+  const GapJudge judge(noise, typical.mean_s, longest_run(result.beats, numbering.resumed()));
+  result.longest_countable_gap = judge.longest_countable(options.least_probability);
+  GapPass pass(result, numbering.resumed(), judge, options.least_probability, source);
+  pass.run();
+  if (numbering.has_downward()) {
+    place_downward(result.beats, typical.mean_s);
+    const auto count = [&](BeatFlag flag) {
+      return std::count_if(result.beats.begin(), result.beats.end(),
+                           [flag](const Beat& beat) { return beat.flag == flag; });
+    };
+    result.spurious = count(BeatFlag::spurious);
+    result.rivals = count(BeatFlag::rival);
+  }
   return result;
-}
-
-namespace {
-
-// Whether intervals alternate: neighbours on opposite sides of the median, next neighbours on the
-// same, and both much alike. Jitter alone gives correlations of -1/2 and 0.
-bool intervals_alternate(const std::vector<double>& steps, double centre) {
-  double variance = 0.0, next = 0.0, second = 0.0;
-  for (std::size_t i = 0; i + 2 < steps.size(); ++i) {
-    const auto off = [&](std::size_t k) { return steps[k] - centre; };
-    const double widest = 0.45 * centre; // a clock further out of beat than this does not go
-    if (std::max({std::abs(off(i)), std::abs(off(i + 1)), std::abs(off(i + 2))}) > widest) continue;
-    variance += off(i) * off(i);
-    next += off(i) * off(i + 1);
-    second += off(i) * off(i + 2);
-  }
-  return variance > 0.0 && next < -0.75 * variance && second > 0.75 * variance;
-}
-
-} // namespace
-
-bool label_alternate_edges(ClockLog& log, bool certain) {
-  const bool labelled = std::any_of(log.events.begin(), log.events.end(),
-                                    [](const Beat& e) { return e.edge == Edge::down; });
-  if (labelled || log.events.size() < 8) return false;
-  std::vector<double> steps, pairs;
-  for (std::size_t i = 1; i < log.events.size(); ++i)
-    steps.push_back(log.events[i].time - log.events[i - 1].time);
-  for (std::size_t i = 1; i < steps.size(); ++i)
-    pairs.push_back(steps[i] + steps[i - 1]);
-  const double half = 0.5 * median(pairs); // the beat error cancels in a pair
-  if (!(half > 0.0) || (!certain && !intervals_alternate(steps, half))) return false;
-  std::int64_t beat = 0;
-  for (std::size_t i = 1; i < log.events.size(); ++i) {
-    const double beats = steps[i - 1] / half;
-    if (beats < 1e15) beat += std::llround(beats);
-    log.events[i].edge = beat % 2 == 0 ? Edge::up : Edge::down;
-  }
-  log.assumptions.push_back(
-      certain ? "both directions are in the log: every other event is a downward crossing"
-              : "the intervals alternate, so both directions are in the log: every other event is "
-                "taken "
-                "as a downward crossing");
-  return true;
 }
 
 std::int64_t cycle_at(std::span<const Beat> beats, double time_s) {
@@ -483,10 +193,26 @@ std::string_view name_of(BeatFlag flag) {
     return "spurious";
   case BeatFlag::down:
     return "down";
+  case BeatFlag::rival:
+    return "rival";
   case BeatFlag::good:
     break;
   }
   return "";
+}
+
+std::string_view name_of(GapKind kind) {
+  switch (kind) {
+  case GapKind::missed:
+    return "missed";
+  case GapKind::gap:
+    return "gap";
+  case GapKind::step:
+    return "step";
+  case GapKind::stop:
+    break;
+  }
+  return "stop";
 }
 
 } // namespace goingrate

@@ -364,7 +364,10 @@ void RowReader::append(const Beat& beat, double width_s, double temperature_c,
   log_.events.push_back(beat);
   log_.has_amplitude = log_.has_amplitude || !std::isnan(beat.amplitude_rad);
   const bool widths = width_ || !log_.columns.width_s.empty() || !std::isnan(width_s);
-  if (widths) log_.columns.width_s.push_back(width_s);
+  if (widths) { // the first width may come late
+    log_.columns.width_s.resize(log_.events.size() - 1, unknown);
+    log_.columns.width_s.push_back(width_s);
+  }
   if (temperature_)
     log_.columns.temperature_c.push_back(temperature_c * layout_.columns[*temperature_].scale);
   if (pressure_)

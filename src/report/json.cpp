@@ -18,13 +18,16 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   json["periods"] = summary.periods;
   json["missed"] = beats.missed;
   json["spurious"] = beats.spurious;
+  json["rivals"] = beats.rivals;
   json["segments"] = beats.segments;
   json["gaps"] = Json::array();
   for (const Gap& gap : beats.gaps)
     json["gaps"].push_back({{"after_cycle", gap.after_cycle},
                             {"length", gap.length},
                             {"probability", json_number(gap.probability)},
-                            {"bridged", gap.bridged}});
+                            {"bridged", gap.bridged},
+                            {"kind", name_of(gap.kind)}});
+  json["longest_countable_gap"] = beats.longest_countable_gap;
   json["nominal_period_s"] = json_number(summary.nominal_period_s);
   json["mean_period_s"] = json_number(summary.mean_period_s);
   json["mean_period_sigma_s"] = json_number(summary.mean_period_sigma_s);

@@ -33,7 +33,8 @@ namespace {
 
 class RateTable {
 public:
-  explicit RateTable(double nominal_period_s) : nominal_period_s_(nominal_period_s) {}
+  RateTable(double nominal_period_s, const std::vector<Gap>& gaps)
+      : nominal_period_s_(nominal_period_s), gap_(gaps.begin()), gaps_end_(gaps.end()) {}
 
   void add(const Beat& beat) {
     if (beat.flag == BeatFlag::good) return add_good(beat);
@@ -59,7 +60,10 @@ private:
       text += ",,,";
     }
     if (!std::isnan(beat.amplitude_rad)) fmt::format_to(out_, "{:.9g}", beat.amplitude_rad);
-    text += last_ != nullptr && !follows ? ",split\n" : ",\n";
+    if (last_ != nullptr && !follows)
+      fmt::format_to(out_, ",{}\n", is_step_after(last_->cycle) ? "step" : "split");
+    else
+      text += ",\n";
     last_ = &beat;
   }
 
@@ -72,7 +76,15 @@ private:
       fmt::format_to(out_, "{},,,,,,missed\n", cycle);
   }
 
+  // Gaps and beats are both in order of cycles.
+  bool is_step_after(std::int64_t cycle) {
+    while (gap_ != gaps_end_ && gap_->after_cycle < cycle)
+      ++gap_;
+    return gap_ != gaps_end_ && gap_->after_cycle == cycle && gap_->kind == GapKind::step;
+  }
+
   double nominal_period_s_;
+  std::vector<Gap>::const_iterator gap_, gaps_end_;
   const Beat* last_ = nullptr;
   std::back_insert_iterator<std::string> out_{text};
 };
@@ -80,7 +92,7 @@ private:
 } // namespace
 
 std::string rate_table(const Beats& beats, double nominal_period_s) {
-  RateTable table(nominal_period_s);
+  RateTable table(nominal_period_s, beats.gaps);
   for (const Beat& beat : beats.beats)
     table.add(beat);
   return std::move(table.text);
@@ -92,6 +104,12 @@ std::string rate_text(const Beats& beats, const RateSummary& summary) {
   std::string text = fmt::format("{} beats over {:.6g} s; {} missed, {} spurious, {} segment{}\n",
                                  summary.crossings, summary.duration_s, beats.missed,
                                  beats.spurious, beats.segments, beats.segments == 1 ? "" : "s");
+  if (beats.rivals > 0)
+    text += fmt::format("{} cycles have a second event that could as well be the crossing\n",
+                        beats.rivals);
+  if (beats.longest_countable_gap > 0)
+    text += fmt::format("a break of up to {} cycles could be counted in such a log\n",
+                        beats.longest_countable_gap);
   text += fmt::format("mean period {} s against {} s: {} by {} s a day (end to end); "
                       "a straight line fitted to the clock's error gives {:+.4g} s a day",
                       with_sigma(summary.mean_period_s, summary.mean_period_sigma_s, 12),

@@ -95,15 +95,18 @@ TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
   EXPECT_EQ(outcome.out.substr(0, outcome.out.find('\n')),
             "cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags");
   const auto result = json("rate.json");
-  for (const char* key :
-       {"schema", "crossings", "periods", "missed", "spurious", "gaps", "mean_period_s",
-        "rate_excess", "rate_s_per_day", "rate_sigma_s_per_day", "last_period_s", "duration_s"})
+  for (const char* key : {"schema", "crossings", "periods", "missed", "spurious", "rivals", "gaps",
+                          "longest_countable_gap", "mean_period_s", "rate_excess", "rate_s_per_day",
+                          "rate_sigma_s_per_day", "last_period_s", "duration_s"})
     EXPECT_TRUE(result.contains(key)) << key;
   // The ends of the log may be among the missed.
   EXPECT_NEAR(result["periods"].get<int>(), 2000, 6);
   EXPECT_EQ(result["crossings"].get<int>() + result["missed"].get<int>(),
             result["periods"].get<int>() + 1);
   EXPECT_NEAR(result["spurious"].get<int>(), 100, 40);
+  EXPECT_EQ(result["gaps"][0]["kind"], "missed");
+  EXPECT_NE(run("rate log.csv --gap-probability 0.3").code, 0) << "less likely than not";
+  EXPECT_EQ(run("rate log.csv --gap-probability 0.9").code, 0);
 }
 
 TEST_F(CommandTest, StandardInputAndOutputArePipes) {

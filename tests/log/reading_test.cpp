@@ -117,22 +117,6 @@ TEST(ReadingTest, NumbersMayHaveAPlusAndLongExponents) {
   EXPECT_THROW((void)read_numbers("1\n2\n3 4\n", "p"), InputError);
 }
 
-TEST(WritingTest, ReadsBackWhatWasWritten) {
-  Scenario scenario = test::at_point_a(200);
-  scenario.sensor.edges = SensorEdges::both;
-  scenario.sensor.jitter_rms_s = 1e-5;
-  scenario.sensor.amplitude_rms = 1e-5;
-  const ClockLog written = test::simulated_log(scenario, 3);
-  const std::string text = native_log_text(written, 15);
-  const ClockLog read = read_log(text, "x");
-  ASSERT_EQ(read.events.size(), written.events.size());
-  for (std::size_t i = 0; i < read.events.size(); ++i) {
-    EXPECT_NEAR(read.events[i].time - written.events[i].time, 0.0, 5.1e-16); // half the last digit
-    EXPECT_EQ(read.events[i].edge, written.events[i].edge);
-  }
-  EXPECT_EQ(native_log_text(read, 15), text) << "and the second time to the last bit";
-}
-
 TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
   ClockLog log;
   log.events = {event_at({100, 0.0}, Edge::up, 1, 0.05), event_at({101, 0.0}, Edge::down, 2, 0.05),

@@ -39,6 +39,17 @@ TEST(TextTest, TheRateTableHasARowForEveryEventAndEveryMissingBeat) {
                    "54,108.500000000,,,,,split\n");
 }
 
+TEST(TextTest, TheRateTableTellsAStepFromOtherSplitsAndShowsRivals) {
+  Beats beats;
+  beats.beats = {beat(0, 0.0), beat(1, 2.0), beat(1, 2.001, BeatFlag::rival),
+                 beat(2, 4.7, BeatFlag::good, 1), beat(3, 6.7, BeatFlag::good, 1)};
+  beats.gaps = {{1, 0, 0.0, false, GapKind::step}};
+  const std::string table = rate_table(beats, 2.0);
+  EXPECT_NE(table.find("2,4.700000000,,,,,step\n"), std::string::npos) << table;
+  EXPECT_NE(table.find(",2.001000000,,,,,rival\n"), std::string::npos) << table;
+  EXPECT_EQ(table.find("split"), std::string::npos) << table;
+}
+
 TEST(TextTest, AnUndeterminedParameterIsAWord) {
   FitSummary fit;
   fit.parameters = {{"epsilon", "", ParameterStatus::undetermined, NAN, NAN, NAN}};

@@ -22,13 +22,14 @@ enum class BeatFlag : std::uint8_t {
   good,     ///< an upward crossing with its cycle number (or not numbered yet)
   spurious, ///< no crossing of its own: a double trigger or a false one
   down,     ///< a downward crossing, numbered with the upward crossing before it
+  rival,    ///< another event that fits this cycle as well; which was the crossing cannot be told
 };
 
 /// One event of a log: as it was read and, once numbered, with its place in the going of the clock.
 /// 40 bytes, so that a year of seconds fits in memory.
 struct Beat {
   Instant time;
-  std::int64_t cycle = 0; ///< 0 for the first good beat; meaningless where spurious
+  std::int64_t cycle = 0; ///< 0 for the first good beat; of a spurious event: the beat before it
   double amplitude_rad = std::numeric_limits<double>::quiet_NaN(); ///< NaN where the log has none
   std::uint32_t line = 0;                                          ///< line of the file, from 1
   std::uint16_t segment = 0; ///< beats of one segment are numbered without doubt

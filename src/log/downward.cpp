@@ -1,0 +1,175 @@
+#include "downward.hpp"
+
+#include "goingrate/log/beats.hpp"
+#include "typical_period.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace goingrate {
+
+namespace {
+
+// Where downward crossings stand: the fraction of a period after the upward one.
+struct Middle {
+  double at = 0.5;
+  double sigma = 0.01;
+  double tolerance = 0.05;
+};
+
+double fraction_of(double periods) { return periods - std::floor(periods); }
+
+Middle typical_middle(std::span<const Beat> beats, double period_s) {
+  std::vector<double> fractions;
+  for (const Stretch& stretch : sample_stretches(beats.size())) {
+    const Beat* last = nullptr;
+    for (const Beat& beat : beats.subspan(stretch.first, stretch.size())) {
+      if (beat.flag == BeatFlag::good) last = &beat;
+      if (beat.flag == BeatFlag::down && last != nullptr)
+        fractions.push_back(fraction_of((beat.time - last->time) / period_s));
+    }
+  }
+  if (fractions.empty()) return {};
+  Middle middle;
+  middle.at = median(fractions);
+  for (double& fraction : fractions)
+    fraction = std::abs(fraction - middle.at);
+  const double half = median(fractions);
+  constexpr double finest = 1e-9; // of a period, as for upward crossings
+  middle.sigma = std::max(1.4826 * half, finest);
+  // Eight standard deviations (12 medians), at least 1 % and never a quarter: an upward crossing
+  // taken for a downward one stands half a period off.
+  middle.tolerance = std::clamp(12.0 * half, 0.01, 0.2);
+  return middle;
+}
+
+class DownwardNumbering {
+public:
+  DownwardNumbering(std::span<Beat> beats, double period_s)
+      : beats_(beats), period_(period_s), middle_(typical_middle(beats, period_s)) {
+    for (std::size_t i = 0; i < beats.size() && up_ == none; ++i)
+      if (beats[i].flag == BeatFlag::good) up_ = i;
+  }
+
+  void run() {
+    for (std::size_t i = 0; i < beats_.size() && up_ != none; ++i) {
+      if (beats_[i].flag == BeatFlag::good) up_ = i;
+      if (beats_[i].edge == Edge::down) place(i);
+    }
+  }
+
+private:
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+
+  void place(std::size_t i) {
+    Beat& beat = beats_[i];
+    const double since = (beat.time - beats_[up_].time) / period_ - middle_.at;
+    const double whole = std::round(since);
+    const double off = since - whole;
+    beat.cycle = beats_[up_].cycle + static_cast<std::int64_t>(std::clamp(whole, -1e15, 1e15));
+    beat.segment = beats_[up_].segment;
+    // Where upward crossings are missing the foreseen place is less sure.
+    const double allowed =
+        std::min(0.25, middle_.tolerance * std::sqrt(std::max(1.0, whole + 1.0)));
+    if (std::abs(off) > allowed) return misfit(i, off);
+    misfits_.clear();
+    settle(i, off);
+  }
+
+  // A downward crossing that fits; of two in one cycle the nearer to the middle is the one, and the
+  // other a rival unless it is a hundred times less likely (exp 4.6), as with upward crossings.
+  void settle(std::size_t i, double off) {
+    beats_[i].flag = BeatFlag::down;
+    if (down_ != none && beats_[down_].cycle == beats_[i].cycle) {
+      const bool nearer = std::abs(off) < std::abs(off_);
+      const double log_odds =
+          0.5 * std::abs(off * off - off_ * off_) / (middle_.sigma * middle_.sigma);
+      beats_[nearer ? down_ : i].flag = log_odds < 4.6 ? BeatFlag::rival : BeatFlag::spurious;
+      if (!nearer) return;
+    }
+    down_ = i;
+    off_ = off;
+    middle_.at += 0.02 * off; // fifty cycles: an amplitude that falls changes the middle slowly
+  }
+
+  // Seven misfits in a row that agree with each other: the beat error has changed.
+  void misfit(std::size_t i, double off) {
+    beats_[i].flag = BeatFlag::spurious;
+    misfits_.push_back({i, off});
+    if (misfits_.size() < 7) return;
+    const auto [low, high] =
+        std::minmax_element(misfits_.begin(), misfits_.end(),
+                            [](const Misfit& a, const Misfit& b) { return a.off < b.off; });
+    if (high->off - low->off > middle_.tolerance) {
+      misfits_.erase(misfits_.begin());
+      return;
+    }
+    middle_.at = fraction_of(middle_.at + 0.5 * (low->off + high->off));
+    for (const Misfit& one : misfits_)
+      beats_[one.index].flag = BeatFlag::down;
+    misfits_.clear();
+  }
+
+  struct Misfit {
+    std::size_t index;
+    double off;
+  };
+
+  std::span<Beat> beats_;
+  double period_;
+  Middle middle_;
+  std::size_t up_ = none, down_ = none; // the last upward and downward crossings
+  double off_ = 0.0;                    // of the last downward one
+  std::vector<Misfit> misfits_;
+};
+
+// Whether intervals alternate: neighbours on opposite sides of the median, next neighbours on the
+// same, and both much alike. Jitter alone gives correlations of -1/2 and 0. NaNs part stretches.
+bool intervals_alternate(const std::vector<double>& steps, double centre) {
+  double variance = 0.0, next = 0.0, second = 0.0;
+  for (std::size_t i = 0; i + 2 < steps.size(); ++i) {
+    const double a = steps[i] - centre, b = steps[i + 1] - centre, c = steps[i + 2] - centre;
+    const double widest = 0.45 * centre; // a clock further out of beat than this does not go
+    if (!(std::abs(a) <= widest && std::abs(b) <= widest && std::abs(c) <= widest)) continue;
+    variance += a * a;
+    next += a * b;
+    second += a * c;
+  }
+  return variance > 0.0 && next < -0.75 * variance && second > 0.75 * variance;
+}
+
+} // namespace
+
+void place_downward(std::span<Beat> beats, double period_s) {
+  DownwardNumbering(beats, period_s).run();
+}
+
+bool label_alternate_edges(ClockLog& log, bool certain) {
+  const bool labelled = std::any_of(log.events.begin(), log.events.end(),
+                                    [](const Beat& e) { return e.edge == Edge::down; });
+  if (labelled || log.events.size() < 8) return false;
+  std::vector<double> steps, pairs;
+  for (const Stretch& stretch : sample_stretches(log.events.size())) {
+    for (std::size_t i = stretch.first + 1; i < stretch.last; ++i) {
+      steps.push_back(log.events[i].time - log.events[i - 1].time);
+      if (i > stretch.first + 1) pairs.push_back(steps.back() + steps[steps.size() - 2]);
+    }
+    steps.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+  const double half = 0.5 * median(pairs); // the beat error cancels in a pair
+  if (!(half > 0.0) || (!certain && !intervals_alternate(steps, half))) return false;
+  std::int64_t beat = 0;
+  for (std::size_t i = 1; i < log.events.size(); ++i) {
+    const double beats = (log.events[i].time - log.events[i - 1].time) / half;
+    if (beats < 1e15) beat += std::llround(beats);
+    log.events[i].edge = beat % 2 == 0 ? Edge::up : Edge::down;
+  }
+  log.assumptions.push_back(
+      certain ? "both directions are in the log: every other event is a downward crossing"
+              : "the intervals alternate, so both directions are in the log: every other event is "
+                "taken as a downward crossing");
+  return true;
+}
+
+} // namespace goingrate

@@ -1,0 +1,194 @@
+#include "numbering.hpp"
+
+#include "phase_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace goingrate {
+
+namespace {
+
+// A beat is further off than six sigmas once in 5e8 events, if the noise is as estimated.
+constexpr double gate_sigmas2 = 36.0;
+// Without noise a beat may still be off by a step of the rate: 1 %, a fraction of any beat error.
+constexpr double gate_floor = 0.01;
+// Never so wide that an event half-way between two beats could be one.
+constexpr double gate_cap = 0.25;
+// So many periods without a beat, or events without a place: the beats are looked for afresh. With
+// a tenth of the beats missed, or of the events false, it happens once in 1e8 and 1e6 by chance.
+constexpr double longest_absence = 8.0;
+constexpr int most_misfits = 6;
+// Two events for one cycle are told apart if one is a hundred times likelier: exp(4.6).
+constexpr double decisive_log_odds = 4.6;
+// How far the period may be off the typical one where the beats begin, and may have changed where
+// they were lost.
+constexpr double unknown_period_share = 0.01;
+constexpr double changed_period_share = 1e-3;
+
+} // namespace
+
+Numbering::Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise)
+    : beats_(beats), period_(typical.mean_s),
+      // Six sigmas of a difference over twelve periods, at least 1.5 % (the typical period may be
+      // off by a thousandth), at most so much that false events seldom agree.
+      tolerance_(std::clamp(6.0 * std::sqrt(2.0 * noise.jitter2 + 12.0 * noise.walk2),
+                            0.015 * period_, 0.1 * period_)),
+      floor_(gate_floor * period_), filter_(noise, typical.mean_s) {}
+
+std::size_t Numbering::next_up(std::size_t i) {
+  for (; i < beats_.size() && beats_[i].edge == Edge::down; ++i) {
+    beats_[i].flag = BeatFlag::down;
+    beats_[i].cycle = beats_[last_].cycle;
+    has_downward_ = true;
+  }
+  return i;
+}
+
+void Numbering::mark_spurious(std::size_t i) {
+  beats_[i].flag = BeatFlag::spurious;
+  beats_[i].cycle = beats_[last_].cycle;
+}
+
+void Numbering::accept(std::size_t i, std::int64_t cycle) {
+  beats_[i].flag = BeatFlag::good;
+  beats_[i].cycle = cycle;
+  last_ = i;
+  misfits_ = 0;
+}
+
+bool Numbering::fits(double error_s, double variance) const {
+  const double error2 = error_s * error_s;
+  const double cap = gate_cap * period_;
+  return error2 <= std::max(gate_sigmas2 * variance, floor_ * floor_) && error2 <= cap * cap;
+}
+
+void Numbering::run() {
+  last_ = next_up(0);
+  if (last_ == beats_.size()) return;
+  beats_[last_].cycle = 0;
+  // Too few for a vote: trust the first event.
+  const std::size_t start = find_steady_beat(beats_, last_, period_, tolerance_).value_or(last_);
+  for (std::size_t i = last_; i < start; i = next_up(i + 1))
+    mark_spurious(i);
+  accept(start, 0);
+  filter_.start(unknown_period_share * period_);
+  for (std::size_t i = next_up(start + 1); i < beats_.size(); i = next_up(i + 1))
+    i = place(i);
+  strike_lone_outliers();
+}
+
+// Settles event i and returns the last event settled.
+std::size_t Numbering::place(std::size_t i) {
+  const double since = beats_[i].time - beats_[last_].time - filter_.offset();
+  const double period = filter_.period();
+  const double cycles = std::abs(since - period) < 0.5 * period ? 1.0 : std::round(since / period);
+  if (cycles > longest_absence) return resume(i, i);
+  if (cycles >= 1.0) {
+    const auto foreseen = filter_.after(cycles);
+    if (fits(since - cycles * period, filter_.error_variance(foreseen))) return settle(i, cycles);
+  }
+  mark_spurious(i);
+  if (++misfits_ >= most_misfits) return resume(last_ + 1, i);
+  return i;
+}
+
+// Of event i and those after it that fit the same cycle the nearest is the beat; one that is nearly
+// as likely is a rival, another spurious.
+std::size_t Numbering::settle(std::size_t i, double cycles) {
+  const std::size_t before = last_;
+  const auto foreseen = filter_.after(cycles);
+  const double variance = filter_.error_variance(foreseen);
+  const auto error_of = [&](std::size_t k) {
+    return filter_.error(beats_[k].time - beats_[before].time, cycles);
+  };
+  std::size_t best = i, last = i;
+  double least = error_of(i);
+  for (std::size_t k = next_up(i + 1); k < beats_.size(); k = next_up(k + 1)) {
+    const double error = error_of(k);
+    if (!fits(error, variance)) break;
+    last = k;
+    if (std::abs(error) >= std::abs(least)) continue;
+    least = error;
+    best = k;
+  }
+  const std::int64_t cycle = beats_[before].cycle + static_cast<std::int64_t>(cycles);
+  for (std::size_t k = i; last != i && k <= last; ++k) {
+    if (k == best || beats_[k].edge == Edge::down) continue;
+    const double error = error_of(k);
+    const double log_odds = 0.5 * (error * error - least * least) / variance;
+    beats_[k].flag = log_odds < decisive_log_odds ? BeatFlag::rival : BeatFlag::spurious;
+    beats_[k].cycle =
+        k < best && beats_[k].flag == BeatFlag::spurious ? beats_[before].cycle : cycle;
+  }
+  accept(best, cycle);
+  if (filter_.follow(least, cycles, foreseen)) surprises_.push_back(best);
+  return last;
+}
+
+// The beats were lost: looks for them from event i on; those up to `seen` are spurious if there are
+// none.
+std::size_t Numbering::resume(std::size_t i, std::size_t seen) {
+  misfits_ = 0;
+  const auto found = find_steady_beat(beats_, i, filter_.period(), tolerance_);
+  const std::size_t start = found.value_or(seen + 1);
+  for (std::size_t k = next_up(i); k < start; k = next_up(k + 1))
+    mark_spurious(k);
+  if (!found) return seen;
+  const double elapsed = beats_[start].time - beats_[last_].time;
+  constexpr double most = 1e15; // cycles, which a double still counts
+  const double periods = (elapsed - filter_.offset()) / filter_.period();
+  const double cycles = std::clamp(std::round(periods), 1.0, most);
+  const auto foreseen = filter_.after(cycles);
+  if (cycles <= longest_absence &&
+      fits(filter_.error(elapsed, cycles), filter_.error_variance(foreseen)))
+    return settle(start, cycles); // no more than a run of false events
+  accept(start, beats_[last_].cycle + static_cast<std::int64_t>(cycles));
+  resumed_.push_back(start);
+  filter_.start(changed_period_share * period_);
+  return start;
+}
+
+// A false event that came near a missed beat was taken for it, and surprised the filter.
+void Numbering::strike_lone_outliers() {
+  for (const std::size_t i : surprises_)
+    if (stands_alone(i)) beats_[i].flag = BeatFlag::spurious;
+}
+
+// Whether the beat's own error against the straight line through its neighbours is large and theirs
+// are minus half of it, unlike at a change of the rate, where the neighbours lie on their lines.
+bool Numbering::stands_alone(std::size_t i) const {
+  constexpr std::size_t reach = 20, most = 2 * reach + 1;
+  const auto good = [&](std::size_t k) { return beats_[k].flag == BeatFlag::good; };
+  std::vector<std::size_t> near;
+  std::size_t place = 0;
+  for (std::size_t k = i; k-- > 0 && near.size() < reach;)
+    if (good(k)) near.push_back(k);
+  std::reverse(near.begin(), near.end());
+  place = near.size();
+  near.push_back(i);
+  for (std::size_t k = i + 1; k < beats_.size() && near.size() < place + 1 + reach; ++k)
+    if (good(k)) near.push_back(k);
+  if (place < 2 || place + 2 >= near.size()) return false;
+  if (beats_[near[place + 2]].cycle - beats_[near[place - 2]].cycle != 4) return false;
+  std::array<double, most> sizes{};
+  const auto error_at = [&](std::size_t k) {
+    const Beat &a = beats_[near[k - 1]], &b = beats_[near[k]], &c = beats_[near[k + 1]];
+    if (c.cycle - a.cycle != 2) return 0.0;
+    return 0.5 * ((b.time - a.time) - (c.time - b.time));
+  };
+  std::size_t count = 0;
+  for (std::size_t k = 1; k + 1 < near.size(); ++k)
+    sizes[count++] = std::abs(error_at(k));
+  // Twelve standard deviations of the errors nearby (a stretch may be noisier than the rest; 18 of
+  // their median), and a ten-thousandth of a period in a log without noise.
+  const double limit = std::max(18.0 * median(std::span(sizes).first(count)), 1e-4 * period_);
+  const double own = error_at(place);
+  if (std::abs(own) < limit) return false;
+  const auto mirrored = [&](double neighbour) { return std::abs(neighbour / own + 0.5) < 0.2; };
+  return mirrored(error_at(place - 1)) && mirrored(error_at(place + 1));
+}
+
+} // namespace goingrate

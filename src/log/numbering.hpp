@@ -1,0 +1,48 @@
+// The first numbering of a log: each upward crossing gets a cycle from the beats before it. What
+// happened where the beats were lost is judged afterwards, from both sides (gap_judge.hpp).
+#pragma once
+
+#include "clock_filter.hpp"
+
+#include <span>
+
+namespace goingrate {
+
+/// Numbers the upward crossings of `beats` in place: flag and cycle. Downward crossings get their
+/// flag; they and spurious events get the cycle of the beat before them, so that cycles never fall.
+class Numbering {
+public:
+  Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise);
+
+  void run();
+
+  /// The first beats after each place where the beats were lost: long absences, and phases that do
+  /// not fit. The cycle there is a best guess.
+  [[nodiscard]] const std::vector<std::size_t>& resumed() const { return resumed_; }
+
+  [[nodiscard]] bool has_downward() const { return has_downward_; }
+
+private:
+  [[nodiscard]] std::size_t next_up(std::size_t i);
+  std::size_t place(std::size_t i);
+  std::size_t settle(std::size_t i, double cycles);
+  std::size_t resume(std::size_t i, std::size_t seen);
+  void mark_spurious(std::size_t i);
+  void accept(std::size_t i, std::int64_t cycle);
+  [[nodiscard]] bool fits(double error_s, double variance) const;
+  void strike_lone_outliers();
+  [[nodiscard]] bool stands_alone(std::size_t i) const;
+
+  std::span<Beat> beats_;
+  double period_;
+  double tolerance_; // of a grid over a dozen periods, s
+  double floor_;     // an event this near fits however little noise there is, s
+  ClockFilter filter_;
+  std::vector<std::size_t> resumed_;
+  std::vector<std::size_t> surprises_;
+  std::size_t last_ = 0; // the last beat
+  int misfits_ = 0;      // events since then that fit no cycle
+  bool has_downward_ = false;
+};
+
+} // namespace goingrate

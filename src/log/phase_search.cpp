@@ -1,0 +1,80 @@
+#include "phase_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace goingrate {
+
+namespace {
+
+constexpr double window_periods = 12.5; // enough to outvote a tenth of false or missed events
+constexpr std::size_t most_tried = 40;  // three events a period
+
+// How many cycles after `start` have an event on its grid, and how far off these are in the mean.
+struct Agreement {
+  int cycles = 0;
+  double off_s = 0.0;
+};
+
+Agreement agreement(std::span<const Beat> events, std::size_t start, double period_s,
+                    double tolerance_s) {
+  Agreement agreed{1, 0.0};
+  // The grid follows its events half-way: the period here may be off the typical one.
+  double grid = 0.0;
+  for (std::size_t i = start + 1; i < events.size() && i < start + 2 * most_tried; ++i) {
+    if (events[i].edge == Edge::down) continue;
+    const double elapsed = events[i].time - events[start].time;
+    if (elapsed > window_periods * period_s) break;
+    const double n = std::round((elapsed - grid) / period_s);
+    const double off = elapsed - grid - n * period_s;
+    if (n < 1.0 || std::abs(off) > tolerance_s) continue;
+    ++agreed.cycles;
+    agreed.off_s += std::abs(off);
+    grid = elapsed - 0.5 * off;
+  }
+  agreed.off_s /= agreed.cycles;
+  return agreed;
+}
+
+} // namespace
+
+std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
+                                            double period_s, double tolerance_s) {
+  std::vector<std::size_t> tried;
+  std::vector<Agreement> agreed;
+  for (std::size_t i = from; i < events.size() && tried.size() < most_tried; ++i) {
+    if (events[i].edge == Edge::down) continue;
+    if (!tried.empty() && events[i].time - events[tried.front()].time > window_periods * period_s)
+      break;
+    tried.push_back(i);
+    agreed.push_back(agreement(events, i, period_s, tolerance_s));
+  }
+  if (tried.empty()) return {};
+  const auto best =
+      std::max_element(agreed.begin(), agreed.end(),
+                       [](const Agreement& a, const Agreement& b) { return a.cycles < b.cycles; });
+  std::size_t left = 0;
+  for (std::size_t i = from; i < events.size() && left < 4; ++i)
+    left += events[i].edge == Edge::up ? 1 : 0;
+  const bool enough = best->cycles >= static_cast<int>(std::min<std::size_t>(4, left));
+  if (!enough) return {};
+  // The first on the winner's grid; of several for the same cycle the nearest to the others.
+  const Beat& winner = events[tried[static_cast<std::size_t>(best - agreed.begin())]];
+  std::optional<std::size_t> first;
+  double first_cycle = 0.0, first_off = 0.0;
+  for (std::size_t k = 0; k < tried.size(); ++k) {
+    const double elapsed = events[tried[k]].time - winner.time;
+    const double cycle = std::round(elapsed / period_s);
+    const double off = std::abs(elapsed - cycle * period_s);
+    if (off > tolerance_s) continue;
+    if (first && cycle > first_cycle) break;
+    if (first && agreed[k].off_s >= first_off) continue;
+    first = tried[k];
+    first_cycle = cycle;
+    first_off = agreed[k].off_s;
+  }
+  return first;
+}
+
+} // namespace goingrate

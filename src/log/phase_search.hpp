@@ -1,0 +1,18 @@
+// Where the beats begin, or go on after they were lost.
+#pragma once
+
+#include "goingrate/log/clock_log.hpp"
+
+#include <optional>
+#include <span>
+
+namespace goingrate {
+
+/// The first event at or after `from` that stands on one grid of the period with most of the events
+/// of the next dozen periods. Each event is tried: a missed or false one among them does not make
+/// the others bad. `tolerance_s` is how far a beat may be off the grid. Downward crossings are
+/// passed over. Nothing if fewer than four events agree (fewer are enough at the end of the log).
+std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
+                                            double period_s, double tolerance_s);
+
+} // namespace goingrate

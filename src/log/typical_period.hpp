@@ -1,0 +1,35 @@
+// The period of a log before anything is numbered, from a bounded sample of its intervals.
+#pragma once
+
+#include "goingrate/log/clock_log.hpp"
+
+#include <span>
+#include <utility>
+
+namespace goingrate {
+
+/// Half-open range of indices.
+struct Stretch {
+  std::size_t first = 0;
+  std::size_t last = 0;
+  [[nodiscard]] std::size_t size() const { return last - first; }
+};
+
+/// All of `size` events if there are at most 1e5, else twenty stretches of 5000 spread evenly: a
+/// sample that sees all of the log and costs the same however long it is.
+std::vector<Stretch> sample_stretches(std::size_t size);
+
+/// The median of `values`, which are reordered; they must not be empty.
+double median(std::span<double> values);
+
+/// The bulk of the intervals between upward crossings.
+struct TypicalPeriod {
+  double mean_s = 0.0;    ///< of the intervals within a tenth of their median
+  double scatter_s = 0.0; ///< their robust standard deviation (from the median absolute deviation)
+  double second_s2 = 0.0; ///< trimmed mean square of t[i+2] - 2 t[i+1] + t[i], s^2
+};
+
+/// Throws InputError if there are fewer than three upward crossings, or most are at one time.
+TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source);
+
+} // namespace goingrate
