@@ -1,4 +1,5 @@
 #include "common.hpp"
+#include "progress.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -78,7 +79,7 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
   command.add_flag("--strict", options.strict, "the first line at fault is an error")->group(group);
 }
 
-ReadingOptions reading_options(const LogOptions& options, const GlobalOptions&) {
+ReadingOptions reading_options(const LogOptions& options) {
   ReadingOptions reading;
   if (!options.format.empty()) reading.format = format_named(options.format);
   if (options.nominal_period_s > 0.0) reading.nominal_period_s = options.nominal_period_s;
@@ -93,8 +94,6 @@ ReadingOptions reading_options(const LogOptions& options, const GlobalOptions&) 
   return reading;
 }
 
-namespace {
-
 std::string words_for(const LineIssue& issue, const std::string& source) {
   const std::string lines = issue.last_line > issue.line
                                 ? fmt::format(" (and on to line {})", issue.last_line)
@@ -102,6 +101,8 @@ std::string words_for(const LineIssue& issue, const std::string& source) {
   return fmt::format("{}:{}:{}: {}: {}{}", source, issue.line, issue.column, issue.found,
                      issue.action, lines);
 }
+
+namespace {
 
 std::string split_text(const Gap& gap) {
   const std::string place = fmt::format("the log is split after cycle {}: ", gap.after_cycle);
@@ -175,6 +176,16 @@ void use_flag(NumberedLog& loaded, const LogOptions& options) {
   }
 }
 
+// The longest segment; no second copy of a log in which every event is good.
+void choose_good(NumberedLog& loaded) {
+  const auto& beats = loaded.beats.beats;
+  const bool all = loaded.beats.segments == 1 &&
+                   std::all_of(beats.begin(), beats.end(),
+                               [](const Beat& beat) { return beat.flag == BeatFlag::good; });
+  if (!all) loaded.chosen = loaded.beats.longest_segment();
+  loaded.good = all ? std::span<const Beat>(beats) : std::span<const Beat>(loaded.chosen);
+}
+
 void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
   loaded.beat_error_s = beat_error(loaded.beats.beats);
   if (options.sensor_offset.empty()) return;
@@ -207,16 +218,22 @@ void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
 
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   NumberedLog loaded;
-  loaded.log = read_log_file(options.path, reading_options(options, global));
+  {
+    ProgressBar bar(global.quiet);
+    ReadingOptions reading = reading_options(options);
+    reading.progress = std::ref(bar);
+    loaded.log = read_log_file(options.path, reading);
+  }
   const bool labelled = label_alternate_edges(loaded.log, options.both_edges);
   if (loaded.log.format == LogFormat::timestamps && !labelled)
     loaded.log.assumptions.emplace_back(
         "each event is one period (--both-edges if both directions are in the log)");
   number(loaded, options);
   loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
+  loaded.nominal_is_known = loaded.nominal_period_s != loaded.beats.typical_period_s;
   use_flag(loaded, options);
   use_sensor_offset(loaded, options);
-  loaded.good = loaded.beats.longest_segment();
+  choose_good(loaded);
   if (loaded.good.size() < 3)
     throw NumericsError(
         fmt::format("{}: no run of three beats that could be numbered together", options.path));

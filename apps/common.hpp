@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,16 +50,27 @@ void add_log_options(CLI::App& command, LogOptions& options);
 void add_reading_options(CLI::App& command, LogOptions& options);
 
 /// What the reader is told.
-ReadingOptions reading_options(const LogOptions& options, const GlobalOptions& global);
+ReadingOptions reading_options(const LogOptions& options);
+
+/// One issue as a line: file:line:column: what was found: what was done.
+std::string words_for(const LineIssue& issue, const std::string& source);
 
 /// A log read, corrected and numbered.
 struct NumberedLog {
-  ClockLog log;
+  NumberedLog() = default;
+  NumberedLog(NumberedLog&&) = default;
+  NumberedLog& operator=(NumberedLog&&) = default;
+  NumberedLog(const NumberedLog&) = delete; // `good` would point into the other
+  NumberedLog& operator=(const NumberedLog&) = delete;
+
+  ClockLog log; ///< its events are in `beats`
   Beats beats;
-  std::vector<Beat> good;                          ///< the longest segment
+  std::vector<Beat> chosen;   ///< where `good` lives if it is not all of `beats`
+  std::span<const Beat> good; ///< the good beats of the longest segment
+  double nominal_period_s = 0.0;
+  bool nominal_is_known = true;
   std::optional<SensorEstimate> beat_error_s;      ///< where both directions are in the log
   std::optional<SensorEstimate> sensor_offset_rad; ///< if asked for
-  double nominal_period_s = 0.0;
 };
 
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.

@@ -1,7 +1,10 @@
 // goingrate rate: a log becomes numbered beats and rates.
 #include "common.hpp"
+#include "follow.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/log/writing.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
 
@@ -15,15 +18,81 @@ struct RateOptions {
   LogOptions log;
   std::string output;
   std::string json;
+  double block_s = 0.0;
+  std::int64_t running_cycles = 0;
+  std::string native, phase, ticc, par;
+  bool follow = false;
+  double alarm_s = 0.0;
 };
 
+// The table grows on disk, not in memory.
+void write_table(StreamedFile& file, const RateOptions& options, const NumberedLog& loaded) {
+  if (!file.wanted()) return;
+  if (options.block_s > 0.0) {
+    file.text() =
+        block_table(block_rates(loaded.beats.beats, loaded.nominal_period_s, options.block_s));
+    return;
+  }
+  RateTable table({loaded.nominal_period_s, loaded.log.has_amplitude, options.running_cycles},
+                  loaded.log.columns, loaded.beats.gaps);
+  file.text() = table.header();
+  for (std::size_t i = 0; i < loaded.beats.beats.size(); ++i) {
+    table.append(file.text(), loaded.beats.beats[i], i);
+    file.flush_if_large();
+  }
+}
+
+// Digits that lose nothing of decimal times as loggers write them.
+constexpr int exported_decimals = 12;
+
+void write_others(std::vector<StreamedFile>& files, const RateOptions& options, NumberedLog& loaded,
+                  const RateSummary& summary) {
+  const auto add = [&](const std::string& path, auto make) {
+    if (path.empty()) return;
+    files.emplace_back(path);
+    files.back().text() = make();
+  };
+  add(options.json, [&] {
+    return rate_json(loaded.log, loaded.beats, summary,
+                     {loaded.beat_error_s, loaded.sensor_offset_rad});
+  });
+  add(options.phase, [&] { return stable32_text(loaded.good, loaded.nominal_period_s); });
+  add(options.par, [&] { return par_text(summary, loaded.beats); });
+  add(options.ticc, [&] { return ticc_text(loaded.beats.beats); });
+  add(options.native, [&] {
+    loaded.log.nominal_period_s = loaded.nominal_period_s;
+    loaded.log.events.swap(loaded.beats.beats);
+    std::string text = native_log_text(loaded.log, exported_decimals);
+    loaded.log.events.swap(loaded.beats.beats);
+    return text;
+  });
+}
+
+void refuse_two_on_standard_output(const RateOptions& options, const std::string& table) {
+  int count = 0;
+  for (const std::string& path :
+       {options.json, options.phase, options.par, options.ticc, options.native, table})
+    count += path == "-" ? 1 : 0;
+  if (count > 1) throw ArgumentError("output", "-", "given once: standard output holds one result");
+}
+
 void run(const RateOptions& options, const GlobalOptions& global) {
-  const NumberedLog loaded = load(options.log, global);
-  const RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
-  const std::string table = table_output(options.output, options.json);
-  write_whole_files({{options.json, rate_json(loaded.log, loaded.beats, summary)},
-                     {table, rate_table(loaded.beats, loaded.nominal_period_s)}});
-  say(global, rate_text(loaded.beats, summary));
+  if (options.follow) return follow(options.log, options.alarm_s, global);
+  NumberedLog loaded = load(options.log, global);
+  RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
+  summary.nominal_is_known = loaded.nominal_is_known;
+  bool elsewhere = false; // standard output has another result
+  for (const std::string& path :
+       {options.json, options.phase, options.par, options.ticc, options.native})
+    elsewhere = elsewhere || path == "-";
+  const std::string table = table_output(options.output, elsewhere ? "-" : "");
+  refuse_two_on_standard_output(options, table);
+  std::vector<StreamedFile> files;
+  files.emplace_back(table);
+  write_table(files.front(), options, loaded);
+  write_others(files, options, loaded, summary);
+  commit_all(files);
+  say(global, rate_text(loaded.beats, summary, loaded.beat_error_s));
 }
 
 } // namespace
@@ -36,6 +105,28 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
   command->add_option("-o,--output", options->output,
                       "the table (CSV); standard output if not given");
   add_json_option(*command, options->json);
+  command->add_option("--block", options->block_s, "rates of blocks of so many seconds instead")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--running", options->running_cycles,
+                   "add a column with the rate over the last so many cycles")
+      ->check(CLI::Range(1, 1000000000));
+  constexpr const char* group = "Files for other programs";
+  command->add_option("--native", options->native, "the log itself, as goingrate writes logs")
+      ->group(group);
+  command->add_option("--phase", options->phase, "phase data for Stable32, TimeLab, allantools")
+      ->group(group);
+  command->add_option("--ticc", options->ticc, "time stamps as a TAPR TICC prints them")
+      ->group(group);
+  command->add_option("--par", options->par, "a summary of keys and values")->group(group);
+  auto* following = command->add_flag(
+      "--follow", options->follow, "print each beat as it arrives, from a pipe or a growing file");
+  command
+      ->add_option("--alarm", options->alarm_s,
+                   "with --follow: say when no beat has come for so many seconds; five periods if "
+                   "not given")
+      ->check(CLI::PositiveNumber)
+      ->needs(following);
   command->footer("Example:\n  goingrate rate data/logs/jump.csv -o jump-rate.csv");
   command->callback([options, &global] { run(*options, global); });
 }

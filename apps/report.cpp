@@ -24,6 +24,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   NumberedLog loaded = load(options.log, global);
   ReportData data;
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
+  data.rate.nominal_is_known = loaded.nominal_is_known;
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
   data.fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
                        fit_options(options.model, loaded, global));
@@ -34,9 +35,9 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
   data.deviation = allan_deviation(DeviationKind::oadev, error, loaded.nominal_period_s,
                                    octave_factors(error.size()));
+  data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);
-  data.beats = std::move(loaded.good);
   return data;
 }
 

@@ -21,7 +21,10 @@ public:
 
   /// Begins at a beat whose neighbours are not known; `period_sigma_s` is how far off the period
   /// may be.
-  void start(double period_sigma_s) {
+  void start(double period_sigma_s) { start(period_sigma_s, period_); }
+  /// The same with a period from elsewhere.
+  void start(double period_sigma_s, double period_s) {
+    period_ = period_s;
     offset_ = 0.0;
     doubted_ = {};
     covariance_ = {noise_.jitter2, 0.0, period_sigma_s * period_sigma_s};

@@ -9,8 +9,9 @@ namespace goingrate {
 
 namespace {
 
-// A clock is not trusted to keep its rate over a gap to better than 1e-6, a tenth of a second a
-// day, even if the log is too short or too coarse to show its wander.
+// A clock is not trusted to keep its rate over a gap as long as the log to better than 1e-6, a
+// tenth of a second a day: the log is too short to show its wander. Of a shorter gap the log shows
+// more, in proportion.
 constexpr double unknown_wander = 1e-6;
 // Beats looked at on each side: eight gaps long the period is known far better than the gap asks.
 constexpr double stretch_per_cycle = 8.0, shortest_stretch = 32.0, longest_stretch = 4096.0;
@@ -56,7 +57,8 @@ GapJudge::Bridge GapJudge::bridge_over(const ClockFilter& before, const ClockFil
   const double tt = foreseen.tt + seen.tt;
   const double tp = foreseen.tp - seen.tp; // the backward filter's time runs backwards
   const double pp = foreseen.pp + seen.pp;
-  const double wander = unknown_wander * n * period_;
+  const double shown = std::min(1.0, n / static_cast<double>(longest_run_));
+  const double wander = unknown_wander * shown * n * period_;
   return {tp / pp, std::sqrt(std::max(0.0, tt - tp * tp / pp) + wander * wander)};
 }
 

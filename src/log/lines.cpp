@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -46,19 +47,34 @@ public:
 
   std::size_t read(char* to, std::size_t size) override {
     while (true) {
+      if (wait_ && !size_ && !something_to_read()) { // a pipe or a terminal, silent
+        if (!wait_()) return 0;
+        continue;
+      }
       const ssize_t count = ::read(descriptor_, to, size);
       if (count > 0) {
         taken_ += static_cast<std::uint64_t>(count);
         return static_cast<std::size_t>(count);
       }
-      if (count == 0 && (!wait_ || !size_ || !wait_())) return 0; // a closed pipe does not grow
       if (count < 0 && errno != EINTR) throw InputError({path_}, std::strerror(errno), "more text");
+      if (count == 0) {
+        if (!wait_ || !size_ || !wait_()) return 0; // a closed pipe does not grow
+        ::poll(nullptr, 0, wait_ms);
+      }
     }
   }
   [[nodiscard]] std::optional<std::uint64_t> size() const override { return size_; }
   [[nodiscard]] std::uint64_t taken() const override { return taken_; }
 
 private:
+  static constexpr int wait_ms =
+      100; // a tenth of a second: shorter than a beat, long for a computer
+
+  [[nodiscard]] bool something_to_read() const {
+    pollfd descriptor{descriptor_, POLLIN, 0};
+    return ::poll(&descriptor, 1, wait_ms) != 0; // also at the end, which read then tells
+  }
+
   std::string path_;
   std::function<bool()> wait_;
   int descriptor_ = -1;

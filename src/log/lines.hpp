@@ -23,7 +23,8 @@ public:
 };
 
 /// A file, or standard input for "-"; gzip is recognised by its first two bytes. With `wait`, the
-/// end of a regular file is waited for to grow; `wait` returns false to give up.
+/// end of a regular file is waited for to grow; `wait` is called every tenth of a second while
+/// nothing comes, and returns false to give up.
 /// Throws InputError if it cannot be opened or is a directory.
 std::unique_ptr<ByteSource> open_source(const std::string& path,
                                         std::function<bool()> wait = nullptr);

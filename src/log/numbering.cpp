@@ -132,14 +132,19 @@ std::size_t Numbering::settle(std::size_t i, double cycles) {
 // none.
 std::size_t Numbering::resume(std::size_t i, std::size_t seen) {
   misfits_ = 0;
-  const auto found = find_steady_beat(beats_, i, filter_.period(), tolerance_);
+  double period = filter_.period();
+  auto found = find_steady_beat(beats_, i, period, tolerance_);
+  if (!found) { // the filter itself may have gone astray, after a false start
+    period = period_;
+    found = find_steady_beat(beats_, i, period, tolerance_);
+  }
   const std::size_t start = found.value_or(seen + 1);
   for (std::size_t k = next_up(i); k < start; k = next_up(k + 1))
     mark_spurious(k);
   if (!found) return seen;
   const double elapsed = beats_[start].time - beats_[last_].time;
   constexpr double most = 1e15; // cycles, which a double still counts
-  const double periods = (elapsed - filter_.offset()) / filter_.period();
+  const double periods = (elapsed - filter_.offset()) / period;
   const double cycles = std::clamp(std::round(periods), 1.0, most);
   const auto foreseen = filter_.after(cycles);
   if (cycles <= longest_absence &&
@@ -147,7 +152,7 @@ std::size_t Numbering::resume(std::size_t i, std::size_t seen) {
     return settle(start, cycles); // no more than a run of false events
   accept(start, beats_[last_].cycle + static_cast<std::int64_t>(cycles));
   resumed_.push_back(start);
-  filter_.start(changed_period_share * period_);
+  filter_.start(changed_period_share * period_, period);
   return start;
 }
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double window_periods = 12.5; // enough to outvote a tenth of false or missed events
 constexpr std::size_t most_tried = 40;  // three events a period
 
-// How many cycles after `start` have an event on its grid, and how far off these are in the mean.
+// How many cycles after `start` have an event on its grid, and how far off these are, rms.
 struct Agreement {
   int cycles = 0;
   double off_s = 0.0;
@@ -30,10 +30,10 @@ Agreement agreement(std::span<const Beat> events, std::size_t start, double peri
     const double off = elapsed - grid - n * period_s;
     if (n < 1.0 || std::abs(off) > tolerance_s) continue;
     ++agreed.cycles;
-    agreed.off_s += std::abs(off);
+    agreed.off_s += off * off; // squared: a false start is far off its first neighbours
     grid = elapsed - 0.5 * off;
   }
-  agreed.off_s /= agreed.cycles;
+  agreed.off_s = std::sqrt(agreed.off_s / agreed.cycles);
   return agreed;
 }
 

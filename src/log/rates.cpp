@@ -69,8 +69,23 @@ std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const 
 
 namespace {
 
+// The clock's error at a beat, without a vector of all: x_i = n_i T0 - (t_i - t_0).
+class ClockError {
+public:
+  ClockError(std::span<const Beat> beats, double nominal_period_s)
+      : beats_(beats), nominal_period_s_(nominal_period_s) {}
+  double operator[](std::size_t i) const {
+    return -residual_from_grid(beats_[i].time, beats_[0].time, beats_[i].cycle - beats_[0].cycle,
+                               nominal_period_s_);
+  }
+
+private:
+  std::span<const Beat> beats_;
+  double nominal_period_s_;
+};
+
 // Largest s/sqrt(k) over block counts k; elapsed times weigh as nothing since blocks are equal.
-double mean_rate_sigma(std::span<const Beat> beats, std::span<const double> error) {
+double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   double largest = 0.0;
   const std::size_t last = beats.size() - 1;
   for (std::size_t k = std::min<std::size_t>(4, last); k <= std::min<std::size_t>(64, last);
@@ -91,7 +106,7 @@ double mean_rate_sigma(std::span<const Beat> beats, std::span<const double> erro
   return largest;
 }
 
-double slope(std::span<const Beat> beats, std::span<const double> error) {
+double slope(std::span<const Beat> beats, const ClockError& error) {
   double st = 0.0, sx = 0.0;
   const auto n = static_cast<double>(beats.size());
   for (std::size_t i = 0; i < beats.size(); ++i) {
@@ -107,19 +122,74 @@ double slope(std::span<const Beat> beats, std::span<const double> error) {
   return stx / stt;
 }
 
+// Hands each run of good beats with one mark to `take`: the log itself where it holds nothing else,
+// so that long logs are not copied. A part begins with the last beat of the one before, so that no
+// period falls between them, unless the log is split there.
+template <class Mark, class Take>
+void for_each_part(std::span<const Beat> beats, Mark mark, Take take) {
+  constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
+  std::size_t begin = nowhere, last = nowhere, count = 0;
+  std::int64_t current = 0;
+  const auto hand_over = [&] {
+    const auto part = beats.subspan(begin, last - begin + 1);
+    if (part.size() == count) return take(part);
+    std::vector<Beat> good;
+    for (const Beat& beat : part)
+      if (beat.flag == BeatFlag::good) good.push_back(beat);
+    take(std::span<const Beat>(good));
+  };
+  for (std::size_t i = 0; i < beats.size(); ++i) {
+    if (beats[i].flag != BeatFlag::good) continue;
+    const std::int64_t now = mark(beats[i]);
+    if (begin == nowhere) {
+      begin = i;
+      count = 0;
+    } else if (now != current) {
+      hand_over();
+      const bool joined = beats[last].segment == beats[i].segment;
+      begin = joined ? last : i;
+      count = joined ? 1 : 0;
+    }
+    current = now;
+    last = i;
+    ++count;
+  }
+  if (begin != nowhere) hand_over();
+}
+
+PartRate part_rate(std::span<const Beat> beats, double nominal_period_s) {
+  PartRate part;
+  part.segment = beats.front().segment;
+  part.from_cycle = beats.front().cycle;
+  part.to_cycle = beats.back().cycle;
+  part.start = beats.front().time;
+  part.rate = summarise_rates(beats, nominal_period_s);
+  constexpr std::size_t fewest_for_scatter = 5; // four blocks
+  if (beats.size() < fewest_for_scatter)
+    part.rate.rate_excess_sigma = std::numeric_limits<double>::quiet_NaN();
+  double sum = 0.0, count = 0.0;
+  for (const Beat& beat : beats) {
+    if (std::isnan(beat.amplitude_rad)) continue;
+    sum += beat.amplitude_rad;
+    ++count;
+  }
+  if (count > 0.0) part.amplitude_rad = sum / count;
+  return part;
+}
+
 } // namespace
 
 RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s) {
   if (beats.size() < 3)
     throw ArgumentError("beats", static_cast<double>(beats.size()), "at least 3");
   RateSummary summary;
-  const auto error = clock_error(beats, nominal_period_s);
+  const ClockError error(beats, nominal_period_s);
   summary.crossings = static_cast<std::int64_t>(beats.size());
   summary.periods = beats.back().cycle - beats.front().cycle;
   summary.duration_s = beats.back().time - beats.front().time;
   summary.nominal_period_s = nominal_period_s;
   summary.mean_period_s = summary.duration_s / static_cast<double>(summary.periods);
-  summary.rate_excess = error.back() / summary.duration_s;
+  summary.rate_excess = error[beats.size() - 1] / summary.duration_s;
   summary.rate_excess_sigma = mean_rate_sigma(beats, error);
   summary.mean_period_sigma_s = summary.rate_excess_sigma * summary.mean_period_s;
   const auto& before_last = beats[beats.size() - 2];
@@ -127,6 +197,34 @@ RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s
                           static_cast<double>(beats.back().cycle - before_last.cycle);
   summary.slope_rate_excess = slope(beats, error);
   return summary;
+}
+
+std::vector<PartRate> block_rates(std::span<const Beat> beats, double nominal_period_s,
+                                  double block_s) {
+  if (!(block_s > 0.0)) throw ArgumentError("block", block_s, "a positive number of seconds");
+  std::vector<PartRate> blocks;
+  const Beat* start = nullptr;
+  for_each_part(
+      beats,
+      [&](const Beat& beat) {
+        if (start == nullptr || start->segment != beat.segment) start = &beat;
+        const auto block = static_cast<std::int64_t>((beat.time - start->time) / block_s);
+        return (static_cast<std::int64_t>(beat.segment) << 40) + block;
+      },
+      [&](std::span<const Beat> part) {
+        if (part.size() >= 3) blocks.push_back(part_rate(part, nominal_period_s));
+      });
+  return blocks;
+}
+
+std::vector<PartRate> segment_rates(std::span<const Beat> beats, double nominal_period_s) {
+  std::vector<PartRate> segments;
+  for_each_part(
+      beats, [](const Beat& beat) { return static_cast<std::int64_t>(beat.segment); },
+      [&](std::span<const Beat> part) {
+        if (part.size() >= 3) segments.push_back(part_rate(part, nominal_period_s));
+      });
+  return segments;
 }
 
 } // namespace goingrate

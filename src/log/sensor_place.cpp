@@ -18,22 +18,25 @@ struct Swing {
   double late_s;    // asin(alpha/lambda) T0 / 2 pi
 };
 
-// up, down, up of consecutive cycles.
-std::vector<Swing> whole_swings(std::span<const Beat> beats) {
-  std::vector<std::size_t> used;
-  for (std::size_t i = 0; i < beats.size(); ++i)
-    if (beats[i].flag == BeatFlag::good || beats[i].flag == BeatFlag::down) used.push_back(i);
-  std::vector<Swing> swings;
-  for (std::size_t k = 1; k + 1 < used.size(); ++k) {
-    const Beat &before = beats[used[k - 1]], &down = beats[used[k]], &after = beats[used[k + 1]];
-    const bool whole = before.flag == BeatFlag::good && down.flag == BeatFlag::down &&
-                       after.flag == BeatFlag::good && down.cycle == before.cycle &&
-                       after.cycle == before.cycle + 1 && after.segment == before.segment;
-    if (!whole) continue;
-    const double right = down.time - before.time, left = after.time - down.time;
-    swings.push_back({used[k - 1], used[k], 0.25 * (left - right)});
+// Hands each up, down, up of consecutive cycles to `take`.
+template <class Take> void for_each_swing(std::span<const Beat> beats, Take take) {
+  std::size_t before = beats.size(), down = beats.size(); // none yet
+  for (std::size_t i = 0; i < beats.size(); ++i) {
+    const Beat& beat = beats[i];
+    if (beat.flag == BeatFlag::down) {
+      const bool next = before < beats.size() && beat.cycle == beats[before].cycle;
+      down = next ? i : beats.size();
+    }
+    if (beat.flag != BeatFlag::good) continue;
+    if (down < beats.size() && beat.cycle == beats[before].cycle + 1 &&
+        beat.segment == beats[before].segment) {
+      const double right = beats[down].time - beats[before].time;
+      const double left = beat.time - beats[down].time;
+      take(Swing{before, down, 0.25 * (left - right)});
+    }
+    before = i;
+    down = beats.size();
   }
-  return swings;
 }
 
 double median(std::vector<double> values) {
@@ -65,12 +68,12 @@ constexpr std::size_t fewest_swings = 3;
 
 std::optional<SensorEstimate> offset_from_halves(std::span<const Beat> beats, double period_s) {
   std::vector<double> offsets;
-  for (const Swing& swing : whole_swings(beats)) {
+  for_each_swing(beats, [&](const Swing& swing) {
     const double own = beats[swing.down].amplitude_rad;
     const double amplitude = std::isnan(own) ? beats[swing.up].amplitude_rad : own;
     if (!std::isnan(amplitude))
       offsets.push_back(amplitude * std::sin(two_pi * swing.late_s / period_s));
-  }
+  });
   if (offsets.size() < fewest_swings) return {};
   return robust_mean(offsets);
 }
@@ -151,8 +154,7 @@ std::optional<SensorEstimate> offset_from_correlation(std::span<const Beat> good
 
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats) {
   std::vector<double> errors;
-  for (const Swing& swing : whole_swings(beats))
-    errors.push_back(2.0 * swing.late_s);
+  for_each_swing(beats, [&](const Swing& swing) { errors.push_back(2.0 * swing.late_s); });
   if (errors.size() < fewest_swings) return {};
   return robust_mean(errors);
 }
@@ -166,12 +168,12 @@ std::optional<SensorEstimate> sensor_offset(std::span<const Beat> beats, double 
 }
 
 void set_amplitudes_from_halves(std::span<Beat> beats, double offset_rad, double period_s) {
-  for (const Swing& swing : whole_swings(beats)) {
+  for_each_swing(beats, [&](const Swing& swing) {
     const double amplitude = offset_rad / std::sin(two_pi * swing.late_s / period_s);
     const bool real = amplitude > 0.0 && amplitude < std::numbers::pi;
     for (const std::size_t i : {swing.up, swing.down})
       if (real && std::isnan(beats[i].amplitude_rad)) beats[i].amplitude_rad = amplitude;
-  }
+  });
 }
 
 } // namespace goingrate

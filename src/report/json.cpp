@@ -11,7 +11,25 @@ namespace goingrate {
 
 namespace {
 
-Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary) {
+Json estimate_object(const std::optional<SensorEstimate>& estimate) {
+  if (!estimate) return nullptr;
+  return {{"value", json_number(estimate->value)}, {"sigma", json_number(estimate->sigma)}};
+}
+
+Json part_object(const PartRate& part) {
+  return {
+      {"segment", part.segment},
+      {"from_cycle", part.from_cycle},
+      {"to_cycle", part.to_cycle},
+      {"duration_s", json_number(part.rate.duration_s)},
+      {"rate_excess", json_number(part.rate.rate_excess)},
+      {"rate_s_per_day", json_number(seconds_gained_per_day(part.rate.rate_excess))},
+      {"rate_sigma_s_per_day", json_number(seconds_gained_per_day(part.rate.rate_excess_sigma))},
+      {"amplitude_rad", json_number(part.amplitude_rad)}};
+}
+
+Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary,
+                 const SensorFindings& sensor) {
   Json json = json_with_schema("goingrate.rate");
   json["source"] = log.source;
   json["crossings"] = summary.crossings;
@@ -28,6 +46,13 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                             {"bridged", gap.bridged},
                             {"kind", name_of(gap.kind)}});
   json["longest_countable_gap"] = beats.longest_countable_gap;
+  json["segment_rates"] = Json::array();
+  for (const PartRate& part : segment_rates(beats.beats, summary.nominal_period_s))
+    json["segment_rates"].push_back(part_object(part));
+  json["format"] = name_of(log.format);
+  json["beat_error_s"] = estimate_object(sensor.beat_error_s);
+  json["sensor_offset_rad"] = estimate_object(sensor.offset_rad);
+  json["nominal_period_known"] = summary.nominal_is_known;
   json["nominal_period_s"] = json_number(summary.nominal_period_s);
   json["mean_period_s"] = json_number(summary.mean_period_s);
   json["mean_period_sigma_s"] = json_number(summary.mean_period_sigma_s);
@@ -230,8 +255,9 @@ std::string text_of(const Json& json) {
 
 } // namespace
 
-std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary) {
-  return text_of(rate_object(log, beats, summary));
+std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary,
+                      const SensorFindings& sensor) {
+  return text_of(rate_object(log, beats, summary, sensor));
 }
 
 std::string fit_json(const FitSummary& fit) { return text_of(fit_object(fit)); }
@@ -245,7 +271,7 @@ std::string stability_json(const DeviationTable& table) { return text_of(stabili
 
 std::string report_json(const ReportData& data) {
   Json json = json_with_schema("goingrate.report");
-  json["rate"] = rate_object(data.log, data.numbered, data.rate);
+  json["rate"] = rate_object(data.log, data.numbered, data.rate, {});
   json["diary"] = diary_object(data.diary);
   json["fit"] = fit_object(data.fit);
   json["spectrum"] = spectrum_object(data.rate_spectrum, data.response, data.split);

@@ -78,6 +78,31 @@ TEST(RatesTest, SimulatedStationaryClockRunsAtItsExactRate) {
               1e-14); // 2000 s, 15 digits
 }
 
+TEST(RatesTest, BlocksAndSegmentsHaveTheirOwnRates) {
+  std::vector<Beat> beats;
+  const auto add = [&](std::int64_t cycle, double t, std::uint16_t segment, BeatFlag flag) {
+    beats.push_back({Instant::from_seconds(t), cycle, 0.05, 0, segment, flag});
+  };
+  for (int i = 0; i <= 100; ++i) { // loses 1e-3 for 50 periods, then keeps time
+    add(i, i <= 50 ? 2.002 * i : 100.1 + 2.0 * (i - 50), 0, BeatFlag::good);
+    if (i == 20) add(0, 2.002 * i + 0.4, 0, BeatFlag::spurious);
+  }
+  for (int i = 0; i < 10; ++i)
+    add(200 + i, 1000.0 + 1.998 * i, 1, BeatFlag::good);
+  add(300, 2000.0, 2, BeatFlag::good); // too few for a rate
+  const auto blocks = block_rates(beats, 2.0, 50.05);
+  ASSERT_GE(blocks.size(), 5u);
+  EXPECT_NEAR(blocks[0].rate.rate_excess, -1e-3 / 1.001, 1e-9);
+  EXPECT_EQ(blocks[1].from_cycle, blocks[0].to_cycle) << "no period falls between blocks";
+  EXPECT_NEAR(blocks[2].rate.rate_excess, 0.0, 5e-5); // one of its 25 periods is a slow one
+  const auto segments = segment_rates(beats, 2.0);
+  ASSERT_EQ(segments.size(), 2u);
+  EXPECT_NEAR(segments[1].rate.rate_excess, 1e-3 / 0.999, 1e-9);
+  EXPECT_EQ(segments[1].from_cycle, 200);
+  EXPECT_NEAR(segments[0].amplitude_rad, 0.05, 1e-15); // a mean of a hundred
+  EXPECT_THROW((void)block_rates(beats, 2.0, 0.0), ArgumentError);
+}
+
 TEST(RatesTest, TwoBeatsAreNotEnough) {
   EXPECT_THROW((void)summarise_rates(beats_at({{0, 0.0}, {1, 2.0}}), 2.0), ArgumentError);
 }

@@ -3,9 +3,12 @@
 
 #include "goingrate/log/beats.hpp"
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace goingrate {
 
@@ -15,6 +18,7 @@ struct RateSummary {
   std::int64_t periods = 0;   ///< cycles from the first to the last of them
   double duration_s = 0.0;
   double nominal_period_s = 0.0;
+  bool nominal_is_known = true; ///< false: it is the mean period for want of a better one
   double mean_period_s = 0.0;
   double mean_period_sigma_s = 0.0;
   double last_period_s = 0.0;
@@ -37,6 +41,24 @@ double nominal_period(const ClockLog& log, const Beats& beats,
 /// white noise of rate it covers as it should, for slower wander it grows with it, for jitter alone
 /// it is too large rather than too small (RatesTest.MeanRateSigmaCovers).
 RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s);
+
+/// The rate of a part of a log.
+struct PartRate {
+  std::uint32_t segment = 0;
+  std::int64_t from_cycle = 0, to_cycle = 0;
+  Instant start;    ///< of the first of its beats
+  RateSummary rate; ///< sigma NaN with fewer than 5 beats, which show no scatter
+  double amplitude_rad = std::numeric_limits<double>::quiet_NaN(); ///< mean; NaN without any
+};
+
+/// Rates of blocks of `block_s` seconds, counted from the first beat of each segment; the last
+/// block of a segment is what is left. Blocks of fewer than 3 good beats are left out. `beats` are
+/// all of a log. Throws ArgumentError if `block_s` is not positive.
+std::vector<PartRate> block_rates(std::span<const Beat> beats, double nominal_period_s,
+                                  double block_s);
+
+/// The same for whole segments.
+std::vector<PartRate> segment_rates(std::span<const Beat> beats, double nominal_period_s);
 
 /// Rate excess of each period, T0 (n_i - n_{i-1}) / (t_i - t_{i-1}) - 1: one value for each beat
 /// but the first (eq. ratemeas).

@@ -2,13 +2,22 @@
 // (a number that is not known is null).
 #pragma once
 
+#include "goingrate/log/amplitude.hpp"
 #include "goingrate/report/report.hpp"
 
+#include <optional>
 #include <string>
 
 namespace goingrate {
 
-std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary);
+/// What the log tells of the sensor, as far as it was asked.
+struct SensorFindings {
+  std::optional<SensorEstimate> beat_error_s{};
+  std::optional<SensorEstimate> offset_rad{};
+};
+
+std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary,
+                      const SensorFindings& sensor = {});
 std::string fit_json(const FitSummary& fit);
 std::string spectrum_json(const Spectrum& spectrum, const std::optional<DriveResponse>& response,
                           const std::optional<DriveSplit>& split);

@@ -3,11 +3,15 @@
 
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/drive_split.hpp"
+#include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/spectra/stability.hpp"
 
+#include <deque>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace goingrate {
 
@@ -15,15 +19,55 @@ namespace goingrate {
 /// A sigma of 0 or NaN gives the value with `digits` digits and no sigma.
 std::string with_sigma(double value, double sigma, int digits = 6);
 
-/// The per-period table as CSV:
-/// cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags. Every event has its row; a
-/// missing beat has a row without times, flagged `missed`, and a run of more than `rows_per_gap` of
-/// them one row flagged `gap`. A period after a missing beat is the mean over the cycles since the
-/// last one.
+/// The per-period table as CSV, row by row:
+/// cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags, and after these, where the
+/// log has them, rate_excess_at_zero_amplitude (without the circular error), running_rate_excess
+/// (over the last cycles asked for), sigma_s, width_s, temperature_c, pressure_mbar. Every event
+/// has its row; a missing beat has a row without times, flagged `missed`, and a run of more than
+/// `rows_per_gap` of them one row flagged `gap`. A period after a missing beat is the mean over the
+/// cycles since the last one. The first beat after a split is flagged `split`, or `step` where the
+/// reference clock was set.
+class RateTable {
+public:
+  struct Options {
+    double nominal_period_s = 0.0;
+    bool amplitudes = false;         ///< adds rate_excess_at_zero_amplitude
+    std::int64_t running_cycles = 0; ///< adds running_rate_excess over so many; 0: does not
+  };
+  RateTable(const Options& options, const EventColumns& columns, const std::vector<Gap>& gaps);
+
+  [[nodiscard]] std::string header() const;
+  /// Appends the row of the i-th event, after those of the cycles missed before it. Events come in
+  /// order.
+  void append(std::string& text, const Beat& beat, std::size_t i);
+
+private:
+  void append_good(std::string& text, const Beat& beat, std::size_t i);
+  void append_missing(std::string& text, std::int64_t from, std::int64_t to) const;
+  void append_extras(std::string& text, const Beat* beat, double rate, std::size_t i);
+  [[nodiscard]] double running_rate(const Beat& beat);
+  bool is_step_after(std::int64_t cycle);
+
+  Options options_;
+  const EventColumns& columns_;
+  const std::vector<Gap>& gaps_;
+  std::size_t gap_ = 0;
+  std::size_t extras_ = 0;
+  std::optional<Beat> last_;
+  std::deque<Beat> recent_; // of the running rate
+};
+
+/// The whole table of a log without other columns.
 std::string rate_table(const Beats& beats, double nominal_period_s);
 
-/// Two or three lines: how many beats, how long, the rate and its uncertainty.
-std::string rate_text(const Beats& beats, const RateSummary& summary);
+/// Rates of blocks as CSV: segment,from_cycle,to_cycle,time_s,duration_s,rate_excess,sigma,
+/// rate_s_per_day,amplitude_rad.
+std::string block_table(const std::vector<PartRate>& blocks);
+
+/// A few lines: how many beats, how long, the rate and its uncertainty, the beat error (s) if
+/// known, the other segments.
+std::string rate_text(const Beats& beats, const RateSummary& summary,
+                      const std::optional<SensorEstimate>& beat_error_s = {});
 
 /// The fit as people know it from other fitting programs: statistics, variables, correlations above
 /// 0.1, what is undetermined, the models that were tried.

@@ -1,0 +1,210 @@
+// The tables and the text of `goingrate rate`.
+#include "goingrate/report/tables.hpp"
+
+#include "goingrate/base/scaled_time.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <iterator>
+#include <limits>
+
+namespace goingrate {
+
+namespace {
+
+constexpr std::int64_t rows_per_gap = 20; // a longer gap is told in one row
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+// A number, or nothing if it is not known.
+void append_number(std::string& text, double value, int digits) {
+  text += ',';
+  if (!std::isnan(value)) fmt::format_to(std::back_inserter(text), "{:.{}g}", value, digits);
+}
+
+struct NamedColumn {
+  const char* name;
+  const std::vector<double>* values;
+};
+
+std::array<NamedColumn, 4> named(const EventColumns& columns) {
+  return {{{"sigma_s", &columns.sigma_s},
+           {"width_s", &columns.width_s},
+           {"temperature_c", &columns.temperature_c},
+           {"pressure_mbar", &columns.pressure_mbar}}};
+}
+
+} // namespace
+
+RateTable::RateTable(const Options& options, const EventColumns& columns,
+                     const std::vector<Gap>& gaps)
+    : options_(options), columns_(columns), gaps_(gaps) {
+  extras_ = (options.amplitudes ? 1U : 0U) + (options.running_cycles > 0 ? 1U : 0U);
+  for (const NamedColumn& column : named(columns))
+    extras_ += column.values->empty() ? 0 : 1;
+}
+
+std::string RateTable::header() const {
+  std::string text = "cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags";
+  if (options_.amplitudes) text += ",rate_excess_at_zero_amplitude";
+  if (options_.running_cycles > 0) text += ",running_rate_excess";
+  for (const NamedColumn& column : named(columns_))
+    if (!column.values->empty()) text += fmt::format(",{}", column.name);
+  return text + '\n';
+}
+
+void RateTable::append(std::string& text, const Beat& beat, std::size_t i) {
+  if (beat.flag == BeatFlag::good) return append_good(text, beat, i);
+  const std::string cycle =
+      beat.flag == BeatFlag::down ? fmt::format("{}.5", beat.cycle) : std::string();
+  fmt::format_to(std::back_inserter(text), "{},{},,,,", cycle, format_instant(beat.time, 9));
+  if (!std::isnan(beat.amplitude_rad))
+    fmt::format_to(std::back_inserter(text), "{:.9g}", beat.amplitude_rad);
+  fmt::format_to(std::back_inserter(text), ",{}", name_of(beat.flag));
+  append_extras(text, nullptr, unknown, i);
+}
+
+void RateTable::append_good(std::string& text, const Beat& beat, std::size_t i) {
+  const bool follows = last_ && last_->segment == beat.segment;
+  if (last_) append_missing(text, last_->cycle, beat.cycle);
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "{},{},", beat.cycle, format_instant(beat.time, 9));
+  double rate = unknown;
+  if (follows) {
+    const std::array<Beat, 2> pair{*last_, beat};
+    rate = rate_per_period(pair, options_.nominal_period_s).front();
+    const double period =
+        (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle);
+    fmt::format_to(out, "{:.12g},{:.6e},{:.6f},", period, rate, seconds_gained_per_day(rate));
+  } else {
+    text += ",,,";
+  }
+  if (!std::isnan(beat.amplitude_rad)) fmt::format_to(out, "{:.9g}", beat.amplitude_rad);
+  text += ',';
+  if (last_ && !follows) text += is_step_after(last_->cycle) ? "step" : "split";
+  append_extras(text, &beat, rate, i);
+  last_ = beat;
+}
+
+void RateTable::append_extras(std::string& text, const Beat* beat, double rate, std::size_t i) {
+  if (options_.amplitudes) {
+    const bool known = beat != nullptr && !std::isnan(rate) && !std::isnan(beat->amplitude_rad);
+    append_number(text, known ? rate_without_circular_error(rate, beat->amplitude_rad) : unknown,
+                  7);
+  }
+  if (options_.running_cycles > 0)
+    append_number(text, beat != nullptr ? running_rate(*beat) : unknown, 7);
+  for (const NamedColumn& column : named(columns_))
+    if (!column.values->empty()) append_number(text, (*column.values)[i], 9);
+  text += '\n';
+}
+
+// From the beat that many cycles ago, or the last before it, to this one.
+double RateTable::running_rate(const Beat& beat) {
+  if (!recent_.empty() && recent_.back().segment != beat.segment) recent_.clear();
+  recent_.push_back(beat);
+  while (recent_.size() > 1 && beat.cycle - recent_[1].cycle >= options_.running_cycles)
+    recent_.pop_front();
+  if (beat.cycle - recent_.front().cycle < options_.running_cycles) return unknown;
+  const std::array<Beat, 2> pair{recent_.front(), beat};
+  return rate_per_period(pair, options_.nominal_period_s).front();
+}
+
+void RateTable::append_missing(std::string& text, std::int64_t from, std::int64_t to) const {
+  const auto out = std::back_inserter(text);
+  const std::string rest(extras_, ',');
+  if (to - from - 1 > rows_per_gap) {
+    fmt::format_to(out, "{},,,,,,gap of {}{}\n", from + 1, to - from - 1, rest);
+    return;
+  }
+  for (std::int64_t cycle = from + 1; cycle < to; ++cycle)
+    fmt::format_to(out, "{},,,,,,missed{}\n", cycle, rest);
+}
+
+// Gaps and beats are both in order of cycles.
+bool RateTable::is_step_after(std::int64_t cycle) {
+  while (gap_ < gaps_.size() && gaps_[gap_].after_cycle < cycle)
+    ++gap_;
+  return gap_ < gaps_.size() && gaps_[gap_].after_cycle == cycle &&
+         gaps_[gap_].kind == GapKind::step;
+}
+
+std::string rate_table(const Beats& beats, double nominal_period_s) {
+  const EventColumns none;
+  RateTable table({nominal_period_s, false, 0}, none, beats.gaps);
+  std::string text = table.header();
+  for (std::size_t i = 0; i < beats.beats.size(); ++i)
+    table.append(text, beats.beats[i], i);
+  return text;
+}
+
+std::string block_table(const std::vector<PartRate>& blocks) {
+  std::string text = "segment,from_cycle,to_cycle,time_s,duration_s,rate_excess,sigma,"
+                     "rate_s_per_day,amplitude_rad\n";
+  for (const PartRate& block : blocks) {
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{:.7g}", block.segment,
+                   block.from_cycle, block.to_cycle, format_instant(block.start, 9),
+                   block.rate.duration_s, block.rate.rate_excess);
+    append_number(text, block.rate.rate_excess_sigma, 3);
+    append_number(text, seconds_gained_per_day(block.rate.rate_excess), 7);
+    append_number(text, block.amplitude_rad, 9);
+    text += '\n';
+  }
+  return text;
+}
+
+namespace {
+
+std::string rate_sentence(const RateSummary& summary) {
+  const std::string mean = fmt::format(
+      "mean period {} s", with_sigma(summary.mean_period_s, summary.mean_period_sigma_s, 12));
+  if (!summary.nominal_is_known)
+    return mean + "; against what it gains or loses is not known (--nominal-period)";
+  const double rate = seconds_gained_per_day(summary.rate_excess);
+  const double sigma = seconds_gained_per_day(summary.rate_excess_sigma);
+  return mean + fmt::format(" against {} s: {} by {} s a day (end to end); "
+                            "a straight line fitted to the clock's error gives {:+.4g} s a day",
+                            summary.nominal_period_s, rate < 0 ? "losing" : "gaining",
+                            with_sigma(std::abs(rate), sigma),
+                            seconds_gained_per_day(summary.slope_rate_excess));
+}
+
+std::string segment_lines(const Beats& beats, double nominal_period_s) {
+  constexpr std::size_t most = 6; // enough to see; --json has all
+  const auto segments = segment_rates(beats.beats, nominal_period_s);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, segments.size()); ++i) {
+    const PartRate& part = segments[i];
+    text += fmt::format("  segment {}: cycles {} to {}, {:.6g} s, {} s a day\n", part.segment,
+                        part.from_cycle, part.to_cycle, part.rate.duration_s,
+                        with_sigma(seconds_gained_per_day(part.rate.rate_excess),
+                                   seconds_gained_per_day(part.rate.rate_excess_sigma)));
+  }
+  if (segments.size() > most) text += fmt::format("  and {} more\n", segments.size() - most);
+  return text;
+}
+
+} // namespace
+
+std::string rate_text(const Beats& beats, const RateSummary& summary,
+                      const std::optional<SensorEstimate>& beat_error_s) {
+  std::string text = fmt::format("{} beats over {:.6g} s; {} missed, {} spurious, {} segment{}\n",
+                                 summary.crossings, summary.duration_s, beats.missed,
+                                 beats.spurious, beats.segments, beats.segments == 1 ? "" : "s");
+  if (beats.segments > 1) text += segment_lines(beats, summary.nominal_period_s);
+  if (beats.rivals > 0)
+    text += fmt::format("{} cycles have a second event that could as well be the crossing\n",
+                        beats.rivals);
+  if (beats.longest_countable_gap > 0)
+    text += fmt::format("a break of up to {} cycles could be counted in such a log\n",
+                        beats.longest_countable_gap);
+  if (beat_error_s)
+    text += fmt::format("beat error {} ms (longer on the {})\n",
+                        with_sigma(1e3 * std::abs(beat_error_s->value), 1e3 * beat_error_s->sigma),
+                        beat_error_s->value > 0.0 ? "left, where it falls before it rises"
+                                                  : "right, where it rises before it falls");
+  return text + rate_sentence(summary);
+}
+
+} // namespace goingrate
