@@ -6,6 +6,7 @@
 #include "goingrate/report/tables.hpp"
 
 #include <fmt/format.h>
+#include <limits>
 #include <memory>
 
 namespace goingrate::apps {
@@ -26,6 +27,17 @@ struct Phase {
   double tau0_s;
 };
 
+// Stable32 writes a gap of phase data as an exact zero; the first value may well be zero.
+void mark_gaps(std::vector<double>& phase, const GlobalOptions& global) {
+  std::size_t gaps = 0;
+  for (std::size_t i = 1; i < phase.size(); ++i) {
+    if (phase[i] != 0.0) continue;
+    phase[i] = std::numeric_limits<double>::quiet_NaN();
+    ++gaps;
+  }
+  if (gaps > 0) say(global, fmt::format("assumed: {} exact zeros are gaps", gaps));
+}
+
 Phase phase_of(const StabilityCommand& options, const GlobalOptions& global) {
   if (options.data == "timestamps") {
     const NumberedLog loaded = load(options.log, global);
@@ -41,6 +53,7 @@ Phase phase_of(const StabilityCommand& options, const GlobalOptions& global) {
   }
   say(global, fmt::format("assumed: {} values of {}", numbers.size(),
                           options.data == "phase" ? "phase in seconds" : "relative frequency"));
+  if (options.data == "phase") mark_gaps(numbers, global);
   if (options.data == "frequency") numbers = phase_from_frequency(numbers, tau0_s);
   return {std::move(numbers), tau0_s};
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstring>
 #include <fast_float/fast_float.h>
 #include <fmt/format.h>
 #include <limits>
@@ -131,29 +133,56 @@ std::optional<Instant> scaled(const Decimal& number, std::uint32_t seconds, int 
   return fraction < 1.0 ? Instant{units, fraction} : Instant{units + 1, 0.0};
 }
 
+// Eight bytes at once: whether all are digits, and the number they make, by three multiplications
+// that each join neighbours (two digits, four, eight). Little-endian: the first digit is lowest.
+bool are_digits(std::uint64_t bytes) {
+  constexpr std::uint64_t high = 0xf0f0f0f0f0f0f0f0, six = 0x0606060606060606;
+  return ((bytes & high) | (((bytes + six) & high) >> 4)) == 0x3333333333333333;
+}
+std::uint64_t number_of_digits(std::uint64_t bytes) {
+  bytes = (bytes & 0x0f0f0f0f0f0f0f0f) * 2561 >> 8;
+  bytes = (bytes & 0x00ff00ff00ff00ff) * 6553601 >> 16;
+  return (bytes & 0x0000ffff0000ffff) * 42949672960001 >> 32;
+}
+
+// The number made by the digits at `c`, which moves past them. Wraps beyond 19 digits.
+std::uint64_t take_digits(const char*& c, const char* end) {
+  std::uint64_t value = 0;
+  if constexpr (std::endian::native == std::endian::little) {
+    for (std::uint64_t bytes = 0; end - c >= 8; c += 8) {
+      std::memcpy(&bytes, c, 8);
+      if (!are_digits(bytes)) break;
+      value = value * 100000000 + number_of_digits(bytes);
+    }
+  }
+  for (; c != end && is_digit(*c); ++c)
+    value = value * 10 + static_cast<std::uint64_t>(*c - '0');
+  return value;
+}
+
 // Seconds with digits on both sides of the point and no more than a double's worth behind it: one
 // division rounds once. What nearly every line of every log is.
-std::optional<Instant> parse_plain_seconds(std::string_view text, char point) {
-  constexpr std::size_t most_whole = 18, most_decimals = 15;
+bool parse_plain_seconds(std::string_view text, char point, Instant& time) {
+  constexpr std::ptrdiff_t most_whole = 18, most_decimals = 15;
   const char* c = text.data();
   const char* const end = c + text.size();
-  std::uint64_t whole = 0, part = 0;
   const char* const begin = c;
-  for (; c != end && is_digit(*c); ++c)
-    whole = whole * 10 + static_cast<std::uint64_t>(*c - '0');
-  const auto whole_digits = static_cast<std::size_t>(c - begin);
-  std::size_t decimals = 0;
+  const std::uint64_t whole = take_digits(c, end);
+  const auto whole_digits = c - begin;
+  std::uint64_t part = 0;
+  std::ptrdiff_t decimals = 0;
   if (c != end && *c == point) {
     const char* const after = ++c;
-    for (; c != end && is_digit(*c); ++c)
-      part = part * 10 + static_cast<std::uint64_t>(*c - '0');
-    decimals = static_cast<std::size_t>(c - after);
+    part = take_digits(c, end);
+    decimals = c - after;
   }
   if (c != end || whole_digits > most_whole || decimals > most_decimals ||
       whole_digits + decimals == 0)
-    return {};
-  return Instant{static_cast<std::int64_t>(whole),
-                 static_cast<double>(part) / static_cast<double>(powers_of_ten[decimals])};
+    return false;
+  time = {static_cast<std::int64_t>(whole),
+          static_cast<double>(part) /
+              static_cast<double>(powers_of_ten[static_cast<std::size_t>(decimals)])};
+  return true;
 }
 
 // Seconds with more than 15 decimals: the fraction is rounded to the nearest double all the same.
@@ -168,14 +197,16 @@ std::optional<Instant> parse_long_seconds(std::string_view text, char point) {
   double value = 0.0;
   const char* const end = digits.data() + 2 + fraction.size();
   const auto [stop, error] = fast_float::from_chars(digits.data(), end, value);
-  const auto whole = parse_plain_seconds(text.substr(0, at + 1), point);
-  if (!whole || error != std::errc() || stop != end) return {};
-  return value < 1.0 ? Instant{whole->seconds, value} : Instant{whole->seconds + 1, 0.0};
+  Instant whole;
+  const bool good = parse_plain_seconds(text.substr(0, at + 1), point, whole);
+  if (!good || error != std::errc() || stop != end) return {};
+  return value < 1.0 ? Instant{whole.seconds, value} : Instant{whole.seconds + 1, 0.0};
 }
 
 std::optional<Instant> parse_unsigned(std::string_view text, TimeUnit unit, char point) {
   if (unit == in_seconds) {
-    if (const auto plain = parse_plain_seconds(text, point)) return plain;
+    Instant plain;
+    if (parse_plain_seconds(text, point, plain)) return plain;
     if (const auto precise = parse_long_seconds(text, point)) return precise;
   }
   const auto number = parse_decimal(text, point);

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <sys/mman.h>
 
 namespace goingrate {
 
@@ -89,8 +88,8 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
 void reserve(ClockLog& log, const LineReader& lines, const Layout& layout) {
   if (layout.format == LogFormat::angle) return;
   constexpr double margin = 1.02; // lines of a file are not all of one length
-  log.events.reserve(
-      static_cast<std::size_t>(margin * static_cast<double>(lines.lines_expected())));
+  const auto expected = static_cast<double>(lines.lines_expected());
+  log.events.reserve(static_cast<std::size_t>(margin * expected));
 }
 
 ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
@@ -117,7 +116,8 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   if (layout.newest_first) turn_round(log);
   if (layout.format == LogFormat::clock_error && log.nominal_period_s && !options.nominal_period_s)
     mend_label_jitter(log, *log.nominal_period_s, issues);
-  restore_order(log, issues);
+  const bool in_order = rows.in_order() && layout.format != LogFormat::clock_error;
+  if (!in_order) restore_order(log, issues); // labels may have been moved
   return log;
 }
 
@@ -155,6 +155,7 @@ struct LogFollower::Parts {
   ClockLog log;
   LineReader lines;
   std::optional<RowReader> rows;
+  std::size_t handed_out = 0; // of log.events
 };
 
 LogFollower::LogFollower(const std::string& path, const ReadingOptions& options,
@@ -167,13 +168,19 @@ const ClockLog& LogFollower::log() const { return parts_->log; }
 
 std::optional<Beat> LogFollower::next() {
   auto& events = parts_->log.events;
-  while (events.empty()) {
+  while (parts_->handed_out == events.size()) {
     const auto line = parts_->lines.next();
     if (!line) return {};
     parts_->rows->add(*line);
   }
-  const Beat beat = events.front();
-  events.erase(events.begin());
+  const Beat beat = events[parts_->handed_out++];
+  // The reader looks back at the last events: not all that were handed out can go.
+  constexpr std::size_t looked_back_at = 16, enough = 4096;
+  if (parts_->handed_out > enough) {
+    const std::size_t gone = parts_->handed_out - looked_back_at;
+    events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(gone));
+    parts_->handed_out -= gone;
+  }
   return beat;
 }
 

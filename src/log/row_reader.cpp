@@ -112,10 +112,14 @@ bool RowReader::add_plain_time(const Line& line) {
   if (!raw || raw->seconds > 4000000000000000000) return false;
   ++data_lines_;
   time_length_ = line.text.size();
-  const Instant time = unwrap_(*raw, typical_step_s_);
-  follow(time);
-  log_.events.push_back(event_at(time, Edge::up, line.number));
+  const Instant time = unwrap_(*raw, [this] { return typical_step_s(); });
+  push(event_at(time, Edge::up, line.number));
   return true;
+}
+
+void RowReader::push(const Beat& beat) {
+  in_order_ = in_order_ && (log_.events.empty() || log_.events.back().time <= beat.time);
+  log_.events.push_back(beat);
 }
 
 // The right number of fields, of text.
@@ -168,26 +172,40 @@ std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
 
 // All nines where a time should be, and far from the times around: no time.
 bool RowReader::is_sentinel(std::string_view text, const Instant& time) const {
-  if (!last_ || text.front() != '9' || !all_nines(text)) return false;
-  const double step = time - *last_;
-  return step < 0.0 || step > 100.0 * typical_step_s_;
+  const auto before = time_before(0);
+  if (!before || text.front() != '9' || !all_nines(text)) return false;
+  const double step = time - *before;
+  return step < 0.0 || step > 100.0 * typical_step_s();
 }
 
 // A last line without line end whose time is shorter than the one before has lost some of it.
 bool RowReader::is_cut_short(const Line& line, std::string_view text) {
   const std::size_t before = time_length_;
   time_length_ = text.size();
-  return !line.ended && last_ && text.size() < before;
+  return !line.ended && time_before(0) && text.size() < before;
 }
 
-// The mean of the last eight steps or so: enough to know a step from a jump.
-void RowReader::follow(const Instant& time) {
-  if (last_) {
-    const double step = time - *last_;
-    if (step > 0.0)
-      typical_step_s_ += (step - typical_step_s_) * (typical_step_s_ > 0.0 ? 0.125 : 1.0);
+// The last time, or that many before it.
+std::optional<Instant> RowReader::time_before(std::size_t back) const {
+  const auto& events = log_.events;
+  if (angle_)
+    return back < samples_.size() ? std::optional(samples_[samples_.size() - 1 - back].time)
+                                  : std::nullopt;
+  return back < events.size() ? std::optional(events[events.size() - 1 - back].time) : std::nullopt;
+}
+
+// The mean step forward of the last eight times: enough to know a step from a jump.
+double RowReader::typical_step_s() const {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t back = 0; back < 7; ++back) {
+    const auto later = time_before(back), earlier = time_before(back + 1);
+    if (!earlier) break;
+    const double step = *later - *earlier;
+    if (step <= 0.0) continue;
+    sum += step;
+    ++count;
   }
-  last_ = time;
+  return count > 0.0 ? sum / count : 0.0;
 }
 
 std::optional<Instant> RowReader::written_time(const Line& line) {
@@ -212,7 +230,7 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
     return {};
   }
   if (!error_) {
-    time = unwrap_(*time, typical_step_s_);
+    time = unwrap_(*time, [this] { return typical_step_s(); });
   } else {
     const double error = number_at(line, error_, "a clock error in seconds");
     if (std::isnan(error)) {
@@ -222,7 +240,6 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
     // The clock shows `label` when true time is label - error: a positive error is a fast clock.
     time = *time + -error * layout_.columns[*error_].scale;
   }
-  follow(*time);
   return time;
 }
 
@@ -361,7 +378,7 @@ void RowReader::accept(const Line& line, Beat beat) {
 
 void RowReader::append(const Beat& beat, double width_s, double temperature_c,
                        double pressure_mbar) {
-  log_.events.push_back(beat);
+  push(beat);
   log_.has_amplitude = log_.has_amplitude || !std::isnan(beat.amplitude_rad);
   const bool widths = width_ || !log_.columns.width_s.empty() || !std::isnan(width_s);
   if (widths) { // the first width may come late

@@ -11,7 +11,6 @@
 #include "goingrate/log/clock_log.hpp"
 #include "goingrate/log/reading.hpp"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +30,8 @@ public:
   /// Lines that should have held data, and those of them that gave nothing.
   [[nodiscard]] std::size_t data_lines() const { return data_lines_; }
   [[nodiscard]] std::size_t rejected() const { return rejected_; }
+  /// Whether no event came before an earlier one.
+  [[nodiscard]] bool in_order() const { return in_order_; }
 
 private:
   using Place = std::optional<std::size_t>; // the column of a role
@@ -50,7 +51,8 @@ private:
   [[nodiscard]] std::optional<Instant> parsed_time(std::string_view text) const;
   [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
   bool is_cut_short(const Line& line, std::string_view text);
-  void follow(const Instant& time);
+  [[nodiscard]] std::optional<Instant> time_before(std::size_t back) const;
+  [[nodiscard]] double typical_step_s() const;
 
   // The other columns: NaN where there is nothing to read.
   double number_at(const Line& line, const Place& place, std::string_view expected);
@@ -58,6 +60,7 @@ private:
   bool read_edge(const Line& line, Beat& beat);
 
   void accept(const Line& line, Beat beat);
+  void push(const Beat& beat);
   void append(const Beat& beat, double width_s, double temperature_c, double pressure_mbar);
   void accept_gate_edge(const Line& line, const Beat& beat, std::string_view word);
 
@@ -75,9 +78,8 @@ private:
   std::int64_t whole_s_ = 0;    // what was accumulated: whole seconds and the rest
   TwoPart<double> part_s_{};
   double last_period_s_ = 0.0;
-  double typical_step_s_ = 0.0;
-  std::optional<Instant> last_;
-  bool plain_;                  // nothing but a number a line
+  bool plain_; // nothing but a number a line
+  bool in_order_ = true;
   std::optional<Beat> entered_; // the first of a gate's two edges
 };
 

@@ -19,10 +19,10 @@ public:
   };
   explicit Unwrapper(Settings settings) : settings_(std::move(settings)) {}
 
-  /// `typical_step_s`: of the steps before, to know a wrap from a jump.
-  Instant operator()(const Instant& raw, double typical_step_s) {
+  /// `typical_step_s()`: of the steps before, to know a wrap from a jump; seldom asked.
+  template <class TypicalStep> Instant operator()(const Instant& raw, TypicalStep typical_step_s) {
     const bool plain = wraps_ == 0 && !settings_.step_s && (!last_raw_ || raw >= *last_raw_);
-    if (!plain) return placed(raw, typical_step_s);
+    if (!plain) return placed(raw, typical_step_s());
     last_raw_ = raw;
     return raw;
   }

@@ -376,7 +376,7 @@ TEST(CalendarTest, ReadsWhatLoggersWrite) {
 TEST(UnwrapperTest, CountersOfManyWrapsStayExact) {
   Unwrapper unwrap({65536e-6, {}, 1.0, in_microseconds});
   for (std::int64_t us = 0; us < 3000000000LL; us += 1000017) {
-    const Instant t = unwrap(*whole_units(us % 65536, in_microseconds), 1.0);
+    const Instant t = unwrap(*whole_units(us % 65536, in_microseconds), [] { return 1.0; });
     ASSERT_EQ(t.seconds, us / 1000000);
     ASSERT_NEAR(t.fraction, 1e-6 * static_cast<double>(us % 1000000), 2.3e-16); // one rounding
   }

@@ -55,7 +55,7 @@ public:
 
   /// The next event; nothing at the end.
   std::optional<Beat> next();
-  /// Assumptions and issues so far; its events are those not yet handed out.
+  /// Assumptions and issues so far.
   [[nodiscard]] const ClockLog& log() const;
 
 private:

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Reads and numbers a year of a seconds pendulum (15.8 million lines) beside numpy.loadtxt on the same
+# file; reading.txt holds one such print. Takes about two minutes once built.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+. apps/setup.sh
+goingrate_setup libgtest-dev libbenchmark-dev libsundials-dev libgsl-dev python3-numpy
+cmake --preset bench > /dev/null
+cmake --build --preset bench -j2 --target study_reading > /dev/null
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+date -u +%Y-%m-%d
+grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
+build/bench/study_reading write "$log" 15800000
+build/bench/study_reading read "$log"
+/usr/bin/python3 - "$log" << 'PYTHON'
+import sys, time, numpy
+begin = time.time()
+times = numpy.loadtxt(sys.argv[1])
+took = time.time() - begin
+print(f"numpy.loadtxt (numpy {numpy.__version__}) {took:.2f} s, {len(times)} numbers of 0.24 us resolution")
+PYTHON
