@@ -23,6 +23,8 @@ class RowReader {
 public:
   RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log);
 
+  /// Makes room for the events or samples of so many lines.
+  void reserve(std::size_t lines);
   void add(const Line& line);
   /// Says what can be said only at the end.
   void finish();
@@ -31,6 +33,8 @@ public:
   /// Lines that should have held data, and those of them that gave nothing.
   [[nodiscard]] std::size_t data_lines() const { return data_lines_; }
   [[nodiscard]] std::size_t rejected() const { return rejected_; }
+  /// Lines of channels that are not read.
+  [[nodiscard]] std::size_t other_channels() const { return other_channels_; }
 
 private:
   using Place = std::optional<std::size_t>; // the column of a role
