@@ -95,9 +95,11 @@ ReadingOptions reading_options(const LogOptions& options) {
 }
 
 std::string words_for(const LineIssue& issue, const std::string& source) {
-  const std::string lines = issue.last_line > issue.line
-                                ? fmt::format(" (and on to line {})", issue.last_line)
-                                : std::string();
+  const std::string lines =
+      issue.scattered && issue.lines > 1
+          ? fmt::format(" (as in {} lines from here to line {})", issue.lines, issue.last_line)
+      : issue.last_line > issue.line ? fmt::format(" (and on to line {})", issue.last_line)
+                                     : std::string();
   return fmt::format("{}:{}:{}: {}: {}{}", source, issue.line, issue.column, issue.found,
                      issue.action, lines);
 }

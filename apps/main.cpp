@@ -3,10 +3,12 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
+#include <string_view>
 
 namespace {
 
@@ -46,6 +48,16 @@ int main(int argc, char** argv) {
     apps::add_report(program, global);
     apps::add_map(program, global);
     apps::add_chart(program, global);
+    if (argc == 1) { // somebody who looks what this is
+      std::fputs(program.help().c_str(), stderr);
+      return wrong_usage;
+    }
+    const std::string_view first(argv[1]);
+    const auto all = program.get_subcommands([](const CLI::App*) { return true; });
+    const auto has_name = [first](const CLI::App* command) { return command->get_name() == first; };
+    if (!first.starts_with('-') && std::none_of(all.begin(), all.end(), has_name))
+      return complain(wrong_usage,
+                      fmt::format("'{}' is no command (--help lists them)", first).c_str());
     program.parse(argc, argv);
     if (std::fflush(stdout) != 0) return complain(no_output, "cannot write standard output");
     return done;

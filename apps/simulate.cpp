@@ -164,15 +164,21 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
   command->add_option("-o,--output", options->output,
                       "the log to write; standard output if not given");
   command->add_option("--truth", options->truth, "also write the true state, one row a period");
-  command->add_option("--seed", options->seed, "of the random streams")->capture_default_str();
+  command->add_option("--seed", options->seed, "of the random streams")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command
       ->add_option("--realisations", options->realisations,
                    "so many logs, name-0.csv and on; number k is what --seed SEED+k gives alone")
       ->check(CLI::Range(1, 10000000))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "0: one a core; changes nothing but the time")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--set", options->overrides, "override a key of the scenario: clock.mu=3e-5")
+  command
+      ->add_option("--set", options->overrides,
+                   "override a key of the scenario: clock.mu=3e-5, "
+                   "run.method=map")
       ->allow_extra_args(false);
   command->footer("Example:\n  goingrate simulate data/scenarios/jump.toml -o jump.csv --seed 7");
   command->callback([options, &global] { run(*options, global); });

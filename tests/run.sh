@@ -4,6 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh
 goingrate_setup libgtest-dev dpkg-dev file
+goingrate_setup clang libclang-rt-dev # for the fuzzers alone, which are skipped without
 # A newer compiler may warn of more; only the project's own checks insist.
 cmake --preset release -DBUILD_TESTING=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null
 cmake --build --preset release -j2

@@ -117,7 +117,8 @@ void check_length(const LengthChanges& length) {
 
 void check_event(const ClockEvent& event, ClockParameters& clock) {
   if (event.at_period.has_value() == event.at_s.has_value())
-    throw ArgumentError("event", "", "dated by at_period or by at, and not by both");
+    throw ArgumentError("event", event.at_s ? "at_period and at" : "neither at_period nor at",
+                        "an event dated by at_period or by at, and not by both");
   if (event.at_period && *event.at_period < 0)
     throw ArgumentError("at_period", static_cast<double>(*event.at_period), "not below 0");
   if (event.at_s && !(*event.at_s >= 0.0)) throw ArgumentError("at", *event.at_s, "not below 0");
@@ -134,11 +135,16 @@ void check(const Scenario& scenario) {
     throw ArgumentError("start.amplitude", *scenario.start_amplitude,
                         "above 0 and below 2 (at 2 the pendulum turns over)");
   if (scenario.periods.has_value() == scenario.duration_s.has_value())
-    throw ArgumentError("run", "", "given by periods or by duration, and not by both");
-  if (scenario.periods && *scenario.periods < 1)
-    throw ArgumentError("periods", static_cast<double>(*scenario.periods), "at least 1");
-  if (scenario.duration_s && !(*scenario.duration_s > 0.0 && std::isfinite(*scenario.duration_s)))
-    throw ArgumentError("duration", *scenario.duration_s, "a positive number of seconds");
+    throw ArgumentError("run", scenario.periods ? "periods and duration" : "no length",
+                        "a run given by periods or by duration, and not by both");
+  constexpr double most = 1e12; // periods; a clock that beats seconds takes 60,000 years
+  if (scenario.periods &&
+      !(*scenario.periods >= 1 && static_cast<double>(*scenario.periods) <= most))
+    throw ArgumentError("periods", static_cast<double>(*scenario.periods), "between 1 and 1e12");
+  if (scenario.duration_s && !(*scenario.duration_s > 0.0 &&
+                               *scenario.duration_s <= most * scenario.clock.nominal_period_s))
+    throw ArgumentError("duration", *scenario.duration_s,
+                        "a positive number of seconds, at most 1e12 periods");
   ClockParameters clock = scenario.clock;
   for (const ClockEvent& event : scenario.events)
     check_event(event, clock);

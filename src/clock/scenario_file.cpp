@@ -1,6 +1,8 @@
 // Scenarios from TOML text.
 #include "goingrate/clock/scenario.hpp"
 
+#include "scenario_text.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include <functional>
 #include <map>
 #include <sstream>
-#include <toml++/toml.h>
 
 namespace goingrate {
 
@@ -61,7 +62,9 @@ public:
       if (point == nullptr || point->size() != 2 || !(*point)[0].is_number() ||
           !(*point)[1].is_number())
         wrong(entry, key, expected);
-      table.points.push_back({*(*point)[0].value<double>(), *(*point)[1].value<double>()});
+      const double angle = *(*point)[0].value<double>(), torque = *(*point)[1].value<double>();
+      if (!std::isfinite(angle) || !std::isfinite(torque)) wrong(entry, key, expected);
+      table.points.push_back({angle, torque});
     }
     return table;
   }
@@ -77,7 +80,7 @@ public:
     const auto value = number(key);
     if (!value)
       throw InputError(place(table_.source()), fmt::format("{} without {}", name_, key),
-                       fmt::format("a number for {}", key));
+                       fmt::format("{} = NUMBER", key));
     return *value;
   }
 
@@ -119,7 +122,7 @@ private:
   }
   [[nodiscard]] std::string prefix() const { return name_.empty() ? "" : name_ + "."; }
   [[nodiscard]] TextPlace place(const toml::source_region& source) const {
-    return {file_, source.begin.line, source.begin.column};
+    return place_of(source, file_);
   }
   [[noreturn]] void wrong(const toml::node& node, std::string_view key,
                           const std::string& expected) const {
@@ -132,7 +135,7 @@ private:
   const toml::table& table_;
   std::string name_;
   const std::string& file_;
-  std::vector<std::string> known_;    // keys that mean something
+  std::vector<std::string> known_; // keys that mean something
 };
 
 void read_clock(Section section, ClockParameters& clock) {
@@ -267,8 +270,8 @@ using Reader = std::function<void(const toml::table&, const std::string&)>;
 
 void read_events(const toml::node& node, const std::string& file, Scenario& scenario) {
   const toml::array* list = node.as_array();
-  const TextPlace place{file, node.source().begin.line, node.source().begin.column};
-  if (list == nullptr) throw InputError(place, "event that is no list", "[[event]] tables");
+  const TextPlace place = place_of(node.source(), file);
+  if (list == nullptr) throw InputError(place, "an event that is no list", "[[event]] tables");
   for (const toml::node& entry : *list) {
     if (!entry.is_table()) throw InputError(place, "an event that is no table", "[[event]] tables");
     scenario.events.push_back(read_event(Section(*entry.as_table(), "event", file)));
@@ -286,7 +289,7 @@ void read_root(const toml::table& root, const std::string& file, Scenario& scena
       {"sensor", [&](Section s) { read_sensor(std::move(s), scenario.sensor); }},
   };
   for (const auto& [key, node] : root) {
-    const TextPlace place{file, key.source().begin.line, key.source().begin.column};
+    const TextPlace place = place_of(key.source(), file);
     if (key.str() == "event") {
       read_events(node, file, scenario);
       continue;
@@ -297,32 +300,9 @@ void read_root(const toml::table& root, const std::string& file, Scenario& scena
                        "[clock], [start], [run], [[event]], [drive], [length], "
                        "[temperature] or [sensor]");
     if (!node.is_table())
-      throw InputError(place, fmt::format("{} that is no table", key.str()),
+      throw InputError(place, fmt::format("'{}' that is no section", key.str()),
                        fmt::format("a section [{}]", key.str()));
     reader->second(Section(*node.as_table(), std::string(key.str()), file));
-  }
-}
-
-toml::table parse_toml(std::string_view text, const std::string& file) {
-  try {
-    return toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    throw InputError({file, error.source().begin.line, error.source().begin.column},
-                     fmt::format("text that is no TOML ({})", error.description()),
-                     "a scenario in TOML");
-  }
-}
-
-void merge(toml::table& base, const toml::table& change) {
-  for (const auto& [key, node] : change) {
-    toml::node* old = base.get(key.str());
-    if (old != nullptr && old->is_table() && node.is_table()) {
-      merge(*old->as_table(), *node.as_table());
-    } else {
-      node.visit([&, name = std::string(key.str())](const auto& value) {
-        base.insert_or_assign(name, value);
-      });
-    }
   }
 }
 
@@ -330,15 +310,13 @@ void merge(toml::table& base, const toml::table& change) {
 
 Scenario parse_scenario(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides) {
-  toml::table root = parse_toml(text, file);
-  for (const std::string& change : overrides)
-    merge(root, parse_toml(change, fmt::format("--set {}", change)));
+  const toml::table root = scenario_tree(text, file, overrides);
   Scenario scenario;
   read_root(root, file, scenario);
   try {
     check(scenario);
   } catch (const ArgumentError& error) {
-    throw InputError({file, 0, 0}, error.what(), "a scenario that makes sense");
+    throw located(error, root, file);
   }
   return scenario;
 }

@@ -26,7 +26,7 @@ Field trimmed(std::string_view text, std::size_t column) {
 
 void split_at_blanks(std::string_view line, std::vector<Field>& fields) {
   std::size_t i = 0;
-  while (i < line.size()) {
+  while (i < line.size() && fields.size() <= most_fields) {
     while (i < line.size() && is_blank(line[i]))
       ++i;
     const std::size_t begin = i;
@@ -46,7 +46,7 @@ void split_fields(std::string_view line, char separator, std::vector<Field>& fie
   }
   std::size_t begin = 0;
   bool quoted = false;
-  for (std::size_t i = 0; i <= line.size(); ++i) {
+  for (std::size_t i = 0; i <= line.size() && fields.size() <= most_fields; ++i) {
     if (i < line.size() && line[i] == '"') quoted = !quoted;
     if (i < line.size() && (quoted || line[i] != separator)) continue;
     fields.push_back(trimmed(line.substr(begin, i - begin), begin + 1));
@@ -100,11 +100,10 @@ std::string shown(std::string_view text) {
   return fmt::format("'{}{}'", clean, text.size() > longest ? "..." : "");
 }
 
-bool has_binary(std::string_view line) {
-  return std::any_of(line.begin(), line.end(), [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return byte < 0x20 && c != '\t' && c != '\f' && c != '\r';
-  });
+bool is_binary(char c) {
+  return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\f' && c != '\r' && c != '\n';
 }
+
+bool has_binary(std::string_view line) { return std::any_of(line.begin(), line.end(), is_binary); }
 
 } // namespace goingrate

@@ -15,6 +15,10 @@ struct Field {
   std::size_t column = 1; ///< from 1
 };
 
+/// More than any logger writes; so many fields of a line and one more are kept, the rest is
+/// dropped, since a field takes more memory than its separator.
+constexpr std::size_t most_fields = 256;
+
 /// Cuts `line` at each `separator` outside quotes, or, for ' ', at each run of blanks and tabs.
 /// `fields` is overwritten, so that its memory serves for all lines.
 void split_fields(std::string_view line, char separator, std::vector<Field>& fields);
@@ -32,7 +36,9 @@ bool all_nines(std::string_view text);
 /// Text for a message: quoted, cut to 40 characters, bytes outside ASCII as \xNN.
 std::string shown(std::string_view text);
 
-/// Whether the line has a byte that no text has (a control character other than a tab).
+/// A byte that no text has: a control character other than a tab, a form feed or a line's end.
+bool is_binary(char c);
+/// Whether the line has one.
 bool has_binary(std::string_view line);
 
 } // namespace goingrate

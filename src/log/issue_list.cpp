@@ -2,24 +2,54 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace goingrate {
 
+namespace {
+void lengthen(LineIssue& issue, std::size_t line) {
+  issue.last_line = std::max(issue.last_line, line);
+  ++issue.lines;
+}
+} // namespace
+
+// "found X, expected Y" is said once.
+void IssueList::refuse(std::size_t line, std::size_t column, std::string_view found,
+                       std::string_view action) const {
+  constexpr std::string_view before = "found ", between = ", expected ";
+  std::string_view expected = "a log without faults";
+  if (const std::size_t at = found.find(between);
+      found.starts_with(before) && at != std::string_view::npos) {
+    expected = found.substr(at + between.size());
+    found = found.substr(before.size(), at - before.size());
+  }
+  throw InputError({log_.source, line, column}, found,
+                   fmt::format("{} (without --strict: {})", expected, action));
+}
+
 void IssueList::add(std::size_t line, std::size_t column, IssueKind kind, std::string found,
                     std::string action) {
-  if (strict_)
-    throw InputError({log_.source, line, column}, found,
-                     fmt::format("a log without faults (--strict; otherwise: {})", action));
-  if (!log_.issues.empty()) {
-    LineIssue& last = log_.issues.back();
-    if (last.kind == kind && last.column == column && last.last_line + 1 == line &&
-        last.action == action) {
-      last.last_line = line;
-      return;
-    }
+  if (strict_) refuse(line, column, found, action);
+  auto& issues = log_.issues;
+  if (!issues.empty()) {
+    LineIssue& last = issues.back();
+    if (!last.scattered && last.kind == kind && last.column == column &&
+        last.last_line + 1 == line && last.action == action)
+      return lengthen(last, line);
   }
-  log_.issues.push_back({line, column, kind, std::move(found), std::move(action), line});
+  constexpr std::size_t always_listed = 500, lines_an_issue = 25; // 250 bytes for 25 lines
+  const bool too_many = issues.size() >= std::max(always_listed, line / lines_an_issue);
+  if (too_many) {
+    constexpr std::ptrdiff_t looked_at = 64; // more than there are kinds
+    const auto end =
+        issues.rbegin() + std::min(looked_at, static_cast<std::ptrdiff_t>(issues.size()));
+    const auto alike = std::find_if(issues.rbegin(), end, [&](const LineIssue& issue) {
+      return issue.scattered && issue.kind == kind && issue.action == action;
+    });
+    if (alike != end) return lengthen(*alike, line);
+  }
+  issues.push_back({line, column, kind, std::move(found), std::move(action), line, 1, too_many});
 }
 
 std::string_view name_of(IssueKind kind) {

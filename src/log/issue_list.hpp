@@ -16,6 +16,9 @@ public:
            std::string action);
 
 private:
+  [[noreturn]] void refuse(std::size_t line, std::size_t column, std::string_view found,
+                           std::string_view action) const;
+
   ClockLog& log_;
   bool strict_;
 };

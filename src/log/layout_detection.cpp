@@ -29,11 +29,12 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
 class Detection {
 public:
   Detection(const LogHead& head, const ReadingOptions& options, ClockLog& log)
-      : head_(head), options_(options), log_(log), first_(head.fields(0)) {
+      : head_(head), options_(options), log_(log), first_(head.whole_row()) {
     layout_.separator = head.separator;
     layout_.point = head.point;
     layout_.first_line = head.rows.front().number;
     layout_.columns.resize(head.columns);
+    samples_.reserve(head.columns);
     for (std::size_t i = 0; i < head.columns; ++i)
       samples_.push_back(head.sample(i));
   }
@@ -66,7 +67,10 @@ private:
     return column < samples_.size() && samples_[column].numbers * 2 > samples_[column].rows;
   }
   [[nodiscard]] bool is_calendar(std::size_t column) const {
-    return column < samples_.size() && samples_[column].calendars * 2 > samples_[column].rows;
+    if (column >= samples_.size()) return false;
+    return samples_[column].calendars * 2 > samples_[column].rows ||
+           // Dates that go wrong are for the reader to refuse, with their place.
+           (column == 0 && !is_number(0) && parse_calendar(first_[0].text, layout_.point));
   }
   void set(std::size_t column, ColumnRole role, double scale = 1.0) {
     layout_.columns[column].role = role;
@@ -90,7 +94,7 @@ private:
   const LogHead& head_;
   const ReadingOptions& options_;
   ClockLog& log_;
-  std::vector<Field> first_;
+  std::vector<Field> first_; // row that has all columns
   std::vector<ColumnSample> samples_;
   std::vector<bool> stated_unit_;
   Layout layout_;
@@ -166,7 +170,7 @@ bool Detection::looks_like_clock_error() const {
 
 // "2013-02-22 23:38:00": the date is a field of its own where blanks separate.
 bool Detection::has_date_in_front() const {
-  return first_.size() >= 2 && !is_number(0) && is_calendar(1) &&
+  return first_.size() >= 2 && !is_number(0) &&
          parse_calendar(fmt::format("{} {}", first_[0].text, first_[1].text), layout_.point);
 }
 
@@ -299,11 +303,14 @@ void Detection::check_needed_columns() {
       (layout_.format != LogFormat::native || head_.names.size() > 0);
   if (complete) return;
   const HeadLine& line = head_.titles.empty() ? head_.rows.front() : head_.titles.back();
-  throw InputError({log_.source, line.number, 1}, shown(line.text),
-                   layout_.format == LogFormat::native ? "a header row with time_s"
-                   : layout_.format == LogFormat::angle
-                       ? "columns for a time and an angle (--column time=1 --column angle=2)"
-                       : "a column with a time or a period (--column time=1)");
+  throw InputError(
+      {log_.source, line.number, 1}, shown(line.text),
+      layout_.format == LogFormat::native ? "a header row with time_s"
+      : layout_.format == LogFormat::angle
+          ? "columns for a time and an angle (--column time=1 --column angle=2)"
+      : layout_.format == LogFormat::clock_error
+          ? "columns for a label and the clock's error (--column time=1 --column error=2)"
+          : "a column with a time or a period (--column time=1)");
 }
 
 void Detection::settle_times() {

@@ -207,7 +207,12 @@ std::string_view LineReader::head(std::size_t lines) {
   double all = seen;
   if (source_ && source_->size() && source_->taken() > 0) // of a packed file in proportion
     all *= static_cast<double>(*source_->size()) / static_cast<double>(source_->taken());
-  lines_expected_ = seen > 0.0 ? static_cast<std::size_t>(count * std::max(1.0, all / seen)) : 0;
+  // Short lines in the head may be followed by long ones: no more than one in eight bytes is
+  // promised beyond what was seen.
+  constexpr double shortest_expected = 8.0;
+  const double mean = seen / count;
+  const double more = std::max(0.0, all - seen) / std::max(mean, shortest_expected);
+  lines_expected_ = seen > 0.0 ? static_cast<std::size_t>(count + more) : 0;
   return rest_;
 }
 

@@ -56,7 +56,8 @@ public:
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Bytes of the source still to come, in this reader's reckoning; nothing if unknown.
   [[nodiscard]] std::optional<double> fraction_read() const;
-  /// The source's size over the mean length of the lines in `head`: what to reserve.
+  /// Lines in `head`, and for the rest the source's size over their mean length (8 bytes at least):
+  /// what to reserve.
   [[nodiscard]] std::size_t lines_expected() const { return lines_expected_; }
 
 private:

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <span>
 
 namespace goingrate {
 
@@ -16,19 +17,23 @@ namespace {
 
 constexpr std::size_t most_rows = 20000; // enough to see any pendulum swing at 10 kHz
 
-void refuse_binary(std::string_view text, const std::string& source) {
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-    throw InputError({source, 1, 1}, "text in UTF-16", "text in UTF-8, Latin-1 or ASCII");
-  std::size_t line = 1, column = 1;
-  constexpr std::size_t looked_at = 4096; // further on, a bad line is left out by itself
-  for (const char c : text.substr(0, looked_at)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f')
-      throw InputError({source, line, column}, fmt::format("the binary byte 0x{:02x}", byte),
-                       "a log in plain text");
-    column = c == '\n' ? 1 : column + 1;
-    line += c == '\n' ? 1 : 0;
+// A program or a picture is refused; a log with a hole in it (zeros after a power cut, bytes lost
+// on a line) is not: its bad lines are left out one by one.
+void refuse_binary(const std::vector<HeadLine>& lines, const std::string& source) {
+  constexpr std::size_t looked_at = 100; // lines: more than most holes have
+  const HeadLine* first = nullptr;
+  std::size_t bad = 0, all = 0;
+  for (const HeadLine& line : std::span(lines).first(std::min(lines.size(), looked_at))) {
+    ++all;
+    if (!has_binary(line.text)) continue;
+    ++bad;
+    if (first == nullptr) first = &line;
   }
+  if (first == nullptr || (first->number > 1 && bad * 2 < all)) return;
+  const auto at = std::find_if(first->text.begin(), first->text.end(), is_binary);
+  throw InputError({source, first->number, static_cast<std::size_t>(at - first->text.begin()) + 1},
+                   fmt::format("the binary byte 0x{:02x}", static_cast<unsigned char>(*at)),
+                   "a log in plain text");
 }
 
 std::vector<HeadLine> lines_of(std::string_view text, bool whole) {
@@ -37,6 +42,8 @@ std::vector<HeadLine> lines_of(std::string_view text, bool whole) {
   const bool has_lf = text.find('\n') != std::string_view::npos;
   const char line_end = has_lf ? '\n' : '\r';
   std::vector<HeadLine> lines;
+  lines.reserve(std::min(
+      most_rows, static_cast<std::size_t>(std::count(text.begin(), text.end(), line_end) + 1)));
   std::uint32_t number = 0;
   while (!text.empty() && lines.size() < most_rows) {
     const std::size_t end = text.find(line_end);
@@ -194,29 +201,35 @@ void name_columns(LogHead& head) {
 
 LogHead cut_head(std::string_view text, bool whole, const std::string& source, bool decimal_comma) {
   if (text.empty()) throw InputError({source, 1, 1}, "an empty file", "a log of events");
-  refuse_binary(text, source);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw InputError({source, 1, 1}, "text in UTF-16", "text in UTF-8, Latin-1 or ASCII");
   LogHead head;
-  std::vector<HeadLine> lines;
-  for (const HeadLine& line : lines_of(text, whole)) {
+  std::vector<HeadLine> lines = lines_of(text, whole); // stays the only list of its length
+  refuse_binary(lines, source);
+  std::erase_if(lines, [&](const HeadLine& line) {
     const std::size_t start = line.text.find_first_not_of(" \t\f");
-    if (start == std::string_view::npos) continue;
+    if (start == std::string_view::npos || has_binary(line.text)) return true;
     const bool comment = line.text[start] == '#' || line.text[start] == '%';
-    (comment ? head.comments : lines).push_back(line);
-  }
+    if (comment) head.comments.push_back(line);
+    return comment;
+  });
   if (lines.empty()) throw InputError({source, 1, 1}, "no line of data", "a log of events");
   settle_separators(head, lines, decimal_comma);
   std::map<std::size_t, std::size_t> counts;
-  for (const HeadLine& line : lines) {
-    if (head.rows.empty() && !is_row(line.text, head.separator, head.point)) {
-      head.titles.push_back(line);
-      continue;
-    }
-    head.rows.push_back(line);
+  const auto first_row = std::find_if(lines.begin(), lines.end(), [&](const HeadLine& line) {
+    return is_row(line.text, head.separator, head.point);
+  });
+  head.titles.assign(lines.begin(), first_row);
+  lines.erase(lines.begin(), first_row);
+  head.rows = std::move(lines);
+  for (const HeadLine& line : head.rows)
     ++counts[count_fields(line.text, head.separator)];
-  }
   if (head.rows.empty()) {
     const HeadLine& first = head.titles.front();
-    if (first.text.find("time") != std::string_view::npos)
+    constexpr std::size_t most_words = 3; // "Time in s", and no sentence
+    if (first.text.find("time") != std::string_view::npos &&
+        (head.separator != ' ' || first.text.find(',') != std::string_view::npos ||
+         count_fields(first.text, ' ') <= most_words))
       throw InputError({source, first.number, 1}, "a header and 0 events", "lines of data");
     throw InputError({source, first.number, 1}, shown(first.text),
                      "a log: a time a line, or columns with a header (README: Logs it reads)");
@@ -224,13 +237,19 @@ LogHead cut_head(std::string_view text, bool whole, const std::string& source, b
   const auto commonest = std::max_element(counts.begin(), counts.end(),
                                           [](auto& a, auto& b) { return a.second < b.second; });
   head.columns = commonest->first;
+  if (head.columns > most_fields)
+    throw InputError({source, head.rows.front().number, 1},
+                     fmt::format("more than {} columns", most_fields), "a log of fewer");
   name_columns(head);
   return head;
 }
 
-std::vector<Field> LogHead::fields(std::size_t i) const {
+std::vector<Field> LogHead::whole_row() const {
   std::vector<Field> result;
-  split_fields(rows[i].text, separator, result);
+  for (const HeadLine& row : rows) {
+    split_fields(row.text, separator, result);
+    if (result.size() == columns) break;
+  }
   return result;
 }
 
@@ -258,6 +277,7 @@ double median_of(std::vector<double>& values) {
 
 void describe_steps(ColumnSample& sample, const std::vector<double>& values) {
   std::vector<double> steps;
+  steps.reserve(values.size());
   double up = 0.0, down = 0.0;
   for (std::size_t i = 1; i < values.size(); ++i) {
     const double step = values[i] - values[i - 1];
@@ -287,10 +307,16 @@ void describe_swing(ColumnSample& sample, const std::vector<double>& values) {
 } // namespace
 
 ColumnSample LogHead::sample(std::size_t column) const {
+  // Each row is cut up for each column, so that wide tables are known by fewer rows.
+  constexpr std::size_t most_fields_cut = 4'000'000, always = 400;
+  const std::size_t looked_at =
+      std::min(rows.size(), std::max(always, most_fields_cut / (columns * columns)));
   ColumnSample result;
   std::vector<double> values;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto row = fields(i);
+  values.reserve(looked_at);
+  std::vector<Field> row;
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    split_fields(rows[i].text, separator, row);
     if (column >= row.size()) continue;
     ++result.rows;
     const std::string_view text = row[column].text;
@@ -311,11 +337,10 @@ ColumnSample LogHead::sample(std::size_t column) const {
   result.most = *most;
   describe_steps(result, values);
   describe_swing(result, values);
-  std::vector<double> sorted = values;
-  result.median = median_of(sorted);
-  for (double& value : sorted)
+  result.median = median_of(values); // their order is not needed any more
+  for (double& value : values)
     value = std::abs(value - result.median);
-  result.spread = median_of(sorted);
+  result.spread = median_of(values);
   return result;
 }
 

@@ -44,8 +44,8 @@ struct LogHead {
   std::size_t columns = 0;        ///< of most rows
   std::vector<std::string> names; ///< of the columns, where the head has them; else empty
 
-  /// The fields of row i.
-  [[nodiscard]] std::vector<Field> fields(std::size_t i) const;
+  /// The fields of the first row that has all columns.
+  [[nodiscard]] std::vector<Field> whole_row() const;
   /// The text "key: value" of a comment.
   [[nodiscard]] std::optional<std::string_view> value_of(std::string_view key) const;
   [[nodiscard]] ColumnSample sample(std::size_t column) const;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <numbers>
 
 namespace goingrate {
 
@@ -52,8 +53,12 @@ void refuse_if_mostly_bad(const ClockLog& log, const RowReader& rows) {
                    "a log of which at least half can be read");
 }
 
-void refuse_if_too_few(const ClockLog& log) {
+void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout& layout) {
   if (log.events.size() >= fewest_events) return;
+  if (log.events.empty() && rows.other_channels() > 0)
+    throw InputError({log.source, layout.first_line, 1},
+                     fmt::format("{} lines of other channels", rows.other_channels()),
+                     fmt::format("lines of channel {} (--channel)", layout.channel));
   const std::size_t line = log.events.empty() ? 1 : log.events.back().line;
   throw InputError({log.source, line, 1},
                    fmt::format("{} event{}", log.events.size(), log.events.size() == 1 ? "" : "s"),
@@ -85,23 +90,44 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
       swings.noise));
 }
 
-void reserve(ClockLog& log, const LineReader& lines, const Layout& layout) {
-  if (layout.format == LogFormat::angle) return;
-  constexpr double margin = 1.02; // lines of a file are not all of one length
-  const auto expected = static_cast<double>(lines.lines_expected());
-  log.events.reserve(static_cast<std::size_t>(margin * expected));
+// Lines to make room for; those of a file are not all of one length.
+std::size_t room_for(const LineReader& lines) {
+  constexpr double margin = 1.02;
+  return static_cast<std::size_t>(margin * static_cast<double>(lines.lines_expected()));
+}
+
+// What the log is, from its first lines, which are not needed any more then.
+Layout settle_layout(LineReader& lines, std::size_t enough, ClockLog& log,
+                     const ReadingOptions& options) {
+  const std::string_view text = lines.head(enough);
+  const LogHead head = cut_head(text, lines.whole_is_in_head(), log.source, options.decimal_comma);
+  Layout layout = detect_layout(head, options, log);
+  log.format = layout.format;
+  settle_nominal_period(log, head, layout, options);
+  return layout;
+}
+
+// What could not be counted with, however the file looks. 1e-9 s to 1e9 s: from a tick of the
+// finest counter to thirty years.
+void check(const ReadingOptions& options) {
+  const auto within = [](std::string_view name, std::optional<double> value, double least) {
+    if (value && !(*value >= least && *value <= 1e9))
+      throw ArgumentError(name, *value, fmt::format("between {} and 1e9 s", least));
+  };
+  within("nominal-period", options.nominal_period_s, 1e-9);
+  within("tau0", options.tau0_s, 1e-9);
+  if (options.wrap_s != 0.0) within("wrap", options.wrap_s, 1e-9);
+  if (options.rest_angle_rad && !(std::abs(*options.rest_angle_rad) <= std::numbers::pi))
+    throw ArgumentError("rest-angle", *options.rest_angle_rad, "between -pi and pi rad");
 }
 
 ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
+  check(options);
   ClockLog log;
   log.source = lines.name();
-  const std::string_view text = lines.head(lines_to_know);
-  const LogHead head = cut_head(text, lines.whole_is_in_head(), log.source, options.decimal_comma);
-  const Layout layout = detect_layout(head, options, log);
-  log.format = layout.format;
-  settle_nominal_period(log, head, layout, options);
-  reserve(log, lines, layout);
+  const Layout layout = settle_layout(lines, lines_to_know, log, options);
   RowReader rows(layout, options, log);
+  rows.reserve(room_for(lines));
   constexpr std::uint32_t between_reports = 1 << 16; // lines
   while (const auto line = lines.next()) {
     rows.add(*line);
@@ -112,7 +138,7 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   refuse_if_mostly_bad(log, rows);
   IssueList issues(log, options.strict);
   if (layout.format == LogFormat::angle) find_crossings(rows, layout, options, log, issues);
-  refuse_if_too_few(log);
+  refuse_if_too_few(log, rows, layout);
   if (layout.newest_first) turn_round(log);
   if (layout.format == LogFormat::clock_error && log.nominal_period_s && !options.nominal_period_s)
     mend_label_jitter(log, *log.nominal_period_s, issues);
@@ -138,16 +164,14 @@ ClockLog read_log_file(const std::string& path, const ReadingOptions& options) {
 struct LogFollower::Parts {
   Parts(const std::string& path, const ReadingOptions& reading, std::function<bool()> wait)
       : options(reading), lines(open_source(path, std::move(wait)), path) {
+    check(options);
     log.source = path;
     constexpr std::size_t enough = 12; // a dozen beats show what they are
-    const LogHead head = cut_head(lines.head(enough), false, path, options.decimal_comma);
-    const Layout layout = detect_layout(head, options, log);
+    const Layout layout = settle_layout(lines, enough, log, options);
     if (layout.format == LogFormat::angle || layout.newest_first)
       throw InputError({path, layout.first_line, 1},
                        layout.newest_first ? "the newest line first" : "samples of an angle",
                        "a log that grows by one event a line (--follow)");
-    log.format = layout.format;
-    settle_nominal_period(log, head, layout, options);
     rows.emplace(layout, options, log);
   }
 

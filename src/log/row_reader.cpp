@@ -13,6 +13,8 @@ namespace goingrate {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double largest_error_s = 1e9;  // thirty years: a clock that is further off was never set
+constexpr double longest_period_s = 1e6; // no pendulum takes so long
 
 // What counters and timers are known to wrap at, in the unit of the column.
 std::vector<double> wrap_candidates(const Layout& layout, TimeUnit unit) {
@@ -49,6 +51,13 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       pressure_(layout.find(ColumnRole::pressure)), channel_(layout.find(ColumnRole::channel)) {
   if (!angle_) angle_ = layout.find(ColumnRole::position);
   plain_ = layout.columns.size() == 1 && time_ && !layout.calendar;
+}
+
+void RowReader::reserve(std::size_t lines) {
+  if (layout_.format == LogFormat::angle)
+    samples_.reserve(lines);
+  else
+    log_.events.reserve(lines);
 }
 
 void RowReader::reject(const Line& line, std::size_t column, IssueKind kind, std::string found) {
@@ -238,7 +247,13 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
       return {};
     }
     // The clock shows `label` when true time is label - error: a positive error is a fast clock.
-    time = *time + -error * layout_.columns[*error_].scale;
+    const double error_s = error * layout_.columns[*error_].scale;
+    if (!(std::abs(error_s) < largest_error_s)) {
+      reject(line, fields_[*error_].column, IssueKind::out_of_range,
+             fmt::format("an error of {} s", error_s));
+      return {};
+    }
+    time = *time + -error_s;
   }
   return time;
 }
@@ -248,7 +263,7 @@ std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t
   const LogColumn& meaning = layout_.columns[column];
   auto period = parse_instant(fields_[column].text, meaning.unit, layout_.point);
   const double size = period ? period->to_double() : unknown;
-  const bool usable = size > 0.0 && size < 1e6 && !all_nines(fields_[column].text);
+  const bool usable = size > 0.0 && size < longest_period_s && !all_nines(fields_[column].text);
   if (!usable) {
     if (!line.ended) {
       reject_field(line, fields_[column], "a period");
@@ -292,7 +307,7 @@ std::optional<Instant> RowReader::time_on_grid(const Line& line, std::size_t col
   const double scaled = *value * layout_.columns[column].scale;
   if (frequency_) part_s_ += scaled * layout_.tau0_s;
   const double error = frequency_ ? part_s_.value() : scaled;
-  if (!(std::abs(error) < 1e9)) {
+  if (!(std::abs(error) < largest_error_s)) {
     reject(line, field.column, IssueKind::out_of_range, fmt::format("an error of {} s", error));
     return {};
   }
@@ -368,8 +383,13 @@ void RowReader::accept_gate_edge(const Line& line, const Beat& beat, std::string
 
 void RowReader::accept(const Line& line, Beat beat) {
   double width = number_at(line, width_, "a width");
+  if (!std::isnan(width)) width *= layout_.columns[*width_].scale;
+  if (!(std::isnan(width) || (width >= 0.0 && width < longest_period_s))) {
+    issues_.add(line.number, fields_[*width_].column, IssueKind::out_of_range,
+                fmt::format("a width of {} s", width), "width taken as unknown");
+    width = unknown;
+  }
   if (!std::isnan(width)) {
-    width *= layout_.columns[*width_].scale;
     beat.time = beat.time + 0.5 * width; // the log has the leading edge
   }
   append(beat, width, number_at(line, temperature_, "a temperature"),

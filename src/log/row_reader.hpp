@@ -22,6 +22,8 @@ class RowReader {
 public:
   RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log);
 
+  /// Makes room for the events or samples of so many lines.
+  void reserve(std::size_t lines);
   void add(const Line& line);
   /// Says what can be said only at the end.
   void finish();
@@ -32,6 +34,8 @@ public:
   [[nodiscard]] std::size_t rejected() const { return rejected_; }
   /// Whether no event came before an earlier one.
   [[nodiscard]] bool in_order() const { return in_order_; }
+  /// Lines of channels that are not read.
+  [[nodiscard]] std::size_t other_channels() const { return other_channels_; }
 
 private:
   using Place = std::optional<std::size_t>; // the column of a role

@@ -62,7 +62,9 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
                      "at least 3");
   // Missed and spurious events put intervals far from the bulk; the median sits inside it.
   const double centre = median(work);
-  if (!(centre > 0.0))
+  constexpr double shortest_s =
+      1e-9; // no pendulum swings so fast, and its square is still a number
+  if (!(centre >= shortest_s))
     throw InputError({source, events[1].line, 1}, "two events at one time in most places",
                      "times that increase");
   double sum = 0.0;

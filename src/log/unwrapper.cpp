@@ -34,14 +34,18 @@ void Unwrapper::count_wraps(double step_s) {
   const double wrap = *settings_.wrap_s;
   std::int64_t more = 0;
   if (settings_.step_s)
-    more = std::llround(std::max(0.0, (*settings_.step_s - step_s) / wrap));
+    more = std::llround(std::clamp((*settings_.step_s - step_s) / wrap, 0.0, 1e18));
   else if (step_s < -0.5 * wrap)
     more = 1;
-  if (more == 0) return;
+  // Beyond, a time and its offset would not fit together; no counter runs so long.
+  constexpr double longest_s = 1e18;
+  if (more == 0 || !((static_cast<double>(wraps_) + static_cast<double>(more)) * wrap <= longest_s))
+    return;
   wraps_ += more;
   const double unit_s = settings_.unit.seconds * std::pow(10.0, settings_.unit.power);
   const double units = std::round(wrap / unit_s);
-  const bool whole = std::abs(units * unit_s - wrap) < 1e-9 * wrap && units < 9e15;
+  const bool whole = std::abs(units * unit_s - wrap) < 1e-9 * wrap &&
+                     units * static_cast<double>(wraps_) < 9e18; // what 64 bits hold
   const auto exact =
       whole ? whole_units(static_cast<std::int64_t>(units) * wraps_, settings_.unit) : std::nullopt;
   offset_ = exact ? *exact : Instant::from_seconds(static_cast<double>(wraps_) * wrap);

@@ -112,12 +112,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"[run]\nmethod = \"euler\"\n", 2, 10, "direct"},
                     Bad{"[clock]\nepsilon = nan\n", 2, 11, "a finite number"},
                     Bad{"event = 3\n[run]\nperiods=3\n", 1, 9, "[[event]]"},
-                    Bad{"[clock]\nepsilon=-1\n[run]\nperiods=3\n", 0, 0, "epsilon = -1"},
+                    Bad{"[clock]\nepsilon=-1\n[run]\nperiods=3\n", 2, 9, "epsilon = -1"},
                     Bad{"[clock]\nepsilon=1e-4\n", 0, 0, "periods or by duration"},
-                    Bad{"[run]\nperiods=3\nduration=4.0\n", 0, 0, "not by both"},
-                    Bad{"[run]\nperiods=3\n[start]\namplitude=2.5\n", 0, 0, "below 2"},
-                    Bad{"[run]\nperiods=3\n[sensor]\nmissed=1.0\n", 0, 0, "missed"},
-                    Bad{"[run]\nperiods=3\n[[event]]\nmu=1e-5\n", 0, 0, "at_period"},
+                    Bad{"[run]\nperiods=3\nduration=4.0\n", 1, 1, "not by both"},
+                    Bad{"[run]\nperiods=3\n[start]\namplitude=2.5\n", 4, 11, "below 2"},
+                    Bad{"[run]\nperiods=3\n[sensor]\nmissed=1.0\n", 4, 8, "missed"},
+                    Bad{"[run]\nperiods=3\n[[event]]\nmu=1e-5\n", 3, 1, "at_period"},
                     Bad{"[run]\nperiods=3\n[clock]\nmu=1e-5\n", 0, 0, "phi0"}));
 
 } // namespace

@@ -1,58 +1,14 @@
 // The command as a script sees it: exit codes, messages, files.
+#include "support/command_fixture.hpp"
+
+#include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fmt/format.h>
-#include <fstream>
-#include <gtest/gtest.h>
-#include <iterator>
-#include <nlohmann/json.hpp>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace {
 
+using namespace goingrate::test;
 namespace fs = std::filesystem;
-const fs::path source = GOINGRATE_SOURCE_DIR;
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-class CommandTest : public testing::Test {
-protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / fmt::format("goingrate-command-{}", ::getpid());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  struct Outcome {
-    int code;
-    std::string out, err;
-  };
-
-  // Runs `goingrate ARGUMENTS` in the test's own folder.
-  Outcome run(const std::string& arguments, const std::string& before = "") const {
-    const std::string line = fmt::format("cd '{}' && {} '{}' {} > out.txt 2> err.txt",
-                                         folder_.string(), before, GOINGRATE_COMMAND, arguments);
-    const int status = std::system(line.c_str());
-    return {WEXITSTATUS(status), content(folder_ / "out.txt"), content(folder_ / "err.txt")};
-  }
-  void put(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  nlohmann::json json(const std::string& name) const {
-    return nlohmann::json::parse(content(folder_ / name));
-  }
-  std::string scenario(const std::string& name) const {
-    return (source / "data/scenarios" / (name + ".toml")).string();
-  }
-
-  fs::path folder_;
-};
 
 TEST_F(CommandTest, SimulateWritesALogAndTheTruth) {
   ASSERT_EQ(run("simulate " + scenario("jump") + " -o log.csv --truth truth.csv --seed 3").code, 0);
@@ -291,8 +247,23 @@ TEST_F(CommandTest, OutputThatCannotBeWrittenIsExitFive) {
   EXPECT_EQ(run("simulate " + scenario("jump") + " -o /dev/full").code, 5);
 }
 
+TEST_F(CommandTest, WithoutArgumentsItSaysWhatItCanDo) {
+  const Outcome outcome = run("");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_NE(outcome.err.find("report"), std::string::npos) << outcome.err;
+}
+
+TEST_F(CommandTest, ABareWordInSetIsText) {
+  const std::string jump = "simulate " + scenario("jump") + " --set run.periods=20 -o ";
+  ASSERT_EQ(run(jump + "a.csv --set run.method=direct").code, 0);
+  ASSERT_EQ(run(jump + "b.csv --set \"run.method='direct'\"").code, 0);
+  ASSERT_EQ(run(jump + "c.csv --set run.method=averaged1").code, 0);
+  EXPECT_EQ(content(folder_ / "a.csv"), content(folder_ / "b.csv"));
+  EXPECT_NE(content(folder_ / "a.csv"), content(folder_ / "c.csv"));
+}
+
 TEST_F(CommandTest, WrongUsageIsExitTwo) {
-  EXPECT_EQ(run("").code, 2);
   EXPECT_EQ(run("tick").code, 2);
   EXPECT_EQ(run("rate").code, 2);
   run("simulate " + scenario("jump") + " -o log.csv");

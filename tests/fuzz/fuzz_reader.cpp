@@ -35,14 +35,15 @@ void demand(bool holds, const char* what) {
   std::abort();
 }
 
-void use(ClockLog log) {
+void use(ClockLog&& log) {
   for (std::size_t i = 1; i < log.events.size(); ++i)
     demand(log.events[i - 1].time <= log.events[i].time, "events in order of time");
   for (const Beat& event : log.events)
     demand(event.time.fraction >= 0.0 && event.time.fraction < 1.0, "a fraction of a second");
   (void)label_alternate_edges(log, false);
-  const Beats beats = number_beats(log);
-  demand(beats.beats.size() == log.events.size(), "no event is dropped");
+  const std::size_t events = log.events.size();
+  const Beats beats = number_beats(std::move(log.events), log.source); // as the command does
+  demand(beats.beats.size() == events, "no event is dropped");
   const auto longest = beats.longest_segment();
   if (longest.size() < 3) return;
   const RateSummary summary = summarise_rates(longest, beats.typical_period_s);
@@ -56,18 +57,22 @@ void use(ClockLog log) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
-  fuzz::reset_peak();
-  const std::size_t before = fuzz::peak_bytes();
-  try {
-    use(read_log(text, "fuzz", options_of(data[0])));
-  } catch (const InputError&) { // what bad input is answered with
-  } catch (const ArgumentError&) { // a column that is not there
-  }
-  // Ten times the input, 64 bytes a line (a beat takes 40, whatever the length of its line), and
-  // what any run takes.
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) +
                      static_cast<std::size_t>(std::count(text.begin(), text.end(), '\r')) + 1;
-  const std::size_t limit = 10 * size + 64 * lines + (128U << 10);
-  demand(fuzz::peak_bytes() - before <= limit, "memory in proportion to the input");
+  // Ten times the input, what a line takes however short it is, and what any run takes (a list of
+  // 500 issues, a table of 256 columns).
+  const auto limit = [&](std::size_t a_line) { return 10 * size + a_line * lines + (128U << 10); };
+  fuzz::reset_peak();
+  const std::size_t before = fuzz::peak_bytes();
+  const auto taken = [&] { return fuzz::peak_bytes() - before; };
+  try {
+    ClockLog log = read_log(text, "fuzz", options_of(data[0]));
+    demand(taken() <= limit(48), "memory of the reader in proportion"); // an event takes 40
+    use(std::move(log));
+  } catch (const InputError&) {    // what bad input is answered with
+  } catch (const ArgumentError&) { // a column that is not there
+  }
+  // Events, the longest segment of them, and nine numbers each for their noise.
+  demand(taken() <= limit(152), "memory of the numbering in proportion");
   return 0;
 }

@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
-# Fuzzes the reader and the scenario file, SECONDS in all (60 if not given), from the committed corpus.
-# New inputs go to build/fuzz/found-*; a crash is left in build/fuzz. Exit 77: no clang or libFuzzer.
+# run.sh [SECONDS [BUILD]]: fuzzes the reader and the scenario file, SECONDS in all (60 if not given),
+# from the committed corpus. All it writes is in BUILD (build/fuzz): new inputs in found-*, crashes,
+# logs. Exit 77: no clang or no libFuzzer.
 set -euo pipefail
-cd "$(dirname "$0")"
 seconds=${1:-60}
-build=${2:-../../build/fuzz}
-echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' > "${TMPDIR:-/tmp}/goingrate-fuzz-$$.cpp"
-trap 'rm -f "${TMPDIR:-/tmp}/goingrate-fuzz-$$".*' EXIT
-if ! clang++ -fsanitize=fuzzer "${TMPDIR:-/tmp}/goingrate-fuzz-$$.cpp" -o "${TMPDIR:-/tmp}/goingrate-fuzz-$$.out" 2> /dev/null; then
-  echo "clang++ with libFuzzer is not there (Debian: clang libclang-rt-14-dev): nothing was fuzzed"
+here=$(cd "$(dirname "$0")" && pwd)
+mkdir -p "${2:-$here/../../build/fuzz}"
+build=$(cd "${2:-$here/../../build/fuzz}" && pwd)
+cd "$build"
+echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' > probe.cpp
+if ! clang++ -fsanitize=fuzzer probe.cpp -o probe 2> probe.log; then
+  echo "clang++ with libFuzzer is not there (Debian: clang libclang-rt-dev): nothing was fuzzed"
   exit 77
 fi
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_COMPILER=clang++ > /dev/null
-cmake --build "$build" -j2 | tail -1
-here=$PWD
-cd "$build"
+cmake -S "$here" -B . -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_COMPILER=clang++ > cmake.log
+cmake --build . -j2 > build.log || { tail -40 build.log; exit 1; }
 for target in reader scenario; do
   mkdir -p "found-$target"
   # Ten seconds for one input is a hang; memory is held against the input by the targets themselves.

@@ -18,6 +18,12 @@ public:
   /// `name` of the argument, the `value` it had, and the `legal` values in words.
   ArgumentError(std::string_view name, double value, std::string_view legal);
   ArgumentError(std::string_view name, std::string_view value, std::string_view legal);
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const std::string& value() const noexcept { return value_; } ///< as in what()
+  [[nodiscard]] const std::string& legal() const noexcept { return legal_; }
+
+private:
+  std::string name_, value_, legal_;
 };
 
 /// Where in a text something was found. Lines and columns count from 1; 0 means "the whole file".

@@ -61,7 +61,8 @@ enum class IssueKind : std::uint8_t {
 std::string_view name_of(IssueKind kind);
 
 /// Something wrong with one line, or with a run of lines in the same way, and what was done about
-/// it.
+/// it. Where more than one line in 25 is at fault (and more than 500 are), those of one kind are
+/// taken together, good lines between them or not: the list must not outgrow the log.
 struct LineIssue {
   std::size_t line = 0;
   std::size_t column = 0;
@@ -69,6 +70,8 @@ struct LineIssue {
   std::string found; ///< in the first of the lines
   std::string action;
   std::size_t last_line = 0; ///< of the run; `line` if it is one
+  std::size_t lines = 1;     ///< at fault
+  bool scattered = false;    ///< there are good lines between the first and the last of the run
 };
 
 /// What else the log says of its events: each empty, or one value an event, NaN where unknown.

@@ -1,0 +1,109 @@
+#include "scenario_text.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <optional>
+
+namespace goingrate {
+
+namespace {
+
+constexpr std::string_view option = "--set ";
+
+toml::table parsed(std::string_view text, const std::string& source) {
+  try {
+    return toml::parse(text, source);
+  } catch (const toml::parse_error& error) {
+    throw InputError(place_of(error.source(), source),
+                     fmt::format("text that is no TOML ({})", error.description()),
+                     "a scenario in TOML");
+  }
+}
+
+bool is_bare_word(std::string_view text) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !text.empty() && (is_letter(text.front()) || text.front() == '/') &&
+         std::all_of(text.begin(), text.end(), [&](char c) {
+           return is_letter(c) || (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.' ||
+                  c == '/';
+         });
+}
+
+// "run.method=map" with the quotes that TOML wants; true, false, inf and nan stay what they are.
+std::string with_quotes(const std::string& change) {
+  const std::size_t equals = change.find('=');
+  std::string_view word = std::string_view(change).substr(equals + 1);
+  while (!word.empty() && word.front() == ' ')
+    word.remove_prefix(1);
+  while (!word.empty() && word.back() == ' ')
+    word.remove_suffix(1);
+  const bool own = word == "true" || word == "false" || word == "inf" || word == "nan";
+  if (own || !is_bare_word(word)) return change;
+  return fmt::format("{}='{}'", change.substr(0, equals), word);
+}
+
+toml::table parsed_override(const std::string& change) {
+  const std::string source = fmt::format("{}{}", option, change);
+  if (change.find('=') == std::string::npos)
+    throw InputError({source}, "no '='", "KEY=VALUE, such as clock.epsilon=1e-3");
+  return parsed(with_quotes(change), source);
+}
+
+// Moves, so that each value remembers which option it came from.
+void merge(toml::table& base, toml::table&& change) {
+  for (auto&& [key, node] : change) {
+    toml::node* old = base.get(key.str());
+    if (old != nullptr && old->is_table() && node.is_table()) {
+      merge(*old->as_table(), std::move(*node.as_table()));
+      continue;
+    }
+    base.erase(key.str());
+    node.visit([&, &name = key](auto& value) { base.insert(name, std::move(value)); });
+  }
+}
+
+// The first node below `node` with this key, and with this value if it is a number.
+const toml::node* find(const toml::node& node, std::string_view key, const std::string& value) {
+  if (const toml::array* list = node.as_array())
+    for (const toml::node& entry : *list)
+      if (const toml::node* found = find(entry, key, value)) return found;
+  if (const toml::table* table = node.as_table())
+    for (const auto& [name, entry] : *table) {
+      const auto number = entry.value<double>();
+      if (name.str() == key && (!number || fmt::format("{:.17g}", *number) == value)) return &entry;
+      if (const toml::node* found = find(entry, key, value)) return found;
+    }
+  return nullptr;
+}
+
+} // namespace
+
+TextPlace place_of(const toml::source_region& source, const std::string& file) {
+  if (source.path && source.path->starts_with(option)) return {*source.path, 0, 0};
+  return {file, source.begin.line, source.begin.column};
+}
+
+toml::table scenario_tree(std::string_view text, const std::string& file,
+                          const std::vector<std::string>& overrides) {
+  toml::table root = parsed(text, file);
+  for (const std::string& change : overrides)
+    merge(root, parsed_override(change));
+  return root;
+}
+
+InputError located(const ArgumentError& error, const toml::table& root, const std::string& file) {
+  const toml::node* node = &root;
+  std::string_view key = error.name();
+  for (std::size_t dot; (dot = key.find('.')) != key.npos; key.remove_prefix(dot + 1)) {
+    const toml::table* table = node->as_table();
+    const toml::node* below = table == nullptr ? nullptr : table->get(key.substr(0, dot));
+    if (below != nullptr) node = below;
+  }
+  node = find(*node, key, error.value());
+  const std::string found =
+      error.value().empty() ? error.name() : fmt::format("{} = {}", error.name(), error.value());
+  return {node == nullptr ? TextPlace{file, 0, 0} : place_of(node->source(), file), found,
+          error.legal()};
+}
+
+} // namespace goingrate

@@ -1,0 +1,24 @@
+// The TOML of a scenario: the file, what options put over it, and where each value stands.
+#pragma once
+
+#include "goingrate/base/errors.hpp"
+
+#include <string>
+#include <string_view>
+#include <toml++/toml.h>
+#include <vector>
+
+namespace goingrate {
+
+/// Parses `text` and puts the overrides ("key=value" with dotted keys) over it. A value that is a
+/// bare word (run.method=map) is text. Throws InputError for what is no TOML.
+toml::table scenario_tree(std::string_view text, const std::string& file,
+                          const std::vector<std::string>& overrides);
+
+/// Where a node of the tree stands: file, line and column, or the option "--set KEY=VALUE".
+TextPlace place_of(const toml::source_region& source, const std::string& file);
+
+/// The complaint of a check about a value, with the place of that value in the tree.
+InputError located(const ArgumentError& error, const toml::table& root, const std::string& file);
+
+} // namespace goingrate

@@ -1,0 +1,175 @@
+// `goingrate rate` as a script sees it.
+#include "support/command_fixture.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <signal.h>
+#include <sstream>
+#include <thread>
+
+namespace goingrate::test {
+namespace {
+
+using RateCommandTest = CommandTest;
+
+std::string evenly(int count, double period, double start = 100.0) {
+  std::string text;
+  for (int i = 0; i < count; ++i)
+    text += fmt::format("{:.9f}\n", start + period * i);
+  return text;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);)
+    lines.push_back(line);
+  return lines;
+}
+
+TEST_F(RateCommandTest, SaysWhatItAssumedAndTakesOverrides) {
+  std::string text;
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("{};{},5\n", 46 + i % 2, 1000 + 2 * i);
+  put("b.log", text);
+  const Outcome outcome =
+      run("rate b.log --column time=2 --column amplitude=1:mrad --json r.json -o t.csv");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("a comma is the decimal point"), std::string::npos) << outcome.err;
+  EXPECT_NEAR(json("r.json")["mean_period_s"].get<double>(), 2.0, 1e-12);
+  EXPECT_NE(content(folder_ / "t.csv").find(",0.047,"), std::string::npos);
+}
+
+TEST_F(RateCommandTest, GzipStandardInputAndFileGiveTheSame) {
+  put("a.log", evenly(100, 2.0001));
+  ASSERT_EQ(run("rate a.log -o file.csv").code, 0);
+  ASSERT_EQ(run("rate - -o pipe.csv < a.log").code, 0);
+  ASSERT_EQ(std::system(fmt::format("cd '{}' && gzip -k a.log", folder_.string()).c_str()), 0);
+  ASSERT_EQ(run("rate a.log.gz -o gz.csv").code, 0);
+  ASSERT_EQ(run("rate - -o packedpipe.csv < a.log.gz").code, 0);
+  const std::string table = content(folder_ / "file.csv");
+  EXPECT_EQ(lines_of(table).size(), 101u);
+  for (const char* other : {"pipe.csv", "gz.csv", "packedpipe.csv"})
+    EXPECT_EQ(content(folder_ / other), table) << other;
+}
+
+TEST_F(RateCommandTest, StrictMakesTheFirstFaultAnError) {
+  put("a.log", evenly(5, 2.0) + "x\n" + evenly(5, 2.0, 112.0));
+  EXPECT_EQ(run("rate a.log -o t.csv").code, 0);
+  const Outcome strict = run("rate a.log -o s.csv --strict");
+  EXPECT_EQ(strict.code, 3);
+  EXPECT_NE(strict.err.find("a.log:6:1"), std::string::npos) << strict.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s.csv"));
+}
+
+TEST_F(RateCommandTest, WritesFilesForOtherProgramsThatReadBackTheSame) {
+  ASSERT_EQ(run("simulate " + scenario("jump") + " -o log.csv --set sensor.missed=0.01").code, 0);
+  ASSERT_EQ(run("rate log.csv -o t.csv --native n.csv --phase p.txt --ticc c.txt --par s.par").code,
+            0);
+  for (const char* again : {"n.csv", "p.txt --tau0 2 --nominal-period 2", "c.txt"}) {
+    ASSERT_EQ(run(fmt::format("rate {} -o u.csv --json u.json --nominal-period 2", again)).code, 0)
+        << again;
+    ASSERT_EQ(run("rate log.csv -o v.csv --json v.json").code, 0);
+    EXPECT_EQ(json("u.json")["crossings"], json("v.json")["crossings"]) << again;
+    EXPECT_NEAR(json("u.json")["rate_excess"].get<double>(),
+                json("v.json")["rate_excess"].get<double>(), 1e-13)
+        << again; // a TICC writes 11 decimals of 4000 s
+  }
+  EXPECT_NE(content(folder_ / "s.par").find("\nPERIOD 1.99"), std::string::npos);
+  EXPECT_EQ(run("rate log.csv --native - --phase -").code, 2);
+}
+
+TEST_F(RateCommandTest, BlocksRunningRatesAndSegments) {
+  put("a.log", evenly(1000, 2.001) + evenly(500, 2.001, 100000.7));
+  const Outcome blocks = run("rate a.log --block 500");
+  ASSERT_EQ(blocks.code, 0) << blocks.err;
+  const auto rows = lines_of(blocks.out);
+  EXPECT_EQ(rows.front(), "segment,from_cycle,to_cycle,time_s,duration_s,rate_excess,sigma,"
+                          "rate_s_per_day,amplitude_rad");
+  EXPECT_GE(rows.size(), 7u);
+  EXPECT_NE(blocks.err.find("  segment 1:"), std::string::npos) << blocks.err;
+  const auto running = lines_of(run("rate a.log --running 50").out);
+  EXPECT_NE(running.front().find(",running_rate_excess"), std::string::npos);
+  EXPECT_EQ(running[10].back(), ',') << "none before fifty cycles are over";
+  EXPECT_NE(running[100].find("-0.000499750"), std::string::npos) << running[100];
+}
+
+TEST_F(RateCommandTest, AGateGivesAmplitudesAndTheSensorsPlaceIsFound) {
+  const std::string gate = " --set sensor.edges=gate --set sensor.flag_width=0.02"
+                           " --set sensor.jitter_rms=1e-6";
+  ASSERT_EQ(run("simulate " + scenario("jump") + gate + " -o gate.csv").code, 0);
+  const Outcome outcome = run("rate gate.csv -o t.csv");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("amplitudes from the widths"), std::string::npos) << outcome.err;
+  const auto rows = lines_of(content(folder_ / "t.csv"));
+  EXPECT_NE(rows.front().find("rate_excess_at_zero_amplitude"), std::string::npos);
+  EXPECT_NE(rows[100].find(",0.0390"), std::string::npos) << rows[100];
+  const std::string beside = " --set sensor.edges=both --set sensor.offset=0.004"
+                             " --set sensor.amplitude_rms=1e-5 --set sensor.jitter_rms=1e-5";
+  ASSERT_EQ(run("simulate " + scenario("jump") + beside + " -o off.csv").code, 0);
+  ASSERT_EQ(run("rate off.csv -o t.csv --json r.json --sensor-offset auto").code, 0);
+  EXPECT_NEAR(json("r.json")["sensor_offset_rad"]["value"].get<double>(), 0.004, 1e-5);
+  EXPECT_GT(json("r.json")["beat_error_s"]["value"].get<double>(), 0.01);
+  ASSERT_EQ(run("rate off.csv -o t.csv --json r.json --sensor-offset 0.004").code, 0);
+  const Outcome none = run("rate gate.csv -o t.csv --flag-width 0.02 --sensor-offset auto");
+  EXPECT_EQ(none.code, 0) << none.err; // a centred gate: an offset of nothing
+}
+
+TEST_F(RateCommandTest, WithoutANominalPeriodNoGainIsClaimed) {
+  put("a.log", evenly(100, 1.6234));
+  const Outcome outcome = run("rate a.log -o t.csv --json r.json");
+  EXPECT_NE(outcome.err.find("against what it gains or loses is not known"), std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(json("r.json")["nominal_period_known"], false);
+}
+
+TEST_F(RateCommandTest, FollowPrintsBeatsAsTheyComeAndRaisesTheAlarm) {
+  // A clock of four beats a second that stops for two seconds, seen through a pipe.
+  put("feed.sh", "t=0\nwhile [ $t -lt 40 ]; do\n  echo \"$((100 + t / 4)).$((t % 4 * 25))\" | "
+                 "sed 's/\\.0$/.00/'\n  t=$((t + 1))\n  [ $t -eq 20 ] && sleep 1.5 && t=28\n"
+                 "  sleep 0.02\ndone\n");
+  const Outcome outcome = run("rate - --follow --alarm 1", "bash feed.sh |");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("alarm: no beat for 1"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("the clock goes again"), std::string::npos) << outcome.err;
+  const auto rows = lines_of(outcome.out);
+  EXPECT_EQ(rows.front(), "cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags");
+  EXPECT_EQ(rows[1].substr(0, 14), "0,100.00000000");
+  EXPECT_EQ(rows.back().substr(0, 3), "39,") << rows.back();
+  EXPECT_EQ(std::count_if(rows.begin(), rows.end(),
+                          [](const std::string& row) { return row.ends_with(",missed"); }),
+            8);
+}
+
+TEST_F(RateCommandTest, FollowWaitsForAFileToGrow) {
+  put("a.log", evenly(20, 2.0));
+  const std::string command =
+      fmt::format("cd '{}' && exec '{}' rate a.log --follow > rows.csv 2> notes.txt",
+                  folder_.string(), GOINGRATE_COMMAND);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl("/bin/bash", "bash", "-c", command.c_str(), nullptr);
+    ::_exit(127);
+  }
+  const auto rows_within = [&](std::size_t count) { // of ten seconds
+    for (int tenths = 0; tenths < 100; ++tenths) {
+      if (lines_of(content(folder_ / "rows.csv")).size() >= count) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  };
+  EXPECT_TRUE(rows_within(21));
+  std::ofstream(folder_ / "a.log", std::ios::app) << "140.0";
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::ofstream(folder_ / "a.log", std::ios::app) << "01\n142.001\n"; // a line written in two parts
+  EXPECT_TRUE(rows_within(23));
+  ::kill(child, SIGTERM);
+  ::waitpid(child, nullptr, 0);
+  const auto rows = lines_of(content(folder_ / "rows.csv"));
+  ASSERT_EQ(rows.size(), 23u);
+  EXPECT_EQ(rows[21].substr(0, 17), "20,140.001000000,");
+}
+
+} // namespace
+} // namespace goingrate::test
