@@ -189,19 +189,19 @@ void choose_good(NumberedLog& loaded) {
 }
 
 void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
-  loaded.beat_error_s = beat_error(loaded.beats.beats);
+  loaded.sensor.beat_error_s = beat_error(loaded.beats.beats);
   if (options.sensor_offset.empty()) return;
   double offset = 0.0;
   if (options.sensor_offset == "auto") {
-    loaded.sensor_offset_rad = sensor_offset(loaded.beats.beats, loaded.nominal_period_s);
-    if (!loaded.sensor_offset_rad)
+    loaded.sensor.offset_rad = sensor_offset(loaded.beats.beats, loaded.nominal_period_s);
+    if (!loaded.sensor.offset_rad)
       throw NumericsError(options.path +
                           ": the log does not tell where the sensor stands: it needs "
                           "amplitudes and either both directions or 30 beats");
-    offset = loaded.sensor_offset_rad->value;
+    offset = loaded.sensor.offset_rad->value;
     loaded.log.assumptions.push_back(
         fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
-                    offset * 1e3, loaded.sensor_offset_rad->sigma * 1e3));
+                    offset * 1e3, loaded.sensor.offset_rad->sigma * 1e3));
   } else {
     offset = numbers_in("sensor-offset", options.sensor_offset).front();
   }
@@ -236,6 +236,7 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   use_flag(loaded, options);
   use_sensor_offset(loaded, options);
   choose_good(loaded);
+  loaded.sensor.amplitude = summarise_amplitudes(loaded.good);
   if (loaded.good.size() < 3)
     throw NumericsError(
         fmt::format("{}: no run of three beats that could be numbered together", options.path));

@@ -69,8 +69,7 @@ struct NumberedLog {
   std::span<const Beat> good; ///< the good beats of the longest segment
   double nominal_period_s = 0.0;
   bool nominal_is_known = true;
-  std::optional<SensorEstimate> beat_error_s;      ///< where both directions are in the log
-  std::optional<SensorEstimate> sensor_offset_rad; ///< if asked for
+  SensorFindings sensor;
 };
 
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.

@@ -52,10 +52,7 @@ void write_others(std::vector<StreamedFile>& files, const RateOptions& options, 
     files.emplace_back(path);
     files.back().text() = make();
   };
-  add(options.json, [&] {
-    return rate_json(loaded.log, loaded.beats, summary,
-                     {loaded.beat_error_s, loaded.sensor_offset_rad});
-  });
+  add(options.json, [&] { return rate_json(loaded.log, loaded.beats, summary, loaded.sensor); });
   add(options.phase, [&] { return stable32_text(loaded.good, loaded.nominal_period_s); });
   add(options.par, [&] { return par_text(summary, loaded.beats); });
   add(options.ticc, [&] { return ticc_text(loaded.beats.beats); });
@@ -92,7 +89,7 @@ void run(const RateOptions& options, const GlobalOptions& global) {
   write_table(files.front(), options, loaded);
   write_others(files, options, loaded, summary);
   commit_all(files);
-  say(global, rate_text(loaded.beats, summary, loaded.beat_error_s));
+  say(global, rate_text(loaded.beats, summary, loaded.sensor));
 }
 
 } // namespace

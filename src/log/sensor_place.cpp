@@ -152,6 +152,24 @@ std::optional<SensorEstimate> offset_from_correlation(std::span<const Beat> good
 
 } // namespace
 
+std::optional<AmplitudeSummary> summarise_amplitudes(std::span<const Beat> good) {
+  double sum = 0.0, sum2 = 0.0, count = 0.0;
+  std::vector<double> sizes;
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    if (std::isnan(good[i].amplitude_rad)) continue;
+    sum += good[i].amplitude_rad;
+    sum2 += good[i].amplitude_rad * good[i].amplitude_rad;
+    ++count;
+    if (i < 2) continue;
+    const double bend =
+        good[i].amplitude_rad - 2.0 * good[i - 1].amplitude_rad + good[i - 2].amplitude_rad;
+    if (!std::isnan(bend)) sizes.push_back(std::abs(bend));
+  }
+  if (sizes.size() < 3) return {};
+  return AmplitudeSummary{sum / count, std::sqrt(sum2 / count),
+                          1.4826 * median(std::move(sizes)) / std::sqrt(6.0)};
+}
+
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats) {
   std::vector<double> errors;
   for_each_swing(beats, [&](const Swing& swing) { errors.push_back(2.0 * swing.late_s); });

@@ -52,6 +52,13 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   json["format"] = name_of(log.format);
   json["beat_error_s"] = estimate_object(sensor.beat_error_s);
   json["sensor_offset_rad"] = estimate_object(sensor.offset_rad);
+  if (sensor.amplitude) {
+    const AmplitudeSummary& amplitude = *sensor.amplitude;
+    json["amplitude_rad"] = {{"mean", json_number(amplitude.mean_rad)},
+                             {"sigma_of_one", json_number(amplitude.sigma_rad)}};
+    json["rate_excess_at_zero_amplitude"] =
+        json_number(rate_without_circular_error(summary.rate_excess, amplitude.rms_rad));
+  }
   json["nominal_period_known"] = summary.nominal_is_known;
   json["nominal_period_s"] = json_number(summary.nominal_period_s);
   json["mean_period_s"] = json_number(summary.mean_period_s);

@@ -185,10 +185,28 @@ std::string segment_lines(const Beats& beats, double nominal_period_s) {
   return text;
 }
 
+std::string sensor_lines(const RateSummary& summary, const SensorFindings& sensor) {
+  std::string text;
+  if (const auto& error = sensor.beat_error_s)
+    text += fmt::format("beat error {} ms, longer on the {}\n",
+                        with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma),
+                        error->value > 0.0 ? "left (from down to up)" : "right (from up to down)");
+  if (const auto& amplitude = sensor.amplitude) {
+    text += fmt::format("amplitude {:.6g} mrad in the mean, each known to {:.2g} mrad",
+                        1e3 * amplitude->mean_rad, 1e3 * amplitude->sigma_rad);
+    if (summary.nominal_is_known)
+      text += fmt::format("; without the circular error {:+.5g} s a day",
+                          seconds_gained_per_day(rate_without_circular_error(summary.rate_excess,
+                                                                             amplitude->rms_rad)));
+    text += '\n';
+  }
+  return text;
+}
+
 } // namespace
 
 std::string rate_text(const Beats& beats, const RateSummary& summary,
-                      const std::optional<SensorEstimate>& beat_error_s) {
+                      const SensorFindings& sensor) {
   std::string text = fmt::format("{} beats over {:.6g} s; {} missed, {} spurious, {} segment{}\n",
                                  summary.crossings, summary.duration_s, beats.missed,
                                  beats.spurious, beats.segments, beats.segments == 1 ? "" : "s");
@@ -199,12 +217,7 @@ std::string rate_text(const Beats& beats, const RateSummary& summary,
   if (beats.longest_countable_gap > 0)
     text += fmt::format("a break of up to {} cycles could be counted in such a log\n",
                         beats.longest_countable_gap);
-  if (beat_error_s)
-    text += fmt::format("beat error {} ms (longer on the {})\n",
-                        with_sigma(1e3 * std::abs(beat_error_s->value), 1e3 * beat_error_s->sigma),
-                        beat_error_s->value > 0.0 ? "left, where it falls before it rises"
-                                                  : "right, where it rises before it falls");
-  return text + rate_sentence(summary);
+  return text + sensor_lines(summary, sensor) + rate_sentence(summary);
 }
 
 } // namespace goingrate

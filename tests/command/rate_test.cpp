@@ -67,7 +67,7 @@ TEST_F(RateCommandTest, WritesFilesForOtherProgramsThatReadBackTheSame) {
   ASSERT_EQ(run("simulate " + scenario("jump") + " -o log.csv --set sensor.missed=0.01").code, 0);
   ASSERT_EQ(run("rate log.csv -o t.csv --native n.csv --phase p.txt --ticc c.txt --par s.par").code,
             0);
-  for (const char* again : {"n.csv", "p.txt --tau0 2 --nominal-period 2", "c.txt"}) {
+  for (const char* again : {"n.csv", "p.txt --tau0 2", "c.txt"}) {
     ASSERT_EQ(run(fmt::format("rate {} -o u.csv --json u.json --nominal-period 2", again)).code, 0)
         << again;
     ASSERT_EQ(run("rate log.csv -o v.csv --json v.json").code, 0);
@@ -105,6 +105,7 @@ TEST_F(RateCommandTest, AGateGivesAmplitudesAndTheSensorsPlaceIsFound) {
   const auto rows = lines_of(content(folder_ / "t.csv"));
   EXPECT_NE(rows.front().find("rate_excess_at_zero_amplitude"), std::string::npos);
   EXPECT_NE(rows[100].find(",0.0390"), std::string::npos) << rows[100];
+  EXPECT_NE(outcome.err.find("amplitude 51.7"), std::string::npos) << outcome.err;
   const std::string beside = " --set sensor.edges=both --set sensor.offset=0.004"
                              " --set sensor.amplitude_rms=1e-5 --set sensor.jitter_rms=1e-5";
   ASSERT_EQ(run("simulate " + scenario("jump") + beside + " -o off.csv").code, 0);

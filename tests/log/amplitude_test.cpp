@@ -157,6 +157,22 @@ TEST(AmplitudeTest, MovedToTheVerticalTheOffsetIsGone) {
     EXPECT_NEAR(log.events[i].time - centred.events[i].time, 0.0, 3e-6) << i; // 1e-4 of 25 ms
 }
 
+TEST(AmplitudeTest, TheScatterOfAmplitudesIsThatOfTheSensor) {
+  Scenario scenario = test::jump_from_a_to_b(5000, 1e-6);
+  scenario.sensor.edges = SensorEdges::gate;
+  scenario.sensor.flag_width_rad = 0.02;
+  ClockLog log = read_simulated(scenario);
+  set_amplitudes_from_widths(log, 0.02, 2.0);
+  const auto good = number_beats(log).longest_segment();
+  const auto summary = summarise_amplitudes(good);
+  ASSERT_TRUE(summary);
+  // Two edges of 1 us each; towards the end the swing is that of B: 55.3 mrad.
+  const double width = amplitude_sigma_from_width(0.1158, std::sqrt(2.0) * 1e-6, 0.0553, 2.0);
+  EXPECT_NEAR(summary->sigma_rad, width, 0.1 * width); // a few per cent are still those of A
+  EXPECT_NEAR(summary->mean_rad, 0.0540, 1e-3);
+  EXPECT_FALSE(summarise_amplitudes(std::span(good).first(4)));
+}
+
 TEST(AmplitudeTest, TheCircularErrorIsTakenOff) {
   const double amplitude = 0.1;
   const double period = boost::math::ellint_1(std::sin(0.05)) * 2.0 / std::numbers::pi;

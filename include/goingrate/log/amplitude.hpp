@@ -31,10 +31,29 @@ void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double per
 /// by 4 asin(alpha/lambda) T0 / 2 pi. The events must be numbered and of both directions.
 void set_amplitudes_from_halves(std::span<Beat> beats, double offset_rad, double period_s);
 
+/// The amplitudes of a run of good beats.
+struct AmplitudeSummary {
+  double mean_rad = 0.0;
+  double rms_rad = 0.0;   ///< which the circular error follows
+  double sigma_rad = 0.0; ///< of a single one: its scatter from beat to beat, jitter and all
+};
+
+/// Mean of the amplitudes that are known, and their scatter: the robust size of second differences
+/// of consecutive ones over sqrt(6), which a slow course of the amplitude does not enter. Nothing
+/// with fewer than five amplitudes (AmplitudeTest.TheScatterOfAmplitudesIsThatOfTheSensor).
+std::optional<AmplitudeSummary> summarise_amplitudes(std::span<const Beat> good);
+
 /// A quantity of the sensor or the clock that is estimated from the log.
 struct SensorEstimate {
   double value = 0.0;
   double sigma = 0.0;
+};
+
+/// What the log tells beside the rate, as far as it can.
+struct SensorFindings {
+  std::optional<SensorEstimate> beat_error_s{};
+  std::optional<SensorEstimate> offset_rad{};
+  std::optional<AmplitudeSummary> amplitude{};
 };
 
 /// Beat error, s: half of how much longer the pendulum is on the left (from a downward crossing to

@@ -10,12 +10,6 @@
 
 namespace goingrate {
 
-/// What the log tells of the sensor, as far as it was asked.
-struct SensorFindings {
-  std::optional<SensorEstimate> beat_error_s{};
-  std::optional<SensorEstimate> offset_rad{};
-};
-
 std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                       const SensorFindings& sensor = {});
 std::string fit_json(const FitSummary& fit);

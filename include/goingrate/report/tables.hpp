@@ -67,7 +67,7 @@ std::string block_table(const std::vector<PartRate>& blocks);
 /// A few lines: how many beats, how long, the rate and its uncertainty, the beat error (s) if
 /// known, the other segments.
 std::string rate_text(const Beats& beats, const RateSummary& summary,
-                      const std::optional<SensorEstimate>& beat_error_s = {});
+                      const SensorFindings& sensor = {});
 
 /// The fit as people know it from other fitting programs: statistics, variables, correlations above
 /// 0.1, what is undetermined, the models that were tried.
