@@ -85,6 +85,10 @@ TextPlace place_of(const toml::source_region& source, const std::string& file) {
 
 toml::table scenario_tree(std::string_view text, const std::string& file,
                           const std::vector<std::string>& overrides) {
+  constexpr std::size_t longest = 1 << 20; // the tree takes up to a hundred times the text
+  if (text.size() > longest)
+    throw InputError({file}, fmt::format("{} bytes", text.size()),
+                     fmt::format("a scenario of at most {}", longest));
   toml::table root = parsed(text, file);
   for (const std::string& change : overrides)
     merge(root, parsed_override(change));

@@ -74,6 +74,34 @@ std::optional<std::int64_t> zone(Taker& text, bool& given) {
   return west ? -east : east;
 }
 
+// "2013-02-22", or "22.02.2013": with points and the year behind, the day comes first. With strokes
+// it may be the month, so that form is not read.
+std::optional<std::chrono::year_month_day> day_of(Taker& text) {
+  Taker forwards(text);
+  auto year = forwards.number(4, 4);
+  std::optional<int> month, day;
+  if (year) {
+    if (!forwards.any_of("-_/.")) return {};
+    month = forwards.number(1, 2);
+    if (!month || !forwards.any_of("-_/.")) return {};
+    day = forwards.number(1, 2);
+  } else {
+    forwards = text;
+    day = forwards.number(1, 2);
+    if (!day || !forwards.any_of(".")) return {};
+    month = forwards.number(1, 2);
+    if (!month || !forwards.any_of(".")) return {};
+    year = forwards.number(4, 4);
+  }
+  if (!year || !day) return {};
+  const std::chrono::year_month_day ymd{std::chrono::year(*year),
+                                        std::chrono::month(static_cast<unsigned>(*month)),
+                                        std::chrono::day(static_cast<unsigned>(*day))};
+  if (!ymd.ok()) return {};
+  text = forwards;
+  return ymd;
+}
+
 } // namespace
 
 std::optional<CalendarTime> parse_calendar(std::string_view text, char point) {
@@ -86,21 +114,14 @@ std::optional<CalendarTime> parse_calendar(std::string_view text, char point) {
     return result;
   }
   Taker date(text);
-  const auto year = date.number(4, 4);
-  if (!year || !date.any_of("-_/.")) return {};
-  const auto month = date.number(1, 2);
-  if (!month || !date.any_of("-_/.")) return {};
-  const auto day = date.number(1, 2);
-  if (!day || !date.any_of(" \tTt_-")) return {};
+  const auto ymd = day_of(date);
+  if (!ymd || !date.any_of(" \tTt_-")) return {};
   date.blanks();
   const auto time = time_of_day(date, ":-_", point);
   if (!time) return {};
   const auto east = zone(date, result.has_zone);
-  const std::chrono::year_month_day ymd{std::chrono::year(*year),
-                                        std::chrono::month(static_cast<unsigned>(*month)),
-                                        std::chrono::day(static_cast<unsigned>(*day))};
-  if (!east || !ymd.ok()) return {};
-  const std::int64_t days = std::chrono::sys_days(ymd).time_since_epoch().count();
+  if (!east) return {};
+  const std::int64_t days = std::chrono::sys_days(*ymd).time_since_epoch().count();
   result.has_date = true;
   result.time = {time->seconds + days * 86400 - *east, time->fraction};
   return result;

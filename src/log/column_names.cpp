@@ -116,7 +116,7 @@ struct RoleWord {
   ColumnRole role;
 };
 // The first that the name contains counts; the longer come before those they contain.
-constexpr std::array<RoleWord, 25> role_words{{{"uncertainty", ColumnRole::ignored},
+constexpr std::array<RoleWord, 33> role_words{{{"uncertainty", ColumnRole::ignored},
                                                {"sigma", ColumnRole::ignored},
                                                {"residual", ColumnRole::ignored},
                                                {"angvel", ColumnRole::ignored},
@@ -132,6 +132,7 @@ constexpr std::array<RoleWord, 25> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"clock_error", ColumnRole::clock_error},
                                                {"drift", ColumnRole::clock_error},
                                                {"amplitude", ColumnRole::amplitude},
+                                               {"temps", ColumnRole::time}, // French
                                                {"temp", ColumnRole::temperature},
                                                {"press", ColumnRole::pressure},
                                                {"baro", ColumnRole::pressure},
@@ -140,7 +141,14 @@ constexpr std::array<RoleWord, 25> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"edge", ColumnRole::edge},
                                                {"direction", ColumnRole::edge},
                                                {"time", ColumnRole::time},
-                                               {"date", ColumnRole::time}}};
+                                               {"date", ColumnRole::time},
+                                               {"elapsed", ColumnRole::time},
+                                               {"zeit", ColumnRole::time}, // German
+                                               {"datum", ColumnRole::time},
+                                               {"winkel", ColumnRole::angle},
+                                               {"druck", ColumnRole::pressure},
+                                               {"heure", ColumnRole::time},
+                                               {"richtung", ColumnRole::edge}}};
 constexpr std::array<RoleWord, 9> short_names{{{"t", ColumnRole::time},
                                                {"mjd", ColumnRole::time},
                                                {"utc", ColumnRole::time},
@@ -174,6 +182,15 @@ std::string_view name_of(TimeUnit unit) {
   for (const TimeName& known : time_names)
     if (known.unit == unit) return known.name;
   return "?";
+}
+
+std::optional<Edge> edge_named(std::string_view text) {
+  const std::string word = lower(text.substr(0, text.find('-')));
+  constexpr std::array<std::string_view, 6> up{"up", "rising", "right", "r", "tick", "1"};
+  constexpr std::array<std::string_view, 6> down{"down", "falling", "left", "l", "tock", "0"};
+  if (std::find(up.begin(), up.end(), word) != up.end()) return Edge::up;
+  if (std::find(down.begin(), down.end(), word) != down.end()) return Edge::down;
+  return {};
 }
 
 bool set_unit(LogColumn& column, std::string_view text) {

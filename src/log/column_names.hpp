@@ -1,7 +1,7 @@
 // What a column's name says about it.
 #pragma once
 
-#include "goingrate/log/layout.hpp"
+#include "goingrate/log/clock_log.hpp"
 
 #include <optional>
 #include <string_view>
@@ -23,5 +23,9 @@ NamedColumn column_named(std::string_view name);
 bool set_unit(LogColumn& column, std::string_view unit);
 
 std::string_view name_of(TimeUnit unit);
+
+/// The direction that a word of an edge column tells: up, rising, right, R, tick, 1 or down,
+/// falling, left, L, tock, 0 (also "up-in" and the like).
+std::optional<Edge> edge_named(std::string_view word);
 
 } // namespace goingrate

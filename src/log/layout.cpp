@@ -67,6 +67,32 @@ std::string_view name_of(ColumnRole role) { return name_in(roles, role); }
 std::optional<LogFormat> format_named(std::string_view name) { return value_in(formats, name); }
 std::optional<ColumnRole> role_named(std::string_view name) { return value_in(roles, name); }
 
+std::string_view in_words(LogFormat format) {
+  switch (format) {
+  case LogFormat::native:
+    return "goingrate's native log";
+  case LogFormat::clock_error:
+    return "a clock-error log (label s, error s, amplitude mrad)";
+  case LogFormat::periods:
+    return "one period a line";
+  case LogFormat::phase:
+    return "phase data, the clock's error in seconds a line (positive: fast)";
+  case LogFormat::frequency:
+    return "frequency data, the relative rate a line";
+  case LogFormat::ticc:
+    return "TICC timestamps";
+  case LogFormat::ticc_interval:
+    return "TICC intervals, taken as the clock's error (positive: fast)";
+  case LogFormat::table:
+    return "columns with names";
+  case LogFormat::angle:
+    return "samples of the angle";
+  case LogFormat::timestamps:
+    break;
+  }
+  return "one time a line";
+}
+
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
   for (const auto& [format, name] : formats)

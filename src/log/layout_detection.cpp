@@ -3,6 +3,7 @@
 #include "calendar.hpp"
 #include "column_names.hpp"
 #include "issue_list.hpp"
+#include "time_columns.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -56,8 +57,12 @@ public:
     settle_times();
     layout_.tau0_s = options_.tau0_s.value_or(options_.nominal_period_s.value_or(1.0));
     log_.assumptions.insert(log_.assumptions.begin(),
-                            fmt::format("format: {}{}", words_for(layout_.format),
+                            fmt::format("format: {}{}",
+                                        layout_.format == LogFormat::table && head_.names.empty()
+                                            ? "columns without names"
+                                            : in_words(layout_.format),
                                         options_.format ? "" : ", found from the first lines"));
+    say_which_time();
     return layout_;
   }
 
@@ -77,8 +82,8 @@ private:
     layout_.columns[column].scale = scale;
   }
 
-  static std::string_view words_for(LogFormat format);
   bool read_names();
+  void leave_out(std::size_t column);
   [[nodiscard]] LogFormat format_of_names() const;
   [[nodiscard]] LogFormat format_of_contents() const;
   [[nodiscard]] LogFormat format_of_one_column() const;
@@ -90,6 +95,7 @@ private:
   void settle_times();
   void settle_unit(LogColumn& column, const ColumnSample& sample);
   void settle_angle_unit();
+  void say_which_time();
 
   const LogHead& head_;
   const ReadingOptions& options_;
@@ -100,45 +106,21 @@ private:
   Layout layout_;
 };
 
-std::string_view Detection::words_for(LogFormat format) {
-  switch (format) {
-  case LogFormat::native:
-    return "goingrate's native log";
-  case LogFormat::clock_error:
-    return "a clock-error log (label s, error s, amplitude mrad)";
-  case LogFormat::periods:
-    return "one period a line";
-  case LogFormat::phase:
-    return "phase data, the clock's error in seconds a line (positive: fast)";
-  case LogFormat::frequency:
-    return "frequency data, the relative rate a line";
-  case LogFormat::ticc:
-    return "TICC timestamps";
-  case LogFormat::ticc_interval:
-    return "TICC intervals, taken as the clock's error (positive: fast)";
-  case LogFormat::table:
-    return "columns with names";
-  case LogFormat::angle:
-    return "samples of the angle";
-  case LogFormat::timestamps:
-    break;
-  }
-  return "one time a line";
-}
-
 // Roles and units from the header; false if it names nothing that is known.
 bool Detection::read_names() {
   std::size_t known = 0;
   stated_unit_.assign(head_.columns, false);
   for (std::size_t i = 0; i < std::min(head_.columns, head_.names.size()); ++i) {
     const NamedColumn named = column_named(head_.names[i]);
-    const bool taken = layout_.find(named.column.role).has_value();
+    const ColumnRole role = named.column.role;
+    const bool taken = layout_.find(role).has_value();
     layout_.columns[i] = named.column;
-    if (taken && named.column.role != ColumnRole::ignored) // the first of a name counts
-      layout_.columns[i].role = ColumnRole::ignored;
+    if (taken && role != ColumnRole::ignored && role != ColumnRole::time) leave_out(i);
     stated_unit_[i] = named.has_unit;
     known += layout_.columns[i].role != ColumnRole::ignored ? 1 : 0;
   }
+  for (const std::size_t i : settle_named_times(samples_, layout_))
+    leave_out(i);
   if (head_.names.size() != head_.columns && known > 0) {
     const std::size_t line =
         head_.titles.empty() ? head_.rows.front().number - 1 : head_.titles.back().number;
@@ -148,6 +130,13 @@ bool Detection::read_names() {
              "names taken from the left");
   }
   return known > 0;
+}
+
+// The first column of a name counts.
+void Detection::leave_out(std::size_t column) {
+  assume(fmt::format("column {} {} is not read, an earlier one says the same (--column)",
+                     column + 1, shown(layout_.columns[column].name)));
+  layout_.columns[column].role = ColumnRole::ignored;
 }
 
 LogFormat Detection::format_of_names() const {
@@ -162,15 +151,18 @@ LogFormat Detection::format_of_names() const {
 }
 
 bool Detection::looks_like_clock_error() const {
-  // Whole-number labels in step with the lines, and an error that is small beside them.
-  return head_.columns == 3 && is_number(0) && is_number(1) && is_number(2) && samples_[0].whole &&
-         !samples_[1].whole && samples_[0].rising > 0.5 &&
+  // Whole-number labels in step with the lines, and an error that is small beside them: one that
+  // grows by more than 2 % of the time is no clock's, but a time beside a count of the lines.
+  constexpr double largest_rate = 0.02;
+  return head_.columns == 3 && samples_[1].typical_step < largest_rate * samples_[0].typical_step &&
+         is_number(0) && is_number(1) && is_number(2) && samples_[0].whole && !samples_[1].whole &&
+         samples_[0].rising > 0.5 &&
          std::max(std::abs(samples_[1].least), std::abs(samples_[1].most)) <= 43200.0;
 }
 
 // "2013-02-22 23:38:00": the date is a field of its own where blanks separate.
 bool Detection::has_date_in_front() const {
-  return first_.size() >= 2 && !is_number(0) &&
+  return head_.separator == ' ' && first_.size() >= 2 && !is_number(0) &&
          parse_calendar(fmt::format("{} {}", first_[0].text, first_[1].text), layout_.point);
 }
 
@@ -227,9 +219,7 @@ void Detection::fill_time() {
     set(1, ColumnRole::time);
     return;
   }
-  for (std::size_t i = 0; i < head_.columns; ++i)
-    if (is_calendar(i)) return set(i, ColumnRole::time);
-  set(0, ColumnRole::time);
+  guess_time(samples_, layout_);
 }
 
 // The roles of columns that no header names.
@@ -366,6 +356,17 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
                                                               ? std::string_view("days, as MJD")
                                                               : name_of(*likely)));
   column.unit = *likely;
+}
+
+// Of several columns, the one that was taken for the time: a wrong one would give a wrong rate.
+void Detection::say_which_time() {
+  const auto at = layout_.find(ColumnRole::time);
+  if (!at || layout_.columns.size() < 2 || layout_.format != LogFormat::table) return;
+  const std::string& name = layout_.columns[*at].name;
+  const auto date = layout_.find(ColumnRole::date);
+  assume(fmt::format("times are those of column {}{}{} (--column time=N)", *at + 1,
+                     name.empty() ? "" : ", " + shown(name),
+                     date ? fmt::format(", with the dates of column {}", *date + 1) : ""));
 }
 
 void Detection::settle_angle_unit() {

@@ -228,7 +228,8 @@ std::optional<Line> LineReader::next() {
     if (end != std::string_view::npos) {
       std::string_view text = rest_.substr(0, end);
       rest_.remove_prefix(end + 1);
-      if (!text.empty() && text.back() == '\r') text.remove_suffix(1);
+      while (!text.empty() && text.back() == '\r')
+        text.remove_suffix(1);
       return Line{text, ++number_, true};
     }
     searched = rest_.size();

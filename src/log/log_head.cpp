@@ -50,7 +50,8 @@ std::vector<HeadLine> lines_of(std::string_view text, bool whole) {
     if (end == std::string_view::npos && !whole && !lines.empty()) break; // cut by the buffer
     std::string_view line = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    while (!line.empty() && line.back() == '\r') // some programs write CR CR LF
+      line.remove_suffix(1);
     lines.push_back({line, ++number});
   }
   return lines;
@@ -95,16 +96,36 @@ bool any_digit(std::string_view line) {
   return line.find_first_of("0123456789") != std::string_view::npos;
 }
 
-// The first separator that cuts most lines alike into two or more.
+// Whether nine in ten lines with digits are cut into the same number of fields.
+bool cuts_alike(const std::vector<HeadLine>& lines, char separator) {
+  std::map<std::size_t, std::size_t> counts;
+  std::size_t all = 0, most = 0;
+  for (const HeadLine& line : lines) {
+    if (!any_digit(line.text)) continue;
+    ++all;
+    most = std::max(most, ++counts[count_fields(line.text, separator)]);
+  }
+  return most * 10 >= all * 9;
+}
+
+std::string_view without_blanks_behind(std::string_view line) {
+  const std::size_t last = line.find_last_not_of(" \t");
+  return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
+}
+
+// The first separator that cuts most lines into two or more.
 char find_separator(const std::vector<HeadLine>& lines) {
   for (const char candidate : {'\t', ';', ',', '|'}) {
     std::size_t with = 0, all = 0;
     for (const HeadLine& line : lines) {
       if (!any_digit(line.text)) continue;
       ++all;
-      with += count_fields(line.text, candidate) >= 2 ? 1 : 0;
+      with += count_fields(without_blanks_behind(line.text), candidate) >= 2 ? 1 : 0;
     }
-    if (all > 0 && with * 10 >= all * 9) return candidate;
+    if (all == 0 || with * 10 < all * 9) continue;
+    const bool mixed = // tabs here, blanks there
+        candidate == '\t' && !cuts_alike(lines, candidate) && cuts_alike(lines, ' ');
+    return mixed ? ' ' : candidate;
   }
   return ' ';
 }
@@ -162,8 +183,13 @@ std::vector<std::string> names_in(std::string_view line, char separator) {
   std::vector<Field> fields;
   split_fields(line, separator, fields);
   std::vector<std::string> names;
-  for (const Field& field : fields)
-    names.emplace_back(field.text);
+  for (const Field& field : fields) {
+    const bool unit = separator == ' ' && !names.empty() && field.text.find_first_of("([") == 0;
+    if (unit) // "Time (s)": one name
+      names.back() += fmt::format(" {}", field.text);
+    else
+      names.emplace_back(field.text);
+  }
   return names;
 }
 
@@ -329,6 +355,8 @@ ColumnSample LogHead::sample(std::size_t column) const {
       ++result.calendars;
       result.has_date = result.has_date || time->has_date;
       values.push_back(time->time.to_double());
+    } else if (is_date(text)) {
+      ++result.dates;
     }
   }
   if (values.empty()) return result;

@@ -59,6 +59,11 @@ void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout&
     throw InputError({log.source, layout.first_line, 1},
                      fmt::format("{} lines of other channels", rows.other_channels()),
                      fmt::format("lines of channel {} (--channel)", layout.channel));
+  if (layout.format == LogFormat::angle)
+    throw InputError({log.source, layout.first_line, 1},
+                     fmt::format("{} samples of an angle with {} crossings", rows.samples().size(),
+                                 log.events.size()),
+                     "three swings or more, of six samples or more each (--format, --column)");
   const std::size_t line = log.events.empty() ? 1 : log.events.back().line;
   throw InputError({log.source, line, 1},
                    fmt::format("{} event{}", log.events.size(), log.events.size() == 1 ? "" : "s"),

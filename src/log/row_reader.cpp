@@ -1,6 +1,7 @@
 #include "row_reader.hpp"
 
 #include "calendar.hpp"
+#include "column_names.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,31 +17,11 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_error_s = 1e9;  // thirty years: a clock that is further off was never set
 constexpr double longest_period_s = 1e6; // no pendulum takes so long
 
-// What counters and timers are known to wrap at, in the unit of the column.
-std::vector<double> wrap_candidates(const Layout& layout, TimeUnit unit) {
-  const double unit_s = unit.seconds * std::pow(10.0, unit.power);
-  std::vector<double> candidates{65536.0 * unit_s, 4294967296.0 * unit_s, 86400.0};
-  if (layout.format == LogFormat::ticc) candidates.insert(candidates.end(), {10.0, 100.0, 1000.0});
-  std::sort(candidates.begin(), candidates.end());
-  return candidates;
-}
-
-Unwrapper::Settings unwrapping(const Layout& layout, const ReadingOptions& options) {
-  const auto time = layout.find(ColumnRole::time);
-  Unwrapper::Settings settings;
-  settings.unit = time ? layout.columns[*time].unit : TimeUnit{};
-  settings.wrap_s = layout.wrap_s;
-  settings.candidates_s = wrap_candidates(layout, settings.unit);
-  settings.step_s = layout.wrap_s ? options.nominal_period_s : std::nullopt;
-  if (layout.newest_first && !layout.wrap_s) settings.wrap_s = 0.0;
-  return settings;
-}
-
 } // namespace
 
 RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log)
     : layout_(layout), log_(log), issues_(log, options.strict),
-      unwrap_(unwrapping(layout, options)), time_(layout.find(ColumnRole::time)),
+      unwrap_(unwrapping(layout, options.nominal_period_s)), time_(layout.find(ColumnRole::time)),
       date_(layout.find(ColumnRole::date)), period_(layout.find(ColumnRole::period)),
       half_period_(layout.find(ColumnRole::half_period)),
       error_(layout.find(ColumnRole::clock_error)), phase_(layout.find(ColumnRole::phase)),
@@ -163,14 +144,13 @@ std::optional<Instant> RowReader::time_of(const Line& line) {
   return written_time(line);
 }
 
-// The text of the time: of date and time, from the first letter of the one to the last of the
-// other.
-Field RowReader::time_field() const {
+// The text of the time, after that of the date if it has a column of its own.
+Field RowReader::time_field() {
   const Field& time = fields_[*time_];
   if (!date_) return time;
   const Field& date = fields_[*date_];
-  const char* const end = time.text.data() + time.text.size();
-  return {{date.text.data(), static_cast<std::size_t>(end - date.text.data())}, date.column};
+  date_and_time_.assign(date.text).append(" ").append(time.text);
+  return {date_and_time_, date.column};
 }
 
 std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
@@ -344,14 +324,12 @@ double RowReader::amplitude_at(const Line& line) {
 bool RowReader::read_edge(const Line& line, Beat& beat) {
   const Field& field = fields_[*edge_];
   const std::string_view word = field.text;
-  if (word.starts_with("up") || word == "rising" || word == "1") {
-    beat.edge = Edge::up;
-  } else if (word.starts_with("down") || word == "falling" || word == "0") {
-    beat.edge = Edge::down;
-  } else {
+  const auto edge = edge_named(word);
+  if (!edge) {
     reject_field(line, field, "up or down");
     return false;
   }
+  beat.edge = *edge;
   if (!word.ends_with("-in") && !word.ends_with("-out")) return true;
   accept_gate_edge(line, beat, word);
   return false;

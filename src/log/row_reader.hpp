@@ -51,7 +51,7 @@ private:
   std::optional<Instant> written_time(const Line& line);
   std::optional<Instant> accumulated_time(const Line& line, std::size_t column);
   std::optional<Instant> time_on_grid(const Line& line, std::size_t column);
-  [[nodiscard]] Field time_field() const;
+  [[nodiscard]] Field time_field();
   [[nodiscard]] std::optional<Instant> parsed_time(std::string_view text) const;
   [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
   bool is_cut_short(const Line& line, std::string_view text);
@@ -75,6 +75,7 @@ private:
   Place time_, date_, period_, half_period_, error_, phase_, frequency_, amplitude_, angle_, width_,
       edge_, temperature_, pressure_, channel_;
   std::vector<Field> fields_;
+  std::string date_and_time_; // of two columns
   std::vector<AngleSample> samples_;
   std::size_t data_lines_ = 0, rejected_ = 0, other_channels_ = 0;
   std::size_t time_length_ = 0; // of the text of the time in the line before

@@ -5,6 +5,30 @@
 
 namespace goingrate {
 
+namespace {
+
+// What counters and timers are known to wrap at, in the unit of the column.
+std::vector<double> wrap_candidates(const Layout& layout, TimeUnit unit) {
+  const double unit_s = unit.seconds * std::pow(10.0, unit.power);
+  std::vector<double> candidates{65536.0 * unit_s, 4294967296.0 * unit_s, 86400.0};
+  if (layout.format == LogFormat::ticc) candidates.insert(candidates.end(), {10.0, 100.0, 1000.0});
+  std::sort(candidates.begin(), candidates.end());
+  return candidates;
+}
+
+} // namespace
+
+Unwrapper::Settings unwrapping(const Layout& layout, std::optional<double> nominal_period_s) {
+  const auto time = layout.find(ColumnRole::time);
+  Unwrapper::Settings settings;
+  settings.unit = time ? layout.columns[*time].unit : TimeUnit{};
+  settings.wrap_s = layout.wrap_s;
+  settings.candidates_s = wrap_candidates(layout, settings.unit);
+  settings.step_s = layout.wrap_s ? nominal_period_s : std::nullopt;
+  if (layout.newest_first && !layout.wrap_s) settings.wrap_s = 0.0;
+  return settings;
+}
+
 Instant Unwrapper::placed(const Instant& raw, double typical_step_s) {
   if (settings_.wrap_s == 0.0) return raw;
   if (last_raw_) {

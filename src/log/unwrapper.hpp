@@ -1,7 +1,7 @@
 // Counters that overflow, timers that roll over, times of day.
 #pragma once
 
-#include "goingrate/base/instant.hpp"
+#include "goingrate/log/layout.hpp"
 
 #include <optional>
 #include <vector>
@@ -40,5 +40,8 @@ private:
   Instant offset_{};
   std::int64_t wraps_ = 0;
 };
+
+/// What the layout and the period, if it is known, say of it.
+Unwrapper::Settings unwrapping(const Layout& layout, std::optional<double> nominal_period_s);
 
 } // namespace goingrate

@@ -170,6 +170,8 @@ std::vector<Malformed> options() {
       {"NegativePeriod", rate("--nominal-period -2"), good, 2, "--nominal-period"},
       {"EndlessPeriod", rate("--nominal-period 1e300"), good, 2, "must be between 1e-09 and 1e9 s"},
       {"WordForPeriod", rate("--nominal-period two"), good, 2, "--nominal-period"},
+      {"PeriodThatIsNone", rate("--nominal-period nan"), good, 2, "nan is no number"},
+      {"ProbabilityThatIsNone", rate("--gap-probability nan"), good, 2, "nan is no number"},
       {"NoTau", rate("--tau0 0"), good, 2, "--tau0"},
       {"EndlessTau", rate("--tau0 1e300 --format phase"), good, 2, "tau0 = "},
       {"LikelierThanCertain", rate("--gap-probability 1.5"), good, 2, "--gap-probability"},
@@ -221,6 +223,8 @@ std::vector<Malformed> scenarios() {
       {"DeepNesting", run, "a = " + std::string(5000, '[') + "\n", 3, "found text that is no TOML"},
       {"BinaryScenario", run, std::string("\x01\x02\x00\x03", 4), 3, "bad.toml:1:1: found text"},
       {"NoText", run, "", 3, "bad.toml: found run = no length"},
+      {"ScenarioTooLong", run, good + repeated("# and so on\n", 100000), 3,
+       "bad.toml: found 1200066 bytes, expected a scenario of at most 1048576"},
       {"NoScenario", "simulate no.toml -o out.csv", "", 3, "no.toml: found No such file"},
       {"NegativeEpsilon", run, "[clock]\nepsilon = -1e-4\n[run]\nperiods = 9\n", 3,
        "bad.toml:2:11: found epsilon = -0.0001, expected at least 0 and below 1"},
@@ -295,7 +299,7 @@ TEST_P(MalformedTest, IsAnsweredInWords) {
   EXPECT_LE(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 12) << outcome.err;
   EXPECT_LE(outcome.err.size(), 1600U) << outcome.err;
   EXPECT_EQ(outcome.err.find(":0:0"), std::string::npos) << outcome.err;
-  if (bad.file.find("nan") == std::string::npos) {
+  if ((bad.file + bad.arguments).find("nan") == std::string::npos) {
     EXPECT_EQ(outcome.err.find("nan"), std::string::npos) << outcome.err;
   }
   for (const auto& entry : std::filesystem::directory_iterator(folder_))

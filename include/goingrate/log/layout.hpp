@@ -70,7 +70,8 @@ struct Layout {
 };
 
 std::string_view name_of(LogFormat format); ///< as --format takes it
-std::string_view name_of(ColumnRole role);  ///< as --column takes it
+std::string_view in_words(LogFormat format);
+std::string_view name_of(ColumnRole role); ///< as --column takes it
 std::optional<LogFormat> format_named(std::string_view name);
 std::optional<ColumnRole> role_named(std::string_view name);
 std::vector<std::string> format_names();

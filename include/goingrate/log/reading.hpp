@@ -33,12 +33,15 @@ struct ReadingOptions {
 /// can be overridden. Times keep all their digits. A line that cannot be used is left out, one that
 /// can be mended is mended; both are listed in `issues` (line, column, kind, what was done). Order
 /// is restored by sorting, a log with the newest line first is turned round.
-/// Amplitudes outside 0 to pi rad are taken as unknown, times beyond 4e18 s left out; both are
-/// told. Angle samples become crossings, see crossings_of_samples.
-/// Throws InputError (file, line, column, found, expected) if the text is empty, binary, of
-/// no known format, if fewer than half of its lines can be used, or fewer than three events are
-/// found. Formats: ReadingTest, Formats/ReadsInTheWild. Speed and memory:
-/// tests/studies/reading.txt.
+/// Amplitudes outside 0 to pi rad and widths outside 0 to 1e6 s are taken as unknown, times beyond
+/// 4e18 s and clock errors beyond 1e9 s left out; all are told. Angle samples become crossings, see
+/// crossings_of_samples.
+/// Throws InputError (file, line, column, found, expected) if the text is empty, in UTF-16, binary
+/// in its first line or in half of them (holes of zeros are left out), of no known format, has more
+/// than 256 columns or a line of more than 16 MiB, if fewer than half of its lines can be used, or
+/// fewer than three events are found; ArgumentError for options out of range. Memory: 48 bytes a
+/// line and at most ten times the text (tests/fuzz). Formats: ReadingTest, Formats/ReadsInTheWild.
+/// Speed and memory: tests/studies/reading.txt.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});
 

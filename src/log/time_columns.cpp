@@ -1,0 +1,75 @@
+#include "time_columns.hpp"
+
+namespace goingrate {
+
+namespace {
+
+bool is_mostly(std::size_t count, const ColumnSample& sample) { return count * 2 > sample.rows; }
+bool is_date_alone(const ColumnSample& sample) { return is_mostly(sample.dates, sample); }
+bool is_time_of_day(const ColumnSample& sample) {
+  return is_mostly(sample.calendars, sample) && !sample.has_date;
+}
+
+// The first column of dates alone, and of times of day.
+struct DateAndTime {
+  std::size_t date, time;
+};
+std::optional<DateAndTime> date_and_time(std::span<const ColumnSample> samples) {
+  std::optional<std::size_t> date, time;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!date && is_date_alone(samples[i])) date = i;
+    if (!time && is_time_of_day(samples[i])) time = i;
+  }
+  if (!date || !time) return {};
+  return DateAndTime{*date, *time};
+}
+
+std::size_t likely_time(std::span<const ColumnSample> samples) {
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (is_mostly(samples[i].calendars, samples[i])) return i;
+  if (samples.empty() || !counts_lines(samples[0])) return 0;
+  constexpr double steadily = 0.9; // of the steps: a clock may be set back now and then
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    if (is_mostly(samples[i].numbers, samples[i]) && samples[i].rising > steadily) return i;
+  return 0;
+}
+
+} // namespace
+
+bool counts_lines(const ColumnSample& sample) {
+  constexpr std::size_t enough = 3; // lines to see it
+  return sample.numbers >= enough && sample.numbers == sample.rows && sample.whole &&
+         sample.typical_step == 1.0 && sample.rising == 1.0 &&
+         sample.most - sample.least == static_cast<double>(sample.numbers - 1);
+}
+
+void guess_time(std::span<const ColumnSample> samples, Layout& layout) {
+  if (const auto both = date_and_time(samples)) {
+    layout.columns[both->date].role = ColumnRole::date;
+    layout.columns[both->time].role = ColumnRole::time;
+    return;
+  }
+  layout.columns[likely_time(samples)].role = ColumnRole::time;
+}
+
+std::vector<std::size_t> settle_named_times(std::span<const ColumnSample> samples, Layout& layout) {
+  std::vector<std::size_t> unread;
+  std::optional<std::size_t> date, time;
+  for (std::size_t i = 0; i < layout.columns.size(); ++i) {
+    ColumnRole& role = layout.columns[i].role;
+    if (role != ColumnRole::time) continue;
+    role = ColumnRole::ignored;
+    if (is_date_alone(samples[i])) {
+      if (!date) date = i;
+    } else if (time) {
+      unread.push_back(i);
+    } else {
+      time = i;
+    }
+  }
+  if (time) layout.columns[*time].role = ColumnRole::time;
+  if (date && time && is_time_of_day(samples[*time])) layout.columns[*date].role = ColumnRole::date;
+  return unread;
+}
+
+} // namespace goingrate

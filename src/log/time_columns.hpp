@@ -1,0 +1,25 @@
+// Which columns of a table tell the time.
+#pragma once
+
+#include "log_head.hpp"
+
+#include "goingrate/log/layout.hpp"
+
+#include <span>
+
+namespace goingrate {
+
+/// A column that counts the lines: whole numbers that rise by one.
+bool counts_lines(const ColumnSample& sample);
+
+/// Sets the time, and the date where it has a column of its own, of a table without names: the
+/// first column of dates and times of day; else of numbers that rise and do not count the lines;
+/// else the first.
+void guess_time(std::span<const ColumnSample> samples, Layout& layout);
+
+/// Of columns named as times, one that holds dates alone goes with the column of times of day, or
+/// is ignored if there is none; of several others the first counts. Returns the places of times
+/// that are not read.
+std::vector<std::size_t> settle_named_times(std::span<const ColumnSample> samples, Layout& layout);
+
+} // namespace goingrate
