@@ -59,7 +59,7 @@ void add_chart(CLI::App& program, const GlobalOptions& global) {
   command->add_flag("--limits", options->limits,
                     "where each method fails, over friction, amplitude and escapement angle");
   command->add_option("--nominal-period", options->nominal_period_s, "of the clock, for seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--plot", options->plot, "a figure (SVG) of one scene");
   command->add_option("--scene", options->scene, "the scene of the figure")
@@ -67,7 +67,7 @@ void add_chart(CLI::App& program, const GlobalOptions& global) {
           {"C steady", "C noisy", "jump", "ring-down", "near stall", "large amplitude"}))
       ->capture_default_str();
   command->add_option("--jitter", options->jitter_s, "of the sensor, s: a line in the figure")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "the table; standard output if not given");
   add_json_option(*command, options->json);

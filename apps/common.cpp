@@ -13,13 +13,29 @@ namespace goingrate::apps {
 namespace {
 constexpr std::size_t issues_shown = 5; // the rest is counted; `rate --json` lists all of them
 
-// The ranges of CLI11 let "nan" pass, which is neither above nor below anything.
-const CLI::Validator a_number(
-    [](std::string& text) {
-      return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is no number" : "";
-    },
-    "");
+CLI::Validator number_that(bool (*holds)(double), const char* words) {
+  return {[holds, words](std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            const bool whole = !text.empty() && *end == '\0';
+            return whole && std::isfinite(value) && holds(value)
+                       ? std::string()
+                       : fmt::format("{} is no number {}", text, words);
+          },
+          ""};
+}
 } // namespace
+
+CLI::Validator positive() {
+  return number_that([](double value) { return value > 0.0; }, "above 0");
+}
+CLI::Validator not_negative() {
+  return number_that([](double value) { return value >= 0.0; }, "from 0 on");
+}
+CLI::Validator seed_range() {
+  return number_that([](double value) { return value >= 0.0 && value < 0x1p64; },
+                     "from 0 to 2^64 - 1");
+}
 
 void say(const GlobalOptions& global, std::string_view line) {
   if (!global.quiet) std::fputs(fmt::format("{}\n", line).c_str(), stderr);
@@ -31,7 +47,7 @@ void add_log_options(CLI::App& command, LogOptions& options) {
   command
       .add_option("--nominal-period", options.nominal_period_s,
                   "T0 in s, the period to compare with")
-      ->check(CLI::PositiveNumber & a_number);
+      ->check(positive());
   command.add_flag(
       "--both-edges", options.both_edges,
       "the log holds both directions without labels; found by itself if the clock is out "
@@ -41,14 +57,14 @@ void add_log_options(CLI::App& command, LogOptions& options) {
                   "angle (rad) of a centred flag as seen from the pivot. With a column of widths "
                   "it gives the amplitudes; without, the times are those of its leading edge and "
                   "are moved to the vertical with each beat's amplitude")
-      ->check(CLI::Range(0.0, 1.0) & a_number);
+      ->check(CLI::Range(0.0, 1.0) & not_negative());
   command.add_option("--sensor-offset", options.sensor_offset,
                      "angle (rad) at which the sensor stands: times are moved to the vertical, and "
                      "amplitudes had from the two half-periods; auto: estimated from the log");
   command
       .add_option("--gap-probability", options.gap_probability,
                   "split the log at a gap whose count is right with less than this probability")
-      ->check(CLI::Range(0.5, 1.0) & a_number)
+      ->check(CLI::Range(0.5, 1.0) & not_negative())
       ->capture_default_str();
   add_reading_options(command, options);
 }
@@ -72,10 +88,10 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       .add_option("--wrap", options.wrap_s,
                   "the times begin again every so many s; 0: they never do. With --nominal-period "
                   "also for counters that overflow more than once a beat")
-      ->check(CLI::NonNegativeNumber & a_number)
+      ->check(not_negative())
       ->group(group);
   command.add_option("--tau0", options.tau0_s, "s between values of phase, frequency or intervals")
-      ->check(CLI::PositiveNumber & a_number)
+      ->check(positive())
       ->group(group);
   command.add_flag("--decimal-comma", options.decimal_comma, "12,5 is twelve and a half")
       ->group(group);

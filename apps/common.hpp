@@ -45,6 +45,12 @@ struct LogOptions {
   bool strict = false;
 };
 
+/// Checks of numbers on the command line. CLI11's own let "nan" pass, which is neither above nor
+/// below anything, and name their limits with 300 digits.
+CLI::Validator positive();
+CLI::Validator not_negative();
+CLI::Validator seed_range();
+
 void add_log_options(CLI::App& command, LogOptions& options);
 /// Of these, the ones that say how the text is read.
 void add_reading_options(CLI::App& command, LogOptions& options);

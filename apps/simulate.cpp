@@ -165,7 +165,7 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
                       "the log to write; standard output if not given");
   command->add_option("--truth", options->truth, "also write the true state, one row a period");
   command->add_option("--seed", options->seed, "of the random streams")
-      ->check(CLI::NonNegativeNumber)
+      ->check(seed_range())
       ->capture_default_str();
   command
       ->add_option("--realisations", options->realisations,
@@ -173,7 +173,7 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
       ->check(CLI::Range(1, 10000000))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "0: one a core; changes nothing but the time")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command
       ->add_option("--set", options->overrides,

@@ -43,7 +43,7 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
   add_log_options(*command, options->log);
   add_model_options(*command, options->model);
   command->add_option("--split", options->split_hz, "part fast from slow at this frequency (Hz)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->add_option("-o,--output", options->output, "write the spectrum of the rate as CSV");
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate spectrum data/logs/noisy-drive.csv --fix T0=2 "

@@ -4,12 +4,15 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
 
 namespace goingrate {
 
 namespace {
+
+constexpr std::size_t most_names = 20; // in a message
 
 std::size_t place_of(std::string_view place, const LogHead& head, const std::string& word) {
   std::size_t number = 0;
@@ -20,7 +23,15 @@ std::size_t place_of(std::string_view place, const LogHead& head, const std::str
   }
   for (std::size_t i = 0; i < head.names.size(); ++i)
     if (head.names[i] == place) return i;
-  throw ArgumentError("column", word, "a number from 1, or a name of the header");
+  throw ArgumentError(
+      "column", word,
+      head.names.empty()
+          ? "a number from 1 (the columns have no names)"
+          : fmt::format("a number from 1, or one of {}",
+                        fmt::join(head.names.begin(),
+                                  head.names.begin() + static_cast<std::ptrdiff_t>(
+                                                           std::min(head.names.size(), most_names)),
+                                  ", ")));
 }
 
 } // namespace
