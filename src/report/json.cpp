@@ -74,6 +74,8 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   for (const LineIssue& issue : log.issues)
     json["issues"].push_back({{"line", issue.line},
                               {"last_line", std::max(issue.line, issue.last_line)},
+                              {"lines", issue.lines},
+                              {"scattered", issue.scattered},
                               {"kind", name_of(issue.kind)},
                               {"column", issue.column},
                               {"found", issue.found},
