@@ -69,12 +69,13 @@ void Numbering::run() {
   last_ = next_up(0);
   if (last_ == beats_.size()) return;
   beats_[last_].cycle = 0;
+  const double period = local_period(beats_, last_, period_);
   // Too few for a vote: trust the first event.
-  const std::size_t start = find_steady_beat(beats_, last_, period_, tolerance_).value_or(last_);
+  const std::size_t start = find_steady_beat(beats_, last_, period, tolerance_).value_or(last_);
   for (std::size_t i = last_; i < start; i = next_up(i + 1))
     mark_spurious(i);
   accept(start, 0);
-  filter_.start(unknown_period_share * period_);
+  filter_.start(unknown_period_share * period_, period);
   for (std::size_t i = next_up(start + 1); i < beats_.size(); i = next_up(i + 1))
     i = place(i);
   strike_lone_outliers();
@@ -135,7 +136,7 @@ std::size_t Numbering::resume(std::size_t i, std::size_t seen) {
   double period = filter_.period();
   auto found = find_steady_beat(beats_, i, period, tolerance_);
   if (!found) { // the filter itself may have gone astray, after a false start
-    period = period_;
+    period = local_period(beats_, i, period_);
     found = find_steady_beat(beats_, i, period, tolerance_);
   }
   const std::size_t start = found.value_or(seen + 1);

@@ -1,5 +1,7 @@
 #include "phase_search.hpp"
 
+#include "typical_period.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -38,6 +40,28 @@ Agreement agreement(std::span<const Beat> events, std::size_t start, double peri
 }
 
 } // namespace
+
+double local_period(std::span<const Beat> events, std::size_t from, double period_s) {
+  constexpr double alike = 0.1; // of a period: no circular error or step of the rate is larger
+  constexpr std::size_t fewest = 4;
+  std::vector<double> steps;
+  const Beat* before = nullptr;
+  for (std::size_t i = from; i < events.size(); ++i) {
+    if (events[i].edge == Edge::down) continue;
+    if (events[i].time - events[from].time > window_periods * period_s) break;
+    const double step = before == nullptr ? 0.0 : events[i].time - before->time;
+    if (std::abs(step - period_s) < alike * period_s) steps.push_back(step);
+    before = &events[i];
+  }
+  if (steps.size() < fewest) return period_s;
+  const double here = median(std::span(steps));
+  const auto count = static_cast<double>(steps.size());
+  for (double& step : steps)
+    step = std::abs(step - here);
+  // The standard error of a median of normal values, from their median deviation.
+  const double error = 1.25 * 1.4826 * median(std::span(steps)) / std::sqrt(count);
+  return std::abs(here - period_s) > 4.0 * error ? here : period_s; // beyond chance
+}
 
 std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
                                             double period_s, double tolerance_s) {

@@ -15,4 +15,10 @@ namespace goingrate {
 std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
                                             double period_s, double tolerance_s);
 
+/// The period of the beats from index `from` on, within a dozen periods: the median of the steps
+/// that are within a tenth of `period_s`, which of a clock that rings down may be some per cent
+/// off; `period_s` itself if there are not four of them or the median is not beyond four of its
+/// standard errors from it.
+double local_period(std::span<const Beat> events, std::size_t from, double period_s);
+
 } // namespace goingrate

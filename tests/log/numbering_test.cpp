@@ -3,6 +3,7 @@
 #include "goingrate/base/errors.hpp"
 #include "log/gap_judge.hpp"
 #include "support/faulty_log.hpp"
+#include "support/simulated.hpp"
 
 #include <gtest/gtest.h>
 
@@ -196,6 +197,21 @@ TEST(NumberingStudy, ShortForm) {
   for (const auto& bin : score.bins)
     all += bin.gaps;
   EXPECT_GT(2 * sure, all);
+}
+
+TEST(NumberingTest, ARingDownFromALargeSwingIsCountedThrough) {
+  // The period falls by 4 % on the way: its first beats are far from the typical one.
+  for (const SensorEdges edges : {SensorEdges::up, SensorEdges::both}) {
+    Scenario scenario = test::ring_down(400, 1e-4);
+    scenario.start_amplitude = 0.8;
+    scenario.clock.epsilon = 2e-3;
+    scenario.sensor.edges = edges;
+    const Beats beats = number_beats(test::simulated_log(scenario, 1));
+    EXPECT_EQ(beats.spurious, 0);
+    EXPECT_EQ(beats.missed, 0);
+    EXPECT_EQ(beats.segments, 1u);
+    EXPECT_EQ(beats.longest_segment().size(), 401u);
+  }
 }
 
 } // namespace

@@ -61,7 +61,7 @@ void steady_log() {
 } // namespace
 
 int main(int argc, char** argv) {
-  const std::uint64_t logs = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500;
+  const std::uint64_t logs = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 5000;
   // Logs below 12001 were looked at while the numbering was made; these were not.
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 20001;
   std::printf("seeds %llu to %llu\n", static_cast<unsigned long long>(first),

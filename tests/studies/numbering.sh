@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds with the bench preset and prints how well 500 faulty logs are numbered; numbering.txt holds
-# one such print with its date and machine. Takes seconds once built.
+# Builds with the bench preset and prints how well 5000 faulty logs are numbered; numbering.txt holds
+# one such print with its date and machine. Takes a minute once built.
 set -e
 cd "$(dirname "$0")/../.."
 . apps/setup.sh
