@@ -1,6 +1,7 @@
 #include "goingrate/log/angle_samples.hpp"
 
 #include "goingrate/base/random.hpp"
+#include "goingrate/log/beats.hpp"
 #include "goingrate/log/reading.hpp"
 #include "support/real_data.hpp"
 
@@ -146,6 +147,10 @@ TEST(AngleSamplesTest, AVideoOfARingDown) {
   EXPECT_NEAR(log.events[1].amplitude_rad, 0.6, 0.1);
   for (const double sigma : log.columns.sigma_s)
     EXPECT_LT(sigma, 5e-3);
+  // The period falls by 2.5 % with the amplitude; no beat is lost over it.
+  const Beats beats = number_beats(log);
+  EXPECT_EQ(beats.spurious, 0);
+  EXPECT_EQ(beats.longest_segment().size(), 70u); // of 141 crossings, the first falling
 }
 
 } // namespace

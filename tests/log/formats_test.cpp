@@ -318,6 +318,19 @@ TEST(FormatsTest, ATruncatedLastLineIsLeftOut) {
   EXPECT_TRUE(read_log("0.125\n2.125\n4.125", "x").issues.empty()); // whole, without a line end
 }
 
+TEST(FormatsTest, WhatTurnsOutInOrderAfterAllIsNotTurnedRoundUnsorted) {
+  // The head falls, the rest rises: turned round, the rest has to be sorted.
+  std::string text;
+  for (int i = 0; i < 1000; ++i)
+    text += fmt::format("{}.5\n", 4000 - 2 * i);
+  for (int i = 0; i < 200; ++i)
+    text += fmt::format("{}.5\n", 5000 + 2 * i);
+  const ClockLog log = read_log(text, "x");
+  EXPECT_TRUE(says(log, "newest line is first"));
+  for (std::size_t i = 1; i < log.events.size(); ++i)
+    ASSERT_LT(log.events[i - 1].time, log.events[i].time);
+}
+
 TEST(FormatsTest, RunsOfBadLinesAreOneIssue) {
   const ClockLog log = read_log("0\n2\n4\nx\ny\nz\n6\n8\n10\n", "x");
   ASSERT_EQ(log.issues.size(), 1u);
