@@ -135,6 +135,11 @@ std::string split_text(const Gap& gap) {
   if (gap.kind == GapKind::step)
     return place + "the events go on displaced, as if the reference had been set; the longest part "
                    "is used";
+  if (gap.probability == 0.0 && gap.kind == GapKind::gap)
+    return place +
+           fmt::format("about {} beats are missing, more than this log lets count (ten times "
+                       "its longest run at most); the longest part is used",
+                       gap.length);
   return place + fmt::format("about {} beats are missing, a count that is right with probability "
                              "{:.2f}{}; the longest part is used",
                              gap.length, gap.probability,
@@ -195,7 +200,12 @@ void use_flag(NumberedLog& loaded, const LogOptions& options) {
     log.events = std::move(loaded.beats.beats);
     set_amplitudes_from_widths(log, width, loaded.nominal_period_s);
     loaded.beats.beats = std::move(log.events);
-  } else if (options.flag_width_rad > 0.0) {
+  } else if (width > 0.0 && !loaded.log.has_amplitude) {
+    loaded.log.assumptions.emplace_back(
+        "the times are those of a flag's leading edge, and without amplitudes cannot be moved to "
+        "the "
+        "vertical: where the amplitude changes, the rate is biased");
+  } else if (width > 0.0) {
     with_events(loaded, options, [&](ClockLog& log) {
       move_to_vertical(log, -0.5 * width, 0.5 * width, loaded.nominal_period_s);
     });
@@ -256,7 +266,10 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
         "each event is one period (--both-edges if both directions are in the log)");
   number(loaded, options);
   loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
-  loaded.nominal_is_known = loaded.nominal_period_s != loaded.beats.typical_period_s;
+  loaded.nominal_is_known = loaded.log.nominal_period_s ||
+                            loaded.nominal_period_s != loaded.beats.typical_period_s ||
+                            std::round(loaded.nominal_period_s * 4.0) ==
+                                loaded.nominal_period_s * 4.0; // a quarter second
   use_flag(loaded, options);
   use_sensor_offset(loaded, options);
   choose_good(loaded);

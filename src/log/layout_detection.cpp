@@ -17,7 +17,7 @@ namespace {
 
 // The unit in which a beat takes between 0.02 s and 100 s; samples of an angle may be closer.
 std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
-  if (step >= 0.02 && step < 100.0) return in_seconds;
+  if (step >= 0.01 && step < 100.0) return in_seconds;
   if (step >= 100.0 && step < 2e4) return in_milliseconds;
   if (step >= 2e4 && step < 5e7) return in_microseconds;
   if (step >= 5e7 && step < 1e11) return in_nanoseconds;
@@ -54,8 +54,8 @@ public:
       if (!options_.format) layout_.format = format_of_names();
     }
     check_needed_columns();
-    settle_times();
     layout_.tau0_s = options_.tau0_s.value_or(options_.nominal_period_s.value_or(1.0));
+    settle_times();
     log_.assumptions.insert(log_.assumptions.begin(),
                             fmt::format("format: {}{}",
                                         layout_.format == LogFormat::table && head_.names.empty()
@@ -95,6 +95,7 @@ private:
   void settle_times();
   void settle_unit(LogColumn& column, const ColumnSample& sample);
   void settle_angle_unit();
+  void settle_tau0();
   void say_which_time();
 
   const LogHead& head_;
@@ -196,7 +197,7 @@ LogFormat Detection::format_of_one_column() const {
     const HeadLine& first = head_.rows.front();
     throw InputError({log_.source, first.number, 1}, shown(first.text), "a time a line");
   }
-  const bool steady = !is_number(0) || only.rising > 0.6 || only.falling > 0.8;
+  const bool steady = !is_number(0) || only.rising > 0.6 || only.falling > 0.7;
   const bool beats = !is_number(0) || options_.unit || unit_for_step(only.typical_step, only);
   if ((steady && beats) || options_.wrap_s) return LogFormat::timestamps;
   // Periods of one clock are alike; the error of a clock wanders about nothing in particular.
@@ -247,7 +248,8 @@ void Detection::fill_columns(bool named) {
     if (head_.columns < 2) break;
     set(1, ColumnRole::channel);
     layout_.channel = options_.channel.empty() ? std::string(first_[1].text) : options_.channel;
-    assume(fmt::format("channel {} (--channel)", layout_.channel));
+    assume(fmt::format("channel {}{} (--channel)", layout_.channel,
+                       options_.channel.empty() ? ", the first in the file" : ""));
     break;
   case LogFormat::angle:
     fill_time();
@@ -311,10 +313,9 @@ void Detection::settle_times() {
     const bool date = sample.has_date || layout_.find(ColumnRole::date);
     if (layout_.calendar && !date) layout_.wrap_s = 86400.0;
     if (options_.wrap_s) layout_.wrap_s = options_.wrap_s;
-    layout_.newest_first = sample.falling > 0.8 && sample.falling > sample.rising;
+    layout_.newest_first = sample.falling > 0.7 && sample.falling > sample.rising;
     if (layout_.newest_first) {
       assume("the newest line is first; the log is turned round");
-      if (layout_.wrap_s && !options_.wrap_s) layout_.wrap_s = 0.0;
     }
     if (!layout_.calendar) settle_unit(layout_.columns[*at], sample);
   }
@@ -325,8 +326,7 @@ void Detection::settle_times() {
       settle_unit(layout_.columns[*column], sample);
     }
   if (layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency))
-    if (!options_.tau0_s && !options_.nominal_period_s)
-      assume("one value a second (--tau0 says otherwise)");
+    if (!options_.tau0_s && !options_.nominal_period_s) settle_tau0();
   settle_angle_unit();
 }
 
@@ -348,7 +348,7 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   if (!likely || *likely == column.unit) return;
   const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
   const double step_s = sample.typical_step * own;
-  if (stated && step_s > 1e-3 && step_s < 4000.0) return; // unusual, but not absurd
+  if (stated && step_s > 0.01 && step_s < 4000.0) return; // unusual, but not absurd
   assume(stated ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken "
                               "(--unit)",
                               name_of(column.unit), step_s, name_of(*likely))
@@ -367,6 +367,21 @@ void Detection::say_which_time() {
   assume(fmt::format("times are those of column {}{}{} (--column time=N)", *at + 1,
                      name.empty() ? "" : ", " + shown(name),
                      date ? fmt::format(", with the dates of column {}", *date + 1) : ""));
+}
+
+// Phase and frequency come with a time of their own, or are taken as one a second.
+void Detection::settle_tau0() {
+  const bool timed = head_.columns >= 2 && is_number(0) && samples_[0].rising > 0.9;
+  const auto unit = timed ? unit_for_step(samples_[0].typical_step, samples_[0]) : std::nullopt;
+  const bool second =
+      layout_.find(ColumnRole::phase) != 0 && layout_.find(ColumnRole::frequency) != 0;
+  if (unit && second) {
+    layout_.tau0_s = samples_[0].typical_step * unit->seconds * std::pow(10.0, unit->power);
+    assume(fmt::format("one value every {:.6g} s, the step of the first column (--tau0)",
+                       layout_.tau0_s));
+  } else {
+    assume("one value a second (--tau0); if they are periods or frequencies, --format says so");
+  }
 }
 
 void Detection::settle_angle_unit() {

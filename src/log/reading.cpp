@@ -126,6 +126,25 @@ void check(const ReadingOptions& options) {
     throw ArgumentError("rest-angle", *options.rest_angle_rad, "between -pi and pi rad");
 }
 
+// A log that had its newest line first can be unwrapped only now.
+void unwrap_turned(ClockLog& log, Layout layout, const ReadingOptions& options) {
+  layout.newest_first = false;
+  Unwrapper unwrap(unwrapping(layout, options.nominal_period_s));
+  double typical_step_s = 0.0;
+  Instant before = log.events.front().time;
+  for (Beat& event : log.events) {
+    const double step = event.time - before;
+    before = event.time;
+    event.time = unwrap(event.time, [&] { return typical_step_s; });
+    if (step > 0.0) // of the last eight or so
+      typical_step_s += (step - typical_step_s) * (typical_step_s > 0.0 ? 0.125 : 1.0);
+  }
+  if (unwrap.wraps() > 0)
+    log.assumptions.push_back(fmt::format("the times begin again {} time{}, every {:.12g} s",
+                                          unwrap.wraps(), unwrap.wraps() == 1 ? "" : "s",
+                                          unwrap.wrap_s()));
+}
+
 ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   check(options);
   ClockLog log;
@@ -144,7 +163,10 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   IssueList issues(log, options.strict);
   if (layout.format == LogFormat::angle) find_crossings(rows, layout, options, log, issues);
   refuse_if_too_few(log, rows, layout);
-  if (layout.newest_first) turn_round(log);
+  if (layout.newest_first) {
+    turn_round(log);
+    unwrap_turned(log, layout, options);
+  }
   if (layout.format == LogFormat::clock_error && log.nominal_period_s && !options.nominal_period_s)
     mend_label_jitter(log, *log.nominal_period_s, issues);
   // Looking through a long log again takes a tenth of reading it: only where times were not

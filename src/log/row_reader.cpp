@@ -81,10 +81,14 @@ void RowReader::add(const Line& line) {
   if (!time) return;
   if (angle_) {
     const double angle = number_at(line, angle_, "an angle");
-    if (std::isnan(angle))
+    if (std::isnan(angle)) {
       ++rejected_;
-    else
+      const Field& field = fields_[*angle_];
+      if (says_nothing(field.text))
+        issues_.add(line.number, field.column, IssueKind::no_value, "no angle", "sample left out");
+    } else {
       samples_.push_back({*time, angle * layout_.columns[*angle_].scale, line.number});
+    }
     return;
   }
   Beat beat = event_at(*time, half_period_ && row_++ % 2 == 1 ? Edge::down : Edge::up, line.number);

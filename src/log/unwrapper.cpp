@@ -25,7 +25,7 @@ Unwrapper::Settings unwrapping(const Layout& layout, std::optional<double> nomin
   settings.wrap_s = layout.wrap_s;
   settings.candidates_s = wrap_candidates(layout, settings.unit);
   settings.step_s = layout.wrap_s ? nominal_period_s : std::nullopt;
-  if (layout.newest_first && !layout.wrap_s) settings.wrap_s = 0.0;
+  if (layout.newest_first) settings.wrap_s = 0.0; // once it is turned round
   return settings;
 }
 
@@ -43,22 +43,39 @@ Instant Unwrapper::placed(const Instant& raw, double typical_step_s) {
   return {sum.seconds + offset_.seconds, sum.fraction};
 }
 
-// A step back is a wrap if the next reading then follows as soon as the ones before did.
+// A step back is a wrap if the next reading then follows as soon as the ones before did. Over
+// midnight any gap is believed: nothing else throws a clock back by more than half a day.
 void Unwrapper::guess(double before_s, double after_s, double typical_step_s) {
   constexpr double patience = 20.0; // steps: a short gap may hide the wrap itself
   for (const double wrap : settings_.candidates_s) {
     if (before_s >= wrap || after_s < 0.0 || before_s - after_s < 0.5 * wrap) continue;
-    if (after_s + wrap - before_s > patience * typical_step_s) continue;
+    const bool midnight = wrap == 86400.0;
+    if (!midnight && after_s + wrap - before_s > patience * typical_step_s) continue;
     settings_.wrap_s = wrap;
     return;
   }
+}
+
+// How many wraps belong to a step if whole beats are expected: those of the fewest beats that fit
+// to 1/64 of the wrap, which a wrong number of beats does by chance in one case of 32.
+std::int64_t Unwrapper::wraps_for_beats(double step_s) const {
+  constexpr int most_beats = 8;
+  const double wrap = *settings_.wrap_s, beat = *settings_.step_s;
+  const auto wraps_of = [&](int beats) {
+    return std::round(std::clamp((beats * beat - step_s) / wrap, 0.0, 1e18));
+  };
+  for (int beats = 1; beats <= most_beats; ++beats) {
+    const double misfit = step_s + wraps_of(beats) * wrap - beats * beat;
+    if (std::abs(misfit) < wrap / 64.0) return static_cast<std::int64_t>(wraps_of(beats));
+  }
+  return static_cast<std::int64_t>(wraps_of(1));
 }
 
 void Unwrapper::count_wraps(double step_s) {
   const double wrap = *settings_.wrap_s;
   std::int64_t more = 0;
   if (settings_.step_s)
-    more = std::llround(std::clamp((*settings_.step_s - step_s) / wrap, 0.0, 1e18));
+    more = wraps_for_beats(step_s);
   else if (step_s < -0.5 * wrap)
     more = 1;
   // Beyond, a time and its offset would not fit together; no counter runs so long.

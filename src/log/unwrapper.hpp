@@ -34,6 +34,7 @@ private:
   Instant placed(const Instant& raw, double typical_step_s);
   void guess(double before_s, double after_s, double typical_step_s);
   void count_wraps(double step_s);
+  [[nodiscard]] std::int64_t wraps_for_beats(double step_s) const;
 
   Settings settings_;
   std::optional<Instant> last_raw_;

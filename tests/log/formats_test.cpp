@@ -318,6 +318,55 @@ TEST(FormatsTest, ATruncatedLastLineIsLeftOut) {
   EXPECT_TRUE(read_log("0.125\n2.125\n4.125", "x").issues.empty()); // whole, without a line end
 }
 
+TEST(FormatsTest, NewestFirstAndWrapsGoTogether) {
+  std::string ticc, day;
+  for (int i = 99; i >= 0; --i) {
+    ticc += seconds_text((20002000LL * i + 35000000) % 100000000) + " chA\n";
+    day += seconds_text((20002000LL * i + 863000000000LL) % 864000000000LL) + "\n";
+  }
+  for (const std::string& text : {ticc, day}) {
+    const ClockLog log = read_log(text, "x");
+    ASSERT_EQ(log.events.size(), 100u);
+    EXPECT_TRUE(says(log, "newest line is first"));
+    EXPECT_NEAR(log.events[99].time - log.events[0].time, 99 * 2.0002, 1e-9);
+  }
+}
+
+TEST(FormatsTest, MidnightMayHideInAGap) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) // an hour is missing after the hundredth
+    text += seconds_text((20002000LL * i + 847000000000LL + (i >= 100 ? 36000000000LL : 0)) %
+                         864000000000LL) +
+            "\n";
+  const ClockLog log = read_log(text, "x");
+  EXPECT_NEAR(log.events[199].time - log.events[0].time, 199 * 2.0002 + 3600.0, 1e-9);
+}
+
+TEST(FormatsTest, ACounterThatWrapsWithinABeatMayMissSome) {
+  std::string text;
+  for (int i = 0; i < 100; ++i)
+    if (i != 20 && i != 21 && i != 55) text += fmt::format("{}\n", 2000200LL * i % 65536);
+  ReadingOptions options;
+  options.unit = in_microseconds;
+  options.wrap_s = 65536e-6;
+  options.nominal_period_s = 2.0;
+  const ClockLog log = read_log(text, "x", options);
+  EXPECT_NEAR(log.events.back().time - log.events[0].time, 99 * 2.0002, 1e-9);
+}
+
+TEST(FormatsTest, PeriodsOfAMainsCycleArePeriods) {
+  EXPECT_EQ(read_log("0.0166664\n0.0166665\n0.0166663\n0.0166664\n", "x").format,
+            LogFormat::periods);
+}
+
+TEST(FormatsTest, FrequenciesWithTimesHaveTheirStep) {
+  std::string text;
+  for (int i = 0; i < 30; ++i)
+    text += fmt::format("{} {:.6e}\n", 2 * i, 1e-4 * (1 + i % 2));
+  const ClockLog log = read_log(text, "a.ykt");
+  EXPECT_NEAR(log.events[29].time - log.events[0].time, 58.0, 0.01);
+}
+
 TEST(FormatsTest, WhatTurnsOutInOrderAfterAllIsNotTurnedRoundUnsorted) {
   // The head falls, the rest rises: turned round, the rest has to be sorted.
   std::string text;
