@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Reads and numbers a year of a seconds pendulum (15.8 million lines) beside numpy.loadtxt on the same
-# file; reading.txt holds one such print. Takes about two minutes once built.
+# file; reading.txt holds two such prints, which differ by the machine's memory. Takes about two minutes once built.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . apps/setup.sh
