@@ -1,6 +1,7 @@
 #include "goingrate/log/amplitude.hpp"
 
 #include "issue_list.hpp"
+#include "typical_period.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
 
@@ -22,10 +23,7 @@ double median_amplitude(const ClockLog& log) {
   std::vector<double> known;
   for (const Beat& event : log.events)
     if (!std::isnan(event.amplitude_rad)) known.push_back(event.amplitude_rad);
-  if (known.empty()) return 0.0;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  return *middle;
+  return known.empty() ? 0.0 : median(known);
 }
 
 // Scaled time that a free pendulum of this turning angle takes from -half to +half.

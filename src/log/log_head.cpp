@@ -1,6 +1,7 @@
 #include "log_head.hpp"
 
 #include "calendar.hpp"
+#include "typical_period.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -294,12 +295,7 @@ std::optional<std::string_view> LogHead::value_of(std::string_view key) const {
 
 namespace {
 
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double median_of(std::vector<double>& values) { return values.empty() ? 0.0 : median(values); }
 
 void describe_steps(ColumnSample& sample, const std::vector<double>& values) {
   std::vector<double> steps;

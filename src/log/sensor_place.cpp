@@ -1,6 +1,8 @@
 // Where the sensor stands: from the two half-periods, or from times that follow the amplitude.
 #include "goingrate/log/amplitude.hpp"
 
+#include "typical_period.hpp"
+
 #include "goingrate/base/scaled_time.hpp"
 
 #include <algorithm>
@@ -39,15 +41,10 @@ template <class Take> void for_each_swing(std::span<const Beat> beats, Take take
   }
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Mean without what lies beyond five robust standard deviations, and its standard error.
 SensorEstimate robust_mean(const std::vector<double>& values) {
-  const double centre = median(values);
+  std::vector<double> sorted = values; // the median reorders
+  const double centre = median(sorted);
   std::vector<double> deviations;
   for (const double value : values)
     deviations.push_back(std::abs(value - centre));
@@ -167,7 +164,7 @@ std::optional<AmplitudeSummary> summarise_amplitudes(std::span<const Beat> good)
   }
   if (sizes.size() < 3) return {};
   return AmplitudeSummary{sum / count, std::sqrt(sum2 / count),
-                          1.4826 * median(std::move(sizes)) / std::sqrt(6.0)};
+                          1.4826 * median(sizes) / std::sqrt(6.0)};
 }
 
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats) {
