@@ -281,11 +281,10 @@ std::optional<Instant> RowReader::time_on_grid(const Line& line, std::size_t col
   }
   const bool empty = phase_ && layout_.format == LogFormat::phase && n > 0 && value == 0.0;
   if (!value || empty || all_nines(field.text)) {
-    ++rejected_;
     issues_.add(line.number, field.column, IssueKind::gap,
                 empty ? "an exact zero, which stands for a gap" : "no value",
                 "taken as a missing beat");
-    --data_lines_, --rejected_; // on purpose: no sign of a wrong format
+    --data_lines_; // left empty on purpose: no sign of a wrong format
     return {};
   }
   const double scaled = *value * layout_.columns[column].scale;
