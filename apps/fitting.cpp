@@ -41,6 +41,7 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   }
   FitEvent event = parse_fit_event("0" + text.substr(colon));
   event.cycle = cycle_at(loaded.good, number_in("event", text.substr(0, colon - 1)));
+  event.movable = true; // who gives a time means the beat next to it, one way or the other
   return event;
 }
 
@@ -51,7 +52,7 @@ std::vector<FitEvent> events_found(const NumberedLog& loaded, const GlobalOption
   for (const Change& change : changes) {
     say(global, fmt::format("found a change at cycle {} ({:.6g} s): mu may change there",
                             change.cycle, change.at_s));
-    events.push_back({change.cycle - loaded.good.front().cycle, {"mu"}});
+    events.push_back({change.cycle - loaded.good.front().cycle, {"mu"}, true});
   }
   return events;
 }
@@ -74,10 +75,11 @@ void add_model_options(CLI::App& command, ModelOptions& options) {
       ->allow_extra_args(false)
       ->capture_default_str();
   command
-      .add_option(
-          "--model", options.model,
-          "averaged1 (the paper's first order), direct (the full equation of motion) or auto")
-      ->check(CLI::IsMember({"averaged1", "direct", "auto"}))
+      .add_option("--model", options.model,
+                  "averaged1 (the paper's first order), averaged2 (second order), map (the full "
+                  "equation of "
+                  "motion) or auto")
+      ->check(CLI::IsMember({"averaged1", "averaged2", "map", "auto"}))
       ->capture_default_str();
 }
 
@@ -97,7 +99,8 @@ FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
       result.events.push_back(event_in(text, loaded));
   }
   if (options.model == "averaged1") result.dynamics = FitDynamics::averaged1;
-  if (options.model == "direct") result.dynamics = FitDynamics::direct;
+  if (options.model == "averaged2") result.dynamics = FitDynamics::averaged2;
+  if (options.model == "map") result.dynamics = FitDynamics::map;
   return result;
 }
 

@@ -1,28 +1,63 @@
 // From the user's options to a parametrised problem, and where to start. Private to the fit room.
 #pragma once
 
-#include "fit_problem.hpp"
+#include "likelihood.hpp"
+
+#include "goingrate/fit/clock_fit.hpp"
 
 namespace goingrate::timing_model {
 
-/// The slots for a clock with (`driven`) or without an escapement. Throws ArgumentError for fixed
-/// names that do not exist, values out of range and events that make no sense.
-Parameters make_parameters(const FitOptions& options, const TimingData& data, bool driven);
+/// What one model of the clock and its noise consists of.
+struct ModelChoice {
+  Escapement escapement = Escapement::constant_torque;
+  bool quadratic = false, dry = false;
+  bool jitter = true, walk = false, drive = false, slow = false;
 
-/// The name a result has: "epsilon", "mu@1".
-std::string name_of(const Slot& slot);
+  /// "constant-torque, linear, jitter + drive"
+  [[nodiscard]] std::string name() const;
+  [[nodiscard]] std::string friction() const;
+  [[nodiscard]] std::string noise() const;
+};
+
+/// The smallest jitter that means anything for these data: what rounding does to a long log.
+double least_jitter(const TimingData& data);
+
+/// The parameters of a model. Throws ArgumentError for names that do not exist, values out of range
+/// and events that make no sense.
+Parameters make_parameters(const FitOptions& options, const TimingData& data,
+                           const ModelChoice& model);
+
+/// Checks the names of options against everything any model could have.
+void check_names(const FitOptions& options, const TimingData& data);
 
 /// Weak priors about a start, and those the user states. A logarithm may move by e^5, T0 by 1 %, a
 /// changed torque by five times the first: wide beside anything a log determines.
 std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parameters& parameters,
                                          std::span<const double> start);
 
+/// What the coordinates may be: sizes not below 0, the jitter not below rounding, the memory of a
+/// slow drive between two periods and ten logs.
+std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
+                                               const TimingData& data);
+
+/// A first idea of the noise, from the data alone.
+struct NoiseGuess {
+  double jitter_s = 0.0, walk_s = 0.0, amplitude_rad = 0.0;
+  bool walks = false; ///< the walk stands out of what jitter alone would show
+};
+NoiseGuess guess_noise(const TimingData& data);
+
 /// Starting points that cover the clocks people have: friction from 1e-5 to 3e-3, amplitudes from
-/// 0.02 to 0.2 rad (or the log's own), one to four times the switching angle, at rest in its
-/// stationary swing or half or one and a half times it. Events start from the jump seen in the
-/// rate.
+/// 0.025 to 0.2 rad (or the log's own, or what a known T0 and the rate demand), one to four times
+/// the switching angle, at rest in its stationary swing or half or one and a half times it. Events
+/// start from the jump seen in the rate, noise from the guess.
 std::vector<std::vector<double>> starting_points(const Parameters& parameters,
-                                                 const TimingData& data);
+                                                 const TimingData& data, const NoiseGuess& noise);
+
+/// The coordinates of `to` taken over from a point of `from` where the names are the same; those
+/// that are new come from `otherwise`.
+std::vector<double> carried_over(const Parameters& from, std::span<const double> x,
+                                 const Parameters& to, std::span<const double> otherwise);
 
 /// At most `count` beats, evenly spread but denser just after events and at both ends.
 TimingData thinned(const TimingData& data, const Parameters& parameters, std::size_t count);

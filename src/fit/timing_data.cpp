@@ -1,6 +1,7 @@
 #include "goingrate/fit/timing_data.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/scaled_time.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,17 +25,44 @@ TimingData timing_data(std::span<const Beat> beats) {
         residual_from_grid(beat.time, first.time, n, data.reference_period_s));
     if (amplitudes) data.amplitude_rad.push_back(beat.amplitude_rad);
   }
+  RateTerm drift{"drift", "1/day", {}};
+  const double length = data.elapsed_s.back();
+  for (const double t : data.elapsed_s)
+    drift.advance_s.push_back(0.5 * t * (t - length) / seconds_per_day);
+  data.terms.push_back(std::move(drift));
   return data;
+}
+
+RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
+                   std::span<const double> values) {
+  const auto known = std::find_if(values.begin(), values.end(), [](double v) { return v == v; });
+  double value = known == values.end() ? 0.0 : *known;
+  double sum = 0.0;
+  std::vector<double> integral{0.0};
+  for (std::size_t i = 1; i < data.size(); ++i) {
+    const double before = value;
+    if (std::isfinite(values[i])) value = values[i];
+    sum += 0.5 * (before + value) * (data.elapsed_s[i] - data.elapsed_s[i - 1]);
+    integral.push_back(sum);
+  }
+  const double mean = sum / data.elapsed_s.back();
+  for (std::size_t i = 0; i < integral.size(); ++i)
+    integral[i] -= mean * data.elapsed_s[i];
+  return {std::move(name), std::move(unit), std::move(integral)};
 }
 
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen) {
   TimingData part;
   part.reference_period_s = data.reference_period_s;
+  for (const RateTerm& term : data.terms)
+    part.terms.push_back({term.name, term.unit, {}});
   for (const std::size_t i : chosen) {
     part.cycle.push_back(data.cycle[i]);
     part.elapsed_s.push_back(data.elapsed_s[i]);
     part.lateness_s.push_back(data.lateness_s[i]);
     if (data.has_amplitude()) part.amplitude_rad.push_back(data.amplitude_rad[i]);
+    for (std::size_t k = 0; k < data.terms.size(); ++k)
+      part.terms[k].advance_s.push_back(data.terms[k].advance_s[i]);
   }
   return part;
 }

@@ -1,5 +1,6 @@
 #include "goingrate/report/tables.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -7,14 +8,31 @@ namespace goingrate {
 
 namespace {
 
+constexpr double least_correlation = 0.1; // smaller ones change no conclusion
+
+std::string interval(double low, double high, double value) {
+  const auto end = [&](double at) {
+    return std::isfinite(at) ? fmt::format("{:+.2g}", at - value) : std::string("open");
+  };
+  return fmt::format("{} {}", end(low), end(high));
+}
+
+// Asymmetric by more than a tenth: then sigma alone would mislead.
+bool is_lopsided(const FittedParameter& p) {
+  const double down = p.value - p.low95, up = p.high95 - p.value;
+  return !(std::abs(up - down) < 0.1 * (up + down));
+}
+
 std::string parameter_line(const FittedParameter& p) {
   if (p.status == ParameterStatus::undetermined)
-    return fmt::format("  {:<10} undetermined by this log\n", p.name);
+    return fmt::format("  {:<14} undetermined by this log\n", p.name);
   if (p.status == ParameterStatus::fixed)
-    return fmt::format("  {:<10} {:.10g} {} (fixed)\n", p.name, p.value, p.unit);
-  std::string line = fmt::format("  {:<10} {} {} ({:.2g} %)", p.name, with_sigma(p.value, p.sigma),
+    return fmt::format("  {:<14} {:.10g} {} (fixed)\n", p.name, p.value, p.unit);
+  std::string line = fmt::format("  {:<14} {} {} ({:.2g} %)", p.name, with_sigma(p.value, p.sigma),
                                  p.unit, 100.0 * p.sigma / std::abs(p.value));
+  if (is_lopsided(p)) line += fmt::format("  95 %: {}", interval(p.low95, p.high95, p.value));
   if (p.status == ParameterStatus::prior) line += " with prior";
+  if (p.at_bound) line += " at the edge of what is allowed";
   if (std::abs(p.model_shift) >= 0.1)
     line += fmt::format("   [first order alone: {:+.2g} sigma]", p.model_shift);
   return line + "\n";
@@ -26,39 +44,63 @@ std::string derived_line(const DerivedQuantity& quantity) {
                      quantity.expression);
 }
 
+bool has_value(const FitSummary& fit, const std::string& name) {
+  return std::any_of(fit.parameters.begin(), fit.parameters.end(), [&](const FittedParameter& p) {
+    return p.name == name && std::isfinite(p.value);
+  });
+}
+
+// Of parameters that have a value; the correlation of one that has none is that of its prior.
 std::string correlation_lines(const FitSummary& fit) {
-  constexpr double least = 0.1; // smaller ones change no conclusion
   std::string text;
   for (std::size_t i = 0; i < fit.correlated.size(); ++i)
-    for (std::size_t k = i + 1; k < fit.correlated.size(); ++k)
-      if (std::abs(fit.correlation[i][k]) >= least)
-        text += fmt::format("  {:<10} {:<10} {:+.3f}\n", fit.correlated[i], fit.correlated[k],
+    for (std::size_t k = i + 1; k < fit.correlated.size(); ++k) {
+      if (!has_value(fit, fit.correlated[i]) || !has_value(fit, fit.correlated[k])) continue;
+      if (std::abs(fit.correlation[i][k]) >= least_correlation)
+        text += fmt::format("  {:<14} {:<14} {:+.3f}\n", fit.correlated[i], fit.correlated[k],
                             fit.correlation[i][k]);
+    }
   return text;
 }
 
-std::string quality_lines(const FitSummary& fit) {
+std::string statistics_lines(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
-  std::string text = fmt::format("[statistics]\n  {} beats; residual rms {:.3g} s; chi-squared "
-                                 "against jitter alone {:.5g} for {:.0f} degrees of "
-                                 "freedom (p = {:.2g})\n  noise: jitter {}",
-                                 fit.residual_s.size(), q.rms_s, q.chi2, q.dof, q.p_value,
-                                 fit.jitter_relative_sigma < 1.0 / 3.0
-                                     ? fmt::format("{:.3g} s", fit.timing_noise.jitter_s)
-                                     : std::string("undetermined"));
-  if (fit.timing_noise.walk_s > 0.0)
-    text += fmt::format(", random walk {:.3g} s a period", fit.timing_noise.walk_s);
+  std::string text = fmt::format(
+      "[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s; chi-squared against "
+      "the jitter of neighbouring beats {:.5g} for {:.0f} degrees of freedom (p = {:.2g})\n",
+      fit.residual_s.size(), fit.correlated.size(), q.rms_s, q.chi2, q.dof, q.p_value);
   if (std::isfinite(q.amplitude_rms_rad))
-    text += fmt::format("; amplitude residual rms {:.3g} mrad", q.amplitude_rms_rad * 1e3);
-  text += fmt::format("\n  whitened residuals are white with p = {:.2g}; BIC {:.6g}, AIC {:.6g}\n",
-                      q.whiteness_p, q.bic, q.aic);
+    text += fmt::format("  amplitude residual rms {:.3g} mrad\n", q.amplitude_rms_rad * 1e3);
+  text += fmt::format("  BIC {:.8g}, AIC {:.8g}\n", q.bic, q.aic);
+  if (fit.thinning.beats > 0)
+    text +=
+        fmt::format("  {} of the beats were used; what that loses of the information: {:.2g} %\n",
+                    fit.thinning.beats, 100.0 * fit.thinning.information_lost);
+  return text;
+}
+
+std::string test_lines(const FitSummary& fit) {
+  std::string text = fmt::format("[tests on the residuals]\n  innovations of the times are white "
+                                 "with p = {:.2g} (Ljung-Box, 20 lags)\n",
+                                 fit.quality.whiteness_p);
   const double widest = std::max(fit.time_widening, fit.amplitude_widening);
   if (widest > 1.05)
-    text += fmt::format(
-        "  sigmas are widened by up to {:.3g} for correlation left in the residuals\n", widest);
-  if (q.whiteness_p < 1e-3)
     text +=
-        "  the residuals are not white: the model misses something, take the values with care\n";
+        fmt::format("  sigmas are widened by up to {:.3g} for correlation that is left\n", widest);
+  if (fit.quality.whiteness_p < 1e-3)
+    text += "  they are not white: the model misses something, take the values with care\n";
+  return text;
+}
+
+std::string experiment_lines(const FitSummary& fit) {
+  if (fit.experiments.empty()) return "";
+  std::string text = "[what would tell more, and the sigma to expect]\n";
+  for (const Experiment& experiment : fit.experiments) {
+    text += fmt::format("  {}:", experiment.what);
+    for (const auto& [name, sigma] : experiment.relative_sigma)
+      text += fmt::format(" {} {:.2g} %", name, 100.0 * sigma);
+    text += "\n";
+  }
   return text;
 }
 
@@ -67,9 +109,9 @@ std::string quality_lines(const FitSummary& fit) {
 std::string fit_text(const FitSummary& fit) {
   if (fit.status == FitStatus::no_valid_model) return "no fit: " + fit.termination + "\n";
   std::string text = fmt::format(
-      "[model]\n  dynamics {}, escapement {}, linear friction, noise {}\n  chosen: {}\n  {}\n",
-      fit.dynamics, fit.escapement, fit.noise, fit.chosen_by, fit.termination);
-  text += quality_lines(fit);
+      "[model]\n  dynamics {}, escapement {}, friction {}, noise {}\n  chosen: {}\n  search {}\n",
+      fit.dynamics, fit.escapement, fit.friction, fit.noise, fit.chosen_by, fit.termination);
+  text += statistics_lines(fit);
   text += "[parameters]\n";
   for (const FittedParameter& p : fit.parameters)
     text += parameter_line(p);
@@ -77,11 +119,15 @@ std::string fit_text(const FitSummary& fit) {
   for (const DerivedQuantity& quantity : fit.combinations)
     text += derived_line(quantity);
   if (std::isfinite(fit.q_factor.value)) text += derived_line(fit.q_factor);
+  text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;
+  text += test_lines(fit);
   text += "[models tried]\n";
   for (const FitAlternative& a : fit.alternatives)
-    text += fmt::format("  {:<38} BIC {:.6g}: {}\n", a.model, a.bic, a.verdict);
+    text += fmt::format("  {}\n      BIC {:.8g}: {}\n", a.model, a.bic, a.verdict);
+  for (const std::string& note : fit.notes)
+    text += "note: " + note + "\n";
   return text;
 }
 

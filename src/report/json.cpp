@@ -97,31 +97,30 @@ std::string_view name_of(ParameterStatus status) {
   return "free";
 }
 
-// Normal intervals; an undetermined parameter has neither value nor interval.
+// An undetermined parameter has neither value nor interval; an end that is open is null.
 Json parameter_object(const FittedParameter& p) {
-  constexpr double sigmas95 = 1.959963984540054;
   return {{"name", p.name},
           {"value", json_number(p.value)},
           {"sigma", json_number(p.sigma)},
-          {"low68", json_number(p.value - p.sigma)},
-          {"high68", json_number(p.value + p.sigma)},
-          {"low95", json_number(p.value - sigmas95 * p.sigma)},
-          {"high95", json_number(p.value + sigmas95 * p.sigma)},
+          {"low68", json_number(p.low68)},
+          {"high68", json_number(p.high68)},
+          {"low95", json_number(p.low95)},
+          {"high95", json_number(p.high95)},
           {"unit", p.unit},
           {"status", name_of(p.status)},
+          {"at_bound", p.at_bound},
           {"first_order_shift_sigma", json_number(p.model_shift)}};
+}
+
+Json experiment_object(const Experiment& experiment) {
+  Json sigmas = Json::object();
+  for (const auto& [name, sigma] : experiment.relative_sigma)
+    sigmas[name] = json_number(sigma);
+  return {{"what", experiment.what}, {"relative_sigma", sigmas}};
 }
 
 Json derived_object(const DerivedQuantity& quantity) {
   return {{"value", json_number(quantity.value)}, {"sigma", json_number(quantity.sigma)}};
-}
-
-Json noise_parameter(const char* name, double value, double relative_sigma) {
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  const bool known = relative_sigma < 1.0 / 3.0; // as for every other parameter
-  return parameter_object({name, "s", known ? ParameterStatus::free : ParameterStatus::undetermined,
-                           known ? value : unknown, known ? value * relative_sigma : unknown,
-                           unknown});
 }
 
 Json fit_object(const FitSummary& fit) {
@@ -131,17 +130,12 @@ Json fit_object(const FitSummary& fit) {
   if (fit.status != FitStatus::converged) return json;
   json["model"] = {{"dynamics", fit.dynamics},
                    {"escapement", fit.escapement},
-                   {"friction", "linear"},
+                   {"friction", fit.friction},
                    {"noise", fit.noise},
                    {"chosen_by", fit.chosen_by}};
   json["parameters"] = Json::array();
   for (const FittedParameter& p : fit.parameters)
     json["parameters"].push_back(parameter_object(p));
-  json["parameters"].push_back(
-      noise_parameter("jitter_rms", fit.timing_noise.jitter_s, fit.jitter_relative_sigma));
-  if (fit.timing_noise.walk_s > 0.0)
-    json["parameters"].push_back(
-        noise_parameter("period_noise_rms", fit.timing_noise.walk_s, fit.walk_relative_sigma));
   json["combinations"] = Json::array();
   for (const DerivedQuantity& c : fit.combinations)
     json["combinations"].push_back({{"name", c.name},
@@ -169,6 +163,15 @@ Json fit_object(const FitSummary& fit) {
   for (const FitAlternative& a : fit.alternatives)
     json["alternatives"].push_back(
         {{"model", a.model}, {"bic", json_number(a.bic)}, {"verdict", a.verdict}});
+  json["events"] = Json::array();
+  for (const FitEvent& event : fit.events)
+    json["events"].push_back({{"cycle", event.cycle}, {"names", event.names}});
+  json["experiments"] = Json::array();
+  for (const Experiment& experiment : fit.experiments)
+    json["experiments"].push_back(experiment_object(experiment));
+  json["thinning"] = {{"beats_used", fit.thinning.beats},
+                      {"information_lost", json_number(fit.thinning.information_lost)}};
+  json["notes"] = fit.notes;
   return json;
 }
 

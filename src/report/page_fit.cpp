@@ -115,10 +115,6 @@ std::string quality_table(const FitSummary& fit) {
   if (std::isfinite(q.amplitude_rms_rad))
     table.row(
         {"residual of the amplitudes, rms", plain_number(1e3 * q.amplitude_rms_rad) + " mrad", ""});
-  table.row({"jitter of each time", plain_number(1e6 * fit.timing_noise.jitter_s) + " µs",
-             "scatter that does not add up"});
-  table.row({"random walk of each period", plain_number(1e6 * fit.timing_noise.walk_s) + " µs",
-             "scatter that adds up; 0 if the log shows none"});
   table.row({"σ widened by", plain_number(std::max(fit.time_widening, fit.amplitude_widening)),
              "for correlation left in the residuals; 1 is none"});
   table.row({"BIC, AIC", plain_number(q.bic, 7) + ", " + plain_number(q.aic, 7),

@@ -163,7 +163,7 @@ Figure TimeFigures::time_residual() const {
   return {
       "time-residual",
       "Residuals of the times",
-      "What the fitted model leaves of each beat's time (positive: the beat came early): a cloud "
+      "What the fitted model leaves of each beat's time (positive: the beat came late): a cloud "
       "without shape means the model tells the whole story, a wave or a bend that it does not.",
       time_axis(),
       {"residual of time", unit.name},

@@ -107,7 +107,7 @@ TEST_F(CommandTest, AnUndeterminedParameterIsAWordAndNull) {
   run("simulate " + scenario("jump") + " -o log.csv --set run.periods=140");
   const Outcome outcome = run("fit log.csv --json fit.json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("epsilon    undetermined"), std::string::npos);
+  EXPECT_NE(outcome.out.find("epsilon        undetermined"), std::string::npos);
   EXPECT_EQ(json("fit.json")["parameters"][1]["status"], "undetermined");
   EXPECT_TRUE(json("fit.json")["parameters"][1]["value"].is_null());
 }

@@ -54,7 +54,7 @@ TEST(TextTest, AnUndeterminedParameterIsAWord) {
   FitSummary fit;
   fit.parameters = {{"epsilon", "", ParameterStatus::undetermined, NAN, NAN, NAN}};
   const std::string text = fit_text(fit);
-  EXPECT_NE(text.find("epsilon    undetermined"), std::string::npos);
+  EXPECT_NE(text.find("epsilon        undetermined"), std::string::npos);
   EXPECT_EQ(text.find("nan"), std::string::npos) << text;
 }
 

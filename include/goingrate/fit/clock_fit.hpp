@@ -1,30 +1,33 @@
-// Fitting the averaged amplitude-phase model to a log of crossings.
+// Fitting the amplitude-phase model to a log of crossings.
 //
-// What is fitted: T0, epsilon, mu, phi0, lambda0 and changes of mu, epsilon or phi0 at given
-// cycles, to times and, where the log has them, amplitudes together. The model is the paper's
-// first-order pair (eqs. dotl4, dotpsi4) in closed form (dynamics/averaged.hpp). Its residual at a
-// crossing is
-//   r_i = (psi(t_i) - 2 pi n_i) T0 / (2 pi psi'(t_i)),
-// whitened for jitter and random walk (timing_noise.hpp) and minimised by Ceres.
+// What is fitted. Times and, where the log has them, amplitudes together: T0, friction (epsilon,
+// and quadratic or dry terms), the escapement (mu and phi0, or an impulse and its angle), the
+// amplitude at the start, changes of these at given cycles, a sensor off the vertical, and rates
+// that follow the temperature, the pressure or time itself.
 //
-// What the first order lacks is measured, not hoped for: the full equation of motion is run once at
-// the fitted parameters, and the difference between its crossings and the averaged ones says how
-// far each parameter is off. Dynamics `direct` adds that difference to the model and fits again
-// until it stands still; the result is then the fit of the full equation, at the cost of a few
-// runs.
+// Dynamics. The paper's first-order pair (eqs. dotl4, dotpsi4) carries the derivatives. `averaged2`
+// and `map` (the full equation of motion) are fitted by adding what they differ by from first
+// order, found by running them once at the fitted parameters, until that stands still: the result
+// is the fit of those dynamics at the cost of a few runs. `auto` takes the first of the three that
+// is off by less than a fifth of a sigma in every parameter the log determines.
 //
-// What a sigma means: the curvature of the likelihood, widened by the correlation that is left in
-// the residuals. What no sigma can mean: a direction the log does not determine. Every parameter
-// has a weak prior (a factor e^5 either way; T0 within 1 % of the mean period), and one whose
-// relative sigma stays above a third is `undetermined`: its value is then not a result. So is one
-// whose curvature proves false: the search is repeated from other starts and from along the least
-// known direction, and where it comes to rest elsewhere at nearly the same cost, what differs is
-// undetermined.
+// Noise. Jitter is white in time. Noise of the drive is white per period, enters amplitude and
+// phase as the equations say, and so makes the times a random walk that remembers; slow drive is
+// an Ornstein-Uhlenbeck process. Any subset may be present; sizes are estimated along with the
+// rest. The likelihood is that of the state-space model, by a Kalman filter at O(N); without drive
+// noise it is least squares. It is maximised by Ceres, several starts, and `auto` adds a noise
+// only where BIC asks for it.
+//
+// What a sigma means: the curvature of the likelihood, widened by correlation left in the
+// innovations if a test finds any. Intervals are of the profile likelihood where it is not a
+// parabola. What no sigma can mean: a direction the log does not determine. Every parameter has a
+// weak prior (a factor e^5 either way; T0 within 1 % of the mean period), and one whose relative
+// sigma stays above a third, or whose 68 % interval does not close, is `undetermined`: its value is
+// then not a result, and what the log does determine is listed as combinations.
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
 #include "goingrate/fit/timing_data.hpp"
-#include "goingrate/fit/timing_noise.hpp"
 
 #include <cstdint>
 #include <map>
@@ -37,7 +40,8 @@ namespace goingrate {
 /// Parameters that change at a cycle.
 struct FitEvent {
   std::int64_t cycle = 0;         ///< counted from the first beat of the data
-  std::vector<std::string> names; ///< of "mu", "epsilon", "phi0"
+  std::vector<std::string> names; ///< of mu, epsilon, phi0, T0 (or impulse, impulse_angle)
+  bool movable = false;           ///< found by a search: the fit may shift it by some cycles
 };
 
 /// A value known from elsewhere.
@@ -49,17 +53,33 @@ struct Prior {
 
 /// Which equations are fitted.
 enum class FitDynamics {
-  automatic, ///< averaged1 unless that shifts a determined parameter by more than a fifth of its
-             ///< sigma
+  automatic, ///< the first of the others that shifts no determined parameter by more than a fifth
+             ///< of its sigma
   averaged1, ///< the paper's first-order averaged equations
-  direct,    ///< the full equation of motion
+  averaged2, ///< second order (dynamics/averaged2.hpp)
+  map,       ///< the full equation of motion
+};
+
+/// Which noise is fitted, beside that of an amplitude column.
+enum class FitNoise {
+  automatic, ///< jitter, and what BIC asks for beside it
+  jitter,    ///< white in time
+  drive,     ///< white per period, times without error
+  both,      ///< jitter and white drive
+  slow,      ///< these two and slow drive
 };
 
 struct FitOptions {
   FitDynamics dynamics = FitDynamics::automatic;
-  std::vector<FitEvent> events;        ///< in order of cycle
-  std::map<std::string, double> fixed; ///< by name: T0 (s), epsilon, mu, phi0, lambda0, mu@1, ...
+  FitNoise noise = FitNoise::automatic;
+  std::optional<Escapement> escapement; ///< none: constant torque, or no escapement if that does
+  std::vector<FitEvent> events;         ///< in order of cycle
+  std::map<std::string, double> fixed;  ///< by name: T0 (s), epsilon, mu, phi0, lambda0, mu@1 ...
   std::vector<Prior> priors;
+  /// Parameters that are fitted only if named: quadratic_drag, dry_friction, offset, and the names
+  /// of the data's terms; a name that is always fitted is taken out of `fixed`.
+  std::vector<std::string> freed;
+  std::map<std::string, double> start; ///< where to begin; all names, or none for a search
 };
 
 enum class ParameterStatus { free, fixed, prior, undetermined };
@@ -68,8 +88,12 @@ struct FittedParameter {
   std::string name;
   std::string unit;
   ParameterStatus status = ParameterStatus::free;
-  double value = 0.0;       ///< NaN where undetermined
-  double sigma = 0.0;       ///< NaN where undetermined or fixed
+  double value = 0.0; ///< NaN where undetermined
+  double sigma = 0.0; ///< NaN where undetermined or fixed
+  /// Ends of the intervals; infinite where the likelihood does not fall far enough on that side;
+  /// NaN where undetermined or fixed.
+  double low68 = 0.0, high68 = 0.0, low95 = 0.0, high95 = 0.0;
+  bool at_bound = false;    ///< the search ended at the edge of the allowed
   double model_shift = 0.0; ///< what first-order averaging shifts it by, in sigma; NaN if not known
 };
 
@@ -86,8 +110,8 @@ struct FitQuality {
   double chi2 = 0.0; ///< of the times against the jitter seen between neighbouring beats
   double dof = 0.0;
   double p_value = 0.0; ///< of chi2, given that the jitter itself is known to some per cent only
-  double whiteness_p = 0.0;       ///< Ljung-Box on the whitened residuals
-  double rms_s = 0.0;             ///< of the residuals of time
+  double whiteness_p = 0.0;       ///< Ljung-Box on the innovations of the times
+  double rms_s = 0.0;             ///< of the times about the undisturbed course
   double amplitude_rms_rad = 0.0; ///< NaN without amplitudes
   double aic = 0.0, bic = 0.0;
 };
@@ -99,52 +123,61 @@ struct FitAlternative {
   std::string verdict;
 };
 
+/// Something that could be done, and the relative sigmas that would then be expected.
+struct Experiment {
+  std::string what;
+  std::vector<std::pair<std::string, double>> relative_sigma; ///< by name of parameter
+};
+
+/// How the log was thinned for the fit.
+struct Thinning {
+  std::size_t beats = 0;         ///< that were used; 0: all
+  double information_lost = 0.0; ///< largest relative loss of information on a parameter
+};
+
 enum class FitStatus {
-  converged,      ///< a minimum was found, or a flat valley on which no parameter is determined
+  converged,      ///< a maximum was found, or a flat ridge on which no parameter is determined
   no_valid_model, ///< no start lies in the domain of the model (amplitude above phi0)
 };
 
 struct FitSummary {
   FitStatus status = FitStatus::converged;
   std::string termination; ///< in words
-  std::string dynamics;    ///< "averaged1" or "direct"
-  std::string escapement;  ///< "constant-torque" or "none"
-  std::string noise;       ///< "jitter" or "jitter + random walk"
+  std::string dynamics;    ///< "averaged1", "averaged2" or "map"
+  std::string escapement;  ///< "constant-torque", "single-impulse" or "none"
+  std::string friction;    ///< "linear", "linear + quadratic" ...
+  std::string noise;       ///< "jitter", "jitter + drive" ...
   std::string chosen_by;
-  std::vector<FittedParameter> parameters;
+  std::vector<FittedParameter> parameters;      ///< noise included
   std::vector<std::string> correlated;          ///< names of the free parameters, in order
   std::vector<std::vector<double>> correlation; ///< of those
   std::vector<DerivedQuantity> combinations;    ///< those that are determined
   DerivedQuantity q_factor, stationary_amplitude, rate_s_per_day, decay_time;
-  TimingNoise timing_noise;
-  double jitter_relative_sigma = 0.0; ///< infinite where the log does not determine the jitter
-  double walk_relative_sigma = 0.0;
-  double amplitude_noise_rad = 0.0;
+  double jitter_s = 0.0;            ///< NaN where the log does not determine it
+  double amplitude_noise_rad = 0.0; ///< NaN without amplitudes
   double time_widening = 1.0; ///< sigma was multiplied by this for correlation left in the times
   double amplitude_widening = 1.0; ///< likewise for the amplitudes
   FitQuality quality;
   std::vector<FitAlternative> alternatives;
-  std::vector<double> residual_s;             ///< one a beat, mean removed; positive: early
+  std::vector<Experiment> experiments; ///< where something is undetermined
+  Thinning thinning;
+  std::vector<FitEvent> events; ///< as they were fitted
+  std::vector<std::string> notes;
+  std::vector<double> residual_s;             ///< one a beat, mean removed; positive: late
   std::vector<double> model_amplitude_rad;    ///< one a beat: the turning angle
   std::vector<double> amplitude_residual_rad; ///< empty without amplitudes
 };
 
 /// Fits `data`. `nominal_period_s` only serves to state the derived rate in s a day.
 ///
-/// Accuracy: over ten seeds of the A to B jump (2000 periods of 2 s, jitter 1e-5 s, T0 fixed) all
-/// parameters lie within 3.3 sigma of the truth (ClockFitTest.JumpOverTenSeeds), likewise T0,
-/// epsilon and lambda0 of a ring-down (ClockFitTest.RingDownOverTenSeeds); what is called
-/// determined in start-ups and in steady and noisy clocks holds too
-/// (HonestSigma.WhatIsCalledDeterminedIsRight). Limits: noise of the drive is modelled in the
-/// times, not in the amplitudes, so that a log with amplitudes and a noisy drive can give sigmas
-/// several times too small, as can a slow drive of some per cent; near the stall line, where
-/// nothing but epsilon is determined, epsilon keeps the bias of first order (up to four sigma).
-/// Cost: about 0.25 s for 2000 beats, mostly the search for other minima. Throws ArgumentError for
-/// names, values or events that make no sense, or more than 16 free parameters.
+/// Accuracy: truth lies in the 68 % and 95 % intervals as often as it should, and sigma is that of
+/// the full simulator's Cramer-Rao bound (tests/studies/coverage.txt; HonestSigma in the tests is
+/// its short form). Throws ArgumentError for names, values or events that make no sense, or more
+/// than 20 free parameters.
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options);
 
 /// The clock as it goes after the last event; nothing if one of its parameters is not known to a
-/// tenth or there is no escapement.
+/// tenth or there is no escapement of constant torque.
 std::optional<ClockParameters> fitted_clock(const FitSummary& fit);
 
 /// Reads "CYCLE:NAME[,NAME]"; throws ArgumentError.

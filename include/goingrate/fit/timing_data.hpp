@@ -4,9 +4,20 @@
 #include "goingrate/log/beats.hpp"
 
 #include <span>
+#include <string>
 #include <vector>
 
 namespace goingrate {
+
+/// A cause outside the clock to which the rate answers in proportion: rate excess = coefficient *
+/// value. Names: "temperature" (C from the mean), "pressure" (mbar from the mean), "drift" (days
+/// since the middle of the log).
+struct RateTerm {
+  std::string name;
+  std::string unit;              ///< of the coefficient: 1/K, 1/mbar, 1/day
+  std::vector<double> advance_s; ///< one a beat: the integral of the value over the time so far, so
+                                 ///< that the clock is ahead by coefficient * advance
+};
 
 /// Times and amplitudes of a run of good beats; all vectors have one entry a beat.
 struct TimingData {
@@ -15,13 +26,19 @@ struct TimingData {
   std::vector<double> elapsed_s;     ///< t_i - t_0
   std::vector<double> lateness_s;    ///< t_i - t_0 - n_i * reference period, no digits lost
   std::vector<double> amplitude_rad; ///< NaN where unknown; empty if the log has none
+  std::vector<RateTerm> terms;       ///< what the fit may be asked to answer to
 
   [[nodiscard]] std::size_t size() const { return cycle.size(); }
   [[nodiscard]] bool has_amplitude() const { return !amplitude_rad.empty(); }
 };
 
-/// Throws ArgumentError for fewer than three beats.
+/// Throws ArgumentError for fewer than three beats. The data have the term "drift".
 TimingData timing_data(std::span<const Beat> beats);
+
+/// The term of a series with one value a beat; the mean over time is taken off, values that are
+/// not known (NaN) are those of the beat before.
+RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
+                   std::span<const double> values);
 
 /// The entries with the given indices (increasing).
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen);

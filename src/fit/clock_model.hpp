@@ -1,0 +1,311 @@
+// The averaged clock as a function of its parameters: when it should have crossed, and how large it
+// swung. Private to the fit room.
+//
+// Equations (Hoyng, eqs. dotl4, dotpsi4, blow5; moments.hpp), x = lambda^2, scaled time, relative
+// drive d:
+//   dx/dt    = f = -2 eps x + (1 + d) D - (8/3pi) k x^(3/2) - (4/pi) c x^(1/2)
+//   psi' - 1 = g = -x/16 + (1 + d) push(x)
+// constant torque:  D = 4 mu phi0/pi,  push = (2 mu/pi) y/x,  y = sqrt(x - phi0^2);
+// single impulse:   D = e/pi,          push = -(e/2pi x) phi1/y,  y = sqrt(x - phi1^2).
+// With constant torque and linear friction both are integrated in closed form
+// (dynamics/averaged.hpp), otherwise by Runge-Kutta steps that are short beside the relaxation.
+#pragma once
+
+#include "parameters.hpp"
+
+#include "goingrate/base/scaled_time.hpp"
+#include "goingrate/dynamics/averaged.hpp"
+#include "goingrate/fit/timing_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace goingrate::timing_model {
+
+/// The value of a number that may carry derivatives.
+inline double plain(double value) { return value; }
+template <class T> double plain(const T& value) { return value.a; }
+
+/// The laws of a clock while its parameters are constant, as right sides of the averaged equations.
+template <class T> struct AveragedLaws {
+  Escapement escapement = Escapement::constant_torque;
+  bool linear = true; ///< friction has no other term, not even one that is 0 at present
+  T epsilon{}, mu{}, phi0{}, quadratic{}, dry{};
+
+  [[nodiscard]] bool closed() const { return escapement != Escapement::single_impulse && linear; }
+  [[nodiscard]] T drive() const {
+    return escapement == Escapement::single_impulse ? T(mu * (1.0 / std::numbers::pi))
+                                                    : T(mu * phi0 * (4.0 / std::numbers::pi));
+  }
+  [[nodiscard]] T growth(const T& x) const {
+    using std::sqrt;
+    T f = drive() - epsilon * x * 2.0;
+    if (!linear) {
+      const T lambda = sqrt(x);
+      f -= (quadratic * x * (2.0 / 3.0) + dry) * lambda * (4.0 / std::numbers::pi);
+    }
+    return f;
+  }
+  [[nodiscard]] T growth_slope(const T& x) const {
+    using std::sqrt;
+    T slope = epsilon * -2.0;
+    if (!linear) {
+      const T lambda = sqrt(x);
+      slope -= (quadratic * lambda + dry / lambda * 0.5) * (4.0 / std::numbers::pi);
+    }
+    return slope;
+  }
+  [[nodiscard]] T push(const T& x) const {
+    using std::sqrt;
+    const T y = sqrt(x - phi0 * phi0);
+    return escapement == Escapement::single_impulse
+               ? T(mu * phi0 / (x * y) * (-0.5 / std::numbers::pi))
+               : T(mu * y / x * (2.0 / std::numbers::pi));
+  }
+  [[nodiscard]] T push_slope(const T& x) const {
+    using std::sqrt;
+    const T y2 = x - phi0 * phi0;
+    const T y = sqrt(y2);
+    if (escapement == Escapement::single_impulse)
+      return mu * phi0 / (x * y) * (T(1.0) / x + T(0.5) / y2) * (0.5 / std::numbers::pi);
+    return mu / (x * y) * (T(0.5) - y2 / x) * (2.0 / std::numbers::pi);
+  }
+  [[nodiscard]] T rate(const T& x) const { return push(x) - x * (1.0 / 16.0); }
+  /// Whether the averaged equations hold at x: the swing passes the escapement.
+  [[nodiscard]] bool reaches(const T& x) const {
+    return plain(x) > plain(phi0) * plain(phi0) && plain(x) < 4.0;
+  }
+};
+
+/// Amplitude and phase while the laws are constant, from t = 0 on.
+template <class T> class Course {
+public:
+  struct State {
+    T amplitude2{};   ///< x
+    T phase_excess{}; ///< psi - t since the start
+    T rate{};         ///< psi' - 1
+  };
+
+  Course(const AveragedLaws<T>& laws, const T& amplitude2)
+      : laws_(laws), closed_(laws.epsilon, acting_torque(laws), laws.phi0, amplitude2),
+        reached_{T(0.0), {amplitude2, T(0.0), laws.rate(amplitude2)}} {}
+
+  /// The state at t; nothing where the model does not hold.
+  [[nodiscard]] std::optional<State> at(const T& t) const {
+    if (!laws_.closed()) return stepped(t);
+    if (!closed_.in_domain(t)) return {};
+    const auto state = closed_.at(t);
+    return State{state.amplitude2, state.phase_excess, state.rate_excess};
+  }
+  /// The same, remembered as the place to go on from.
+  std::optional<State> move_to(const T& t) {
+    if (settled_) return settled_at(t);
+    const auto state = at(t);
+    if (!state) return {};
+    reached_ = {t, *state};
+    // What is left of the way to the limit is then below the rounding of a double.
+    constexpr double over = 45.0;
+    settled_ = laws_.closed() && 2.0 * plain(laws_.epsilon) * plain(t) > over;
+    return state;
+  }
+  /// Whether amplitude and rate stand still.
+  [[nodiscard]] bool settled() const { return settled_; }
+  [[nodiscard]] const AveragedLaws<T>& laws() const { return laws_; }
+
+private:
+  struct Reached {
+    T t;
+    State state;
+  };
+
+  static T acting_torque(const AveragedLaws<T>& laws) {
+    return laws.escapement == Escapement::single_impulse ? T(0.0) : laws.mu;
+  }
+
+  [[nodiscard]] State settled_at(const T& t) const {
+    const State& from = reached_.state;
+    return {from.amplitude2, from.phase_excess + from.rate * (t - reached_.t), from.rate};
+  }
+
+  // Steps of a fiftieth of the relaxation: the error of a step is (1/50)^5/120 of the amplitude.
+  [[nodiscard]] std::optional<State> stepped(const T& t) const {
+    State state = reached_.state;
+    const double span = plain(t) - plain(reached_.t);
+    const double speed = std::abs(plain(laws_.growth(state.amplitude2))) / plain(state.amplitude2) +
+                         2.0 * plain(laws_.epsilon);
+    const double count = std::ceil(std::abs(span) * speed * 50.0) + 1.0;
+    if (!(count < 1e6)) return {};
+    const T h = (t - reached_.t) / count;
+    for (int k = 0; k < static_cast<int>(count); ++k) {
+      const T &x = state.amplitude2, k1 = laws_.growth(x);
+      const T x2 = x + h * k1 * 0.5, k2 = laws_.growth(x2);
+      const T x3 = x + h * k2 * 0.5, k3 = laws_.growth(x3);
+      const T x4 = x + h * k3, k4 = laws_.growth(x4);
+      const T next = x + h * (k1 + (k2 + k3) * 2.0 + k4) * (1.0 / 6.0);
+      if (!laws_.reaches(next)) return {};
+      const T middle = (x + next) * 0.5 + h * (k1 - k4) * 0.125; // Hermite's cubic
+      const T rate = laws_.rate(next);
+      state.phase_excess += h * (state.rate + laws_.rate(middle) * 4.0 + rate) * (1.0 / 6.0);
+      state.amplitude2 = next;
+      state.rate = rate;
+    }
+    return state;
+  }
+
+  AveragedLaws<T> laws_;
+  AveragedMotion<T> closed_;
+  Reached reached_;
+  bool settled_ = false;
+};
+
+inline constexpr double untouchable_angle = 1e-9; ///< of a pendulum without an escapement
+
+/// The parameters that hold at present, and where the clock stood when they began to.
+template <class T> struct Going {
+  T T0{};
+  AveragedLaws<T> laws{};
+  T amplitude2_start{};
+  double cycle = 0.0; ///< at which they began to hold,
+  T late_s{};         ///< when the clock came to it, less cycle * reference period
+};
+
+template <class T>
+void apply_changes(const Parameters& parameters, std::span<const T> x, std::size_t event,
+                   Going<T>& going) {
+  going.laws.escapement = parameters.escapement;
+  going.laws.linear =
+      !parameters.has(Quantity::quadratic_drag) && !parameters.has(Quantity::dry_friction);
+  for (const Slot& slot : parameters.slots) {
+    if (slot.event != event) continue;
+    switch (slot.quantity) {
+    case Quantity::T0:
+      going.T0 = slot.value(x);
+      break;
+    case Quantity::epsilon:
+      going.laws.epsilon = slot.value(x);
+      break;
+    case Quantity::mu:
+      going.laws.mu = slot.value(x);
+      break;
+    case Quantity::phi0:
+      going.laws.phi0 = slot.value(x);
+      break;
+    case Quantity::quadratic_drag:
+      going.laws.quadratic = slot.value(x);
+      break;
+    case Quantity::dry_friction:
+      going.laws.dry = slot.value(x);
+      break;
+    case Quantity::lambda0: {
+      const T lambda0 = slot.value(x);
+      going.amplitude2_start = lambda0 * lambda0;
+      break;
+    }
+    default:
+      break; // not of the clock
+    }
+  }
+}
+
+/// What the model says of one beat.
+template <class T> struct Sight {
+  T late_s{};     ///< t_i less the model's time: (psi(t_i) - 2 pi n_i) T0 / (2 pi psi')
+  T amplitude2{}; ///< x
+  T T0{};
+  const AveragedLaws<T>* laws = nullptr;
+  bool settled = false;
+};
+
+/// Follows the clock along `data` and calls see(i, sight) at every beat; false where the model does
+/// not hold (the amplitude comes down to the escapement, or is not finite).
+template <class T> class Follower {
+public:
+  Follower(const Parameters& parameters, std::span<const T> x, const TimingData& data)
+      : parameters_(parameters), x_(x), data_(data) {
+    if (parameters.escapement == Escapement::none) going_.laws.phi0 = T(untouchable_angle);
+    apply_changes(parameters, x, 0, going_);
+    going_.amplitude2_start /= parameters.start_ratio * parameters.start_ratio;
+    for (const Slot& slot : parameters.slots) {
+      if (slot.quantity == Quantity::offset) offset_ = slot.value(x);
+      if (slot.quantity == Quantity::term) terms_.push_back({slot.term, slot.value(x)});
+    }
+    has_offset_ = parameters.has(Quantity::offset);
+  }
+
+  template <class See> bool run(See&& see) {
+    using std::isfinite;
+    if (!going_.laws.reaches(going_.amplitude2_start)) return false;
+    Course<T> course(going_.laws, going_.amplitude2_start);
+    std::size_t event = 0;
+    for (std::size_t i = 0; i < data_.size(); ++i) {
+      while (event < parameters_.event_cycles.size() &&
+             data_.cycle[i] > parameters_.event_cycles[event])
+        if (!pass_event(++event, course)) return false;
+      const T t = (data_.elapsed_s[i] - going_.cycle * data_.reference_period_s - going_.late_s) *
+                  (two_pi / going_.T0);
+      const auto state = course.move_to(t);
+      if (!state) return false;
+      const Sight<T> sight{late(i, *state), state->amplitude2, going_.T0, &course.laws(),
+                           course.settled()};
+      if (!isfinite(sight.late_s) || !isfinite(sight.amplitude2)) return false;
+      see(i, sight);
+    }
+    return true;
+  }
+
+private:
+  struct Term {
+    std::size_t which;
+    T coefficient;
+  };
+
+  // What is late in phase is late in time by the rate: without the division a model that runs
+  // slow would shrink the noise, and be preferred for it.
+  T late(std::size_t i, const typename Course<T>::State& state) const {
+    using std::asin, std::sqrt;
+    const T longer = going_.T0 - data_.reference_period_s;
+    T value = (data_.lateness_s[i] - going_.late_s - (data_.cycle[i] - going_.cycle) * longer +
+               going_.T0 * state.phase_excess * (1.0 / two_pi)) /
+              (state.rate + 1.0);
+    if (has_offset_) value -= asin(offset_ / sqrt(state.amplitude2)) * going_.T0 * (1.0 / two_pi);
+    for (const Term& term : terms_)
+      value += term.coefficient * data_.terms[term.which].advance_s[i];
+    return value;
+  }
+
+  // Lets the clock run to the event and applies its changes. The rate is nearly constant, so each
+  // of Newton's steps gains eight digits, in the derivatives too.
+  bool pass_event(std::size_t event, Course<T>& course) {
+    const double cycles = parameters_.event_cycles[event - 1] - going_.cycle;
+    T t = T(two_pi * cycles);
+    for (int round = 0; round < 3; ++round) {
+      const auto state = course.at(t);
+      if (!state) return false;
+      t -= (t + state->phase_excess - two_pi * cycles) / (state->rate + 1.0);
+    }
+    const auto state = course.move_to(t);
+    if (!state) return false;
+    going_.late_s += cycles * (going_.T0 - data_.reference_period_s) -
+                     going_.T0 * state->phase_excess * (1.0 / two_pi);
+    going_.cycle += cycles;
+    going_.amplitude2_start = state->amplitude2;
+    apply_changes(parameters_, x_, event, going_);
+    if (!going_.laws.reaches(going_.amplitude2_start)) return false;
+    course = Course<T>(going_.laws, going_.amplitude2_start);
+    return true;
+  }
+
+  const Parameters& parameters_;
+  std::span<const T> x_;
+  const TimingData& data_;
+  Going<T> going_;
+  T offset_{};
+  bool has_offset_ = false;
+  std::vector<Term> terms_;
+};
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,27 @@
+// The clock as it goes after the last event, and what can be said of it. Private to the fit room.
+#pragma once
+
+#include "clock_model.hpp"
+
+namespace goingrate::timing_model {
+
+struct FinalClock {
+  double T0 = 0.0;
+  AveragedLaws<double> laws;
+  double amplitude2 = 0.0; ///< where it tends, or where it started if that is nothing
+
+  /// Rate per relative drive, with the amplitude frozen and with it settled.
+  [[nodiscard]] double fast_gain() const { return laws.push(amplitude2); }
+  [[nodiscard]] double slow_gain() const {
+    return fast_gain() - laws.drive() * (laws.push_slope(amplitude2) - 1.0 / 16.0) /
+                             laws.growth_slope(amplitude2);
+  }
+  /// Of the amplitude; T0/(2 pi epsilon) under linear friction.
+  [[nodiscard]] double decay_time() const {
+    return -T0 / (std::numbers::pi * laws.growth_slope(amplitude2));
+  }
+};
+
+FinalClock final_clock(const Parameters& parameters, std::span<const double> x);
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,270 @@
+#include "likelihood.hpp"
+
+#include "noise_filter.hpp"
+#include "row_stack.hpp"
+
+#include <ceres/jet.h>
+
+#include <limits>
+#include <numeric>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+template <class T> NoiseSizes<T> noise_sizes(const Parameters& parameters, std::span<const T> x) {
+  NoiseSizes<T> noise;
+  for (const Slot& slot : parameters.slots) {
+    if (slot.quantity == Quantity::jitter_rms) noise.jitter = slot.value(x);
+    if (slot.quantity == Quantity::walk_rms) noise.walk = slot.value(x);
+    if (slot.quantity == Quantity::drive_rms) noise.drive = slot.value(x);
+    if (slot.quantity == Quantity::slow_rms) noise.slow = slot.value(x);
+    if (slot.quantity == Quantity::slow_time) noise.slow_time = slot.value(x);
+    if (slot.quantity == Quantity::amplitude_rms) noise.amplitude = slot.value(x);
+  }
+  return noise;
+}
+
+bool noise_is_free(const Parameters& parameters) {
+  return std::any_of(parameters.slots.begin(), parameters.slots.end(),
+                     [](const Slot& slot) { return slot.free && is_noise(slot.quantity); });
+}
+
+// The filter where nothing but jitter and a walk disturb the times: one state, and a gain that
+// does not depend on the clock. T is double where the noise is held.
+template <class N> class WalkFilter {
+public:
+  explicit WalkFilter(const NoiseSizes<N>& noise)
+      : jitter2_(noise.jitter * noise.jitter), walk2_(noise.walk * noise.walk),
+        walks_(plain(noise.walk) > 0.0) {}
+
+  template <class T> void start(const T& late, T& state) {
+    state = late;
+    covariance_ = jitter2_;
+  }
+  /// The innovation of the next time, `cycles` later; `state` moves by it.
+  template <class T> void see(const T& late, double cycles, T& state, T& value, N& variance) {
+    if (walks_) covariance_ += walk2_ * cycles;
+    variance = covariance_ + jitter2_;
+    const N gain = covariance_ / variance;
+    value = late - state;
+    state += gain * value;
+    covariance_ = gain * jitter2_;
+  }
+
+private:
+  N jitter2_, walk2_;
+  bool walks_;
+  N covariance_{};
+};
+
+double beat_correction(const std::vector<double>& correction, std::size_t i) {
+  return correction.empty() ? 0.0 : correction[i];
+}
+
+// Runs the model over the data and hands every innovation to see(i, value, variance, of_time).
+// T carries derivatives of the prediction, N those of the noise.
+template <class T, class N> class Run {
+public:
+  Run(const FitProblem& problem, std::span<const T> x)
+      : problem_(problem), data_(*problem.data), x_(x) {
+    if constexpr (std::is_same_v<T, N>) {
+      noise_ = noise_sizes<N>(problem.parameters, x);
+    } else { // the noise is held: no derivative
+      const std::vector<double> none(problem.parameters.free_count, 0.0);
+      noise_ = noise_sizes<double>(problem.parameters, none);
+    }
+  }
+
+  template <class See> bool run(See&& see) {
+    if constexpr (std::is_same_v<T, N>) {
+      if (problem_.parameters.has(Quantity::slow_rms)) return disturbed<3>(see);
+      if (problem_.parameters.has(Quantity::drive_rms)) return disturbed<2>(see);
+    }
+    return undisturbed(see);
+  }
+
+private:
+  [[nodiscard]] T late(std::size_t i, const Sight<T>& sight) const {
+    return sight.late_s - beat_correction(problem_.correction.late_s, i);
+  }
+  [[nodiscard]] bool sees_amplitude(std::size_t i) const {
+    return data_.has_amplitude() && !std::isnan(data_.amplitude_rad[i]);
+  }
+  [[nodiscard]] T amplitude_excess(std::size_t i, const Sight<T>& sight) const {
+    using std::sqrt;
+    const T model = turning_angle(T(sqrt(sight.amplitude2)));
+    return data_.amplitude_rad[i] - beat_correction(problem_.correction.amplitude, i) - model;
+  }
+
+  template <class See> bool undisturbed(See&& see) {
+    WalkFilter<N> filter(noise_);
+    T state{};
+    double before = 0.0;
+    const N amplitude_variance = noise_.amplitude * noise_.amplitude;
+    return Follower<T>(problem_.parameters, x_, data_).run([&](std::size_t i, const auto& sight) {
+      if (i == 0) {
+        filter.start(late(i, sight), state);
+      } else {
+        T value;
+        N variance;
+        filter.see(late(i, sight), data_.cycle[i] - before, state, value, variance);
+        see(i, value, variance, true);
+      }
+      before = data_.cycle[i];
+      if (sees_amplitude(i)) see(i, amplitude_excess(i, sight), amplitude_variance, false);
+    });
+  }
+
+  template <std::size_t D, class See> bool disturbed(See&& see) {
+    NoiseFilter<T, D> filter(noise_);
+    double before = 0.0;
+    return Follower<T>(problem_.parameters, x_, data_).run([&](std::size_t i, const auto& sight) {
+      if (i == 0) {
+        filter.start(sight, late(i, sight));
+      } else {
+        filter.pass(sight, data_.cycle[i] - before);
+        const auto seen = filter.see_time(late(i, sight));
+        see(i, seen.value, seen.variance, true);
+      }
+      before = data_.cycle[i];
+      if (sees_amplitude(i)) {
+        using std::sqrt;
+        const T slope = T(0.5) / sqrt(sight.amplitude2);
+        const auto seen = filter.see_amplitude(amplitude_excess(i, sight), slope);
+        see(i, seen.value, seen.variance, false);
+      }
+    });
+  }
+
+  const FitProblem& problem_;
+  const TimingData& data_;
+  std::span<const T> x_;
+  NoiseSizes<N> noise_;
+};
+
+double prior_cost(const FitProblem& problem, std::span<const double> x) {
+  double sum = 0.0;
+  for (const CoordinatePrior& prior : problem.priors)
+    sum += 0.5 * std::pow((x[prior.index] - prior.centre) / prior.sigma, 2);
+  return sum;
+}
+
+// Adds one innovation to the sums and rows.
+template <class T, class N>
+void fold_in(const T& value, const N& variance, bool of_time, Evaluation& result, RowStack& rows,
+             RowStack& amplitude_rows) {
+  const double root = 1.0 / std::sqrt(plain(variance));
+  const double white = plain(value) * root;
+  result.value += 0.5 * white * white;
+  result.log_part += 0.5 * std::log(plain(variance));
+  const auto slope = [&](Eigen::Index k) { return value.v[k] * root; };
+  rows.add(white, slope);
+  if (!of_time) amplitude_rows.add(white, slope);
+  if constexpr (!std::is_same_v<N, double>) {
+    const double scale = std::sqrt(0.5) * root * root;
+    const auto spread = [&](Eigen::Index k) { return variance.v[k] * scale; };
+    rows.add((1.0 - white * white) * std::sqrt(0.5), spread);
+    if (!of_time) amplitude_rows.add((1.0 - white * white) * std::sqrt(0.5), spread);
+  }
+}
+
+template <int n, bool noisy>
+std::optional<Evaluation> evaluate_with(const FitProblem& problem, std::span<const double> x) {
+  using T = ceres::Jet<double, n>;
+  using N = std::conditional_t<noisy, T, double>;
+  std::vector<T> jets;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    jets.emplace_back(x[k], static_cast<int>(k));
+  const auto unknowns = static_cast<Eigen::Index>(x.size());
+  RowStack rows(unknowns), amplitude_rows(unknowns);
+  Evaluation result;
+  Run<T, N> run(problem, jets);
+  if (!run.run([&](std::size_t, const T& value, const N& variance, bool of_time) {
+        fold_in(value, variance, of_time, result, rows, amplitude_rows);
+      }))
+    return {};
+  for (const CoordinatePrior& prior : problem.priors)
+    rows.add((x[prior.index] - prior.centre) / prior.sigma, [&](Eigen::Index k) {
+      return static_cast<std::size_t>(k) == prior.index ? 1.0 / prior.sigma : 0.0;
+    });
+  result.value += result.log_part + prior_cost(problem, x);
+  if (!std::isfinite(result.value)) return {};
+  result.triangle = rows.triangle();
+  result.projected = rows.projected();
+  result.amplitude_triangle = amplitude_rows.triangle();
+  return result.triangle.allFinite() && result.projected.allFinite() ? std::optional(result)
+                                                                     : std::nullopt;
+}
+
+} // namespace
+
+std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<const double> x) {
+  double sum = 0.0, logs = 0.0, product = 1.0;
+  Run<double, double> run(problem, x);
+  const bool holds = run.run([&](std::size_t, double value, double variance, bool) {
+    sum += value * value / variance;
+    product *= variance; // one logarithm for several factors
+    if (product < 1e-200 || product > 1e200) {
+      logs += std::log(product);
+      product = 1.0;
+    }
+  });
+  const double total = 0.5 * (sum + logs + std::log(product)) + prior_cost(problem, x);
+  return holds && std::isfinite(total) ? std::optional(total) : std::nullopt;
+}
+
+std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const double> x) {
+  // Narrow derivatives cost less; drive noise depends on the clock, so its size has derivatives
+  // even where it is held.
+  const bool disturbed =
+      problem.parameters.has(Quantity::drive_rms) || problem.parameters.has(Quantity::slow_rms);
+  const bool noisy = disturbed || noise_is_free(problem.parameters);
+  const auto of_width = [&](auto width) {
+    constexpr int n = decltype(width)::value;
+    return noisy ? evaluate_with<n, true>(problem, x) : evaluate_with<n, false>(problem, x);
+  };
+  if (x.size() <= 6) return of_width(std::integral_constant<int, 6>());
+  if (x.size() <= 10) return of_width(std::integral_constant<int, 10>());
+  return of_width(std::integral_constant<int, static_cast<int>(most_parameters)>());
+}
+
+TimingData ends_of(const TimingData& data) {
+  const std::array<std::size_t, 2> ends{0, data.size() - 1};
+  return subset(data, ends);
+}
+
+std::optional<double> late_at_end(const Parameters& parameters, const TimingData& ends,
+                                  std::span<const double> x) {
+  double late = 0.0;
+  const bool holds =
+      Follower<double>(parameters, x, ends).run([&](std::size_t i, const auto& sight) {
+        late += i == 0 ? -sight.late_s : sight.late_s;
+      });
+  return holds ? std::optional(late) : std::nullopt;
+}
+
+std::optional<Residuals> residuals(const FitProblem& problem, std::span<const double> x) {
+  const TimingData& data = *problem.data;
+  Residuals result;
+  Run<double, double> run(problem, x);
+  if (!run.run([&](std::size_t, double value, double variance, bool of_time) {
+        (of_time ? result.white_time : result.white_amplitude)
+            .push_back(value / std::sqrt(variance));
+      }))
+    return {};
+  result.late_s.reserve(data.size());
+  result.amplitude_model.reserve(data.size());
+  Follower<double>(problem.parameters, x, data).run([&](std::size_t i, const auto& sight) {
+    result.late_s.push_back(sight.late_s - beat_correction(problem.correction.late_s, i));
+    result.amplitude_model.push_back(turning_angle(std::sqrt(sight.amplitude2)) +
+                                     beat_correction(problem.correction.amplitude, i));
+  });
+  const double mean = std::accumulate(result.late_s.begin(), result.late_s.end(), 0.0) /
+                      static_cast<double>(data.size());
+  for (double& late : result.late_s)
+    late -= mean;
+  return result;
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,332 @@
+#include "model_choice.hpp"
+
+#include "reference_run.hpp"
+#include "thinning.hpp"
+
+#include "goingrate/fit/timing_noise.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <limits>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+constexpr double not_white = 1e-2; // p below which the innovations ask for a better model
+
+std::string_view name_of(FitDynamics dynamics) {
+  switch (dynamics) {
+  case FitDynamics::averaged2:
+    return "averaged2";
+  case FitDynamics::map:
+    return "map";
+  default:
+    return "averaged1";
+  }
+}
+
+bool white(const Fitted& fitted) {
+  return whiteness_p(fitted.seen.white_time) > not_white &&
+         (fitted.seen.white_amplitude.size() < 8 ||
+          whiteness_p(fitted.seen.white_amplitude) > not_white);
+}
+
+bool is_determined(const Fitted& fitted, const Slot& slot) {
+  return slot.free &&
+         fitted.known.sigma(slot.index) < tolerable_sigma(fitted.problem, slot, fitted.minimum.x);
+}
+
+// Largest shift of a parameter of the clock that the log determines.
+double largest_shift(const Fitted& fitted, const std::vector<double>& shifts) {
+  double largest = 0.0;
+  for (const Slot& slot : fitted.problem.parameters.slots)
+    if (!is_noise(slot.quantity) && is_determined(fitted, slot))
+      largest = std::max(largest, std::abs(shifts[slot.index]));
+  return largest;
+}
+
+bool determines_friction(const Fitted& fitted) {
+  const Slot* slot = fitted.problem.parameters.find(Quantity::epsilon);
+  return !slot->free || is_determined(fitted, *slot);
+}
+
+// By how many sigma the parameters that two fits share have moved, at most.
+std::string moved_by(const Fitted& from, const Fitted& to) {
+  double largest = 0.0;
+  std::string which;
+  for (const Slot& slot : from.problem.parameters.slots) {
+    const Slot* other = to.problem.parameters.find(slot.quantity, slot.event);
+    if (!is_determined(from, slot) || is_noise(slot.quantity) || other == nullptr) continue;
+    const double change =
+        std::abs(slot.coordinate_of(other->value(std::span<const double>(to.minimum.x))) -
+                 from.minimum.x[slot.index]) /
+        from.known.sigma(slot.index);
+    if (!(change > largest)) continue;
+    largest = change;
+    which = from.problem.parameters.name_of(slot);
+  }
+  return which.empty() ? "" : fmt::format("; {} moves by {:.2g} sigma", which, largest);
+}
+
+} // namespace
+
+std::vector<double> model_shifts(const Fitted& fitted) {
+  const auto exact = difference_to(FitDynamics::map, fitted.problem, fitted.minimum.x);
+  if (!exact) return {};
+  const Eigen::VectorXd shift = shift_by(fitted.problem, fitted.minimum.x, *exact);
+  std::vector<double> in_sigma;
+  for (std::size_t k = 0; k < fitted.minimum.x.size(); ++k)
+    in_sigma.push_back(shift[static_cast<Eigen::Index>(k)] / fitted.known.sigma(k));
+  return in_sigma;
+}
+
+ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
+    : all_(data), options_(options), guess_(guess_noise(data)) {
+  check_names(options, data);
+}
+
+// The noise the first fit is made with: a walk only where neighbouring beats show one.
+ModelChoice ModelSearch::first_model() const {
+  ModelChoice model;
+  if (options_.escapement) model.escapement = *options_.escapement;
+  model.walk = options_.noise != FitNoise::jitter && guess_.walks;
+  return model;
+}
+
+// Drive noise makes neighbouring times nearly one: a long log loses little if it is thinned.
+void ModelSearch::thin_if_long() {
+  constexpr std::size_t enough = 16000;
+  if (!first_model().walk || all_.size() < 2 * enough) {
+    working_.data = all_;
+    return;
+  }
+  std::size_t stride = 1;
+  while (all_.size() / stride > enough)
+    stride *= 2;
+  std::vector<double> events;
+  for (const FitEvent& event : options_.events)
+    events.push_back(static_cast<double>(event.cycle));
+  constexpr std::size_t dense = 500; // beats that show a beginning
+  working_.data = subset(all_, kept_beats(all_, events, stride, dense));
+}
+
+void ModelSearch::tried(const Fitted& fitted, const std::string& verdict) {
+  alternatives_.push_back(
+      {fmt::format("{}, {}", name_of(fitted.dynamics), fitted.model.name()), fitted.bic, verdict});
+}
+
+bool ModelSearch::take_if_better(Fitted&& other, const std::string& why) {
+  if (!other.minimum.usable) return false;
+  const double gain = best_.bic - other.bic;
+  if (gain > 0.0) {
+    tried(best_, fmt::format("BIC worse by {:.3g}: {}{}", gain, why, moved_by(best_, other)));
+    best_ = std::move(other);
+    return true;
+  }
+  tried(other, fmt::format("BIC worse by {:.3g}: not demanded{}", -gain, moved_by(best_, other)));
+  return false;
+}
+
+namespace {
+
+// Whether the residuals are no larger than what neighbouring beats scatter by.
+bool is_as_small_as(double jitter, const Fitted& fitted) {
+  double sum = 0.0;
+  for (const double late : fitted.seen.late_s)
+    sum += late * late;
+  constexpr double by_chance = 1.3; // the robust jitter of few beats is known to a tenth or so
+  return std::sqrt(sum / static_cast<double>(fitted.seen.late_s.size())) < by_chance * jitter;
+}
+
+} // namespace
+
+// A free pendulum is the simpler model; it is taken where it explains the log as well and its
+// friction shows (a stationary log fits anything and says nothing).
+bool ModelSearch::prefers_no_escapement(const ModelChoice& driven) {
+  if (options_.escapement || !options_.events.empty()) return false;
+  const auto speaks_of_escapement = [](const std::string& name) {
+    return name == "mu" || name == "phi0";
+  };
+  for (const auto& [name, value] : options_.fixed)
+    if (speaks_of_escapement(name)) return false;
+  for (const Prior& prior : options_.priors)
+    if (speaks_of_escapement(prior.name)) return false;
+  constexpr std::size_t enough = 1000; // beats: whether a pendulum is driven shows in a few
+  ModelChoice free = driven;
+  free.escapement = Escapement::none;
+  const TimingData thin =
+      thinned(working_.data, make_parameters(options_, working_.data, free), enough);
+  Fitted without = fit_from_scratch(thin, options_, free, guess_);
+  if (!without.minimum.usable || !determines_friction(without)) return false;
+  refine(without, FitDynamics::map); // what first order lacks must not pass for a drive
+  if (white(without) && is_as_small_as(guess_.jitter_s, without)) {
+    alternatives_.push_back(
+        {"no escapement (thinned)", without.bic, "explains the log: no drive was looked for"});
+    return true;
+  }
+  Fitted with = fit_from_scratch(thin, options_, driven, guess_);
+  if (with.minimum.usable) refine(with, FitDynamics::map);
+  const bool simpler = !with.minimum.usable || without.bic < with.bic;
+  alternatives_.push_back(
+      {"no escapement (thinned)", without.bic,
+       simpler ? "explains the log with fewer parameters" : "does not explain the log"});
+  if (with.minimum.usable)
+    alternatives_.push_back(
+        {"constant-torque (thinned)", with.bic, simpler ? "the drive is not needed" : "taken"});
+  return simpler;
+}
+
+// The first of the dynamics that shifts no determined parameter by more than a fifth of its sigma.
+void ModelSearch::choose_dynamics() {
+  constexpr double tolerable = 0.2;
+  const auto shift_now = [&] {
+    shifts_ = model_shifts(best_);
+    return shifts_.empty() ? 0.0 : largest_shift(best_, shifts_);
+  };
+  const double first = shift_now();
+  const std::vector<double> first_order = shifts_;
+  chosen_by_ =
+      "first order is good enough: it shifts no determined parameter by more than 0.2 sigma";
+  if (shifts_.empty())
+    chosen_by_ =
+        "the full equation of motion stops at these parameters; first order is all there is";
+  if (options_.dynamics != FitDynamics::automatic) {
+    chosen_by_ = "asked for";
+    if (!refine(best_, options_.dynamics)) chosen_by_ = "the dynamics asked for do not run here";
+    return;
+  }
+  if (shifts_.empty() || first <= tolerable) return;
+  Fitted simpler = best_;
+  chosen_by_ = fmt::format("averaged1 is off by up to {:.2g} sigma", first);
+  tried(simpler, fmt::format("off by up to {:.2g} sigma", first));
+  double second = std::numeric_limits<double>::infinity();
+  if (refine(best_, FitDynamics::averaged2)) {
+    second = shift_now();
+    if (second > tolerable) {
+      tried(best_, fmt::format("off by up to {:.2g} sigma", second));
+      chosen_by_ += fmt::format(", averaged2 by {:.2g}", second);
+    }
+  }
+  if (second > tolerable) refine(best_, FitDynamics::map);
+  shifts_ = first_order;
+}
+
+// Other friction is tried where linear friction leaves something in the residuals.
+void ModelSearch::choose_friction() {
+  if (best_.model.walk || white(best_) || !determines_friction(best_)) return;
+  const Fitted linear = best_;
+  for (const bool quadratic : {true, false}) {
+    ModelChoice model = linear.model;
+    (quadratic ? model.quadratic : model.dry) = true;
+    Fitted other = fit_from(linear, options_, model);
+    if (!other.minimum.usable) continue;
+    refine(other, FitDynamics::map);
+    take_if_better(std::move(other),
+                   fmt::format("friction is not {} alone", linear.model.friction()));
+  }
+}
+
+void ModelSearch::choose_noise() {
+  const FitNoise wanted = options_.noise;
+  const bool automatic = wanted == FitNoise::automatic;
+  if (wanted == FitNoise::jitter) return;
+  const FitDynamics dynamics = best_.dynamics;
+  const bool driven = best_.model.escapement != Escapement::none;
+  const auto fit_with = [&](ModelChoice model) {
+    Fitted other = fit_from(best_, options_, model);
+    if (other.minimum.usable) refine(other, dynamics);
+    return other;
+  };
+  ModelChoice model = best_.model;
+  if (automatic) {
+    const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
+    if (!walks && !best_.model.walk) return;
+    model.walk = !best_.model.walk;
+    if (model.walk == walks) take_if_better(fit_with(model), "the times walk");
+    if (!best_.model.walk || !driven) return;
+  }
+  if (!driven) return;
+  model = best_.model;
+  model.walk = false;
+  model.drive = true;
+  model.jitter = wanted != FitNoise::drive;
+  Fitted drive = fit_with(model);
+  if (automatic) {
+    if (!take_if_better(std::move(drive), "a drive that varies explains the walk")) return;
+  } else if (drive.minimum.usable) {
+    best_ = std::move(drive);
+  }
+  if (wanted != FitNoise::slow && !automatic) return;
+  model.slow = true;
+  if (!automatic) {
+    Fitted slow = fit_with(model);
+    if (slow.minimum.usable) best_ = std::move(slow);
+  } else if (worth_trying(best_, options_, model)) {
+    take_if_better(fit_with(model), "part of the drive varies slowly");
+  }
+}
+
+// Again with as many beats as the information asks for.
+void ModelSearch::thin_by_information() {
+  if (working_.data.size() == all_.size()) return;
+  working_.thinning = {working_.data.size(), std::numeric_limits<double>::quiet_NaN()};
+  const auto shape = noise_shape(best_);
+  if (!shape) return;
+  constexpr double allowed = 0.04;
+  const std::size_t stride = longest_stride(*shape, allowed);
+  std::vector<double> events = best_.problem.parameters.event_cycles;
+  constexpr std::size_t dense = 500;
+  finer_ = subset(all_, kept_beats(all_, events, stride, dense));
+  Fitted finer = fit_from(best_, options_, best_.model, &finer_);
+  if (!finer.minimum.usable) return;
+  best_ = std::move(finer);
+  working_.thinning = {finer_.size(), information_lost(*shape, stride)};
+}
+
+// A date found by a search is moved by steps while that pays.
+void ModelSearch::move_events() {
+  constexpr std::size_t most_beats = 30000;
+  if (working_.data.size() > most_beats) return;
+  for (std::size_t k = 0; k < options_.events.size(); ++k) {
+    if (!options_.events[k].movable) continue;
+    for (std::int64_t step : {8, 4, 2, 1})
+      for (const std::int64_t side : {-1, 1})
+        while (true) {
+          FitOptions moved = options_;
+          moved.events[k].cycle += side * step;
+          const auto cycle = static_cast<double>(moved.events[k].cycle);
+          const double before = k == 0 ? 0.0 : static_cast<double>(moved.events[k - 1].cycle);
+          const double after = k + 1 < moved.events.size()
+                                   ? static_cast<double>(moved.events[k + 1].cycle)
+                                   : working_.data.cycle.back();
+          if (cycle <= before || cycle >= after) break;
+          Fitted other = fit_from(best_, moved, best_.model);
+          if (!other.minimum.usable || !(other.bic < best_.bic - 0.1)) break;
+          best_ = std::move(other);
+          options_ = std::move(moved);
+        }
+  }
+}
+
+const Fitted& ModelSearch::run() {
+  thin_if_long();
+  ModelChoice model = first_model();
+  if (prefers_no_escapement(model)) model.escapement = Escapement::none;
+  best_ = fit_from_scratch(working_.data, options_, model, guess_);
+  if (!best_.minimum.usable) return best_;
+  move_events();
+  if (!best_.model.walk) {
+    choose_dynamics();
+    choose_friction();
+    choose_noise();
+  } else {
+    choose_noise();
+    thin_by_information();
+    choose_dynamics();
+  }
+  tried(best_, "chosen");
+  return best_;
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,56 @@
+// Which model a log demands. Private to the fit room.
+#pragma once
+
+#include "model_fit.hpp"
+
+namespace goingrate::timing_model {
+
+/// By how many sigma of each coordinate the fit is off, judged by the full equation of motion;
+/// empty if the full pendulum would not run there.
+std::vector<double> model_shifts(const Fitted& fitted);
+
+/// The data a fit works on: all of them, or every so-manieth beat of a long log under drive noise.
+struct Working {
+  TimingData data;
+  Thinning thinning;
+};
+
+/// The search for the model: escapement, noise, friction, dynamics, and moments of change, each
+/// taken one step beyond the simplest only where the log demands it.
+class ModelSearch {
+public:
+  ModelSearch(const TimingData& data, const FitOptions& options);
+
+  /// Runs it. The result points into this object.
+  const Fitted& run();
+  [[nodiscard]] const Thinning& thinning() const { return working_.thinning; }
+  [[nodiscard]] const std::string& chosen_by() const { return chosen_by_; }
+  [[nodiscard]] const std::vector<FitAlternative>& alternatives() const { return alternatives_; }
+  [[nodiscard]] const FitOptions& options() const { return options_; } ///< events may have moved
+  /// What first-order averaging alone is off by; empty if not known.
+  [[nodiscard]] const std::vector<double>& first_order_shifts() const { return shifts_; }
+
+private:
+  void thin_if_long();
+  [[nodiscard]] ModelChoice first_model() const;
+  [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven);
+  void move_events();
+  void choose_dynamics();
+  void choose_friction();
+  void choose_noise();
+  void thin_by_information();
+  bool take_if_better(Fitted&& other, const std::string& why);
+  void tried(const Fitted& fitted, const std::string& verdict);
+
+  const TimingData& all_;
+  FitOptions options_;
+  NoiseGuess guess_;
+  Working working_;
+  TimingData finer_; ///< once the information has said how many beats it takes
+  Fitted best_;
+  std::vector<double> shifts_;
+  std::string chosen_by_;
+  std::vector<FitAlternative> alternatives_;
+};
+
+} // namespace goingrate::timing_model

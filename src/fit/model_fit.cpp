@@ -1,0 +1,569 @@
+#include "model_fit.hpp"
+
+#include "final_clock.hpp"
+#include "reference_run.hpp"
+
+#include "goingrate/fit/timing_noise.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+bool by_value(const Minimum& a, const Minimum& b) { return a.value < b.value; }
+
+double rms(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values)
+    sum += v * v;
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, values.size())));
+}
+
+FitProblem make_problem(const TimingData& data, const FitOptions& options,
+                        const ModelChoice& model) {
+  FitProblem problem;
+  problem.data = &data;
+  problem.parameters = make_parameters(options, data, model);
+  problem.bounds = make_bounds(problem.parameters, data);
+  return problem;
+}
+
+// The problem with its noise held at what the starting point says.
+FitProblem with_noise_held(const FitProblem& problem, std::span<const double> start) {
+  FitProblem held = problem;
+  std::size_t place = 0;
+  for (Slot& slot : held.parameters.slots) {
+    if (!slot.free) continue;
+    if (is_noise(slot.quantity)) {
+      slot.fixed_value = slot.value(start);
+      slot.free = false;
+    } else {
+      slot.index = place++;
+    }
+  }
+  held.parameters.free_count = place;
+  held.bounds = make_bounds(held.parameters, *held.data);
+  return held;
+}
+
+// T0 is nearly linear in the times: one look at how fast the residuals grow sets it.
+void match_mean_rate(const FitProblem& problem, std::vector<double>& x) {
+  const Slot& T0 = *problem.parameters.find(Quantity::T0);
+  if (!T0.free) return;
+  if (const auto late = late_at_end(problem.parameters, ends_of(*problem.data), x))
+    x[T0.index] += *late / problem.data->cycle.back() / T0.scale;
+}
+
+// A start's L on few beats, with T0 matched.
+std::vector<Minimum> screened(const FitProblem& problem,
+                              const std::vector<std::vector<double>>& points) {
+  std::vector<Minimum> tried;
+  for (const auto& point : points) {
+    Minimum start;
+    start.x = point;
+    match_mean_rate(problem, start.x);
+    const auto value = minus_log_likelihood(problem, start.x);
+    if (!value) continue;
+    start.value = *value;
+    tried.push_back(std::move(start));
+  }
+  std::sort(tried.begin(), tried.end(), by_value);
+  return tried;
+}
+
+// Starts the log's own from the options, if they name every free parameter.
+std::vector<std::vector<double>> starts_of(const FitOptions& options, const Parameters& parameters,
+                                           const TimingData& data, const NoiseGuess& noise) {
+  auto points = starting_points(parameters, data, noise);
+  if (options.start.empty() || points.empty()) return points;
+  std::vector<double> given = points.front();
+  for (const Slot& slot : parameters.slots) {
+    const auto named = options.start.find(parameters.name_of(slot));
+    if (!slot.free || named == options.start.end()) continue;
+    const double x = slot.coordinate_of(named->second);
+    if (std::isfinite(x)) given[slot.index] = x;
+  }
+  return {given};
+}
+
+// Of places within a sigma of a better one, only the better one is kept.
+void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
+  if (places.size() < 2) return;
+  const auto at = evaluate(problem, places.front().x);
+  if (!at) return;
+  const Certainty known = certainty(problem, *at, {});
+  const auto same = [&](const Minimum& a, const Minimum& b) {
+    for (std::size_t k = 0; k < a.x.size(); ++k)
+      if (std::abs(a.x[k] - b.x[k]) > known.sigma(k)) return false;
+    return true;
+  };
+  std::vector<Minimum> kept;
+  for (const Minimum& place : places)
+    if (std::none_of(kept.begin(), kept.end(), [&](const Minimum& k) { return same(k, place); }))
+      kept.push_back(place);
+  places = std::move(kept);
+}
+
+// Whether two starts have come to rest at one place that explains the data as well as anything
+// could: with innovations hardly larger than the noise.
+bool agreed(const FitProblem& problem, std::span<const Minimum> places) {
+  std::vector<Minimum> good;
+  for (const Minimum& place : places) {
+    if (!place.usable) continue;
+    const auto seen = residuals(problem, place.x);
+    constexpr double small = 3.0; // first order may be a little off
+    if (seen && rms(seen->white_time) < small && rms(seen->white_amplitude) < small)
+      good.push_back(place);
+  }
+  const std::size_t found = good.size();
+  drop_duplicates(problem, good);
+  return found > good.size();
+}
+
+// By how much L may still exceed the best for a start that has not come to rest to be followed on.
+double hopeless(const FitProblem& problem) {
+  constexpr double per_beat = 100.0;
+  return per_beat * static_cast<double>(problem.data->size());
+}
+
+// Where scoring comes to rest on few beats from the best starts, all different.
+std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
+                               const NoiseGuess& noise) {
+  constexpr std::size_t thin = 160; // beats that tell which valley a start lies in
+  constexpr std::size_t to_score = 10, to_finish = 4;
+  const TimingData data = thinned(*problem.data, problem.parameters, thin);
+  problem.data = &data;
+  const auto points = starts_of(options, problem.parameters, data, noise);
+  problem = with_noise_held(problem, points.front());
+  std::vector<std::vector<double>> clock_points;
+  for (const auto& point : points)
+    clock_points.emplace_back(
+        point.begin(), point.begin() + static_cast<std::ptrdiff_t>(problem.parameters.free_count));
+  std::vector<Minimum> tried = screened(problem, clock_points);
+  if (tried.size() > to_score) tried.resize(to_score);
+  const auto score = [&](Minimum& start, int iterations) {
+    problem.priors = make_priors(options, problem.parameters, start.x);
+    start = minimise(problem, start.x, {iterations, 1e-2, 1e4});
+  };
+  std::size_t done = 0;
+  while (done < tried.size() && !agreed(problem, {tried.data(), done}))
+    score(tried[done++], 8);
+  tried.resize(done);
+  std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
+  std::sort(tried.begin(), tried.end(), by_value);
+  if (tried.size() > to_finish) tried.resize(to_finish);
+  for (Minimum& start : tried)
+    if (!start.converged && start.value < tried.front().value + hopeless(problem)) score(start, 60);
+  std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
+  std::sort(tried.begin(), tried.end(), by_value);
+  drop_duplicates(problem, tried);
+  return tried;
+}
+
+// Two and five sigma along the direction the data know least, as far as that is sane.
+std::vector<std::vector<double>> along_the_valley(const Certainty& known,
+                                                  std::span<const double> x) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(known.unwidened, Eigen::ComputeThinU);
+  const Eigen::VectorXd weakest = svd.matrixU().col(0) * svd.singularValues()[0];
+  const double longest = 3.0 / std::max(weakest.cwiseAbs().maxCoeff(), 1e-300); // a factor e^3
+  std::vector<std::vector<double>> points;
+  for (const double sigmas : {-5.0, -2.0, 2.0, 5.0}) {
+    points.emplace_back(x.begin(), x.end());
+    const double step = std::clamp(sigmas, -longest, longest);
+    for (std::size_t k = 0; k < x.size(); ++k)
+      points.back()[k] += step * weakest[static_cast<Eigen::Index>(k)];
+  }
+  return points;
+}
+
+bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<const double> x) {
+  constexpr double well = 0.1; // of what would be too vague
+  return std::all_of(problem.parameters.slots.begin(), problem.parameters.slots.end(),
+                     [&](const Slot& slot) {
+                       return !slot.free || is_noise(slot.quantity) ||
+                              known.sigma(slot.index) < well * tolerable_sigma(problem, slot, x);
+                     });
+}
+
+// Whether the fit knows the clock well enough to be the only place to look from.
+bool knows_its_clock(const Fitted& fitted) {
+  return all_but_known(fitted.problem, fitted.known, fitted.minimum.x);
+}
+
+// Searches again on at most a few thousand beats, from the other finalists and, where something is
+// known badly, from along the valley; moves to a better minimum if there is one and keeps the
+// others that are nearly as good.
+// True if it moved.
+bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others) {
+  if (others.empty() && knows_its_clock(fitted)) return false;
+  constexpr std::size_t enough = 3000; // beats: what is thinned away makes the check stricter
+  const TimingData data = thinned(*fitted.problem.data, fitted.problem.parameters, enough);
+  FitProblem check = fitted.problem;
+  check.data = &data;
+  check.correction = {};
+  const Minimum home = minimise(check, fitted.minimum.x, {60, 1e-3});
+  if (!home.usable) return false;
+  const auto there = evaluate(check, home.x);
+  if (!there) return false;
+  const Certainty known = certainty(check, *there, {});
+  std::vector<std::vector<double>> starts = others;
+  if (!all_but_known(check, known, home.x))
+    for (auto& point : along_the_valley(known, home.x))
+      starts.push_back(std::move(point));
+  std::vector<Minimum> found{home};
+  Minimum best = home;
+  for (const auto& start : starts) {
+    found.push_back(minimise(check, start, {60, 1e-3}));
+    if (found.back().usable && found.back().value < best.value) best = found.back();
+  }
+  constexpr double better = 0.5; // of L
+  const bool moved = best.value < home.value - better;
+  if (moved) fitted.minimum.x = best.x;
+  for (const Minimum& other : found)
+    if (other.usable && other.value - best.value < 4.5) // three sigma
+      fitted.rivals.points.push_back(other.x);
+  // What the thinning moves, all of them were moved by.
+  for (auto& point : fitted.rivals.points)
+    for (std::size_t k = 0; k < point.size(); ++k)
+      point[k] += fitted.minimum.x[k] - best.x[k];
+  return moved;
+}
+
+// Makes the noise as large as the innovations say it is.
+void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
+  const auto seen = residuals(problem, x);
+  if (!seen) return;
+  for (const Slot& slot : problem.parameters.slots) {
+    if (!slot.free || !is_noise(slot.quantity) || slot.quantity == Quantity::slow_time) continue;
+    const bool of_amplitude = slot.quantity == Quantity::amplitude_rms;
+    const auto& white = of_amplitude ? seen->white_amplitude : seen->white_time;
+    if (white.empty()) continue;
+    const auto [low, high] = problem.bounds[slot.index];
+    x[slot.index] = std::clamp(x[slot.index] + std::log(rms(white)), low, high);
+  }
+}
+
+// Where the misfit says nothing of the noise yet, the clock is moved first, with the noise held.
+void settle_clock(const FitProblem& problem, std::vector<double>& x, const SearchLimits& limits) {
+  const auto seen = residuals(problem, x);
+  if (!seen) return;
+  constexpr double far = 2.0;
+  if (rms(seen->white_time) < far && rms(seen->white_amplitude) < far) return;
+  FitProblem held = with_noise_held(problem, x);
+  const std::size_t clock = held.parameters.free_count;
+  std::erase_if(held.priors, [&](const CoordinatePrior& p) { return p.index >= clock; });
+  const Minimum moved =
+      minimise(held, {x.begin(), x.begin() + static_cast<std::ptrdiff_t>(clock)}, limits);
+  if (moved.usable) std::copy(moved.x.begin(), moved.x.end(), x.begin());
+  rescale_noise(problem, x);
+}
+
+void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits) {
+  settle_clock(problem, minimum.x, limits);
+  minimum = minimise(problem, minimum.x, limits);
+  // The first search counts from a bad start, whose misfit may drown what is left to gain.
+  if (minimum.usable && !minimum.converged) minimum = minimise(problem, minimum.x, limits);
+}
+
+Widening widening_of(const Fitted& fitted) {
+  Widening widening;
+  constexpr double surely = 1e-3;
+  const auto of = [&](const std::vector<double>& innovations) {
+    const bool doubtful = innovations.size() >= 8 && whiteness_p(innovations) < surely;
+    return doubtful ? std::sqrt(correlation_time(innovations)) : 1.0;
+  };
+  widening.time = of(fitted.seen.white_time);
+  widening.amplitude = of(fitted.seen.white_amplitude);
+  const auto n =
+      static_cast<double>(fitted.seen.white_time.size() + fitted.seen.white_amplitude.size());
+  const auto p = static_cast<double>(fitted.problem.parameters.free_count);
+  const double taken = std::sqrt(n / std::max(1.0, n - p));
+  widening.time *= taken;
+  widening.amplitude *= taken;
+  return widening;
+}
+
+// What hangs on the place where the search ended.
+void finish(Fitted& fitted) {
+  fitted.bic = bayes_criterion(fitted.problem, fitted.minimum);
+  auto seen = residuals(fitted.problem, fitted.minimum.x);
+  const auto at = evaluate(fitted.problem, fitted.minimum.x);
+  if (!seen || !at) {
+    fitted.minimum.usable = false;
+    return;
+  }
+  fitted.seen = std::move(*seen);
+  fitted.widening = widening_of(fitted);
+  fitted.known = certainty(fitted.problem, *at, fitted.widening);
+}
+
+} // namespace
+
+double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
+  double weak = 0.0;
+  for (const CoordinatePrior& prior : problem.priors)
+    if (!prior.stated)
+      weak += 0.5 * std::pow((minimum.x[prior.index] - prior.centre) / prior.sigma, 2);
+  double seen = static_cast<double>(problem.data->size()) - 1.0;
+  for (const double a : problem.data->amplitude_rad)
+    seen += std::isnan(a) ? 0.0 : 1.0;
+  return 2.0 * (minimum.value - weak) +
+         static_cast<double>(problem.parameters.free_count) * std::log(seen);
+}
+
+Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const ModelChoice& model,
+                        const NoiseGuess& noise) {
+  Fitted fitted;
+  fitted.model = model;
+  fitted.problem = make_problem(data, options, model);
+  auto ends = finalists(fitted.problem, options, noise);
+  if (ends.empty()) return fitted;
+  const Parameters& parameters = fitted.problem.parameters;
+  const auto points = starting_points(parameters, data, noise);
+  std::vector<std::vector<double>> starts;
+  const double best = ends.front().value;
+  for (const Minimum& end : ends) {
+    constexpr double hopeless = 30.0; // of L on few beats
+    if (end.value > best + hopeless) break;
+    std::vector<double> start = points.front(); // for the noise
+    std::copy(end.x.begin(), end.x.end(), start.begin());
+    starts.push_back(std::move(start));
+  }
+  fitted.problem.priors = make_priors(options, parameters, starts.front());
+  fitted.minimum.x = starts.front();
+  starts.erase(starts.begin());
+  settle(fitted.problem, fitted.minimum, {100});
+  if (!fitted.minimum.usable) return fitted;
+  finish(fitted);
+  if (fitted.minimum.usable && find_rivals(fitted, starts)) {
+    settle(fitted.problem, fitted.minimum, {});
+    if (fitted.minimum.usable) finish(fitted);
+  }
+  return fitted;
+}
+
+namespace {
+
+// Every start with its drive noise at several sizes, and its memory at several lengths.
+std::vector<std::vector<double>> noise_variants(const std::vector<std::vector<double>>& points,
+                                                const Parameters& parameters,
+                                                const TimingData& data) {
+  const Slot* drive = parameters.find(Quantity::drive_rms);
+  const Slot* slow = parameters.find(Quantity::slow_rms);
+  const Slot* memory = parameters.find(Quantity::slow_time);
+  std::vector<std::vector<double>> variants;
+  for (const auto& point : points) {
+    for (const double factor : {1.0, 0.5, 2.0}) {
+      std::vector<double> x = point;
+      if (drive != nullptr && drive->free) x[drive->index] += std::log(factor);
+      if (slow == nullptr || !slow->free || !memory->free) {
+        variants.push_back(x);
+        continue;
+      }
+      if (factor != 1.0) continue;
+      for (const double periods : {30.0, 300.0, 3000.0, 30000.0})
+        for (const double size : {0.03, 0.2, 1.0}) {
+          const double length = periods * data.reference_period_s;
+          if (length > data.elapsed_s.back()) continue;
+          x[memory->index] = std::log(length);
+          x[slow->index] =
+              (drive != nullptr && drive->free ? x[drive->index] : std::log(0.1)) + std::log(size);
+          variants.push_back(x);
+        }
+    }
+  }
+  return variants;
+}
+
+} // namespace
+
+namespace {
+
+// Where a richer model may start: from the simpler one's end, and if that does not know its clock
+// from every clock a stationary log could come from.
+std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitProblem& problem,
+                                               const ModelChoice& model) {
+  const TimingData& data = *problem.data;
+  NoiseGuess noise = guess_noise(data);
+  if (model.noise() != simpler.model.noise()) {
+    const TimingNoise timing = estimate_noise(simpler.problem.data->cycle, simpler.seen.late_s);
+    noise.jitter_s = std::max(timing.jitter_s, least_jitter(data));
+    noise.walk_s = timing.walk_s;
+  }
+  const Parameters &parameters = problem.parameters, &before = simpler.problem.parameters;
+  const auto grid = starting_points(parameters, data, noise);
+  std::vector<std::vector<double>> points{
+      carried_over(before, simpler.minimum.x, parameters, grid.front())};
+  for (const Slot& slot : parameters.slots) // what is new starts small
+    if (slot.free && !before.has(slot.quantity) && slot.coordinate == Coordinate::multiple)
+      points.front()[slot.index] = 0.1;
+  const bool drive_is_new = model.drive && !before.has(Quantity::drive_rms);
+  const bool slow_is_new = model.slow && !before.has(Quantity::slow_rms);
+  if (drive_is_new && !knows_its_clock(simpler))
+    points.insert(points.end(), grid.begin(), grid.end());
+  return drive_is_new || slow_is_new ? noise_variants(points, parameters, data) : points;
+}
+
+// Every so-manieth beat, which tells starts apart.
+TimingData at_one_stride(const TimingData& data, std::size_t enough) {
+  std::vector<std::size_t> kept;
+  const std::size_t stride = std::max<std::size_t>(1, data.size() / enough);
+  for (std::size_t i = 0; i < data.size(); i += stride)
+    kept.push_back(i);
+  return subset(data, kept);
+}
+constexpr std::size_t enough_to_screen = 4000;
+
+} // namespace
+
+bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
+  const TimingData thin = at_one_stride(*simpler.problem.data, enough_to_screen);
+  FitProblem plain = simpler.problem, richer = make_problem(thin, options, model);
+  plain.data = richer.data = &thin;
+  plain.correction = {}; // of other beats; the dynamics change little between noises
+  plain.priors.clear();
+  const auto here = minus_log_likelihood(plain, simpler.minimum.x);
+  constexpr double some = 1.0; // of L: below that no search would make it worth two parameters
+  for (const auto& point : richer_starts(simpler, richer, model)) {
+    const auto there = minus_log_likelihood(richer, point);
+    if (here && there && *there < *here - some) return true;
+  }
+  return false;
+}
+
+namespace {
+
+// A stationary log with a noisy drive shows |H|^2, and so the ratio of the gains but for its sign:
+// with u = 1/sqrt(q^2 - 1), q = lambda/phi0 and the mean rate r,
+//   slow/fast = u^2/2 + (r/eps) u - 1/2
+// (from eqs. statam, statrate), which takes the opposite value at another u > 0. There stands a
+// twin of the clock, with the same friction, mean rate and spectrum, but another amplitude and
+// drive.
+std::optional<std::vector<double>> twin_of(const FitProblem& problem, std::span<const double> x) {
+  const Parameters& parameters = problem.parameters;
+  if (parameters.escapement != Escapement::constant_torque || !parameters.event_cycles.empty())
+    return {};
+  for (const Quantity needed : {Quantity::mu, Quantity::phi0, Quantity::lambda0})
+    if (!parameters.is_free(needed)) return {};
+  const Slot* drive = parameters.find(Quantity::drive_rms);
+  if (drive == nullptr || !drive->free) return {};
+  const FinalClock clock = final_clock(parameters, x);
+  const double epsilon = clock.laws.epsilon, phi0 = clock.laws.phi0;
+  const double rate = clock.laws.rate(clock.amplitude2);
+  const double ratio = clock.slow_gain() / clock.fast_gain(), b = rate / epsilon;
+  const double root = b * b + 1.0 - 2.0 * ratio;
+  if (!(root > 0.0) || !(std::sqrt(root) > b)) return {};
+  const double u = std::sqrt(root) - b, steep = 1.0 / u; // sqrt(q^2 - 1)
+  const double amplitude2 = 16.0 * (epsilon * steep - rate);
+  if (!(amplitude2 > 0.0 && amplitude2 < 1.0)) return {};
+  const double angle = std::sqrt(amplitude2 / (steep * steep + 1.0));
+  const double mu = std::numbers::pi * epsilon * amplitude2 / (2.0 * angle);
+  const double old_steep = std::sqrt(clock.amplitude2 / (phi0 * phi0) - 1.0);
+  std::vector<double> twin(x.begin(), x.end());
+  const auto add_log = [&](Quantity quantity, double factor) {
+    twin[parameters.find(quantity)->index] += std::log(factor);
+  };
+  add_log(Quantity::mu, mu / clock.laws.mu);
+  add_log(Quantity::phi0, angle / phi0);
+  add_log(Quantity::lambda0, std::sqrt(amplitude2 / clock.amplitude2));
+  add_log(Quantity::drive_rms, old_steep / steep); // the scatter of neighbours stays
+  return twin;
+}
+
+// The twin as a rival; takes its place if it is better.
+void look_at_the_twin(Fitted& fitted) {
+  const auto start = twin_of(fitted.problem, fitted.minimum.x);
+  if (!start) return;
+  Minimum twin;
+  twin.x = *start;
+  settle(fitted.problem, twin, {});
+  if (!twin.usable) return;
+  if (twin.value < fitted.minimum.value) std::swap(twin, fitted.minimum);
+  constexpr double near = 4.5; // three sigma
+  if (twin.value < fitted.minimum.value + near) fitted.rivals.points.push_back(twin.x);
+}
+
+} // namespace
+
+Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
+                const TimingData* data) {
+  Fitted fitted;
+  fitted.model = model;
+  fitted.problem = make_problem(data != nullptr ? *data : *simpler.problem.data, options, model);
+  const auto points = richer_starts(simpler, fitted.problem, model);
+  std::vector<Minimum> tried(1);
+  tried.front().x = points.front();
+  if (points.size() > 1) {
+    FitProblem few = fitted.problem;
+    const TimingData thin = at_one_stride(*few.data, enough_to_screen);
+    few.data = &thin;
+    tried = screened(few, points);
+    constexpr std::size_t to_score = 4;
+    if (tried.size() > to_score) tried.resize(to_score);
+    for (Minimum& start : tried) {
+      few.priors = make_priors(options, few.parameters, start.x);
+      start = minimise(few, start.x, {40, 1e-2});
+    }
+    std::sort(tried.begin(), tried.end(), by_value);
+  }
+  if (tried.empty()) return fitted;
+  fitted.minimum.x = tried.front().x;
+  fitted.problem.priors = make_priors(options, fitted.problem.parameters, fitted.minimum.x);
+  settle(fitted.problem, fitted.minimum, {});
+  if (!fitted.minimum.usable) return fitted;
+  for (const Minimum& other : tried) {
+    constexpr double near = 4.5; // three sigma
+    if (!other.usable || other.value > tried.front().value + near) continue;
+    fitted.rivals.points.push_back(other.x);
+    for (std::size_t k = 0; k < other.x.size(); ++k) // what the thinning moved, both were moved by
+      fitted.rivals.points.back()[k] += fitted.minimum.x[k] - tried.front().x[k];
+  }
+  look_at_the_twin(fitted);
+  finish(fitted);
+  return fitted;
+}
+
+std::optional<NoiseShape> noise_shape(const Fitted& fitted) {
+  const Slot* drive = fitted.problem.parameters.find(Quantity::drive_rms);
+  if (drive == nullptr) return {};
+  const std::span<const double> x(fitted.minimum.x);
+  const FinalClock clock = final_clock(fitted.problem.parameters, x);
+  const double jitter = fitted.problem.parameters.find(Quantity::jitter_rms)->value(x);
+  return NoiseShape{std::pow(clock.T0 * clock.fast_gain() * drive->value(x), 2), jitter * jitter,
+                    -clock.laws.growth_slope(clock.amplitude2),
+                    clock.slow_gain() / clock.fast_gain()};
+}
+
+bool refine(Fitted& fitted, FitDynamics dynamics) {
+  if (dynamics == FitDynamics::averaged1) return true;
+  constexpr int rounds = 8; // each gains two or three digits where the averaged model is near
+  Fitted refined = fitted;
+  refined.dynamics = dynamics;
+  for (int round = 0; round < rounds; ++round) {
+    refined.problem.parameters.start_ratio =
+        limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
+    auto correction = difference_to(dynamics, refined.problem, refined.minimum.x);
+    if (!correction) return false;
+    const std::vector<double> before = refined.minimum.x;
+    refined.problem.correction = std::move(*correction);
+    settle(refined.problem, refined.minimum, {});
+    if (!refined.minimum.usable) return false;
+    double largest = 0.0;
+    for (std::size_t k = 0; k < before.size(); ++k)
+      largest =
+          std::max(largest, std::abs(refined.minimum.x[k] - before[k]) / fitted.known.sigma(k));
+    constexpr double still = 0.02; // sigma
+    if (largest < still) break;
+  }
+  for (auto& point : refined.rivals.points)
+    for (std::size_t k = 0; k < point.size(); ++k)
+      point[k] += refined.minimum.x[k] - fitted.minimum.x[k];
+  finish(refined);
+  if (!refined.minimum.usable) return false;
+  fitted = std::move(refined);
+  return true;
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,239 @@
+// The likelihood of a log under noise of the drive, by a Kalman filter. Private to the fit room.
+//
+// State at upward crossing n, as departures from the undisturbed course:
+//   t  lateness of the clock, s
+//   x  of the squared amplitude, rad^2
+//   s  slow part of the relative drive
+// Over a cycle, with the relative drive u = d + s (d white, rms sigma_d), a = 2 pi f_x and
+// E = exp(a), from dx' = f_x x + D u and late' = -(g_x x + push u) (clock_model.hpp):
+//   x' = E x + D 2pi M u,                 M = (E - 1)/a
+//   t' = t - T0 [g_x M x + (push + g_x D 2pi (M - 1)/a) u] + (walk)
+//   s' = r s + (noise),                   r = exp(-T0/slow_time)
+// What is observed: t + jitter, and the turning angle, H x + noise. Over k cycles without a
+// beat the cycle's matrices are combined by doubling. A beat costs a fixed number of operations,
+// so a log of N beats costs O(N); once the covariance stands still only the state is advanced.
+// The first time is taken as it comes: its crossing has no known moment (exact diffuse start). The
+// first amplitude scatters about the course like all others: held to the course it would be fitted
+// to absurd precision by clocks whose inverse response grows (slow gain of the other sign), and
+// would prefer them.
+#pragma once
+
+#include "clock_model.hpp"
+
+#include <array>
+#include <cstddef>
+
+namespace goingrate::timing_model {
+
+/// Sizes of the noise; 0 for what is absent.
+template <class T> struct NoiseSizes {
+  T jitter{}, walk{}, drive{}, slow{}, slow_time{}, amplitude{};
+};
+
+/// One observation against its prediction: the difference and its variance.
+template <class T> struct Innovation {
+  T value{};
+  T variance{};
+};
+
+/// The filter with D = 2 (t, x) or 3 (t, x, s) states.
+template <class T, std::size_t D> class NoiseFilter {
+public:
+  explicit NoiseFilter(const NoiseSizes<T>& noise) : noise_(noise) {}
+
+  /// The first beat: nothing is known of its lateness; amplitude and slow drive are anywhere in
+  /// their stationary spread about the course, as in a clock that has been going.
+  void start(const Sight<T>& sight, const T& late) {
+    state_ = {};
+    covariance_ = {};
+    state_[0] = late;
+    covariance_[0][0] = noise_.jitter * noise_.jitter;
+    const Step step = cycle(sight);
+    const T& kept = step.transition[1][1];
+    T spread = step.noise[1][1];
+    if constexpr (D == 3) {
+      const T &raised = step.transition[1][2], &memory = step.transition[2][2];
+      const T slow2 = noise_.slow * noise_.slow;
+      const T shared = memory * raised * slow2 / (T(1.0) - memory * kept);
+      covariance_[2][2] = slow2;
+      covariance_[1][2] = covariance_[2][1] = shared;
+      spread += raised * raised * slow2 + kept * raised * shared * 2.0;
+    }
+    covariance_[1][1] = spread / ((T(1.0) - kept) * (kept + 1.0));
+    step_ = {};
+  }
+
+  /// Lets `cycles` pass; `sight` is that of the beat they end with.
+  void pass(const Sight<T>& sight, double cycles) {
+    const bool known = sight.settled && kept_cycles_ == cycles && kept_settled_;
+    if (!known) {
+      step_ = over(sight, cycles);
+      frozen_ = false;
+    }
+    kept_cycles_ = cycles;
+    kept_settled_ = sight.settled;
+    state_ = times(step_.transition, state_);
+    if (frozen_) return;
+    covariance_ = spread(step_.transition, covariance_);
+    add(covariance_, step_.noise);
+  }
+
+  /// The time of the beat, as lateness; the state is corrected by it.
+  Innovation<T> see_time(const T& late) {
+    const T value = late - state_[0];
+    if (!frozen_) {
+      variance_ = covariance_[0][0] + noise_.jitter * noise_.jitter;
+      for (std::size_t i = 0; i < D; ++i)
+        gain_[i] = covariance_[i][0] / variance_;
+      const std::array<double, D> before = last_;
+      for (std::size_t i = 0; i < D; ++i)
+        for (std::size_t k = 0; k <= i; ++k)
+          covariance_[k][i] = covariance_[i][k] =
+              covariance_[i][k] - gain_[i] * gain_[k] * variance_;
+      for (std::size_t i = 0; i < D; ++i)
+        last_[i] = plain(gain_[i]);
+      settle(before);
+    }
+    for (std::size_t i = 0; i < D; ++i)
+      state_[i] += gain_[i] * value;
+    return {value, variance_};
+  }
+
+  /// The amplitude of the beat; `excess` is what was seen less the course's, `slope` is H.
+  Innovation<T> see_amplitude(const T& excess, const T& slope) {
+    frozen_ = false; // its gain is another
+    still_ = 0;
+    const T variance = slope * slope * covariance_[1][1] + noise_.amplitude * noise_.amplitude;
+    const T value = excess - slope * state_[1];
+    std::array<T, D> gain;
+    for (std::size_t i = 0; i < D; ++i)
+      gain[i] = covariance_[i][1] * slope / variance;
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t k = 0; k <= i; ++k)
+        covariance_[k][i] = covariance_[i][k] = covariance_[i][k] - gain[i] * gain[k] * variance;
+    for (std::size_t i = 0; i < D; ++i)
+      state_[i] += gain[i] * value;
+    return {value, variance};
+  }
+
+  using Matrix = std::array<std::array<T, D>, D>;
+  [[nodiscard]] const std::array<T, D>& state() const { return state_; }
+  [[nodiscard]] const Matrix& covariance() const { return covariance_; }
+
+private:
+  struct Step {
+    Matrix transition{};
+    Matrix noise{};
+  };
+
+  static std::array<T, D> times(const Matrix& a, const std::array<T, D>& v) {
+    std::array<T, D> result;
+    result[0] = v[0] + a[0][1] * v[1];
+    result[1] = a[1][1] * v[1];
+    if constexpr (D == 3) {
+      result[0] += a[0][2] * v[2];
+      result[1] += a[1][2] * v[2];
+      result[2] = a[2][2] * v[2];
+    }
+    return result;
+  }
+  // a b for upper triangular matrices.
+  static Matrix times(const Matrix& a, const Matrix& b) {
+    Matrix result{};
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t k = i; k < D; ++k)
+        for (std::size_t j = i; j <= k; ++j)
+          result[i][k] += a[i][j] * b[j][k];
+    return result;
+  }
+  // a p a' for upper triangular a and symmetric p.
+  static Matrix spread(const Matrix& a, const Matrix& p) {
+    Matrix half{}, result{};
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t k = 0; k < D; ++k)
+        for (std::size_t j = i; j < D; ++j)
+          half[i][k] += a[i][j] * p[j][k];
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t k = 0; k <= i; ++k) {
+        for (std::size_t j = k; j < D; ++j)
+          result[i][k] += half[i][j] * a[k][j];
+        result[k][i] = result[i][k];
+      }
+    return result;
+  }
+  static void add(Matrix& to, const Matrix& what) {
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t k = 0; k < D; ++k)
+        to[i][k] += what[i][k];
+  }
+
+  [[nodiscard]] Step cycle(const Sight<T>& sight) const {
+    using std::exp, std::expm1;
+    const AveragedLaws<T>& laws = *sight.laws;
+    const T &x = sight.amplitude2, a = laws.growth_slope(x) * two_pi;
+    const T gone = expm1(a), mean = gone / a;
+    const T drive = laws.drive() * two_pi, slope = laws.push_slope(x) - 1.0 / 16.0;
+    const T follow = sight.T0 * slope * mean * -1.0;
+    const T raised = drive * mean;
+    const T kick = sight.T0 * (laws.push(x) + slope * drive * (mean - 1.0) / a) * -1.0;
+    Step step;
+    step.transition[0][0] = T(1.0);
+    step.transition[0][1] = follow;
+    step.transition[1][1] = gone + 1.0;
+    const T power = noise_.drive * noise_.drive;
+    step.noise[0][0] = power * kick * kick + noise_.walk * noise_.walk;
+    step.noise[0][1] = step.noise[1][0] = power * kick * raised;
+    step.noise[1][1] = power * raised * raised;
+    if constexpr (D == 3) {
+      const T lag = sight.T0 / noise_.slow_time * -1.0;
+      step.transition[0][2] = kick;
+      step.transition[1][2] = raised;
+      step.transition[2][2] = exp(lag);
+      step.noise[2][2] = noise_.slow * noise_.slow * expm1(lag * 2.0) * -1.0;
+    }
+    return step;
+  }
+
+  [[nodiscard]] Step over(const Sight<T>& sight, double cycles) const {
+    Step power = cycle(sight);
+    if (cycles == 1.0) return power;
+    Step total;
+    for (std::size_t i = 0; i < D; ++i)
+      total.transition[i][i] = T(1.0);
+    for (auto left = static_cast<std::uint64_t>(cycles); left > 0; left /= 2) {
+      if (left % 2 == 1) total = {times(power.transition, total.transition), joined(power, total)};
+      power = {times(power.transition, power.transition), joined(power, power)};
+    }
+    return total;
+  }
+  // The noise of `first` and then `second`.
+  static Matrix joined(const Step& second, const Step& first) {
+    Matrix noise = spread(second.transition, first.noise);
+    add(noise, second.noise);
+    return noise;
+  }
+
+  // The gain stands still when three beats in a row change it by less than rounding would.
+  void settle(const std::array<double, D>& before) {
+    constexpr double rounding = 1e-13;
+    bool same = kept_settled_;
+    for (std::size_t i = 0; i < D; ++i)
+      same = same && std::abs(last_[i] - before[i]) <= rounding * std::abs(last_[i]);
+    still_ = same ? still_ + 1 : 0;
+    frozen_ = still_ >= 3;
+  }
+
+  NoiseSizes<T> noise_;
+  std::array<T, D> state_{};
+  Matrix covariance_{};
+  Step step_;
+  std::array<T, D> gain_{};
+  T variance_{};
+  std::array<double, D> last_{};
+  double kept_cycles_ = -1.0;
+  bool kept_settled_ = false;
+  bool frozen_ = false;
+  int still_ = 0;
+};
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,216 @@
+#include "profile.hpp"
+
+#include "valley.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double q68 = 1.0, q95 = 1.959964;
+
+// The profile of one coordinate; z counts sigmas of the curvature.
+class Profile {
+public:
+  /// `vague`: so badly known that a likelihood which is no parabola leaves nothing to defend.
+  Profile(const FitProblem& problem, const Minimum& minimum, const Certainty& known, std::size_t k,
+          bool vague)
+      : problem_(problem), minimum_(minimum), known_(known), k_(k), valley_(problem, minimum.x, k),
+        widening_(known.sigma(k) / known.curvature_sigma(k)), vague_(vague) {}
+
+  Interval ends() {
+    const double low = risen(-q95), high = risen(q95);
+    Interval found{end(-q68, low), end(q68, high), end(-q95, low), end(q95, high)};
+    found.low95 = std::min(found.low95, found.low68); // a search may end a little early
+    found.high95 = std::max(found.high95, found.high68);
+    return found;
+  }
+
+private:
+  // The shape at q: by a look, and if that shows no parabola by a search.
+  double risen(double q) {
+    const double looked = shape(q);
+    if (std::abs(looked - 1.0) < bent || vague_) return looked;
+    const double z = q * widening_;
+    last_.clear();
+    return rise(z) / (0.5 * z * z);
+  }
+
+  // The point z sigma away along the ridge that the curvature promises; T0 follows the ridge.
+  [[nodiscard]] std::vector<double> straight(double z) const {
+    const auto row = known_.unwidened.row(static_cast<Eigen::Index>(k_));
+    const Eigen::VectorXd direction = known_.unwidened * row.transpose() / row.norm();
+    std::vector<double> u = valley_.u_of(minimum_.x);
+    const Eigen::VectorXd in_u = valley_.slopes(u).partialPivLu().solve(direction);
+    for (std::size_t i = 0; i < u.size(); ++i)
+      u[i] += z * in_u[static_cast<Eigen::Index>(i)];
+    std::vector<double> x = valley_.x_of(u);
+    return x;
+  }
+
+  // What a step of scoring in the other coordinates would change, and gain; nothing if the model
+  // does not hold there.
+  struct Step {
+    double value = 0.0; // L before it
+    double gain = 0.0;
+    Eigen::VectorXd change;
+  };
+  [[nodiscard]] std::optional<Step> step_of_others(std::span<const double> x) const {
+    const auto there = evaluate(problem_, x);
+    if (!there) return {};
+    const auto n = there->triangle.cols(), k = static_cast<Eigen::Index>(k_);
+    Step step{there->value, 0.0, Eigen::VectorXd::Zero(n)};
+    if (n == 1) return step;
+    Eigen::MatrixXd others(n, n - 1);
+    others << there->triangle.leftCols(k), there->triangle.rightCols(n - k - 1);
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(others);
+    const Eigen::VectorXd change = qr.solve(-there->projected);
+    step.gain = 0.5 * (others * change).squaredNorm();
+    step.change.head(k) = change.head(k);
+    step.change.tail(n - k - 1) = change.tail(n - k - 1);
+    return step;
+  }
+
+  // The ridge bends: halfway to q a step of scoring shows by how much.
+  [[nodiscard]] std::vector<double> along(double z) {
+    std::vector<double> x = straight(z);
+    const std::size_t side = z < 0.0 ? 0 : 1;
+    if (!bend_[side]) {
+      const double half = std::copysign(0.5 * q95 * widening_, z);
+      const auto step = step_of_others(straight(half));
+      bend_[side] = step ? Eigen::VectorXd(step->change / (half * half))
+                         : Eigen::VectorXd::Zero(static_cast<Eigen::Index>(x.size()));
+    }
+    for (std::size_t i = 0; i < x.size(); ++i)
+      x[i] += z * z * (*bend_[side])[static_cast<Eigen::Index>(i)];
+    return x;
+  }
+
+  // Rise of the profile at q over that of the parabola; 0 where it cannot be told.
+  [[nodiscard]] double shape(double q) {
+    const double z = q * widening_;
+    const auto there = step_of_others(along(z));
+    return there ? (there->value - there->gain - minimum_.value) / (0.5 * z * z) : 0.0;
+  }
+
+  static constexpr double bent = 0.5; // of the rise: beyond that no cubic will do
+
+  double end(double q, double shape) {
+    constexpr double straight = 0.1; // of the rise: a twentieth of the interval
+    const double z = q * widening_;
+    double reach = z;
+    const bool broken = !(std::abs(shape - 1.0) < bent);
+    if (!(shape > 0.0) || (broken && vague_)) { // it falls, or nobody knows how it rises
+      reach = std::copysign(infinite, q);
+    } else if (broken) {
+      reach = searched(q);
+    } else if (std::abs(shape - 1.0) > straight) {
+      // z^2 (1 + a z) with a from the look at 1.96 sigma, by Newton's method.
+      const double a = (shape - 1.0) / (std::copysign(q95, q) * widening_);
+      for (int round = 0; round < 20; ++round)
+        reach -= (reach * reach * (1.0 + a * reach) - z * z) / (reach * (2.0 + 3.0 * a * reach));
+    }
+    return minimum_.x[k_] + reach * known_.curvature_sigma(k_);
+  }
+
+  // The profile itself at z: a search of the others with this coordinate held.
+  double rise(double z) {
+    const double coordinate = minimum_.x[k_] + z * known_.curvature_sigma(k_);
+    const FitProblem held = with_held(problem_, k_, coordinate);
+    std::vector<double> start = along(z);
+    start.erase(start.begin() + static_cast<std::ptrdiff_t>(k_));
+    SearchLimits limits;
+    limits.iterations = 10;
+    limits.least_gain = 0.02; // of 0.5 or 1.9
+    Minimum found = minimise(held, start, limits);
+    if (!found.usable && !last_.empty()) found = minimise(held, last_, limits);
+    if (!found.usable) return infinite;
+    last_ = found.x;
+    double own = 0.0; // the priors on the held one
+    for (const CoordinatePrior& prior : problem_.priors)
+      if (prior.index == k_) own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
+    return found.value + own - minimum_.value;
+  }
+
+  double searched(double q) {
+    const double target = 0.5 * q * q * widening_ * widening_;
+    const double side = std::copysign(1.0, q);
+    constexpr double farthest = 8.0;
+    double inside = 0.0, outside = std::abs(q) * widening_;
+    const double limit = farthest * widening_;
+    last_.clear();
+    while (rise(side * outside) < target) {
+      inside = outside;
+      outside *= 1.6;
+      if (outside > limit) return side * infinite;
+    }
+    for (int round = 0; round < 5; ++round) {
+      const double middle = 0.5 * (inside + outside);
+      (rise(side * middle) < target ? inside : outside) = middle;
+    }
+    return side * 0.5 * (inside + outside);
+  }
+
+  const FitProblem& problem_;
+  const Minimum& minimum_;
+  const Certainty& known_;
+  std::size_t k_;
+  Valley valley_;
+  double widening_;
+  bool vague_;
+  std::vector<double> last_;
+  std::array<std::optional<Eigen::VectorXd>, 2> bend_; // below and above the minimum
+};
+
+// Where every sigma is below this the likelihood is a parabola, as far as anyone could see.
+constexpr double tiny = 2e-3;
+
+} // namespace
+
+FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate) {
+  FitProblem held = problem;
+  std::vector<double> x(problem.parameters.free_count, 0.0);
+  x[index] = coordinate;
+  for (Slot& slot : held.parameters.slots) {
+    if (!slot.free) continue;
+    if (slot.index == index) {
+      slot.fixed_value = slot.value(std::span<const double>(x));
+      slot.free = false;
+    } else if (slot.index > index) {
+      --slot.index;
+    }
+  }
+  --held.parameters.free_count;
+  std::erase_if(held.priors, [&](const CoordinatePrior& prior) { return prior.index == index; });
+  for (CoordinatePrior& prior : held.priors)
+    if (prior.index > index) --prior.index;
+  if (!held.bounds.empty())
+    held.bounds.erase(held.bounds.begin() + static_cast<std::ptrdiff_t>(index));
+  return held;
+}
+
+std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimum,
+                                const Certainty& known) {
+  std::vector<Interval> result(minimum.x.size(), {-infinite, infinite, -infinite, infinite});
+  double largest = 0.0;
+  for (const Slot& slot : problem.parameters.slots)
+    if (slot.free && !is_noise(slot.quantity) && slot.coordinate == Coordinate::logarithm)
+      largest = std::max(largest, known.sigma(slot.index));
+  for (const Slot& slot : problem.parameters.slots) {
+    if (!slot.free) continue;
+    const double sigma = known.sigma(slot.index), x = minimum.x[slot.index];
+    const double tolerable = tolerable_sigma(problem, slot, minimum.x);
+    if (!(sigma <= tolerable) || known.distrusted[slot.index]) continue;
+    if (largest < tiny)
+      result[slot.index] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
+    else
+      result[slot.index] =
+          Profile(problem, minimum, known, slot.index, sigma > 0.4 * tolerable).ends();
+  }
+  return result;
+}
+
+} // namespace goingrate::timing_model

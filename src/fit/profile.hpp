@@ -1,0 +1,21 @@
+// Intervals of the profile likelihood. Private to the fit room.
+#pragma once
+
+#include "inference.hpp"
+
+namespace goingrate::timing_model {
+
+/// Where L, minimised over all other coordinates, has risen by q^2/2 (q = 1 and 1.96, times the
+/// widening) on either side of the minimum. One look at 1.96 sigma, corrected by a scoring step in
+/// the other coordinates, tells whether the parabola holds: then, within a tenth, it is taken;
+/// where it is bent the ends come from a cubic, where it is broken from searches with the
+/// coordinate held (or are open, if sigma is above 0.4 of what would be undetermined). Infinite
+/// where L does not rise far enough within eight sigma. Coordinates that are not determined anyway
+/// get infinite ends.
+std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimum,
+                                const Certainty& known);
+
+/// The problem with one coordinate held; its priors on that coordinate are dropped.
+FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate);
+
+} // namespace goingrate::timing_model

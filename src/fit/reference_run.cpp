@@ -1,0 +1,136 @@
+#include "reference_run.hpp"
+
+#include "clock_model.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/dynamics/clock_run.hpp"
+#include "goingrate/dynamics/stationary.hpp"
+
+#include <algorithm>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// A clock's parameters as the dynamics know them.
+ClockParameters clock_of(const Going<double>& going) {
+  ClockParameters clock;
+  clock.nominal_period_s = going.T0;
+  clock.epsilon = going.laws.epsilon;
+  clock.escapement = going.laws.escapement;
+  clock.quadratic_drag = going.laws.quadratic;
+  clock.dry_friction = going.laws.dry;
+  const bool impulse = clock.escapement == Escapement::single_impulse;
+  (impulse ? clock.impulse : clock.mu) = going.laws.mu;
+  (impulse ? clock.impulse_angle : clock.phi0) = going.laws.phi0;
+  return clock;
+}
+
+ClockEvent change_to(const ClockParameters& clock, double cycle) {
+  ClockEvent event;
+  event.at_period = static_cast<std::int64_t>(cycle);
+  event.nominal_period_s = clock.nominal_period_s;
+  event.epsilon = clock.epsilon;
+  if (clock.escapement == Escapement::single_impulse) {
+    event.impulse = clock.impulse;
+    event.impulse_angle = clock.impulse_angle;
+  } else if (clock.escapement != Escapement::none) {
+    event.mu = clock.mu;
+    event.phi0 = clock.phi0;
+  }
+  return event;
+}
+
+Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<const double> x) {
+  Going<double> going;
+  if (problem.parameters.escapement == Escapement::none) going.laws.phi0 = untouchable_angle;
+  apply_changes(problem.parameters, x, 0, going);
+  Scenario scenario;
+  scenario.clock = clock_of(going);
+  scenario.start_amplitude = std::sqrt(going.amplitude2_start);
+  scenario.periods = static_cast<std::int64_t>(problem.data->cycle.back());
+  constexpr std::int64_t worth_a_map = 20000; // periods: a map's patches take some milliseconds
+  scenario.method.method = dynamics == FitDynamics::averaged2 ? Method::averaged2
+                           : *scenario.periods > worth_a_map && scenario.clock.is_plain()
+                               ? Method::map
+                               : Method::direct;
+  for (std::size_t k = 0; k < problem.parameters.event_cycles.size(); ++k) {
+    apply_changes(problem.parameters, x, k + 1, going);
+    scenario.events.push_back(change_to(clock_of(going), problem.parameters.event_cycles[k]));
+  }
+  return scenario;
+}
+
+// The run, which from some cycle on repeats its last period.
+class SettlingRun {
+public:
+  SettlingRun(const Scenario& scenario, double reference_period_s)
+      : run_(scenario, 0), reference_period_s_(reference_period_s) {
+    const double last =
+        scenario.events.empty() ? 0.0 : static_cast<double>(*scenario.events.back().at_period);
+    // The amplitude comes to rest at rate 2 epsilon: 40 times that is below rounding.
+    settled_ = last + 40.0 / (2.0 * two_pi * scenario.clock.epsilon);
+  }
+
+  // False if the clock stops before.
+  bool advance_to(double cycle) {
+    const double until = std::min(cycle, settled_ + 1.0);
+    while (static_cast<double>(run_.last().cycle) < until)
+      if (!run_.next()) return false;
+    beyond_ = cycle - static_cast<double>(run_.last().cycle);
+    return true;
+  }
+  [[nodiscard]] double late_s() const {
+    const Period& last = run_.last();
+    const auto cycle = static_cast<double>(last.cycle);
+    const double late = std::fma(-cycle, reference_period_s_, last.time_s.hi) + last.time_s.lo;
+    return late + beyond_ * (last.period_s - reference_period_s_);
+  }
+  [[nodiscard]] double amplitude() const { return run_.last().amplitude_rad; }
+
+private:
+  ClockRun run_;
+  double reference_period_s_;
+  double settled_;
+  double beyond_ = 0.0;
+};
+
+} // namespace
+
+double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x) {
+  Going<double> going;
+  if (parameters.escapement == Escapement::none) return 1.0;
+  apply_changes(parameters, x, 0, going);
+  const ClockParameters clock = clock_of(going);
+  const auto cycle = limit_cycle(clock);
+  const auto amplitude = stationary_amplitude(clock);
+  return cycle && amplitude ? cycle->velocity / *amplitude : 1.0;
+}
+
+std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
+                                        std::span<const double> x) {
+  TimingData seen = *problem.data; // what a perfect sensor would have logged of that clock
+  Correction correction;
+  try {
+    SettlingRun run(scenario_of(dynamics, problem, x), seen.reference_period_s);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (!run.advance_to(seen.cycle[i])) return {};
+      seen.lateness_s[i] = run.late_s();
+      seen.elapsed_s[i] = seen.cycle[i] * seen.reference_period_s + seen.lateness_s[i];
+      correction.amplitude.push_back(run.amplitude());
+    }
+  } catch (const ArgumentError&) { // a start beyond the top, laws that averaged2 does not know
+    return {};
+  }
+  Parameters bare = problem.parameters; // a perfect sensor, and nothing from outside
+  std::erase_if(bare.slots, [](const Slot& slot) {
+    return slot.quantity == Quantity::offset || slot.quantity == Quantity::term;
+  });
+  const bool holds = Follower<double>(bare, x, seen).run([&](std::size_t i, const auto& sight) {
+    correction.late_s.push_back(sight.late_s);
+    correction.amplitude[i] -= turning_angle(std::sqrt(sight.amplitude2));
+  });
+  return holds ? std::optional(std::move(correction)) : std::nullopt;
+}
+
+} // namespace goingrate::timing_model

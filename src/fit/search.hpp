@@ -1,0 +1,38 @@
+// The search for the maximum of the likelihood, by Ceres. Private to the fit room.
+//
+// Ceres minimises sums of squares; L is none. But n + 1 residuals
+//   r = (Q'r, rho),  rho^2 = 2 (L + C) - |Q'r|^2,  with Jacobian (R, 0)
+// have half their sum of squares equal to L + C, the gradient of L, and the expected information as
+// Gauss-Newton matrix: Levenberg-Marquardt then is Fisher scoring with a trust region.
+// The search moves in coordinates that straighten its valley (valley.hpp).
+#pragma once
+
+#include "likelihood.hpp"
+
+#include <limits>
+#include <string>
+
+namespace goingrate::timing_model {
+
+/// The outcome of a search.
+struct Minimum {
+  bool usable = false;
+  bool converged = false;
+  double value = std::numeric_limits<double>::infinity(); ///< L
+  std::vector<double> x;
+  std::string termination;
+};
+
+struct SearchLimits {
+  int iterations = 60;
+  double least_gain = 1e-4; ///< of L: a step that gains less ends the search (0.014 sigma)
+  /// Ceres' trust region, relative: most searches start near their end, where its own first value
+  /// (1e4) would only slow them.
+  double first_radius = 1e8;
+};
+
+/// Minimises L from `start`, where the model must hold.
+Minimum minimise(const FitProblem& problem, std::vector<double> start,
+                 const SearchLimits& limits = {});
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,99 @@
+#include "thinning.hpp"
+
+#include "goingrate/base/scaled_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+using std::numbers::pi;
+
+double response2(const NoiseShape& shape, double f) {
+  const double u = f / shape.corner;
+  return (shape.ratio * shape.ratio + u * u) / (1.0 + u * u);
+}
+
+// Density of the increments over `stride` cycles at F in 1/increment, 0 < F <= 1/2: every alias of
+// the clock's part, summed over the increment, and the jitter of both ends.
+double aliased(const NoiseShape& shape, double frequency, std::size_t stride) {
+  const double k = static_cast<double>(stride), top = std::pow(std::sin(pi * frequency), 2);
+  double sum = 0.0;
+  for (std::size_t m = 0; m < stride; ++m) {
+    const double f = (frequency + static_cast<double>(m)) / k;
+    const double folded = std::min(f, 1.0 - f);
+    sum += response2(shape, folded) / std::pow(std::sin(pi * f), 2);
+  }
+  return shape.level * sum * top / k + 4.0 * shape.jitter2 * top;
+}
+
+NoiseShape moved(const NoiseShape& shape, int which, double step) {
+  NoiseShape other = shape;
+  if (which == 0) other.corner *= std::exp(step);
+  if (which == 1) other.ratio += step;
+  if (which == 2) other.level *= std::exp(step);
+  if (which == 3) other.jitter2 *= std::exp(step);
+  return other;
+}
+
+// Per original cycle: 1/2 int (d log S)(d log S)' dF / stride, over the logarithm of F.
+Eigen::Matrix4d information(const NoiseShape& shape, std::size_t stride) {
+  constexpr int points = 160;
+  constexpr double lowest = 1e-7; // below the corner of any clock
+  constexpr double step = 1e-4;
+  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+  const double span = std::log(0.5 / lowest);
+  for (int i = 0; i < points; ++i) {
+    const double frequency = lowest * std::exp(span * (i + 0.5) / points);
+    Eigen::Vector4d slope;
+    for (int p = 0; p < 4; ++p)
+      slope[p] = (std::log(aliased(moved(shape, p, step), frequency, stride)) -
+                  std::log(aliased(moved(shape, p, -step), frequency, stride))) /
+                 (2.0 * step);
+    sum += slope * slope.transpose() * (frequency * span / points);
+  }
+  return sum / static_cast<double>(stride);
+}
+
+Eigen::Vector4d variances(const NoiseShape& shape, std::size_t stride) {
+  // A jitter too small to see must not make the matrix singular.
+  const Eigen::Matrix4d total = information(shape, stride) + 1e-12 * Eigen::Matrix4d::Identity();
+  return total.inverse().diagonal();
+}
+
+} // namespace
+
+double information_lost(const NoiseShape& shape, std::size_t stride) {
+  const Eigen::Vector4d all = variances(shape, 1), thinned = variances(shape, stride);
+  double lost = 0.0;
+  for (int p = 0; p < 2; ++p)
+    lost = std::max(lost, 1.0 - all[p] / thinned[p]);
+  return lost;
+}
+
+std::size_t longest_stride(const NoiseShape& shape, double allowed) {
+  std::size_t stride = 1;
+  while (stride < 64 && information_lost(shape, 2 * stride) < allowed)
+    stride *= 2;
+  return stride;
+}
+
+std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
+                                    std::size_t stride, std::size_t dense) {
+  std::vector<std::size_t> kept;
+  std::size_t event = 0, since = 0;
+  for (std::size_t i = 0; i < data.size(); ++i, ++since) {
+    while (event < event_cycles.size() && data.cycle[i] >= event_cycles[event]) {
+      ++event;
+      since = 0;
+    }
+    const bool on_grid = static_cast<std::size_t>(data.cycle[i]) % stride == 0;
+    if (since < dense || on_grid || i + 1 == data.size()) kept.push_back(i);
+  }
+  return kept;
+}
+
+} // namespace goingrate::timing_model

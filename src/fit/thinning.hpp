@@ -1,0 +1,34 @@
+// How far a long log may be thinned. Private to the fit room.
+#pragma once
+
+#include "likelihood.hpp"
+
+#include "goingrate/fit/clock_fit.hpp"
+
+namespace goingrate::timing_model {
+
+/// A stationary clock as its spectrum shows it, per cycle: increments of the times have the density
+///   S(f) = level |H|^2 + 4 j^2 sin^2(pi f),  H = 1 + (ratio - 1)/(1 + i f/corner),
+/// f in 1/cycle, j^2 and level in one unit.
+struct NoiseShape {
+  double level = 1.0; ///< of the increments far above the corner
+  double jitter2 = 0.0;
+  double corner = 0.0; ///< 2 epsilon, 1/cycle
+  double ratio = 0.0;  ///< slow gain over fast gain
+};
+
+/// The larger relative loss of information (1 - variance before / variance after) on corner and
+/// ratio, which tell of the clock, if only every `stride`-th time is used; Whittle's information of
+/// the aliased spectrum, with level and jitter unknown too. Of these two it loses more: they are
+/// what neighbouring times show.
+double information_lost(const NoiseShape& shape, std::size_t stride);
+
+/// The largest stride (a power of two up to 64) that loses less than `allowed`.
+std::size_t longest_stride(const NoiseShape& shape, double allowed);
+
+/// Indices of the beats to keep: all within `dense` beats after the start and after each event,
+/// every stride-th of the rest, and the last.
+std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
+                                    std::size_t stride, std::size_t dense);
+
+} // namespace goingrate::timing_model
