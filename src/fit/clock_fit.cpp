@@ -68,13 +68,16 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   for (const double r : summary.residual_s)
     sum += r * r;
   quality.rms_s = std::sqrt(sum / n);
-  const double jitter = std::max(local_jitter(data.cycle, data.lateness_s), least_jitter(data));
+  // The robust scatter of neighbouring beats, which a change in between does not touch.
+  const NoiseGuess local = guess_noise(data);
+  const double jitter =
+      std::max(std::hypot(local.jitter_s, std::sqrt(0.3) * local.walk_s), least_jitter(data));
   quality.chi2 = sum / (jitter * jitter);
   quality.dof = n - 1.0 - static_cast<double>(fitted.problem.parameters.free_count);
-  // The jitter itself comes from third differences: variance of its square 4.6/N of its square.
+  // The jitter itself comes from the median of third differences: variance of its square 12/N.
   quality.p_value = unknown;
   if (quality.dof >= 1.0) {
-    const boost::math::normal chance(1.0, std::sqrt(2.0 / quality.dof + 4.6 / n));
+    const boost::math::normal chance(1.0, std::sqrt(2.0 / quality.dof + 12.0 / n));
     quality.p_value = cdf(complement(chance, quality.chi2 / quality.dof));
   }
   quality.whiteness_p = whiteness_p(fitted.seen.white_time);

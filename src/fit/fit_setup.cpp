@@ -101,6 +101,8 @@ public:
     if (model_.dry || is_named("dry_friction")) add(dry_kind);
     add({Quantity::lambda0, Coordinate::logarithm, 1.0});
     if (is_named("offset")) add(offset_kind);
+    if (data_.has_amplitude() && (model_.amplitude_scale || is_named("amplitude_scale")))
+      add({Quantity::amplitude_scale, Coordinate::logarithm, 1.0});
     for (std::size_t k = 0; k < data_.terms.size(); ++k)
       if (is_named(data_.terms[k].name)) add(term_kind, 0, k);
     add_changes();
@@ -187,7 +189,8 @@ std::string ModelChoice::noise() const {
 }
 
 std::string ModelChoice::name() const {
-  return fmt::format("{}, friction {}, noise {}", name_of(escapement), friction(), noise());
+  return fmt::format("{}, friction {}, noise {}{}", name_of(escapement), friction(), noise(),
+                     amplitude_scale ? ", amplitude scale" : "");
 }
 
 double least_jitter(const TimingData& data) {
@@ -202,8 +205,8 @@ Parameters make_parameters(const FitOptions& options, const TimingData& data,
 void check_names(const FitOptions& options, const TimingData& data) {
   std::set<std::string> known;
   ModelChoice everything;
-  everything.quadratic = everything.dry = everything.walk = everything.drive = everything.slow =
-      true;
+  everything.amplitude_scale = everything.quadratic = everything.dry = everything.walk =
+      everything.drive = everything.slow = true;
   if (options.escapement) everything.escapement = *options.escapement;
   FitOptions all = options;
   all.freed = {"offset"};
@@ -414,6 +417,7 @@ std::vector<double> coordinates(const Guess& guess, const Parameters& parameters
     double value = slot.quantity == Quantity::T0 ? data.reference_period_s : 0.0;
     if (slot.quantity == Quantity::epsilon) value = epsilon;
     if (slot.quantity == Quantity::phi0) value = phi0;
+    if (slot.quantity == Quantity::amplitude_scale) value = 1.0;
     if (slot.quantity == Quantity::lambda0) value = guess.lambda * guess.start_ratio;
     if (is_noise(slot.quantity)) value = noise_value(slot, noise, mu * fast_gain, data);
     if (slot.quantity == Quantity::mu) {

@@ -11,6 +11,7 @@ namespace goingrate::timing_model {
 struct ModelChoice {
   Escapement escapement = Escapement::constant_torque;
   bool quadratic = false, dry = false;
+  bool amplitude_scale = false; ///< the amplitude column is off by a factor
   bool jitter = true, walk = false, drive = false, slow = false;
 
   /// "constant-torque, linear, jitter + drive"

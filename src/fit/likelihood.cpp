@@ -62,12 +62,17 @@ double beat_correction(const std::vector<double>& correction, std::size_t i) {
   return correction.empty() ? 0.0 : correction[i];
 }
 
+template <class T> T amplitude_scale(const FitProblem& problem, std::span<const T> x) {
+  const Slot* slot = problem.parameters.find(Quantity::amplitude_scale);
+  return slot == nullptr ? T(1.0) : slot->value(x);
+}
+
 // Runs the model over the data and hands every innovation to see(i, value, variance, of_time).
 // T carries derivatives of the prediction, N those of the noise.
 template <class T, class N> class Run {
 public:
   Run(const FitProblem& problem, std::span<const T> x)
-      : problem_(problem), data_(*problem.data), x_(x) {
+      : problem_(problem), data_(*problem.data), x_(x), scale_(amplitude_scale(problem, x)) {
     if constexpr (std::is_same_v<T, N>) {
       noise_ = noise_sizes<N>(problem.parameters, x);
     } else { // the noise is held: no derivative
@@ -94,7 +99,8 @@ private:
   [[nodiscard]] T amplitude_excess(std::size_t i, const Sight<T>& sight) const {
     using std::sqrt;
     const T model = turning_angle(T(sqrt(sight.amplitude2)));
-    return data_.amplitude_rad[i] - beat_correction(problem_.correction.amplitude, i) - model;
+    return data_.amplitude_rad[i] -
+           (model + beat_correction(problem_.correction.amplitude, i)) * scale_;
   }
 
   template <class See> bool undisturbed(See&& see) {
@@ -130,7 +136,7 @@ private:
       before = data_.cycle[i];
       if (sees_amplitude(i)) {
         using std::sqrt;
-        const T slope = T(0.5) / sqrt(sight.amplitude2);
+        const T slope = scale_ * 0.5 / sqrt(sight.amplitude2);
         const auto seen = filter.see_amplitude(amplitude_excess(i, sight), slope);
         see(i, seen.value, seen.variance, false);
       }
@@ -140,6 +146,7 @@ private:
   const FitProblem& problem_;
   const TimingData& data_;
   std::span<const T> x_;
+  T scale_; // of the amplitude column
   NoiseSizes<N> noise_;
 };
 
@@ -253,12 +260,13 @@ std::optional<Residuals> residuals(const FitProblem& problem, std::span<const do
             .push_back(value / std::sqrt(variance));
       }))
     return {};
+  const double scale = amplitude_scale(problem, x);
   result.late_s.reserve(data.size());
   result.amplitude_model.reserve(data.size());
   Follower<double>(problem.parameters, x, data).run([&](std::size_t i, const auto& sight) {
     result.late_s.push_back(sight.late_s - beat_correction(problem.correction.late_s, i));
-    result.amplitude_model.push_back(turning_angle(std::sqrt(sight.amplitude2)) +
-                                     beat_correction(problem.correction.amplitude, i));
+    result.amplitude_model.push_back(scale * (turning_angle(std::sqrt(sight.amplitude2)) +
+                                              beat_correction(problem.correction.amplitude, i)));
   });
   const double mean = std::accumulate(result.late_s.begin(), result.late_s.end(), 0.0) /
                       static_cast<double>(data.size());

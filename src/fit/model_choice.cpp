@@ -143,7 +143,7 @@ bool is_as_small_as(double jitter, const Fitted& fitted) {
 
 // A free pendulum is the simpler model; it is taken where it explains the log as well and its
 // friction shows (a stationary log fits anything and says nothing).
-bool ModelSearch::prefers_no_escapement(const ModelChoice& driven) {
+bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
   if (options_.escapement || !options_.events.empty()) return false;
   const auto speaks_of_escapement = [](const std::string& name) {
     return name == "mu" || name == "phi0";
@@ -160,20 +160,26 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven) {
   Fitted without = fit_from_scratch(thin, options_, free, guess_);
   if (!without.minimum.usable || !determines_friction(without)) return false;
   refine(without, FitDynamics::map); // what first order lacks must not pass for a drive
-  if (white(without) && is_as_small_as(guess_.jitter_s, without)) {
-    alternatives_.push_back(
-        {"no escapement (thinned)", without.bic, "explains the log: no drive was looked for"});
+  const auto explains = [&](const Fitted& fitted) {
+    return white(fitted) && is_as_small_as(guess_.jitter_s, fitted);
+  };
+  if (!explains(without)) add_terms(without); // nor must friction that is not linear
+  const std::string name =
+      fmt::format("no escapement, friction {} ({} beats)", without.model.friction(), thin.size());
+  chosen = without.model;
+  if (explains(without)) {
+    alternatives_.push_back({name, without.bic, "explains the log: no drive was looked for"});
     return true;
   }
   Fitted with = fit_from_scratch(thin, options_, driven, guess_);
   if (with.minimum.usable) refine(with, FitDynamics::map);
   const bool simpler = !with.minimum.usable || without.bic < with.bic;
   alternatives_.push_back(
-      {"no escapement (thinned)", without.bic,
-       simpler ? "explains the log with fewer parameters" : "does not explain the log"});
+      {name, without.bic,
+       simpler ? "explains the log with fewer parameters, or better" : "does not explain the log"});
   if (with.minimum.usable)
-    alternatives_.push_back(
-        {"constant-torque (thinned)", with.bic, simpler ? "the drive is not needed" : "taken"});
+    alternatives_.push_back({fmt::format("constant-torque ({} beats)", thin.size()), with.bic,
+                             simpler ? "the drive is not needed" : "taken"});
   return simpler;
 }
 
@@ -212,19 +218,37 @@ void ModelSearch::choose_dynamics() {
   shifts_ = first_order;
 }
 
-// Other friction is tried where linear friction leaves something in the residuals.
-void ModelSearch::choose_friction() {
-  if (best_.model.walk || white(best_) || !determines_friction(best_)) return;
-  const Fitted linear = best_;
-  for (const bool quadratic : {true, false}) {
-    ModelChoice model = linear.model;
-    (quadratic ? model.quadratic : model.dry) = true;
-    Fitted other = fit_from(linear, options_, model);
-    if (!other.minimum.usable) continue;
-    refine(other, FitDynamics::map);
-    take_if_better(std::move(other),
-                   fmt::format("friction is not {} alone", linear.model.friction()));
+// Friction that is not linear, an amplitude column that is off by a factor, a walk of the times:
+// one term after the other, the best first, as long as BIC gains and the innovations are not white.
+void ModelSearch::add_terms(Fitted& fitted) {
+  const auto with = [](ModelChoice model, int term) {
+    if (term == 0) model.quadratic = true;
+    if (term == 1) model.dry = true;
+    if (term == 2) model.amplitude_scale = true;
+    if (term == 3) model.walk = true;
+    return model;
+  };
+  const bool noise_is_given = options_.noise != FitNoise::automatic;
+  while (!white(fitted)) {
+    std::optional<Fitted> best;
+    for (int term = 0; term < 4; ++term) {
+      const ModelChoice model = with(fitted.model, term);
+      if (model.name() == fitted.model.name() || (term == 3 && noise_is_given)) continue;
+      if (term == 2 && !fitted.problem.data->has_amplitude()) continue;
+      Fitted other = fit_from(fitted, options_, model);
+      if (!other.minimum.usable || !refine(other, fitted.dynamics)) continue;
+      if (!best || other.bic < best->bic) best = std::move(other);
+    }
+    if (!best || best->bic >= fitted.bic) return;
+    tried(fitted, fmt::format("BIC worse by {:.3g} than the next{}", fitted.bic - best->bic,
+                              moved_by(fitted, *best)));
+    fitted = std::move(*best);
   }
+}
+
+// Other terms are tried where linear friction leaves something in the residuals.
+void ModelSearch::choose_friction() {
+  if (determines_friction(best_)) add_terms(best_);
 }
 
 void ModelSearch::choose_noise() {
@@ -243,7 +267,8 @@ void ModelSearch::choose_noise() {
     const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
     if (!walks && !best_.model.walk) return;
     model.walk = !best_.model.walk;
-    if (model.walk == walks) take_if_better(fit_with(model), "the times walk");
+    if (model.walk == walks)
+      take_if_better(fit_with(model), walks ? "the times walk" : "the times do not walk");
     if (!best_.model.walk || !driven) return;
   }
   if (!driven) return;
@@ -252,19 +277,18 @@ void ModelSearch::choose_noise() {
   model.drive = true;
   model.jitter = wanted != FitNoise::drive;
   Fitted drive = fit_with(model);
-  if (automatic) {
-    if (!take_if_better(std::move(drive), "a drive that varies explains the walk")) return;
-  } else if (drive.minimum.usable) {
-    best_ = std::move(drive);
-  }
-  if (wanted != FitNoise::slow && !automatic) return;
+  if (!drive.minimum.usable) return;
   model.slow = true;
+  const bool slowly =
+      wanted == FitNoise::slow || (automatic && worth_trying(drive, options_, model));
+  Fitted slow = slowly ? fit_from(drive, options_, model) : Fitted{};
+  if (slow.minimum.usable) refine(slow, dynamics);
   if (!automatic) {
-    Fitted slow = fit_with(model);
-    if (slow.minimum.usable) best_ = std::move(slow);
-  } else if (worth_trying(best_, options_, model)) {
-    take_if_better(fit_with(model), "part of the drive varies slowly");
+    best_ = wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive);
+    return;
   }
+  take_if_better(std::move(drive), "a drive that varies explains the walk");
+  take_if_better(std::move(slow), "the drive varies slowly too");
 }
 
 // Again with as many beats as the information asks for.
@@ -312,7 +336,8 @@ void ModelSearch::move_events() {
 const Fitted& ModelSearch::run() {
   thin_if_long();
   ModelChoice model = first_model();
-  if (prefers_no_escapement(model)) model.escapement = Escapement::none;
+  ModelChoice free;
+  if (prefers_no_escapement(model, free)) model = free;
   best_ = fit_from_scratch(working_.data, options_, model, guess_);
   if (!best_.minimum.usable) return best_;
   move_events();

@@ -33,9 +33,10 @@ public:
 private:
   void thin_if_long();
   [[nodiscard]] ModelChoice first_model() const;
-  [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven);
+  [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void move_events();
   void choose_dynamics();
+  void add_terms(Fitted& fitted);
   void choose_friction();
   void choose_noise();
   void thin_by_information();

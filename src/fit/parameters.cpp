@@ -25,6 +25,8 @@ std::string_view base_name(Quantity quantity, Escapement escapement) {
     return "lambda0";
   case Quantity::offset:
     return "offset";
+  case Quantity::amplitude_scale:
+    return "amplitude_scale";
   case Quantity::jitter_rms:
     return "jitter_rms";
   case Quantity::walk_rms:

@@ -21,14 +21,15 @@ enum class Quantity {
   quadratic_drag,
   dry_friction,
   lambda0,
-  offset,        ///< of the sensor
-  term,          ///< coefficient of a RateTerm
-  jitter_rms,    ///< s, white in time
-  walk_rms,      ///< s a period, white in rate, from no drive
-  drive_rms,     ///< relative, white from period to period
-  slow_rms,      ///< relative, Ornstein-Uhlenbeck
-  slow_time,     ///< s, its correlation time
-  amplitude_rms, ///< rad, of the amplitude column
+  offset,          ///< of the sensor
+  amplitude_scale, ///< what the amplitude column shows over what the pendulum does
+  term,            ///< coefficient of a RateTerm
+  jitter_rms,      ///< s, white in time
+  walk_rms,        ///< s a period, white in rate, from no drive
+  drive_rms,       ///< relative, white from period to period
+  slow_rms,        ///< relative, Ornstein-Uhlenbeck
+  slow_time,       ///< s, its correlation time
+  amplitude_rms,   ///< rad, of the amplitude column
 };
 
 inline bool is_noise(Quantity quantity) { return quantity >= Quantity::jitter_rms; }

@@ -41,9 +41,8 @@ public:
         remembered_ && remembered_->x == x ? remembered_->evaluation : evaluate(problem_, x);
     if (!evaluation) return false;
     const double rest = 2.0 * (evaluation->value + offset_) - evaluation->projected.squaredNorm();
-    if (rest < 0.0) return false;
     r.head(n) = evaluation->projected;
-    r[n] = std::sqrt(rest);
+    r[n] = std::sqrt(std::max(0.0, rest)); // below 0 only where the noise is far too small
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> slopes(jacobian[0], n + 1, n);
     slopes.setZero();

@@ -1,5 +1,6 @@
 // The Trinity College clock, Cambridge: what is known of two of its days.
 #include "goingrate/fit/diary.hpp"
+#include "goingrate/fit/drive_history.hpp"
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/log/reading.hpp"
@@ -7,6 +8,7 @@
 #include "support/real_data.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -106,7 +108,33 @@ TEST_F(TrinityTest, FindsTheInterruption) {
     EXPECT_NEAR(event.recovery->time_constant_s, 3150.0, 2 * event.recovery->sigma_s);
     EXPECT_LT(event.recovery->sigma_s, 500.0);
     EXPECT_FALSE(event.recovery->exponential) << "the time depends on the stretch that is fitted";
+    // The amplitude follows it to the scatter of the sensor, and lambda^2 relaxes at twice the rate
+    // at which lambda decays: the two frictions agree.
+    EXPECT_LE(event.recovery->rms_rad, 0.021e-3);
+    const double twice = 2.0 * event.recovery->time_constant_s;
+    EXPECT_NEAR(twice, event.decay->time_constant_s,
+                2.0 * std::hypot(2.0 * event.recovery->sigma_s, event.decay->sigma_s));
   }
+}
+
+TEST_F(TrinityTest, TheDriveStopsAndComesBack) {
+  const auto log = day("2013-03-31");
+  NEEDS(log);
+  const TimingData data = timing_data(centred(*log));
+  // Friction from the free decay, amplitude from before the interruption.
+  const auto history = drive_history(data, {3.0, 7.54e-5, 46.1e-3});
+  ASSERT_TRUE(history);
+  double before = 0.0, without = 0.0, after = 0.0;
+  int n_before = 0, n_without = 0, n_after = 0;
+  for (const DrivePoint& p : history->points) {
+    if (p.at_s < 170.0) before += p.relative, ++n_before;
+    if (p.at_s > 230.0 && p.at_s < 360.0) without += p.relative, ++n_without;
+    if (p.at_s > 600.0 && p.at_s < 3400.0) after += p.relative, ++n_after;
+    EXPECT_LT(p.sigma, 0.03);
+  }
+  EXPECT_NEAR(before / n_before, 1.0, 0.03);   // the blocks' sigma is 0.015
+  EXPECT_NEAR(without / n_without, 0.0, 0.15); // one block is a fifth of the interruption
+  EXPECT_NEAR(after / n_after, 1.036, 0.01);   // and it pushes a little harder than before
 }
 
 } // namespace

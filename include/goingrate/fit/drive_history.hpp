@@ -1,0 +1,57 @@
+// The drive as it went: mu(t)/mu0 from amplitudes, from the rate, or from both.
+//
+// In blocks short beside the relaxation, x = lambda^2/X - 1 about the amplitude of rest and the
+// relative drive d follow (Hoyng, eq. dotl4)
+//   x' = E x + (1 - E)(d + d')/2,   E = exp(-4 pi epsilon n),   n cycles a block,
+//   d' = d + (steps of rms q),
+// and what is seen of a block is
+//   its mean amplitude:  lambda = sqrt(X) (1 + x/2),
+//   its mean rate:       r = r0 + s x + g d,   s = slow gain - fast gain, g = fast gain,
+// each with its noise. That is d(lambda^2)/dt + 2 epsilon lambda^2 solved for the drive, with as
+// much smoothing as the noise asks for: q is where the likelihood is largest, and filter and
+// backward smoother (Rauch, Tung, Striebel) give d and its sigma in every block.
+#pragma once
+
+#include "goingrate/fit/clock_fit.hpp"
+#include "goingrate/fit/timing_data.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace goingrate {
+
+/// What must be known of the clock.
+struct DriveModel {
+  double T0_s = 0.0;
+  double epsilon = 0.0;
+  double amplitude_rad = 0.0;        ///< of rest under the drive that counts as 1
+  std::optional<double> fast_gain{}; ///< without them the rate tells nothing
+  std::optional<double> slow_gain{};
+};
+
+/// One block.
+struct DrivePoint {
+  double at_s = 0.0;     ///< its middle, after the first beat
+  double relative = 1.0; ///< mu(t)/mu0
+  double sigma = 0.0;    ///< of that; the model's own parameters are taken as they are
+};
+
+struct DriveHistory {
+  std::vector<DrivePoint> points;
+  double step_rms = 0.0; ///< q
+  double block_s = 0.0;
+  bool from_amplitude = false, from_rate = false;
+};
+
+/// The history of `data`. `block_s` = 0 takes a hundredth of the relaxation time T0/(4 pi eps), at
+/// least four beats. Nothing with fewer than ten blocks or neither amplitudes nor gains.
+/// DriveHistoryTest holds it against the simulator's own drive: truth lies within one sigma in
+/// two thirds of the blocks.
+std::optional<DriveHistory> drive_history(const TimingData& data, const DriveModel& model,
+                                          double block_s = 0.0);
+
+/// The model as a fit knows it: epsilon must be known (or held) to a third, and either the gains or
+/// the amplitudes; nothing otherwise.
+std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& data);
+
+} // namespace goingrate

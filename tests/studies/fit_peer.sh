@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Times `goingrate fit` as a whole process on a log of 2000 periods with a jump of the drive, beside
+# scipy.optimize.least_squares on the same log with the same equations. The two do not do the same:
+# goingrate starts, reads the log, finds its own start, and makes intervals and tests; of scipy only
+# the solver is timed, from 5 % off the truth, with the interpreter running and the log read. Takes
+# seconds.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+. apps/setup.sh
+goingrate_setup python3-numpy python3-scipy
+goingrate=build/release/goingrate
+[ -x "$goingrate" ] || { echo "$goingrate is missing; build the release preset" >&2; exit 1; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+log=$folder/jump.csv
+
+# Median of the milliseconds that ten runs of a command take, after one that is not counted.
+median_ms() {
+  if command -v hyperfine > /dev/null; then
+    hyperfine -N --style none --warmup 1 --runs 10 --export-csv "$folder/times" "${*@Q}" > /dev/null
+    awk -F, 'END { printf "%.2f\n", 1e3 * $(NF - 4) }' "$folder/times"
+    return
+  fi
+  local begin
+  "$@" &> /dev/null
+  for _ in {1..10}; do
+    begin=${EPOCHREALTIME/[.,]/}
+    "$@" &> /dev/null
+    echo $((${EPOCHREALTIME/[.,]/} - begin))
+  done | sort -n | awk '{ t[NR] = $1 } END { printf "%.2f\n", (t[5] + t[6]) / 2e3 }'
+}
+
+"$goingrate" simulate data/scenarios/jump.toml --set run.periods=2000 --set sensor.jitter_rms=1e-6 \
+  -o "$log" 2> /dev/null
+fit=("$goingrate" fit "$log" --fix T0=2 --event 150:mu)
+"${fit[@]}" --model averaged1 --json "$folder/averaged1.json" -o /dev/null 2> /dev/null
+"${fit[@]}" --model auto --json "$folder/auto.json" -o /dev/null 2> /dev/null
+
+date -u +%Y-%m-%d
+grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
+peer=$(/usr/bin/python3 tests/studies/fit_peer.py "$log" "$folder/averaged1.json")
+echo "$peer"
+for model in averaged1 auto; do
+  took=$(median_ms "${fit[@]}" --model $model)
+  chosen=$(grep -m1 '"dynamics"' "$folder/$model.json" | cut -d'"' -f4)
+  awk -v model=$model -v took="$took" -v chosen="$chosen" '
+    /^(lm|trf) / { ratios = ratios sprintf(", %.2f times %s", took / $2, $1) }
+    END { printf "goingrate fit --model %s (dynamics %s) %.2f ms a process%s\n",
+          model, chosen, took, ratios }' <<< "$peer"
+done
