@@ -301,6 +301,20 @@ void finish(Fitted& fitted) {
 
 } // namespace
 
+namespace {
+
+// Every so-manieth beat, which tells starts apart.
+TimingData at_one_stride(const TimingData& data, std::size_t enough) {
+  std::vector<std::size_t> kept;
+  const std::size_t stride = std::max<std::size_t>(1, data.size() / enough);
+  for (std::size_t i = 0; i < data.size(); i += stride)
+    kept.push_back(i);
+  return subset(data, kept);
+}
+constexpr std::size_t enough_to_screen = 4000;
+
+} // namespace
+
 double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
   double weak = 0.0;
   for (const CoordinatePrior& prior : problem.priors)
@@ -406,16 +420,6 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
   return drive_is_new || slow_is_new ? noise_variants(points, parameters, data) : points;
 }
 
-// Every so-manieth beat, which tells starts apart.
-TimingData at_one_stride(const TimingData& data, std::size_t enough) {
-  std::vector<std::size_t> kept;
-  const std::size_t stride = std::max<std::size_t>(1, data.size() / enough);
-  for (std::size_t i = 0; i < data.size(); i += stride)
-    kept.push_back(i);
-  return subset(data, kept);
-}
-constexpr std::size_t enough_to_screen = 4000;
-
 } // namespace
 
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
@@ -472,17 +476,30 @@ std::optional<std::vector<double>> twin_of(const FitProblem& problem, std::span<
   return twin;
 }
 
-// The twin as a rival; takes its place if it is better.
+// The twin as a rival; takes its place if it is better. Both are compared on some of the beats.
 void look_at_the_twin(Fitted& fitted) {
   const auto start = twin_of(fitted.problem, fitted.minimum.x);
   if (!start) return;
-  Minimum twin;
+  constexpr std::size_t enough = 30000;
+  const TimingData some = at_one_stride(*fitted.problem.data, enough);
+  FitProblem compared = fitted.problem;
+  compared.data = &some;
+  Minimum twin, home = fitted.minimum;
   twin.x = *start;
-  settle(fitted.problem, twin, {});
-  if (!twin.usable) return;
-  if (twin.value < fitted.minimum.value) std::swap(twin, fitted.minimum);
+  settle(compared, home, {});
+  settle(compared, twin, {});
+  if (!twin.usable || !home.usable) return;
   constexpr double near = 4.5; // three sigma
-  if (twin.value < fitted.minimum.value + near) fitted.rivals.points.push_back(twin.x);
+  if (twin.value > home.value + near) return;
+  std::vector<double> place = twin.x; // what the thinning moved, both were moved by
+  for (std::size_t k = 0; k < place.size(); ++k)
+    place[k] += fitted.minimum.x[k] - home.x[k];
+  if (twin.value < home.value - near) {
+    std::swap(place, fitted.minimum.x);
+    settle(fitted.problem, fitted.minimum, {});
+    return;
+  }
+  fitted.rivals.points.push_back(std::move(place));
 }
 
 } // namespace

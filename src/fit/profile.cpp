@@ -165,8 +165,9 @@ private:
   std::array<std::optional<Eigen::VectorXd>, 2> bend_; // below and above the minimum
 };
 
-// Where every sigma is below this the likelihood is a parabola, as far as anyone could see.
-constexpr double tiny = 2e-3;
+// Where every sigma is below this the likelihood is a parabola, as far as anyone could see: the two
+// sides of an interval differ by about as large a part.
+constexpr double tiny = 0.015;
 
 } // namespace
 
