@@ -85,6 +85,10 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global);
 /// if the JSON goes there.
 std::string table_output(const std::string& output, const std::string& json);
 
+/// What a fit is made of: times and amplitudes of the good beats, with the temperature and the
+/// pressure where the log has them.
+TimingData fit_data(const NumberedLog& loaded);
+
 /// Adds --json.
 void add_json_option(CLI::App& command, std::string& path);
 
@@ -94,17 +98,21 @@ void say(const GlobalOptions& global, std::string_view line);
 /// The numbers of "3,30,300"; throws ArgumentError naming `option`.
 std::vector<double> numbers_in(const std::string& option, const std::string& text);
 
-/// Options of every command that fits.
+/// Options of every command that fits; empty: not given.
 struct ModelOptions {
   std::vector<std::string> fixed;  ///< NAME=VALUE
+  std::vector<std::string> freed;  ///< names
   std::vector<std::string> priors; ///< NAME=VALUE+-SIGMA
   std::vector<std::string> events; ///< CYCLE:NAME[,NAME], TIMEs:NAME or auto
-  std::string model = "auto";
+  std::string model, noise, escapement;
+  std::string from;          ///< a file of parameters; what is given beside it wins
+  bool finds_events = false; ///< events are searched for if neither options nor file name them
 };
 
 void add_model_options(CLI::App& command, ModelOptions& options);
 
-/// The options of the fit; `auto` events are those of the diary, said on standard error.
+/// The options of the fit; `auto` events are those of the diary, said on standard error. Throws
+/// InputError if the file of parameters is unusable or does not suit the log.
 FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
                        const GlobalOptions& global);
 

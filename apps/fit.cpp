@@ -2,6 +2,8 @@
 #include "common.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
+#include "goingrate/fit/drive_history.hpp"
+#include "goingrate/fit/par_file.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
 
@@ -15,16 +17,40 @@ struct FitCommand {
   LogOptions log;
   ModelOptions model;
   std::string output;
-  std::string json;
+  std::string json, par, latex, csv, drive;
 };
+
+// The table goes to standard output unless another result is asked for there.
+std::string text_output(const FitCommand& options) {
+  const bool elsewhere =
+      options.json == "-" || options.par == "-" || options.latex == "-" || options.csv == "-" ||
+                         options.drive == "-";
+  return table_output(options.output, elsewhere ? "-" : "");
+}
+
+// The history of the drive; nothing to write if it was not asked for.
+std::string drive_output(const FitCommand& options, const FitSummary& fit, const TimingData& data) {
+  if (options.drive.empty()) return "";
+  const auto model = drive_model(fit, data);
+  const auto history = model ? drive_history(data, *model) : std::nullopt;
+  if (!history)
+    throw NumericsError("no history of the drive: it takes a known friction (--fix epsilon=VALUE) "
+                        "and amplitudes or a clock that the log determines");
+  return drive_table(*history);
+}
 
 void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitSummary fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
-                                   fit_options(options.model, loaded, global));
+  const FitOptions asked = fit_options(options.model, loaded, global);
+  const TimingData data = fit_data(loaded);
+  const FitSummary fit = fit_clock(data, loaded.nominal_period_s, asked);
   if (fit.status != FitStatus::converged) throw NumericsError("no fit: " + fit.termination);
-  write_whole_files(
-      {{options.json, fit_json(fit)}, {table_output(options.output, options.json), fit_text(fit)}});
+  write_whole_files({{options.json, fit_json(fit)},
+                     {options.par, par_text(fit, asked, loaded.good.front().cycle)},
+                     {options.latex, fit_latex(fit)},
+                     {options.csv, fit_csv(fit)},
+                     {options.drive, drive_output(options, fit, data)},
+                     {text_output(options), fit_text(fit)}});
 }
 
 } // namespace
@@ -36,6 +62,15 @@ void add_fit(CLI::App& program, const GlobalOptions& global) {
   add_model_options(*command, options->model);
   command->add_option("-o,--output", options->output, "the text; standard output if not given");
   add_json_option(*command, options->json);
+  command->add_option("--par", options->par,
+                      "write the fit as a file to edit and to feed back with --from");
+  command->add_option("--latex", options->latex,
+                      "write the table of parameters as LaTeX (needs the package booktabs)");
+  command->add_option("--csv", options->csv,
+                      "write the table of parameters as CSV: name,value,sigma,low68,high68,low95,"
+                      "high95,unit,status");
+  command->add_option("--drive", options->drive,
+                      "write the drive as it went, mu(t)/mu0, as CSV: time_s,relative_drive,sigma");
   command->footer("Example:\n  goingrate fit data/logs/jump.csv --fix T0=2 --event 150:mu");
   command->callback([options, &global] { run(*options, global); });
 }

@@ -2,6 +2,7 @@
 #include "common.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/fit/par_file.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -57,50 +58,187 @@ std::vector<FitEvent> events_found(const NumberedLog& loaded, const GlobalOption
   return events;
 }
 
+// A file that asks for what this log cannot give is the file's fault; said where it asks.
+void check_against(const ParFile& file, const NumberedLog& loaded) {
+  const std::int64_t first = loaded.good.front().cycle, last = loaded.good.back().cycle;
+  for (std::size_t k = 0; k < file.event_places.size(); ++k) {
+    const std::int64_t cycle = file.options.events[k].cycle;
+    if (cycle <= first || cycle >= last)
+      throw InputError(file.event_places[k], fmt::format("cycle {}", cycle),
+                       fmt::format("one inside the log, between {} and {}", first, last));
+  }
+  const EventColumns& columns = loaded.log.columns;
+  for (const auto& [name, place] : file.parameter_places)
+    if ((name == "temperature" && columns.temperature_c.empty()) ||
+        (name == "pressure" && columns.pressure_mbar.empty()))
+      throw InputError(place, fmt::format("'{}'", name), "a log with a column of it");
+}
+
+FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
+  if (path == "-" && loaded.log.source == "-")
+    throw ArgumentError("from", path, "a file: standard input is the log");
+  ParFile file = parse_par(read_text(path), path);
+  check_against(file, loaded);
+  for (FitEvent& event : file.options.events)
+    event.cycle -= loaded.good.front().cycle;
+  return std::move(file.options);
+}
+
+// The events of the command line, or those that are found; what a file says of its own goes.
+void put_events(const ModelOptions& options, const NumberedLog& loaded, const GlobalOptions& global,
+                FitOptions& result) {
+  const bool by_default = options.events.empty() && options.from.empty() && options.finds_events;
+  if (options.events.empty() && !by_default) return;
+  const auto of_event = [](const auto& entry) {
+    return entry.first.find('@') != std::string::npos;
+  };
+  std::erase_if(result.fixed, of_event);
+  std::erase_if(result.start, of_event);
+  std::erase_if(result.priors,
+                [](const Prior& prior) { return prior.name.find('@') != std::string::npos; });
+  result.events.clear();
+  if (by_default || options.events == std::vector<std::string>{"auto"}) {
+    result.events = events_found(loaded, global);
+    return;
+  }
+  for (const std::string& text : options.events)
+    result.events.push_back(event_in(text, loaded));
+}
+
+void drop_prior(FitOptions& options, const std::string& name) {
+  std::erase_if(options.priors, [&](const Prior& prior) { return prior.name == name; });
+}
+
+// What is held no longer; the search starts where it was held.
+void set_free(FitOptions& options, const std::string& name) {
+  if (const auto held = options.fixed.extract(name))
+    options.start.insert_or_assign(name, held.mapped());
+}
+
+void put_fixed(const ModelOptions& options, FitOptions& result) {
+  for (const std::string& text : options.fixed) {
+    const auto [name, value] = named("fix", text);
+    result.fixed[name] = number_in("fix", value);
+    result.start.erase(name);
+    std::erase(result.freed, name);
+    drop_prior(result, name);
+  }
+}
+
+void put_freed(const ModelOptions& options, FitOptions& result) {
+  for (const std::string& name : options.freed) {
+    const auto is_name = [&](const std::string& text) { return text.starts_with(name + "="); };
+    if (std::any_of(options.fixed.begin(), options.fixed.end(), is_name))
+      throw ArgumentError("free", name, "a parameter that --fix does not hold");
+    set_free(result, name);
+    result.freed.push_back(name);
+  }
+}
+
+// After --fix, so that a prior on what is held on the command line is refused by the fit; a prior
+// on what the file holds frees it.
+void put_priors(const ModelOptions& options, FitOptions& result) {
+  std::vector<Prior> priors;
+  for (const std::string& text : options.priors) {
+    priors.push_back(parse_prior(text));
+    const auto is_name = [&](const std::string& fixed) {
+      return fixed.starts_with(priors.back().name + "=");
+    };
+    if (std::none_of(options.fixed.begin(), options.fixed.end(), is_name))
+      set_free(result, priors.back().name);
+  }
+  for (const Prior& prior : priors)
+    drop_prior(result, prior.name);
+  result.priors.insert(result.priors.end(), priors.begin(), priors.end());
+}
+
+// The values of a column at the good beats, which keep the order of the events.
+std::vector<double> at_good_beats(const std::vector<double>& column, const NumberedLog& loaded) {
+  std::vector<double> values;
+  values.reserve(loaded.good.size());
+  const std::vector<Beat>& events = loaded.beats.beats;
+  for (std::size_t i = 0; i < events.size(); ++i)
+    if (events[i].flag == BeatFlag::good && events[i].segment == loaded.good.front().segment)
+      values.push_back(column[i]);
+  return values;
+}
+
 } // namespace
 
-void add_model_options(CLI::App& command, ModelOptions& options) {
+TimingData fit_data(const NumberedLog& loaded) {
+  TimingData data = timing_data(loaded.good);
+  const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
+    if (!column.empty())
+      data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
+  };
+  add("temperature", "1/K", loaded.log.columns.temperature_c);
+  add("pressure", "1/mbar", loaded.log.columns.pressure_mbar);
+  return data;
+}
+
+namespace {
+
+void add_parameter_options(CLI::App& command, ModelOptions& options) {
   command
       .add_option("--fix", options.fixed,
-                  "hold a parameter: NAME=VALUE (T0 in s, epsilon, mu, phi0, "
-                  "lambda0, mu@1 ...)")
+                  "hold a parameter: NAME=VALUE (T0 in s, epsilon, mu, phi0, lambda0, mu@1 ...)")
+      ->allow_extra_args(false);
+  command
+      .add_option("--free", options.freed,
+                  "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, offset (of the "
+                  "sensor, rad), drift (of the rate, 1/day), and, where the log has such columns, "
+                  "temperature (1/K), pressure (1/mbar); or what a --from file holds")
+      ->delimiter(',')
       ->allow_extra_args(false);
   command.add_option("--prior", options.priors, "knowledge from elsewhere: NAME=VALUE+-SIGMA")
       ->allow_extra_args(false);
   command
       .add_option(
           "--event", options.events,
-          "parameters that change: CYCLE:NAME[,NAME], or by time 300s:mu, or auto to search; "
-          "the k-th gives mu@k")
-      ->allow_extra_args(false)
-      ->capture_default_str();
+          std::string("parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, "
+                      "phi0, T0; or by time 300s:mu, or auto to search; the k-th gives "
+                      "mu@k") +
+              (options.finds_events ? " [auto]" : ""))
+      ->allow_extra_args(false);
+}
+
+} // namespace
+
+void add_model_options(CLI::App& command, ModelOptions& options) {
+  add_parameter_options(command, options);
   command
       .add_option("--model", options.model,
                   "averaged1 (the paper's first order), averaged2 (second order), map (the full "
-                  "equation of "
-                  "motion) or auto")
-      ->check(CLI::IsMember({"averaged1", "averaged2", "map", "auto"}))
-      ->capture_default_str();
+                  "equation of motion) or auto (the simplest that is accurate enough) [auto]")
+      ->check(CLI::IsMember({"averaged1", "averaged2", "map", "auto"}));
+  command
+      .add_option("--noise", options.noise,
+                  "jitter of the sensor; drive: noise of the drive and exact times; both; slow: "
+                  "these two and a drive that wanders; auto: jitter, and more if BIC asks for it "
+                  "[auto]")
+      ->check(CLI::IsMember({"jitter", "drive", "both", "slow", "auto"}));
+  command
+      .add_option("--escapement", options.escapement,
+                  "constant-torque (mu, phi0), single-impulse (impulse, impulse_angle), none (a "
+                  "free pendulum) or auto (constant-torque, or none if that explains the log) "
+                  "[auto]")
+      ->check(CLI::IsMember({"constant-torque", "single-impulse", "none", "auto"}));
+  command.add_option("--from", options.from,
+                     "parameters as `fit --par` writes them: what is held, where the search "
+                     "starts, events, priors, model; other options win over the file");
 }
 
 FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
                        const GlobalOptions& global) {
-  FitOptions result;
-  for (const std::string& text : options.fixed) {
-    const auto [name, value] = named("fix", text);
-    result.fixed[name] = number_in("fix", value);
-  }
-  for (const std::string& text : options.priors)
-    result.priors.push_back(parse_prior(text));
-  if (options.events == std::vector<std::string>{"auto"}) {
-    result.events = events_found(loaded, global);
-  } else {
-    for (const std::string& text : options.events)
-      result.events.push_back(event_in(text, loaded));
-  }
-  if (options.model == "averaged1") result.dynamics = FitDynamics::averaged1;
-  if (options.model == "averaged2") result.dynamics = FitDynamics::averaged2;
-  if (options.model == "map") result.dynamics = FitDynamics::map;
+  FitOptions result = options.from.empty() ? FitOptions{} : options_of_file(options.from, loaded);
+  if (!options.model.empty()) set_dynamics(result, options.model);
+  if (!options.noise.empty()) set_noise(result, options.noise);
+  if (!options.escapement.empty()) set_escapement(result, options.escapement);
+  put_events(options, loaded, global, result);
+  put_fixed(options, result);
+  put_freed(options, result);
+  put_priors(options, result);
+  drop_partial_start(result);
   return result;
 }
 

@@ -26,7 +26,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
   data.rate.nominal_is_known = loaded.nominal_is_known;
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
-  data.fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
+  data.fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
                        fit_options(options.model, loaded, global));
   DriveAnalysis drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
   if (drive.rate_spectrum) data.rate_spectrum = std::move(*drive.rate_spectrum);
@@ -61,7 +61,7 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
   auto* command =
       program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
   auto options = std::make_shared<ReportCommand>();
-  options->model.events = {"auto"};
+  options->model.finds_events = true;
   add_log_options(*command, options->log);
   add_model_options(*command, options->model);
   command->add_option("-o,--output", options->output,

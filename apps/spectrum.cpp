@@ -22,7 +22,7 @@ struct SpectrumCommand {
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitSummary fit = fit_clock(timing_data(loaded.good), loaded.nominal_period_s,
+  const FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
                                    fit_options(options.model, loaded, global));
   const DriveAnalysis drive =
       analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);

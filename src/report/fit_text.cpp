@@ -17,12 +17,6 @@ std::string interval(double low, double high, double value) {
   return fmt::format("{} {}", end(low), end(high));
 }
 
-// Asymmetric by more than a tenth: then sigma alone would mislead.
-bool is_lopsided(const FittedParameter& p) {
-  const double down = p.value - p.low95, up = p.high95 - p.value;
-  return !(std::abs(up - down) < 0.1 * (up + down));
-}
-
 std::string parameter_line(const FittedParameter& p) {
   if (p.status == ParameterStatus::undetermined)
     return fmt::format("  {:<14} undetermined by this log\n", p.name);

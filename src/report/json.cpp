@@ -1,6 +1,7 @@
 #include "goingrate/report/json.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
+#include "goingrate/report/tables.hpp"
 #include "json_parts.hpp"
 
 #include <algorithm>
@@ -81,20 +82,6 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                               {"found", issue.found},
                               {"action", issue.action}});
   return json;
-}
-
-std::string_view name_of(ParameterStatus status) {
-  switch (status) {
-  case ParameterStatus::fixed:
-    return "fixed";
-  case ParameterStatus::prior:
-    return "prior";
-  case ParameterStatus::undetermined:
-    return "undetermined";
-  case ParameterStatus::free:
-    break;
-  }
-  return "free";
 }
 
 // An undetermined parameter has neither value nor interval; an end that is open is null.

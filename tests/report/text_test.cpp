@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 
 namespace goingrate {
 namespace {
@@ -56,6 +57,40 @@ TEST(TextTest, AnUndeterminedParameterIsAWord) {
   const std::string text = fit_text(fit);
   EXPECT_NE(text.find("epsilon        undetermined"), std::string::npos);
   EXPECT_EQ(text.find("nan"), std::string::npos) << text;
+}
+
+FitSummary fit_with_every_status() {
+  const double infinite = std::numeric_limits<double>::infinity();
+  FitSummary fit;
+  fit.parameters = {
+      {"T0", "s", ParameterStatus::fixed, 2.0, NAN, NAN, NAN, NAN, NAN},
+      {"epsilon", "", ParameterStatus::undetermined, NAN, NAN, NAN, NAN, NAN, NAN},
+      {"mu@2", "", ParameterStatus::free, 2.5e-5, 2e-8, 2.498e-5, 2.502e-5, 2.496e-5, 2.504e-5},
+      {"jitter_rms", "s", ParameterStatus::prior, 0.1, 0.05, 0.04, 0.15, -infinite, 0.25}};
+  return fit;
+}
+
+TEST(TextTest, TheParametersAsLatex) {
+  const std::string table = fit_latex(fit_with_every_status());
+  EXPECT_EQ(table, "% needs \\usepackage{booktabs}\n"
+                   "\\begin{tabular}{llll}\n\\toprule\n"
+                   "Parameter & Value & Unit & 95\\,\\% interval about the value \\\\\n\\midrule\n"
+                   "$T_0$ & $2$ (fixed) & s &  \\\\\n"
+                   "$\\varepsilon$ & undetermined &  &  \\\\\n"
+                   "$\\mu$ at event 2 & $(2.5000 \\pm 0.0020) \\times 10^{-5}$ &  &  \\\\\n"
+                   "jitter\\_rms & $0.100 \\pm 0.050$ & s & open to $+0.15$ \\\\\n"
+                   "\\bottomrule\n\\end{tabular}\n");
+}
+
+TEST(TextTest, TheParametersAsCsvHaveAllDigitsAndEmptyFields) {
+  EXPECT_EQ(fit_csv(fit_with_every_status()),
+            "name,value,sigma,low68,high68,low95,high95,unit,status\n"
+            "T0,2,,,,,,s,fixed\n"
+            "epsilon,,,,,,,,undetermined\n"
+            "mu@2,2.5000000000000001e-05,2e-08,2.4980000000000001e-05,2.5020000000000001e-05,"
+            "2.4960000000000002e-05,2.5040000000000001e-05,,free\n"
+            "jitter_rms,0.10000000000000001,0.050000000000000003,0.040000000000000001,"
+            "0.14999999999999999,,0.25,s,prior\n");
 }
 
 TEST(TextTest, AnHonestMissIsNoTable) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "goingrate/fit/clock_fit.hpp"
+#include "goingrate/fit/drive_history.hpp"
 #include "goingrate/fit/drive_split.hpp"
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
@@ -11,6 +12,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace goingrate {
@@ -72,6 +74,23 @@ std::string rate_text(const Beats& beats, const RateSummary& summary,
 /// The fit as people know it from other fitting programs: statistics, variables, correlations above
 /// 0.1, what is undetermined, the models that were tried.
 std::string fit_text(const FitSummary& fit);
+
+/// The parameters as a LaTeX table (tabular of booktabs): value and sigma rounded to two digits of
+/// sigma, the ends of the 95 % interval where sigma alone would mislead, undetermined as a word.
+std::string fit_latex(const FitSummary& fit);
+
+/// The parameters as CSV with all digits: name,value,sigma,low68,high68,low95,high95,unit,status;
+/// a field is empty where there is no number, also where an interval is open.
+std::string fit_csv(const FitSummary& fit);
+
+/// Whether the 95 % interval is so asymmetric, or open, that sigma alone would mislead.
+bool is_lopsided(const FittedParameter& parameter);
+
+/// The word for it in tables and JSON.
+std::string_view name_of(ParameterStatus status);
+
+/// The drive as it went, as CSV: time_s,relative_drive,sigma.
+std::string drive_table(const DriveHistory& history);
 
 /// The deviation as a table: tau, averaging factor, count, value, 68 % interval, noise type.
 std::string deviation_text(const DeviationTable& table);
