@@ -5,9 +5,9 @@
 
 namespace goingrate::timing_model {
 
-/// By how many sigma of each coordinate the fit is off, judged by the full equation of motion;
-/// empty if the full pendulum would not run there.
-std::vector<double> model_shifts(const Fitted& fitted);
+/// By how many sigma of each coordinate the fit is off, judged by other dynamics; empty if those
+/// would not run there.
+std::vector<double> model_shifts(const Fitted& fitted, FitDynamics judge);
 
 /// The data a fit works on: all of them, or every so-manieth beat of a long log under drive noise.
 struct Working {

@@ -553,9 +553,31 @@ std::optional<NoiseShape> noise_shape(const Fitted& fitted) {
                     clock.slow_gain() / clock.fast_gain()};
 }
 
+namespace {
+
+// What a step of scoring would change; the noise is left as it is, for the misfit may be large.
+std::optional<Eigen::VectorXd> clock_step(const FitProblem& problem, std::span<const double> x) {
+  const auto at = evaluate(problem, x);
+  if (!at) return {};
+  Eigen::VectorXd step = -at->triangle.triangularView<Eigen::Upper>().solve(at->projected);
+  for (const Slot& slot : problem.parameters.slots)
+    if (slot.free && is_noise(slot.quantity)) step[static_cast<Eigen::Index>(slot.index)] = 0.0;
+  return step;
+}
+
+double largest_in_sigma(const Eigen::VectorXd& step, const Certainty& known) {
+  double largest = 0.0;
+  for (Eigen::Index k = 0; k < step.size(); ++k)
+    largest = std::max(largest, std::abs(step[k]) / known.sigma(static_cast<std::size_t>(k)));
+  return largest;
+}
+
+} // namespace
+
 bool refine(Fitted& fitted, FitDynamics dynamics) {
   if (dynamics == FitDynamics::averaged1) return true;
-  constexpr int rounds = 8; // each gains two or three digits where the averaged model is near
+  constexpr int rounds = 8;      // each gains two or three digits where the averaged model is near
+  constexpr double still = 0.02; // sigma
   Fitted refined = fitted;
   refined.dynamics = dynamics;
   for (int round = 0; round < rounds; ++round) {
@@ -563,16 +585,18 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
         limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
     auto correction = difference_to(dynamics, refined.problem, refined.minimum.x);
     if (!correction) return false;
-    const std::vector<double> before = refined.minimum.x;
     refined.problem.correction = std::move(*correction);
+    const auto step = clock_step(refined.problem, refined.minimum.x);
+    if (!step) return false;
+    if (round > 1 && largest_in_sigma(*step, fitted.known) < still) break;
+    std::vector<double> moved = refined.minimum.x;
+    for (std::size_t k = 0; k < moved.size(); ++k)
+      moved[k] += (*step)[static_cast<Eigen::Index>(k)];
+    if (late_at_end(refined.problem.parameters, ends_of(*refined.problem.data), moved))
+      refined.minimum.x = moved;
+    if (round == 0) continue; // the difference at the new place is worth more than its minimum here
     settle(refined.problem, refined.minimum, {});
     if (!refined.minimum.usable) return false;
-    double largest = 0.0;
-    for (std::size_t k = 0; k < before.size(); ++k)
-      largest =
-          std::max(largest, std::abs(refined.minimum.x[k] - before[k]) / fitted.known.sigma(k));
-    constexpr double still = 0.02; // sigma
-    if (largest < still) break;
   }
   for (auto& point : refined.rivals.points)
     for (std::size_t k = 0; k < point.size(); ++k)
