@@ -25,6 +25,7 @@ std::optional<double> balanced_amplitude(const ClockParameters& clock) {
   };
   constexpr double shrink = 0.97; // finer than any feature of a profile that a clock could feel
   double high = 2.0;
+  if (!(gain(high) <= 0.0)) return {}; // the drive wins up to the top: no swing to rest in
   while (high > 1e-6 && gain(high * shrink) <= 0.0)
     high *= shrink;
   if (high <= 1e-6) return {};

@@ -220,26 +220,34 @@ void ModelSearch::choose_dynamics() {
   shifts_ = first_order;
 }
 
-// Friction that is not linear, an amplitude column that is off by a factor, a walk of the times:
-// one term after the other, the best first, as long as BIC gains and the innovations are not white.
+// Friction that is not linear, an amplitude column that is off by a factor, noise of the drive (or
+// a walk of the times): one term after the other, the best first, as long as BIC gains and the
+// innovations are not white. In a long log of a driven clock noise comes first, for it is there
+// more often than the rest, and each of the others takes long.
 void ModelSearch::add_terms(Fitted& fitted) {
+  constexpr int terms = 4;
   const auto with = [](ModelChoice model, int term) {
-    if (term == 0) model.quadratic = true;
-    if (term == 1) model.dry = true;
-    if (term == 2) model.amplitude_scale = true;
-    if (term == 3) model.walk = true;
+    const bool driven = model.escapement != Escapement::none;
+    if (term == 0) (driven ? model.drive : model.walk) = true;
+    if (term == 0 && driven) model.walk = false;
+    if (term == 1) model.quadratic = true;
+    if (term == 2) model.dry = true;
+    if (term == 3) model.amplitude_scale = true;
     return model;
   };
-  const bool noise_is_given = options_.noise != FitNoise::automatic;
+  constexpr std::size_t is_long = 3000; // beats
+  const TimingData& data = *fitted.problem.data;
   while (!white(fitted)) {
     std::optional<Fitted> best;
-    for (int term = 0; term < 4; ++term) {
+    for (int term = 0; term < terms; ++term) {
       const ModelChoice model = with(fitted.model, term);
-      if (model.name() == fitted.model.name() || (term == 3 && noise_is_given)) continue;
-      if (term == 2 && !fitted.problem.data->has_amplitude()) continue;
+      if (model.name() == fitted.model.name()) continue;
+      if (term == 0 && options_.noise != FitNoise::automatic) continue;
+      if (term == 3 && !data.has_amplitude()) continue;
       Fitted other = fit_from(fitted, options_, model);
       if (!other.minimum.usable || !refine(other, fitted.dynamics)) continue;
       if (!best || other.bic < best->bic) best = std::move(other);
+      if (term == 0 && data.size() > is_long && white(*best) && best->bic < fitted.bic) break;
     }
     if (!best || best->bic >= fitted.bic) return;
     tried(fitted, fmt::format("BIC worse by {:.3g} than the next{}", fitted.bic - best->bic,
@@ -265,6 +273,12 @@ void ModelSearch::choose_noise() {
     return other;
   };
   ModelChoice model = best_.model;
+  if (automatic && model.drive) {
+    model.slow = true;
+    if (worth_trying(best_, options_, model))
+      take_if_better(fit_with(model), "the drive varies slowly too");
+    return;
+  }
   if (automatic) {
     const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
     if (!walks && !best_.model.walk) return;

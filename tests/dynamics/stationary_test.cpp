@@ -105,5 +105,11 @@ TEST(StallLineTest, AFreePendulumHasNone) {
   EXPECT_FALSE(limit_cycle({2.0, 0.0, 2e-5, 0.03}));
 }
 
+TEST(StationaryTest, ADriveThatFrictionNeverBalancesHasNoRest) {
+  ClockParameters clock{2.0, 1e-12, 1e-3, 0.03};
+  clock.quadratic_drag = 1e-9;
+  EXPECT_FALSE(stationary_amplitude(clock));
+}
+
 } // namespace
 } // namespace goingrate
