@@ -271,6 +271,18 @@ std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parame
   return priors;
 }
 
+namespace {
+
+// A hundredth of what neighbouring beats scatter by adds nothing that could be seen; without a
+// floor the search would follow it down for ever.
+double least_visible_jitter(const TimingData& data) {
+  constexpr double invisible = 0.01;
+  const NoiseGuess noise = guess_noise(data);
+  return std::max(least_jitter(data), invisible * std::min(noise.jitter_s, noise.walk_s));
+}
+
+} // namespace
+
 std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
                                                const TimingData& data) {
   std::vector<std::array<double, 2>> bounds(parameters.free_count, {-infinite, infinite});
@@ -278,7 +290,7 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     if (!slot.free) continue;
     auto& [low, high] = bounds[slot.index];
     if (slot.coordinate == Coordinate::multiple && !may_be_negative(slot)) low = 0.0;
-    if (slot.quantity == Quantity::jitter_rms) low = std::log(least_jitter(data));
+    if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors
     if (slot.quantity == Quantity::drive_rms || slot.quantity == Quantity::slow_rms)
       high = std::log(10.0); // a drive that turns round every other beat drives nothing

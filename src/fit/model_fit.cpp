@@ -311,7 +311,7 @@ TimingData at_one_stride(const TimingData& data, std::size_t enough) {
     kept.push_back(i);
   return subset(data, kept);
 }
-constexpr std::size_t enough_to_screen = 4000;
+constexpr std::size_t enough_to_screen = 2500;
 
 } // namespace
 
@@ -487,6 +487,9 @@ void look_at_the_twin(Fitted& fitted) {
   Minimum twin, home = fitted.minimum;
   twin.x = *start;
   settle(compared, home, {});
+  constexpr double far = 12.0; // of L: what only a stated prior brings about, and no search undoes
+  const auto there = minus_log_likelihood(compared, twin.x);
+  if (!there || *there > home.value + far) return;
   settle(compared, twin, {});
   if (!twin.usable || !home.usable) return;
   constexpr double near = 4.5; // three sigma
