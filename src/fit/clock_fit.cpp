@@ -21,17 +21,6 @@ using namespace timing_model;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-std::string_view name_of(FitDynamics dynamics) {
-  switch (dynamics) {
-  case FitDynamics::averaged2:
-    return "averaged2";
-  case FitDynamics::map:
-    return "map";
-  default:
-    return "averaged1";
-  }
-}
-
 // The same model on all beats of the log, whatever it was fitted to.
 FitProblem on_all_beats(const Fitted& fitted, const TimingData& data) {
   FitProblem problem = fitted.problem;
@@ -186,6 +175,19 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
 }
 
 } // namespace
+
+std::string_view name_of(FitDynamics dynamics) {
+  switch (dynamics) {
+  case FitDynamics::automatic:
+    return "automatic";
+  case FitDynamics::averaged2:
+    return "averaged2";
+  case FitDynamics::map:
+    return "map";
+  default:
+    return "averaged1";
+  }
+}
 
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options) {
   if (!(nominal_period_s > 0.0))

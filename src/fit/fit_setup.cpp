@@ -97,14 +97,14 @@ public:
       add({Quantity::mu, Coordinate::logarithm, 1.0});
       add({Quantity::phi0, Coordinate::logarithm, 1.0});
     }
-    if (model_.quadratic || is_named("quadratic_drag")) add(drag_kind);
-    if (model_.dry || is_named("dry_friction")) add(dry_kind);
+    if (model_.quadratic || names(options_, "quadratic_drag")) add(drag_kind);
+    if (model_.dry || names(options_, "dry_friction")) add(dry_kind);
     add({Quantity::lambda0, Coordinate::logarithm, 1.0});
-    if (is_named("offset")) add(offset_kind);
-    if (data_.has_amplitude() && (model_.amplitude_scale || is_named("amplitude_scale")))
+    if (names(options_, "offset")) add(offset_kind);
+    if (data_.has_amplitude() && (model_.amplitude_scale || names(options_, "amplitude_scale")))
       add({Quantity::amplitude_scale, Coordinate::logarithm, 1.0});
     for (std::size_t k = 0; k < data_.terms.size(); ++k)
-      if (is_named(data_.terms[k].name)) add(term_kind, 0, k);
+      if (names(options_, data_.terms[k].name)) add(term_kind, 0, k);
     add_changes();
     add_noise();
     if (parameters_.free_count > most_parameters)
@@ -114,12 +114,6 @@ public:
   }
 
 private:
-  [[nodiscard]] bool is_named(const std::string& name) const {
-    const auto prior = [&](const Prior& p) { return p.name == name; };
-    return contains(options_.freed, name) || options_.fixed.contains(name) ||
-           std::any_of(options_.priors.begin(), options_.priors.end(), prior);
-  }
-
   void add(const Kind& kind, std::size_t event = 0, std::size_t term = 0) {
     Slot slot{kind.quantity, event, kind.coordinate, kind.scale};
     slot.term = term;
@@ -150,7 +144,7 @@ private:
 
   void add_noise() {
     const auto size = [](Quantity q) { return Kind{q, Coordinate::logarithm, 1.0}; };
-    if (model_.jitter || is_named("jitter_rms")) {
+    if (model_.jitter || names(options_, "jitter_rms")) {
       add(size(Quantity::jitter_rms));
     } else {
       Slot slot{Quantity::jitter_rms};
@@ -232,6 +226,38 @@ void check_names(const FitOptions& options, const TimingData& data) {
     if (!(prior.sigma > 0.0) || !std::isfinite(prior.sigma))
       throw ArgumentError("prior", prior.name, "VALUE+-SIGMA, with SIGMA above 0");
     check_value("prior", *slot, prior.value);
+  }
+}
+
+bool names(const FitOptions& options, const std::string& parameter) {
+  return options.fixed.contains(parameter) ||
+         std::find(options.freed.begin(), options.freed.end(), parameter) != options.freed.end() ||
+         std::any_of(options.priors.begin(), options.priors.end(),
+                     [&](const Prior& prior) { return prior.name == parameter; });
+}
+
+void include_named_noise(FitOptions& options) {
+  const bool slow = names(options, "slow_rms") || names(options, "slow_time");
+  const bool drive = slow || names(options, "drive_rms");
+  const bool walk = names(options, "walk_rms");
+  if (drive && walk)
+    throw ArgumentError("walk_rms", "named beside noise of the drive",
+                        "one or the other: the drive's noise is what makes the times walk");
+  if (!drive) return;
+  if (options.escapement == Escapement::none)
+    throw ArgumentError("escapement", "none", "one, since noise of its drive is named");
+  switch (options.noise) {
+  case FitNoise::automatic:
+    options.noise = slow ? FitNoise::slow : FitNoise::both;
+    return;
+  case FitNoise::jitter:
+    throw ArgumentError("noise", "jitter", "one that has the drive_rms or slow_rms that is named");
+  case FitNoise::drive:
+  case FitNoise::both:
+    if (slow) throw ArgumentError("noise", "without slow drive", "slow, since slow_rms is named");
+    return;
+  case FitNoise::slow:
+    return;
   }
 }
 
@@ -519,6 +545,14 @@ TimingData thinned(const TimingData& data, const Parameters& parameters, std::si
       chosen.insert(start + static_cast<std::size_t>(step));
   const std::vector<std::size_t> indices(chosen.begin(), chosen.end());
   return subset(data, indices);
+}
+
+TimingData at_one_stride(const TimingData& data, std::size_t count) {
+  std::vector<std::size_t> kept;
+  const std::size_t stride = std::max<std::size_t>(1, data.size() / count);
+  for (std::size_t i = 0; i < data.size(); i += stride)
+    kept.push_back(i);
+  return subset(data, kept);
 }
 
 } // namespace timing_model

@@ -31,6 +31,13 @@ Parameters make_parameters(const FitOptions& options, const TimingData& data,
 /// Checks the names of options against everything any model could have.
 void check_names(const FitOptions& options, const TimingData& data);
 
+/// Whether the options speak of a parameter: fix it, free it, or state a prior on it.
+bool names(const FitOptions& options, const std::string& parameter);
+
+/// Automatic noise that names drive_rms, slow_rms or slow_time becomes the noise that has it.
+/// Throws ArgumentError where the noise asked for does not have it.
+void include_named_noise(FitOptions& options);
+
 /// Weak priors about a start, and those the user states. A logarithm may move by e^5, T0 by 1 %, a
 /// changed torque by five times the first: wide beside anything a log determines.
 std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parameters& parameters,
@@ -62,5 +69,8 @@ std::vector<double> carried_over(const Parameters& from, std::span<const double>
 
 /// At most `count` beats, evenly spread but denser just after events and at both ends.
 TimingData thinned(const TimingData& data, const Parameters& parameters, std::size_t count);
+
+/// About `count` beats at one stride.
+TimingData at_one_stride(const TimingData& data, std::size_t count);
 
 } // namespace goingrate::timing_model

@@ -15,17 +15,6 @@ namespace {
 
 constexpr double not_white = 1e-2; // p below which the innovations ask for a better model
 
-std::string_view name_of(FitDynamics dynamics) {
-  switch (dynamics) {
-  case FitDynamics::averaged2:
-    return "averaged2";
-  case FitDynamics::map:
-    return "map";
-  default:
-    return "averaged1";
-  }
-}
-
 bool white(const Fitted& fitted) {
   return whiteness_p(fitted.seen.white_time) > not_white &&
          (fitted.seen.white_amplitude.size() < 8 ||
@@ -84,13 +73,18 @@ std::vector<double> model_shifts(const Fitted& fitted, FitDynamics judge) {
 ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
     : all_(data), options_(options), guess_(guess_noise(data)) {
   check_names(options, data);
+  include_named_noise(options_);
 }
 
-// The noise the first fit is made with: a walk only where neighbouring beats show one.
+// What the first fit is made with: what the options name, and a walk where neighbouring beats show
+// one.
 ModelChoice ModelSearch::first_model() const {
   ModelChoice model;
   if (options_.escapement) model.escapement = *options_.escapement;
-  model.walk = options_.noise != FitNoise::jitter && guess_.walks;
+  model.quadratic = names(options_, "quadratic_drag");
+  model.dry = names(options_, "dry_friction");
+  model.amplitude_scale = names(options_, "amplitude_scale");
+  model.walk = names(options_, "walk_rms") || (options_.noise != FitNoise::jitter && guess_.walks);
   return model;
 }
 
@@ -132,11 +126,8 @@ namespace {
 
 // Whether the residuals are no larger than what neighbouring beats scatter by.
 bool is_as_small_as(double jitter, const Fitted& fitted) {
-  double sum = 0.0;
-  for (const double late : fitted.seen.late_s)
-    sum += late * late;
   constexpr double by_chance = 1.3; // the robust jitter of few beats is known to a tenth or so
-  return std::sqrt(sum / static_cast<double>(fitted.seen.late_s.size())) < by_chance * jitter;
+  return rms(fitted.seen.late_s) < by_chance * jitter;
 }
 
 } // namespace
@@ -264,7 +255,7 @@ void ModelSearch::choose_friction() {
 void ModelSearch::choose_noise() {
   const FitNoise wanted = options_.noise;
   const bool automatic = wanted == FitNoise::automatic;
-  if (wanted == FitNoise::jitter) return;
+  if (wanted == FitNoise::jitter || names(options_, "walk_rms")) return;
   const FitDynamics dynamics = best_.dynamics;
   const bool driven = best_.model.escapement != Escapement::none;
   const auto fit_with = [&](ModelChoice model) {
@@ -314,14 +305,23 @@ void ModelSearch::thin_by_information() {
   const auto shape = noise_shape(best_);
   if (!shape) return;
   constexpr double allowed = 0.04;
-  const std::size_t stride = longest_stride(*shape, allowed);
-  std::vector<double> events = best_.problem.parameters.event_cycles;
-  constexpr std::size_t dense = 500;
-  finer_ = subset(all_, kept_beats(all_, events, stride, dense));
-  Fitted finer = fit_from(best_, options_, best_.model, &finer_);
-  if (!finer.minimum.usable) return;
-  best_ = std::move(finer);
-  working_.thinning = {finer_.size(), information_lost(*shape, stride)};
+  constexpr std::size_t dense = 500, coarser = 8;
+  const std::vector<double> events = best_.problem.parameters.event_cycles;
+  const std::size_t last = longest_stride(*shape, allowed);
+  // In stages: most steps of the search are then made where they are cheap.
+  std::size_t stride = last;
+  while (all_.size() / (stride * coarser) > working_.data.size())
+    stride *= coarser;
+  for (;; stride /= coarser) {
+    TimingData kept = subset(all_, kept_beats(all_, events, stride, dense));
+    Fitted finer = fit_from(best_, options_, best_.model, &kept);
+    if (!finer.minimum.usable) return;
+    finer_ = std::move(kept);
+    finer.problem.data = &finer_;
+    best_ = std::move(finer);
+    working_.thinning = {finer_.size(), information_lost(*shape, stride)};
+    if (stride == last) return;
+  }
 }
 
 // A date found by a search is moved by steps while that pays.

@@ -116,11 +116,8 @@ public:
     return {value, variance};
   }
 
-  using Matrix = std::array<std::array<T, D>, D>;
-  [[nodiscard]] const std::array<T, D>& state() const { return state_; }
-  [[nodiscard]] const Matrix& covariance() const { return covariance_; }
-
 private:
+  using Matrix = std::array<std::array<T, D>, D>;
   struct Step {
     Matrix transition{};
     Matrix noise{};

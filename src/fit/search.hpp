@@ -22,6 +22,7 @@ struct Minimum {
   std::vector<double> x;
   std::string termination;
 };
+inline bool by_value(const Minimum& a, const Minimum& b) { return a.value < b.value; }
 
 struct SearchLimits {
   int iterations = 60;

@@ -6,7 +6,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/tools/minima.hpp>
 #include <cstdint>
-#include <limits>
 
 namespace goingrate {
 
@@ -79,32 +78,9 @@ TimingNoise estimate_noise(std::span<const double> cycle, std::span<const double
   return {std::sqrt(walk.scale2 * (1.0 - share)), std::sqrt(walk.scale2 * share)};
 }
 
-NoiseEstimate noise_with_sigmas(std::span<const double> cycle, std::span<const double> residual) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  NoiseEstimate estimate{estimate_noise(cycle, residual), 0.0, 0.0};
-  const double n = static_cast<double>(residual.size());
-  if (estimate.noise.walk_s == 0.0) {
-    estimate.jitter_relative_sigma = 1.0 / std::sqrt(2.0 * n); // of n normal values
-    return estimate;
-  }
-  const auto cost = [&](double log_j, double log_w) { // minus the log likelihood
-    const Whitening whitening(cycle, {estimate.noise.jitter_s * std::exp(log_j),
-                                      estimate.noise.walk_s * std::exp(log_w)});
-    std::vector<double> white(residual.size() - 1);
-    whitening.apply<double>(residual, white);
-    return 0.5 * (sum_of_squares(white) + whitening.log_determinant());
-  };
-  constexpr double h = 0.05; // of the logarithm: curvature over a twentieth
-  const double here = cost(0, 0);
-  const double jj = (cost(h, 0) - 2 * here + cost(-h, 0)) / (h * h);
-  const double ww = (cost(0, h) - 2 * here + cost(0, -h)) / (h * h);
-  const double jw = (cost(h, h) - cost(h, -h) - cost(-h, h) + cost(-h, -h)) / (4 * h * h);
-  const double determinant = jj * ww - jw * jw;
-  estimate.jitter_relative_sigma =
-      determinant > 0.0 && ww > 0.0 ? std::sqrt(ww / determinant) : infinite;
-  estimate.walk_relative_sigma =
-      ww > 0.0 ? std::sqrt(jj > 0.0 && determinant > 0.0 ? jj / determinant : 1.0 / ww) : infinite;
-  return estimate;
+double rms(std::span<const double> values) {
+  return values.empty() ? 0.0
+                        : std::sqrt(sum_of_squares(values) / static_cast<double>(values.size()));
 }
 
 namespace {
@@ -112,18 +88,6 @@ namespace {
 constexpr double third_difference_gain = 20.0;
 double third_difference(const double* x) { return x[3] - 3.0 * x[2] + 3.0 * x[1] - x[0]; }
 } // namespace
-
-double local_jitter(std::span<const double> cycle, std::span<const double> lateness_s) {
-  double sum = 0.0;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i + 3 < cycle.size(); ++i) {
-    if (cycle[i + 3] - cycle[i] != 3.0) continue; // a beat is missing in between
-    const double d = third_difference(&lateness_s[i]);
-    sum += d * d;
-    ++n;
-  }
-  return n == 0 ? 0.0 : std::sqrt(sum / (third_difference_gain * static_cast<double>(n)));
-}
 
 double local_white_noise(std::span<const double> series) {
   double sum = 0.0;

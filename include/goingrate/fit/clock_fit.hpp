@@ -59,6 +59,7 @@ enum class FitDynamics {
   averaged2, ///< second order (dynamics/averaged2.hpp)
   map,       ///< the full equation of motion
 };
+std::string_view name_of(FitDynamics dynamics);
 
 /// Which noise is fitted, beside that of an amplitude column.
 enum class FitNoise {

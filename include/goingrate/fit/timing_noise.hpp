@@ -45,24 +45,12 @@ private:
   std::vector<double> below_;    // left of the diagonal, entry 0 unused
 };
 
-/// The noise of a log and how well it is known.
-struct NoiseEstimate {
-  TimingNoise noise;
-  double jitter_relative_sigma =
-      0.0;                          ///< of the jitter; infinite where the log does not determine it
-  double walk_relative_sigma = 0.0; ///< likewise; 0 where there is no walk
-};
-
-/// The noise of `residual` with sigmas from the curvature of the likelihood in (log j, log w).
-NoiseEstimate noise_with_sigmas(std::span<const double> cycle, std::span<const double> residual);
-
 /// Jitter and walk that maximise the likelihood of `residual`; walk is 0 unless it raises the log
 /// likelihood by more than half of log N (BIC). NoiseTest.FindsJitterAndWalk bounds the bias.
 TimingNoise estimate_noise(std::span<const double> cycle, std::span<const double> residual);
 
-/// Jitter from third differences of consecutive beats, blind to anything smooth over four periods:
-/// what the residuals of a right model would show. Includes a third or so of the walk.
-double local_jitter(std::span<const double> cycle, std::span<const double> lateness_s);
+/// Root of the mean square; 0 of nothing.
+double rms(std::span<const double> values);
 
 /// Standard deviation of white noise in a series, from its third differences; NaNs are skipped.
 double local_white_noise(std::span<const double> series);

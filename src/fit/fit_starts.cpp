@@ -1,0 +1,187 @@
+#include "fit_starts.hpp"
+
+#include "inference.hpp"
+
+#include "goingrate/fit/timing_noise.hpp"
+
+#include <algorithm>
+
+namespace goingrate::timing_model {
+
+FitProblem make_problem(const TimingData& data, const FitOptions& options,
+                        const ModelChoice& model) {
+  FitProblem problem;
+  problem.data = &data;
+  problem.parameters = make_parameters(options, data, model);
+  problem.bounds = make_bounds(problem.parameters, data);
+  return problem;
+}
+
+FitProblem with_noise_held(const FitProblem& problem, std::span<const double> start) {
+  FitProblem held = problem;
+  std::size_t place = 0;
+  for (Slot& slot : held.parameters.slots) {
+    if (!slot.free) continue;
+    if (is_noise(slot.quantity)) {
+      slot.fixed_value = slot.value(start);
+      slot.free = false;
+    } else {
+      slot.index = place++;
+    }
+  }
+  held.parameters.free_count = place;
+  held.bounds = make_bounds(held.parameters, *held.data);
+  return held;
+}
+
+namespace {
+
+// T0 is nearly linear in the times: one look at how fast the residuals grow sets it.
+void match_mean_rate(const FitProblem& problem, std::vector<double>& x) {
+  const Slot& T0 = *problem.parameters.find(Quantity::T0);
+  if (!T0.free) return;
+  if (const auto late = late_at_end(problem.parameters, ends_of(*problem.data), x))
+    x[T0.index] += *late / problem.data->cycle.back() / T0.scale;
+}
+
+} // namespace
+
+std::vector<Minimum> screened(const FitProblem& problem,
+                              const std::vector<std::vector<double>>& points) {
+  std::vector<Minimum> tried;
+  for (const auto& point : points) {
+    Minimum start;
+    start.x = point;
+    match_mean_rate(problem, start.x);
+    const auto value = minus_log_likelihood(problem, start.x);
+    if (!value) continue;
+    start.value = *value;
+    tried.push_back(std::move(start));
+  }
+  std::sort(tried.begin(), tried.end(), by_value);
+  return tried;
+}
+
+namespace {
+
+// Starts the log's own from the options, if they name every free parameter.
+std::vector<std::vector<double>> starts_of(const FitOptions& options, const Parameters& parameters,
+                                           const TimingData& data, const NoiseGuess& noise) {
+  auto points = starting_points(parameters, data, noise);
+  if (options.start.empty() || points.empty()) return points;
+  std::vector<double> given = points.front();
+  for (const Slot& slot : parameters.slots) {
+    const auto named = options.start.find(parameters.name_of(slot));
+    if (!slot.free || named == options.start.end()) continue;
+    const double x = slot.coordinate_of(named->second);
+    if (std::isfinite(x)) given[slot.index] = x;
+  }
+  return {given};
+}
+
+// Of places within a sigma of a better one, only the better one is kept.
+void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
+  if (places.size() < 2) return;
+  const auto at = evaluate(problem, places.front().x);
+  if (!at) return;
+  const Certainty known = certainty(problem, *at, {});
+  const auto same = [&](const Minimum& a, const Minimum& b) {
+    for (std::size_t k = 0; k < a.x.size(); ++k)
+      if (std::abs(a.x[k] - b.x[k]) > known.sigma(k)) return false;
+    return true;
+  };
+  std::vector<Minimum> kept;
+  for (const Minimum& place : places)
+    if (std::none_of(kept.begin(), kept.end(), [&](const Minimum& k) { return same(k, place); }))
+      kept.push_back(place);
+  places = std::move(kept);
+}
+
+// Whether two starts have come to rest at one place that explains the data as well as anything
+// could: with innovations hardly larger than the noise.
+bool agreed(const FitProblem& problem, std::span<const Minimum> places) {
+  std::vector<Minimum> good;
+  for (const Minimum& place : places) {
+    if (!place.usable) continue;
+    const auto seen = residuals(problem, place.x);
+    constexpr double small = 3.0; // first order may be a little off
+    if (seen && rms(seen->white_time) < small && rms(seen->white_amplitude) < small)
+      good.push_back(place);
+  }
+  const std::size_t found = good.size();
+  drop_duplicates(problem, good);
+  return found > good.size();
+}
+
+// By how much L may still exceed the best for a start that has not come to rest to be followed on.
+double hopeless(const FitProblem& problem) {
+  constexpr double per_beat = 100.0;
+  return per_beat * static_cast<double>(problem.data->size());
+}
+
+} // namespace
+
+std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
+                               const NoiseGuess& noise) {
+  constexpr std::size_t thin = 160; // beats that tell which valley a start lies in
+  constexpr std::size_t to_score = 10, to_finish = 4;
+  const TimingData data = thinned(*problem.data, problem.parameters, thin);
+  problem.data = &data;
+  const auto points = starts_of(options, problem.parameters, data, noise);
+  problem = with_noise_held(problem, points.front());
+  std::vector<std::vector<double>> clock_points;
+  for (const auto& point : points)
+    clock_points.emplace_back(
+        point.begin(), point.begin() + static_cast<std::ptrdiff_t>(problem.parameters.free_count));
+  std::vector<Minimum> tried = screened(problem, clock_points);
+  if (tried.size() > to_score) tried.resize(to_score);
+  const auto score = [&](Minimum& start, int iterations) {
+    problem.priors = make_priors(options, problem.parameters, start.x);
+    start = minimise(problem, start.x, {iterations, 1e-2, 1e4});
+  };
+  std::size_t done = 0;
+  while (done < tried.size() && !agreed(problem, {tried.data(), done}))
+    score(tried[done++], 8);
+  tried.resize(done);
+  std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
+  std::sort(tried.begin(), tried.end(), by_value);
+  if (tried.size() > to_finish) tried.resize(to_finish);
+  for (Minimum& start : tried)
+    if (!start.converged && start.value < tried.front().value + hopeless(problem)) score(start, 60);
+  std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
+  std::sort(tried.begin(), tried.end(), by_value);
+  drop_duplicates(problem, tried);
+  return tried;
+}
+
+std::vector<std::vector<double>> noise_variants(const std::vector<std::vector<double>>& points,
+                                                const Parameters& parameters,
+                                                const TimingData& data) {
+  const Slot* drive = parameters.find(Quantity::drive_rms);
+  const Slot* slow = parameters.find(Quantity::slow_rms);
+  const Slot* memory = parameters.find(Quantity::slow_time);
+  std::vector<std::vector<double>> variants;
+  for (const auto& point : points) {
+    for (const double factor : {1.0, 0.5, 2.0}) {
+      std::vector<double> x = point;
+      if (drive != nullptr && drive->free) x[drive->index] += std::log(factor);
+      if (slow == nullptr || !slow->free || !memory->free) {
+        variants.push_back(x);
+        continue;
+      }
+      if (factor != 1.0) continue;
+      for (const double periods : {30.0, 300.0, 3000.0, 30000.0})
+        for (const double size : {0.03, 0.2, 1.0}) {
+          const double length = periods * data.reference_period_s;
+          if (length > data.elapsed_s.back()) continue;
+          x[memory->index] = std::log(length);
+          x[slow->index] =
+              (drive != nullptr && drive->free ? x[drive->index] : std::log(0.1)) + std::log(size);
+          variants.push_back(x);
+        }
+    }
+  }
+  return variants;
+}
+
+} // namespace goingrate::timing_model
