@@ -69,7 +69,8 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
     const boost::math::normal chance(1.0, std::sqrt(2.0 / quality.dof + 12.0 / n));
     quality.p_value = cdf(complement(chance, quality.chi2 / quality.dof));
   }
-  quality.whiteness_p = whiteness_p(fitted.seen.white_time);
+  // What rounding leaves is no noise, and may look like anything.
+  quality.whiteness_p = is_rounding(fitted) ? unknown : whiteness_p(fitted.seen.white_time);
   quality.bic = fitted.bic;
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
   quality.aic =
@@ -170,6 +171,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   attach_shifts(fitted.problem.parameters, search.first_order_shifts(), summary);
   summary.jitter_s = noise_value(summary, "jitter_rms");
   summary.amplitude_noise_rad = noise_value(summary, "amplitude_rms");
+  summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
   state_rivals(fitted, fitted.known, summary);
 }

@@ -349,12 +349,49 @@ void ModelSearch::move_events() {
   }
 }
 
+// A stated prior that the log by itself rules out is left out: what both would agree on is a number
+// that neither supports. Looked for where the fit with it does not explain the log.
+void ModelSearch::leave_out_contradicted_priors() {
+  if (options_.priors.empty() || best_.model.walk) return;
+  if (best_.minimum.usable && (white(best_) || is_as_small_as(guess_.jitter_s, best_))) return;
+  FitOptions without = options_;
+  without.priors.clear();
+  Fitted alone = fit_from_scratch(working_.data, without, best_.model, guess_);
+  if (!alone.minimum.usable) return;
+  refine(alone, FitDynamics::map); // what first order is off by must not be laid on the prior
+  std::vector<Prior> kept;
+  for (const Prior& prior : options_.priors) {
+    const Slot* slot = nullptr;
+    for (const Slot& one : alone.problem.parameters.slots)
+      if (alone.problem.parameters.name_of(one) == prior.name) slot = &one;
+    constexpr double ruled_out = 5.0; // sigma
+    if (slot == nullptr || !is_determined(alone, *slot)) {
+      kept.push_back(prior);
+      continue;
+    }
+    const double value = slot->value(std::span<const double>(alone.minimum.x));
+    const double sigma =
+        alone.known.sigma(slot->index) * slot->slope(std::span<const double>(alone.minimum.x));
+    const double off = std::abs(value - prior.value) / std::hypot(sigma, prior.sigma);
+    if (off < ruled_out)
+      kept.push_back(prior);
+    else
+      notes_.push_back(fmt::format("the log contradicts the prior on {0}: alone it says {1:.6g} +- "
+                                   "{2:.2g}, {3:.3g} sigma away; that prior is left out",
+                                   prior.name, value, sigma, off));
+  }
+  if (kept.size() == options_.priors.size()) return;
+  options_.priors = kept;
+  best_ = fit_from_scratch(working_.data, options_, best_.model, guess_);
+}
+
 const Fitted& ModelSearch::run() {
   thin_if_long();
   ModelChoice model = first_model();
   ModelChoice free;
   if (prefers_no_escapement(model, free)) model = free;
   best_ = fit_from_scratch(working_.data, options_, model, guess_);
+  leave_out_contradicted_priors();
   if (!best_.minimum.usable) return best_;
   move_events();
   if (!best_.model.walk) {

@@ -27,6 +27,8 @@ public:
   [[nodiscard]] const std::string& chosen_by() const { return chosen_by_; }
   [[nodiscard]] const std::vector<FitAlternative>& alternatives() const { return alternatives_; }
   [[nodiscard]] const FitOptions& options() const { return options_; } ///< events may have moved
+  /// What was found on the way and must be said.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   /// What first-order averaging alone is off by; empty if not known.
   [[nodiscard]] const std::vector<double>& first_order_shifts() const { return shifts_; }
 
@@ -34,6 +36,7 @@ private:
   void thin_if_long();
   [[nodiscard]] ModelChoice first_model() const;
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
+  void leave_out_contradicted_priors();
   void move_events();
   void choose_dynamics();
   void add_terms(Fitted& fitted);
@@ -51,6 +54,7 @@ private:
   Fitted best_;
   std::vector<double> shifts_;
   std::string chosen_by_;
+  std::vector<std::string> notes_;
   std::vector<FitAlternative> alternatives_;
 };
 

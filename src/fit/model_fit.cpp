@@ -120,6 +120,7 @@ void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits) {
 
 Widening widening_of(const Fitted& fitted) {
   Widening widening;
+  if (is_rounding(fitted)) return widening;
   constexpr double surely = 1e-3;
   const auto of = [&](const std::vector<double>& innovations) {
     const bool doubtful = innovations.size() >= 8 && whiteness_p(innovations) < surely;
@@ -153,6 +154,10 @@ void finish(Fitted& fitted) {
 constexpr std::size_t enough_to_screen = 2500; // beats that tell starts apart
 
 } // namespace
+
+bool is_rounding(const Fitted& fitted) {
+  return rms(fitted.seen.late_s) < least_jitter(*fitted.problem.data);
+}
 
 double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
   double weak = 0.0;

@@ -19,8 +19,11 @@ struct Fitted {
   Residuals seen;    ///< at the minimum
   Widening widening; ///< where a test at one in a thousand finds correlation in the innovations,
                      ///< and for few beats by the degrees of freedom that the parameters took
-  Certainty known; ///< with that widening
+  Certainty known;   ///< with that widening
 };
+
+/// Whether the times are met as closely as their digits allow: then there is no noise to speak of.
+bool is_rounding(const Fitted& fitted);
 
 /// -2 log likelihood + k log n, without the weak priors.
 double bayes_criterion(const FitProblem& problem, const Minimum& minimum);

@@ -3,8 +3,7 @@
 #include "valley.hpp"
 
 #include <ceres/ceres.h>
-
-#include <memory>
+#include <glog/logging.h>
 
 namespace goingrate::timing_model {
 
@@ -72,6 +71,18 @@ private:
   double least_;
 };
 
+// Ceres says on stderr what its summary says too, whatever its logging_type.
+class QuietCeres {
+public:
+  QuietCeres() : before_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
+  ~QuietCeres() { FLAGS_minloglevel = before_; }
+  QuietCeres(const QuietCeres&) = delete;
+  QuietCeres& operator=(const QuietCeres&) = delete;
+
+private:
+  int before_;
+};
+
 std::string words_for(const ceres::Solver::Summary& summary) {
   switch (summary.termination_type) {
   case ceres::USER_SUCCESS:
@@ -127,6 +138,7 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   options.num_threads = 1;
   options.callbacks.push_back(&enough);
   ceres::Solver::Summary summary;
+  const QuietCeres quiet;
   ceres::Solve(options, &ceres_problem, &summary);
   minimum.termination = words_for(summary);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE ||

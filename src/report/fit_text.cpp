@@ -59,10 +59,14 @@ std::string correlation_lines(const FitSummary& fit) {
 
 std::string statistics_lines(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
-  std::string text = fmt::format(
-      "[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s; chi-squared against "
-      "the jitter of neighbouring beats {:.5g} for {:.0f} degrees of freedom (p = {:.2g})\n",
-      fit.residual_s.size(), fit.correlated.size(), q.rms_s, q.chi2, q.dof, q.p_value);
+  std::string text =
+      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s",
+                  fit.residual_s.size(), fit.correlated.size(), q.rms_s);
+  text += std::isfinite(q.p_value)
+              ? fmt::format("; chi-squared against the jitter of neighbouring beats {:.5g} for "
+                            "{:.0f} degrees of freedom (p = {:.2g})\n",
+                            q.chi2, q.dof, q.p_value)
+              : "; too few beats to test it\n";
   if (std::isfinite(q.amplitude_rms_rad))
     text += fmt::format("  amplitude residual rms {:.3g} mrad\n", q.amplitude_rms_rad * 1e3);
   text += fmt::format("  BIC {:.8g}, AIC {:.8g}\n", q.bic, q.aic);
@@ -74,9 +78,12 @@ std::string statistics_lines(const FitSummary& fit) {
 }
 
 std::string test_lines(const FitSummary& fit) {
-  std::string text = fmt::format("[tests on the residuals]\n  innovations of the times are white "
-                                 "with p = {:.2g} (Ljung-Box, 20 lags)\n",
-                                 fit.quality.whiteness_p);
+  std::string text = "[tests on the residuals]\n";
+  text += std::isfinite(fit.quality.whiteness_p)
+              ? fmt::format("  innovations of the times are white with p = {:.2g} (Ljung-Box, 20 "
+                            "lags)\n",
+                            fit.quality.whiteness_p)
+              : "  the times are met to rounding: there is no noise to test\n";
   const double widest = std::max(fit.time_widening, fit.amplitude_widening);
   if (widest > 1.05)
     text +=

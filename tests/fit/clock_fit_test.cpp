@@ -272,6 +272,55 @@ TEST(ClockFitTest, TenPeriodsDetermineNothingButTheRate) {
     EXPECT_EQ(p.status, ParameterStatus::undetermined) << p.name << " = " << p.value;
 }
 
+TEST(ClockFitTest, AThousandExactTimesHaveNoNoiseToTest) {
+  FitOptions options;
+  options.fixed["T0"] = 2.0;
+  const FitSummary fit = fit_clock(timing_data(test::even_beats(1000, 1, 2.0)), 2.0, options);
+  EXPECT_TRUE(std::isnan(fit.quality.whiteness_p));
+  EXPECT_EQ(fit.time_widening, 1.0);
+  for (const char* name : {"epsilon", "mu", "phi0", "lambda0"})
+    EXPECT_EQ(parameter(fit, name).status, ParameterStatus::undetermined) << name;
+}
+
+TEST(ClockFitTest, ALogOfFewBeatsFarApartDeterminesNothing) {
+  const FitSummary fit = fit_clock(timing_data(test::even_beats(20, 100, 2.0)), 2.0, {});
+  for (const FittedParameter& p : fit.parameters)
+    if (p.name != "jitter_rms") {
+      EXPECT_EQ(p.status, ParameterStatus::undetermined) << p.name << " = " << p.value;
+    }
+}
+
+TEST(ClockFitTest, APriorThatTheLogRulesOutIsLeftOutAndNamed) {
+  FitOptions options;
+  options.fixed["T0"] = 2.0;
+  options.events = {{150, {"mu"}}};
+  options.priors = {{"epsilon", 5e-4, 1e-8}, {"mu", 2e-5, 1e-7}};
+  const FitSummary fit = fit_of(test::jump_from_a_to_b(2000, 1e-5), 1, options);
+  expect_within(fit, "epsilon", 2.5e-4, 3.3); // one comparison in a thousand
+  EXPECT_EQ(parameter(fit, "mu").status, ParameterStatus::prior);
+  ASSERT_FALSE(fit.notes.empty());
+  EXPECT_NE(fit.notes.front().find("prior on epsilon"), std::string::npos) << fit.notes.front();
+}
+
+TEST(ClockFitTest, NoiseThatIsNamedIsFitted) {
+  FitOptions options;
+  options.fixed = {{"T0", 2.0}, {"drive_rms", 0.01}};
+  options.events = {{150, {"mu"}}};
+  const Scenario scenario = test::jump_from_a_to_b(600, 1e-4);
+  const FitSummary fit = fit_of(scenario, 1, options);
+  EXPECT_EQ(parameter(fit, "drive_rms").status, ParameterStatus::fixed);
+  options.noise = FitNoise::jitter;
+  EXPECT_THROW((void)fit_of(scenario, 1, options), ArgumentError);
+  options.noise = FitNoise::both;
+  options.freed = {"slow_rms"};
+  EXPECT_THROW((void)fit_of(scenario, 1, options), ArgumentError);
+  options = {};
+  options.fixed["T0"] = 2.0;
+  options.events = {{150, {"mu"}}};
+  options.freed = {"dry_friction"};
+  EXPECT_EQ(fit_of(scenario, 1, options).friction, "linear + dry");
+}
+
 TEST(ClockFitTest, NonsenseIsRefusedByName) {
   const TimingData data = timing_data(test::simulated_beats(test::at_point_a(20), 1));
   const auto with = [&](auto&& change) {

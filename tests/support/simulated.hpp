@@ -22,6 +22,16 @@ inline std::vector<Beat> simulated_beats(const Scenario& scenario, std::uint64_t
   return number_beats(simulated_log(scenario, seed)).longest_segment();
 }
 
+/// Beats at exactly these times, `cycles` apart.
+inline std::vector<Beat> even_beats(int count, std::int64_t cycles, double period_s) {
+  std::vector<Beat> beats;
+  for (std::int64_t i = 0; i < count; ++i) {
+    beats.push_back(event_at(Instant::from_seconds(static_cast<double>(i * cycles) * period_s)));
+    beats.back().cycle = i * cycles;
+  }
+  return beats;
+}
+
 /// The paper's points with T0 = 2 s; run.periods is set, the rest is the default.
 inline Scenario at_point_a(std::int64_t periods) {
   Scenario scenario;

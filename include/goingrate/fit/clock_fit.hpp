@@ -111,7 +111,8 @@ struct FitQuality {
   double chi2 = 0.0; ///< of the times against the jitter seen between neighbouring beats
   double dof = 0.0;
   double p_value = 0.0; ///< of chi2, given that the jitter itself is known to some per cent only
-  double whiteness_p = 0.0;       ///< Ljung-Box on the innovations of the times
+  double whiteness_p = 0.0;       ///< Ljung-Box on the innovations of the times; NaN if they
+                                  ///< are rounding only
   double rms_s = 0.0;             ///< of the times about the undisturbed course
   double amplitude_rms_rad = 0.0; ///< NaN without amplitudes
   double aic = 0.0, bic = 0.0;
