@@ -3,6 +3,8 @@
 #include "noise_filter.hpp"
 #include "row_stack.hpp"
 
+#include "goingrate/base/sums.hpp"
+
 #include <ceres/jet.h>
 
 #include <limits>
@@ -157,14 +159,20 @@ double prior_cost(const FitProblem& problem, std::span<const double> x) {
   return sum;
 }
 
+// L's two sums. Without loss: what a search gains at its end is 1e-12 of them in a long log.
+struct LikelihoodSums {
+  TwoPart<double> squares, logs;
+  [[nodiscard]] double value() const { return 0.5 * (squares.value() + logs.value()); }
+};
+
 // Adds one innovation to the sums and rows.
 template <class T, class N>
-void fold_in(const T& value, const N& variance, bool of_time, Evaluation& result, RowStack& rows,
+void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& sums, RowStack& rows,
              RowStack& amplitude_rows) {
   const double root = 1.0 / std::sqrt(plain(variance));
   const double white = plain(value) * root;
-  result.value += 0.5 * white * white;
-  result.log_part += 0.5 * std::log(plain(variance));
+  sums.squares += white * white;
+  sums.logs += std::log(plain(variance));
   const auto slope = [&](Eigen::Index k) { return value.v[k] * root; };
   rows.add(white, slope);
   if (!of_time) amplitude_rows.add(white, slope);
@@ -186,16 +194,17 @@ std::optional<Evaluation> evaluate_with(const FitProblem& problem, std::span<con
   const auto unknowns = static_cast<Eigen::Index>(x.size());
   RowStack rows(unknowns), amplitude_rows(unknowns);
   Evaluation result;
+  LikelihoodSums sums;
   Run<T, N> run(problem, jets);
   if (!run.run([&](std::size_t, const T& value, const N& variance, bool of_time) {
-        fold_in(value, variance, of_time, result, rows, amplitude_rows);
+        fold_in(value, variance, of_time, sums, rows, amplitude_rows);
       }))
     return {};
   for (const CoordinatePrior& prior : problem.priors)
     rows.add((x[prior.index] - prior.centre) / prior.sigma, [&](Eigen::Index k) {
       return static_cast<std::size_t>(k) == prior.index ? 1.0 / prior.sigma : 0.0;
     });
-  result.value += result.log_part + prior_cost(problem, x);
+  result.value = sums.value() + prior_cost(problem, x);
   if (!std::isfinite(result.value)) return {};
   result.triangle = rows.triangle();
   result.projected = rows.projected();
@@ -207,17 +216,19 @@ std::optional<Evaluation> evaluate_with(const FitProblem& problem, std::span<con
 } // namespace
 
 std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<const double> x) {
-  double sum = 0.0, logs = 0.0, product = 1.0;
+  LikelihoodSums sums;
+  double product = 1.0;
   Run<double, double> run(problem, x);
   const bool holds = run.run([&](std::size_t, double value, double variance, bool) {
-    sum += value * value / variance;
+    sums.squares += value * value / variance;
     product *= variance; // one logarithm for several factors
     if (product < 1e-200 || product > 1e200) {
-      logs += std::log(product);
+      sums.logs += std::log(product);
       product = 1.0;
     }
   });
-  const double total = 0.5 * (sum + logs + std::log(product)) + prior_cost(problem, x);
+  sums.logs += std::log(product);
+  const double total = sums.value() + prior_cost(problem, x);
   return holds && std::isfinite(total) ? std::optional(total) : std::nullopt;
 }
 

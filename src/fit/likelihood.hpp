@@ -48,7 +48,6 @@ struct FitProblem {
 /// gradient.
 struct Evaluation {
   double value = 0.0;    ///< L
-  double log_part = 0.0; ///< 1/2 sum of log F
   Eigen::MatrixXd triangle;
   Eigen::VectorXd projected;
   Eigen::MatrixXd amplitude_triangle; ///< of the rows of amplitudes alone
