@@ -304,7 +304,7 @@ namespace {
 double least_visible_jitter(const TimingData& data) {
   constexpr double invisible = 0.01;
   const NoiseGuess noise = guess_noise(data);
-  return std::max(least_jitter(data), invisible * std::min(noise.jitter_s, noise.walk_s));
+  return std::max(least_jitter(data), invisible * std::hypot(noise.jitter_s, noise.walk_s));
 }
 
 } // namespace
@@ -362,7 +362,8 @@ NoiseGuess guess_noise(const TimingData& data) {
   // m; third differences over 8 beats are independent every 24.
   const double scatter = 2.3 * std::sqrt(3.0 * stride / static_cast<double>(data.size()));
   guess.walks = far > near * (1.0 + 4.0 * scatter);
-  guess.jitter_s = std::max(std::sqrt((near - 6.0 * walk2) / 20.0), least_jitter(data));
+  guess.jitter_s =
+      std::max(std::sqrt(std::max(0.0, near - 6.0 * walk2) / 20.0), least_jitter(data));
   constexpr double finest = 1e-8; // rad
   if (data.has_amplitude())
     guess.amplitude_rad =

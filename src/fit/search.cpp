@@ -2,8 +2,8 @@
 
 #include "valley.hpp"
 
+#include <algorithm>
 #include <ceres/ceres.h>
-#include <glog/logging.h>
 
 namespace goingrate::timing_model {
 
@@ -33,12 +33,13 @@ public:
     if (jacobian == nullptr || jacobian[0] == nullptr) {
       const auto value = minus_log_likelihood(problem_, x);
       if (!value || *value + offset_ < 0.0) return false;
+      has_value_ = x;
       r[n] = std::sqrt(2.0 * (*value + offset_));
       return true;
     }
     const auto evaluation =
         remembered_ && remembered_->x == x ? remembered_->evaluation : evaluate(problem_, x);
-    if (!evaluation) return false;
+    if (!evaluation) return x == has_value_ && stop_here(r, jacobian[0]);
     const double rest = 2.0 * (evaluation->value + offset_) - evaluation->projected.squaredNorm();
     r.head(n) = evaluation->projected;
     r[n] = std::sqrt(std::max(0.0, rest)); // below 0 only where the noise is far too small
@@ -49,12 +50,25 @@ public:
     return true;
   }
 
+  /// Whether the search came to a place where L has a value but no finite slope.
+  [[nodiscard]] bool broke_off() const { return broke_off_; }
+
 private:
+  // At a step that was taken a failure would make Ceres write to stderr; no slope ends it too.
+  bool stop_here(Eigen::Map<Eigen::VectorXd>& residual, double* slopes) const {
+    broke_off_ = true;
+    residual.setZero();
+    std::fill_n(slopes, unknowns_ * (unknowns_ + 1), 0.0);
+    return true;
+  }
+
   const FitProblem& problem_;
   const Valley& map_;
   double offset_;
   std::size_t unknowns_;
   std::optional<Remembered> remembered_;
+  mutable std::vector<double> has_value_; // the last place that was asked for its value alone
+  mutable bool broke_off_ = false;
 };
 
 // Ceres' own tests are relative to the cost, whose zero means nothing here.
@@ -69,18 +83,6 @@ public:
 
 private:
   double least_;
-};
-
-// Ceres says on stderr what its summary says too, whatever its logging_type.
-class QuietCeres {
-public:
-  QuietCeres() : before_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
-  ~QuietCeres() { FLAGS_minloglevel = before_; }
-  QuietCeres(const QuietCeres&) = delete;
-  QuietCeres& operator=(const QuietCeres&) = delete;
-
-private:
-  int before_;
 };
 
 std::string words_for(const ceres::Solver::Summary& summary) {
@@ -115,11 +117,13 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   if (!slopes) return minimum;
   const double offset = 20.0 * static_cast<double>(problem.data->size()) + std::abs(*first) +
                         slopes->projected.squaredNorm();
-  ceres::Problem ceres_problem;
   const Valley map(problem, minimum.x);
   std::vector<double> u = map.u_of(minimum.x);
-  ceres_problem.AddResidualBlock(new ScoredLikelihood(problem, map, offset, {map.x_of(u), slopes}),
-                                 nullptr, u.data());
+  ScoredLikelihood likelihood(problem, map, offset, {map.x_of(u), slopes});
+  ceres::Problem::Options owned_here;
+  owned_here.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem ceres_problem(owned_here);
+  ceres_problem.AddResidualBlock(&likelihood, nullptr, u.data());
   for (std::size_t k = 0; k < problem.bounds.size(); ++k) {
     const auto [low, high] = problem.bounds[k];
     const auto place = static_cast<int>(k);
@@ -138,12 +142,11 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   options.num_threads = 1;
   options.callbacks.push_back(&enough);
   ceres::Solver::Summary summary;
-  const QuietCeres quiet;
   ceres::Solve(options, &ceres_problem, &summary);
   minimum.termination = words_for(summary);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE ||
                       summary.termination_type == ceres::USER_SUCCESS;
-  if (summary.termination_type == ceres::FAILURE) return minimum;
+  if (summary.termination_type == ceres::FAILURE || likelihood.broke_off()) return minimum;
   minimum.x = map.x_of(u);
   const auto last =
       minus_log_likelihood(problem, minimum.x); // final_cost less offset has no digits

@@ -23,7 +23,9 @@ std::vector<FitScene> scenes() {
           noisy_jump_scene(4000),
           amplitude_scene(2000),
           noisy_scene(1000000, true),
-          noisy_scene(1000000, false)};
+          noisy_scene(1000000, false),
+          slow_jump_scene(20000),
+          impulse_scene(2000, 1e-6)};
 }
 
 void print(const FitScene& scene, SceneScore& score, double seconds) {
@@ -33,7 +35,7 @@ void print(const FitScene& scene, SceneScore& score, double seconds) {
     std::printf("  %s in %d\n", name.c_str(), count);
   for (const auto& [name, count] : score.noise)
     std::printf("  noise %s in %d\n", name.c_str(), count);
-  const bool bounded = !scene.truth.contains("drive_rms");
+  const bool bounded = !scene.truth.contains("drive_rms") && !scene.truth.contains("impulse");
   const auto bounds = bounded ? cramer_rao(scene) : std::map<std::string, double>{};
   std::printf("  %-14s %10s %7s %7s %8s %7s %9s %9s\n", "parameter", "determined", "in 68 %",
               "in 95 %", "mean z", "rms z", "rel sigma", "of bound");

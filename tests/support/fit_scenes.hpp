@@ -76,6 +76,42 @@ inline FitScene noisy_jump_scene(std::int64_t periods) {
   return scene;
 }
 
+/// Relaxation of 318 periods; the slow drive remembers three of them.
+inline FitScene slow_jump_scene(std::int64_t periods) {
+  FitScene scene = jump_scene("jump, fast drive 3 %, slow drive 2 %", periods, 1e-6, true);
+  scene.scenario.drive.fast_rms = 0.03;
+  scene.scenario.drive.slow_rms = 0.02;
+  scene.scenario.drive.slow_time_s = 2000.0;
+  scene.options.noise = FitNoise::slow;
+  scene.truth["drive_rms"] = 0.03;
+  scene.truth["slow_rms"] = 0.02;
+  scene.truth["slow_time"] = 2000.0;
+  return scene;
+}
+
+/// An impulse at phi1 in place of the torque; doubled at cycle 150.
+inline FitScene impulse_scene(std::int64_t periods, double jitter_s) {
+  FitScene scene{"single impulse, jump", at_point_a(periods), {}, {}};
+  scene.scenario.clock.escapement = Escapement::single_impulse;
+  scene.scenario.clock.mu = scene.scenario.clock.phi0 = 0.0;
+  scene.scenario.clock.impulse = 2.4e-6;
+  scene.scenario.clock.impulse_angle = 0.01;
+  ClockEvent event;
+  event.at_period = 150;
+  event.impulse = 4.8e-6;
+  scene.scenario.events = {event};
+  scene.scenario.sensor.jitter_rms_s = jitter_s;
+  scene.options.escapement = Escapement::single_impulse;
+  scene.options.events = {{150, {"impulse"}}};
+  scene.options.fixed["T0"] = 2.0;
+  scene.truth = {{"epsilon", 2.5e-4},
+                 {"impulse", 2.4e-6},
+                 {"impulse_angle", 0.01},
+                 {"impulse@1", 4.8e-6},
+                 {"jitter_rms", jitter_s}};
+  return scene;
+}
+
 inline FitScene amplitude_scene(std::int64_t periods) {
   FitScene scene = jump_scene("jump, amplitude column", periods, 1e-5, false);
   scene.scenario.sensor.amplitude_rms = 1e-5;
