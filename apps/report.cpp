@@ -28,10 +28,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
   data.fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
                        fit_options(options.model, loaded, global));
-  DriveAnalysis drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
-  if (drive.rate_spectrum) data.rate_spectrum = std::move(*drive.rate_spectrum);
-  data.response = drive.response;
-  data.split = std::move(drive.split);
+  data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
   data.deviation = allan_deviation(DeviationKind::oadev, error, loaded.nominal_period_s,
                                    octave_factors(error.size()));

@@ -2,9 +2,11 @@
 #include "common.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
+#include "goingrate/base/errors.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <memory>
 
@@ -16,9 +18,39 @@ struct SpectrumCommand {
   LogOptions log;
   ModelOptions model;
   double split_hz = 0.0;
+  std::string train;
+  double fold_s = 0.0;
+  std::string fold_output;
   std::string output;
   std::string json;
 };
+
+std::vector<ExpectedPeriod> expected_periods(const SpectrumCommand& options,
+                                             const NumberedLog& loaded) {
+  std::vector<ExpectedPeriod> expected;
+  if (!options.train.empty()) {
+    std::vector<int> teeth;
+    for (const double number : numbers_in("train", options.train)) {
+      if (number != std::floor(number) || std::abs(number) > 1e6)
+        throw ArgumentError("train", number, "a whole number of teeth");
+      teeth.push_back(static_cast<int>(number));
+    }
+    expected = train_periods(teeth, loaded.nominal_period_s);
+  }
+  constexpr double is_long = 3.0 * 86400.0; // s
+  if (loaded.good.back().time - loaded.good.front().time > is_long)
+    for (const ExpectedPeriod& natural : natural_periods())
+      expected.push_back(natural);
+  return expected;
+}
+
+std::string fold(const SpectrumCommand& options, const DriveAnalysis& drive, double period_s) {
+  if (options.fold_s == 0.0) return {};
+  constexpr std::size_t most = 60;
+  const double values = std::ceil(options.fold_s / period_s);
+  const auto bins = static_cast<std::size_t>(std::min<double>(most, values));
+  return profile_table(folded(drive.rates, period_s, options.fold_s, bins));
+}
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
@@ -28,11 +60,12 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
       analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
-  const bool talk = options.json != "-" && options.output != "-";
-  write_whole_files(
-      {{options.json, spectrum_json(*drive.rate_spectrum, drive.response, drive.split)},
-       {options.output, spectrum_table(*drive.rate_spectrum)},
-       {talk ? "-" : "", split_text(drive.response, drive.split)}});
+  const bool talk =
+      options.json != "-" && options.output != "-" && options.fold_output != "-";
+  write_whole_files({{options.json, spectrum_json(drive)},
+                     {options.output, spectrum_table(drive)},
+                     {options.fold_output, fold(options, drive, loaded.nominal_period_s)},
+                     {talk ? "-" : "", drive_text(drive, expected_periods(options, loaded))}});
 }
 
 } // namespace
@@ -44,7 +77,17 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
   add_model_options(*command, options->model);
   command->add_option("--split", options->split_hz, "part fast from slow at this frequency (Hz)")
       ->check(positive());
-  command->add_option("-o,--output", options->output, "write the spectrum of the rate as CSV");
+  command->add_option("--train", options->train,
+                      "teeth from the slowest wheel to the escape wheel (60,8,64,8,30): names the "
+                      "periods found");
+  auto* fold = command
+                   ->add_option("--fold", options->fold_s,
+                                "mean course of the rate over this period (s)")
+                   ->check(positive());
+  command->add_option("--fold-output", options->fold_output, "write that course as CSV")
+      ->needs(fold);
+  command->add_option("-o,--output", options->output,
+                      "write the spectrum of the rate and its parts as CSV");
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate spectrum data/logs/noisy-drive.csv --fix T0=2 "
                   "--fix epsilon=1.167245e-4 \\\n    --fix mu=1.5e-5 --fix phi0=0.03");

@@ -144,6 +144,8 @@ std::optional<DriveResponse> drive_response(const ClockParameters& clock) {
   response.fast_gain = clock.epsilon * std::sqrt(q2 - 1.0);
   response.slow_gain = -*lambda * *lambda / 16.0 + clock.epsilon * q2 / (2.0 * std::sqrt(q2 - 1.0));
   response.corner_hz = 2.0 * clock.epsilon / clock.nominal_period_s;
+  response.amplitude2 = *lambda * *lambda;
+  response.switching_angle = clock.phi0;
   return response;
 }
 

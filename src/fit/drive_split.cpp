@@ -1,11 +1,14 @@
 #include "goingrate/fit/drive_split.hpp"
 
+#include "gain_spread.hpp"
+#include "rate_components.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -13,164 +16,128 @@ namespace goingrate {
 
 namespace {
 
+using timing_model::Component;
+using timing_model::ComponentFit;
+using timing_model::RateComponents;
+
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double one_sigma_tail = 0.15865525393145707; // beyond one standard deviation, one side
-constexpr std::size_t least_bins = 3; // below the split, for a slow rms with any meaning
 
-double shape_of_jitter(double frequency_hz, double period_s) {
-  const double s = std::sin(std::numbers::pi * frequency_hz * period_s);
-  return 8.0 * s * s / period_s;
+// Of the drive itself: with the gains averaged over the amplitudes that the slow drive brings.
+RateComponents drive_at(const RateComponents& found, const DriveResponse& response) {
+  return timing_model::with_gains_averaged(found, response);
 }
 
-// The two unknowns of the white model and their covariance.
-struct White {
-  double drive = 0.0;   // D_fast, 1/Hz
-  double jitter2 = 0.0; // j^2, s^2
-  double drive_sigma = 0.0;
-  double jitter2_sigma = 0.0;
-};
+// The ends moved apart by a relative error beside that of the likelihood.
+RmsEstimate widened(const RmsEstimate& estimate, double relative) {
+  const double more = relative * estimate.rms;
+  return {estimate.rms,
+          estimate.low68 == 0.0
+              ? 0.0
+              : std::max(0.0, estimate.rms - std::hypot(estimate.rms - estimate.low68, more)),
+          estimate.rms + std::hypot(estimate.high68 - estimate.rms, more)};
+}
 
-// Normal equations of sum w (S - D h - J s)^2 with w = 1/model^2: at convergence those of Whittle's
-// likelihood.
-struct Sums {
-  double hh = 0.0, hs = 0.0, ss = 0.0, hy = 0.0, sy = 0.0;
-};
-
-// Medians over blocks of neighbouring frequencies: a line (a wheel with a bad tooth) raises a few
-// frequencies a thousandfold and the median of their block hardly at all.
-class WhiteFit {
-public:
-  WhiteFit(const Spectrum& spectrum, double period_s, const DriveResponse& response,
-           double split_hz) {
-    for (const double f : spectrum.frequency_hz) {
-      gain2_.push_back(std::norm(response.at(f)));
-      shape_.push_back(shape_of_jitter(f, period_s));
-    }
-    const auto& f = spectrum.frequency_hz;
-    // The tail of the slow drive reaches above the split and falls as 1/f^2: from ten times the
-    // split it is a hundredth. At least the upper half is left to fit the white part.
-    const double clear_hz = std::max(10.0 * split_hz, spectrum.resolution_hz);
-    auto first =
-        static_cast<std::size_t>(std::upper_bound(f.begin(), f.end(), clear_hz) - f.begin());
-    first = std::min(first, f.size() / 2);
-    make_blocks(spectrum, first);
-  }
-
-  [[nodiscard]] const std::vector<double>& gain2() const { return gain2_; }
-  [[nodiscard]] const std::vector<double>& shape() const { return shape_; }
-
-  [[nodiscard]] White run() const {
-    White white = start();
-    constexpr int rounds = 50; // the weights settle in about ten
-    Sums sums;
-    for (int i = 0; i < rounds; ++i) {
-      sums = weighted_sums(white);
-      white = solve(sums);
-    }
-    const double determinant = sums.hh * sums.ss - sums.hs * sums.hs;
-    white.drive_sigma = std::sqrt(block_variance_ * sums.ss / determinant);
-    white.jitter2_sigma = std::sqrt(block_variance_ * sums.hh / determinant);
-    return white;
-  }
-
-private:
-  struct Block {
-    double gain2 = 0.0, shape = 0.0, density = 0.0;
+RmsEstimate rms_of(const ComponentFit& fit, const std::array<RateComponents, 2>& ends,
+                   Component which, const DriveResponse& response) {
+  const auto rms = [&](const RateComponents& found) {
+    return std::sqrt(variance_of(drive_at(found, response), which));
   };
-
-  // Each density is chi-squared over its degrees of freedom times the truth: the median lies below
-  // the mean by a known factor, and scatters as 1/(4 n p^2), p the probability density at the
-  // median. Hann windowing correlates neighbours, so that 1.9 frequencies count as one.
-  void make_blocks(const Spectrum& spectrum, std::size_t first) {
-    const std::size_t n = gain2_.size() - first;
-    const std::size_t size = std::clamp<std::size_t>(n / 100, std::min<std::size_t>(8, n), 256);
-    const boost::math::chi_squared chi(spectrum.degrees_of_freedom);
-    const double chi_median = median(chi);
-    const double bias = chi_median / spectrum.degrees_of_freedom;
-    const double p = pdf(chi, chi_median) * chi_median;
-    block_variance_ = 1.9 / (4.0 * static_cast<double>(size) * p * p);
-    for (std::size_t i = first; i + size <= gain2_.size(); i += size) {
-      Block block;
-      std::vector<double> values(spectrum.density.begin() + static_cast<std::ptrdiff_t>(i),
-                                 spectrum.density.begin() + static_cast<std::ptrdiff_t>(i + size));
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(size / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      block.density = *middle / bias;
-      for (std::size_t k = i; k < i + size; ++k) {
-        block.gain2 += gain2_[k] / static_cast<double>(size);
-        block.shape += shape_[k] / static_cast<double>(size);
-      }
-      blocks_.push_back(block);
-    }
-  }
-
-  [[nodiscard]] White start() const {
-    Block sum;
-    for (const Block& block : blocks_) {
-      sum.density += block.density;
-      sum.gain2 += block.gain2;
-      sum.shape += block.shape;
-    }
-    return {0.5 * sum.density / sum.gain2, 0.5 * sum.density / sum.shape, 0.0, 0.0};
-  }
-
-  [[nodiscard]] Sums weighted_sums(const White& white) const {
-    Sums sums;
-    for (const Block& block : blocks_) {
-      const double model = white.drive * block.gain2 + white.jitter2 * block.shape;
-      const double w = 1.0 / (model * model);
-      sums.hh += w * block.gain2 * block.gain2;
-      sums.hs += w * block.gain2 * block.shape;
-      sums.ss += w * block.shape * block.shape;
-      sums.hy += w * block.gain2 * block.density;
-      sums.sy += w * block.shape * block.density;
-    }
-    return sums;
-  }
-
-  static White solve(const Sums& s) {
-    const double determinant = s.hh * s.ss - s.hs * s.hs;
-    White white;
-    white.drive = (s.hy * s.ss - s.sy * s.hs) / determinant;
-    white.jitter2 = (s.sy * s.hh - s.hy * s.hs) / determinant;
-    if (white.drive <= 0.0)
-      white = {0.0, s.sy / s.ss, 0.0, 0.0};
-    else if (white.jitter2 <= 0.0)
-      white = {s.hy / s.hh, 0.0, 0.0, 0.0};
-    return white;
-  }
-
-  std::vector<double> gain2_, shape_;
-  std::vector<Block> blocks_;
-  double block_variance_ = 0.0; // relative, of a block's density
-};
-
-// The rms of a variance with a normal error; an upper limit alone where it is within its own error.
-RmsEstimate rms_of(double variance, double sigma) {
-  return {std::sqrt(std::max(0.0, variance)), std::sqrt(std::max(0.0, variance - sigma)),
-          std::sqrt(std::max(0.0, variance) + sigma)};
+  return {rms(fit.best()), rms(ends[0]), rms(ends[1])};
 }
 
-RmsEstimate slow_part(const Spectrum& spectrum, const std::vector<double>& gain2,
-                      const std::vector<double>& shape, const White& white, double split_hz) {
-  double total = 0.0;
-  double fourth = 0.0;
-  double white_part = 0.0;
-  std::size_t bins = 0;
-  for (std::size_t i = 1; i < gain2.size() && spectrum.frequency_hz[i] <= split_hz; ++i, ++bins) {
-    const double drive = spectrum.density[i] / gain2[i] * spectrum.resolution_hz;
-    total += drive;
-    fourth += drive * drive;
-    white_part += (white.drive + white.jitter2 * shape[i] / gain2[i]) * spectrum.resolution_hz;
+// The share of a part of the drive that lies below a frequency.
+double share_below(const RateComponents& c, bool slow, double split_hz, double period_s) {
+  const double nyquist = 0.5 / period_s;
+  if (!slow) return std::min(1.0, split_hz / nyquist);
+  const DriveResponse flat{1.0, 1.0, 1.0};
+  constexpr int steps = 4000; // logarithmic, from far below any corner: a thousandth
+  double below = 0.0, all = 0.0;
+  const double first = std::min(split_hz, 1.0 / c.memory_s) * 1e-4;
+  const double ratio = std::pow(nyquist / first, 1.0 / steps);
+  double f = first;
+  for (int i = 0; i < steps; ++i, f *= ratio) {
+    const double part = c.slow_density(f, period_s, flat) * f;
+    all += part;
+    if (f <= split_hz) below += part;
   }
-  if (bins < least_bins) return {unknown, unknown, unknown};
-  // A sum of scaled chi-squareds counts as one with (sum)^2/(sum of squares) x their freedom each.
-  const double freedom = std::max(1.0, spectrum.degrees_of_freedom * total * total / fourth / 1.9);
-  const boost::math::chi_squared chi(freedom);
-  const double low = total * freedom / quantile(complement(chi, one_sigma_tail));
-  const double high = total * freedom / quantile(chi, one_sigma_tail);
-  const auto rms = [&](double variance) { return std::sqrt(std::max(0.0, variance - white_part)); };
-  return {rms(total), rms(low), rms(high)};
+  return all > 0.0 ? below / all : 0.0;
+}
+
+RmsEstimate sum_of(const RmsEstimate& a, double share_a, const RmsEstimate& b, double share_b) {
+  const auto square = [](double x) { return x * x; };
+  const double middle = share_a * square(a.rms) + share_b * square(b.rms);
+  const double down = std::hypot(share_a * (square(a.rms) - square(a.low68)),
+                                 share_b * (square(b.rms) - square(b.low68)));
+  const double up = std::hypot(share_a * (square(a.high68) - square(a.rms)),
+                               share_b * (square(b.high68) - square(b.rms)));
+  return {std::sqrt(middle), std::sqrt(std::max(0.0, middle - down)), std::sqrt(middle + up)};
+}
+
+// The rms time error after t of a rate with density S: beyond ten turns in t the mean of sin^2.
+template <class Density> double time_error(const Density& density, double t, double period_s) {
+  constexpr int steps = 3000;
+  const double first = 1e-4 / t, last = 0.5 / period_s;
+  const double ratio = std::pow(last / first, 1.0 / steps);
+  double sum = density(first) * t * t * first; // below the grid sin x is x
+  double f = first * std::sqrt(ratio);
+  for (int i = 0; i < steps; ++i, f *= ratio) {
+    const double turns = f * t;
+    const double s = std::sin(std::numbers::pi * turns);
+    const double size = turns > 10.0 ? 0.5 : s * s;
+    const double width = f * (std::sqrt(ratio) - 1.0 / std::sqrt(ratio));
+    sum += density(f) * size / std::pow(std::numbers::pi * f, 2) * width;
+  }
+  return std::sqrt(sum);
+}
+
+double cost_of(const RateComponents& c, Component which, double t, double period_s,
+               const DriveResponse& response) {
+  const double variance = variance_of(c, which);
+  if (variance == 0.0) return 0.0;
+  if (std::isinf(variance)) return variance;
+  return time_error(
+      [&](double f) {
+        return which == Component::fast ? c.fast_density(f, period_s, response)
+                                        : c.slow_density(f, period_s, response);
+      },
+      t, period_s);
+}
+
+using Ends = std::array<RateComponents, 2>;
+
+std::vector<DriveCost> costs_of(const ComponentFit& fit, const Ends& fast, const Ends& slow,
+                                double period_s, const DriveResponse& response) {
+  std::vector<DriveCost> costs;
+  for (const double days : {1.0, 7.0, 365.25}) {
+    DriveCost cost;
+    cost.after_s = 86400.0 * days;
+    const auto estimate = [&](const Ends& ends, Component which) {
+      const auto at = [&](const RateComponents& c) {
+        return cost_of(c, which, cost.after_s, period_s, response);
+      };
+      const double middle = at(fit.best()), a = at(ends[0]), b = at(ends[1]);
+      return RmsEstimate{middle, std::min({a, b, middle}), std::max({a, b, middle})};
+    };
+    cost.fast_s = estimate(fast, Component::fast);
+    cost.slow_s = estimate(slow, Component::slow);
+    costs.push_back(cost);
+  }
+  return costs;
+}
+
+bool is_constant(std::span<const double> rates) {
+  return std::adjacent_find(rates.begin(), rates.end(), std::not_equal_to<>()) == rates.end();
+}
+
+std::string what_is_hidden(const DriveSplit& split, const RateComponents& best, double length_s) {
+  std::vector<std::string> notes;
+  if (split.fast.low68 == 0.0)
+    notes.emplace_back("the sensor's jitter hides the fast drive: its rms is an upper limit");
+  if (split.slow.low68 > 0.0 && best.memory_s > 0.3 * length_s)
+    notes.push_back(fmt::format(
+        "the slow drive wanders as long as the log, {:.3g} s: its rms holds for so long only",
+        length_s));
+  return fmt::format("{}", fmt::join(notes, "; "));
 }
 
 } // namespace
@@ -188,44 +155,71 @@ std::vector<double> rate_about_fit(std::span<const Beat> beats, double nominal_p
   return series;
 }
 
-DriveSplit split_drive(const Spectrum& spectrum, double period_s, const DriveResponse& response,
-                       double split_hz) {
+DriveSplit split_drive(std::span<const double> rates, double period_s,
+                       const DriveResponse& response, double split_hz,
+                       std::span<const double> frequency_hz) {
   if (!(period_s > 0.0)) throw ArgumentError("period", period_s, "a positive number of seconds");
-  if (spectrum.frequency_hz.size() < 8)
-    throw ArgumentError("spectrum", static_cast<double>(spectrum.frequency_hz.size()),
-                        "at least 8 frequencies");
+  if (rates.size() < 64)
+    throw ArgumentError("rates", static_cast<double>(rates.size()), "at least 64 values");
+  for (const double rate : rates)
+    if (!std::isfinite(rate)) throw ArgumentError("rates", rate, "finite");
+  if (is_constant(rates)) throw ArgumentError("rates", rates.front(), "not the same at all places");
+  const ComponentFit fit(rates, period_s, response);
+  const Ends fast = fit.interval68(Component::fast), slow = fit.interval68(Component::slow);
   DriveSplit result;
-  result.split_hz = split_hz > 0.0 ? split_hz : response.corner_hz;
-  const WhiteFit fit(spectrum, period_s, response, result.split_hz);
-  const White white = fit.run();
-  const double nyquist = 0.5 / period_s;
-  result.fast = rms_of(white.drive * nyquist, white.drive_sigma * nyquist);
-  result.jitter_s = rms_of(white.jitter2, white.jitter2_sigma);
-  result.slow = slow_part(spectrum, fit.gain2(), fit.shape(), white, result.split_hz);
-  for (std::size_t i = 0; i < spectrum.frequency_hz.size(); ++i) {
-    result.jitter_density.push_back(white.jitter2 * fit.shape()[i]);
-    result.fast_density.push_back(white.drive * fit.gain2()[i]);
+  result.at_frequency = split_hz > 0.0;
+  result.split_hz = result.at_frequency ? split_hz : response.corner_hz;
+  result.fast = rms_of(fit, fast, Component::fast, response);
+  result.slow = rms_of(fit, slow, Component::slow, response);
+  const double length_s = static_cast<double>(rates.size()) * period_s;
+  const auto doubt = gain_doubt(drive_at(fit.best(), response), response, length_s);
+  // The slow drive's size decides by how much the fast one's gain is raised.
+  const double at_least = drive_at(slow[0], response).fast2 / slow[0].fast2;
+  const double at_most =
+      std::isfinite(slow[1].slow2) ? drive_at(slow[1], response).fast2 / slow[1].fast2 : at_least;
+  const double raised = fit.best().fast2 > 0.0 ? 0.25 * std::abs(at_least - at_most) : 0.0;
+  result.fast = widened(result.fast, std::hypot(doubt.fast, raised));
+  result.slow = widened(result.slow, doubt.slow);
+  result.jitter_s = rms_of(fit, fit.interval68(Component::jitter), Component::jitter, response);
+  result.slow_time_s = fit.best().slow2 > 0.0 ? fit.best().memory_s : unknown;
+  result.slow_gain = fit.gain_of_slow();
+  result.costs = costs_of(fit, fast, slow, period_s, response);
+  for (const double f : frequency_hz) {
+    result.jitter_density.push_back(fit.best().jitter_density(f, period_s));
+    result.fast_density.push_back(fit.best().fast_density(f, period_s, response));
+    result.slow_density.push_back(fit.best().slow_density(f, period_s, response));
   }
-  if (result.fast.low68 == 0.0)
-    result.note = "the sensor's jitter hides the fast drive: its rms is an upper limit";
-  if (std::isnan(result.slow.rms))
-    result.note += fmt::format("{}the log is too short for the slow drive: it would take {:.3g} s",
-                               result.note.empty() ? "" : "; ", 3.0 / result.split_hz);
+  result.note = what_is_hidden(result, fit.best(), length_s);
+  if (!result.at_frequency) return result;
+  const double white = share_below(fit.best(), false, split_hz, period_s);
+  const double wander = share_below(fit.best(), true, split_hz, period_s);
+  const RmsEstimate all_fast = result.fast, all_slow = result.slow;
+  result.fast = sum_of(all_fast, 1.0 - white, all_slow, 1.0 - wander);
+  result.slow = sum_of(all_fast, white, all_slow, wander);
   return result;
+}
+
+double drive_of(const SpectralLine& line, const DriveResponse& response) {
+  return line.amplitude / std::abs(response.at(line.frequency_hz));
 }
 
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
                             const FitSummary& fit, double split_hz) {
   DriveAnalysis drive;
-  const auto rates = rate_about_fit(beats, nominal_period_s, fit);
+  drive.rates = rate_about_fit(beats, nominal_period_s, fit);
+  const auto& rates = drive.rates;
   if (rates.size() < 8) return drive;
   // One segment, for the longest reach; a trend is a slow variation too and stays in.
   drive.rate_spectrum =
       welch_spectrum(rates, nominal_period_s, {.segment = rates.size(), .detrend_linear = false});
   const auto clock = fitted_clock(fit);
   if (clock) drive.response = drive_response(*clock);
-  if (drive.response && drive.rate_spectrum->frequency_hz.size() >= 8)
-    drive.split = split_drive(*drive.rate_spectrum, nominal_period_s, *drive.response, split_hz);
+  constexpr std::size_t enough = 64;
+  if (rates.size() < enough) return drive;
+  drive.lines = find_lines(rates, nominal_period_s);
+  if (drive.response && !is_constant(rates))
+    drive.split = split_drive(without_lines(rates, nominal_period_s, drive.lines), nominal_period_s,
+                              *drive.response, split_hz, drive.rate_spectrum->frequency_hz);
   return drive;
 }
 

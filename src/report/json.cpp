@@ -168,29 +168,60 @@ Json rms_object(const RmsEstimate& rms) {
           {"high68", json_number(rms.high68)}};
 }
 
-Json spectrum_object(const Spectrum& spectrum, const std::optional<DriveResponse>& response,
-                     const std::optional<DriveSplit>& split) {
+Json cost_object(const DriveCost& cost) {
+  return {{"after_s", json_number(cost.after_s)},
+          {"fast_s", rms_object(cost.fast_s)},
+          {"slow_s", rms_object(cost.slow_s)}};
+}
+
+// Without a response amplitudes are those of the rate.
+Json line_object(const SpectralLine& line, const std::optional<DriveResponse>& response) {
+  return {{"period_s", json_number(1.0 / line.frequency_hz)},
+          {"amplitude", json_number(response ? drive_of(line, *response) : line.amplitude)},
+          {"amplitude_of", response ? "relative drive" : "rate"},
+          {"rate_amplitude", json_number(line.amplitude)},
+          {"rate_amplitude_sigma", json_number(line.amplitude_sigma)},
+          {"phase_rad", json_number(line.phase_rad)},
+          {"false_alarm", json_number(line.false_alarm)}};
+}
+
+Json split_object(const std::optional<DriveSplit>& split) {
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  DriveSplit parts;
+  parts.split_hz = parts.slow_time_s = unknown;
+  parts.fast = parts.slow = parts.jitter_s = {unknown, unknown, unknown};
+  parts.note = "the log does not determine the clock's response";
+  if (split) parts = *split;
+  Json json = {{"split_hz", json_number(parts.split_hz)},
+               {"fast", rms_object(parts.fast)},
+               {"slow", rms_object(parts.slow)},
+               {"slow_time_s", json_number(parts.slow_time_s)},
+               {"jitter_rms_s", json_number(parts.jitter_s.rms)},
+               {"jitter_s", rms_object(parts.jitter_s)},
+               {"note", parts.note}};
+  json["costs"] = Json::array();
+  for (const DriveCost& cost : parts.costs)
+    json["costs"].push_back(cost_object(cost));
+  return json;
+}
+
+Json spectrum_object(const DriveAnalysis& drive) {
+  const auto& response = drive.response;
   Json json = json_with_schema("goingrate.spectrum");
   json["corner_hz"] = response ? json_number(response->corner_hz) : Json(nullptr);
   json["fast_gain"] = response ? json_number(response->fast_gain) : Json(nullptr);
   json["slow_gain"] = response ? json_number(response->slow_gain) : Json(nullptr);
-  const double unknown = std::numeric_limits<double>::quiet_NaN();
-  const DriveSplit none{unknown,
-                        {unknown, unknown, unknown},
-                        {unknown, unknown, unknown},
-                        {unknown, unknown, unknown},
-                        {},
-                        {},
-                        {}};
-  const DriveSplit& parts = split ? *split : none;
-  json["split_hz"] = json_number(parts.split_hz);
-  json["fast"] = rms_object(parts.fast);
-  json["slow"] = rms_object(parts.slow);
-  json["jitter_rms_s"] = json_number(parts.jitter_s.rms);
-  json["note"] = split ? parts.note : "the log does not determine the clock's response";
+  json.update(split_object(drive.split));
+  json["lines"] = Json::array();
+  for (const SpectralLine& line : drive.lines)
+    json["lines"].push_back(line_object(line, response));
   json["unit"] = "1/Hz, one-sided density of the relative rate";
-  json["frequency_hz"] = spectrum.frequency_hz;
-  json["density"] = spectrum.density;
+  json["frequency_hz"] = Json::array();
+  json["density"] = Json::array();
+  if (drive.rate_spectrum) {
+    json["frequency_hz"] = drive.rate_spectrum->frequency_hz;
+    json["density"] = drive.rate_spectrum->density;
+  }
   return json;
 }
 
@@ -261,10 +292,7 @@ std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary
 
 std::string fit_json(const FitSummary& fit) { return text_of(fit_object(fit)); }
 
-std::string spectrum_json(const Spectrum& spectrum, const std::optional<DriveResponse>& response,
-                          const std::optional<DriveSplit>& split) {
-  return text_of(spectrum_object(spectrum, response, split));
-}
+std::string spectrum_json(const DriveAnalysis& drive) { return text_of(spectrum_object(drive)); }
 
 std::string stability_json(const DeviationTable& table) { return text_of(stability_object(table)); }
 
@@ -273,7 +301,7 @@ std::string report_json(const ReportData& data) {
   json["rate"] = rate_object(data.log, data.numbered, data.rate, {});
   json["diary"] = diary_object(data.diary);
   json["fit"] = fit_object(data.fit);
-  json["spectrum"] = spectrum_object(data.rate_spectrum, data.response, data.split);
+  json["spectrum"] = spectrum_object(data.drive);
   json["stability"] = stability_object(data.deviation);
   return text_of(json);
 }

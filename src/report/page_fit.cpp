@@ -138,6 +138,26 @@ std::string rms_text(const RmsEstimate& rms, double factor, std::string_view uni
                      plain_number(factor * rms.low68), plain_number(factor * rms.high68));
 }
 
+std::string cost_table(const DriveAnalysis& drive) {
+  if (!drive.split) return "";
+  Table table("What the drive's variations cost: time error to expect, rms (68 %)",
+              {"after", "from fast variations", "from slow ones"});
+  for (const DriveCost& cost : drive.split->costs)
+    table.row({duration_text(cost.after_s), rms_text(cost.fast_s, 1.0, "s"),
+               rms_text(cost.slow_s, 1.0, "s")});
+  return table.empty() ? "" : table.html();
+}
+
+std::string line_table(const DriveAnalysis& drive) {
+  Table table("Strictly periodic parts of the rate",
+              {"period", "amplitude of the rate", "of the drive", "chance that noise does it"});
+  for (const SpectralLine& line : drive.lines)
+    table.row({plain_number(1.0 / line.frequency_hz, 5) + " s", plain_number(line.amplitude),
+               drive.response ? plain_number(100.0 * drive_of(line, *drive.response)) + " %" : "",
+               plain_number(line.false_alarm, 2)});
+  return table.empty() ? "" : table.html();
+}
+
 } // namespace
 
 std::string fit(const ReportData& data) {
@@ -161,13 +181,13 @@ std::string fit(const ReportData& data) {
 
 std::string drive(const ReportData& data) {
   std::string body;
-  if (!data.response)
+  if (!data.drive.response)
     body =
         paragraph("The log does not determine how the rate answers a change of the drive, so fast "
                   "and slow variations of the drive cannot be told apart.");
   Table table("Variations of the drive", {"quantity", "value", "meaning"});
-  if (data.response) {
-    const DriveResponse& response = *data.response;
+  if (data.drive.response) {
+    const DriveResponse& response = *data.drive.response;
     table.row({"rate per relative change of drive, at once", plain_number(response.fast_gain, 4),
                "before the amplitude has answered"});
     table.row({"the same, in the long run", plain_number(response.slow_gain, 4),
@@ -175,17 +195,20 @@ std::string drive(const ReportData& data) {
     table.row({"corner between the two", plain_number(response.corner_hz) + " Hz",
                "a variation that takes " + duration_text(1.0 / response.corner_hz)});
   }
-  if (data.split) {
-    const DriveSplit& split = *data.split;
+  if (data.drive.split) {
+    const DriveSplit& split = *data.drive.split;
     table.row({"fast drive, rms", rms_text(split.fast, 100.0, "%"),
                "of the drive, new at every period (68 %)"});
     table.row({"slow drive, rms", rms_text(split.slow, 100.0, "%"),
-               fmt::format("of the drive, below {} Hz (68 %)", plain_number(split.split_hz))});
+               std::isfinite(split.slow_time_s)
+                   ? "of the drive, with a memory of " + duration_text(split.slow_time_s) + " (68 %)"
+                   : "of the drive, with a memory (68 %)"});
     table.row(
         {"jitter of the sensor", rms_text(split.jitter_s, 1e6, "µs"), "of every time (68 %)"});
   }
   if (!table.empty()) body += table.html();
-  if (data.split && !data.split->note.empty()) body += paragraph("Note: " + data.split->note + ".");
+  body += cost_table(data.drive) + line_table(data.drive);
+  if (data.drive.split && !data.drive.split->note.empty()) body += paragraph("Note: " + data.drive.split->note + ".");
   return section("drive", "Drive, fast and slow", body);
 }
 

@@ -16,6 +16,7 @@ namespace {
 constexpr int blue = 0;
 constexpr int vermilion = 1;
 constexpr int green = 2;
+constexpr int purple = 3;
 
 // A unit of display: value in it = value in SI times `factor`.
 struct Unit {
@@ -208,27 +209,31 @@ Series without_depths(Series part, const Series& measured) {
 }
 
 Figure spectrum_figure(const ReportData& data) {
-  const auto& frequency = data.rate_spectrum.frequency_hz;
+  const auto& frequency = data.drive.rate_spectrum->frequency_hz;
   Figure figure{"spectrum",
                 "Spectrum of the rate",
                 "How strongly the rate fluctuates at each frequency, slow wander on the left and "
                 "changes from beat to beat on the right; a narrow peak is something periodic.",
                 {"frequency", "Hz", true},
                 {"density of the rate", "1/Hz", true},
-                {spectrum_line("measured", frequency, data.rate_spectrum.density, blue)}};
-  if (data.split && data.split->fast_density.size() == frequency.size() &&
-      data.split->jitter_density.size() == frequency.size()) {
+                {spectrum_line("measured", frequency, data.drive.rate_spectrum->density, blue)}};
+  if (data.drive.split && data.drive.split->fast_density.size() == frequency.size() &&
+      data.drive.split->jitter_density.size() == frequency.size()) {
     const Series measured = figure.series.front();
     figure.series.push_back(without_depths(
-        spectrum_line("fast drive", frequency, data.split->fast_density, vermilion), measured));
+        spectrum_line("fast drive", frequency, data.drive.split->fast_density, vermilion), measured));
+    if (data.drive.split->slow_time_s > 0.0)
+      figure.series.push_back(without_depths(
+          spectrum_line("slow drive", frequency, data.drive.split->slow_density, purple),
+          measured));
     figure.series.push_back(without_depths(
-        spectrum_line("jitter of the sensor", frequency, data.split->jitter_density, green),
+        spectrum_line("jitter of the sensor", frequency, data.drive.split->jitter_density, green),
         measured));
-    figure.caption += " The dashed and dotted lines are the parts that the drive's fast noise and "
+    figure.caption += " The broken lines are the parts that fast and slow noise of the drive and "
                       "the sensor's jitter explain.";
   }
-  if (data.response) {
-    figure.markers.push_back({data.response->corner_hz, "corner"});
+  if (data.drive.response) {
+    figure.markers.push_back({data.drive.response->corner_hz, "corner"});
     figure.caption += " Left of the corner the amplitude follows the drive, right of it the "
                       "amplitude stands still.";
   }
@@ -295,7 +300,7 @@ std::vector<Figure> report_figures(const ReportData& data) {
     if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
       figures.push_back(of_time.amplitude_residual());
   }
-  if (data.rate_spectrum.frequency_hz.size() > 1) figures.push_back(spectrum_figure(data));
+  if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1) figures.push_back(spectrum_figure(data));
   if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
   return figures;
 }

@@ -32,32 +32,111 @@ std::string deviation_text(const DeviationTable& table) {
   return text;
 }
 
-std::string split_text(const std::optional<DriveResponse>& response,
-                       const std::optional<DriveSplit>& split) {
-  if (!response)
-    return "The log does not determine how the clock answers its drive, so fast and slow drive "
+namespace {
+
+std::string cost_lines(const DriveSplit& split) {
+  std::string text = "time error to expect of them (rms, 68 % interval):\n";
+  for (const DriveCost& cost : split.costs) {
+    const std::string after = fmt::format("after {:.6g} d", cost.after_s / 86400.0);
+    text += rms_line((after + ", fast").c_str(), cost.fast_s, 1.0, "s");
+    text += rms_line((after + ", slow").c_str(), cost.slow_s, 1.0, "s");
+  }
+  return text;
+}
+
+std::string split_lines(const DriveSplit& split) {
+  std::string text = split.at_frequency
+                         ? fmt::format("drive, above and below {:.4g} Hz (rms, 68 % interval):\n",
+                                       split.split_hz)
+                         : std::string("drive (rms, 68 % interval):\n");
+  text += rms_line(split.at_frequency ? "above" : "fast, white", split.fast, 100.0, "%");
+  text += rms_line(split.at_frequency ? "below" : "slow, with a memory", split.slow, 100.0, "%");
+  if (std::isfinite(split.slow_time_s))
+    text += fmt::format("  {:<22} {:.3g} s (log L greater by {:.3g} than without)\n",
+                        "memory of the slow part", split.slow_time_s, split.slow_gain);
+  text += rms_line("jitter of the sensor", split.jitter_s, 1e6, "us");
+  if (!split.costs.empty()) text += cost_lines(split);
+  if (!split.note.empty()) text += split.note + "\n";
+  return text;
+}
+
+// The expected periods that a line may be: within its resolution, whole or as a harmonic.
+std::string label_of(const SpectralLine& line, double resolution_hz,
+                     std::span<const ExpectedPeriod> expected) {
+  std::string label;
+  constexpr int harmonics = 5;
+  for (const ExpectedPeriod& e : expected)
+    for (int n = 1; n <= harmonics; ++n) {
+      if (std::abs(line.frequency_hz - n / e.period_s) > resolution_hz) continue;
+      label += fmt::format("{}{}{}{}", label.empty() ? "  " : ", or ", e.kind,
+                           e.place > 0 ? fmt::format(" {}", e.place) : "",
+                           n > 1 ? fmt::format(" ({} times as fast)", n) : "");
+      break;
+    }
+  return label;
+}
+
+std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected) {
+  std::string text;
+  if (!expected.empty()) {
+    text += "periods to expect:\n";
+    for (const ExpectedPeriod& e : expected)
+      text += fmt::format("  {:>12.6g} s  {}{}\n", e.period_s, e.kind,
+                          e.place > 0 ? fmt::format(" {}", e.place) : "");
+  }
+  if (drive.lines.empty()) return text + "no strictly periodic part stands out of the rate\n";
+  text += fmt::format("periodic parts of the rate:\n  {:>12} {:>12} {:>10} {:>12}\n", "period/s",
+                      "rate", drive.response ? "drive/%" : "", "false alarm");
+  for (const SpectralLine& line : drive.lines)
+    text += fmt::format(
+        "  {:>12.7g} {:>12.3g} {:>10} {:>12.2g}{}\n", 1.0 / line.frequency_hz, line.amplitude,
+        drive.response ? fmt::format("{:.3g}", 100.0 * drive_of(line, *drive.response)) : "",
+        line.false_alarm, label_of(line, drive.rate_spectrum->resolution_hz, expected));
+  return text;
+}
+
+} // namespace
+
+std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected) {
+  std::string text;
+  if (drive.response)
+    text = fmt::format("response of the rate to a relative change of drive: {:.4g} at once, {:.4g} "
+                       "in the long run\ncorner between the two: {:.4g} Hz (a period of {:.4g} s)\n",
+                       drive.response->fast_gain, drive.response->slow_gain,
+                       drive.response->corner_hz, 1.0 / drive.response->corner_hz);
+  else
+    text = "The log does not determine how the clock answers its drive, so fast and slow drive "
            "cannot\n"
            "be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from elsewhere, "
            "an\n"
            "amplitude column, a ring-down, or a deliberate change of the driving weight.\n";
-  std::string text = fmt::format(
-      "response of the rate to a relative change of drive: {:.4g} at once, {:.4g} in the long run\n"
-      "corner between the two: {:.4g} Hz (a period of {:.4g} s)\n",
-      response->fast_gain, response->slow_gain, response->corner_hz, 1.0 / response->corner_hz);
-  if (!split) return text;
-  text += fmt::format("drive, parted at {:.4g} Hz (rms, 68 % interval):\n", split->split_hz);
-  text += rms_line("fast (white)", split->fast, 100.0, "%");
-  text += rms_line("slow", split->slow, 100.0, "%");
-  text += rms_line("jitter of the sensor", split->jitter_s, 1e6, "us");
-  if (!split->note.empty()) text += split->note + "\n";
+  if (drive.split) text += split_lines(*drive.split);
+  return text + line_lines(drive, expected);
+}
+
+std::string spectrum_table(const DriveAnalysis& drive) {
+  const Spectrum& spectrum = *drive.rate_spectrum;
+  const bool parts = drive.split && drive.split->fast_density.size() == spectrum.density.size();
+  std::string text = parts ? "frequency_hz,density_per_hz,fast,slow,jitter\n"
+                           : "frequency_hz,density_per_hz\n";
+  for (std::size_t i = 0; i < spectrum.frequency_hz.size(); ++i) {
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g}", spectrum.frequency_hz[i],
+                   spectrum.density[i]);
+    if (parts)
+      fmt::format_to(std::back_inserter(text), ",{:.9g},{:.9g},{:.9g}",
+                     drive.split->fast_density[i], drive.split->slow_density[i],
+                     drive.split->jitter_density[i]);
+    text += '\n';
+  }
   return text;
 }
 
-std::string spectrum_table(const Spectrum& spectrum) {
-  std::string text = "frequency_hz,density_per_hz\n";
-  for (std::size_t i = 0; i < spectrum.frequency_hz.size(); ++i)
-    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g}\n", spectrum.frequency_hz[i],
-                   spectrum.density[i]);
+std::string profile_table(const FoldedProfile& profile) {
+  std::string text = "phase,rate,sigma\n";
+  for (std::size_t i = 0; i < profile.phase.size(); ++i)
+    fmt::format_to(std::back_inserter(text), "{:.6g},{:.9g},{}\n", profile.phase[i],
+                   profile.mean[i],
+                   std::isnan(profile.sigma[i]) ? "" : fmt::format("{:.3g}", profile.sigma[i]));
   return text;
 }
 

@@ -171,7 +171,7 @@ std::string fit_lines(const FitSummary& fit, const Diary& diary) {
 }
 
 std::string drive_lines(const ReportData& data) {
-  if (!data.split)
+  if (!data.drive.split)
     return "Drive: the log does not determine the clock's response, so fast and slow drive are not "
            "split.\n  What would tell: amplitudes, a ring-down, or a change of the driving "
            "weight.\n";
@@ -182,9 +182,14 @@ std::string drive_lines(const ReportData& data) {
                        100.0 * rms.high68);
   };
   std::string text =
-      fmt::format("Drive: fast variations {}, slow ones {} (rms, parted at {:.2g} Hz).\n",
-                  part(data.split->fast), part(data.split->slow), data.split->split_hz);
-  if (!data.split->note.empty()) text += "  " + data.split->note + ".\n";
+      fmt::format("Drive: fast variations {}, slow ones {} (rms).\n",
+                  part(data.drive.split->fast), part(data.drive.split->slow));
+  if (!data.drive.split->costs.empty()) {
+    const DriveCost& week = data.drive.split->costs[1];
+    text += fmt::format("  What they cost in a week: {:.2g} s and {:.2g} s (rms).\n",
+                        week.fast_s.rms, week.slow_s.rms);
+  }
+  if (!data.drive.split->note.empty()) text += "  " + data.drive.split->note + ".\n";
   return text;
 }
 

@@ -66,16 +66,21 @@ ReportData some_report(std::size_t count = 500, bool with_amplitude = true) {
   stop.decay = Relaxation{6000.0, 40.0, 300.0, 0.0, 1e-5, true, nan, nan};
   stop.recovery = Relaxation{3100.0, 50.0, 900.0, 0.046, 1e-5, false, 3050.0, 3200.0};
   data.diary.interruptions = {stop};
-  data.rate_spectrum = {
+  data.drive.rate_spectrum = Spectrum{
       {0.0, 0.001, 0.002, 0.01, 0.1}, {1, 2e-9, 1e-9, 3e-10, 1e-9}, 0.001, 2.0, 1, 0, 8};
-  data.response = DriveResponse{3e-4, -1e-4, 0.003};
-  data.split = DriveSplit{0.003,
-                          {0.01, 0.009, 0.011},
-                          {0.002, 0.0, 0.004},
-                          {nan, nan, nan},
-                          {1e-20, 1e-15, 1e-14, 1e-12, 1e-9},
-                          {1e-10, 1e-10, 1e-10, 1e-10, 1e-10},
-                          ""};
+  data.drive.response = DriveResponse{3e-4, -1e-4, 0.003};
+  DriveSplit split;
+  split.split_hz = 0.003;
+  split.fast = {0.01, 0.009, 0.011};
+  split.slow = {0.002, 0.0, 0.004};
+  split.jitter_s = {nan, nan, nan};
+  split.slow_time_s = nan;
+  split.costs = {{86400.0, {0.1, 0.09, 0.11}, {0.0, 0.0, 0.2}}};
+  split.jitter_density = {1e-20, 1e-15, 1e-14, 1e-12, 1e-9};
+  split.fast_density = {1e-10, 1e-10, 1e-10, 1e-10, 1e-10};
+  split.slow_density = std::vector<double>(5, 0.0);
+  data.drive.split = split;
+  data.drive.lines = {{0.0167, 1e-5, 1e-6, 0.0, 50.0, 1e-9}};
   data.deviation = {DeviationKind::oadev,
                     3.0,
                     {{3.0, 1, 498, 5e-6, 4.8e-6, 5.2e-6, 2, true},

@@ -46,6 +46,8 @@ struct DriveResponse {
   double slow_gain = 0.0; ///< with the amplitude settled: -lambda^2/16 + eps q^2/(2 sqrt(q^2 - 1)),
                           ///< q = lambda/phi0
   double corner_hz = 0.0; ///< between the two: 2 epsilon / T0
+  double amplitude2 = 0.0;      ///< lambda^2 at which the gains hold; 0 if not known
+  double switching_angle = 0.0; ///< phi0, rad
 
   /// The complex gain at frequency f (Hz).
   [[nodiscard]] std::complex<double> at(double frequency_hz) const {

@@ -4,15 +4,18 @@
 //   H(f) = g_fast + (g_slow - g_fast) / (1 + i f / f_c),   f_c = 2 epsilon / T0 (Hz),
 // since lambda^2 relaxes at rate 2 epsilon (Hoyng, eq. dotl4): above the corner f_c the amplitude
 // stands still, below it the amplitude follows. The rate's one-sided density is taken as
-//   S(f) = |H|^2 D_fast + 8 j^2 sin^2(pi f T) / T + |H|^2 D_slow(f),
-// white drive, jitter j of the sensor, and slow drive. D_fast and j are fitted above ten times the
-// split, with weights 1/S^2 as in Whittle's likelihood, to medians over blocks of frequencies, so
-// that lines do not count; what is left below it, divided by |H|^2, is the slow drive.
+//   S(f) = |H|^2 [D_fast + D_slow(f)] + 8 j^2 sin^2(pi f T) / T,
+// of a drive that is white from period to period, one that wanders with a memory (an
+// Ornstein-Uhlenbeck process), and jitter j of the sensor. Their sizes are those of the greatest
+// Whittle likelihood, once strictly periodic lines are taken out; intervals are where it falls by
+// half. Where this means nothing: a drift through the whole log counts as slow drive with a memory
+// of half the log, and jitter above the drive hides its fast part (then there is an upper limit).
 #pragma once
 
 #include "goingrate/dynamics/stationary.hpp"
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/log/rates.hpp"
+#include "goingrate/spectra/lines.hpp"
 #include "goingrate/spectra/spectrum.hpp"
 
 #include <optional>
@@ -22,20 +25,33 @@
 
 namespace goingrate {
 
-/// An rms value with its 68 % interval; NaN where the log cannot tell.
+/// An rms value with its 68 % interval; NaN where the log cannot tell. The low end is 0 where the
+/// value is an upper limit, the high end infinite where nothing bounds it.
 struct RmsEstimate {
   double rms;
   double low68;
   double high68;
 };
 
+/// The rms time error after a while, s, that a part of the drive is to be blamed for: the root of
+///   integral over f of S(f) (sin(pi f t) / (pi f))^2.
+struct DriveCost {
+  double after_s = 0.0;
+  RmsEstimate fast_s{}, slow_s{};
+};
+
 struct DriveSplit {
-  double split_hz = 0.0;  ///< where fast and slow were parted
-  RmsEstimate fast{};     ///< of the relative drive: white from period to period
-  RmsEstimate slow{};     ///< of the relative drive below the split, the white part removed
-  RmsEstimate jitter_s{}; ///< of the sensor, s
-  std::vector<double> jitter_density; ///< on the spectrum's frequencies: the parts of the fitted S
+  double split_hz = 0.0;     ///< the frequency asked for, or the corner
+  bool at_frequency = false; ///< true: fast and slow are what lies above and below split_hz
+  RmsEstimate fast{};        ///< of the relative drive: white from period to period
+  RmsEstimate slow{};        ///< of the relative drive: the part with a memory
+  RmsEstimate jitter_s{};    ///< of the sensor, s
+  double slow_time_s = 0.0;  ///< the memory of the slow part; NaN if there is none
+  double slow_gain = 0.0;    ///< by how much log L is greater with the slow part than without
+  std::vector<DriveCost> costs; ///< after a day, a week, a year
+  std::vector<double> jitter_density; ///< on the frequencies given: the parts of the fitted S, 1/Hz
   std::vector<double> fast_density;
+  std::vector<double> slow_density;
   std::string note; ///< what the log could not tell, in words; empty if all is well
 };
 
@@ -45,22 +61,28 @@ struct DriveSplit {
 std::vector<double> rate_about_fit(std::span<const Beat> beats, double nominal_period_s,
                                    const FitSummary& fit);
 
-/// Splits the drive. `rate_spectrum` is of the rate per period (dimensionless, one value each
-/// `period_s`), as one segment for the longest reach; `split_hz` = 0 takes the corner.
-/// The slow rms needs three frequencies below the split: a log of three times its inverse.
-/// DriveSplitTest.RecoversBothParts holds both against simulated logs.
-DriveSplit split_drive(const Spectrum& rate_spectrum, double period_s,
-                       const DriveResponse& response, double split_hz = 0.0);
+/// Splits the drive of a rate series (one value each `period_s`, finite, 64 or more, without lines).
+/// With `split_hz` above 0 fast and slow are the rms of the fitted drive above and below it. Parts
+/// of the density are given at `frequency_hz`. tests/studies/drive_split.txt holds the coverage of
+/// the intervals; DriveSplitTest.RecoversBothParts a part of it. Throws ArgumentError outside the
+/// domain.
+DriveSplit split_drive(std::span<const double> rates, double period_s,
+                       const DriveResponse& response, double split_hz = 0.0,
+                       std::span<const double> frequency_hz = {});
 
-/// The spectrum of the rate and, where the fit determines the clock, its drive.
+/// What the rate of a clock says of its drive.
 struct DriveAnalysis {
-  std::optional<Spectrum> rate_spectrum; ///< nothing below nine beats
+  std::vector<double> rates;             ///< rate_about_fit
+  std::optional<Spectrum> rate_spectrum; ///< of them in one segment; nothing below nine beats
+  std::vector<SpectralLine> lines;       ///< of the rate; nothing below 64 beats
   std::optional<DriveResponse> response; ///< if epsilon, mu and phi0 are known to a tenth
   std::optional<DriveSplit> split;
 };
 
-/// rate_about_fit, its spectrum in one segment without its mean, and split_drive.
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
                             const FitSummary& fit, double split_hz = 0.0);
+
+/// By how much the drive varies at a line, relative: its amplitude over |H| there.
+double drive_of(const SpectralLine& line, const DriveResponse& response);
 
 } // namespace goingrate

@@ -5,7 +5,6 @@
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/report/report.hpp"
 
-#include <optional>
 #include <string>
 
 namespace goingrate {
@@ -13,8 +12,7 @@ namespace goingrate {
 std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                       const SensorFindings& sensor = {});
 std::string fit_json(const FitSummary& fit);
-std::string spectrum_json(const Spectrum& spectrum, const std::optional<DriveResponse>& response,
-                          const std::optional<DriveSplit>& split);
+std::string spectrum_json(const DriveAnalysis& drive);
 std::string stability_json(const DeviationTable& table);
 std::string report_json(const ReportData& data);
 

@@ -20,10 +20,7 @@ struct ReportData {
   RateSummary rate;
   Diary diary;
   FitSummary fit;
-  Spectrum rate_spectrum{}; ///< of the rate per period about the fitted model; empty if
-                            ///< the log is too short
-  std::optional<DriveResponse> response; ///< if the fit determines it
-  std::optional<DriveSplit> split;
+  DriveAnalysis drive;
   DeviationTable deviation{}; ///< overlapping Allan deviation of the clock's error
 };
 

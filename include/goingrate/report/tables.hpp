@@ -95,11 +95,14 @@ std::string drive_table(const DriveHistory& history);
 /// The deviation as a table: tau, averaging factor, count, value, 68 % interval, noise type.
 std::string deviation_text(const DeviationTable& table);
 
-/// What the spectrum says of drive and jitter, in a few lines.
-std::string split_text(const std::optional<DriveResponse>& response,
-                       const std::optional<DriveSplit>& split);
+/// What the spectrum says of drive, jitter and lines, in a few lines; `expected` are periods that a
+/// line may be labelled by.
+std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected = {});
 
-/// The spectrum as CSV: frequency_hz,density_per_hz.
-std::string spectrum_table(const Spectrum& spectrum);
+/// The spectrum as CSV: frequency_hz,density_per_hz, and the fitted parts fast,slow,jitter if known.
+std::string spectrum_table(const DriveAnalysis& drive);
+
+/// A folded profile as CSV: phase,rate,sigma.
+std::string profile_table(const FoldedProfile& profile);
 
 } // namespace goingrate

@@ -1,0 +1,84 @@
+#include "gain_spread.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+struct Factors {
+  double fast = 1.0, slow = 1.0;
+};
+
+// Averages over a normal z by the trapezoidal rule, which converges faster than any power here.
+Factors factors_at(double spread, const DriveResponse& response) {
+  constexpr double reach = 5.0, step = 0.1;
+  const double x0 = response.amplitude2, phi2 = response.switching_angle * response.switching_angle;
+  const double y0 = std::sqrt(x0 - phi2), c = response.fast_gain * x0 / y0;
+  double weight = 0.0, gain2 = 0.0, rate = 0.0, rate2 = 0.0;
+  for (double z = -reach; z <= reach; z += step) {
+    const double w = std::exp(-0.5 * z * z);
+    const double x = std::max(phi2, x0 * (1.0 + spread * z)); // below, the clock would stall
+    const double y = std::sqrt(x - phi2);
+    const double excess = c * (y - y0) / x0 - (x - x0) / 16.0;
+    weight += w;
+    gain2 += w * std::pow(c * y / x, 2);
+    rate += w * excess;
+    rate2 += w * excess * excess;
+  }
+  rate /= weight;
+  const double variance = rate2 / weight - rate * rate;
+  const double linear = std::pow(response.slow_gain * spread, 2);
+  return {gain2 / weight / (response.fast_gain * response.fast_gain),
+          linear > 0.0 ? variance / linear : 1.0};
+}
+
+} // namespace
+
+namespace {
+
+bool applies(const RateComponents& found, const DriveResponse& response) {
+  const double phi = response.switching_angle;
+  return response.amplitude2 > phi * phi && phi > 0.0 && found.slow2 > 0.0 &&
+         std::isfinite(found.slow2);
+}
+
+// s_x^2 over s^2.
+double share_in_amplitude(const RateComponents& found, const DriveResponse& response) {
+  const double relaxation_s = 1.0 / (2.0 * std::numbers::pi * response.corner_hz);
+  return found.memory_s / (found.memory_s + relaxation_s);
+}
+
+} // namespace
+
+GainDoubt gain_doubt(const RateComponents& drive, const DriveResponse& response, double length_s) {
+  if (!applies(drive, response)) return {};
+  const double shift = std::sqrt(drive.slow2 * share_in_amplitude(drive, response) *
+                                 std::min(1.0, 2.0 * drive.memory_s / length_s));
+  const double phi2 = response.switching_angle * response.switching_angle;
+  const double x = response.amplitude2, y2 = x - phi2;
+  // d log g_fast / d log x, and of g_slow = c x/(2 y) x/x - x/16 with c from g_fast.
+  const double fast = 0.5 * x / y2 - 1.0;
+  const double escapement = response.slow_gain + x / 16.0;
+  const double slow = (escapement * (1.0 - 0.5 * x / y2) - x / 16.0) / response.slow_gain;
+  return {std::abs(fast) * shift, std::abs(slow) * shift};
+}
+
+RateComponents with_gains_averaged(RateComponents found, const DriveResponse& response) {
+  if (!applies(found, response)) return found;
+  const double share = share_in_amplitude(found, response);
+  RateComponents drive = found;
+  constexpr double least = 1e-3, most = 1.0; // of the spread: below nothing, above no clock
+  constexpr int rounds = 30;                 // each gains a digit or so
+  for (int i = 0; i < rounds; ++i) {
+    const double spread = std::clamp(std::sqrt(drive.slow2 * share), least, most);
+    const Factors factors = factors_at(spread, response);
+    drive.slow2 = 0.5 * (drive.slow2 + found.slow2 / (1.0 + share * (factors.slow - 1.0)));
+    drive.fast2 = found.fast2 / factors.fast;
+  }
+  return drive;
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,300 @@
+#include "rate_components.hpp"
+
+#include "goingrate/spectra/spectrum.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+double jitter_shape(double hz, double period_s) {
+  const double s = std::sin(std::numbers::pi * hz * period_s);
+  return 8.0 * s * s / period_s;
+}
+
+double memory_shape(double hz, double period_s, double memory_s) {
+  const double r = std::exp(-period_s / memory_s);
+  // 1 - 2 r cos + r^2 without cancellation.
+  const double s = std::sin(0.5 * two_pi * hz * period_s);
+  const double left = -std::expm1(-period_s / memory_s); // 1 - r
+  return left * (1.0 + r) / (left * left + 4.0 * r * s * s);
+}
+
+} // namespace
+
+double RateComponents::fast_density(double hz, double period_s,
+                                    const DriveResponse& response) const {
+  return std::norm(response.at(hz)) * 2.0 * period_s * fast2;
+}
+
+double RateComponents::slow_density(double hz, double period_s,
+                                    const DriveResponse& response) const {
+  if (slow2 == 0.0) return 0.0;
+  return std::norm(response.at(hz)) * 2.0 * period_s * slow2 *
+         memory_shape(hz, period_s, memory_s);
+}
+
+double RateComponents::jitter_density(double hz, double period_s) const {
+  return jitter2 * jitter_shape(hz, period_s);
+}
+
+ComponentFit::ComponentFit(std::span<const double> rates, double period_s,
+                           const DriveResponse& response)
+    : period_s_(period_s), response_(response), size_(rates.size()) {
+  gather(rates);
+  double power = 0.0;
+  std::array<double, 3> shape{};
+  for (const Bin& bin : bins_) {
+    const auto here = shapes(bin, period_s_ * std::sqrt(static_cast<double>(size_)));
+    power += bin.count * bin.power;
+    for (std::size_t i = 0; i < 3; ++i)
+      shape[i] += bin.count * here[i];
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    all_[i] = power / shape[i];
+  constexpr int rounds = 3; // the smearing follows the fit; it is a small correction
+  for (int round = 0; round < rounds; ++round) {
+    const Place place = lowest_over_memory({});
+    best_ = place.at;
+    best_value_ = place.value;
+    if (round + 1 < rounds) smear();
+  }
+  const Place without = lowest(best_.memory_s, {1, 0.0});
+  without_slow_ = without.value;
+  if (without_slow_ < best_value_) { // by rounding
+    best_ = without.at;
+    best_value_ = without_slow_;
+  }
+}
+
+void ComponentFit::gather(std::span<const double> rates) {
+  const double mean =
+      std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());
+  std::vector<double> x(rates.begin(), rates.end());
+  for (double& v : x)
+    v -= mean;
+  const auto transform = real_transform(x);
+  const double scale = 2.0 * period_s_ / static_cast<double>(size_);
+  const double spacing = 1.0 / (static_cast<double>(size_) * period_s_);
+  constexpr double width = 0.04; // of a frequency: S changes little over it
+  const std::size_t end = (size_ + 1) / 2; // without Nyquist's, which has half the freedom
+  for (std::size_t k = 1; k < end;) {
+    const std::size_t to =
+        std::min(end, k + std::max<std::size_t>(1, static_cast<std::size_t>(
+                                                       width * static_cast<double>(k))));
+    Bin bin{0.0, static_cast<double>(to - k), 0.0, 0.0, 1.0};
+    bin.frequency_hz = 0.5 * static_cast<double>(k + to - 1) * spacing;
+    for (std::size_t i = k; i < to; ++i)
+      bin.power += std::norm(transform[i]) * scale / bin.count;
+    bin.response2 = std::norm(response_.at(bin.frequency_hz));
+    bins_.push_back(bin);
+    k = to;
+  }
+}
+
+// The expected periodogram of N values: the autocovariance c(n), weighted by 1 - n/N, transformed.
+void ComponentFit::smear() {
+  const std::size_t n = size_, grid = 2 * n;
+  const double spacing = 1.0 / (static_cast<double>(grid) * period_s_);
+  std::vector<std::complex<double>> density(grid / 2 + 1);
+  for (std::size_t k = 0; k < density.size(); ++k) {
+    const double hz = static_cast<double>(k) * spacing;
+    density[k] = (best_.fast_density(hz, period_s_, response_) +
+                  best_.slow_density(hz, period_s_, response_) +
+                  best_.jitter_density(hz, period_s_)) /
+                 (2.0 * period_s_);
+  }
+  std::vector<double> covariance = inverse_real_transform(density, grid);
+  covariance.resize(n);
+  for (std::size_t i = 0; i < n; ++i)
+    covariance[i] *= 1.0 - static_cast<double>(i) / static_cast<double>(n);
+  const auto half = real_transform(covariance);
+  const auto expected = [&](std::size_t k) {
+    return 2.0 * period_s_ * (2.0 * half[k].real() - covariance[0]);
+  };
+  std::size_t k = 1;
+  for (Bin& bin : bins_) {
+    double smeared = 0.0, plain = 0.0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(bin.count); ++i, ++k) {
+      smeared += expected(k);
+      plain += 2.0 * period_s_ * density[2 * k].real();
+    }
+    bin.smearing = plain > 0.0 && smeared > 0.0 ? smeared / plain : 1.0;
+  }
+}
+
+std::array<double, 3> ComponentFit::shapes(const Bin& bin, double memory_s) const {
+  const double drive = bin.response2 * 2.0 * period_s_ * bin.smearing;
+  return {drive, drive * memory_shape(bin.frequency_hz, period_s_, memory_s),
+          jitter_shape(bin.frequency_hz, period_s_) * bin.smearing};
+}
+
+double ComponentFit::value_at(const RateComponents& at) const {
+  double sum = 0.0;
+  for (const Bin& bin : bins_) {
+    const auto shape = shapes(bin, at.memory_s);
+    const double expected = at.fast2 * shape[0] + at.slow2 * shape[1] + at.jitter2 * shape[2];
+    if (!(expected > 0.0)) return std::numeric_limits<double>::infinity();
+    sum += bin.count * (std::log(expected) + bin.power / expected);
+  }
+  return sum;
+}
+
+namespace {
+
+// Minimises sum w (p - A v)^2 over v >= 0 of those that are free: of all subsets the best one whose
+// values are all positive.
+Eigen::Vector3d nonnegative(const Eigen::Matrix3d& normal, const Eigen::Vector3d& right,
+                            const Eigen::Vector3d& given, unsigned free) {
+  Eigen::Vector3d best = given;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (unsigned subset = 0; subset < 8; ++subset) {
+    if ((subset & ~free) != 0) continue;
+    Eigen::Vector3d v = given;
+    std::vector<Eigen::Index> used;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if ((free >> i & 1U) != 0) v[i] = 0.0;
+      if ((subset >> i & 1U) != 0) used.push_back(i);
+    }
+    if (!used.empty()) {
+      const Eigen::VectorXd rest = (right - normal * v)(used);
+      const Eigen::VectorXd found = normal(used, used).ldlt().solve(rest);
+      if (!found.allFinite() || (found.array() <= 0.0).any()) continue;
+      v(used) = found;
+    }
+    const double cost = v.dot(normal * v) - 2.0 * right.dot(v);
+    if (cost < lowest) {
+      lowest = cost;
+      best = v;
+    }
+  }
+  return best;
+}
+
+} // namespace
+
+// Fisher scoring: least squares with the weights of the place before, until L stands still.
+ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) const {
+  std::vector<std::array<double, 3>> shape;
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero(); // of each variance, so that numbers are near 1
+  double power = 0.0;
+  for (const Bin& bin : bins_) {
+    shape.push_back(shapes(bin, memory_s));
+    for (int i = 0; i < 3; ++i)
+      scale[i] += bin.count * shape.back()[static_cast<std::size_t>(i)];
+    power += bin.count * bin.power;
+  }
+  for (int i = 0; i < 3; ++i)
+    scale[i] = power / scale[i];
+  Eigen::Vector3d v = Eigen::Vector3d::Constant(1.0 / 3.0);
+  unsigned free = 7;
+  if (held.which >= 0) {
+    v[held.which] = held.variance / scale[held.which];
+    free &= ~(1U << held.which);
+  }
+  const auto at = [&](const Eigen::Vector3d& u) {
+    return RateComponents{u[0] * scale[0], u[1] * scale[1], u[2] * scale[2], memory_s};
+  };
+  double value = value_at(at(v));
+  constexpr int most = 60;
+  for (int round = 0; round < most; ++round) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+      const Eigen::Vector3d a = Eigen::Map<const Eigen::Vector3d>(shape[b].data()).cwiseProduct(scale);
+      const double expected = a.dot(v);
+      const double weight = bins_[b].count / (expected * expected);
+      normal += weight * a * a.transpose();
+      right += weight * bins_[b].power * a;
+    }
+    Eigen::Vector3d target = nonnegative(normal, right, v, free);
+    double step = 1.0, next = value_at(at(target));
+    while (!(next <= value) && step > 1e-4) { // a full step may overshoot where v is far off
+      step *= 0.5;
+      target = v + step * (target - v);
+      next = value_at(at(target));
+    }
+    if (!(next < value)) break;
+    const double gained = value - next;
+    v = target;
+    value = next;
+    if (gained < 1e-7) break;
+  }
+  return {value, at(v)};
+}
+
+// The best memory: a grid, for L may have several valleys, then Brent. A memory beyond half the log
+// cannot be told from drift.
+ComponentFit::Place ComponentFit::lowest_over_memory(const Held& held) const {
+  const double shortest = std::log(2.0 * period_s_);
+  const double longest = std::log(0.5 * static_cast<double>(size_) * period_s_);
+  constexpr int steps = 16;
+  const auto at = [&](int i) { return shortest + (longest - shortest) * i / (steps - 1.0); };
+  int best = 0;
+  Place lowest_place{std::numeric_limits<double>::infinity(), {}};
+  for (int i = 0; i < steps; ++i) {
+    const Place place = lowest(std::exp(at(i)), held);
+    if (place.value < lowest_place.value) {
+      lowest_place = place;
+      best = i;
+    }
+  }
+  if (held.which == 1 && held.variance == 0.0) return lowest_place;
+  constexpr int bits = 12; // of log tau
+  const auto found = boost::math::tools::brent_find_minima(
+      [&](double log_memory) { return lowest(std::exp(log_memory), held).value; },
+      at(std::max(0, best - 1)), at(std::min(steps - 1, best + 1)), bits);
+  const Place place = lowest(std::exp(found.first), held);
+  return place.value < lowest_place.value ? place : lowest_place;
+}
+
+double variance_of(const RateComponents& components, Component which) {
+  return which == Component::fast   ? components.fast2
+         : which == Component::slow ? components.slow2
+                                    : components.jitter2;
+}
+
+std::array<RateComponents, 2> ComponentFit::interval68(Component which) const {
+  const int index = static_cast<int>(which);
+  const double here = variance_of(best_, which);
+  constexpr double rise = 0.5;
+  const auto above = [&](double variance) {
+    return lowest_over_memory({index, variance}).value - best_value_ - rise;
+  };
+  const auto crossing = [&](double from, double to) {
+    std::uintmax_t most = 30;
+    const auto ends = boost::math::tools::toms748_solve(
+        above, from, to, boost::math::tools::eps_tolerance<double>(10), // a thousandth
+        most);
+    return lowest_over_memory({index, 0.5 * (ends.first + ends.second)}).at;
+  };
+  const bool open_below = here == 0.0 || above(0.0) <= 0.0;
+  std::array<RateComponents, 2> ends;
+  ends[0] = open_below ? lowest_over_memory({index, 0.0}).at : crossing(0.0, here);
+  double inside = here;
+  double high = std::max(2.0 * here, 1e-6 * all_[static_cast<std::size_t>(index)]);
+  constexpr int doublings = 60;
+  for (int i = 0; i < doublings; ++i, inside = high, high *= 2.0)
+    if (above(high) > 0.0) {
+      ends[1] = crossing(inside, high);
+      return ends;
+    }
+  ends[1] = best_;
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  (which == Component::fast   ? ends[1].fast2
+   : which == Component::slow ? ends[1].slow2
+                              : ends[1].jitter2) = infinite;
+  return ends;
+}
+
+} // namespace goingrate::timing_model
