@@ -69,6 +69,8 @@ int main(int argc, char** argv) {
     return complain(wrong_usage, error.what());
   } catch (const apps::NumericsError& error) {
     return complain(no_result, error.what());
+  } catch (const ClosedPipe&) {
+    return no_output;
   } catch (const OutputError& error) {
     return complain(no_output, error.what());
   } catch (const std::exception& error) {

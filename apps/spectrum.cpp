@@ -60,8 +60,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
       analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
-  const bool talk =
-      options.json != "-" && options.output != "-" && options.fold_output != "-";
+  const bool talk = options.json != "-" && options.output != "-" && options.fold_output != "-";
   write_whole_files({{options.json, spectrum_json(drive)},
                      {options.output, spectrum_table(drive)},
                      {options.fold_output, fold(options, drive, loaded.nominal_period_s)},
@@ -80,10 +79,9 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--train", options->train,
                       "teeth from the slowest wheel to the escape wheel (60,8,64,8,30): names the "
                       "periods found");
-  auto* fold = command
-                   ->add_option("--fold", options->fold_s,
-                                "mean course of the rate over this period (s)")
-                   ->check(positive());
+  auto* fold =
+      command->add_option("--fold", options->fold_s, "mean course of the rate over this period (s)")
+          ->check(positive());
   command->add_option("--fold-output", options->fold_output, "write that course as CSV")
       ->needs(fold);
   command->add_option("-o,--output", options->output,

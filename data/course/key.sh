@@ -219,8 +219,8 @@ noise() {
   say
   say "| drive | truth | goingrate finds (68 %) |"
   say "|---|---|---|"
-  say "| fast | $(calc %.0f "100 * $fast") % | $(sed -nE 's/^ *fast \(white\) +//p' "$work/4.txt") |"
-  say "| slow | $(calc %.0f "100 * $slow") % | $(sed -nE 's/^ *slow +//p' "$work/4.txt") |"
+  say "| fast | $(calc %.0f "100 * $fast") % | $(sed -nE 's/^ *fast, white +//p' "$work/4.txt") |"
+  say "| slow | $(calc %.0f "100 * $slow") % | $(sed -nE 's/^ *slow, with a memory +//p' "$work/4.txt") |"
   say
   say "- Q1. g_0 = $(calc %.3e "$g0"), g_∞ = $(calc %.3e "$gs"). After a day the fast noise makes" \
     "$(calc %.1f "1e3 * $gs * $fast * sqrt($T * $day)") ms, the slow one $(calc %.0f "1e3 * $gs * $slow * sqrt(2 * $tau * $day)") ms:" \
@@ -230,8 +230,8 @@ noise() {
   say "- Q3. $(awk '$1 + 0 > 0 && (!best || $4 < best) {best = $4; at = $1} END {printf "%.1e at %d s", best, at}' "$work/4-oadev.txt")" \
     "in this log. That is the length to take: a shorter one is noisier, a longer one is about another drive."
   say "- Q4. There the errors of neighbouring periods cancelled; here each swing's rate is on its own."
-  say "- Q5. About 9000 of the fast one, but only about 18000/(2·$tau) = $(calc %.1f "18000 / (2 * $tau)") of the slow one. It tends" \
-    "to come out low: what is slower than the log looks like a constant."
+  say "- Q5. About 9000 of the fast one, but only about 18000/(2·$tau) = $(calc %.1f "18000 / (2 * $tau)") of the slow one:" \
+    "what is slower than the log looks like a constant."
   say "- Q6. The worksheet's forty days give 21 ms and 207 ms: within 11 % of Q1."
   say "- Q7. The slow one, by far. Halving its memory instead gains only a factor √2."
   say "- Q8. d/dμ = 0 gives φ0²/16 = ε/(2 √(x−1)). μ = $(calc %.2e "$quiet"), λ = $(calc %.1f "1e3 * $lq") mrad."

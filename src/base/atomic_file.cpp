@@ -22,6 +22,7 @@ void write_all(int file, std::string_view text, const std::string& path) {
   while (!text.empty()) {
     const ssize_t written = ::write(file, text.data(), text.size());
     if (written < 0 && errno == EINTR) continue;
+    if (written < 0 && errno == EPIPE) throw ClosedPipe(path, std::strerror(errno));
     if (written <= 0) throw OutputError(path, std::strerror(errno));
     text.remove_prefix(static_cast<std::size_t>(written));
   }

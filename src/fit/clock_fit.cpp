@@ -93,13 +93,13 @@ bool something_is_undetermined(const FitSummary& summary) {
                      });
 }
 
-void attach_shifts(const Parameters& parameters, const std::vector<double>& shifts,
+void attach_shifts(const Parameters& parameters, const std::map<std::string, double>& shifts,
                    FitSummary& summary) {
   for (const Slot& slot : parameters.slots)
     for (FittedParameter& p : summary.parameters)
-      if (slot.free && slot.index < shifts.size() && p.name == parameters.name_of(slot) &&
+      if (slot.free && p.name == parameters.name_of(slot) && shifts.contains(p.name) &&
           std::isfinite(p.sigma) && !is_noise(slot.quantity))
-        p.model_shift = shifts[slot.index];
+        p.model_shift = shifts.at(p.name);
 }
 
 void state_contradictions(const Fitted& fitted, FitSummary& summary) {

@@ -35,7 +35,10 @@ NoiseGuess guess_noise(const TimingData& data) {
   NoiseGuess guess;
   constexpr std::size_t stride = 8;
   const double near = third_differences(data, data.lateness_s, 1);
-  const double far = third_differences(data, data.lateness_s, stride);
+  double far = third_differences(data, data.lateness_s, stride);
+  // Twice the stride doubles what a walk shows, but raises what is smooth 64 times.
+  constexpr double smooth = 8.0;
+  if (third_differences(data, data.lateness_s, 2 * stride) > smooth * far) far = near;
   const double walk2 = std::clamp((far - near) / (6.0 * (stride - 1)), 0.0, near / 6.0);
   guess.walk_s = std::sqrt(walk2);
   // Relative standard deviation of a mean square from the median of m independent sizes: 2.3/sqrt

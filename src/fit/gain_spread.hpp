@@ -1,7 +1,7 @@
 // What a wandering amplitude does to the gains of a clock. Private to the fit room.
 //
-// The response H belongs to one amplitude. A slow drive of several per cent moves the amplitude, and
-// with it the gains: with y = sqrt(x - phi0^2), x = lambda^2 about x0,
+// The response H belongs to one amplitude. A slow drive of several per cent moves the amplitude,
+// and with it the gains: with y = sqrt(x - phi0^2), x = lambda^2 about x0,
 //   g_fast(x) = c y/x   and, the amplitude in step with the drive,   rate(x) = c y/x0 - x/16,
 // c = g_fast(x0) x0/y0 (Hoyng, eqs. dotpsi4, statam). A relative spread of x of rms s_x raises the
 // mean square of g_fast by one factor and that of the rate over its linear part by another. Of an
@@ -16,8 +16,8 @@ namespace goingrate::timing_model {
 /// The components of the drive itself, from those found with the gains of one amplitude.
 RateComponents with_gains_averaged(RateComponents components, const DriveResponse& response);
 
-/// How well the gains are known at all, relative: the mean amplitude of a log of this length wanders
-/// by s_x sqrt(2 tau/length), and the gains with it.
+/// How well the gains are known at all, relative: the mean amplitude of a log of this length
+/// wanders by s_x sqrt(2 tau/length), and the gains with it.
 struct GainDoubt {
   double fast = 0.0, slow = 0.0;
 };

@@ -27,11 +27,11 @@ bool is_determined(const Fitted& fitted, const Slot& slot) {
 }
 
 // Largest shift of a parameter of the clock that the log determines.
-double largest_shift(const Fitted& fitted, const std::vector<double>& shifts) {
+double largest_shift(const Fitted& fitted, const std::map<std::string, double>& shifts) {
   double largest = 0.0;
   for (const Slot& slot : fitted.problem.parameters.slots)
     if (!is_noise(slot.quantity) && is_determined(fitted, slot))
-      largest = std::max(largest, std::abs(shifts[slot.index]));
+      largest = std::max(largest, std::abs(shifts.at(fitted.problem.parameters.name_of(slot))));
   return largest;
 }
 
@@ -60,13 +60,15 @@ std::string moved_by(const Fitted& from, const Fitted& to) {
 
 } // namespace
 
-std::vector<double> model_shifts(const Fitted& fitted, FitDynamics judge) {
+std::map<std::string, double> model_shifts(const Fitted& fitted, FitDynamics judge) {
   const auto exact = difference_to(judge, fitted.problem, fitted.minimum.x);
   if (!exact) return {};
   const Eigen::VectorXd shift = shift_by(fitted.problem, fitted.minimum.x, *exact);
-  std::vector<double> in_sigma;
-  for (std::size_t k = 0; k < fitted.minimum.x.size(); ++k)
-    in_sigma.push_back(shift[static_cast<Eigen::Index>(k)] / fitted.known.sigma(k));
+  std::map<std::string, double> in_sigma;
+  for (const Slot& slot : fitted.problem.parameters.slots)
+    if (slot.free)
+      in_sigma[fitted.problem.parameters.name_of(slot)] =
+          shift[static_cast<Eigen::Index>(slot.index)] / fitted.known.sigma(slot.index);
   return in_sigma;
 }
 
@@ -185,7 +187,7 @@ void ModelSearch::choose_dynamics() {
   };
   double first = shift_by(FitDynamics::averaged2);
   if (first <= tolerable) first = shift_by(FitDynamics::map);
-  const std::vector<double> first_order = shifts_;
+  const std::map<std::string, double> first_order = shifts_;
   chosen_by_ =
       "first order is good enough: it shifts no determined parameter by more than 0.2 sigma";
   if (shifts_.empty())

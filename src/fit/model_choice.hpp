@@ -3,11 +3,13 @@
 
 #include "model_fit.hpp"
 
+#include <map>
+
 namespace goingrate::timing_model {
 
-/// By how many sigma of each coordinate the fit is off, judged by other dynamics; empty if those
-/// would not run there.
-std::vector<double> model_shifts(const Fitted& fitted, FitDynamics judge);
+/// By how many sigma each free parameter of the fit is off, by name, judged by other dynamics;
+/// empty if those would not run there.
+std::map<std::string, double> model_shifts(const Fitted& fitted, FitDynamics judge);
 
 /// The data a fit works on: all of them, or every so-manieth beat of a long log under drive noise.
 struct Working {
@@ -30,7 +32,7 @@ public:
   /// What was found on the way and must be said.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
   /// What first-order averaging alone is off by; empty if not known.
-  [[nodiscard]] const std::vector<double>& first_order_shifts() const { return shifts_; }
+  [[nodiscard]] const std::map<std::string, double>& first_order_shifts() const { return shifts_; }
 
 private:
   void thin_if_long();
@@ -52,7 +54,7 @@ private:
   Working working_;
   TimingData finer_; ///< once the information has said how many beats it takes
   Fitted best_;
-  std::vector<double> shifts_;
+  std::map<std::string, double> shifts_; // by name, for later terms move the places
   std::string chosen_by_;
   std::vector<std::string> notes_;
   std::vector<FitAlternative> alternatives_;

@@ -363,7 +363,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     refined.problem.correction = std::move(*correction);
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
-    if (round > 1 && largest_in_sigma(*step, fitted.known) < still) break;
+    if (round > 1 && largest_in_sigma(*step, refined.known) < still) break;
     std::vector<double> moved = refined.minimum.x;
     for (std::size_t k = 0; k < moved.size(); ++k)
       moved[k] += (*step)[static_cast<Eigen::Index>(k)];
@@ -371,6 +371,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
       refined.minimum.x = moved;
     if (round == 0) continue; // the difference at the new place is worth more than its minimum here
     settle(refined.problem, refined.minimum, {});
+    if (refined.minimum.usable) finish(refined); // the sigmas of the wrong model were too wide
     if (!refined.minimum.usable) return false;
   }
   for (auto& point : refined.rivals.points)

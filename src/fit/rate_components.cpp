@@ -40,8 +40,7 @@ double RateComponents::fast_density(double hz, double period_s,
 double RateComponents::slow_density(double hz, double period_s,
                                     const DriveResponse& response) const {
   if (slow2 == 0.0) return 0.0;
-  return std::norm(response.at(hz)) * 2.0 * period_s * slow2 *
-         memory_shape(hz, period_s, memory_s);
+  return std::norm(response.at(hz)) * 2.0 * period_s * slow2 * memory_shape(hz, period_s, memory_s);
 }
 
 double RateComponents::jitter_density(double hz, double period_s) const {
@@ -86,12 +85,12 @@ void ComponentFit::gather(std::span<const double> rates) {
   const auto transform = real_transform(x);
   const double scale = 2.0 * period_s_ / static_cast<double>(size_);
   const double spacing = 1.0 / (static_cast<double>(size_) * period_s_);
-  constexpr double width = 0.04; // of a frequency: S changes little over it
+  constexpr double width = 0.04;           // of a frequency: S changes little over it
   const std::size_t end = (size_ + 1) / 2; // without Nyquist's, which has half the freedom
   for (std::size_t k = 1; k < end;) {
-    const std::size_t to =
-        std::min(end, k + std::max<std::size_t>(1, static_cast<std::size_t>(
-                                                       width * static_cast<double>(k))));
+    const std::size_t to = std::min(
+        end,
+        k + std::max<std::size_t>(1, static_cast<std::size_t>(width * static_cast<double>(k))));
     Bin bin{0.0, static_cast<double>(to - k), 0.0, 0.0, 1.0};
     bin.frequency_hz = 0.5 * static_cast<double>(k + to - 1) * spacing;
     for (std::size_t i = k; i < to; ++i)
@@ -109,10 +108,10 @@ void ComponentFit::smear() {
   std::vector<std::complex<double>> density(grid / 2 + 1);
   for (std::size_t k = 0; k < density.size(); ++k) {
     const double hz = static_cast<double>(k) * spacing;
-    density[k] = (best_.fast_density(hz, period_s_, response_) +
-                  best_.slow_density(hz, period_s_, response_) +
-                  best_.jitter_density(hz, period_s_)) /
-                 (2.0 * period_s_);
+    density[k] =
+        (best_.fast_density(hz, period_s_, response_) +
+         best_.slow_density(hz, period_s_, response_) + best_.jitter_density(hz, period_s_)) /
+        (2.0 * period_s_);
   }
   std::vector<double> covariance = inverse_real_transform(density, grid);
   covariance.resize(n);
@@ -211,7 +210,8 @@ ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) cons
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (std::size_t b = 0; b < bins_.size(); ++b) {
-      const Eigen::Vector3d a = Eigen::Map<const Eigen::Vector3d>(shape[b].data()).cwiseProduct(scale);
+      const Eigen::Vector3d a =
+          Eigen::Map<const Eigen::Vector3d>(shape[b].data()).cwiseProduct(scale);
       const double expected = a.dot(v);
       const double weight = bins_[b].count / (expected * expected);
       normal += weight * a * a.transpose();

@@ -1,4 +1,5 @@
-// What the rate of a clock is made of, by the likelihood of its periodogram. Private to the fit room.
+// What the rate of a clock is made of, by the likelihood of its periodogram. Private to the fit
+// room.
 //
 // The rate of period n is that of a white drive and a slow one through the clock's response H, and
 // the sensor's jitter. Of T the period, d, s, j the rms of fast drive, slow drive and jitter, and
@@ -26,8 +27,10 @@ struct RateComponents {
   double memory_s = 0.0; ///< tau
 
   /// Densities at a frequency, 1/Hz.
-  [[nodiscard]] double fast_density(double hz, double period_s, const DriveResponse& response) const;
-  [[nodiscard]] double slow_density(double hz, double period_s, const DriveResponse& response) const;
+  [[nodiscard]] double fast_density(double hz, double period_s,
+                                    const DriveResponse& response) const;
+  [[nodiscard]] double slow_density(double hz, double period_s,
+                                    const DriveResponse& response) const;
   [[nodiscard]] double jitter_density(double hz, double period_s) const;
 };
 

@@ -200,15 +200,16 @@ std::string drive(const ReportData& data) {
     table.row({"fast drive, rms", rms_text(split.fast, 100.0, "%"),
                "of the drive, new at every period (68 %)"});
     table.row({"slow drive, rms", rms_text(split.slow, 100.0, "%"),
-               std::isfinite(split.slow_time_s)
-                   ? "of the drive, with a memory of " + duration_text(split.slow_time_s) + " (68 %)"
-                   : "of the drive, with a memory (68 %)"});
+               std::isfinite(split.slow_time_s) ? "of the drive, with a memory of " +
+                                                      duration_text(split.slow_time_s) + " (68 %)"
+                                                : "of the drive, with a memory (68 %)"});
     table.row(
         {"jitter of the sensor", rms_text(split.jitter_s, 1e6, "µs"), "of every time (68 %)"});
   }
   if (!table.empty()) body += table.html();
   body += cost_table(data.drive) + line_table(data.drive);
-  if (data.drive.split && !data.drive.split->note.empty()) body += paragraph("Note: " + data.drive.split->note + ".");
+  if (data.drive.split && !data.drive.split->note.empty())
+    body += paragraph("Note: " + data.drive.split->note + ".");
   return section("drive", "Drive, fast and slow", body);
 }
 

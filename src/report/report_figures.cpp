@@ -221,7 +221,8 @@ Figure spectrum_figure(const ReportData& data) {
       data.drive.split->jitter_density.size() == frequency.size()) {
     const Series measured = figure.series.front();
     figure.series.push_back(without_depths(
-        spectrum_line("fast drive", frequency, data.drive.split->fast_density, vermilion), measured));
+        spectrum_line("fast drive", frequency, data.drive.split->fast_density, vermilion),
+        measured));
     if (data.drive.split->slow_time_s > 0.0)
       figure.series.push_back(without_depths(
           spectrum_line("slow drive", frequency, data.drive.split->slow_density, purple),
@@ -300,7 +301,8 @@ std::vector<Figure> report_figures(const ReportData& data) {
     if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
       figures.push_back(of_time.amplitude_residual());
   }
-  if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1) figures.push_back(spectrum_figure(data));
+  if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1)
+    figures.push_back(spectrum_figure(data));
   if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
   return figures;
 }

@@ -45,10 +45,10 @@ std::string cost_lines(const DriveSplit& split) {
 }
 
 std::string split_lines(const DriveSplit& split) {
-  std::string text = split.at_frequency
-                         ? fmt::format("drive, above and below {:.4g} Hz (rms, 68 % interval):\n",
-                                       split.split_hz)
-                         : std::string("drive (rms, 68 % interval):\n");
+  std::string text =
+      split.at_frequency
+          ? fmt::format("drive, above and below {:.4g} Hz (rms, 68 % interval):\n", split.split_hz)
+          : std::string("drive (rms, 68 % interval):\n");
   text += rms_line(split.at_frequency ? "above" : "fast, white", split.fast, 100.0, "%");
   text += rms_line(split.at_frequency ? "below" : "slow, with a memory", split.slow, 100.0, "%");
   if (std::isfinite(split.slow_time_s))
@@ -100,10 +100,11 @@ std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPerio
 std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected) {
   std::string text;
   if (drive.response)
-    text = fmt::format("response of the rate to a relative change of drive: {:.4g} at once, {:.4g} "
-                       "in the long run\ncorner between the two: {:.4g} Hz (a period of {:.4g} s)\n",
-                       drive.response->fast_gain, drive.response->slow_gain,
-                       drive.response->corner_hz, 1.0 / drive.response->corner_hz);
+    text =
+        fmt::format("response of the rate to a relative change of drive: {:.4g} at once, {:.4g} "
+                    "in the long run\ncorner between the two: {:.4g} Hz (a period of {:.4g} s)\n",
+                    drive.response->fast_gain, drive.response->slow_gain, drive.response->corner_hz,
+                    1.0 / drive.response->corner_hz);
   else
     text = "The log does not determine how the clock answers its drive, so fast and slow drive "
            "cannot\n"
@@ -117,8 +118,8 @@ std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPerio
 std::string spectrum_table(const DriveAnalysis& drive) {
   const Spectrum& spectrum = *drive.rate_spectrum;
   const bool parts = drive.split && drive.split->fast_density.size() == spectrum.density.size();
-  std::string text = parts ? "frequency_hz,density_per_hz,fast,slow,jitter\n"
-                           : "frequency_hz,density_per_hz\n";
+  std::string text =
+      parts ? "frequency_hz,density_per_hz,fast,slow,jitter\n" : "frequency_hz,density_per_hz\n";
   for (std::size_t i = 0; i < spectrum.frequency_hz.size(); ++i) {
     fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g}", spectrum.frequency_hz[i],
                    spectrum.density[i]);

@@ -181,9 +181,8 @@ std::string drive_lines(const ReportData& data) {
     return fmt::format("{:.2g} % ({:.2g} to {:.2g})", 100.0 * rms.rms, 100.0 * rms.low68,
                        100.0 * rms.high68);
   };
-  std::string text =
-      fmt::format("Drive: fast variations {}, slow ones {} (rms).\n",
-                  part(data.drive.split->fast), part(data.drive.split->slow));
+  std::string text = fmt::format("Drive: fast variations {}, slow ones {} (rms).\n",
+                                 part(data.drive.split->fast), part(data.drive.split->slow));
   if (!data.drive.split->costs.empty()) {
     const DriveCost& week = data.drive.split->costs[1];
     text += fmt::format("  What they cost in a week: {:.2g} s and {:.2g} s (rms).\n",

@@ -51,8 +51,7 @@ Sinusoid fit_sinusoid(std::span<const double> x, double w) {
 
 std::vector<double> centred(std::span<const double> series) {
   std::vector<double> x(series.begin(), series.end());
-  const double mean =
-      std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+  const double mean = std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
   for (double& v : x)
     v -= mean;
   return x;
@@ -83,8 +82,7 @@ public:
       const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
       std::nth_element(near.begin(), middle, near.end());
       knots_.push_back({std::log(0.5 * static_cast<double>(from + to)),
-                        std::log(*middle / std::numbers::ln2),
-                        static_cast<double>(to - from)});
+                        std::log(*middle / std::numbers::ln2), static_cast<double>(to - from)});
       from = to;
     }
   }
@@ -218,8 +216,8 @@ FoldedProfile folded(std::span<const double> series, double interval_s, double p
   for (std::size_t i = 0; i < series.size(); ++i) {
     if (std::isnan(series[i])) continue;
     const double turns = static_cast<double>(i) / in_a_turn;
-    const auto bin = std::min(
-        bins - 1, static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(bins)));
+    const auto bin = std::min(bins - 1, static_cast<std::size_t>((turns - std::floor(turns)) *
+                                                                 static_cast<double>(bins)));
     const double v = series[i] - series.front(); // a large offset costs no digits
     sum[bin] += v;
     sum2[bin] += v * v;

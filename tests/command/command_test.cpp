@@ -66,6 +66,13 @@ TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
   EXPECT_EQ(run("rate log.csv --gap-probability 0.9").code, 0);
 }
 
+TEST_F(CommandTest, AReaderThatLeavesIsNotComplainedOf) {
+  ASSERT_EQ(run("simulate " + scenario("jump") + " --set run.periods=20000 -o log.csv").code, 0);
+  const Outcome left = run("rate log.csv --quiet | head -1");
+  EXPECT_EQ(left.code, 0); // of head
+  EXPECT_EQ(left.err, "");
+}
+
 TEST_F(CommandTest, StandardInputAndOutputArePipes) {
   run("simulate " + scenario("jump") + " -o log.csv");
   const Outcome outcome = run("rate - --quiet --json - < log.csv");

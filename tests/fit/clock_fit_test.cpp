@@ -90,6 +90,19 @@ TEST(ClockFitTest, RingDownOverTenSeeds) {
   }
 }
 
+TEST(ClockFitTest, AWideRingDownIsFollowedByTheFullEquation) {
+  // Far beyond first order: its first fit is off by thousands of sigma.
+  Scenario scenario = test::ring_down(1000, 1e-6);
+  scenario.start_amplitude = 0.6;
+  const FitSummary fit = fit_of(scenario, 1, {});
+  EXPECT_EQ(fit.dynamics, "map");
+  EXPECT_EQ(fit.friction, "linear");
+  EXPECT_EQ(fit.noise, "jitter");
+  expect_within(fit, "lambda0", 0.6, 3.3); // one comparison in a thousand
+  expect_within(fit, "epsilon", 2.5e-4, 3.3);
+  EXPECT_NEAR(fit.jitter_s, 1e-6, 1e-7); // four standard errors
+}
+
 TEST(ClockFitTest, AStationaryNoiselessLogDeterminesItsRateAndNothingElse) {
   for (const bool known_T0 : {false, true}) {
     FitOptions options;

@@ -126,7 +126,7 @@ TEST(DriveSplitTest, AWheelsFaultIsFoundAndIsNoFastDrive) {
   const auto lines = find_lines(rates, 2.0);
   ASSERT_EQ(lines.size(), 1u);
   const DriveResponse response = *drive_response(scenario.clock);
-  EXPECT_NEAR(1.0 / lines[0].frequency_hz, 60.0, 0.02); // the resolution, 0.018 s
+  EXPECT_NEAR(1.0 / lines[0].frequency_hz, 60.0, 0.02);   // the resolution, 0.018 s
   EXPECT_NEAR(drive_of(lines[0], response), 0.02, 0.006); // sigma 0.3 sqrt(2/1e5) = 0.0013
   const DriveSplit split = split_drive(without_lines(rates, 2.0, lines), 2.0, response);
   EXPECT_TRUE(split.fast.low68 < 0.301 && split.fast.high68 > 0.299);

@@ -66,8 +66,8 @@ ReportData some_report(std::size_t count = 500, bool with_amplitude = true) {
   stop.decay = Relaxation{6000.0, 40.0, 300.0, 0.0, 1e-5, true, nan, nan};
   stop.recovery = Relaxation{3100.0, 50.0, 900.0, 0.046, 1e-5, false, 3050.0, 3200.0};
   data.diary.interruptions = {stop};
-  data.drive.rate_spectrum = Spectrum{
-      {0.0, 0.001, 0.002, 0.01, 0.1}, {1, 2e-9, 1e-9, 3e-10, 1e-9}, 0.001, 2.0, 1, 0, 8};
+  data.drive.rate_spectrum =
+      Spectrum{{0.0, 0.001, 0.002, 0.01, 0.1}, {1, 2e-9, 1e-9, 3e-10, 1e-9}, 0.001, 2.0, 1, 0, 8};
   data.drive.response = DriveResponse{3e-4, -1e-4, 0.003};
   DriveSplit split;
   split.split_hz = 0.003;

@@ -49,7 +49,7 @@ TEST(LinesTest, FindsALineToItsBound) {
     add_line(x, amplitude, turns, 1.0);
     const auto lines = find_lines(x, 2.0, {.most = 1});
     ASSERT_EQ(lines.size(), 1u);
-    EXPECT_LT(lines[0].false_alarm, 1e-9); // R is 125 on the average, 22 its scatter
+    EXPECT_LT(lines[0].false_alarm, 1e-9);     // R is 125 on the average, 22 its scatter
     EXPECT_NEAR(lines[0].phase_rad, 1.0, 0.4); // four standard deviations, sqrt(8/(A^2 N)) = 0.13
     f2 += std::pow((lines[0].frequency_hz * 2.0 - turns) / sigma_f, 2) / runs;
     a2 += std::pow((lines[0].amplitude - amplitude) / lines[0].amplitude_sigma, 2) / runs;

@@ -49,4 +49,10 @@ public:
   OutputError(std::string_view path, std::string_view reason);
 };
 
+/// The reader of a pipe has gone, as `head` does: nobody is left to be told.
+class ClosedPipe : public OutputError {
+public:
+  using OutputError::OutputError;
+};
+
 } // namespace goingrate

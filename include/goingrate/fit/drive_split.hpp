@@ -41,13 +41,13 @@ struct DriveCost {
 };
 
 struct DriveSplit {
-  double split_hz = 0.0;     ///< the frequency asked for, or the corner
-  bool at_frequency = false; ///< true: fast and slow are what lies above and below split_hz
-  RmsEstimate fast{};        ///< of the relative drive: white from period to period
-  RmsEstimate slow{};        ///< of the relative drive: the part with a memory
-  RmsEstimate jitter_s{};    ///< of the sensor, s
-  double slow_time_s = 0.0;  ///< the memory of the slow part; NaN if there is none
-  double slow_gain = 0.0;    ///< by how much log L is greater with the slow part than without
+  double split_hz = 0.0;        ///< the frequency asked for, or the corner
+  bool at_frequency = false;    ///< true: fast and slow are what lies above and below split_hz
+  RmsEstimate fast{};           ///< of the relative drive: white from period to period
+  RmsEstimate slow{};           ///< of the relative drive: the part with a memory
+  RmsEstimate jitter_s{};       ///< of the sensor, s
+  double slow_time_s = 0.0;     ///< the memory of the slow part; NaN if there is none
+  double slow_gain = 0.0;       ///< by how much log L is greater with the slow part than without
   std::vector<DriveCost> costs; ///< after a day, a week, a year
   std::vector<double> jitter_density; ///< on the frequencies given: the parts of the fitted S, 1/Hz
   std::vector<double> fast_density;
@@ -61,11 +61,11 @@ struct DriveSplit {
 std::vector<double> rate_about_fit(std::span<const Beat> beats, double nominal_period_s,
                                    const FitSummary& fit);
 
-/// Splits the drive of a rate series (one value each `period_s`, finite, 64 or more, without lines).
-/// With `split_hz` above 0 fast and slow are the rms of the fitted drive above and below it. Parts
-/// of the density are given at `frequency_hz`. tests/studies/drive_split.txt holds the coverage of
-/// the intervals; DriveSplitTest.RecoversBothParts a part of it. Throws ArgumentError outside the
-/// domain.
+/// Splits the drive of a rate series (one value each `period_s`, finite, 64 or more, without
+/// lines). With `split_hz` above 0 fast and slow are the rms of the fitted drive above and below
+/// it. Parts of the density are given at `frequency_hz`. tests/studies/drive_split.txt holds the
+/// coverage of the intervals; DriveSplitTest.RecoversBothParts a part of it. Throws ArgumentError
+/// outside the domain.
 DriveSplit split_drive(std::span<const double> rates, double period_s,
                        const DriveResponse& response, double split_hz = 0.0,
                        std::span<const double> frequency_hz = {});

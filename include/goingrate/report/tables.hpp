@@ -99,7 +99,8 @@ std::string deviation_text(const DeviationTable& table);
 /// line may be labelled by.
 std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected = {});
 
-/// The spectrum as CSV: frequency_hz,density_per_hz, and the fitted parts fast,slow,jitter if known.
+/// The spectrum as CSV: frequency_hz,density_per_hz, and the fitted parts fast,slow,jitter if
+/// known.
 std::string spectrum_table(const DriveAnalysis& drive);
 
 /// A folded profile as CSV: phase,rate,sigma.

@@ -4,7 +4,8 @@
 // surroundings, however broad those are. Noise of a density known from a median over n ordinates
 // exceeds R times it at one frequency with probability (1 + R/nu)^-nu, nu = n (ln 2)^2 / 2, which
 // tends to exp(-R). Where it means little: below three turns in the whole series, where a slow
-// wander looks like a line, and for a period that itself wanders by more than one turn in the series.
+// wander looks like a line, and for a period that itself wanders by more than one turn in the
+// series.
 #pragma once
 
 #include <cstddef>
@@ -25,24 +26,25 @@ struct SpectralLine {
 };
 
 struct LineSearch {
-  double false_alarm = 0.01;  ///< what a line must stay below
-  double from_hz = 0.0;       ///< lowest frequency; at least three turns in the series in any case
-  std::size_t most = 20;      ///< lines at most
-  std::size_t around = 128;   ///< resolutions that tell the density around a line
+  double false_alarm = 0.01; ///< what a line must stay below
+  double from_hz = 0.0;      ///< lowest frequency; at least three turns in the series in any case
+  std::size_t most = 20;     ///< lines at most
+  std::size_t around = 128;  ///< resolutions that tell the density around a line
 };
 
 /// Finds the lines of a series, the strongest first, each taken out before the next is looked for.
 ///
 /// The periodogram on frequencies half a resolution apart is compared with the density around it:
-/// medians over blocks of up to `around` resolutions (at low frequencies half the frequency, so that
-/// a slope is no line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N values (twice the
-/// independent frequencies: the finer grid gives noise more chances). Frequency, amplitude and phase
-/// are then those of least squares.
+/// medians over blocks of up to `around` resolutions (at low frequencies half the frequency, so
+/// that a slope is no line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N values (twice the
+/// independent frequencies: the finer grid gives noise more chances). Frequency, amplitude and
+/// phase are then those of least squares.
 ///
 /// `series`: 64 or more finite values; `interval_s` above 0. Throws ArgumentError otherwise.
 /// Accuracy: white and red noise show a line no oftener than it says
-/// (LinesTest.NoiseShowsALineNoOftenerThanItSays, LinesTest.ARedContinuumHasNoLines); frequency and amplitude to their Cramer-Rao bounds
-/// (LinesTest.FindsALineToItsBound). Cost: one transform of 2 N values a line.
+/// (LinesTest.NoiseShowsALineNoOftenerThanItSays, LinesTest.ARedContinuumHasNoLines); frequency and
+/// amplitude to their Cramer-Rao bounds (LinesTest.FindsALineToItsBound). Cost: one transform of 2
+/// N values a line.
 [[nodiscard]] std::vector<SpectralLine>
 find_lines(std::span<const double> series, double interval_s, const LineSearch& search = {});
 
@@ -54,7 +56,8 @@ find_lines(std::span<const double> series, double interval_s, const LineSearch& 
 struct FoldedProfile {
   std::vector<double> phase; ///< middle of each bin, turns from 0 to 1
   std::vector<double> mean;  ///< unit of the series, less the mean of the whole
-  std::vector<double> sigma; ///< of each mean, from the scatter within the bin; NaN below two values
+  std::vector<double>
+      sigma; ///< of each mean, from the scatter within the bin; NaN below two values
 };
 
 /// Folds a series with a period; NaN values are left out. Throws ArgumentError unless period_s is
@@ -70,12 +73,13 @@ struct ExpectedPeriod {
 };
 
 /// Periods of a going train: teeth of wheels and leaves of pinions from the slowest arbor to the
-/// escape wheel, as 60, 8, 64, 8, 30: a wheel of 60 drives a pinion of 8 that carries a wheel of 64,
-/// and so on; 30 teeth of the escape wheel pass one each period of the pendulum. The escape wheel
-/// turns in 30 periods; each arbor before it slower by wheel over pinion. A mesh repeats with every
-/// tooth: the time of a turn over the teeth. Slowest first. Throws ArgumentError unless there is an
-/// odd count of numbers, each 2 or more.
-[[nodiscard]] std::vector<ExpectedPeriod> train_periods(std::span<const int> train, double period_s);
+/// escape wheel, as 60, 8, 64, 8, 30: a wheel of 60 drives a pinion of 8 that carries a wheel of
+/// 64, and so on; 30 teeth of the escape wheel pass one each period of the pendulum. The escape
+/// wheel turns in 30 periods; each arbor before it slower by wheel over pinion. A mesh repeats with
+/// every tooth: the time of a turn over the teeth. Slowest first. Throws ArgumentError unless there
+/// is an odd count of numbers, each 2 or more.
+[[nodiscard]] std::vector<ExpectedPeriod> train_periods(std::span<const int> train,
+                                                        double period_s);
 
 /// The solar day and its half, and the tides M2 and O1 (12.4206 h and 25.8193 h): what long logs of
 /// clocks show of temperature, traffic and gravity.
