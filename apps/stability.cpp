@@ -69,7 +69,7 @@ void run(const StabilityCommand& options, const GlobalOptions& global) {
   const Phase phase = phase_of(options, global);
   const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s);
   const DeviationKind kind = options.kind == "adev" ? DeviationKind::adev : DeviationKind::oadev;
-  const DeviationTable table = allan_deviation(kind, phase.phase_s, phase.tau0_s, factors);
+  const DeviationTable table = stability_table(kind, phase.phase_s, phase.tau0_s, factors);
   write_whole_files({{options.json, stability_json(table)},
                      {table_output(options.output, options.json), deviation_text(table)}});
 }

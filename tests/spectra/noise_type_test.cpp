@@ -1,5 +1,6 @@
 // Identification of power-law noise, degrees of freedom and intervals, against slow obvious
 // oracles.
+#include "goingrate/spectra/degrees_of_freedom.hpp"
 #include "goingrate/spectra/noise_type.hpp"
 
 #include <cmath>

@@ -15,6 +15,7 @@
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
+#include "goingrate/spectra/degrees_of_freedom.hpp"
 #include "goingrate/spectra/noise_type.hpp"
 #include "support/real_data.hpp"
 
@@ -26,7 +27,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 std::vector<double> values(DeviationKind kind, std::span<const double> phase, double tau0,
                            std::vector<std::size_t> factors) {
   std::vector<double> result;
-  for (const DeviationRow& row : allan_deviation(kind, phase, tau0, factors).rows)
+  for (const DeviationRow& row : stability_table(kind, phase, tau0, factors).rows)
     result.push_back(row.value);
   return result;
 }
@@ -131,7 +132,7 @@ void expect_table(DeviationKind kind, std::string_view data, std::string_view ta
   std::vector<std::size_t> factors;
   for (const PrintedRow& row : printed)
     factors.push_back(row.m);
-  const DeviationTable ours = allan_deviation(kind, phase, 1.0, factors);
+  const DeviationTable ours = stability_table(kind, phase, 1.0, factors);
   for (std::size_t i = 0; i < printed.size(); ++i) {
     const DeviationRow& row = ours.rows[i];
     SCOPED_TRACE(testing::Message() << table << " m = " << row.m);
@@ -175,7 +176,7 @@ TEST(Stability, EqualsTheSlowOracleOnDataWithGaps) {
   const double tau0 = 2.5;
   const std::vector<std::size_t> factors = all_factors(phase.size());
   for (const DeviationKind kind : {DeviationKind::adev, DeviationKind::oadev})
-    for (const DeviationRow& row : allan_deviation(kind, phase, tau0, factors).rows) {
+    for (const DeviationRow& row : stability_table(kind, phase, tau0, factors).rows) {
       long double sum = 0;
       std::size_t n = 0;
       for (std::size_t i = 0; i + 2 * row.m < phase.size(); ++i) {
@@ -209,8 +210,8 @@ TEST(Stability, IsImmuneToOffsetAndSlope) {
     moved[i] += 1e9 + std::ldexp(static_cast<double>(i), -10);
   moved[50] = plain[50] = nan;
   const std::vector<std::size_t> factors = octave_factors(plain.size());
-  const DeviationTable a = allan_deviation(DeviationKind::oadev, plain, 1.0, factors);
-  const DeviationTable b = allan_deviation(DeviationKind::oadev, moved, 1.0, factors);
+  const DeviationTable a = stability_table(DeviationKind::oadev, plain, 1.0, factors);
+  const DeviationTable b = stability_table(DeviationKind::oadev, moved, 1.0, factors);
   for (std::size_t i = 0; i < factors.size(); ++i) {
     EXPECT_NEAR(b.rows[i].value, a.rows[i].value, 1e-12 * a.rows[i].value); // a few roundings
     EXPECT_EQ(b.rows[i].alpha, a.rows[i].alpha);
@@ -242,7 +243,7 @@ TEST(Stability, HasTheSlopeAndTheNoiseTypeOfTheNoisePutIn) {
   for (int walks : {0, 1, 2}) {
     const std::vector<double> phase = simulated_phase(walks, 40001, 24);
     const std::vector<std::size_t> factors = {1, 4, 16, 64};
-    for (const DeviationRow& row : allan_deviation(DeviationKind::oadev, phase, 1.0, factors).rows)
+    for (const DeviationRow& row : stability_table(DeviationKind::oadev, phase, 1.0, factors).rows)
       EXPECT_EQ(row.alpha, 2 - 2 * walks) << row.m;
   }
 }
@@ -253,7 +254,7 @@ double coverage(DeviationKind kind, std::size_t points, std::size_t m) {
   for (int run = 0; run < runs; ++run) {
     const auto phase = simulated_phase(1, points, static_cast<std::uint64_t>(1000 + run));
     const std::array factors = {m};
-    const DeviationRow row = allan_deviation(kind, phase, 1.0, factors).rows[0];
+    const DeviationRow row = stability_table(kind, phase, 1.0, factors).rows[0];
     const double truth = 1.0 / std::sqrt(static_cast<double>(m)); // white FM of unit variance
     covered += row.interval && row.low <= truth && truth <= row.high ? 1 : 0;
   }
@@ -277,7 +278,7 @@ TEST(StabilityInterval, CoversLessWhereTheNoiseTypeRestsOnFewPoints) {
 TEST(StabilityInterval, KeepsTheNoiseTypeOfTheRowBeforeWhenPointsRunOut) {
   const std::vector<double> phase = simulated_phase(2, 601, 31);
   const auto rows =
-      allan_deviation(DeviationKind::oadev, phase, 1.0, octave_factors(phase.size())).rows;
+      stability_table(DeviationKind::oadev, phase, 1.0, octave_factors(phase.size())).rows;
   EXPECT_FALSE(identify_noise(phase, 32).identified);
   for (const DeviationRow& row : rows)
     if (row.m > 16) {
@@ -285,7 +286,7 @@ TEST(StabilityInterval, KeepsTheNoiseTypeOfTheRowBeforeWhenPointsRunOut) {
     }
   const std::array lone = {
       std::size_t{250}}; // no row before: the longest identifiable tau is asked
-  const DeviationRow row = allan_deviation(DeviationKind::oadev, phase, 1.0, lone).rows[0];
+  const DeviationRow row = stability_table(DeviationKind::oadev, phase, 1.0, lone).rows[0];
   EXPECT_EQ(row.alpha, identify_noise(phase, 600 / 29).alpha);
   EXPECT_TRUE(row.interval && row.low < row.value && row.value < row.high);
 }
@@ -293,13 +294,13 @@ TEST(StabilityInterval, KeepsTheNoiseTypeOfTheRowBeforeWhenPointsRunOut) {
 TEST(StabilityInterval, IsNotGivenWithoutANoiseType) {
   const std::vector<double> few = simulated_phase(1, 29, 32);
   for (const DeviationRow& row :
-       allan_deviation(DeviationKind::adev, few, 1.0, octave_factors(few.size())).rows) {
+       stability_table(DeviationKind::adev, few, 1.0, octave_factors(few.size())).rows) {
     EXPECT_FALSE(row.interval);
     EXPECT_TRUE(std::isnan(row.low) && std::isnan(row.high) && std::isfinite(row.value));
   }
   std::vector<double> runaway = simulated_phase(4, 400, 33); // alpha about -6, found as -3
   const std::array one = {std::size_t{1}};
-  const DeviationRow row = allan_deviation(DeviationKind::oadev, runaway, 1.0, one).rows[0];
+  const DeviationRow row = stability_table(DeviationKind::oadev, runaway, 1.0, one).rows[0];
   EXPECT_EQ(row.alpha, -3);
   EXPECT_FALSE(row.interval);
 }
