@@ -200,14 +200,14 @@ double modified_total_degrees_of_freedom(int alpha, std::size_t m, std::size_t p
 }
 
 double hadamard_total_degrees_of_freedom(int alpha, std::size_t m, std::size_t points) {
-  check_alpha(alpha, -4);
+  if (alpha < -4 || alpha > 0) throw ArgumentError("alpha", alpha, "from -4 to 0");
   check_factor(m, points);
   struct Fit {
     double b0, b1;
   };
   constexpr std::array<Fit, 5> fits = {
       {{0.559, 1.004}, {0.868, 1.140}, {0.938, 1.696}, {0.974, 2.554}, {1.276, 3.149}}};
-  const Fit& fit = fits[static_cast<std::size_t>(-std::min(alpha, 0))];
+  const Fit& fit = fits[static_cast<std::size_t>(-alpha)];
   const double spans = static_cast<double>(points - 1) / static_cast<double>(m);
   return std::max(spans / (fit.b0 + fit.b1 / spans), 1.0);
 }

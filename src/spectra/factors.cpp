@@ -50,8 +50,6 @@ std::size_t largest_factor(DeviationKind kind, std::size_t phase_points) {
   }
   case DeviationKind::theoh: // beyond (n-1)/10 the times are Theo1's; its scale needs 19 phases
     return n >= 19 ? (n - 1) / 2 * 2 * 3 / 4 : 0;
-  case DeviationKind::pdev:
-    return n / 2;
   default:
     return (n - 1) / 2;
   }

@@ -182,7 +182,7 @@ MeanSquareAt slope_differences(std::span<const double> x) {
     twice->push_back(twice->back() + v);
   return [x, once, twice](std::size_t m) -> MeanSquare {
     if (m == 1) return phase_differences(x, 2, true)(1);
-    if (2 * m > x.size()) return {};
+    if (2 * m >= x.size()) return {};
     const long double* p = once->data();  // p[j]: the sum of x[0 .. j-1]
     const long double* q = twice->data(); // q[j]: the sum of p[0 .. j-1]
     const long double half = 0.5L * static_cast<long double>(m - 1);
@@ -191,7 +191,7 @@ MeanSquareAt slope_differences(std::span<const double> x) {
       return half * (p[i + m] + p[i]) - (q[i + m] - q[i + 1]);
     };
     const double size = static_cast<double>(m);
-    MeanSquare mean = mean_square(x.size() - 2 * m + 1, 1, true, 1.0, [=](std::size_t i) {
+    MeanSquare mean = mean_square(x.size() - 2 * m, 1, true, 1.0, [=](std::size_t i) {
       return static_cast<double>(weighted(i + m) - weighted(i));
     });
     mean.value *= 72.0 / (size * size * size * size);

@@ -30,7 +30,7 @@ MeanSquareAt phase_differences(std::span<const double> x, std::size_t order, boo
 // phases of its window if they are at least half of it; otherwise the difference is left out.
 MeanSquareAt mean_phase_differences(std::span<const double> x);
 
-// PVAR: differences of the slopes that lines fitted to m + 1 phases have; no gaps.
+// PVAR: differences of the slopes of lines fitted to m phases; no gaps. N - 2m terms.
 MeanSquareAt slope_differences(std::span<const double> x);
 
 // Square of the largest range of x within m + 1 neighbouring samples; NaN ignored.

@@ -195,6 +195,7 @@ double degrees_of(const Source& source, int alpha, std::size_t n, std::size_t po
     return difference_degrees_of_freedom(alpha, source.m, n, {stride, order, filter});
   };
   using enum DifferenceStride;
+  const PhaseFilter modified = source.m == 1 ? PhaseFilter::none : PhaseFilter::mean_of_tau;
   switch (source.kind) {
   case Kind::adev:
     return differences(one_tau, 2, PhaseFilter::none);
@@ -204,18 +205,22 @@ double degrees_of(const Source& source, int alpha, std::size_t n, std::size_t po
     return differences(one_tau, 3, PhaseFilter::none);
   case Kind::ohdev:
     return differences(one_sample, 3, PhaseFilter::none);
-  case Kind::totdev:
-    return total_degrees_of_freedom(alpha, source.m, points);
+  case Kind::totdev: // at m = 1 no reflected phase takes part
+    return source.m == 1 ? differences(one_sample, 2, PhaseFilter::none)
+                         : total_degrees_of_freedom(alpha, source.m, points);
   case Kind::mtotdev:
-  case Kind::ttotdev:
-    return modified_total_degrees_of_freedom(alpha, source.m, points);
-  case Kind::htotdev:
-    return hadamard_total_degrees_of_freedom(alpha, source.m, points);
+  case Kind::ttotdev: // the fit is one for long averages; MVAR, the plainer one, has no more than
+                      // it
+    return source.m > 8 ? modified_total_degrees_of_freedom(alpha, source.m, points)
+                        : differences(one_sample, 2, modified);
+  case Kind::htotdev: // there is no fit for phase noises; the plain Hadamard variance has fewer
+    return source.m > 1 && alpha <= 0 ? hadamard_total_degrees_of_freedom(alpha, source.m, points)
+                                      : differences(one_sample, 3, PhaseFilter::none);
   case Kind::theo1:
   case Kind::theoh:
     return theo1_degrees_of_freedom(alpha, source.m, points);
   default: // mdev, tdev, pdev; at m = 1 they are the Allan variance
-    return differences(one_sample, 2, source.m == 1 ? PhaseFilter::none : PhaseFilter::mean_of_tau);
+    return differences(one_sample, 2, modified);
   }
 }
 
@@ -285,6 +290,7 @@ DeviationTable stability_table(DeviationKind kind, std::span<const double> phase
   check_interval(tau0_s);
   check_factors(kind, factors, phase_s.size());
   check_alpha(options.alpha);
+  if (factors.empty()) return {kind, tau0_s, {}};
   const Series series = prepared(kind, phase_s);
   const std::span<const double> x = series.x;
   check_factors(kind, factors, x.size());

@@ -1,23 +1,21 @@
 // Allan deviations against published tables, slow obvious sums and simulated clocks.
 #include "goingrate/spectra/stability.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numeric>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/spectra/degrees_of_freedom.hpp"
 #include "goingrate/spectra/noise_type.hpp"
-#include "support/real_data.hpp"
+#include "spectra/theo1.hpp"
 
 namespace goingrate {
 namespace {
@@ -69,100 +67,6 @@ TEST(Stability, ReproducesTheTenPhasesOfNbs14) {
   EXPECT_NEAR(adev[1], 115.8082, 0.5e-4);
   EXPECT_NEAR(oadev[0], 91.22945, 0.5e-5);
   EXPECT_NEAR(oadev[1], 85.95287, 0.5e-5);
-}
-
-// Numbers of a file one to a line; lines that start with # are remarks.
-std::vector<double> read_phase(const std::filesystem::path& path) {
-  std::vector<double> phase;
-  gzFile file = gzopen(path.c_str(), "rb"); // zlib reads uncompressed files as they are
-  std::array<char, 256> line{};
-  while (file != nullptr && gzgets(file, line.data(), static_cast<int>(line.size())) != nullptr)
-    if (line[0] != '#') phase.push_back(std::strtod(line.data(), nullptr));
-  gzclose(file);
-  return phase;
-}
-
-struct PrintedRow {
-  std::size_t m;
-  double tau;
-  std::size_t n;
-  int alpha;
-  double low, value, high;
-};
-
-std::vector<PrintedRow> read_table(const std::filesystem::path& path) {
-  std::vector<PrintedRow> rows;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream fields(line);
-    PrintedRow row{};
-    if (line[0] != '#' &&
-        fields >> row.m >> row.tau >> row.n >> row.alpha >> row.low >> row.value >> row.high)
-      rows.push_back(row);
-  }
-  return rows;
-}
-
-// Stable32's interval from our alpha and n, with the three short cuts it takes. (1) Beyond
-// 100 degrees of freedom its printed limits fit a tail of 16 % instead of 15.87 % (normal quantile
-// 0.9945; inferred from the tables, the source is closed). (2) With 3 m > 100 and no overlap the
-// EDF is that of m -> infinity. (3) With more than 100 lags overlapped, white FM, the EDF is the
-// two-term fit 1/edf = (2/3 - 1/(3 r))/r, r = n/m. (2) and (3) are the simplified algorithm of
-// Greenhall and Riley; ours sums in full. For flicker phase (3) is a longer fit, not repeated here.
-DeviationInterval stable32_interval(DeviationKind kind, const DeviationRow& row) {
-  const bool overlapped = kind == DeviationKind::oadev;
-  const bool many_lags = 3 * row.m > 100;
-  const double r = static_cast<double>(row.n) / static_cast<double>(row.m);
-  double edf = allan_degrees_of_freedom(
-      row.alpha, !overlapped && many_lags ? 1u << 20 : row.m, row.n,
-      overlapped ? DifferenceStride::one_sample : DifferenceStride::one_tau);
-  if (overlapped && many_lags && row.alpha == 0) edf = r / (2.0 / 3.0 - 1.0 / (3.0 * r));
-  return chi_squared_interval(row.value, edf, edf > 100.0 ? 0.68 : one_sigma_probability);
-}
-
-void expect_table(DeviationKind kind, std::string_view data, std::string_view table,
-                  std::size_t expected_rows) {
-  const auto data_path = test::real_data(data);
-  const auto table_path = test::real_data(table);
-  if (!data_path || !table_path)
-    GTEST_SKIP() << "GOINGRATE_SHARED_DATA does not lead to " << data << " and " << table;
-  const std::vector<double> phase = read_phase(*data_path);
-  const std::vector<PrintedRow> printed = read_table(*table_path);
-  ASSERT_EQ(printed.size(), expected_rows);
-  std::vector<std::size_t> factors;
-  for (const PrintedRow& row : printed)
-    factors.push_back(row.m);
-  const DeviationTable ours = stability_table(kind, phase, 1.0, factors);
-  for (std::size_t i = 0; i < printed.size(); ++i) {
-    const DeviationRow& row = ours.rows[i];
-    SCOPED_TRACE(testing::Message() << table << " m = " << row.m);
-    const double unit = std::pow(10.0, std::floor(std::log10(printed[i].value)) - 4.0);
-    EXPECT_NEAR(row.tau_s, printed[i].tau, 1e-4 * row.tau_s); // printed to five digits
-    EXPECT_EQ(row.n, printed[i].n);
-    EXPECT_NEAR(row.value, printed[i].value, 0.501 * unit); // rounding of the fifth digit
-    EXPECT_EQ(row.alpha, printed[i].alpha);
-    ASSERT_TRUE(row.interval);
-    EXPECT_NEAR(row.low, printed[i].low, 2e-3 * row.low);    // the short cuts of Stable32 explained
-    EXPECT_NEAR(row.high, printed[i].high, 2e-3 * row.high); // above move a limit by up to 0.15 %
-    const DeviationInterval theirs = stable32_interval(kind, row);
-    EXPECT_NEAR(theirs.low, printed[i].low, 2e-4 * row.low);    // its p is 0.683, not 0.6827:
-    EXPECT_NEAR(theirs.high, printed[i].high, 2e-4 * row.high); // 1.5e-4 at 9 degrees of freedom
-  }
-}
-
-TEST(Stability, ReproducesTheStable32OverlappingTable) {
-  expect_table(DeviationKind::oadev, "stable32-phasedat/PHASE.DAT",
-               "stable32-phasedat/phase_dat_oadev_octave.txt", 8);
-}
-
-TEST(Stability, ReproducesTheStable32NonOverlappingTable) {
-  expect_table(DeviationKind::adev, "stable32-phasedat/PHASE.DAT",
-               "stable32-phasedat/phase_dat_adev_octave.txt", 8);
-}
-
-TEST(Stability, ReproducesTheStable32TableOfAGpsReceiver) {
-  expect_table(DeviationKind::oadev, "gps-1pps/gps_1pps_phase_data.txt.gz",
-               "gps-1pps/stable32_OADEV_octave.txt", 16);
 }
 
 TEST(Stability, EqualsTheSlowOracleOnDataWithGaps) {
@@ -229,6 +133,213 @@ TEST(Stability, FollowsASlopeOfOneInAThousandThatIsNotExact) {
     EXPECT_NEAR(b[i], a[i], 1e-7 * a[i]); // a phase of 1e9 is rounded to 1.2e-7 before we see it
 }
 
+// The definitions as they stand, in long double.
+using Wide = long double;
+
+Wide slow_total_runs(const std::vector<Wide>& v, std::size_t m) {
+  const std::size_t run = 3 * m, half = run / 2;
+  Wide total = 0;
+  for (std::size_t start = 0; start + run <= v.size(); ++start) {
+    std::vector<Wide> s(v.begin() + static_cast<long>(start),
+                        v.begin() + static_cast<long>(start + run));
+    Wide first = 0, last = 0;
+    for (std::size_t k = 0; k < half; ++k)
+      first += s[k], last += s[run - 1 - k];
+    const Wide slope = (last - first) / static_cast<Wide>(half) / static_cast<Wide>(run - half);
+    std::vector<Wide> longer(3 * run);
+    for (std::size_t k = 0; k < run; ++k)
+      longer[run - 1 - k] = longer[run + k] = longer[3 * run - 1 - k] =
+          s[k] - slope * static_cast<Wide>(k);
+    Wide sum = 0;
+    for (std::size_t i = 0; i < 2 * run; ++i) {
+      Wide second = 0;
+      for (std::size_t k = 0; k < m; ++k)
+        second += longer[i + k] - 2 * longer[i + m + k] + longer[i + 2 * m + k];
+      sum += second * second / static_cast<Wide>(m * m);
+    }
+    total += sum / static_cast<Wide>(2 * run);
+  }
+  return total / static_cast<Wide>(v.size() - run + 1);
+}
+
+// Variance times tau^2, tau0 = 1.
+Wide slow_mean_square(DeviationKind kind, const std::vector<Wide>& x, std::size_t m) {
+  const auto mean = [&](std::size_t i) {
+    return std::accumulate(&x[i], &x[i] + m, Wide{0}) / static_cast<Wide>(m);
+  };
+  const Wide factor = static_cast<Wide>(m);
+  Wide sum = 0;
+  std::size_t n = 0;
+  if (kind == DeviationKind::mdev) {
+    for (; n + 3 * m <= x.size(); ++n)
+      sum += std::pow(mean(n) - 2 * mean(n + m) + mean(n + 2 * m), Wide{2}) / 2;
+  } else if (kind == DeviationKind::pdev) {
+    for (; n + 2 * m < x.size(); ++n) {
+      Wide inner = 0;
+      for (std::size_t k = 0; k < m; ++k)
+        inner += (static_cast<Wide>(m - 1) / 2 - static_cast<Wide>(k)) * (x[n + k] - x[n + k + m]);
+      sum += 72 * inner * inner / (factor * factor * factor * factor);
+    }
+  } else if (kind == DeviationKind::mtie) {
+    for (; n + m < x.size(); ++n) {
+      const auto ends = std::minmax_element(&x[n], &x[n] + m + 1);
+      sum = std::max(sum, std::pow(*ends.second - *ends.first, Wide{2}));
+    }
+    n = 1;
+  } else if (kind == DeviationKind::mtotdev) {
+    return slow_total_runs(x, m) / 2;
+  } else if (kind == DeviationKind::htotdev) {
+    std::vector<Wide> y(x.size());
+    std::adjacent_difference(x.begin(), x.end(), y.begin());
+    return slow_total_runs({y.begin() + 1, y.end()}, m) / 6 * factor * factor;
+  }
+  return sum / static_cast<Wide>(n);
+}
+
+TEST(Stability, FastSumsEqualPlainOnes) {
+  const std::vector<double> phase = simulated_phase(1, 100, 17);
+  const std::vector<Wide> x(phase.begin(), phase.end());
+  const DeviationOptions raw{.remove_bias = false};
+  for (const DeviationKind kind : {DeviationKind::mdev, DeviationKind::pdev, DeviationKind::mtie,
+                                   DeviationKind::mtotdev, DeviationKind::htotdev}) {
+    const std::vector<std::size_t> factors = all_factors(phase.size(), kind);
+    for (const DeviationRow& row : stability_table(kind, phase, 1.0, factors, raw).rows) {
+      if (row.m == 1) continue; // PDEV and HTOTDEV are other deviations there
+      Wide slow = std::sqrt(slow_mean_square(kind, x, row.m));
+      if (!is_in_seconds(kind)) slow /= static_cast<Wide>(row.tau_s);
+      // second differences of order 1 out of a walk that reaches 20: a few roundings
+      EXPECT_NEAR(row.value, static_cast<double>(slow), 1e-12 * static_cast<double>(slow))
+          << name_of(kind) << " m = " << row.m;
+    }
+  }
+}
+
+TEST(Theo1, ByTransformEqualsTheDirectSum) {
+  for (std::size_t points : {20u, 257u, 1001u, 3000u}) {
+    const std::vector<double> x = simulated_phase(1, points, 18);
+    for (std::size_t m = 10; m < points; m = m * 3 / 2 / 2 * 2 + 2) {
+      const double direct = theo1_sum_directly(x, m);
+      // sums of squares of a walk that reaches sqrt N cancel down to its steps: 1e3 or so of 1e16
+      EXPECT_NEAR(theo1_sum_by_transform(x, m), direct, 1e-9 * direct) << points << " m " << m;
+    }
+    const std::size_t longest = (points - 1) / 2 * 2; // one or two middles, the triangles meet
+    const double direct = theo1_sum_directly(x, longest);
+    EXPECT_NEAR(theo1_sum_by_transform(x, longest), direct, 1e-9 * direct) << points;
+  }
+}
+
+TEST(Stability, IsTheSameForAnyNumberOfThreads) {
+  const std::vector<double> phase = simulated_phase(1, 600, 19);
+  for (const DeviationKind kind : deviation_kinds) {
+    const std::vector<std::size_t> factors = all_factors(phase.size(), kind);
+    const auto one = stability_table(kind, phase, 1.0, factors, {.threads = 1}).rows;
+    const auto four = stability_table(kind, phase, 1.0, factors, {.threads = 4}).rows;
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(one[i].value, four[i].value) << name_of(kind);
+      EXPECT_EQ(one[i].alpha, four[i].alpha);
+      EXPECT_TRUE(!one[i].interval || one[i].low == four[i].low);
+    }
+  }
+}
+
+TEST(Stability, TotalVariancesAndTheo1HaveLittleBias) {
+  struct Case {
+    DeviationKind kind, plain;
+    std::size_t m, plain_m;
+    double most;
+  };
+  // Most: what SP 1065's correction leaves in white frequency noise (MTOTDEV 5 % of the variance,
+  // simulated: 0.77 where it has 0.73), and the scatter of the mean of 200 runs, 2 to 3 %.
+  for (const Case& c : {Case{DeviationKind::mtotdev, DeviationKind::mdev, 32, 32, 0.09},
+                        Case{DeviationKind::htotdev, DeviationKind::ohdev, 32, 32, 0.05},
+                        Case{DeviationKind::totdev, DeviationKind::oadev, 32, 32, 0.04},
+                        Case{DeviationKind::theo1, DeviationKind::oadev, 40, 30, 0.05}}) {
+    double sum = 0.0, plain = 0.0;
+    for (std::uint64_t run = 1; run <= 200; ++run) {
+      const std::vector<double> phase = simulated_phase(1, 500, run);
+      const std::array factors = {c.m}, plain_factors = {c.plain_m};
+      const DeviationOptions options{.alpha = 0, .threads = 1};
+      sum += std::pow(stability_table(c.kind, phase, 1.0, factors, options).rows[0].value, 2);
+      plain +=
+          std::pow(stability_table(c.plain, phase, 1.0, plain_factors, options).rows[0].value, 2);
+    }
+    EXPECT_NEAR(sum / plain, 1.0, c.most) << name_of(c.kind);
+  }
+}
+
+TEST(Stability, BridgesGapsWhereAnUnbrokenRunIsNeeded) {
+  std::vector<double> phase = simulated_phase(1, 400, 20);
+  std::vector<double> line = phase;
+  for (std::size_t i = 100; i < 103; ++i)
+    line[i] = phase[99] + (phase[103] - phase[99]) * static_cast<double>(i - 99) / 4.0;
+  std::vector<double> holed = line;
+  for (std::size_t i = 100; i < 103; ++i)
+    holed[i] = nan;
+  for (const DeviationKind kind : {DeviationKind::mtotdev, DeviationKind::htotdev,
+                                   DeviationKind::theo1, DeviationKind::pdev}) {
+    const std::array factors = {std::size_t{20}};
+    const DeviationTable a = stability_table(kind, line, 1.0, factors);
+    const DeviationTable b = stability_table(kind, holed, 1.0, factors);
+    EXPECT_NEAR(a.rows[0].value, b.rows[0].value, 1e-12 * a.rows[0].value); // a few roundings
+    EXPECT_EQ(b.bridged, 3u);
+  }
+  const std::array one = {std::size_t{4}};
+  const DeviationTable means = stability_table(DeviationKind::mdev, holed, 1.0, one);
+  EXPECT_EQ(means.bridged, 0u);
+  EXPECT_LT(means.rows[0].n, 400u - 12 + 1); // a window with one known phase of four has no mean
+  EXPECT_GT(means.rows[0].n, 400u - 12 + 1 - 12);
+}
+
+TEST(Stability, ReproducesThePublishedValuesOfTheThousandNumbers) {
+  std::vector<double> y; // the generator printed in SP 1065, p. 108
+  for (std::uint64_t n = 1234567890; y.size() < 1000; n = 16807 * n % 2147483647)
+    y.push_back(static_cast<double>(n) / 2147483647.0);
+  const std::vector<double> phase = phase_from_frequency(y, 1.0);
+  struct Published {
+    DeviationKind kind;
+    std::vector<std::size_t> factors;
+    std::vector<double> values;
+  };
+  using K = DeviationKind;
+  for (const Published& p : std::vector<Published>{
+           {K::mdev, {1, 10, 100}, {2.922319e-01, 6.172376e-02, 2.170921e-02}},
+           {K::tdev, {1, 10, 100}, {1.687202e-01, 3.563623e-01, 1.253382e+00}},
+           {K::hdev, {1, 10, 100}, {2.943883e-01, 1.052754e-01, 3.910861e-02}},
+           {K::ohdev, {1, 10, 100}, {2.943883e-01, 9.581083e-02, 3.237638e-02}},
+           {K::totdev, {1, 10, 100}, {2.922319e-01, 9.134743e-02, 3.406530e-02}},
+           {K::mtotdev, {1, 10, 100}, {2.418528e-01, 6.499161e-02, 2.287774e-02}},
+           {K::ttotdev, {1, 10, 100}, {1.396338e-01, 3.752293e-01, 1.320847e+00}},
+           {K::htotdev, {1, 10, 100}, {2.943883e-01, 9.614787e-02, 3.058103e-02}},
+           {K::pdev,
+            {1, 2, 4, 8, 16, 32, 64, 128, 256},
+            {.29223188, .21445233, .15618112, .11709746, .069029585, .049749708, .038947417,
+             .030862393, .012447414}}}) {
+    // all published with alpha 0, which it is except by chance at the longest tau
+    const auto rows = stability_table(p.kind, phase, 1.0, p.factors, {.alpha = 0}).rows;
+    for (std::size_t i = 0; i < rows.size(); ++i) // seven digits, the last may be one off
+      EXPECT_NEAR(rows[i].value, p.values[i], 5e-7 * p.values[i]) << name_of(p.kind) << rows[i].m;
+  }
+}
+
+TEST(Stability, TheohGoesOverFromOadevToTheo1) {
+  const std::vector<double> phase = simulated_phase(1, 2001, 21);
+  const auto factors = octave_factors(phase.size(), DeviationKind::theoh);
+  const auto rows = stability_table(DeviationKind::theoh, phase, 1.0, factors).rows;
+  const auto allan =
+      stability_table(DeviationKind::oadev, phase, 1.0, octave_factors(phase.size())).rows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].m <= 200) {
+      EXPECT_EQ(rows[i].value, allan[i].value);
+    } else {
+      EXPECT_EQ(rows[i].tau_s, 0.75 * static_cast<double>(rows[i].m));
+      EXPECT_NEAR(rows[i].tau_s, static_cast<double>(factors[i]), 0.75); // the next even factor
+    }
+    // White frequency noise: 1/sqrt tau, with the scatter of the few degrees at the longest tau.
+    EXPECT_NEAR(rows[i].value * std::sqrt(rows[i].tau_s), 1.0, 0.4) << rows[i].m;
+  }
+  EXPECT_GT(rows.back().tau_s, 1000.0);
+}
+
 double slope_of_deviation(int walks, std::uint64_t seed) {
   const std::vector<double> phase = simulated_phase(walks, 40001, seed);
   const auto d = values(DeviationKind::oadev, phase, 1.0, {4, 64});
@@ -270,19 +381,53 @@ TEST(StabilityInterval, CoversTheTruthAsOftenAsItSays) {
     }
 }
 
+TEST(StabilityInterval, OfOtherKindsCoversTheTruth) {
+  struct Case {
+    DeviationKind kind;
+    std::size_t m;
+    double least, most; // 0.683 with 2.7 standard errors of 400 runs, unless said
+  };
+  const auto share_of = [](const Case& c) {
+    int covered = 0;
+    for (std::uint64_t run = 1; run <= 400; ++run) {
+      const auto phase = simulated_phase(1, 1025, run);
+      const std::array factors = {c.m};
+      const DeviationOptions options{.alpha = 0, .threads = 1};
+      const DeviationRow row = stability_table(c.kind, phase, 1.0, factors, options).rows[0];
+      const double truth = 1.0 / std::sqrt(row.tau_s);
+      covered += row.low <= truth && truth <= row.high ? 1 : 0;
+    }
+    return covered / 400.0;
+  };
+  for (const Case& c :
+       {Case{DeviationKind::hdev, 32, 0.62, 0.75}, Case{DeviationKind::ohdev, 32, 0.62, 0.75},
+        Case{DeviationKind::totdev, 1, 0.60, 0.75}, // phases read at instants: 8 %
+        Case{DeviationKind::totdev, 128, 0.62, 0.75}, Case{DeviationKind::htotdev, 64, 0.62, 0.75},
+        Case{DeviationKind::theo1, 100, 0.62, 0.75}, Case{DeviationKind::theoh, 240, 0.62, 0.75}}) {
+    const double share = share_of(c);
+    EXPECT_GT(share, c.least) << name_of(c.kind) << c.m;
+    EXPECT_LT(share, c.most) << name_of(c.kind) << c.m;
+  }
+}
+
 TEST(StabilityInterval, CoversLessWhereTheNoiseTypeRestsOnFewPoints) {
   // 2561 phases leave 41 at m = 64: one noise type in six is wrong, and then so is the interval
   EXPECT_NEAR(coverage(DeviationKind::oadev, 2561, 64), 0.64, 0.07); // three standard errors
 }
 
-TEST(StabilityInterval, KeepsTheNoiseTypeOfTheRowBeforeWhenPointsRunOut) {
+TEST(StabilityInterval, TakesTheNoiseTypeFromTheRatioWhenPointsRunOut) {
   const std::vector<double> phase = simulated_phase(2, 601, 31);
   const auto rows =
       stability_table(DeviationKind::oadev, phase, 1.0, octave_factors(phase.size())).rows;
   EXPECT_FALSE(identify_noise(phase, 32).identified);
+  ASSERT_EQ(rows.back().m, 256u);
   for (const DeviationRow& row : rows)
     if (row.m > 16) {
-      EXPECT_TRUE(row.interval && row.alpha == rows[4].alpha) << row.m;
+      const NoiseType noise = identify_noise_by_ratio(phase, row.m);
+      // 128 and 256 leave four and two frequencies: too few even for the ratio
+      EXPECT_EQ(noise.identified, row.m < 128) << row.m;
+      EXPECT_EQ(row.alpha, noise.identified ? noise.alpha : rows[6].alpha) << row.m;
+      EXPECT_TRUE(row.interval) << row.m;
     }
   const std::array lone = {
       std::size_t{250}}; // no row before: the longest identifiable tau is asked
@@ -292,7 +437,7 @@ TEST(StabilityInterval, KeepsTheNoiseTypeOfTheRowBeforeWhenPointsRunOut) {
 }
 
 TEST(StabilityInterval, IsNotGivenWithoutANoiseType) {
-  const std::vector<double> few = simulated_phase(1, 29, 32);
+  const std::vector<double> few = simulated_phase(1, 6, 32);
   for (const DeviationRow& row :
        stability_table(DeviationKind::adev, few, 1.0, octave_factors(few.size())).rows) {
     EXPECT_FALSE(row.interval);

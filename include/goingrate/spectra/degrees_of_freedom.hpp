@@ -52,7 +52,7 @@ struct DifferenceVariance {
 /// `alpha`: -2 to 2 for d = 2, -4 to 2 for d = 3. `m`, `n`: 1 or more. With gaps n counts the
 /// differences used and the result treats them as one unbroken run. Result: from 1 up to about n.
 /// Accuracy: 1e-9 relative up to m = 1024 against the defining formula in long double
-/// (DegreesOfFreedom.EqualTheDefiningFormulaInWiderArithmetic) and 1e-5 beyond
+/// (DegreesOfFreedom.EqualTheDefiningFormulaInWiderArithmetic) and 3e-5 beyond
 /// (DegreesOfFreedom.OfLongAveragingLoseLittleByBlocks). As a description of data: the
 /// algorithm takes each phase to be an average over tau0, and averaged phases agree
 /// (DegreesOfFreedom.AreThoseOfPhasesAveragedOverASample). Phases read at instants, with white

@@ -59,9 +59,10 @@ inline constexpr std::size_t least_frequencies_for_ratio = 6;
 /// 3.37/(1.04 + 3 ln(pi m)) for alpha = 1, decides (NIST SP 1065 sections 5.5.3 and 5.5.4).
 ///
 /// Arguments as for identify_noise. Result: alpha -2 to 2, `exponent` the same; identified if there
-/// are 6 frequencies. Accuracy: of Stable32's 70 alphas for its PHASE.DAT from 29 frequencies
+/// are 6 frequencies. Accuracy: of Stable32's 80 alphas for its PHASE.DAT from 29 frequencies
 /// down to 6 all but 3 (PublishedTables.NoiseOnFewPointsIsThatOfStable32); of simulated white
-/// frequency series of 13 points three in five (NoiseType.ByRatioIsRightMoreOftenThanNot).
+/// frequency series of 13 points more than half, of a random walk of frequency somewhat less
+/// (NoiseType.ByRatioIsRightAboutHalfTheTime).
 /// Cost: O(N/m), O(N) where MVAR is asked. Throws ArgumentError if m is 0.
 [[nodiscard]] NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m);
 

@@ -88,9 +88,9 @@ struct DeviationTable {
 
 /// What may be chosen about a stability table.
 struct DeviationOptions {
-  std::optional<int> alpha; ///< noise at every tau, -4 to 2; nothing: it is identified at each
-  bool remove_bias = true;  ///< false: the total variances and Theo1 as they come
-  std::size_t threads = 0;  ///< that share the factors; 0: as many as the work is worth
+  std::optional<int> alpha = {}; ///< noise at every tau, -4 to 2; nothing: it is identified at each
+  bool remove_bias = true;       ///< false: the total variances and Theo1 as they come
+  std::size_t threads = 0;       ///< that share the factors; 0: as many as the work is worth
 };
 
 /// Computes deviations of phase data, with the kind of noise and a confidence interval.
@@ -103,11 +103,12 @@ struct DeviationOptions {
 /// SP 1065 section 5.2.15. THEOH: OADEV up to T/10, then Theo1 times the root of the mean ratio of
 /// the two variances at OADEV's factors 9 + 3i and Theo1's 12 + 4i up to T/10 (of more than 32 such
 /// pairs, 32 evenly spread). MTIE: max of max - min over m + 1 phases. TIErms: rms x[i+m] - x[i].
-/// PDEV: 72 / (M m^4 tau^2) sum_i [sum_{k<m} ((m-1)/2 - k)(x[i+k] - x[i+k+m])]^2, M = N - 2m + 1;
-/// OADEV at m = 1 (F. Vernotte, M. Lenczner, P.-Y. Bourgeois, E. Rubiola, IEEE UFFC 63 (2016) 611).
-/// First the first known phase is subtracted and then, in one fused rounding, the line through the
-/// first and last known phase (not for MTIE and TIErms); differences of that exact line are zero,
-/// so an offset or slope costs no digits beyond those the phases themselves lack.
+/// PDEV: 72 / (M m^4 tau^2) sum_i [sum_{k<m} ((m-1)/2 - k)(x[i+k] - x[i+k+m])]^2, M = N - 2m as in
+/// the published values of SigmaTheta (one more term could be had); OADEV at m = 1 (F. Vernotte, M.
+/// Lenczner, P.-Y. Bourgeois, E. Rubiola, IEEE UFFC 63 (2016) 611). First the first known phase is
+/// subtracted and then, in one fused rounding, the line through the first and last known phase (not
+/// for MTIE and TIErms); differences of that exact line are zero, so an offset or slope costs no
+/// digits beyond those the phases themselves lack.
 ///
 /// Gaps: a difference that touches one is left out. MDEV, TDEV: a mean is over the known phases
 /// of its window if they are at least half of it. MTIE: the range of the known phases. TOTDEV:
