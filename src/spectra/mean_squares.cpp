@@ -113,20 +113,24 @@ struct WindowMeans {
   }
 };
 
-// The largest of every `width` neighbours: block by block from the left and from the right, so that
-// each window is the tail of one block and the head of the next (M. van Herk 1992).
+// The largest of every `width` neighbours, in place: block by block from the left and from the
+// right, so that each window is the tail of one block and the head of the next (M. van Herk 1992).
 template <class Larger>
-std::vector<double> sliding(std::span<const double> values, std::size_t width,
-                            const Larger& larger) {
-  std::vector<double> head(values.begin(), values.end()), tail = head;
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (i % width != 0) head[i] = larger(head[i], head[i - 1]);
-  for (std::size_t i = values.size() - 1; i-- > 0;)
-    if ((i + 1) % width != 0) tail[i] = larger(tail[i], tail[i + 1]);
-  std::vector<double> result(values.size() + 1 - width);
-  for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = larger(tail[i], head[i + width - 1]);
-  return result;
+void slide(std::vector<double>& values, std::size_t width, const Larger& larger) {
+  const std::size_t n = values.size();
+  std::vector<double> head(n);
+  for (std::size_t begin = 0; begin < n; begin += width) {
+    const std::size_t end = std::min(begin + width, n);
+    double best = values[begin];
+    for (std::size_t i = begin; i < end; ++i)
+      head[i] = best = larger(best, values[i]);
+    best = values[end - 1];
+    for (std::size_t i = end; i-- > begin;)
+      values[i] = best = larger(best, values[i]);
+  }
+  for (std::size_t i = 0; i + width <= n; ++i)
+    values[i] = larger(values[i], head[i + width - 1]);
+  values.resize(n + 1 - width);
 }
 
 } // namespace
@@ -206,8 +210,8 @@ MeanSquareAt largest_ranges(std::span<const double> x) {
     std::vector<double> high(x.begin(), x.end()), low = high;
     for (std::size_t i = 0; i < x.size(); ++i)
       if (std::isnan(x[i])) high[i] = -infinity, low[i] = infinity;
-    high = sliding(high, m + 1, [](double a, double b) { return std::max(a, b); });
-    low = sliding(low, m + 1, [](double a, double b) { return std::min(a, b); });
+    slide(high, m + 1, [](double a, double b) { return a > b ? a : b; });
+    slide(low, m + 1, [](double a, double b) { return a < b ? a : b; });
     double largest = -infinity;
     std::size_t n = 0;
     for (std::size_t i = 0; i < high.size(); ++i) {

@@ -53,25 +53,23 @@ std::array<double, 3> solve_parabola(const std::array<double, 5>& moment, std::a
 }
 
 // Least-squares removal of 1, t, t^2 on the known points; t in [-1, 1] keeps the powers of similar
-// size. Twice, so that an offset or slope far above the noise leaves nothing behind.
+// size.
 void remove_parabola(std::vector<double>& z) {
   const std::size_t n = z.size();
   const double step = n > 1 ? 2.0 / static_cast<double>(n - 1) : 0.0;
-  for (int pass = 0; pass < 2; ++pass) {
-    std::array<double, 5> moment{};
-    std::array<double, 3> b{};
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!std::isfinite(z[i])) continue;
-      const double t = static_cast<double>(i) * step - 1.0, square = t * t;
-      moment[0] += 1.0, moment[1] += t, moment[2] += square;
-      moment[3] += square * t, moment[4] += square * square;
-      b[0] += z[i], b[1] += z[i] * t, b[2] += z[i] * square;
-    }
-    const std::array<double, 3> c = solve_parabola(moment, b);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double t = static_cast<double>(i) * step - 1.0;
-      z[i] -= c[0] + t * (c[1] + t * c[2]);
-    }
+  std::array<double, 5> moment{};
+  std::array<double, 3> b{};
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(z[i])) continue;
+    const double t = static_cast<double>(i) * step - 1.0, square = t * t;
+    moment[0] += 1.0, moment[1] += t, moment[2] += square;
+    moment[3] += square * t, moment[4] += square * square;
+    b[0] += z[i], b[1] += z[i] * t, b[2] += z[i] * square;
+  }
+  const std::array<double, 3> c = solve_parabola(moment, b);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = static_cast<double>(i) * step - 1.0;
+    z[i] -= c[0] + t * (c[1] + t * c[2]);
   }
 }
 
@@ -81,26 +79,33 @@ struct Lag1 {
 };
 
 // Autocorrelation at lag 1 about the mean. Without gaps n/(pairs + 1) is 1 and this is the textbook
-// estimate; with gaps it scales the sum of products to the pairs that exist.
+// estimate; with gaps it scales the sum of products to the pairs that exist. One pass: the parabola
+// is gone, so the mean is small and costs no digits when it is taken out of the sums afterwards.
 Lag1 lag1_autocorrelation(std::span<const double> z) {
-  double sum = 0.0;
-  std::size_t n = 0;
-  for (double v : z)
-    if (std::isfinite(v)) sum += v, ++n;
-  const double mean = n > 0 ? sum / static_cast<double>(n) : 0.0;
-  double squares = 0.0;
-  double products = 0.0;
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    if (!std::isfinite(z[i])) continue;
-    squares += (z[i] - mean) * (z[i] - mean);
-    if (i + 1 < z.size() && std::isfinite(z[i + 1])) {
-      products += (z[i] - mean) * (z[i + 1] - mean);
-      ++pairs;
+  double sum = 0.0, squares = 0.0, products = 0.0, both = 0.0, before = 0.0;
+  std::size_t n = 0, pairs = 0;
+  bool has_before = false;
+  for (double v : z) {
+    const bool known = std::isfinite(v);
+    if (known) {
+      ++n;
+      sum += v;
+      squares += v * v;
     }
+    if (known && has_before) {
+      ++pairs;
+      products += before * v;
+      both += before + v;
+    }
+    before = v;
+    has_before = known;
   }
-  const double scale = static_cast<double>(n) / static_cast<double>(pairs + 1);
-  return {squares > 0.0 ? scale * products / squares : std::numeric_limits<double>::quiet_NaN(),
+  const double count = static_cast<double>(n), pair_count = static_cast<double>(pairs);
+  const double mean = n > 0 ? sum / count : 0.0;
+  const double scatter = squares - count * mean * mean;
+  const double together = products - mean * both + pair_count * mean * mean;
+  return {scatter > 0.0 ? count / (pair_count + 1.0) * together / scatter
+                        : std::numeric_limits<double>::quiet_NaN(),
           pairs};
 }
 

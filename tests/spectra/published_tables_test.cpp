@@ -40,7 +40,7 @@ DeviationRow with_printed_noise(const PublishedTable& table, const ComparedRow& 
 // closed). (1) Overlapping differences of white FM with more than 100 lags, and (2) not overlapping
 // ones with more than 100: the short cuts of Greenhall and Riley, which ours sums in full. (3)
 // TOTDEV at m = 1 has 1.5 T/tau although no more than N - 2 differences are there. (4) MTOTDEV
-// beyond m = 8: 1.33 T/tau - 1.90 for alpha 0 and 1.73 T/tau - 2.99 for alpha 1, where SP 1065
+// beyond m = 8: 1.33 T/tau - 1.89 for alpha 0 and 1.73 T/tau - 2.99 for alpha 1, where SP 1065
 // prints (1.10, 1.20) and (1.20, 1.40). Simulated: 14.0 at alpha 0, T/tau = 15.6; SP 1065 has 16.0,
 // Stable32 18.9. (5) HTOTDEV up to m = 8, and for alpha above 0, has the older formulas of the
 // Allan variance; simulated phase noises have fewer degrees than those at long tau.
@@ -71,7 +71,7 @@ double stable32_degrees(const PublishedTable& table, const DeviationRow& row) {
   case Kind::mtotdev:
   case Kind::ttotdev:
     if (row.m > 8)
-      return row.alpha == 0 ? 1.33 * points / m - 1.90 : 1.73 * points / m - 2.99; // (4)
+      return row.alpha == 0 ? 1.33 * points / m - 1.89 : 1.73 * points / m - 2.99; // (4)
     break;
   case Kind::htotdev: // (5)
     if (row.alpha == 0 && row.m > 8)
