@@ -15,16 +15,39 @@ namespace goingrate {
 namespace {
 
 std::vector<double> every_mth(std::span<const double> phase, std::size_t m) {
-  std::vector<double> taken;
-  taken.reserve(phase.size() / m + 1);
-  for (std::size_t i = 0; i < phase.size(); i += m)
-    taken.push_back(phase[i]);
+  if (m == 1) return {phase.begin(), phase.end()};
+  std::vector<double> taken((phase.size() + m - 1) / m);
+  for (std::size_t k = 0; k < taken.size(); ++k)
+    taken[k] = phase[k * m];
   return taken;
 }
 
 std::size_t count_finite(std::span<const double> z) {
   return static_cast<std::size_t>(
       std::count_if(z.begin(), z.end(), [](double v) { return std::isfinite(v); }));
+}
+
+// Sums of the K numbers that term(i) returns, i < n. Four sums of each, so that one addition need
+// not wait for the one before.
+template <std::size_t K, class Term>
+std::array<double, K> sums_in_lanes(std::size_t n, const Term& term) {
+  constexpr std::size_t lanes = 4;
+  std::array<std::array<double, lanes>, K> lane_sums{};
+  std::size_t i = 0;
+  for (; i + lanes <= n; i += lanes)
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::array<double, K> values = term(i + lane);
+      for (std::size_t k = 0; k < K; ++k)
+        lane_sums[k][lane] += values[k];
+    }
+  std::array<double, K> sums{};
+  for (; i < n; ++i)
+    for (std::size_t k = 0; k < K; ++k)
+      sums[k] += term(i)[k];
+  for (std::size_t k = 0; k < K; ++k)
+    for (double part : lane_sums[k])
+      sums[k] += part;
+  return sums;
 }
 
 // Solves the symmetric 3 by 3 system of the moments t^0 .. t^4 by elimination; an unknown whose
@@ -54,12 +77,21 @@ std::array<double, 3> solve_parabola(const std::array<double, 5>& moment, std::a
 
 // Least-squares removal of 1, t, t^2 on the known points; t in [-1, 1] keeps the powers of similar
 // size.
-void remove_parabola(std::vector<double>& z) {
+void remove_parabola(std::vector<double>& z, bool whole) {
   const std::size_t n = z.size();
   const double step = n > 1 ? 2.0 / static_cast<double>(n - 1) : 0.0;
   std::array<double, 5> moment{};
   std::array<double, 3> b{};
-  for (std::size_t i = 0; i < n; ++i) {
+  if (whole) {
+    b = sums_in_lanes<3>(n, [&](std::size_t i) {
+      const double t = static_cast<double>(i) * step - 1.0;
+      return std::array{z[i], z[i] * t, z[i] * t * t};
+    });
+    const double count = static_cast<double>(n), gaps = count - 1.0; // n is 30 or more here
+    moment = {count, 0.0, count * (count + 1.0) / (3.0 * gaps), 0.0,
+              count * (count + 1.0) * (3.0 * count * count - 7.0) / (15.0 * gaps * gaps * gaps)};
+  }
+  for (std::size_t i = 0; i < n && !whole; ++i) {
     if (!std::isfinite(z[i])) continue;
     const double t = static_cast<double>(i) * step - 1.0, square = t * t;
     moment[0] += 1.0, moment[1] += t, moment[2] += square;
@@ -81,10 +113,19 @@ struct Lag1 {
 // Autocorrelation at lag 1 about the mean. Without gaps n/(pairs + 1) is 1 and this is the textbook
 // estimate; with gaps it scales the sum of products to the pairs that exist. One pass: the parabola
 // is gone, so the mean is small and costs no digits when it is taken out of the sums afterwards.
-Lag1 lag1_autocorrelation(std::span<const double> z) {
+Lag1 lag1_autocorrelation(std::span<const double> z, bool whole) {
   double sum = 0.0, squares = 0.0, products = 0.0, both = 0.0, before = 0.0;
   std::size_t n = 0, pairs = 0;
   bool has_before = false;
+  if (whole) {
+    n = z.size(), pairs = n - 1;
+    const auto sums = sums_in_lanes<3>(pairs, [&](std::size_t i) {
+      return std::array{z[i], z[i] * z[i], z[i] * z[i + 1]};
+    });
+    sum = sums[0] + z.back(), squares = sums[1] + z.back() * z.back(), products = sums[2];
+    both = 2.0 * sum - z.front() - z.back();
+    z = {};
+  }
   for (double v : z) {
     const bool known = std::isfinite(v);
     if (known) {
@@ -178,9 +219,10 @@ NoiseType identify_noise(std::span<const double> phase, std::size_t m,
   NoiseType noise;
   noise.points = count_finite(z);
   if (noise.points < least_points_for_noise_type) return noise;
-  remove_parabola(z);
+  const bool whole = noise.points == z.size();
+  remove_parabola(z, whole);
   for (std::size_t d = 0;; ++d) {
-    const Lag1 lag1 = lag1_autocorrelation(z);
+    const Lag1 lag1 = lag1_autocorrelation(z, whole);
     const bool enough = lag1.pairs + d + 1 >= least_points_for_noise_type;
     if (!enough || std::isnan(lag1.r1)) return noise;
     // r1 near -1 (alternating phase) would send rho to minus infinity; -0.9 is already far past

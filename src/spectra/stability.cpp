@@ -184,6 +184,7 @@ MeanSquareAt mean_square_of(Kind kind, std::span<const double> x) {
 // Noise at the tau of a row; not identified where too little is left to tell.
 NoiseType noise_at(Kind kind, std::span<const double> x, double tau,
                    const DeviationOptions& options) {
+  if (kind == Kind::mtie || kind == Kind::tierms) return {}; // without an interval it is no use
   if (options.alpha) return {*options.alpha, static_cast<double>(*options.alpha), 0, true};
   const auto m = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(tau)));
   const NoiseType found = identify_noise(x, m, is_hadamard(kind) ? 3 : 2);
