@@ -113,24 +113,39 @@ struct WindowMeans {
   }
 };
 
-// The largest of every `width` neighbours, in place: block by block from the left and from the
-// right, so that each window is the tail of one block and the head of the next (M. van Herk 1992).
-template <class Larger>
-void slide(std::vector<double>& values, std::size_t width, const Larger& larger) {
-  const std::size_t n = values.size();
-  std::vector<double> head(n);
-  for (std::size_t begin = 0; begin < n; begin += width) {
-    const std::size_t end = std::min(begin + width, n);
-    double best = values[begin];
-    for (std::size_t i = begin; i < end; ++i)
-      head[i] = best = larger(best, values[i]);
-    best = values[end - 1];
-    for (std::size_t i = end; i-- > begin;)
-      values[i] = best = larger(best, values[i]);
+// Largest and smallest so far; a NaN compares as neither.
+struct Range {
+  double high = -std::numeric_limits<double>::infinity();
+  double low = std::numeric_limits<double>::infinity();
+
+  void include(double v) {
+    high = v > high ? v : high;
+    low = v < low ? v : low;
   }
-  for (std::size_t i = 0; i + width <= n; ++i)
-    values[i] = larger(values[i], head[i + width - 1]);
-  values.resize(n + 1 - width);
+};
+
+// The largest range within `width` neighbours, and how many windows hold a known value. Block by
+// block: a window is the tail of one block and the head of the next (M. van Herk 1992).
+MeanSquare largest_range(std::span<const double> x, std::size_t width) {
+  const std::size_t windows = x.size() + 1 - width;
+  std::vector<Range> tail(width);
+  MeanSquare largest{-1.0, 0};
+  for (std::size_t block = 0; block < windows; block += width) {
+    Range range;
+    for (std::size_t k = width; k-- > 0;) {
+      range.include(x[block + k]);
+      tail[k] = range;
+    }
+    Range head;
+    for (std::size_t k = 0; k < width && block + k < windows; ++k) {
+      if (k > 0) head.include(x[block + k + width - 1]);
+      const double high = std::max(tail[k].high, head.high);
+      const double extent = high - std::min(tail[k].low, head.low);
+      largest.value = std::max(largest.value, extent);
+      largest.n += extent >= 0.0 ? 1 : 0;
+    }
+  }
+  return largest;
 }
 
 } // namespace
@@ -206,19 +221,9 @@ MeanSquareAt slope_differences(std::span<const double> x) {
 MeanSquareAt largest_ranges(std::span<const double> x) {
   return [x](std::size_t m) -> MeanSquare {
     if (m >= x.size()) return {};
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    std::vector<double> high(x.begin(), x.end()), low = high;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (std::isnan(x[i])) high[i] = -infinity, low[i] = infinity;
-    slide(high, m + 1, [](double a, double b) { return a > b ? a : b; });
-    slide(low, m + 1, [](double a, double b) { return a < b ? a : b; });
-    double largest = -infinity;
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < high.size(); ++i) {
-      const double range = high[i] - low[i];
-      if (range >= 0.0) ++n, largest = std::max(largest, range);
-    }
-    return n > 0 ? MeanSquare{largest * largest, n} : MeanSquare{};
+    const MeanSquare largest = largest_range(x, m + 1);
+    if (largest.n == 0) return {};
+    return {largest.value * largest.value, largest.n};
   };
 }
 

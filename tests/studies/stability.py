@@ -101,9 +101,10 @@ DEVIATIONS = {
 
 def main():
     phases = np.fromfile(sys.argv[1])
-    print(f"{'kind':<8} {'phases':>9} {'factors':>8} {'goingrate, s':>13} {'numpy, s':>10} {'ratio':>7} {'worst difference':>17}")
+    print(f"{'kind':<8} {'phases':>9} {'factors':>8} {'whole, s':>9} {'values, s':>10} {'numpy, s':>9} "
+          f"{'whole':>6} {'values':>7} {'worst difference':>17}")
     for line in open(sys.argv[2]):
-        kind, points, seconds, *rows = line.split()
+        kind, points, seconds, given, *rows = line.split()
         x = phases[:int(points)]
         begin = time.perf_counter()
         worst = 0.0
@@ -111,8 +112,8 @@ def main():
             m, value = row.split("=")
             worst = max(worst, abs(DEVIATIONS[kind](x, int(m)) / float(value) - 1))
         took = time.perf_counter() - begin
-        print(f"{kind:<8} {points:>9} {len(rows):>8} {float(seconds):>13.4f} {took:>10.3f} "
-              f"{took / float(seconds):>7.1f} {worst:>17.1e}", flush=True)
+        print(f"{kind:<8} {points:>9} {len(rows):>8} {float(seconds):>9.4f} {float(given):>10.4f} "
+              f"{took:>9.3f} {took / float(seconds):>6.1f} {took / float(given):>7.1f} {worst:>17.1e}", flush=True)
 
 
 main()

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Times tables of all octaves beside plain numpy on the same phases, in the same run, and counts the
 # rows of Stable32's tables that are reproduced if GOINGRATE_SHARED_DATA names their folder;
-# stability.txt holds such a print. goingrate: one thread, in process, with noise types and intervals;
-# numpy: the values. Takes a few minutes once built.
+# stability.txt holds such a print. goingrate: one thread, in process, the whole table with noise types and
+# intervals, and with the noise given; numpy: the values. Takes a few minutes once built.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . apps/setup.sh
