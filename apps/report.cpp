@@ -30,7 +30,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
                        fit_options(options.model, loaded, global));
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
-  data.deviation = allan_deviation(DeviationKind::oadev, error, loaded.nominal_period_s,
+  data.deviation = stability_table(DeviationKind::oadev, error, loaded.nominal_period_s,
                                    octave_factors(error.size()));
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);

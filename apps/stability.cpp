@@ -1,13 +1,15 @@
-// goingrate stability: Allan deviations.
+// goingrate stability: Allan deviations and their relatives.
 #include "common.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
+#include <optional>
 
 namespace goingrate::apps {
 
@@ -18,6 +20,8 @@ struct StabilityCommand {
   std::string kind = "oadev";
   std::string data = "timestamps";
   std::string taus = "octave";
+  std::optional<int> alpha;
+  bool keep_bias = false;
   std::string output;
   std::string json;
 };
@@ -58,30 +62,50 @@ Phase phase_of(const StabilityCommand& options, const GlobalOptions& global) {
   return {std::move(numbers), tau0_s};
 }
 
-std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points, double tau0_s) {
-  if (taus == "octave") return octave_factors(points);
-  if (taus == "decade") return decade_factors(points);
-  if (taus == "all") return all_factors(points);
-  return factors_for(numbers_in("taus", taus), points, tau0_s);
+std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points, double tau0_s,
+                                    DeviationKind kind) {
+  if (taus == "octave") return octave_factors(points, kind);
+  if (taus == "decade") return decade_factors(points, kind);
+  if (taus == "all") return all_factors(points, kind);
+  return factors_for(numbers_in("taus", taus), points, tau0_s, kind);
+}
+
+std::vector<std::string> kind_names() {
+  std::vector<std::string> names;
+  for (const DeviationKind kind : deviation_kinds)
+    names.emplace_back(name_of(kind));
+  return names;
+}
+
+DeviationKind kind_of(const std::string& name) {
+  return *std::find_if(deviation_kinds.begin(), deviation_kinds.end(),
+                       [&](DeviationKind kind) { return name_of(kind) == name; });
 }
 
 void run(const StabilityCommand& options, const GlobalOptions& global) {
   const Phase phase = phase_of(options, global);
-  const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s);
-  const DeviationKind kind = options.kind == "adev" ? DeviationKind::adev : DeviationKind::oadev;
-  const DeviationTable table = allan_deviation(kind, phase.phase_s, phase.tau0_s, factors);
-  write_whole_files({{options.json, stability_json(table)},
-                     {table_output(options.output, options.json), deviation_text(table)}});
+  const DeviationKind kind = kind_of(options.kind);
+  const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s, kind);
+  const DeviationTable table =
+      stability_table(kind, phase.phase_s, phase.tau0_s, factors,
+                      {.alpha = options.alpha, .remove_bias = !options.keep_bias});
+  const std::string text = deviation_text(table) + deviation_findings(table);
+  write_whole_files(
+      {{options.json, stability_json(table)}, {table_output(options.output, options.json), text}});
 }
 
 } // namespace
 
 void add_stability(CLI::App& program, const GlobalOptions& global) {
-  auto* command = program.add_subcommand("stability", "Allan deviations of a log or of phase data");
+  auto* command = program.add_subcommand(
+      "stability", "Allan deviations and their relatives, of a log or of phase data");
   auto options = std::make_shared<StabilityCommand>();
   add_log_options(*command, options->log);
-  command->add_option("--kind", options->kind, "oadev (overlapping) or adev")
-      ->check(CLI::IsMember({"oadev", "adev"}))
+  command
+      ->add_option(
+          "--kind", options->kind,
+          "which deviation: oadev (overlapping Allan), mdev (modified), hdev (Hadamard) ...")
+      ->check(CLI::IsMember(kind_names()))
       ->capture_default_str();
   command
       ->add_option("--data", options->data,
@@ -92,6 +116,12 @@ void add_stability(CLI::App& program, const GlobalOptions& global) {
       ->add_option("--taus", options->taus,
                    "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
       ->capture_default_str();
+  command
+      ->add_option("--alpha", options->alpha,
+                   "noise assumed at every averaging time, 2 (jitter) to -4; else it is identified")
+      ->check(CLI::Range(-4, 2));
+  command->add_flag("--no-bias", options->keep_bias,
+                    "leave the bias of the total deviations and of theo1 in");
   command->add_option("-o,--output", options->output, "the table; standard output if not given");
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate stability data/logs/noisy-drive.csv --taus decade");

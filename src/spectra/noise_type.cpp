@@ -1,13 +1,5 @@
-// Notation, after Greenhall and Riley:
-//   u       lag in samples (their t is u/m, so nothing here divides by m)
-//   w(u)    generalised autocovariance of the time integral of phase noise with S_y ~ f^alpha, up
-//           to a positive factor
-//   s_x(u)  that of the phase averaged over one sampling interval, 2w(u) - w(u-1) - w(u+1)
-//   s_z(u)  autocovariance of the second difference over m samples
-//   M, J, S number of differences, number of lags summed, starts per tau
-// References: C. A. Greenhall and W. J. Riley, "Uncertainty of stability variances based on finite
-// differences", PTTI 2003; W. J. Riley and C. A. Greenhall, "Power law noise identification using
-// the lag 1 autocorrelation", EFTF 2004; W. J. Riley, NIST SP 1065 (2008).
+// References: W. J. Riley and C. A. Greenhall, "Power law noise identification using the lag 1
+// autocorrelation", EFTF 2004; W. J. Riley, NIST SP 1065 (2008).
 #include "goingrate/spectra/noise_type.hpp"
 
 #include <algorithm>
@@ -16,18 +8,17 @@
 #include <limits>
 #include <vector>
 
-#include <boost/math/distributions/chi_squared.hpp>
-
 #include "goingrate/base/errors.hpp"
+#include "mean_squares.hpp"
 
 namespace goingrate {
 namespace {
 
 std::vector<double> every_mth(std::span<const double> phase, std::size_t m) {
-  std::vector<double> taken;
-  taken.reserve(phase.size() / m + 1);
-  for (std::size_t i = 0; i < phase.size(); i += m)
-    taken.push_back(phase[i]);
+  if (m == 1) return {phase.begin(), phase.end()};
+  std::vector<double> taken((phase.size() + m - 1) / m);
+  for (std::size_t k = 0; k < taken.size(); ++k)
+    taken[k] = phase[k * m];
   return taken;
 }
 
@@ -36,36 +27,81 @@ std::size_t count_finite(std::span<const double> z) {
       std::count_if(z.begin(), z.end(), [](double v) { return std::isfinite(v); }));
 }
 
-// <a, b> over the places where z is known.
-double inner(std::span<const double> z, std::span<const double> a, std::span<const double> b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < z.size(); ++i)
-    if (std::isfinite(z[i])) sum += a[i] * b[i];
-  return sum;
-}
-
-void take_out(std::span<const double> z, std::span<const double> basis, std::span<double> v) {
-  const double norm = inner(z, basis, basis);
-  if (norm == 0.0) return; // fewer known points than coefficients: that power is already fitted
-  const double share = inner(z, basis, v) / norm;
-  for (std::size_t i = 0; i < v.size(); ++i)
-    v[i] -= share * basis[i];
-}
-
-// Least-squares removal of 1, t, t^2, made orthogonal on the known points so that gaps do no harm.
-void remove_parabola(std::vector<double>& z) {
-  const std::size_t n = z.size();
-  std::array<std::vector<double>, 3> basis;
-  for (std::size_t k = 0; k < basis.size(); ++k) {
-    basis[k].resize(n);
-    for (std::size_t i = 0; i < n; ++i) { // t in [-1, 1] keeps the powers of similar size
-      const double t =
-          n > 1 ? 2.0 * static_cast<double>(i) / static_cast<double>(n - 1) - 1.0 : 0.0;
-      basis[k][i] = std::pow(t, static_cast<double>(k));
+// Sums of the K numbers that term(i) returns, i < n. Four sums of each, so that one addition need
+// not wait for the one before.
+template <std::size_t K, class Term>
+std::array<double, K> sums_in_lanes(std::size_t n, const Term& term) {
+  constexpr std::size_t lanes = 4;
+  std::array<std::array<double, lanes>, K> lane_sums{};
+  std::size_t i = 0;
+  for (; i + lanes <= n; i += lanes)
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::array<double, K> values = term(i + lane);
+      for (std::size_t k = 0; k < K; ++k)
+        lane_sums[k][lane] += values[k];
     }
-    for (std::size_t earlier = 0; earlier < k; ++earlier)
-      take_out(z, basis[earlier], basis[k]);
-    take_out(z, basis[k], z);
+  std::array<double, K> sums{};
+  for (; i < n; ++i)
+    for (std::size_t k = 0; k < K; ++k)
+      sums[k] += term(i)[k];
+  for (std::size_t k = 0; k < K; ++k)
+    for (double part : lane_sums[k])
+      sums[k] += part;
+  return sums;
+}
+
+// Solves the symmetric 3 by 3 system of the moments t^0 .. t^4 by elimination; an unknown whose
+// pivot has vanished (fewer known points than coefficients) is left at zero.
+std::array<double, 3> solve_parabola(const std::array<double, 5>& moment, std::array<double, 3> b) {
+  std::array<std::array<double, 3>, 3> a{};
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c)
+      a[r][c] = moment[r + c];
+  const double least = 1e-13 * moment[0]; // a few roundings of the largest moment
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t r = k + 1; r < 3 && a[k][k] > least; ++r) {
+      const double share = a[r][k] / a[k][k];
+      for (std::size_t c = k; c < 3; ++c)
+        a[r][c] -= share * a[k][c];
+      b[r] -= share * b[k];
+    }
+  std::array<double, 3> solution{};
+  for (std::size_t k = 3; k-- > 0;) {
+    double rest = b[k];
+    for (std::size_t c = k + 1; c < 3; ++c)
+      rest -= a[k][c] * solution[c];
+    solution[k] = a[k][k] > least ? rest / a[k][k] : 0.0;
+  }
+  return solution;
+}
+
+// Least-squares removal of 1, t, t^2 on the known points; t in [-1, 1] keeps the powers of similar
+// size.
+void remove_parabola(std::vector<double>& z, bool whole) {
+  const std::size_t n = z.size();
+  const double step = n > 1 ? 2.0 / static_cast<double>(n - 1) : 0.0;
+  std::array<double, 5> moment{};
+  std::array<double, 3> b{};
+  if (whole) {
+    b = sums_in_lanes<3>(n, [&](std::size_t i) {
+      const double t = static_cast<double>(i) * step - 1.0;
+      return std::array{z[i], z[i] * t, z[i] * t * t};
+    });
+    const double count = static_cast<double>(n), gaps = count - 1.0; // n is 30 or more here
+    moment = {count, 0.0, count * (count + 1.0) / (3.0 * gaps), 0.0,
+              count * (count + 1.0) * (3.0 * count * count - 7.0) / (15.0 * gaps * gaps * gaps)};
+  }
+  for (std::size_t i = 0; i < n && !whole; ++i) {
+    if (!std::isfinite(z[i])) continue;
+    const double t = static_cast<double>(i) * step - 1.0, square = t * t;
+    moment[0] += 1.0, moment[1] += t, moment[2] += square;
+    moment[3] += square * t, moment[4] += square * square;
+    b[0] += z[i], b[1] += z[i] * t, b[2] += z[i] * square;
+  }
+  const std::array<double, 3> c = solve_parabola(moment, b);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = static_cast<double>(i) * step - 1.0;
+    z[i] -= c[0] + t * (c[1] + t * c[2]);
   }
 }
 
@@ -75,26 +111,42 @@ struct Lag1 {
 };
 
 // Autocorrelation at lag 1 about the mean. Without gaps n/(pairs + 1) is 1 and this is the textbook
-// estimate; with gaps it scales the sum of products to the pairs that exist.
-Lag1 lag1_autocorrelation(std::span<const double> z) {
-  double sum = 0.0;
-  std::size_t n = 0;
-  for (double v : z)
-    if (std::isfinite(v)) sum += v, ++n;
-  const double mean = n > 0 ? sum / static_cast<double>(n) : 0.0;
-  double squares = 0.0;
-  double products = 0.0;
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    if (!std::isfinite(z[i])) continue;
-    squares += (z[i] - mean) * (z[i] - mean);
-    if (i + 1 < z.size() && std::isfinite(z[i + 1])) {
-      products += (z[i] - mean) * (z[i + 1] - mean);
-      ++pairs;
-    }
+// estimate; with gaps it scales the sum of products to the pairs that exist. One pass: the parabola
+// is gone, so the mean is small and costs no digits when it is taken out of the sums afterwards.
+Lag1 lag1_autocorrelation(std::span<const double> z, bool whole) {
+  double sum = 0.0, squares = 0.0, products = 0.0, both = 0.0, before = 0.0;
+  std::size_t n = 0, pairs = 0;
+  bool has_before = false;
+  if (whole) {
+    n = z.size(), pairs = n - 1;
+    const auto sums = sums_in_lanes<3>(pairs, [&](std::size_t i) {
+      return std::array{z[i], z[i] * z[i], z[i] * z[i + 1]};
+    });
+    sum = sums[0] + z.back(), squares = sums[1] + z.back() * z.back(), products = sums[2];
+    both = 2.0 * sum - z.front() - z.back();
+    z = {};
   }
-  const double scale = static_cast<double>(n) / static_cast<double>(pairs + 1);
-  return {squares > 0.0 ? scale * products / squares : std::numeric_limits<double>::quiet_NaN(),
+  for (double v : z) {
+    const bool known = std::isfinite(v);
+    if (known) {
+      ++n;
+      sum += v;
+      squares += v * v;
+    }
+    if (known && has_before) {
+      ++pairs;
+      products += before * v;
+      both += before + v;
+    }
+    before = v;
+    has_before = known;
+  }
+  const double count = static_cast<double>(n), pair_count = static_cast<double>(pairs);
+  const double mean = n > 0 ? sum / count : 0.0;
+  const double scatter = squares - count * mean * mean;
+  const double together = products - mean * both + pair_count * mean * mean;
+  return {scatter > 0.0 ? count / (pair_count + 1.0) * together / scatter
+                        : std::numeric_limits<double>::quiet_NaN(),
           pairs};
 }
 
@@ -104,65 +156,73 @@ void difference(std::vector<double>& z) {
   z.pop_back();
 }
 
-// sum over k of 2 f^(2k)(u)/(2k)!, the second difference at spacing 1 of f = u^2 ln u.
-double second_difference_u2_log(double u) {
-  const double v = 1.0 / (u * u);
-  return 2.0 * std::log(u) + 3.0 - v * (1.0 / 6.0 + v / 30.0);
+// Variance and Allan variance of averaged frequencies (in units of 1/m), from phases one tau apart;
+// an Allan difference needs two neighbours.
+struct FrequencyScatter {
+  double variance = 0.0, allan = 0.0;
+  std::size_t n = 0, pairs = 0;
+};
+
+FrequencyScatter scatter_of_steps(std::span<const double> z) {
+  FrequencyScatter scatter;
+  double mean = 0.0;
+  for (std::size_t i = 0; i + 1 < z.size(); ++i) {
+    const double y = z[i + 1] - z[i];
+    if (std::isnan(y)) continue;
+    ++scatter.n;
+    const double from_mean = y - mean;
+    mean += from_mean / static_cast<double>(scatter.n);
+    scatter.variance += from_mean * (y - mean);
+    const double jump = i + 2 < z.size() ? (z[i + 2] - z[i + 1]) - y : y - y;
+    if (i + 2 >= z.size() || std::isnan(jump)) continue;
+    scatter.allan += jump * jump;
+    ++scatter.pairs;
+  }
+  if (scatter.n > 1) scatter.variance /= static_cast<double>(scatter.n - 1);
+  if (scatter.pairs > 0) scatter.allan /= 2.0 * static_cast<double>(scatter.pairs);
+  return scatter;
 }
 
-// The same for f = u^4 ln u.
-double second_difference_u4_log(double u) {
-  const double l = std::log(u);
-  const double v = 1.0 / (u * u);
-  return u * u * (12.0 * l + 7.0) + 2.0 * l + 25.0 / 6.0 - v / 15.0;
-}
-
-double power_log(double u, int power) {
-  u = std::abs(u);
-  return u == 0.0 ? 0.0 : std::pow(u, power) * std::log(u);
-}
-
-// s_x(u) for whole u. Polynomial cases are differenced by hand; in the logarithmic ones a direct
-// difference loses about u^2 in relative accuracy, so from u = 32 the series takes over: there its
-// first neglected term is below 1e-12 of the value, and so is the loss of the direct difference.
-double averaged_phase_covariance(int alpha, double u) {
-  u = std::abs(u);
-  constexpr double series_from = 32.0;
-  switch (alpha) {
+// B1: what variance over Allan variance is expected to be for n frequencies of sigma^2 ~ tau^mu.
+double expected_ratio(double n, int mu) {
+  switch (mu) {
   case 2:
-    return u == 0.0 ? 2.0 : 0.0;
+    return n * (n + 1.0) / 6.0;
   case 1:
-    if (u >= series_from) return -second_difference_u2_log(u);
-    return 2.0 * power_log(u, 2) - power_log(u - 1, 2) - power_log(u + 1, 2);
+    return 0.5 * n;
   case 0:
-    return u == 0.0 ? -2.0 : -6.0 * u;
+    return n * std::log(n) / (2.0 * (n - 1.0) * std::log(2.0));
   case -1:
-    if (u >= series_from) return second_difference_u4_log(u);
-    return power_log(u - 1, 4) + power_log(u + 1, 4) - 2.0 * power_log(u, 4);
-  default: // -2
-    return u == 0.0 ? 2.0 : (20.0 * u * u + 10.0) * u;
+    return 1.0;
+  default:
+    return (n * n - 1.0) / (1.5 * n * (n - 1.0));
   }
 }
 
-double second_difference_covariance(int alpha, double u, double m) {
-  return 6.0 * averaged_phase_covariance(alpha, u) - 4.0 * averaged_phase_covariance(alpha, u - m) -
-         4.0 * averaged_phase_covariance(alpha, u + m) +
-         averaged_phase_covariance(alpha, u - 2.0 * m) +
-         averaged_phase_covariance(alpha, u + 2.0 * m);
+// 2 or 1: which phase noise MVAR/AVAR speaks for.
+int alpha_of_phase_noise(std::span<const double> phase, std::size_t m) {
+  const MeanSquare modified = mean_phase_differences(phase)(m);
+  const MeanSquare plain = phase_differences(phase, 2, true)(m);
+  if (m == 1 || modified.n == 0 || !(plain.value > 0.0)) return 2;
+  const double factor = static_cast<double>(m), pi = std::acos(-1.0);
+  const double white = 1.0 / factor;
+  const double flicker = 1.5 * std::log(256.0 / 27.0) / (1.038 + 3.0 * std::log(pi * factor));
+  return modified.value / plain.value < std::sqrt(white * flicker) ? 2 : 1;
 }
 
 } // namespace
 
-NoiseType identify_noise(std::span<const double> phase, std::size_t m) {
+NoiseType identify_noise(std::span<const double> phase, std::size_t m,
+                         std::size_t most_differences) {
   if (m == 0) throw ArgumentError("m", 0.0, "1 or more");
   std::vector<double> z = every_mth(phase, m);
   NoiseType noise;
   noise.points = count_finite(z);
   if (noise.points < least_points_for_noise_type) return noise;
-  remove_parabola(z);
-  constexpr std::size_t most_differences = 2; // what the second difference of an Allan variance has
+  const bool whole = noise.points == z.size();
+  remove_parabola(z, whole);
   for (std::size_t d = 0;; ++d) {
-    const Lag1 lag1 = lag1_autocorrelation(z);
+    const Lag1 lag1 = lag1_autocorrelation(z, whole);
     const bool enough = lag1.pairs + d + 1 >= least_points_for_noise_type;
     if (!enough || std::isnan(lag1.r1)) return noise;
     // r1 near -1 (alternating phase) would send rho to minus infinity; -0.9 is already far past
@@ -179,43 +239,25 @@ NoiseType identify_noise(std::span<const double> phase, std::size_t m) {
   }
 }
 
-double allan_degrees_of_freedom(int alpha, std::size_t m, std::size_t n, DifferenceStride stride) {
-  if (alpha < -2 || alpha > 2) throw ArgumentError("alpha", alpha, "from -2 to 2");
+NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m) {
   if (m == 0) throw ArgumentError("m", 0.0, "1 or more");
-  if (n == 0) throw ArgumentError("n", 0.0, "1 or more");
-  const bool overlapped = stride == DifferenceStride::one_sample;
-  const std::size_t starts_per_tau = overlapped ? m : 1;
-  const double step = overlapped ? 1.0 : static_cast<double>(m);
-  const double tau = static_cast<double>(m);
-  const double count = static_cast<double>(n);
-  // Beyond 3 tau two second differences share no sample and their correlation dies away.
-  const std::size_t lags = std::min(n, 3 * starts_per_tau);
-
-  const auto squared = [&](std::size_t j) {
-    const double s = second_difference_covariance(alpha, static_cast<double>(j) * step, tau);
-    return s * s;
+  const std::vector<double> z = every_mth(phase, m);
+  const FrequencyScatter scatter = scatter_of_steps(z);
+  NoiseType noise;
+  noise.points = count_finite(z);
+  if (scatter.n < least_frequencies_for_ratio || !(scatter.allan > 0.0)) return noise;
+  const double n = static_cast<double>(scatter.n);
+  const double ratio = scatter.variance / scatter.allan;
+  const auto border = [n](int mu) {
+    return std::sqrt(expected_ratio(n, mu) * expected_ratio(n, mu - 1));
   };
-  double sum = (1.0 - static_cast<double>(lags) / count) * squared(lags);
-  for (std::size_t j = 1; j < lags; ++j)
-    sum += 2.0 * (1.0 - static_cast<double>(j) / count) * squared(j);
-  const double variance = squared(0);
-  return count * variance / (variance + sum);
-}
-
-DeviationInterval chi_squared_interval(double deviation, double degrees_of_freedom,
-                                       double probability) {
-  if (!(deviation >= 0.0) || !std::isfinite(deviation))
-    throw ArgumentError("deviation", deviation, "finite and not negative");
-  if (!(degrees_of_freedom > 0.0) || !std::isfinite(degrees_of_freedom))
-    throw ArgumentError("degrees_of_freedom", degrees_of_freedom, "finite and above 0");
-  if (!(probability > 0.0 && probability < 1.0))
-    throw ArgumentError("probability", probability, "between 0 and 1, ends excluded");
-  const boost::math::chi_squared distribution(degrees_of_freedom);
-  const double tail = 0.5 * (1.0 - probability);
-  const double upper = boost::math::quantile(boost::math::complement(distribution, tail));
-  const double lower = boost::math::quantile(distribution, tail);
-  return {deviation * std::sqrt(degrees_of_freedom / upper),
-          deviation * std::sqrt(degrees_of_freedom / lower)};
+  noise.alpha = -2;
+  for (int mu = 1; noise.alpha < 1 && ratio <= border(mu); --mu)
+    ++noise.alpha;
+  if (noise.alpha == 1) noise.alpha = alpha_of_phase_noise(phase, m);
+  noise.exponent = noise.alpha;
+  noise.identified = true;
+  return noise;
 }
 
 } // namespace goingrate

@@ -1,17 +1,25 @@
-// Notation: x phase in s, N phases, tau0 sampling interval, m averaging factor, n differences used.
+// Notation: x phase in s, N phases, tau0 sampling interval, m averaging factor, n terms used.
 #include "goingrate/spectra/stability.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
 #include <limits>
-#include <string>
+#include <mutex>
+#include <thread>
 
+#include "bias.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/sums.hpp"
+#include "goingrate/spectra/degrees_of_freedom.hpp"
 #include "goingrate/spectra/noise_type.hpp"
+#include "mean_squares.hpp"
 
 namespace goingrate {
 namespace {
+
+using Kind = DeviationKind;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -20,13 +28,17 @@ void check_interval(double tau0_s) {
     throw ArgumentError("tau0_s", tau0_s, "finite and above 0");
 }
 
-void check_factors(std::span<const std::size_t> factors, std::size_t phase_points) {
+void check_factors(Kind kind, std::span<const std::size_t> factors, std::size_t phase_points) {
+  const std::size_t largest = largest_factor(kind, phase_points);
   std::size_t previous = 0;
   for (std::size_t m : factors) {
     if (m <= previous)
       throw ArgumentError("factors", static_cast<double>(m), "1 or more and strictly increasing");
-    if (m > (phase_points - 1) / 2)
-      throw ArgumentError("factors", static_cast<double>(m), "below half the number of phases");
+    if (m > largest)
+      throw ArgumentError("factors", static_cast<double>(m),
+                          "at most " + std::to_string(largest) + " for this kind and data");
+    if (kind == Kind::theo1 && (m % 2 != 0 || m < 10))
+      throw ArgumentError("factors", static_cast<double>(m), "even and 10 or more for theo1");
     previous = m;
   }
 }
@@ -36,6 +48,10 @@ void check_phase(std::span<const double> phase_s) {
     throw ArgumentError("phase_s.size()", static_cast<double>(phase_s.size()), "3 or more");
   for (double x : phase_s)
     if (std::isinf(x)) throw ArgumentError("phase_s", x, "finite, or NaN for a gap");
+}
+
+void check_alpha(const std::optional<int>& alpha) {
+  if (alpha && (*alpha < -4 || *alpha > 2)) throw ArgumentError("alpha", *alpha, "from -4 to 2");
 }
 
 // The phase less the line through its first and last known point. x - x_first errs by no more than
@@ -54,104 +70,254 @@ std::vector<double> without_end_line(std::span<const double> phase_s) {
   return rest;
 }
 
-struct SquareSum {
-  double sum = 0.0;
-  std::size_t n = 0;
+bool is_hadamard(Kind kind) {
+  return kind == Kind::hdev || kind == Kind::ohdev || kind == Kind::htotdev;
+}
+
+bool needs_an_unbroken_run(Kind kind) {
+  return kind == Kind::mtotdev || kind == Kind::ttotdev || kind == Kind::htotdev ||
+         kind == Kind::theo1 || kind == Kind::theoh || kind == Kind::pdev;
+}
+
+// What the deviation of `kind` is made of. Unknown phases at the ends are cut off where the ends
+// matter, and gaps within are bridged where they must not be.
+struct Series {
+  std::vector<double> x;
+  std::size_t bridged = 0;
 };
 
-SquareSum sum_squared_differences(std::span<const double> x, std::size_t m, std::size_t stride) {
-  SquareSum total;
-  for (std::size_t i = 0; i + 2 * m < x.size(); i += stride) {
-    const double difference = (x[i + 2 * m] - x[i + m]) - (x[i + m] - x[i]);
-    if (std::isnan(difference)) continue;
-    total.sum += difference * difference;
-    ++total.n;
+void bridge_gaps(Series& series) {
+  std::vector<double>& x = series.x;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    if (!std::isnan(x[i])) continue;
+    std::size_t next = i;
+    while (std::isnan(x[next]))
+      ++next; // the last phase is known
+    const double before = x[i - 1], span = static_cast<double>(next - i + 1);
+    for (std::size_t k = i; k < next; ++k)
+      x[k] = before + (x[next] - before) * (static_cast<double>(k - i + 1) / span);
+    series.bridged += next - i;
+    i = next;
   }
-  return total;
 }
 
-// Noise for the first row of a table when the factor asked for leaves too few points: the largest
-// smaller factor that leaves 30, which is the nearest averaging time at which anything is known.
-NoiseType noise_at_or_below(std::span<const double> x, std::size_t m) {
-  const NoiseType here = identify_noise(x, m);
-  const std::size_t largest = (x.size() - 1) / (least_points_for_noise_type - 1);
-  if (here.identified || largest == 0 || largest >= m) return here;
-  return identify_noise(x, largest);
+Series prepared(Kind kind, std::span<const double> phase_s) {
+  const bool sees_the_rate = kind == Kind::mtie || kind == Kind::tierms;
+  Series series{sees_the_rate ? std::vector<double>(phase_s.begin(), phase_s.end())
+                              : without_end_line(phase_s)};
+  if (kind != Kind::totdev && !needs_an_unbroken_run(kind)) return series;
+  const auto known = [](double x) { return !std::isnan(x); };
+  std::vector<double>& x = series.x;
+  x.erase(std::find_if(x.rbegin(), x.rend(), known).base(), x.end());
+  x.erase(x.begin(), std::find_if(x.begin(), x.end(), known));
+  if (needs_an_unbroken_run(kind)) bridge_gaps(series);
+  return series;
 }
 
-DeviationRow deviation_row(DeviationKind kind, std::span<const double> x, double tau0_s,
-                           std::size_t m) {
-  const bool overlapped = kind == DeviationKind::oadev;
-  const SquareSum total = sum_squared_differences(x, m, overlapped ? 1 : m);
-  const double tau_s = static_cast<double>(m) * tau0_s;
-  const double value =
-      total.n > 0 ? std::sqrt(total.sum / (2.0 * static_cast<double>(total.n))) / tau_s : nan;
-  return {tau_s, m, total.n, value, nan, nan, 0, false};
+// A row's factor in the variance it is taken from, and that variance's kind.
+struct Source {
+  Kind kind;
+  std::size_t m;
+  double tau; // in units of tau0
+};
+
+Source source_of(Kind kind, std::size_t m, std::size_t points) {
+  const double factor = static_cast<double>(m);
+  if (kind == Kind::theo1) return {kind, m, 0.75 * factor};
+  if (kind != Kind::theoh) return {kind, m, factor};
+  if (10 * m <= points - 1) return {Kind::oadev, m, factor};
+  const auto even = 2 * static_cast<std::size_t>(std::lround(factor / 1.5));
+  const std::size_t theo = std::clamp<std::size_t>(even, 10, largest_factor(Kind::theo1, points));
+  return {Kind::theoh, theo, 0.75 * static_cast<double>(theo)};
 }
 
-void add_interval(DeviationRow& row, DeviationKind kind, const NoiseType& noise) {
+// Theo1 times the mean ratio of AVAR to it (SP 1065 section 5.2.16, "TheoBR"): OADEV at 9 + 3i
+// against Theo1 at 12 + 4i, which has the same tau.
+MeanSquareAt scaled_theo1(std::span<const double> x) {
+  const std::size_t pairs = x.size() >= 90 ? x.size() / 30 - 3 + 1 : 1;
+  constexpr std::size_t enough = 32; // the ratio scatters less than Theo1 does at the tau it is for
+  const std::size_t taken = std::min(pairs, enough);
+  const MeanSquareAt allan = phase_differences(x, 2, true), theo1 = theo1_differences(x);
+  double ratio = 0.0;
+  for (std::size_t k = 0; k < taken; ++k) {
+    const std::size_t i = taken > 1 ? k * (pairs - 1) / (taken - 1) : 0;
+    ratio += allan(9 + 3 * i).value / theo1(12 + 4 * i).value / static_cast<double>(taken);
+  }
+  return [theo1, ratio](std::size_t m) {
+    MeanSquare mean = theo1(m);
+    if (std::isfinite(ratio)) mean.value *= ratio; // not so for phases without any noise
+    return mean;
+  };
+}
+
+MeanSquareAt mean_square_of(Kind kind, std::span<const double> x) {
+  switch (kind) {
+  case Kind::adev:
+  case Kind::oadev:
+    return phase_differences(x, 2, kind == Kind::oadev);
+  case Kind::hdev:
+  case Kind::ohdev:
+    return phase_differences(x, 3, kind == Kind::ohdev);
+  case Kind::mdev:
+  case Kind::tdev:
+    return mean_phase_differences(x);
+  case Kind::totdev:
+    return reflected_differences(x);
+  case Kind::mtotdev:
+  case Kind::ttotdev:
+    return modified_total(x);
+  case Kind::htotdev:
+    return hadamard_total(x);
+  case Kind::theo1:
+    return theo1_differences(x);
+  case Kind::theoh:
+    return scaled_theo1(x);
+  case Kind::mtie:
+    return largest_ranges(x);
+  case Kind::tierms:
+    return phase_differences(x, 1, true);
+  default:
+    return slope_differences(x);
+  }
+}
+
+// Noise at the tau of a row; not identified where too little is left to tell.
+NoiseType noise_at(Kind kind, std::span<const double> x, double tau,
+                   const DeviationOptions& options) {
+  if (kind == Kind::mtie || kind == Kind::tierms) return {}; // without an interval it is no use
+  if (options.alpha) return {*options.alpha, static_cast<double>(*options.alpha), 0, true};
+  const auto m = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(tau)));
+  const NoiseType found = identify_noise(x, m, is_hadamard(kind) ? 3 : 2);
+  return found.identified ? found : identify_noise_by_ratio(x, m);
+}
+
+double degrees_of(const Source& source, int alpha, std::size_t n, std::size_t points) {
+  const auto differences = [&](DifferenceStride stride, std::size_t order, PhaseFilter filter) {
+    return difference_degrees_of_freedom(alpha, source.m, n, {stride, order, filter});
+  };
+  using enum DifferenceStride;
+  const PhaseFilter modified = source.m == 1 ? PhaseFilter::none : PhaseFilter::mean_of_tau;
+  switch (source.kind) {
+  case Kind::adev:
+    return differences(one_tau, 2, PhaseFilter::none);
+  case Kind::oadev:
+    return differences(one_sample, 2, PhaseFilter::none);
+  case Kind::hdev:
+    return differences(one_tau, 3, PhaseFilter::none);
+  case Kind::ohdev:
+    return differences(one_sample, 3, PhaseFilter::none);
+  case Kind::totdev: // at m = 1 no reflected phase takes part
+    return source.m == 1 ? differences(one_sample, 2, PhaseFilter::none)
+                         : total_degrees_of_freedom(alpha, source.m, points);
+  case Kind::mtotdev:
+  case Kind::ttotdev: // the fit is one for long averages; MVAR, the plainer one, has no more than
+                      // it
+    return source.m > 8 ? modified_total_degrees_of_freedom(alpha, source.m, points)
+                        : differences(one_sample, 2, modified);
+  case Kind::htotdev: // there is no fit for phase noises; the plain Hadamard variance has fewer
+    return source.m > 1 && alpha <= 0 ? hadamard_total_degrees_of_freedom(alpha, source.m, points)
+                                      : differences(one_sample, 3, PhaseFilter::none);
+  case Kind::theo1:
+  case Kind::theoh:
+    return theo1_degrees_of_freedom(alpha, source.m, points);
+  default: // mdev, tdev, pdev; at m = 1 they are the Allan variance
+    return differences(one_sample, 2, modified);
+  }
+}
+
+void add_interval(DeviationRow& row, const Source& source, const NoiseType& noise,
+                  std::size_t points, bool remove_bias) {
   if (!noise.identified) return;
   row.alpha = noise.alpha;
-  if (row.n == 0 || noise.alpha < -2) return;
-  const auto stride =
-      kind == DeviationKind::oadev ? DifferenceStride::one_sample : DifferenceStride::one_tau;
-  const double degrees = allan_degrees_of_freedom(noise.alpha, row.m, row.n, stride);
+  if (remove_bias) {
+    row.bias = variance_bias(source.kind, noise.alpha, source.m, points);
+    row.value /= std::sqrt(row.bias);
+  }
+  const int lowest = is_hadamard(source.kind) ? -4 : -2;
+  const bool none = source.kind == Kind::mtie || source.kind == Kind::tierms;
+  if (row.n == 0 || noise.alpha < lowest || none) return;
+  const double degrees = degrees_of(source, noise.alpha, row.n, points);
   const DeviationInterval interval = chi_squared_interval(row.value, degrees);
   row.low = interval.low;
   row.high = interval.high;
   row.interval = true;
 }
 
-void check_points(std::size_t phase_points) {
-  if (phase_points < 3)
-    throw ArgumentError("phase_points", static_cast<double>(phase_points), "3 or more");
+DeviationRow row_without_noise(const Source& source, const MeanSquare& mean, double tau0_s) {
+  const double tau_s = source.tau * tau0_s;
+  double value = std::sqrt(mean.value);
+  if (source.kind == Kind::tdev || source.kind == Kind::ttotdev) value /= std::sqrt(3.0);
+  if (!is_in_seconds(source.kind)) value /= tau_s;
+  return {tau_s, source.m, mean.n, value, nan, nan, 0, false};
+}
+
+// Calls work(i) for i = 0 .. count - 1, shared among threads that each take the next one; an
+// exception of any of them is thrown here.
+template <class Work> void share(std::size_t count, std::size_t threads, const Work& work) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto run = [&] {
+    try {
+      for (std::size_t i = next++; i < count; i = next++)
+        work(i);
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      failure = std::current_exception();
+      next = count;
+    }
+  };
+  std::vector<std::thread> others;
+  for (std::size_t k = 1; k < std::min(threads, count); ++k)
+    others.emplace_back(run);
+  run();
+  for (std::thread& other : others)
+    other.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+std::size_t threads_for(const DeviationOptions& options, std::size_t points, std::size_t factors) {
+  if (options.threads > 0) return options.threads;
+  constexpr std::size_t worth_a_thread = 10'000'000; // terms, some 10 ms
+  return points * factors < worth_a_thread ? 1 : std::max(1u, std::thread::hardware_concurrency());
 }
 
 } // namespace
 
-DeviationTable allan_deviation(DeviationKind kind, std::span<const double> phase_s, double tau0_s,
-                               std::span<const std::size_t> factors) {
+DeviationTable stability_table(DeviationKind kind, std::span<const double> phase_s, double tau0_s,
+                               std::span<const std::size_t> factors,
+                               const DeviationOptions& options) {
   check_phase(phase_s);
   check_interval(tau0_s);
-  check_factors(factors, phase_s.size());
-  const std::vector<double> x = without_end_line(phase_s);
-  DeviationTable table{kind, tau0_s, {}};
-  table.rows.reserve(factors.size());
-  NoiseType noise; // of the last row in which it could be identified
-  for (std::size_t m : factors) {
-    const NoiseType found = noise.identified ? identify_noise(x, m) : noise_at_or_below(x, m);
-    if (found.identified) noise = found;
-    DeviationRow row = deviation_row(kind, x, tau0_s, m);
-    add_interval(row, kind, noise);
-    table.rows.push_back(row);
-  }
+  check_factors(kind, factors, phase_s.size());
+  check_alpha(options.alpha);
+  if (factors.empty()) return {kind, tau0_s, {}};
+  const Series series = prepared(kind, phase_s);
+  const std::span<const double> x = series.x;
+  check_factors(kind, factors, x.size());
+  DeviationTable table{kind, tau0_s, std::vector<DeviationRow>(factors.size()), series.bridged};
+  std::vector<NoiseType> noises(factors.size());
+  const MeanSquareAt mean_square = mean_square_of(kind, x);
+  const MeanSquareAt allan = phase_differences(x, 2, true); // the first part of THEOH
+  share(factors.size(), threads_for(options, x.size(), factors.size()), [&](std::size_t i) {
+    const Source source = source_of(kind, factors[i], x.size());
+    const bool from_allan = kind == Kind::theoh && source.kind == Kind::oadev;
+    const MeanSquare mean = from_allan ? allan(source.m) : mean_square(source.m);
+    table.rows[i] = row_without_noise(source, mean, tau0_s);
+    noises[i] = noise_at(kind, x, source.tau, options);
+  });
+  // A first row without noise borrows it from the longest time at which it can be found.
+  NoiseType noise;
+  if (!noises.empty() && !noises[0].identified)
+    noise = noise_at(
+        kind, x, static_cast<double>((x.size() - 1) / (least_points_for_noise_type - 1)), options);
+  for (NoiseType& found : noises) // where none is found, that of the row before is kept
+    found = noise = found.identified ? found : noise;
+  share(factors.size(), threads_for(options, x.size(), factors.size()), [&](std::size_t i) {
+    add_interval(table.rows[i], source_of(kind, factors[i], x.size()), noises[i], x.size(),
+                 options.remove_bias);
+  });
   return table;
-}
-
-std::vector<std::size_t> octave_factors(std::size_t phase_points) {
-  check_points(phase_points);
-  std::vector<std::size_t> factors;
-  for (std::size_t m = 1; m <= (phase_points - 1) / 2; m *= 2)
-    factors.push_back(m);
-  return factors;
-}
-
-std::vector<std::size_t> decade_factors(std::size_t phase_points) {
-  check_points(phase_points);
-  const std::size_t largest = (phase_points - 1) / 2;
-  std::vector<std::size_t> factors;
-  for (std::size_t decade = 1; decade <= largest; decade *= 10)
-    for (std::size_t step : {1, 2, 4})
-      if (step * decade <= largest) factors.push_back(step * decade);
-  return factors;
-}
-
-std::vector<std::size_t> all_factors(std::size_t phase_points) {
-  check_points(phase_points);
-  std::vector<std::size_t> factors((phase_points - 1) / 2);
-  for (std::size_t i = 0; i < factors.size(); ++i)
-    factors[i] = i + 1;
-  return factors;
 }
 
 std::vector<double> phase_from_frequency(std::span<const double> y, double tau0_s,
@@ -169,22 +335,6 @@ std::vector<double> phase_from_frequency(std::span<const double> y, double tau0_
     phase.push_back(gap ? nan : sum.value() * tau0_s);
   }
   return phase;
-}
-
-std::vector<std::size_t> factors_for(std::span<const double> taus_s, std::size_t phase_points,
-                                     double tau0_s) {
-  std::vector<std::size_t> factors;
-  for (const double tau : taus_s) {
-    const double m = std::round(tau / tau0_s);
-    const bool multiple = std::abs(m * tau0_s - tau) <= 1e-6 * tau;
-    if (!multiple || !(m >= 1.0) || !(2.0 * m < static_cast<double>(phase_points)))
-      throw ArgumentError("tau", tau,
-                          "a multiple of " + std::to_string(tau0_s) + " s below half the data");
-    factors.push_back(static_cast<std::size_t>(m));
-  }
-  std::sort(factors.begin(), factors.end());
-  factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
-  return factors;
 }
 
 } // namespace goingrate

@@ -55,7 +55,7 @@ void oadev_octaves(benchmark::State& state) {
     x = 1e-6 * random.normal();
   const auto factors = octave_factors(phase.size());
   for (auto _ : state)
-    benchmark::DoNotOptimize(allan_deviation(DeviationKind::oadev, phase, 1.0, factors));
+    benchmark::DoNotOptimize(stability_table(DeviationKind::oadev, phase, 1.0, factors));
 }
 BENCHMARK(oadev_octaves)->Unit(benchmark::kMillisecond);
 

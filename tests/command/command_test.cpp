@@ -283,6 +283,40 @@ TEST_F(CommandTest, StabilityReproducesTheNistSet) {
   EXPECT_EQ(fmt::format("{:.6e}", rows[2]["value"].get<double>()), "3.241343e-02");
 }
 
+TEST_F(CommandTest, StabilityHasEveryKindAndSaysWhatItMeans) {
+  std::string phases;
+  double walk = 0.0;
+  std::int64_t n = 1234567890;
+  for (int i = 0; i < 300; ++i) {
+    phases += fmt::format("{:.17g}\n", walk + 1.0);
+    n = 16807 * n % 2147483647;
+    walk += static_cast<double>(n) / 2147483647.0 - 0.5;
+  }
+  put("phase.txt", phases);
+  for (const char* kind : {"adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev", "mtotdev",
+                           "ttotdev", "htotdev", "theo1", "theoh", "mtie", "tierms", "pdev"}) {
+    const Outcome outcome = run(fmt::format(
+        "stability phase.txt --data phase --tau0 10 --kind {} --json s.json -o table.txt", kind));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(json("s.json")["kind"], kind);
+    EXPECT_GE(json("s.json")["rows"].size(), 4u) << kind;
+  }
+  const Outcome words = run("stability phase.txt --data phase --tau0 10 --alpha 0");
+  EXPECT_NE(words.out.find("of the relative rate"), std::string::npos) << words.out;
+  EXPECT_NE(words.out.find("averaging helps as 1/sqrt(tau)"), std::string::npos) << words.out;
+  EXPECT_NE(words.out.find("Expected time error a day"), std::string::npos) << words.out;
+  EXPECT_NE(words.out.find("extrapolated from"), std::string::npos) << words.out;
+  const auto value = [&](const char* options) {
+    run(std::string("stability phase.txt --data phase --tau0 10 --kind mtotdev --taus 40 --json "
+                    "s.json --alpha 0 ") +
+        options);
+    return json("s.json")["rows"][0]["value"].get<double>();
+  };
+  EXPECT_NEAR(value("--no-bias") / value(""), std::sqrt(0.73), 1e-12); // SP 1065's ratio; roundings
+  EXPECT_EQ(run("stability phase.txt --data phase --kind nonsense").code, 2);
+  EXPECT_EQ(run("stability phase.txt --data phase --alpha 3").code, 2);
+}
+
 TEST_F(CommandTest, ReportWritesAPageAndSpeaksInWords) {
   run("simulate " + scenario("interruption") + " -o log.csv");
   const Outcome outcome = run("report log.csv -o page.html --json report.json");

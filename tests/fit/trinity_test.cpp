@@ -50,7 +50,7 @@ TEST_F(TrinityTest, FirstDaysDeviationOfTheRawDrift) {
   NEEDS(log);
   const auto beats = number_beats(*log).longest_segment();
   const std::vector<std::size_t> factors{1, 10, 100, 1000};
-  const auto table = allan_deviation(DeviationKind::oadev, clock_error(beats, 3.0), 3.0, factors);
+  const auto table = stability_table(DeviationKind::oadev, clock_error(beats, 3.0), 3.0, factors);
   EXPECT_NEAR(table.rows[0].value, 1.69e-5, 0.005e-5); // the printed digits
   EXPECT_NEAR(table.rows[1].value, 1.82e-6, 0.005e-6);
   EXPECT_NEAR(table.rows[2].value, 4.48e-7, 0.005e-7);

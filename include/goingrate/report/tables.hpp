@@ -95,6 +95,10 @@ std::string drive_table(const DriveHistory& history);
 /// The deviation as a table: tau, averaging factor, count, value, 68 % interval, noise type.
 std::string deviation_text(const DeviationTable& table);
 
+/// What the table says, in sentences: a line a region of one noise type, the jitter, and the time
+/// error to expect after a day and a week, with what is extrapolated said.
+std::string deviation_findings(const DeviationTable& table);
+
 /// What the spectrum says of drive, jitter and lines, in a few lines; `expected` are periods that a
 /// line may be labelled by.
 std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected = {});

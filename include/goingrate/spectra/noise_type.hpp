@@ -2,11 +2,11 @@
 //
 // Clock noise is modelled by S_y(f) = h f^alpha (f in Hz, y the fractional frequency). alpha = 2 is
 // white phase noise, 1 flicker phase, 0 white frequency, -1 flicker frequency, -2 a random walk of
-// frequency. The scatter of an Allan variance depends on alpha, so alpha is found first; then the
-// variance is treated as a multiple of chi-squared with "equivalent" degrees of freedom (EDF).
+// frequency. The scatter of an Allan variance depends on alpha (degrees_of_freedom.hpp), so alpha
+// is found first.
 //
-// Where this means nothing: on fewer than 30 decimated points (no identification is attempted), and
-// for alpha <= -3, where the expected Allan variance is infinite.
+// Where this means little: on fewer than 30 decimated points, where only the ratio of two variances
+// is left to tell, and for alpha <= -3, where the expected Allan variance is infinite.
 #pragma once
 
 #include <cstddef>
@@ -22,21 +22,6 @@ struct NoiseType {
   std::size_t points = 0;  ///< finite phase values left after decimation
   bool identified = false; ///< false: too few neighbouring points, or nothing but a parabola
 };
-
-/// The start-to-start distance of the second differences that are averaged.
-enum class DifferenceStride {
-  one_sample, ///< overlapped: a second difference starts at every sample
-  one_tau,    ///< not overlapped: one starts at every m-th sample
-};
-
-/// The ends of a confidence interval, in the unit of the deviation it belongs to.
-struct DeviationInterval {
-  double low;
-  double high;
-};
-
-/// The probability between -1 and +1 sigma of a normal variable, erf(1/sqrt 2).
-inline constexpr double one_sigma_probability = 0.68268949213708590;
 
 /// The fewest points a lag-1 identification is honest on (SP 1065 section 5.5.6 asks for about 30).
 inline constexpr std::size_t least_points_for_noise_type = 30;
@@ -55,39 +40,31 @@ inline constexpr std::size_t least_points_for_noise_type = 30;
 /// frequency series of 40 points about five in six, the others mostly found one too high, because
 /// the parabola takes slow noise with it (NoiseType.ErrsUpwardsOnFewPoints).
 /// Cost: O(N/m). Throws ArgumentError if m is 0.
-[[nodiscard]] NoiseType identify_noise(std::span<const double> phase, std::size_t m);
+///
+/// `most_differences`: 2, or 3 for Hadamard variances, which converge down to alpha = -4; the
+/// domain of the result then reaches -5.
+[[nodiscard]] NoiseType identify_noise(std::span<const double> phase, std::size_t m,
+                                       std::size_t most_differences = 2);
 
-/// Equivalent degrees of freedom of an Allan variance averaged over `n` second differences.
-///
-/// The combined EDF algorithm of NIST SP 1065 section 5.4 (Greenhall and Riley 2003) for d = 2 and
-/// unmodified filtering (F = m), with stride factor S = m (one_sample) or S = 1 (one_tau):
-/// 1/edf = [s_z(0)^2 + (1 - J/M) s_z(J/S)^2 + 2 sum_{j=1}^{J-1} (1 - j/M) s_z(j/S)^2]
-/// / (M s_z(0)^2), with M = n and J = min(M, 3 S). The sum is done in full, without the tabulated
-/// short cuts for large m, so it is the exact EDF for J = M and a truncation at 3 tau otherwise.
-///
-/// `alpha`: -2 to 2. `m`, `n`: 1 or more. With gaps n counts the differences used and the result
-/// treats them as one unbroken run. Result: from 1 up to about n.
-/// Accuracy: 1e-9 relative against the defining formula in long double
-/// (DegreesOfFreedom.EqualTheDefiningFormulaInWiderArithmetic). As a description of data: the
-/// algorithm takes each phase to be an average over tau0, and averaged phases agree
-/// (DegreesOfFreedom.AreThoseOfPhasesAveragedOverASample). Phases read at instants, with white
-/// frequency noise, have 0.85 times these degrees of freedom at m = 1, then 1.05, 1.13, 1.10 times
-/// at m = 2, 4, 8, and 1 in the limit (DegreesOfFreedom.DifferForPhasesReadAtInstants): intervals
-/// are 8 % too narrow at m = 1 and at most 6 % too wide after that.
-/// Cost: O(min(n, 3 m)) overlapped, O(1) otherwise. Throws ArgumentError outside the domain.
-[[nodiscard]] double allan_degrees_of_freedom(int alpha, std::size_t m, std::size_t n,
-                                              DifferenceStride stride);
+/// The fewest averaged frequencies that identify_noise_by_ratio tries its hand on: with fewer, the
+/// tables of Stable32 and this method part company.
+inline constexpr std::size_t least_frequencies_for_ratio = 6;
 
-/// The central confidence interval of a deviation whose square is chi-squared distributed.
+/// Names the noise at m tau0 where too few points are left for identify_noise.
 ///
-/// low = s sqrt(edf / q((1+p)/2)), high = s sqrt(edf / q((1-p)/2)), q the chi-squared quantile with
-/// `degrees_of_freedom` (NIST SP 1065 section 5.3).
-/// `deviation`: s, 0 or more, any unit. `degrees_of_freedom`: above 0. `probability`: p in (0, 1).
-/// Accuracy: 1e-12 relative against the closed form that 2 degrees of freedom have
-/// (ChiSquaredInterval.AgreesWithTheClosedFormForTwoDegrees).
-/// Cost: two quantiles. Throws ArgumentError outside the domain.
-[[nodiscard]] DeviationInterval chi_squared_interval(double deviation, double degrees_of_freedom,
-                                                     double probability = one_sigma_probability);
+/// The variance of the n = (N-1)/m averaged frequencies over their Allan variance is compared with
+/// its expectation B1(n, mu) for sigma_y^2 ~ tau^mu: n(n+1)/6, n/2, n ln n / (2 (n-1) ln 2), 1 and
+/// (n^2-1) / (1.5 n (n-1)) for mu = 2, 1, 0, -1, -2; parted at geometric means. mu = 1, 0, -1 is
+/// alpha = -2, -1, 0; for mu = -2 MVAR/AVAR at m, expected 1/m for alpha = 2 and
+/// 3.37/(1.04 + 3 ln(pi m)) for alpha = 1, decides (NIST SP 1065 sections 5.5.3 and 5.5.4).
+///
+/// Arguments as for identify_noise. Result: alpha -2 to 2, `exponent` the same; identified if there
+/// are 6 frequencies. Accuracy: of Stable32's 80 alphas for its PHASE.DAT from 29 frequencies
+/// down to 6 all but 3 (PublishedTables.NoiseOnFewPointsIsThatOfStable32); of simulated white
+/// frequency series of 13 points more than half, of a random walk of frequency somewhat less
+/// (NoiseType.ByRatioIsRightAboutHalfTheTime).
+/// Cost: O(N/m), O(N) where MVAR is asked. Throws ArgumentError if m is 0.
+[[nodiscard]] NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m);
 
 /// What clock people call noise of exponent `alpha` (of the rate's spectrum, f^alpha).
 [[nodiscard]] constexpr std::string_view noise_name(int alpha) {

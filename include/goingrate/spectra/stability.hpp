@@ -1,16 +1,21 @@
-// How a clock's going wanders with the time over which it is averaged: Allan deviations.
+// How a clock's going wanders with the time over which it is averaged: Allan deviations and their
+// relatives.
 //
-// A deviation at tau = m tau0 is the root mean square of second differences of the time error,
-// x[i+2m] - 2 x[i+m] + x[i]; it does not see a constant offset or a constant rate of the clock. It
-// means little when only a handful of differences are left (look at n, low, high), and it measures
-// drift rather than noise where the clock's rate drifts steadily.
+// A deviation at tau = m tau0 is the root mean square of second (Hadamard: third) differences of
+// the time error over tau; it does not see a constant offset or a constant rate of the clock (nor,
+// for Hadamard, a steady drift). It means little when only a handful of differences are left (look
+// at n, low, high), and the second differences measure drift rather than noise where the clock's
+// rate drifts steadily. MTIE and the rms time error see the rate too: they say what the clock
+// shows, not how steady it is.
 //
 // Conventions: x is the time error in seconds, y = dx/dt the fractional frequency; N phase values
-// span N - 1 intervals tau0; a NaN is a gap. All equations are those of W. J. Riley, "Handbook of
-// frequency stability analysis", NIST SP 1065 (2008).
+// span N - 1 intervals tau0, T = (N-1) tau0; a NaN is a gap. All equations but PDEV's are those of
+// W. J. Riley, "Handbook of frequency stability analysis", NIST SP 1065 (2008).
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -19,25 +24,57 @@ namespace goingrate {
 
 /// Which deviation is computed.
 enum class DeviationKind {
-  adev,  ///< Allan deviation, second differences one tau apart (SP 1065 section 5.2.2)
-  oadev, ///< overlapping Allan deviation, one at every sample (SP 1065 section 5.2.4)
+  adev,    ///< Allan deviation, second differences one tau apart (SP 1065 section 5.2.2)
+  oadev,   ///< overlapping Allan deviation, one at every sample (5.2.4)
+  mdev,    ///< modified Allan deviation, differences of means over tau (5.2.5)
+  tdev,    ///< time deviation, tau MDEV / sqrt 3, s (5.2.6)
+  hdev,    ///< Hadamard deviation, third differences one tau apart (5.2.8)
+  ohdev,   ///< overlapping Hadamard deviation (5.2.9)
+  totdev,  ///< total deviation: OADEV with the data reflected at both ends (5.2.11)
+  mtotdev, ///< modified total deviation (5.2.12)
+  ttotdev, ///< time total deviation, tau MTOTDEV / sqrt 3, s (5.2.13)
+  htotdev, ///< Hadamard total deviation (5.2.14)
+  theo1,   ///< Theo1, differences over all spacings up to m; tau = 0.75 m tau0, m even (5.2.15)
+  theoh,   ///< OADEV up to a tenth of the run, beyond it Theo1 scaled to agree with it (5.2.16)
+  mtie,    ///< largest range of the time error within tau, s (5.2.17)
+  tierms,  ///< rms change of the time error over tau, s (5.2.18)
+  pdev,    ///< parabolic deviation: differences of slopes fitted by least squares (Vernotte 2016)
 };
 
-/// "adev" or "oadev".
+/// All of them, in the order above.
+inline constexpr std::array deviation_kinds = {
+    DeviationKind::adev,    DeviationKind::oadev,   DeviationKind::mdev,   DeviationKind::tdev,
+    DeviationKind::hdev,    DeviationKind::ohdev,   DeviationKind::totdev, DeviationKind::mtotdev,
+    DeviationKind::ttotdev, DeviationKind::htotdev, DeviationKind::theo1,  DeviationKind::theoh,
+    DeviationKind::mtie,    DeviationKind::tierms,  DeviationKind::pdev};
+
+/// The name in lower case letters, as in the enumeration.
 [[nodiscard]] constexpr std::string_view name_of(DeviationKind kind) {
-  return kind == DeviationKind::adev ? "adev" : "oadev";
+  constexpr std::array<std::string_view, 15> names = {
+      "adev",    "oadev",   "mdev",  "tdev",  "hdev", "ohdev",  "totdev", "mtotdev",
+      "ttotdev", "htotdev", "theo1", "theoh", "mtie", "tierms", "pdev"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+/// Whether the deviation is one of time, in s; if not it is one of fractional frequency.
+[[nodiscard]] constexpr bool is_in_seconds(DeviationKind kind) {
+  return kind == DeviationKind::tdev || kind == DeviationKind::ttotdev ||
+         kind == DeviationKind::mtie || kind == DeviationKind::tierms;
 }
 
 /// One averaging time of a stability table.
 struct DeviationRow {
-  double tau_s;     ///< m tau0
+  double tau_s;     ///< m tau0; of Theo1 0.75 m tau0
   std::size_t m;    ///< averaging factor
-  std::size_t n;    ///< second differences used, those touching a gap left out
-  double value;     ///< the deviation, dimensionless; NaN if n is 0
+  std::size_t n;    ///< terms averaged, those touching a gap left out
+  double value;     ///< the deviation, dimensionless or in s; NaN if n is 0
   double low, high; ///< ends of the central 68.27 % interval; NaN unless `interval`
   int alpha;        ///< exponent of the power-law noise the interval assumes; see `interval`
   bool interval;    ///< false: no noise could be identified (alpha then means nothing and is 0), or
-                    ///< alpha is below -2 where no interval exists, or there is no value
+                    ///< alpha is below what the variance converges for, or there is no value, or
+                    ///< the deviation has no interval (mtie, tierms)
+  double bias =
+      1.0; ///< the variance was divided by this: its expectation over that of the unbiased
 };
 
 /// A stability table: one row for each requested factor, in the same order.
@@ -45,55 +82,94 @@ struct DeviationTable {
   DeviationKind kind;
   double tau0_s;
   std::vector<DeviationRow> rows;
+  std::size_t bridged =
+      0; ///< unknown phases replaced by the straight line between their neighbours
 };
 
-/// Computes Allan deviations of phase data, with the kind of noise and a confidence interval.
+/// What may be chosen about a stability table.
+struct DeviationOptions {
+  std::optional<int> alpha = {}; ///< noise at every tau, -4 to 2; nothing: it is identified at each
+  bool remove_bias = true;       ///< false: the total variances and Theo1 as they come
+  std::size_t threads = 0;       ///< that share the factors; 0: as many as the work is worth
+};
+
+/// Computes deviations of phase data, with the kind of noise and a confidence interval.
 ///
-/// value^2 = sum (x[i+2m] - 2 x[i+m] + x[i])^2 / (2 n m^2 tau0^2), i in steps of 1 (oadev) or m
-/// (adev), over the n differences free of NaN. First the first known phase is subtracted and then,
-/// in one fused rounding, the line through the first and last known phase; second differences of
-/// that exact line are zero, so an offset or slope costs no digits beyond those the phases
-/// themselves lack.
+/// OADEV and ADEV: value^2 = sum (x[i+2m] - 2 x[i+m] + x[i])^2 / (2 n tau^2), i in steps of 1 or m.
+/// HDEV, OHDEV: third differences, over 6 n tau^2. MDEV: second differences of means of m phases.
+/// TOTDEV: OADEV's differences at x[1] .. x[N-2], x continued by 2 x[0] - x[j] and likewise at the
+/// end; m up to N-1. MTOTDEV (HTOTDEV: on the frequencies): every run of 3m values less the line
+/// through the means of its halves, continued by mirror images, 6m differences each. THEO1: see
+/// SP 1065 section 5.2.15. THEOH: OADEV up to T/10, then Theo1 times the root of the mean ratio of
+/// the two variances at OADEV's factors 9 + 3i and Theo1's 12 + 4i up to T/10 (of more than 32 such
+/// pairs, 32 evenly spread). MTIE: max of max - min over m + 1 phases. TIErms: rms x[i+m] - x[i].
+/// PDEV: 72 / (M m^4 tau^2) sum_i [sum_{k<m} ((m-1)/2 - k)(x[i+k] - x[i+k+m])]^2, M = N - 2m as in
+/// the published values of SigmaTheta (one more term could be had); OADEV at m = 1 (F. Vernotte, M.
+/// Lenczner, P.-Y. Bourgeois, E. Rubiola, IEEE UFFC 63 (2016) 611). First the first known phase is
+/// subtracted and then, in one fused rounding, the line through the first and last known phase (not
+/// for MTIE and TIErms); differences of that exact line are zero, so an offset or slope costs no
+/// digits beyond those the phases themselves lack.
 ///
-/// Interval: alpha by identify_noise, EDF by allan_degrees_of_freedom, then chi_squared_interval.
-/// Where fewer than 30 decimated points are left, the alpha of the row before is kept; if there is
-/// no such row, the largest smaller factor that leaves 30 points is asked.
+/// Gaps: a difference that touches one is left out. MDEV, TDEV: a mean is over the known phases
+/// of its window if they are at least half of it. MTIE: the range of the known phases. TOTDEV:
+/// unknown phases at the ends are cut off. MTOTDEV, TTOTDEV, HTOTDEV, THEO1, THEOH and PDEV need an
+/// unbroken run: gaps are bridged by straight lines and counted in `bridged`; at taus no longer
+/// than the gaps they then tell too little noise.
+///
+/// Bias (`remove_bias`): the variances of MTOTDEV, HTOTDEV and TOTDEV are divided by their
+/// expectation over that of MVAR, HVAR, AVAR; Theo1's is multiplied by a + b/m^c (SP 1065 sections
+/// 5.2.11 to 5.2.15), by alpha. The measured rest: Stability.TotalVariancesAndTheo1HaveLittleBias.
+///
+/// Interval: alpha by identify_noise, or below 30 decimated points by identify_noise_by_ratio, at
+/// tau; EDF by degrees_of_freedom.hpp (PDEV: that of the modified Allan variance); then
+/// chi_squared_interval. Where neither finds a noise, the alpha of the row before is kept; if there
+/// is no such row, the largest smaller factor that leaves 30 points is asked.
 ///
 /// `phase_s`: N time errors in s, one every tau0, NaN = gap, 3 or more. `tau0_s`: s, above 0.
-/// `factors`: strictly increasing, each with 1 <= m and 2 m < N.
-/// Accuracy: 1e-12 relative against long double sums (Stability.EqualsTheSlowOracleOnDataWithGaps);
-/// 1e-12 with an offset of 1e9 s and a slope of 2^-10 (Stability.IsImmuneToOffsetAndSlope); printed
-/// digits of SP 1065 and Stable32 (Stability.ReproducesTheNist1000PointSet and following). The
-/// interval covers the truth in 62 to 75 % of simulated white-frequency series
-/// (StabilityInterval.CoversTheTruthAsOftenAsItSays; measured on 3000 runs: 65 % at m = 1, 67 to
-/// 71 % at m = 8 and 64), and in about 64 % where the noise type rests on 40 points
-/// (StabilityInterval.CoversLessWhereTheNoiseTypeRestsOnFewPoints). With gaps the EDF treats the n
-/// differences as one unbroken run, which tends to make the interval too wide rather than too
-/// narrow. Cost: O(N) per factor. Throws ArgumentError for arguments outside these ranges or an
-/// infinite phase.
-[[nodiscard]] DeviationTable allan_deviation(DeviationKind kind, std::span<const double> phase_s,
-                                             double tau0_s, std::span<const std::size_t> factors);
+/// `factors`: strictly increasing, from 1 to largest_factor; theo1: even, 10 or more; theoh: tau in
+/// units of tau0 (a row of its second part is at the nearest tau that Theo1 has).
+/// Accuracy: 1e-12 relative against long double sums (Stability.EqualsTheSlowOracleOnDataWithGaps,
+/// Stability.FastSumsEqualPlainOnes; Theo1 by transforms 1e-9,
+/// Theo1.ByTransformEqualsTheDirectSum); 1e-12 with an offset of 1e9 s and a slope of 2^-10
+/// (Stability.IsImmuneToOffsetAndSlope); printed digits of SP 1065 and Stable32
+/// (tests/spectra/published_tables_test.cpp). The interval covers the truth in 62 to 75 % of
+/// simulated white-frequency series (StabilityInterval.CoversTheTruthAsOftenAsItSays,
+/// StabilityInterval.OfOtherKindsCoversTheTruth). With gaps the EDF treats the n differences as one
+/// unbroken run, which tends to make the interval too wide rather than too narrow. Cost: O(N) per
+/// factor; Theo1 O(N log N + m log^2 m); MTOTDEV, TTOTDEV and HTOTDEV O(N m). The result is the
+/// same for any number of threads (Stability.IsTheSameForAnyNumberOfThreads). Throws ArgumentError
+/// for arguments outside these ranges or an infinite phase.
+[[nodiscard]] DeviationTable stability_table(DeviationKind kind, std::span<const double> phase_s,
+                                             double tau0_s, std::span<const std::size_t> factors,
+                                             const DeviationOptions& options = {});
 
-/// The factors 1, 2, 4, 8, ... with 2 m < `phase_points`, so that each leaves a second difference.
+/// The largest factor that leaves one term of `kind` among `phase_points` phases; 0 if none does.
+[[nodiscard]] std::size_t largest_factor(DeviationKind kind, std::size_t phase_points);
+
+/// The factors 1, 2, 4, 8, ... up to largest_factor (of Theo1 16, 32, 64, ...).
 /// Stable32 stops earlier (4 m <= N); the last rows here have few differences, see their interval.
 /// Tested by AveragingFactors.StopWhereOneSecondDifferenceIsLeft. Cost: O(log N).
 /// Throws ArgumentError if `phase_points` is below 3.
-[[nodiscard]] std::vector<std::size_t> octave_factors(std::size_t phase_points);
+[[nodiscard]] std::vector<std::size_t> octave_factors(std::size_t phase_points,
+                                                      DeviationKind kind = DeviationKind::oadev);
 
-/// The factors 1, 2, 4, 10, 20, 40, 100, ... with 2 m < `phase_points`; otherwise as
+/// The factors 1, 2, 4, 10, 20, 40, 100, ... (of Theo1 10, 20, 40, ...); otherwise as
 /// octave_factors.
-[[nodiscard]] std::vector<std::size_t> decade_factors(std::size_t phase_points);
+[[nodiscard]] std::vector<std::size_t> decade_factors(std::size_t phase_points,
+                                                      DeviationKind kind = DeviationKind::oadev);
 
-/// Every factor 1, 2, 3, ... with 2 m < `phase_points`; otherwise as octave_factors. A table of all
-/// of them costs O(N^2): 0.15 s for 10^4 phases and 12 s for 10^5 as measured on one core.
-[[nodiscard]] std::vector<std::size_t> all_factors(std::size_t phase_points);
+/// Every factor 1, 2, 3, ... (of Theo1 every even one from 10); otherwise as octave_factors. A
+/// table of all of them costs O(N^2): tests/studies/stability.txt has times.
+[[nodiscard]] std::vector<std::size_t> all_factors(std::size_t phase_points,
+                                                   DeviationKind kind = DeviationKind::oadev);
 
 /// The factors for averaging times `taus_s`, sorted and without repetition.
 ///
-/// Each time must be a multiple of `tau0_s` (to 1e-6 of itself, for decimal text) with 2 m <
-/// `phase_points`. Throws ArgumentError otherwise.
+/// Each time must be a multiple of `tau0_s` (Theo1: of 1.5 tau0), to 1e-6 of itself, for decimal
+/// text, with a factor up to largest_factor. Throws ArgumentError otherwise.
 [[nodiscard]] std::vector<std::size_t> factors_for(std::span<const double> taus_s,
-                                                   std::size_t phase_points, double tau0_s);
+                                                   std::size_t phase_points, double tau0_s,
+                                                   DeviationKind kind = DeviationKind::oadev);
 
 /// Adds up fractional frequencies to phase: x[0] = 0, x[i+1] = x[i] + y[i] tau0.
 ///
