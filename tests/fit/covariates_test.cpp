@@ -1,0 +1,90 @@
+#include "goingrate/fit/covariates.hpp"
+
+#include "goingrate/base/random.hpp"
+
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace goingrate {
+namespace {
+
+// Beats of 2 s with jitter, a rate noise that is white or wanders, and an answer to a daily cause.
+struct Made {
+  double coefficient = 0.0, lag_s = 0.0;
+  double white = 1e-6, wander = 0.0; // rate rms a period, step of a random walk of rate
+  bool cause_wanders = false;
+};
+
+TimingData made(const Made& what, std::uint64_t seed) {
+  RandomStream noise(seed, StreamPurpose::jitter), walk(seed, StreamPurpose::slow_drive);
+  RandomStream weather(seed, StreamPurpose::temperature_noise);
+  constexpr std::size_t n = 40000;
+  TimingData data;
+  data.reference_period_s = 2.0;
+  std::vector<double> cause;
+  double late = 0.0, rate = 0.0, answer = 0.0, drifting = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = 2.0 * static_cast<double>(i);
+    drifting += 0.02 * weather.normal();
+    cause.push_back(what.cause_wanders
+                        ? drifting
+                        : 3.0 * std::sin(2.0 * std::numbers::pi * t / 20000.0) + 0.3 * drifting);
+    data.cycle.push_back(static_cast<double>(i));
+    data.elapsed_s.push_back(t);
+    data.lateness_s.push_back(late);
+    rate += what.wander * walk.normal();
+    answer += what.lag_s > 0.0 ? (cause.back() - answer) * 2.0 / what.lag_s : cause.back() - answer;
+    late -= 2.0 * (rate + what.white * noise.normal() + what.coefficient * answer);
+  }
+  data.terms.push_back(rate_term("temperature", "1/K", data, cause));
+  return data;
+}
+
+TEST(CovariateTest, FindsACoefficientWithItsSigma) {
+  double z2 = 0.0;
+  constexpr int logs = 40;
+  for (std::uint64_t seed = 1; seed <= logs; ++seed) {
+    const auto effects = covariate_effects(made({.coefficient = 1e-7, .white = 1e-5}, seed));
+    ASSERT_EQ(effects.size(), 1u);
+    z2 += std::pow((effects[0].coefficient - 1e-7) / effects[0].sigma, 2) / logs;
+  }
+  EXPECT_NEAR(z2, 1.2, 0.75); // three standard deviations; weights from the data cost some tenth
+}
+
+TEST(CovariateTest, AWanderSharedByChanceIsNotTakenForAnAnswer) {
+  int found = 0, ordinary = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const auto effects = covariate_effects(made({.wander = 3e-8, .cause_wanders = true}, seed));
+    found += effects.at(0).significant() ? 1 : 0;
+    ordinary += std::abs(effects[0].coefficient) > effects[0].sigma ? 1 : 0;
+  }
+  EXPECT_LE(found, 3);     // a normal deviate exceeds three in one of 370
+  EXPECT_LE(ordinary, 24); // and one in 13 of 40
+}
+
+TEST(CovariateTest, ALagIsFound) {
+  const auto effects =
+      covariate_effects(made({.coefficient = 1e-6, .lag_s = 4000.0, .white = 1e-6}, 3));
+  EXPECT_NEAR(effects.at(0).lag_s, 4000.0, 600.0); // steps of the grid are 30 %, halved
+  EXPECT_TRUE(effects[0].helps());
+}
+
+TEST(CovariateTest, TheHalfNotSeenIsTheJudge) {
+  const auto good = covariate_effects(made({.coefficient = 1e-6}, 5)).at(0);
+  EXPECT_TRUE(good.helps());
+  EXPECT_LT(good.with_s, 0.2 * good.without_s);
+  EXPECT_NE(covariate_text(good).find("lowers"), std::string::npos);
+  const auto none = covariate_effects(made({}, 6)).at(0);
+  EXPECT_FALSE(none.helps());
+  EXPECT_NE(covariate_text(none).find("nothing that stands out"), std::string::npos);
+}
+
+TEST(CovariateTest, ShortLogsAndSteadyCausesHaveNone) {
+  TimingData data = made({}, 1);
+  data.terms = {{"drift", "1/day", data.elapsed_s},
+                {"pressure", "1/mbar", std::vector<double>(data.size(), 0.0)}};
+  EXPECT_TRUE(covariate_effects(data).empty());
+}
+
+} // namespace
+} // namespace goingrate
