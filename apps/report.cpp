@@ -28,6 +28,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
   data.fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
                        fit_options(options.model, loaded, global));
+  data.covariates = covariate_effects(fit_data(loaded));
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
   data.deviation = stability_table(DeviationKind::oadev, error, loaded.nominal_period_s,

@@ -5,9 +5,11 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
+#include "goingrate/spectra/multitaper.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <memory>
 
 namespace goingrate::apps {
@@ -20,6 +22,8 @@ struct SpectrumCommand {
   double split_hz = 0.0;
   std::string train;
   double fold_s = 0.0;
+  std::size_t tapers = 0;
+  std::string gapped_output;
   std::string fold_output;
   std::string output;
   std::string json;
@@ -52,6 +56,20 @@ std::string fold(const SpectrumCommand& options, const DriveAnalysis& drive, dou
   return profile_table(folded(drive.rates, period_s, options.fold_s, bins));
 }
 
+// The rate of every period that was seen whole; a missed beat leaves a gap.
+std::string gapped(const SpectrumCommand& options, const NumberedLog& loaded) {
+  if (options.gapped_output.empty()) return {};
+  std::vector<double> rates;
+  for (std::size_t i = 1; i < loaded.good.size(); ++i) {
+    const Beat &before = loaded.good[i - 1], &beat = loaded.good[i];
+    const bool whole = beat.cycle == before.cycle + 1;
+    rates.insert(rates.end(), static_cast<std::size_t>(beat.cycle - before.cycle),
+                 whole ? loaded.nominal_period_s / (beat.time - before.time) - 1.0
+                       : std::numeric_limits<double>::quiet_NaN());
+  }
+  return gapped_table(lomb_scargle(rates, loaded.nominal_period_s));
+}
+
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
@@ -60,11 +78,20 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
       analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
-  const bool talk = options.json != "-" && options.output != "-" && options.fold_output != "-";
-  write_whole_files({{options.json, spectrum_json(drive)},
-                     {options.output, spectrum_table(drive)},
-                     {options.fold_output, fold(options, drive, loaded.nominal_period_s)},
-                     {talk ? "-" : "", drive_text(drive, expected_periods(options, loaded))}});
+  std::string text = drive_text(drive, expected_periods(options, loaded));
+  for (const CovariateEffect& effect : covariate_effects(fit_data(loaded)))
+    text += covariate_text(effect) + "\n";
+  const bool talk = options.json != "-" && options.output != "-" && options.fold_output != "-" &&
+                    options.gapped_output != "-";
+  write_whole_files(
+      {{options.json, spectrum_json(drive)},
+       {options.output, options.tapers == 0
+                            ? spectrum_table(drive)
+                            : tapered_table(multitaper_spectrum(
+                                  drive.rates, loaded.nominal_period_s, options.tapers, false))},
+       {options.gapped_output, gapped(options, loaded)},
+       {options.fold_output, fold(options, drive, loaded.nominal_period_s)},
+       {talk ? "-" : "", text}});
 }
 
 } // namespace
@@ -86,6 +113,12 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
       ->needs(fold);
   command->add_option("-o,--output", options->output,
                       "write the spectrum of the rate and its parts as CSV");
+  command->add_option("--tapers", options->tapers,
+                      "that table by so many sine tapers, with 68 % intervals, instead of one "
+                      "window over all");
+  command->add_option(
+      "--gapped", options->gapped_output,
+      "write the Lomb-Scargle periodogram of the periods seen whole, and its window");
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate spectrum data/logs/noisy-drive.csv --fix T0=2 "
                   "--fix epsilon=1.167245e-4 \\\n    --fix mu=1.5e-5 --fix phi0=0.03");

@@ -4,7 +4,9 @@
 #include "goingrate/spectra/spectrum.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
 #include <fmt/format.h>
 #include <numbers>
 #include <numeric>
@@ -12,8 +14,6 @@
 namespace goingrate {
 
 namespace {
-
-using Complex = std::complex<double>;
 
 /// Means over blocks of equal time.
 struct Blocks {
@@ -59,103 +59,31 @@ double mean_of(std::span<const double> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
 }
 
-std::vector<Complex> transform_without_line(std::span<const double> series) {
-  const auto n = static_cast<double>(series.size());
-  const double mean = mean_of(series), middle = 0.5 * (n - 1.0);
+// Coefficients of cos(pi k (i + 1/2)/n), k = 0 .. n - 1, of a series without its mean and line.
+// Unlike those of a Fourier series they do not take the ends for neighbours, so that white noise,
+// flicker and a random walk all have nearly independent ones. From a transform of the series and
+// its mirror.
+std::vector<double> cosines_without_line(std::span<const double> series) {
+  const std::size_t n = series.size();
+  const double mean = mean_of(series), middle = 0.5 * (static_cast<double>(n) - 1.0);
   double tilt = 0.0, spread = 0.0;
-  for (std::size_t i = 0; i < series.size(); ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
     const double t = static_cast<double>(i) - middle;
     tilt += t * (series[i] - mean);
     spread += t * t;
   }
-  std::vector<double> x;
-  for (std::size_t i = 0; i < series.size(); ++i)
-    x.push_back(series[i] - mean - tilt / spread * (static_cast<double>(i) - middle));
-  return real_transform(x);
+  std::vector<double> x(2 * n);
+  for (std::size_t i = 0; i < n; ++i)
+    x[i] = x[2 * n - 1 - i] = series[i] - mean - tilt / spread * (static_cast<double>(i) - middle);
+  const auto transform = real_transform(x);
+  std::vector<double> cosines(n);
+  const double scale = 1.0 / std::sqrt(2.0 * static_cast<double>(n));
+  for (std::size_t k = 0; k < n; ++k) {
+    const double turn = -0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+    cosines[k] = scale * (transform[k] * std::polar(1.0, turn)).real();
+  }
+  return cosines;
 }
-
-// The mean of the periodogram over neighbours: a fifth of a frequency, four at least.
-std::vector<double> smoothed(const std::vector<double>& power) {
-  std::vector<double> smooth(power.size(), 0.0);
-  for (std::size_t k = 1; k < power.size();) {
-    const std::size_t to = std::min(power.size(), k + std::max<std::size_t>(4, k / 5));
-    const double mean = mean_of(std::span(power).subspan(k, to - k));
-    std::fill(smooth.begin() + static_cast<std::ptrdiff_t>(k),
-              smooth.begin() + static_cast<std::ptrdiff_t>(to), mean);
-    k = to;
-  }
-  return smooth;
-}
-
-/// The regression of a rate on a covariate through a lag.
-class Regression {
-public:
-  Regression(std::span<const double> rate, std::span<const double> value, double block_s)
-      : rate_(transform_without_line(rate)), value_(transform_without_line(value)),
-        spacing_(1.0 / (static_cast<double>(rate.size()) * block_s)), level_(rate_.size(), 1.0) {
-    constexpr int rounds = 6; // the weights settle
-    for (int i = 0; i < rounds; ++i) {
-      solve(0.0);
-      weigh();
-    }
-    const double plain = misfit(0.0);
-    double best = plain;
-    constexpr double demanded = 8.0; // of 2 log L: for one more parameter, looked for on a grid
-    const double longest = 0.05 / spacing_;
-    for (double lag = 2.0 * block_s; lag < longest; lag *= 1.3) {
-      const double here = misfit(lag);
-      if (here < best && here < plain - demanded) {
-        best = here;
-        lag_s_ = lag;
-      }
-    }
-    solve(lag_s_);
-    weigh();
-    solve(lag_s_);
-  }
-
-  [[nodiscard]] double coefficient() const { return coefficient_; }
-  [[nodiscard]] double sigma() const { return sigma_; }
-  [[nodiscard]] double lag_s() const { return lag_s_; }
-
-private:
-  [[nodiscard]] Complex regressor(std::size_t k, double lag_s) const {
-    return value_[k] /
-           Complex(1.0, 2.0 * std::numbers::pi * static_cast<double>(k) * spacing_ * lag_s);
-  }
-  void solve(double lag_s) {
-    double xx = 0.0, xy = 0.0;
-    for (std::size_t k = 1; k < rate_.size(); ++k) {
-      const Complex x = regressor(k, lag_s);
-      xx += std::norm(x) / level_[k];
-      xy += (std::conj(x) * rate_[k]).real() / level_[k];
-    }
-    coefficient_ = xy / xx;
-    sigma_ = std::sqrt(0.5 / xx); // each frequency has two degrees of freedom
-    used_lag_ = lag_s;
-  }
-  void weigh() {
-    std::vector<double> power(rate_.size(), 0.0);
-    for (std::size_t k = 1; k < rate_.size(); ++k)
-      power[k] = std::norm(rate_[k] - coefficient_ * regressor(k, used_lag_));
-    level_ = smoothed(power);
-  }
-  [[nodiscard]] double misfit(double lag_s) const {
-    double xx = 0.0, xy = 0.0, yy = 0.0;
-    for (std::size_t k = 1; k < rate_.size(); ++k) {
-      const Complex x = regressor(k, lag_s);
-      xx += std::norm(x) / level_[k];
-      xy += (std::conj(x) * rate_[k]).real() / level_[k];
-      yy += std::norm(rate_[k]) / level_[k];
-    }
-    return 2.0 * (yy - xy * xy / xx);
-  }
-
-  std::vector<Complex> rate_, value_;
-  double spacing_;
-  std::vector<double> level_;
-  double coefficient_ = 0.0, sigma_ = 0.0, lag_s_ = 0.0, used_lag_ = 0.0;
-};
 
 std::vector<double> lagged(std::span<const double> value, double block_s, double lag_s) {
   if (lag_s == 0.0) return {value.begin(), value.end()};
@@ -166,6 +94,117 @@ std::vector<double> lagged(std::span<const double> value, double block_s, double
     result.push_back(state += share * (v - state));
   return result;
 }
+
+/// Noise of the rate: white, flicker and random walk, by Whittle's likelihood. Each round
+/// multiplies the three sizes by how much more the squares show of them than expected, which never
+/// lowers it.
+class RateNoise {
+public:
+  void fit(std::span<const double> residual) {
+    const std::size_t n = residual.size();
+    if (level_.empty()) {
+      double all = 0.0;
+      for (std::size_t k = 2; k < n; ++k)
+        all += residual[k] * residual[k];
+      sizes_.fill(all / (3.0 * static_cast<double>(n)));
+      level_.assign(n, 0.0);
+    }
+    constexpr int rounds = 60;
+    for (int round = 0; round < rounds; ++round) {
+      std::array<double, 3> seen{}, expected{};
+      for (std::size_t k = 2; k < n; ++k) {
+        const auto shape = shapes(k, n);
+        const double level = std::inner_product(shape.begin(), shape.end(), sizes_.begin(), 0.0);
+        for (std::size_t i = 0; i < 3; ++i) {
+          seen[i] += shape[i] * residual[k] * residual[k] / (level * level);
+          expected[i] += shape[i] / level;
+        }
+      }
+      for (std::size_t i = 0; i < 3; ++i)
+        sizes_[i] *= seen[i] / expected[i];
+    }
+    for (std::size_t k = 1; k < n; ++k) {
+      const auto shape = shapes(k, n);
+      level_[k] = std::inner_product(shape.begin(), shape.end(), sizes_.begin(), 0.0);
+    }
+  }
+  [[nodiscard]] double level(std::size_t k) const { return level_[k]; }
+
+private:
+  static std::array<double, 3> shapes(std::size_t k, std::size_t n) {
+    const double s =
+        2.0 * std::sin(0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
+    return {1.0, 1.0 / s, 1.0 / (s * s)};
+  }
+  std::array<double, 3> sizes_{};
+  std::vector<double> level_;
+};
+
+/// The regression of a rate on a covariate through a lag. The first cosine is left out: taking off
+/// the line has emptied it.
+class Regression {
+public:
+  Regression(std::span<const double> rate, std::span<const double> value, double block_s)
+      : rate_(cosines_without_line(rate)), value_(value), block_s_(block_s) {
+    noise_.fit(rate_);
+    settle(0.0);
+    const double plain = misfit(0.0);
+    double best = plain, lag_found = 0.0;
+    constexpr double demanded = 8.0; // of 2 log L: for one more parameter, looked for on a grid
+    const double longest = 0.1 * block_s * static_cast<double>(rate.size());
+    for (double lag = block_s; lag < longest; lag *= 1.3) {
+      const double here = misfit(lag);
+      if (here >= best || here >= plain - demanded) continue;
+      best = here;
+      lag_found = lag;
+    }
+    settle(lag_found);
+  }
+
+  [[nodiscard]] double coefficient() const { return coefficient_; }
+  [[nodiscard]] double sigma() const { return sigma_; }
+  [[nodiscard]] double lag_s() const { return lag_s_; }
+
+private:
+  struct Sums {
+    double xx = 0.0, xy = 0.0, yy = 0.0;
+  };
+  [[nodiscard]] Sums sums(std::span<const double> x) const {
+    Sums s;
+    for (std::size_t k = 2; k < rate_.size(); ++k) {
+      const double weight = 1.0 / noise_.level(k);
+      s.xx += weight * x[k] * x[k];
+      s.xy += weight * x[k] * rate_[k];
+      s.yy += weight * rate_[k] * rate_[k];
+    }
+    return s;
+  }
+  // Coefficient and noise settle together.
+  void settle(double lag_s) {
+    lag_s_ = lag_s;
+    const auto x = cosines_without_line(lagged(value_, block_s_, lag_s));
+    constexpr int rounds = 4;
+    for (int round = 0; round < rounds; ++round) {
+      const Sums s = sums(x);
+      coefficient_ = s.xy / s.xx;
+      sigma_ = 1.0 / std::sqrt(s.xx);
+      std::vector<double> rest = rate_;
+      for (std::size_t k = 0; k < rest.size(); ++k)
+        rest[k] -= coefficient_ * x[k];
+      noise_.fit(rest);
+    }
+  }
+  [[nodiscard]] double misfit(double lag_s) const {
+    const Sums s = sums(cosines_without_line(lagged(value_, block_s_, lag_s)));
+    return s.yy - s.xy * s.xy / s.xx;
+  }
+
+  std::vector<double> rate_;
+  std::span<const double> value_;
+  double block_s_;
+  RateNoise noise_;
+  double coefficient_ = 0.0, sigma_ = 0.0, lag_s_ = 0.0;
+};
 
 // Sums of squares of the time error that a half leaves, by what the other half says.
 struct HeldOut {

@@ -208,6 +208,8 @@ std::string drive(const ReportData& data) {
   }
   if (!table.empty()) body += table.html();
   body += cost_table(data.drive) + line_table(data.drive);
+  for (const CovariateEffect& effect : data.covariates)
+    body += paragraph(escape_markup(covariate_text(effect)) + ".");
   if (data.drive.split && !data.drive.split->note.empty())
     body += paragraph("Note: " + data.drive.split->note + ".");
   return section("drive", "Drive, fast and slow", body);

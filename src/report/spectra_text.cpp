@@ -29,7 +29,7 @@ std::string time_in_words(double seconds) {
 
 const char* what_noise_means(int alpha) {
   if (alpha >= 2) return "the jitter of the readings rules; a longer average tells the rate better";
-  if (alpha == 1) return "slowly varying errors of the readings rule";
+  if (alpha == 1) return "the readings err slowly, or the clock returns to its course";
   if (alpha == 0)
     return "the rate is random from one moment to the next: averaging helps as 1/sqrt(tau)";
   if (alpha == -1) return "averaging longer does not tell the rate any better";
@@ -203,6 +203,24 @@ std::string spectrum_table(const DriveAnalysis& drive) {
                      drive.split->jitter_density[i]);
     text += '\n';
   }
+  return text;
+}
+
+std::string tapered_table(const Spectrum& spectrum) {
+  const DensityInterval interval = density_interval(spectrum.degrees_of_freedom);
+  std::string text = "frequency_hz,density_per_hz,low,high\n";
+  for (std::size_t i = 0; i < spectrum.frequency_hz.size(); ++i)
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g}\n",
+                   spectrum.frequency_hz[i], spectrum.density[i],
+                   spectrum.density[i] * interval.low, spectrum.density[i] * interval.high);
+  return text;
+}
+
+std::string gapped_table(const GappedPeriodogram& periodogram) {
+  std::string text = "frequency_hz,power,window\n";
+  for (std::size_t i = 0; i < periodogram.frequency_hz.size(); ++i)
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g}\n", periodogram.frequency_hz[i],
+                   periodogram.power[i], periodogram.window[i]);
   return text;
 }
 

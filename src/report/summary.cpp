@@ -192,6 +192,19 @@ std::string drive_lines(const ReportData& data) {
   return text;
 }
 
+std::string covariate_lines(const CovariateEffect& effect) {
+  std::string name = effect.name;
+  name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+  if (!effect.significant())
+    return fmt::format("{}: the rate does not answer to it beyond the noise.\n", name);
+  return fmt::format(
+      "{}: {:.3g} +- {:.2g} s/day per {}. Compensating would have {} the time error\n"
+      "  of the half of the log that was not used to find it, {:.3g} s to {:.3g} s.\n",
+      name, seconds_per_day * effect.coefficient, seconds_per_day * effect.sigma,
+      effect.unit.substr(effect.unit.find('/') + 1), effect.helps() ? "lowered" : "raised",
+      effect.without_s, effect.with_s);
+}
+
 std::string stability_line(const DeviationTable& table) {
   if (table.rows.empty()) return {};
   // The longest times rest on one or two differences; four spans of the log are the least to speak
@@ -219,6 +232,8 @@ std::string report_text(const ReportData& data) {
   text += diary_lines(data.diary);
   text += fit_lines(data.fit, data.diary);
   text += drive_lines(data);
+  for (const CovariateEffect& effect : data.covariates)
+    text += covariate_lines(effect);
   text += stability_line(data.deviation);
   return text;
 }

@@ -225,8 +225,17 @@ double degrees_of(const Source& source, int alpha, std::size_t n, std::size_t po
   }
 }
 
-void add_interval(DeviationRow& row, const Source& source, const NoiseType& noise,
-                  std::size_t points, bool remove_bias) {
+bool is_of_differences(Kind kind) {
+  using enum DeviationKind;
+  return kind == adev || kind == oadev || kind == mdev || kind == tdev || kind == hdev ||
+         kind == ohdev || kind == pdev;
+}
+
+// Phase noise beyond times at which the rate was noisy is not white from sample to sample: what was
+// found there is that the phase returns, and neighbours up to that time go together. So the degrees
+// of freedom are those of the phases a `grain` apart.
+void add_interval(DeviationRow& row, Source source, const NoiseType& noise, std::size_t points,
+                  std::size_t grain, bool remove_bias) {
   if (!noise.identified) return;
   row.alpha = noise.alpha;
   if (remove_bias) {
@@ -236,7 +245,10 @@ void add_interval(DeviationRow& row, const Source& source, const NoiseType& nois
   const int lowest = is_hadamard(source.kind) ? -4 : -2;
   const bool none = source.kind == Kind::mtie || source.kind == Kind::tierms;
   if (row.n == 0 || noise.alpha < lowest || none) return;
-  const double degrees = degrees_of(source, noise.alpha, row.n, points);
+  if (!is_of_differences(source.kind)) grain = 1; // the fits for the others know nothing of it
+  source.m = std::max<std::size_t>(1, source.m / grain);
+  const double degrees = degrees_of(source, noise.alpha, std::max<std::size_t>(1, row.n / grain),
+                                    std::max<std::size_t>(3, points / grain));
   const DeviationInterval interval = chi_squared_interval(row.value, degrees);
   row.low = interval.low;
   row.high = interval.high;
@@ -311,11 +323,17 @@ DeviationTable stability_table(DeviationKind kind, std::span<const double> phase
   if (!noises.empty() && !noises[0].identified)
     noise = noise_at(
         kind, x, static_cast<double>((x.size() - 1) / (least_points_for_noise_type - 1)), options);
-  for (NoiseType& found : noises) // where none is found, that of the row before is kept
-    found = noise = found.identified ? found : noise;
+  std::vector<std::size_t> grains;
+  std::size_t noisy = 1; // the longest factor at which the rate is noisy
+  for (std::size_t i = 0; i < noises.size(); ++i) {
+    // Where none is found, that of the row before is kept.
+    noises[i] = noise = noises[i].identified ? noises[i] : noise;
+    if (noise.identified && noise.alpha <= 0) noisy = factors[i];
+    grains.push_back(noise.alpha >= 1 && !options.alpha ? noisy : 1);
+  }
   share(factors.size(), threads_for(options, x.size(), factors.size()), [&](std::size_t i) {
     add_interval(table.rows[i], source_of(kind, factors[i], x.size()), noises[i], x.size(),
-                 options.remove_bias);
+                 grains[i], options.remove_bias);
   });
   return table;
 }

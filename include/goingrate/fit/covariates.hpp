@@ -1,12 +1,12 @@
 // Whether the rate answers to temperature or pressure, and whether compensating for it would help.
 //
 // rate(t) = a + drift t + b c(t) + noise, where c is the covariate, perhaps seen through a
-// first-order lag (a case that warms up). b is found by generalised least squares, frequency by
-// frequency with weights 1/S of what is left, so that a wander shared by chance is not taken for an
-// answer. A coefficient that lowers the scatter may still throw the hands off: so the log is cut in
-// halves, each half judges the coefficient found in the other by the time error it leaves. Where
-// this means little: a covariate that only drifts through the log cannot be told from the clock's
-// own drift.
+// first-order lag (a case that warms up). b is found by generalised least squares in noise that is
+// white, flicker and random walk of the rate, sized along with it, so that a wander shared by
+// chance is not taken for an answer. A coefficient that lowers the scatter may still throw the
+// hands off: so the log is cut in halves, each half judges the coefficient found in the other by
+// the time error it leaves. Where this means little: a covariate that only drifts through the log
+// cannot be told from the clock's own drift.
 #pragma once
 
 #include "goingrate/fit/timing_data.hpp"

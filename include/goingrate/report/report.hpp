@@ -2,6 +2,7 @@
 #pragma once
 
 #include "goingrate/fit/clock_fit.hpp"
+#include "goingrate/fit/covariates.hpp"
 #include "goingrate/fit/diary.hpp"
 #include "goingrate/fit/drive_split.hpp"
 #include "goingrate/log/rates.hpp"
@@ -21,7 +22,8 @@ struct ReportData {
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
-  DeviationTable deviation{}; ///< overlapping Allan deviation of the clock's error
+  std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
+  DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
 };
 
 /// The summary for the terminal: at most 40 lines of at most 100 characters, in plain words.

@@ -7,6 +7,7 @@
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/rates.hpp"
+#include "goingrate/spectra/multitaper.hpp"
 #include "goingrate/spectra/stability.hpp"
 
 #include <deque>
@@ -106,6 +107,12 @@ std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPerio
 /// The spectrum as CSV: frequency_hz,density_per_hz, and the fitted parts fast,slow,jitter if
 /// known.
 std::string spectrum_table(const DriveAnalysis& drive);
+
+/// A spectrum with its 68 % intervals as CSV: frequency_hz,density_per_hz,low,high.
+std::string tapered_table(const Spectrum& spectrum);
+
+/// A periodogram of a series with gaps as CSV: frequency_hz,power,window.
+std::string gapped_table(const GappedPeriodogram& periodogram);
 
 /// A folded profile as CSV: phase,rate,sigma.
 std::string profile_table(const FoldedProfile& profile);

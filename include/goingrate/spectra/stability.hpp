@@ -122,8 +122,10 @@ struct DeviationOptions {
 ///
 /// Interval: alpha by identify_noise, or below 30 decimated points by identify_noise_by_ratio, at
 /// tau; EDF by degrees_of_freedom.hpp (PDEV: that of the modified Allan variance); then
-/// chi_squared_interval. Where neither finds a noise, the alpha of the row before is kept; if there
-/// is no such row, the largest smaller factor that leaves 30 points is asked.
+/// chi_squared_interval. Where phase noise is found beyond times at which the rate is noisy, the
+/// phases count as far apart as the longest of those (Stability.AReturningPhaseIsNotWhite), but not
+/// in total deviations and Theo1. Where neither finds a noise, the alpha of the row before is kept;
+/// if there is no such row, the largest smaller factor that leaves 30 points is asked.
 ///
 /// `phase_s`: N time errors in s, one every tau0, NaN = gap, 3 or more. `tau0_s`: s, above 0.
 /// `factors`: strictly increasing, from 1 to largest_factor; theo1: even, 10 or more; theoh: tau in
