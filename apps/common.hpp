@@ -125,5 +125,6 @@ void add_stability(CLI::App& program, const GlobalOptions& global);
 void add_report(CLI::App& program, const GlobalOptions& global);
 void add_map(CLI::App& program, const GlobalOptions& global);
 void add_chart(CLI::App& program, const GlobalOptions& global);
+void add_paper(CLI::App& program, const GlobalOptions& global);
 
 } // namespace goingrate::apps

@@ -66,6 +66,17 @@ TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
   EXPECT_EQ(run("rate log.csv --gap-probability 0.9").code, 0);
 }
 
+TEST_F(CommandTest, ThePapersFiguresAreWritten) {
+  const Outcome outcome = run("paper --periods 10000 -o p --figure jump --json p.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("| gain at C without variability |"), std::string::npos);
+  for (const char* name : {"jump_zoom.svg", "jump_rate.svg", "jump_amplitude.csv", "paper.md"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "p" / name)) << name;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "p" / "rate.svg"));
+  EXPECT_EQ(json("p.json")["budget"].size(), 8u);
+  EXPECT_EQ(run("paper --periods 10000 -o q --figure nothing").code, 2);
+}
+
 TEST_F(CommandTest, AReaderThatLeavesIsNotComplainedOf) {
   ASSERT_EQ(run("simulate " + scenario("jump") + " --set run.periods=20000 -o log.csv").code, 0);
   const Outcome left = run("rate log.csv --quiet | head -1");

@@ -199,7 +199,7 @@ std::vector<Malformed> options() {
       {"TauThatIsNoMultiple", "stability bad.log --taus 3 -o out.csv", good, 2, "3"},
       {"TauThatIsNoNumber", "stability bad.log --taus long -o out.csv", good, 2,
        "taus = 'long': must be a number"},
-      {"UnknownKind", "stability bad.log --kind sdev -o out.csv", good, 2, "sdev not in {oadev"},
+      {"UnknownKind", "stability bad.log --kind sdev -o out.csv", good, 2, "sdev not in {adev"},
       {"NoLog", "rate -o out.csv", good, 2, "log is required"},
       {"TwoLogs", rate("bad.log"), good, 2, "bad.log"},
       {"UnknownCommand", "tick bad.log", good, 2, "'tick' is no command"},

@@ -1,0 +1,74 @@
+// goingrate paper: the paper's figures and numbers, computed again.
+#include "common.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/report/paper.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+
+namespace goingrate::apps {
+
+namespace {
+
+struct PaperCommand {
+  std::string folder;
+  std::string figure;
+  std::string json;
+  PaperOptions paper;
+};
+
+std::string csv_of(const Figure& figure) {
+  std::string text = "series,x,y\n";
+  for (const Series& series : figure.series)
+    for (std::size_t i = 0; i < series.x.size(); ++i)
+      if (std::isfinite(series.y[i]))
+        text += fmt::format("{},{:.9g},{:.9g}\n", series.label, series.x[i], series.y[i]);
+  return text;
+}
+
+void run(const PaperCommand& options) {
+  const PaperResults results = recompute_paper(options.paper);
+  std::vector<std::pair<std::string, std::string>> files{{options.json, paper_json(results)}};
+  if (!options.folder.empty()) {
+    std::error_code exists;
+    std::filesystem::create_directories(options.folder, exists);
+    bool found = options.figure.empty();
+    for (const PaperFigure& figure : results.figures) {
+      if (!options.figure.empty() && !figure.name.starts_with(options.figure)) continue;
+      found = true;
+      const std::string path = (std::filesystem::path(options.folder) / figure.name).string();
+      files.push_back({path + ".svg", standalone_svg(figure.figure)});
+      files.push_back({path + ".csv", csv_of(figure.figure)});
+    }
+    if (!found) throw ArgumentError("figure", options.figure, "rate, jump_zoom, jump or quasistat");
+    files.push_back(
+        {(std::filesystem::path(options.folder) / "paper.md").string(), paper_text(results)});
+  }
+  files.push_back({options.json == "-" ? "" : "-", paper_text(results)});
+  write_whole_files(files);
+}
+
+} // namespace
+
+void add_paper(CLI::App& program, const GlobalOptions&) {
+  auto* command =
+      program.add_subcommand("paper", "the paper's figures and numbers, its method beside ours");
+  auto options = std::make_shared<PaperCommand>();
+  auto* folder = command->add_option("-o,--output", options->folder,
+                                     "folder for paper.md and the figures (SVG and CSV)");
+  command
+      ->add_option("--figure", options->figure, "only this one: rate, jump_zoom, jump, quasistat")
+      ->needs(folder);
+  command->add_option("--periods", options->paper.periods,
+                      "length of the noisy run, at least 10000; the paper's is 4774648");
+  command->add_option("--seed", options->paper.seed, "of the driving noise")->check(seed_range());
+  add_json_option(*command, options->json);
+  command->footer("Example:\n  goingrate paper -o paper --figure jump");
+  command->callback([options] { run(*options); });
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,62 @@
+#include "goingrate/report/paper.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+const PaperNumber& number(const PaperResults& results, const std::string& what) {
+  for (const PaperNumber& n : results.numbers)
+    if (n.what == what) return n;
+  throw std::runtime_error("no number " + what);
+}
+
+TEST(PaperTest, NumbersAreThoseOfTheReferences) {
+  const PaperResults results = recompute_paper({.periods = 20000});
+  EXPECT_NEAR(number(results, "gain at A").ours, 1.133264436573979e-4, 1e-14); // limit_cycle's own
+  EXPECT_NEAR(number(results, "gain at B").ours, 1.960046634308295e-4, 1e-14);
+  const PaperNumber& c = number(results, "gain at C without variability");
+  EXPECT_NEAR(c.ours, 1.844068077230375e-8, 1e-14);
+  EXPECT_NEAR(c.by_paper, 1.136e-8, 2e-10); // 3600 periods, interpolated crossings of 5e-7
+  const PaperNumber& jump = number(results, "rate just after the jump from A to B");
+  EXPECT_NEAR(jump.ours, 3.2201382327e-4, 1e-13);
+  EXPECT_NEAR(jump.by_paper, 3.2e-4, 0.05e-4); // as the paper prints it
+  const PaperNumber& phase = number(results, "phase gained after the jump");
+  EXPECT_NEAR(phase.ours, 0.29437831, 2e-8); // the digits of the reference
+  EXPECT_NEAR(phase.by_paper, 0.2945374,
+              1e-4); // the circular error in full changes the fifth digit
+  EXPECT_NEAR(number(results, "friction at which mu = 1.5e-5 keeps nominal time (C)").by_paper,
+              1.167245e-4, 5e-11); // the digits printed
+}
+
+TEST(PaperTest, TheBudgetAddsUp) {
+  const PaperResults results = recompute_paper({.periods = 10000});
+  const auto& budget = results.budget;
+  ASSERT_EQ(budget.size(), 8u);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 5; ++i)
+    sum += budget[i].rate;
+  EXPECT_NEAR(sum, budget[5].rate, 1e-16);                            // rounding of 1e-8
+  EXPECT_NEAR(budget[1].rate, std::pow(0.0495410, 4) / 384.0, 1e-11); // the next order, lambda^6
+  EXPECT_NEAR(budget[4].rate, 1.6e-12, 5e-13); // what second order is known to lack
+  EXPECT_NEAR(budget[5].rate + budget[6].rate, budget[7].rate, 1e-16);
+}
+
+TEST(PaperTest, EveryFigureHasItsData) {
+  const PaperResults results = recompute_paper({.periods = 20000});
+  ASSERT_EQ(results.figures.size(), 6u);
+  for (const PaperFigure& figure : results.figures)
+    for (const Series& series : figure.figure.series) {
+      EXPECT_GT(series.x.size(), 1u) << figure.name << " " << series.label;
+      EXPECT_EQ(series.x.size(), series.y.size());
+    }
+  const std::string text = paper_text(results);
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_THROW((void)recompute_paper({.periods = 100}), ArgumentError);
+}
+
+} // namespace
+} // namespace goingrate
