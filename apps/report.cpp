@@ -28,8 +28,16 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
   data.fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
                        fit_options(options.model, loaded, global));
-  data.covariates = covariate_effects(fit_data(loaded));
+  const TimingData times = fit_data(loaded);
+  data.covariates = covariate_effects(times);
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
+  const double missed = 1.0 - static_cast<double>(times.size()) / (times.cycle.back() + 1.0);
+  // What the diary tells and the fit follows need not be suspected again.
+  TimingData unexplained = times;
+  const bool told = !data.diary.changes.empty() || !data.diary.interruptions.empty();
+  if (told && data.fit.residual_s.size() == times.size())
+    unexplained.lateness_s = data.fit.residual_s;
+  data.suspicions = diagnose({&unexplained, loaded.nominal_period_s, missed, data.drive.lines});
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
   data.deviation = stability_table(DeviationKind::oadev, error, loaded.nominal_period_s,
                                    octave_factors(error.size()));

@@ -205,6 +205,24 @@ std::string covariate_lines(const CovariateEffect& effect) {
       effect.without_s, effect.with_s);
 }
 
+// The two strongest; facts of the numbering have lines of their own.
+std::string suspicion_lines(const ReportData& data) {
+  const bool told = !data.diary.changes.empty() || !data.diary.interruptions.empty();
+  if (data.suspicions.empty())
+    return data.beats.size() < 2000
+               ? ""
+               : fmt::format("Nothing {}is wrong with its going that this log would show.\n",
+                             told ? "beside what the diary tells " : "");
+  std::string text = told ? "Beside what the diary tells:\n" : "";
+  for (std::size_t i = 0; i < std::min<std::size_t>(2, data.suspicions.size()); ++i) {
+    const Suspicion& s = data.suspicions[i];
+    text += fmt::format("{} cause: {}:\n  {}.\n", i == 0 ? "Most likely" : "Next likely",
+                        name_of(s.cause), s.evidence);
+    if (!s.against.empty()) text += fmt::format("  But: {}.\n", s.against);
+  }
+  return text;
+}
+
 std::string stability_line(const DeviationTable& table) {
   if (table.rows.empty()) return {};
   // The longest times rest on one or two differences; four spans of the log are the least to speak
@@ -232,6 +250,7 @@ std::string report_text(const ReportData& data) {
   text += diary_lines(data.diary);
   text += fit_lines(data.fit, data.diary);
   text += drive_lines(data);
+  text += suspicion_lines(data);
   for (const CovariateEffect& effect : data.covariates)
     text += covariate_lines(effect);
   text += stability_line(data.deviation);

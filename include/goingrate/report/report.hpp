@@ -3,6 +3,7 @@
 
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/covariates.hpp"
+#include "goingrate/fit/diagnosis.hpp"
 #include "goingrate/fit/diary.hpp"
 #include "goingrate/fit/drive_split.hpp"
 #include "goingrate/log/rates.hpp"
@@ -22,6 +23,7 @@ struct ReportData {
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
+  std::vector<Suspicion> suspicions; ///< strongest first
   std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
 };

@@ -1,0 +1,159 @@
+#include "rate_blocks.hpp"
+
+#include "goingrate/spectra/spectrum.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// y at t by straight lines between the beats; t must rise from call to call.
+class Between {
+public:
+  Between(const std::vector<double>& t, const std::vector<double>& y) : t_(t), y_(y) {}
+  double at(double t) {
+    while (i_ + 2 < t_.size() && t_[i_ + 1] < t)
+      ++i_;
+    const double share = (t - t_[i_]) / (t_[i_ + 1] - t_[i_]);
+    return y_[i_] + share * (y_[i_ + 1] - y_[i_]);
+  }
+
+private:
+  const std::vector<double>&t_, &y_;
+  std::size_t i_ = 0;
+};
+
+std::vector<double> differences(const TimingData& data, const std::vector<double>& integral,
+                                std::size_t count, double length_s) {
+  Between between(data.elapsed_s, integral);
+  std::vector<double> means;
+  double before = between.at(0.0);
+  for (std::size_t b = 1; b <= count; ++b) {
+    const double now =
+        between.at(std::min(length_s * static_cast<double>(b), data.elapsed_s.back()));
+    means.push_back((now - before) / length_s);
+    before = now;
+  }
+  return means;
+}
+
+} // namespace
+
+RateBlocks rate_blocks(const TimingData& data, std::size_t count) {
+  RateBlocks blocks;
+  blocks.length_s = data.elapsed_s.back() / static_cast<double>(count);
+  blocks.rate = differences(data, data.lateness_s, count, blocks.length_s);
+  for (double& rate : blocks.rate)
+    rate = -rate;
+  for (const RateTerm& term : data.terms)
+    blocks.values.push_back(differences(data, term.advance_s, count, blocks.length_s));
+  return blocks;
+}
+
+std::vector<double> cosines(std::span<const double> series, bool without_line) {
+  const std::size_t n = series.size();
+  const double mean = std::accumulate(series.begin(), series.end(), 0.0) / static_cast<double>(n);
+  const double middle = 0.5 * (static_cast<double>(n) - 1.0);
+  double tilt = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = static_cast<double>(i) - middle;
+    tilt += t * (series[i] - mean);
+    spread += t * t;
+  }
+  const double slope = without_line ? tilt / spread : 0.0;
+  std::vector<double> x(2 * n); // the series and its mirror
+  for (std::size_t i = 0; i < n; ++i)
+    x[i] = x[2 * n - 1 - i] = series[i] - mean - slope * (static_cast<double>(i) - middle);
+  const auto transform = real_transform(x);
+  std::vector<double> result(n);
+  const double scale = 1.0 / std::sqrt(2.0 * static_cast<double>(n));
+  for (std::size_t k = 0; k < n; ++k) {
+    const double turn = -0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+    result[k] = scale * (transform[k] * std::polar(1.0, turn)).real();
+  }
+  return result;
+}
+
+void RateNoise::fit(std::span<const double> residual, bool wanders) {
+  const std::size_t n = residual.size();
+  std::vector<std::array<double, parts>> shapes(n);
+  for (std::size_t k = first_; k < n; ++k) {
+    const double s =
+        2.0 * std::sin(0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
+    shapes[k] = {s * s, 1.0, wanders ? 1.0 / s : 0.0, wanders ? 1.0 / (s * s) : 0.0};
+  }
+  if (level_.empty()) {
+    double all = 0.0;
+    for (std::size_t k = first_; k < n; ++k)
+      all += residual[k] * residual[k];
+    sizes_.fill(all / (parts * static_cast<double>(n)));
+    level_.assign(n, 0.0);
+  }
+  constexpr int rounds = 60; // the likelihood then stands still to a tenth
+  for (int round = 0; round < rounds; ++round) {
+    std::array<double, parts> seen{}, expected{};
+    for (std::size_t k = first_; k < n; ++k) {
+      const double level =
+          std::inner_product(shapes[k].begin(), shapes[k].end(), sizes_.begin(), 0.0);
+      for (std::size_t i = 0; i < parts; ++i) {
+        seen[i] += shapes[k][i] * residual[k] * residual[k] / (level * level);
+        expected[i] += shapes[k][i] / level;
+      }
+    }
+    for (std::size_t i = 0; i < parts; ++i)
+      if (expected[i] > 0.0) sizes_[i] *= seen[i] / expected[i];
+  }
+  deviance_ = 0.0;
+  for (std::size_t k = first_; k < n; ++k) {
+    level_[k] = std::inner_product(shapes[k].begin(), shapes[k].end(), sizes_.begin(), 0.0);
+    deviance_ += std::log(level_[k]) + residual[k] * residual[k] / level_[k];
+  }
+}
+
+RateRegression regress(const std::vector<double>& rate,
+                       const std::vector<std::vector<double>>& causes, std::size_t first,
+                       bool wanders) {
+  const auto unknowns = static_cast<Eigen::Index>(causes.size());
+  RateNoise noise(first);
+  noise.fit(rate, wanders);
+  RateRegression result;
+  result.deviance = noise.deviance();
+  if (causes.empty()) return result;
+  constexpr int rounds = 5; // coefficients and noise settle together
+  for (int round = 0; round < rounds; ++round) {
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
+    for (std::size_t k = first; k < rate.size(); ++k) {
+      const double weight = 1.0 / noise.level(k);
+      for (Eigen::Index i = 0; i < unknowns; ++i) {
+        const double x = causes[static_cast<std::size_t>(i)][k];
+        right[i] += weight * x * rate[k];
+        for (Eigen::Index j = 0; j <= i; ++j)
+          normal(i, j) += weight * x * causes[static_cast<std::size_t>(j)][k];
+      }
+    }
+    const Eigen::MatrixXd full = normal.selfadjointView<Eigen::Lower>();
+    const Eigen::VectorXd b = full.ldlt().solve(right);
+    const Eigen::MatrixXd covariance =
+        full.ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+    result.coefficients.assign(b.begin(), b.end());
+    result.sigmas.clear();
+    for (Eigen::Index i = 0; i < unknowns; ++i)
+      result.sigmas.push_back(std::sqrt(std::max(0.0, covariance(i, i))));
+    std::vector<double> rest = rate;
+    for (std::size_t k = 0; k < rest.size(); ++k)
+      for (Eigen::Index i = 0; i < unknowns; ++i)
+        rest[k] -= b[i] * causes[static_cast<std::size_t>(i)][k];
+    noise.fit(rest, wanders);
+    result.deviance = noise.deviance();
+  }
+  return result;
+}
+
+} // namespace goingrate::timing_model
