@@ -66,6 +66,12 @@ public:
     std::fill(s.begin() + static_cast<std::ptrdiff_t>(block), s.end(), 1.0);
     return s;
   }
+  // The block a step falls into: part of it is as before.
+  [[nodiscard]] std::vector<double> block_alone(std::size_t block) const {
+    std::vector<double> s(blocks_.rate.size(), 0.0);
+    s[block] = 1.0;
+    return s;
+  }
   // What dies away after a step, with a time constant.
   [[nodiscard]] std::vector<double> return_at(std::size_t block, double time_s) const {
     std::vector<double> s(blocks_.rate.size(), 0.0);
@@ -141,14 +147,13 @@ void look_for_steps(const Courses& courses, std::vector<Suspicion>& all) {
   for (const std::size_t place : likely_steps(courses.blocks().rate))
     for (std::size_t block = place > 3 ? place - 3 : 1; block <= place + 3; ++block) {
       if (block + 1 >= courses.blocks().rate.size()) continue;
-      const auto plain = courses.gain_of({courses.step_at(block)}, 1);
+      const auto step_here = courses.step_at(block), within = courses.block_alone(block);
+      const auto plain = courses.gain_of({step_here, within}, 1);
       if (plain.gain > step.gain) step = {plain.gain, block, plain, 0.0};
-      for (const double time_s : {0.5 * block_s, block_s, 2.0 * block_s, 5.0 * block_s}) {
-        const auto both =
-            courses.gain_of({courses.step_at(block), courses.return_at(block, time_s)}, 2);
-        // A step within a block looks like a return of at most itself.
+      for (const double time_s : {block_s, 2.0 * block_s, 5.0 * block_s}) {
+        const auto both = courses.gain_of({step_here, within, courses.return_at(block, time_s)}, 2);
         const auto& b = both.fit.coefficients;
-        const bool overshoots = std::abs(b[1]) > 1.5 * std::abs(b[0]);
+        const bool overshoots = std::abs(b[2]) > std::abs(b[0]);
         if (overshoots && both.gain > returning.gain) returning = {both.gain, block, both, time_s};
       }
     }
@@ -158,7 +163,7 @@ void look_for_steps(const Courses& courses, std::vector<Suspicion>& all) {
   if (returning.gain > step.gain + strong)
     add(all, Cause::drive_step, returning.gain,
         fmt::format("{} the rate jumps by {} more than it keeps, {}", when(returning.block),
-                    daily(returning.found.fit.coefficients[1]),
+                    daily(returning.found.fit.coefficients[2]),
                     daily(returning.found.fit.coefficients[0])),
         "an amplitude with each beat would show the swing follow the drive");
   else
