@@ -126,5 +126,6 @@ void add_report(CLI::App& program, const GlobalOptions& global);
 void add_map(CLI::App& program, const GlobalOptions& global);
 void add_chart(CLI::App& program, const GlobalOptions& global);
 void add_paper(CLI::App& program, const GlobalOptions& global);
+void add_help(CLI::App& program);
 
 } // namespace goingrate::apps

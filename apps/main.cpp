@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
     apps::add_map(program, global);
     apps::add_chart(program, global);
     apps::add_paper(program, global);
+    apps::add_help(program);
     if (argc == 1) { // somebody who looks what this is
       std::fputs(program.help().c_str(), stderr);
       return wrong_usage;

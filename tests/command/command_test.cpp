@@ -66,6 +66,33 @@ TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
   EXPECT_EQ(run("rate log.csv --gap-probability 0.9").code, 0);
 }
 
+TEST_F(CommandTest, HelpExplainsItsTopics) {
+  const Outcome list = run("help");
+  ASSERT_EQ(list.code, 0);
+  for (const char* topic : {"formats", "scenario", "noise", "identifiability"}) {
+    EXPECT_NE(list.out.find(topic), std::string::npos);
+    EXPECT_GT(run(std::string("help ") + topic).out.size(), 500u) << topic;
+  }
+  EXPECT_EQ(run("help clocks").code, 2);
+}
+
+TEST_F(CommandTest, LinesAreNamedByTheTrain) {
+  put("wheel.toml", "[clock]\nepsilon = 2.5e-4\nmu = 4e-5\nphi0 = 0.03\n[run]\nperiods = 20000\n"
+                    "[drive]\nfast_rms = 0.1\nsine = [{amplitude = 0.05, period = 480.0}]\n"
+                    "[sensor]\njitter_rms = 1e-6\n");
+  ASSERT_EQ(run("simulate wheel.toml -o wheel.csv").code, 0);
+  const Outcome found = run("spectrum wheel.csv --fix T0=2 --fix epsilon=2.5e-4 --fix mu=4e-5 "
+                            "--fix phi0=0.03 --train 60,8,64,8,30 --fold 480 --fold-output f.csv "
+                            "--tapers 8 -o s.csv --gapped g.csv --json s.json");
+  ASSERT_EQ(found.code, 0) << found.err;
+  EXPECT_NE(found.out.find("arbor 2"), std::string::npos) << found.out;
+  EXPECT_NEAR(json("s.json")["lines"][0]["period_s"].get<double>(), 480.0, 2.0); // 5.8 s resolution
+  EXPECT_EQ(content(folder_ / "f.csv").substr(0, 16), "phase,rate,sigma");
+  EXPECT_EQ(content(folder_ / "s.csv").substr(0, 34), "frequency_hz,density_per_hz,low,hi");
+  EXPECT_EQ(content(folder_ / "g.csv").substr(0, 25), "frequency_hz,power,window");
+  EXPECT_EQ(run("spectrum wheel.csv --fix T0=2 --train 60,8").code, 2);
+}
+
 TEST_F(CommandTest, ThePapersFiguresAreWritten) {
   const Outcome outcome = run("paper --periods 10000 -o p --figure jump --json p.json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
