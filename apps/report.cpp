@@ -26,9 +26,11 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
   data.rate.nominal_is_known = loaded.nominal_is_known;
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
-  data.fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
-                       fit_options(options.model, loaded, global));
+  const TimingData timing = fit_data(loaded);
+  data.fit = fit_clock(timing, loaded.nominal_period_s, fit_options(options.model, loaded, global));
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
+  if (const auto model = drive_model(data.fit, timing))
+    data.history = drive_history(timing, *model);
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
   data.deviation = stability_table(DeviationKind::oadev, error, loaded.nominal_period_s,
                                    octave_factors(error.size()));

@@ -1,0 +1,315 @@
+// Draws the figures of a report's page with plotly.js from the data in the page.
+//
+// A long series is thinned to the width of its drawing: of each column of pixels the lowest and the
+// highest value stay, and a zoom draws what it shows anew from all the values there are.
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("figure-data").textContent);
+  const packedBlock = 1024; // as in packed.hpp
+  const margin = { l: 62, r: 12, t: 34, b: 46 };
+  const panelHeight = 250, gap = 66; // px; the gap holds a panel's title and legend
+
+  // ---- the numbers
+
+  // Least value and step of a block (two doubles), then 16 bits a value, 65535 for none.
+  function unpack({ count, packed }) {
+    const text = atob(packed);
+    const view = new DataView(Uint8Array.from(text, (c) => c.charCodeAt(0)).buffer);
+    const values = new Float64Array(count);
+    let at = 0;
+    for (let begin = 0; begin < count; begin += packedBlock) {
+      const least = view.getFloat64(at, true), step = view.getFloat64(at + 8, true);
+      at += 16;
+      for (let i = begin; i < Math.min(count, begin + packedBlock); ++i, at += 2) {
+        const number = view.getUint16(at, true);
+        values[i] = number === 65535 ? NaN : least + step * number;
+      }
+    }
+    return values;
+  }
+
+  const arrays = data.arrays.map((a) => (Array.isArray(a) ? a.map((v) => v ?? NaN) : unpack(a)));
+  const isLong = (series) => series.style !== "cells" && arrays[series.x].length > 1000;
+
+  // The first place that is not below `value`.
+  function lowerBound(x, value) {
+    let from = 0, to = x.length;
+    while (from < to) {
+      const middle = (from + to) >> 1;
+      if (x[middle] < value) from = middle + 1;
+      else to = middle;
+    }
+    return from;
+  }
+
+  // Calls see(indices, column) for each column of pixels of [low, high], with one neighbour either
+  // side so that a line runs on to the edge.
+  function forColumns(x, [low, high], columns, see) {
+    const begin = Math.max(0, lowerBound(x, low) - 1);
+    const end = Math.min(x.length, lowerBound(x, high) + 1);
+    const column = (i) => Math.floor(((x[i] - low) / (high - low)) * columns);
+    for (let i = begin; i < end;) {
+      const first = i, here = column(i);
+      while (i < end && column(i) === here) ++i;
+      see(first, i);
+    }
+  }
+
+  // Lowest and highest of each column, in the order they come in.
+  function extremes(x, y, range, columns) {
+    const out = { x: [], y: [] };
+    forColumns(x, range, columns, (from, to) => {
+      let low = from, high = from;
+      for (let i = from + 1; i < to; ++i) {
+        if (!(y[low] <= y[i])) low = i;
+        if (!(y[high] >= y[i])) high = i;
+      }
+      for (const i of low === high ? [low] : [Math.min(low, high), Math.max(low, high)]) {
+        out.x.push(x[i]);
+        out.y.push(y[i]);
+      }
+    });
+    return out;
+  }
+
+  // A cloud: the extremes as dots, and a stroke over the middle of a column of more than two.
+  function cloud(x, y, range, columns) {
+    const dots = extremes(x, y, range, columns), body = { x: [], y: [] };
+    forColumns(x, range, columns, (from, to) => {
+      const values = Array.from(y.slice(from, to)).filter(Number.isFinite).sort((a, b) => a - b);
+      if (values.length < 3) return;
+      const last = values.length - 1, tenth = Math.floor(last / 10);
+      body.x.push(x[from], x[from], null);
+      body.y.push(values[tenth], values[last - tenth], null);
+    });
+    return { dots, body };
+  }
+
+  // ---- colours
+
+  // Those of the page's style sheet, which knows of the dark.
+  function theme() {
+    const root = getComputedStyle(document.documentElement);
+    const holder = document.createElement("div");
+    holder.className = "figure";
+    document.body.append(holder);
+    const ink = Array.from({ length: 8 }, (_, i) => {
+      const probe = holder.appendChild(document.createElement("i"));
+      probe.className = `c${i}`;
+      return getComputedStyle(probe).getPropertyValue("--ink").trim();
+    });
+    holder.remove();
+    const of = (name) => root.getPropertyValue(name).trim();
+    return { ink, text: of("--text"), grid: of("--grid"), paper: of("--paper") };
+  }
+
+  const faded = (colour, opacity) => colour + Math.round(255 * opacity).toString(16).padStart(2, "0");
+
+  // ---- from series to traces
+
+  const dashes = ["solid", "dash", "dot", "dashdot"];
+
+  function bandTraces(series, base, colour) {
+    const x = Array.from(arrays[series.x]);
+    const edge = { ...base, mode: "lines", line: { width: 0 }, hoverinfo: "skip" };
+    return [
+      { ...edge, x, y: Array.from(arrays[series.low]), showlegend: false },
+      { ...edge, x, y: Array.from(arrays[series.high]), fill: "tonexty",
+        fillcolor: faded(colour, 0.25) },
+    ];
+  }
+
+  function barTrace(series, base, colour) {
+    const y = arrays[series.y], low = arrays[series.low], high = arrays[series.high];
+    const known = (i) => Number.isFinite(low[i]) && Number.isFinite(high[i]);
+    return {
+      ...base, mode: "markers", x: arrays[series.x], y, marker: { color: colour, size: 7 },
+      error_y: { type: "data", symmetric: false, color: colour, thickness: 1.5, width: 4,
+        array: Array.from(y, (v, i) => (known(i) ? high[i] - v : 0)),
+        arrayminus: Array.from(y, (v, i) => (known(i) ? v - low[i] : 0)) },
+    };
+  }
+
+  // The squares themselves are shapes of the layout; this tells their numbers.
+  function cellTrace(series, base) {
+    const text = Array.from(arrays[series.low], (v) => (Number.isFinite(v) ? v.toFixed(2) : ""));
+    return { ...base, mode: "text", x: arrays[series.x], y: arrays[series.y],
+      text: text.map((t) => t.replace("-", "−")), hoverinfo: "skip" };
+  }
+
+  function pointTraces(series, base, colour, range, columns) {
+    const x = arrays[series.x], y = arrays[series.y];
+    if (!isLong(series))
+      return [{ ...base, mode: "markers", x, y, marker: { color: colour, size: x.length > 160 ? 4 : 7 } }];
+    const { dots, body } = cloud(x, y, range, columns);
+    return [
+      { ...base, ...body, mode: "lines", line: { color: faded(colour, 0.45), width: 1 },
+        hoverinfo: "skip", showlegend: false },
+      { ...base, ...dots, mode: "markers", marker: { color: faded(colour, 0.7), size: 3 } },
+    ];
+  }
+
+  function tracesOf(series, panel, plot, look) {
+    const k = panel.number;
+    const base = { type: "scatter", name: series.label, xaxis: "x", yaxis: `y${k || ""}`,
+      legend: `legend${k || ""}`, legendgroup: series.label, showlegend: panel.series.length > 1 };
+    const colour = look.ink[series.colour % look.ink.length];
+    const columns = plot.place.clientWidth - margin.l - margin.r;
+    if (series.style === "band") return bandTraces(series, base, colour);
+    if (series.style === "bars") return [barTrace(series, base, colour)];
+    if (series.style === "cells") return [cellTrace(series, base)];
+    if (series.style === "points") return pointTraces(series, base, colour, plot.range, columns);
+    const x = arrays[series.x], y = arrays[series.y];
+    const drawn = isLong(series) ? extremes(x, y, plot.range, columns) : { x, y };
+    const lines = panel.series.filter((s) => s.style === "line");
+    return [{ ...base, ...drawn, mode: "lines",
+      line: { color: colour, width: 1.8, dash: dashes[lines.indexOf(series) % dashes.length] } }];
+  }
+
+  // ---- the layout
+
+  function axisLook(axis, look) {
+    const common = { gridcolor: look.grid, linecolor: look.text, tickcolor: look.text, mirror: true,
+      showline: true, zeroline: false, ticks: "outside", ticklen: 4, automargin: false };
+    if (axis.names.length)
+      return { ...common, tickvals: axis.names.map((_, i) => i), ticktext: axis.names, showgrid: false,
+        range: [-0.5, axis.names.length - 0.5], automargin: true };
+    return { ...common, type: axis.logarithmic ? "log" : "linear", exponentformat: "power",
+      dtick: undefined, nticks: 7, hoverformat: ".6g" };
+  }
+
+  function cellShapes(panel, look) {
+    return panel.series.filter((s) => s.style === "cells").flatMap((s) =>
+      Array.from(arrays[s.low], (v, i) => ({
+        type: "rect", layer: "below", line: { width: 0 },
+        x0: arrays[s.x][i] - 0.5, x1: arrays[s.x][i] + 0.5,
+        y0: arrays[s.y][i] - 0.5, y1: arrays[s.y][i] + 0.5,
+        fillcolor: faded(look.ink[v < 0 ? 1 : 0], 0.8 * Math.min(1, Math.abs(v) || 0)),
+      })));
+  }
+
+  // The lines run through all panels, their numbers stand in the first.
+  function markersOf(plot, look, layout) {
+    const logarithmic = plot.panels[0].x.logarithmic;
+    for (const { x, label } of plot.panels[0].markers) {
+      layout.shapes.push({ type: "line", x0: x, x1: x, yref: "paper", y0: 0, y1: 1, layer: "above",
+        line: { color: look.text, width: 1, dash: "dot" } });
+      layout.annotations.push({ x: logarithmic ? Math.log10(x) : x, yref: "paper", y: 1, text: label,
+        yanchor: "top", showarrow: false, bgcolor: look.paper, font: { weight: 600 } });
+    }
+  }
+
+  function layoutOf(plot, look) {
+    const count = plot.panels.length;
+    const inner = count * panelHeight + (count - 1) * gap;
+    const narrow = plot.place.clientWidth < 600;
+    const layout = {
+      height: inner + margin.t + margin.b + gap / 2, margin: { ...margin, t: margin.t + gap / 2 },
+      paper_bgcolor: look.paper, plot_bgcolor: look.paper, uirevision: "kept",
+      font: { color: look.text, family: "system-ui, sans-serif", size: 13 },
+      hovermode: "closest", dragmode: narrow ? false : "zoom", shapes: [], annotations: [],
+      hoverlabel: { bgcolor: look.paper, font: { color: look.text } },
+      modebar: { bgcolor: "transparent", color: look.text, activecolor: look.ink[0] },
+      xaxis: { ...axisLook(plot.panels[0].x, look), title: { text: plot.panels[0].x.title },
+        anchor: `y${count > 1 ? count : ""}` },
+    };
+    if (plot.range) layout.xaxis.range = [...plot.range];
+    plot.panels.forEach((panel, i) => {
+      const k = panel.number, top = 1 - (i * (panelHeight + gap)) / inner;
+      layout[`yaxis${k || ""}`] = { ...axisLook(panel.y, look), fixedrange: Boolean(plot.range),
+        domain: [Math.max(0, top - panelHeight / inner), top] };
+      layout[`legend${k || ""}`] = { orientation: "h", x: 0, xanchor: "left", y: top, yanchor: "bottom",
+        bgcolor: "transparent", font: { size: 12 } };
+      const above = panel.series.length > 1 ? 26 : 4; // px: over the legend
+      if (panel.y.title) layout.annotations.push({ text: `<b>${panel.y.title}</b>`, xref: "paper", x: 0, xanchor: "left",
+        yref: "paper", y: top, yanchor: "bottom", yshift: above, showarrow: false });
+      layout.shapes.push(...cellShapes(panel, look));
+    });
+    markersOf(plot, look, layout);
+    return layout;
+  }
+
+  // ---- drawing, zooming
+
+  const config = { responsive: true, displaylogo: false, doubleClick: "reset",
+    modeBarButtonsToRemove: ["autoScale2d", "lasso2d", "select2d"] };
+
+  function draw(plot) {
+    const look = theme();
+    const traces = plot.panels.flatMap((panel) =>
+      panel.series.flatMap((series) => tracesOf(series, panel, plot, look)));
+    return Plotly.react(plot.place, traces, layoutOf(plot, look), config);
+  }
+
+  // What is against time has a range of its own, so that it can be drawn anew for any part of it.
+  function wholeRange(plot) {
+    const long = plot.panels.some((panel) => panel.series.some(isLong));
+    const axis = plot.panels[0].x;
+    if (axis.logarithmic || axis.names.length || !(long || axis.title.startsWith("time"))) return null;
+    let low = Infinity, high = -Infinity;
+    for (const panel of plot.panels)
+      for (const { x } of panel.series) {
+        low = Math.min(low, arrays[x][0]);
+        high = Math.max(high, arrays[x][arrays[x].length - 1]);
+      }
+    return low < high ? [low, high] : null;
+  }
+
+  const plots = data.plots.map((plot, i) => ({ ...plot, place: document.querySelectorAll(".live")[i] }));
+  let timed = [];      // those against time
+  let whole = [0, 1]; // the range of all of them
+
+  function zoom([low, high]) {
+    const [least, greatest] = whole;
+    const length = Math.min(high - low, greatest - least);
+    const from = Math.min(Math.max(low, least), greatest - length);
+    for (const plot of timed) {
+      plot.range = [from, from + length];
+      draw(plot);
+    }
+  }
+
+  function onRelayout(plot, event) {
+    if (event["xaxis.autorange"]) return zoom(whole);
+    const low = event["xaxis.range[0]"] ?? event["xaxis.range"]?.[0];
+    const high = event["xaxis.range[1]"] ?? event["xaxis.range"]?.[1];
+    if (low === undefined || (low === plot.range[0] && high === plot.range[1])) return;
+    zoom([low, high]);
+  }
+
+  function onKey(plot, event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || !plot.range) return;
+    const [low, high] = plot.range, length = high - low;
+    const to = { "+": [low + length / 4, high - length / 4], "=": [low + length / 4, high - length / 4],
+      "-": [low - length / 2, high + length / 2], "0": whole,
+      ArrowLeft: [low - length / 4, high - length / 4],
+      ArrowRight: [low + length / 4, high + length / 4] }[event.key];
+    if (!to) return;
+    event.preventDefault();
+    zoom(to);
+  }
+
+  async function start() {
+    document.documentElement.classList.add("drawn"); // first, so that the places have a width
+    timed = plots.filter((plot) => (plot.range = wholeRange(plot)));
+    const low = Math.min(...timed.map((plot) => plot.range[0]));
+    const high = Math.max(...timed.map((plot) => plot.range[1]));
+    const room = 0.01 * (high - low); // so that dots at the edge are not cut
+    whole = [low - room, high + room];
+    for (const plot of plots) {
+      plot.panels.forEach((panel, i) => { panel.number = i === 0 ? 0 : i + 1; });
+      if (plot.range) plot.range = whole;
+      await draw(plot);
+      if (!plot.range) continue;
+      plot.place.on("plotly_relayout", (event) => onRelayout(plot, event));
+      plot.place.addEventListener("keydown", (event) => onKey(plot, event));
+    }
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(draw));
+    document.documentElement.dataset.figures = plots.length; // all are drawn
+  }
+
+  start().catch((error) => {
+    document.documentElement.classList.remove("drawn"); // the still figures are better than none
+    console.error(error);
+  });
+})();
