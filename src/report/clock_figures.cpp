@@ -79,7 +79,7 @@ std::optional<Figure> rate_amplitude_figure(const ReportData& data) {
 std::optional<Figure> drive_figure(const ReportData& data, const Axis& time, double time_factor,
                                    std::vector<Marker> markers) {
   if (!data.history || data.history->points.empty()) return std::nullopt;
-  Series band{Series::Style::band, "σ", {}, {}, {}, {}, blue};
+  Series band{Series::Style::band, "± σ", {}, {}, {}, {}, blue};
   Series line{Series::Style::line, "drive", {}, {}, {}, {}, blue};
   for (const DrivePoint& point : data.history->points) {
     line.x.push_back(point.at_s * time_factor);

@@ -16,6 +16,7 @@ std::string cells_markup(const std::vector<Cell>& cells) {
   for (const Cell& cell : cells) {
     if (!std::isfinite(cell.value)) continue;
     const double size = std::min(1.0, std::abs(cell.value));
+    const double shown = size < 0.005 ? 0.0 : cell.value; // no "-0.00"
     fmt::format_to(std::back_inserter(text),
                    "<rect class=\"cell c{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" "
                    "fill-opacity=\"{:.2f}\"/>\n"
@@ -23,8 +24,7 @@ std::string cells_markup(const std::vector<Cell>& cells) {
                    cell.value < 0.0 ? 1 : 0, coordinate(cell.left), coordinate(cell.top),
                    coordinate(cell.width), coordinate(cell.height), fullest * size,
                    coordinate(cell.left + 0.5 * cell.width),
-                   coordinate(cell.top + 0.5 * cell.height),
-                   typeset(fmt::format("{:.2f}", cell.value)));
+                   coordinate(cell.top + 0.5 * cell.height), typeset(fmt::format("{:.2f}", shown)));
   }
   return text;
 }

@@ -6,8 +6,8 @@
 (() => {
   const data = JSON.parse(document.getElementById("figure-data").textContent);
   const packedBlock = 1024; // as in packed.hpp
-  const margin = { l: 62, r: 12, t: 34, b: 46 };
-  const panelHeight = 250, gap = 66; // px; the gap holds a panel's title and legend
+  const margin = { l: 62, r: 12, t: 30, b: 46 }; // px; the buttons stand above
+  const panelHeight = 250, titleRow = 24, legendRow = 22; // px
 
   // ---- the numbers
 
@@ -109,14 +109,24 @@
 
   const dashes = ["solid", "dash", "dot", "dashdot"];
 
-  function bandTraces(series, base, colour) {
-    const x = Array.from(arrays[series.x]);
+  // The widest of each column of pixels.
+  function outline(series, range, columns) {
+    const all = { x: arrays[series.x], low: arrays[series.low], high: arrays[series.high] };
+    if (!isLong(series)) return all;
+    const out = { x: [], low: [], high: [] };
+    forColumns(all.x, range, columns, (from, to) => {
+      out.x.push(all.x[from]);
+      out.low.push(all.low.slice(from, to).reduce((a, b) => Math.min(a, b)));
+      out.high.push(all.high.slice(from, to).reduce((a, b) => Math.max(a, b)));
+    });
+    return out;
+  }
+
+  function bandTraces(series, base, colour, range, columns) {
+    const { x, low, high } = outline(series, range, columns);
     const edge = { ...base, mode: "lines", line: { width: 0 }, hoverinfo: "skip" };
-    return [
-      { ...edge, x, y: Array.from(arrays[series.low]), showlegend: false },
-      { ...edge, x, y: Array.from(arrays[series.high]), fill: "tonexty",
-        fillcolor: faded(colour, 0.25) },
-    ];
+    return [{ ...edge, x, y: low, showlegend: false },
+      { ...edge, x, y: high, fill: "tonexty", fillcolor: faded(colour, 0.25) }];
   }
 
   function barTrace(series, base, colour) {
@@ -131,10 +141,12 @@
   }
 
   // The squares themselves are shapes of the layout; this tells their numbers.
-  function cellTrace(series, base) {
+  function cellTrace(series, base, width) {
     const text = Array.from(arrays[series.low], (v) => (Number.isFinite(v) ? v.toFixed(2) : ""));
-    return { ...base, mode: "text", x: arrays[series.x], y: arrays[series.y],
-      text: text.map((t) => t.replace("-", "−")), hoverinfo: "skip" };
+    const side = (width - 190) / Math.sqrt(text.length); // 190 px: about what the names take
+    return { ...base, mode: "text", x: arrays[series.x], y: arrays[series.y], hoverinfo: "skip",
+      text: text.map((t) => t.replace("-0.00", "0.00").replace("-", "−")),
+      textfont: { size: Math.min(13, Math.max(7, side / 3)) } };
   }
 
   function pointTraces(series, base, colour, range, columns) {
@@ -154,28 +166,27 @@
     const base = { type: "scatter", name: series.label, xaxis: "x", yaxis: `y${k || ""}`,
       legend: `legend${k || ""}`, legendgroup: series.label, showlegend: panel.series.length > 1 };
     const colour = look.ink[series.colour % look.ink.length];
-    const columns = plot.place.clientWidth - margin.l - margin.r;
-    if (series.style === "band") return bandTraces(series, base, colour);
+    const columns = plot.width - margin.l - margin.r;
+    if (series.style === "band") return bandTraces(series, base, colour, plot.range, columns);
     if (series.style === "bars") return [barTrace(series, base, colour)];
-    if (series.style === "cells") return [cellTrace(series, base)];
+    if (series.style === "cells") return [cellTrace(series, base, plot.width)];
     if (series.style === "points") return pointTraces(series, base, colour, plot.range, columns);
     const x = arrays[series.x], y = arrays[series.y];
     const drawn = isLong(series) ? extremes(x, y, plot.range, columns) : { x, y };
     const lines = panel.series.filter((s) => s.style === "line");
     return [{ ...base, ...drawn, mode: "lines",
-      line: { color: colour, width: 1.8, dash: dashes[lines.indexOf(series) % dashes.length] } }];
+      line: { color: colour, width: drawn.x.length > columns ? 1 : 1.8, dash: dashes[lines.indexOf(series) % dashes.length] } }];
   }
 
   // ---- the layout
 
   function axisLook(axis, look) {
-    const common = { gridcolor: look.grid, linecolor: look.text, tickcolor: look.text, mirror: true,
-      showline: true, zeroline: false, ticks: "outside", ticklen: 4, automargin: false };
+    const common = { gridcolor: look.grid, tickcolor: look.text, zeroline: false, ticks: "outside", ticklen: 4 };
     if (axis.names.length)
       return { ...common, tickvals: axis.names.map((_, i) => i), ticktext: axis.names, showgrid: false,
         range: [-0.5, axis.names.length - 0.5], automargin: true };
     return { ...common, type: axis.logarithmic ? "log" : "linear", exponentformat: "power",
-      dtick: undefined, nticks: 7, hoverformat: ".6g" };
+      minexponent: 4, nticks: 7, hoverformat: ".6g" };
   }
 
   function cellShapes(panel, look) {
@@ -188,29 +199,45 @@
       })));
   }
 
+  // How many rows a legend takes: plotly gives all entries the width of the widest.
+  function legendRows(panel, width) {
+    if (panel.series.length < 2) return 0;
+    const widest = Math.max(...panel.series.map((s) => 50 + 7 * s.label.length));
+    const fit = Math.max(1, Math.floor((width - margin.l - margin.r) / widest));
+    return Math.ceil(panel.series.length / fit);
+  }
+
   // The lines run through all panels, their numbers stand in the first.
   function markersOf(plot, look, layout) {
     const logarithmic = plot.panels[0].x.logarithmic;
+    const [from, to] = plot.range ?? [-Infinity, Infinity];
+    let end = -Infinity, row = 0; // numbers that would touch stand one below the other
     for (const { x, label } of plot.panels[0].markers) {
+      if (x < from || x > to) continue; // its number would stand beside the drawing
+      const at = ((x - from) / (to - from)) * (plot.width - margin.l - margin.r);
+      row = at < end ? (row + 1) % 4 : 0;
+      end = at + 10 + 8 * label.length;
       layout.shapes.push({ type: "line", x0: x, x1: x, yref: "paper", y0: 0, y1: 1, layer: "above",
         line: { color: look.text, width: 1, dash: "dot" } });
       layout.annotations.push({ x: logarithmic ? Math.log10(x) : x, yref: "paper", y: 1, text: label,
-        yanchor: "top", showarrow: false, bgcolor: look.paper, font: { weight: 600 } });
+        yanchor: "top", yshift: -18 * row, showarrow: false, bgcolor: look.paper, font: { weight: 600 } });
     }
   }
 
   function layoutOf(plot, look) {
     const count = plot.panels.length;
+    const rows = Math.max(...plot.panels.map((panel) => legendRows(panel, plot.width)));
+    const gap = titleRow + legendRow * rows + 8; // over each panel: its title and legend
     const inner = count * panelHeight + (count - 1) * gap;
-    const narrow = plot.place.clientWidth < 600;
+    const narrow = plot.width < 600;
     const layout = {
-      height: inner + margin.t + margin.b + gap / 2, margin: { ...margin, t: margin.t + gap / 2 },
+      width: plot.width, height: inner + margin.t + gap + margin.b, margin: { ...margin, t: margin.t + gap },
       paper_bgcolor: look.paper, plot_bgcolor: look.paper, uirevision: "kept",
       font: { color: look.text, family: "system-ui, sans-serif", size: 13 },
       hovermode: "closest", dragmode: narrow ? false : "zoom", shapes: [], annotations: [],
       hoverlabel: { bgcolor: look.paper, font: { color: look.text } },
       modebar: { bgcolor: "transparent", color: look.text, activecolor: look.ink[0] },
-      xaxis: { ...axisLook(plot.panels[0].x, look), title: { text: plot.panels[0].x.title },
+      xaxis: { ...axisLook(plot.panels[0].x, look), title: { text: plot.panels[0].x.title, font: { size: 13 } },
         anchor: `y${count > 1 ? count : ""}` },
     };
     if (plot.range) layout.xaxis.range = [...plot.range];
@@ -220,10 +247,12 @@
         domain: [Math.max(0, top - panelHeight / inner), top] };
       layout[`legend${k || ""}`] = { orientation: "h", x: 0, xanchor: "left", y: top, yanchor: "bottom",
         bgcolor: "transparent", font: { size: 12 } };
-      const above = panel.series.length > 1 ? 26 : 4; // px: over the legend
-      if (panel.y.title) layout.annotations.push({ text: `<b>${panel.y.title}</b>`, xref: "paper", x: 0, xanchor: "left",
-        yref: "paper", y: top, yanchor: "bottom", yshift: above, showarrow: false });
-      layout.shapes.push(...cellShapes(panel, look));
+      const above = 4 + legendRow * legendRows(panel, plot.width);
+      if (panel.y.title)
+        layout.annotations.push({ text: `<b>${panel.y.title}</b>`, xref: "paper", x: 0, yref: "paper",
+          y: top, xanchor: "left", yanchor: "bottom", yshift: above, showarrow: false });
+      layout.shapes.push(...cellShapes(panel, look), { type: "rect", xref: "paper", x0: 0, x1: 1,
+        yref: "paper", y0: top - panelHeight / inner, y1: top, line: { color: look.text, width: 1 } });
     });
     markersOf(plot, look, layout);
     return layout;
@@ -231,11 +260,13 @@
 
   // ---- drawing, zooming
 
-  const config = { responsive: true, displaylogo: false, doubleClick: "reset",
-    modeBarButtonsToRemove: ["autoScale2d", "lasso2d", "select2d"] };
+  const config = { displaylogo: false, doubleClick: "reset", displayModeBar: true,
+    // Named one by one: plotly would also offer to send the figure to its makers' server.
+    modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]] };
 
   function draw(plot) {
     const look = theme();
+    plot.width = plot.place.clientWidth;
     const traces = plot.panels.flatMap((panel) =>
       panel.series.flatMap((series) => tracesOf(series, panel, plot, look)));
     return Plotly.react(plot.place, traces, layoutOf(plot, look), config);
@@ -304,6 +335,12 @@
       plot.place.on("plotly_relayout", (event) => onRelayout(plot, event));
       plot.place.addEventListener("keydown", (event) => onKey(plot, event));
     }
+    const resized = new ResizeObserver((entries) => {
+      for (const plot of plots)
+        if (entries.some((e) => e.target === plot.place) && plot.place.clientWidth > 0
+            && plot.place.clientWidth !== plot.width) draw(plot);
+    });
+    plots.forEach((plot) => resized.observe(plot.place));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(draw));
     document.documentElement.dataset.figures = plots.length; // all are drawn
   }
