@@ -7,7 +7,8 @@
   const data = JSON.parse(document.getElementById("figure-data").textContent);
   const packedBlock = 1024; // as in packed.hpp
   const margin = { l: 62, r: 12, t: 30, b: 46 }; // px; the buttons stand above
-  const panelHeight = 250, titleRow = 24, legendRow = 22; // px
+  const panelHeight = 250, titleRow = 24; // px
+  const legendHeight = (rows) => (rows > 1 ? 30 : 22) * rows; // px
 
   // ---- the numbers
 
@@ -72,11 +73,34 @@
     return out;
   }
 
-  // A cloud: the extremes as dots, and a stroke over the middle of a column of more than two.
+  const visible = (x, [low, high]) => lowerBound(x, high) - lowerBound(x, low);
+
+  // Whether a zoom shows the stretches of which the page holds but the lowest and the highest.
+  const isCoarse = (series, range, columns) => series.style === "points" && series.stretch > 1
+    && visible(arrays[series.x], range) < 4 * columns;
+
+  // Each stretch as a stroke: its two values alone would look like two series.
+  function strokes(x, y, range) {
+    const body = { x: [], y: [] };
+    const end = Math.min(x.length, lowerBound(x, range[1]) + 2);
+    for (let i = Math.max(0, lowerBound(x, range[0]) - 2) & ~1; i + 1 < end; i += 2) {
+      const middle = 0.5 * (x[i] + x[i + 1]);
+      body.x.push(middle, middle, null);
+      body.y.push(y[i], y[i + 1], null);
+    }
+    return body;
+  }
+
+  // A cloud: all dots where there is room, else the extremes of each column as dots and a stroke
+  // over its middle.
   function cloud(x, y, range, columns) {
+    if (visible(x, range) <= 6 * columns) {
+      const from = Math.max(0, lowerBound(x, range[0]) - 1), to = lowerBound(x, range[1]) + 1;
+      return { dots: { x: x.slice(from, to), y: y.slice(from, to) }, body: { x: [], y: [] } };
+    }
     const dots = extremes(x, y, range, columns), body = { x: [], y: [] };
     forColumns(x, range, columns, (from, to) => {
-      const values = Array.from(y.slice(from, to)).filter(Number.isFinite).sort((a, b) => a - b);
+      const values = y.slice(from, to).filter(Number.isFinite).sort();
       if (values.length < 3) return;
       const last = values.length - 1, tenth = Math.floor(last / 10);
       body.x.push(x[from], x[from], null);
@@ -153,12 +177,25 @@
     const x = arrays[series.x], y = arrays[series.y];
     if (!isLong(series))
       return [{ ...base, mode: "markers", x, y, marker: { color: colour, size: x.length > 160 ? 4 : 7 } }];
+    if (isCoarse(series, range, columns))
+      return [{ ...base, ...strokes(x, y, range), mode: "lines", line: { color: faded(colour, 0.7), width: 2 } }];
     const { dots, body } = cloud(x, y, range, columns);
     return [
       { ...base, ...body, mode: "lines", line: { color: faded(colour, 0.45), width: 1 },
         hoverinfo: "skip", showlegend: false },
       { ...base, ...dots, mode: "markers", marker: { color: faded(colour, 0.7), size: 3 } },
     ];
+  }
+
+  // A line that fills its panel with noise is drawn finer.
+  function widthOf(y) {
+    let travel = 0, low = Infinity, high = -Infinity;
+    for (let i = 1; i < y.length; ++i) {
+      travel += Math.abs(y[i] - y[i - 1]) || 0;
+      low = Math.min(low, y[i]);
+      high = Math.max(high, y[i]);
+    }
+    return travel > 30 * (high - low) ? 1 : 1.8;
   }
 
   function tracesOf(series, panel, plot, look) {
@@ -175,7 +212,7 @@
     const drawn = isLong(series) ? extremes(x, y, plot.range, columns) : { x, y };
     const lines = panel.series.filter((s) => s.style === "line");
     return [{ ...base, ...drawn, mode: "lines",
-      line: { color: colour, width: drawn.x.length > columns ? 1 : 1.8, dash: dashes[lines.indexOf(series) % dashes.length] } }];
+      line: { color: colour, width: widthOf(drawn.y), dash: dashes[lines.indexOf(series) % dashes.length] } }];
   }
 
   // ---- the layout
@@ -199,12 +236,14 @@
       })));
   }
 
-  // How many rows a legend takes: plotly gives all entries the width of the widest.
+  // How many rows a legend takes, about: plotly gives entries that do not fit into one row the width
+  // of the widest.
   function legendRows(panel, width) {
     if (panel.series.length < 2) return 0;
-    const widest = Math.max(...panel.series.map((s) => 50 + 7 * s.label.length));
-    const fit = Math.max(1, Math.floor((width - margin.l - margin.r) / widest));
-    return Math.ceil(panel.series.length / fit);
+    const widths = panel.series.map((s) => 40 + 6 * s.label.length);
+    const room = width - margin.l - margin.r;
+    if (widths.reduce((a, b) => a + b) < room) return 1;
+    return Math.ceil(widths.length / Math.max(1, Math.floor(room / Math.max(...widths))));
   }
 
   // The lines run through all panels, their numbers stand in the first.
@@ -224,10 +263,16 @@
     }
   }
 
+  function strokeNote(panel, plot) {
+    const coarse = panel.series.find((s) =>
+      isLong(s) && isCoarse(s, plot.range, plot.width - margin.l - margin.r));
+    return coarse ? ` – each stroke: lowest to highest of ${coarse.stretch}` : "";
+  }
+
   function layoutOf(plot, look) {
     const count = plot.panels.length;
     const rows = Math.max(...plot.panels.map((panel) => legendRows(panel, plot.width)));
-    const gap = titleRow + legendRow * rows + 8; // over each panel: its title and legend
+    const gap = titleRow + legendHeight(rows) + 8; // over each panel: its title and legend
     const inner = count * panelHeight + (count - 1) * gap;
     const narrow = plot.width < 600;
     const layout = {
@@ -247,9 +292,9 @@
         domain: [Math.max(0, top - panelHeight / inner), top] };
       layout[`legend${k || ""}`] = { orientation: "h", x: 0, xanchor: "left", y: top, yanchor: "bottom",
         bgcolor: "transparent", font: { size: 12 } };
-      const above = 4 + legendRow * legendRows(panel, plot.width);
+      const above = 4 + legendHeight(legendRows(panel, plot.width));
       if (panel.y.title)
-        layout.annotations.push({ text: `<b>${panel.y.title}</b>`, xref: "paper", x: 0, yref: "paper",
+        layout.annotations.push({ text: `<b>${panel.y.title}</b>${strokeNote(panel, plot)}`, xref: "paper", x: 0, yref: "paper",
           y: top, xanchor: "left", yanchor: "bottom", yshift: above, showarrow: false });
       layout.shapes.push(...cellShapes(panel, look), { type: "rect", xref: "paper", x0: 0, x1: 1,
         yref: "paper", y0: top - panelHeight / inner, y1: top, line: { color: look.text, width: 1 } });

@@ -11,8 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t budget = 400'000; // numbers: a megabyte as text
-constexpr std::size_t brief = 1000;     // values that are listed as they are
+constexpr std::size_t budget = 800'000;     // numbers: two megabytes as text
+constexpr std::size_t line_length = 20'000; // as many as a wide screen shows at a zoom of five
+constexpr std::size_t brief = 1000;         // values that are listed as they are
 
 const char* name_of(Series::Style style) {
   switch (style) {
@@ -50,12 +51,17 @@ private:
   Json json_ = Json::array();
 };
 
-// The longest a series may be so that all of them fit into the budget.
+std::size_t wanted(const Series& series) {
+  const std::size_t size = series.x.size();
+  return series.style == Series::Style::points ? size : std::min(size, line_length);
+}
+
+// The most values a series may have so that all of them fit into the budget.
 std::size_t longest_series(const std::vector<Figure>& figures) {
   std::vector<std::size_t> sizes;
   for (const Figure& figure : figures)
     for (const Series& series : figure.series)
-      sizes.push_back(series.x.size());
+      sizes.push_back(wanted(series));
   std::sort(sizes.begin(), sizes.end());
   std::size_t left = budget / 2; // the places take about as much as the values
   for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -76,6 +82,7 @@ std::vector<double> outline(const std::vector<double>& values, std::size_t stret
 }
 
 Json series_json(const Series& series, std::size_t longest, Arrays& arrays) {
+  longest = std::min(longest, wanted(series));
   const bool thin = series.x.size() > longest;
   const std::size_t stretch = thin ? (2 * series.x.size() + longest - 1) / longest : 1;
   Json json{{"style", name_of(series.style)},

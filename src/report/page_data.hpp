@@ -11,8 +11,9 @@ namespace goingrate {
 /// {"arrays": [...], "plots": [{"panels": [...]}]}: one plot for each figure, or for each run of
 /// figures of one group, whose panels share an x axis. A series names its arrays by number, so that
 /// those that are the same are held once; an array is a list, or {"count", "packed"} (packed.hpp).
-/// Series that together hold more than 400,000 numbers are thinned to the extremes of stretches,
-/// each says of how many values ("stretch"). The text may stand inside <script>: it has no "<".
+/// Lines and bands of more than 20,000 values, and all series that together hold more than 800,000
+/// numbers, are thinned to the extremes of stretches; each says of how many values ("stretch"). The
+/// text may stand inside <script>: it has no "<".
 std::string page_data(const std::vector<Figure>& figures);
 
 /// Where the runs of one group begin, and the end of the last.

@@ -33,7 +33,7 @@ std::string report_text(const ReportData& data);
 /// One self-contained HTML page: summary, tables and figures; opens from disk without a network.
 /// plotly.js, if the build had it, draws the figures so that they can be zoomed; without scripts
 /// and on paper they are the still ones. Below 4 MB for any log: what a long log has beyond the
-/// 400,000 numbers kept for zooming is thinned to the extremes of stretches
+/// 800,000 numbers kept for zooming is thinned to the extremes of stretches
 /// (HtmlReportTest.AMonthOfBeats).
 std::string report_html(const ReportData& data);
 
