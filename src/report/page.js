@@ -240,7 +240,9 @@
   // of the widest.
   function legendRows(panel, width) {
     if (panel.series.length < 2) return 0;
-    const widths = panel.series.map((s) => 40 + 6 * s.label.length);
+    const pen = document.createElement("canvas").getContext("2d");
+    pen.font = "12px system-ui, sans-serif"; // as the legend below
+    const widths = panel.series.map((s) => 50 + pen.measureText(s.label).width);
     const room = width - margin.l - margin.r;
     if (widths.reduce((a, b) => a + b) < room) return 1;
     return Math.ceil(widths.length / Math.max(1, Math.floor(room / Math.max(...widths))));
@@ -286,6 +288,7 @@
         anchor: `y${count > 1 ? count : ""}` },
     };
     if (plot.range) layout.xaxis.range = [...plot.range];
+    if (narrow && plot.panels[0].x.logarithmic) layout.xaxis.dtick = 1; // there is room for decades
     plot.panels.forEach((panel, i) => {
       const k = panel.number, top = 1 - (i * (panelHeight + gap)) / inner;
       layout[`yaxis${k || ""}`] = { ...axisLook(panel.y, look), fixedrange: Boolean(plot.range),
