@@ -88,9 +88,10 @@ async function load(scripts) {
 
 // ---- what must hold
 
-// Beats drawn per unit of the time axis in the first plot.
+// Values drawn per unit of the time axis in the first plot, of those that are seen.
 const density = `(() => { const gd = document.querySelector(".live"), r = gd._fullLayout.xaxis.range;
-  return gd.data.reduce((n, t) => n + t.x.length, 0) / (r[1] - r[0]); })()`;
+  const inside = (t) => Array.from(t.x).filter((x) => x !== null && x >= r[0] && x <= r[1]).length;
+  return gd.data.reduce((n, t) => n + inside(t), 0) / (r[1] - r[0]); })()`;
 const shown = (selector) => `[...document.querySelectorAll("${selector}")].filter((e) => e.offsetHeight > 0).length`;
 
 async function checkFigures() {
