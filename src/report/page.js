@@ -62,8 +62,8 @@
     forColumns(x, range, columns, (from, to) => {
       let low = from, high = from;
       for (let i = from + 1; i < to; ++i) {
-        if (!(y[low] <= y[i])) low = i;
-        if (!(y[high] >= y[i])) high = i;
+        if (Number.isNaN(y[low]) || y[i] < y[low]) low = i;
+        if (Number.isNaN(y[high]) || y[i] > y[high]) high = i;
       }
       for (const i of low === high ? [low] : [Math.min(low, high), Math.max(low, high)]) {
         out.x.push(x[i]);
@@ -242,10 +242,10 @@
     if (panel.series.length < 2) return 0;
     const pen = document.createElement("canvas").getContext("2d");
     pen.font = "12px system-ui, sans-serif"; // as the legend below
-    const widths = panel.series.map((s) => 50 + pen.measureText(s.label).width);
+    const widths = panel.series.map((s) => 50 + pen.measureText(s.label).width); // 50: the sample
     const room = width - margin.l - margin.r;
     if (widths.reduce((a, b) => a + b) < room) return 1;
-    return Math.ceil(widths.length / Math.max(1, Math.floor(room / Math.max(...widths))));
+    return Math.ceil(widths.length / Math.max(1, Math.floor((room + 12) / Math.max(...widths))));
   }
 
   // The lines run through all panels, their numbers stand in the first.

@@ -79,11 +79,11 @@ async function load(scripts) {
   const began = Date.now();
   await send("Page.navigate", { url: pathToFileURL(resolve(page)).href });
   const ready = scripts ? "document.documentElement.dataset.figures" : "document.readyState === 'complete' && document.querySelector('.still')";
-  for (let i = 0; i < 300; ++i) {
+  for (let i = 0; i < 1200; ++i) {
     if (await value(`Boolean(${ready})`).catch(() => false)) return Date.now() - began;
     await pause(50);
   }
-  throw new Error(`the page is not ready after 15 s; ${complaints.join("; ")}`);
+  throw new Error(`the page is not ready after a minute; ${complaints.join("; ")}`);
 }
 
 // ---- what must hold
