@@ -3,7 +3,7 @@
 # in FOLDER, to be looked at.
 set -euo pipefail
 command=$1 source=$2 folder=$3
-log=${4:-$source/data/logs/noisy-drive.csv}
+log=${4:-$source/data/logs/interruption.csv}
 chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 [ -n "$chromium" ] || { echo "no chromium here: skipped"; exit 77; }
 command -v node > /dev/null || { echo "no node here: skipped"; exit 77; }
