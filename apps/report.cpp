@@ -26,11 +26,11 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
   data.rate.nominal_is_known = loaded.nominal_is_known;
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
-  data.fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
-                       fit_options(options.model, loaded, global));
   const TimingData times = fit_data(loaded);
+  data.fit = fit_clock(times, loaded.nominal_period_s, fit_options(options.model, loaded, global));
   data.covariates = covariate_effects(times);
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
+  if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
   const double missed = 1.0 - static_cast<double>(times.size()) / (times.cycle.back() + 1.0);
   // What the diary tells and the fit follows need not be suspected again.
   TimingData unexplained = times;

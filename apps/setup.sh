@@ -4,6 +4,8 @@
 goingrate_setup() {
   local packages=(g++ cmake ninja-build pkg-config libboost-dev libeigen3-dev libceres-dev libfftw3-dev
     libfmt-dev libfast-float-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev zlib1g-dev "$@")
+  # The report's page draws with plotly.js, which npm fetches; npm may have come without a package.
+  command -v npm > /dev/null || packages+=(nodejs npm)
   if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
     echo "This is no Debian system. goingrate needs (Debian's names): ${packages[*]}" >&2
     echo "Going on; CMake will say what it does not find." >&2

@@ -135,6 +135,18 @@ void add_log_ticks(AxisScale& scale) {
   }
 }
 
+// Half a place is left on either side, for squares and bars.
+AxisScale scale_names(const Axis& axis) {
+  AxisScale scale;
+  scale.title = titled(axis.label, axis.unit);
+  const auto count = static_cast<double>(axis.names.size());
+  scale.from = -0.5;
+  scale.to = count - 0.5;
+  for (std::size_t i = 0; i < axis.names.size(); ++i)
+    scale.ticks.push_back({(static_cast<double>(i) + 0.5) / count, axis.names[i]});
+  return scale;
+}
+
 AxisScale scale_logarithmic(const Axis& axis, double lowest, double highest, double margin) {
   AxisScale scale;
   scale.logarithmic = true;
@@ -164,6 +176,7 @@ double AxisScale::place(double value) const {
 }
 
 AxisScale scale_axis(const Axis& axis, double lowest, double highest, double margin) {
+  if (!axis.names.empty()) return scale_names(axis);
   return axis.logarithmic ? scale_logarithmic(axis, lowest, highest, margin)
                           : scale_linear(axis, lowest, highest, margin);
 }

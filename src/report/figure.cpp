@@ -1,6 +1,7 @@
 #include "goingrate/report/figure.hpp"
 
 #include "axis_scale.hpp"
+#include "figure_cells.hpp"
 #include "markup.hpp"
 #include "series_path.hpp"
 
@@ -50,7 +51,8 @@ void check(const Series& series) {
   const bool ranged = series.style == Series::Style::band || series.style == Series::Style::bars;
   const bool plain = series.style != Series::Style::band;
   if ((plain && series.y.size() != series.x.size()) ||
-      (ranged && (series.low.size() != series.x.size() || series.high.size() != series.x.size())))
+      (ranged && (series.low.size() != series.x.size() || series.high.size() != series.x.size())) ||
+      (series.style == Series::Style::cells && series.low.size() != series.x.size()))
     throw ArgumentError("series", series.label, "vectors of one length");
 }
 
@@ -123,6 +125,7 @@ private:
   void mark(int kind, double x, double y, std::string& path) const;
   [[nodiscard]] std::vector<Place> places(const Series& series) const;
   [[nodiscard]] std::vector<Extent> extents(const Series& series) const;
+  [[nodiscard]] std::vector<Cell> cells(const Series& series) const;
   [[nodiscard]] double across(double x) const { return left_ + (right - left_) * x_.place(x); }
   [[nodiscard]] double down(double y) const { return bottom_ - plot_height * y_.place(y); }
 
@@ -219,13 +222,15 @@ void Drawing::draw_grid() {
   std::string minor;
   std::string labels;
   const auto out = std::back_inserter(labels);
+  bool lower = false; // every other name, so that long ones have room
   for (const Tick& tick : x_.ticks) {
     const std::string x = coordinate(left_ + (right - left_) * tick.place);
     (tick.label.empty() ? minor : lines) +=
         fmt::format("M{} {}V{}", x, coordinate(top_), coordinate(bottom_));
     if (tick.label.empty()) continue;
     fmt::format_to(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x,
-                   coordinate(bottom_ + 21.0), tick.label);
+                   coordinate(bottom_ + (lower ? 41.0 : 21.0)), escape_markup(tick.label));
+    lower = !lower && figure_.x.names.size() > 4;
   }
   for (const Tick& tick : y_.ticks) {
     const double y = bottom_ - plot_height * tick.place;
@@ -233,7 +238,7 @@ void Drawing::draw_grid() {
         fmt::format("M{} {}H{}", coordinate(left_), coordinate(y), coordinate(right));
     if (tick.label.empty()) continue;
     fmt::format_to(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" dy=\".35em\">{}</text>\n",
-                   coordinate(left_ - 7.0), coordinate(y), tick.label);
+                   coordinate(left_ - 7.0), coordinate(y), escape_markup(tick.label));
   }
   if (!minor.empty()) write("<path class=\"minor\" d=\"{}\"/>\n", minor);
   if (!lines.empty()) write("<path class=\"grid\" d=\"{}\"/>\n", lines);
@@ -267,6 +272,14 @@ std::vector<Place> Drawing::places(const Series& series) const {
   result.reserve(series.x.size());
   for (std::size_t i = 0; i < series.x.size(); ++i)
     result.push_back({across(series.x[i]), down(series.y[i])});
+  return result;
+}
+
+std::vector<Cell> Drawing::cells(const Series& series) const {
+  std::vector<Cell> result;
+  for (std::size_t i = 0; i < series.x.size(); ++i)
+    result.push_back({across(series.x[i] - 0.5), down(series.y[i] + 0.5), across(1.0) - across(0.0),
+                      down(0.0) - down(1.0), series.low[i]});
   return result;
 }
 
@@ -316,6 +329,9 @@ void Drawing::draw_series(std::size_t index) {
   case Series::Style::bars:
     path("bar", bars_path(extents(series), 4.0));
     draw_marks(series, look);
+    break;
+  case Series::Style::cells:
+    write("{}", cells_markup(cells(series)));
     break;
   case Series::Style::points:
     if (!look.dense) return draw_marks(series, look);

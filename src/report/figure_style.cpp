@@ -29,6 +29,7 @@ std::string figure_style() {
 .figure .body{stroke:var(--ink);stroke-width:1.1;stroke-opacity:.45}
 .figure .bar{stroke:var(--ink);stroke-width:1.4}
 .figure path.mark{fill:var(--ink)}
+.figure rect.cell{fill:var(--ink)}
 .figure path.band{fill:var(--ink);fill-opacity:.25}
 )";
   for (std::size_t i = 0; i < okabe_ito.size(); ++i)

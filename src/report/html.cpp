@@ -1,8 +1,10 @@
 // The page: its frame, its style, and the order of its parts.
 #include "goingrate/report/report.hpp"
 
+#include "embedded.hpp"
 #include "markup.hpp"
 #include "page.hpp"
+#include "page_data.hpp"
 #include "report_figures.hpp"
 
 #include <fmt/format.h>
@@ -78,22 +80,59 @@ tbody th{font-weight:400}
 .value{white-space:nowrap}
 figure{margin:1.5rem 0}
 figcaption{color:var(--soft);font-size:.88rem}
+/* A figure is the still drawing until page.js has drawn it live; on paper it is the still one again. */
+.live{display:none;margin:.5rem 0;touch-action:pan-y}
+.live:focus-visible{outline:2px solid currentColor;outline-offset:2px}
+.hint{display:none;color:var(--soft);font-size:.88rem}
+@media screen{.drawn .live,.drawn .hint{display:block}.drawn .still{display:none}}
 li{overflow-wrap:anywhere}
 .warning{padding:.6rem .8rem;border-left:4px solid var(--warn);background:var(--panel);font-weight:600}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}figure,tr,.cards div{break-inside:avoid}
 h2,h3,caption{break-after:avoid}.scroll,pre{overflow:visible}pre{white-space:pre-wrap}}
 )";
 
-std::string figures_section(const ReportData& data) {
-  const auto figures = report_figures(data);
+std::string figure_html(const Figure& figure, std::string_view live) {
+  return fmt::format("<figure>\n<h3>{}</h3>\n{}<div class=\"still\">\n{}</div>\n"
+                     "<figcaption>{}</figcaption>\n</figure>\n",
+                     escape_markup(figure.title), live, svg(figure), escape_markup(figure.caption));
+}
+
+// Where page.js draws a plot. Keys work once it has the focus.
+std::string live_place(const std::vector<Figure>& figures, std::size_t from, std::size_t to) {
+  std::string titles;
+  for (std::size_t i = from; i < to; ++i)
+    titles += (i == from ? "" : "; ") + figures[i].title;
+  return fmt::format("<div class=\"live\" tabindex=\"0\" role=\"group\" aria-label=\"{}\"></div>\n",
+                     escape_markup(titles));
+}
+
+constexpr std::string_view hint =
+    "<p class=\"hint\">Drag across a figure to zoom (on a telephone: the buttons above it) and "
+    "double-click to see all again. A figure with the focus also takes the keys + and −, ← and →, "
+    "and 0. What is against time zooms together.</p>\n";
+
+std::string figures_section(const std::vector<Figure>& figures) {
   if (figures.empty())
     return page::section("figures", "Figures",
                          page::paragraph("The log is too short for figures."));
-  std::string body;
-  for (const Figure& figure : figures)
-    body += fmt::format("<figure>\n<h3>{}</h3>\n{}<figcaption>{}</figcaption>\n</figure>\n",
-                        escape_markup(figure.title), svg(figure), escape_markup(figure.caption));
+  std::string body = std::string(hint);
+  const std::vector<std::size_t> begins = plot_begins(figures);
+  for (std::size_t p = 0; p + 1 < begins.size(); ++p) {
+    const std::string live = live_place(figures, begins[p], begins[p + 1]);
+    const bool alone = begins[p + 1] - begins[p] == 1;
+    if (!alone) body += live;
+    for (std::size_t i = begins[p]; i < begins[p + 1]; ++i)
+      body += figure_html(figures[i], alone ? live : "");
+  }
   return page::section("figures", "Figures", body);
+}
+
+// Last in the page, so that everything can be read while a slow reader still takes them in.
+std::string scripts(const std::vector<Figure>& figures) {
+  if (plotly_script().empty() || figures.empty()) return {};
+  return fmt::format("<script type=\"application/json\" id=\"figure-data\">{}</script>\n"
+                     "<script>{}</script>\n<script>{}</script>\n",
+                     page_data(figures), plotly_script(), page_script());
 }
 
 constexpr std::string_view contents = R"(<nav aria-label="Contents"><ul>
@@ -117,11 +156,12 @@ std::string report_html(const ReportData& data) {
                   "<title>The going of {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n"
                   "<header>\n<h1>The going of {0}</h1>\n{3}</header>\n<main>\n",
                   name, page_style, figure_style(), contents);
+  const std::vector<Figure> figures = report_figures(data);
   html += page::section("summary", "What it says",
                         "<pre tabindex=\"0\">" + escape_markup(report_text(data)) + "</pre>\n");
-  html += page::key_figures(data) + page::diary(data) + figures_section(data) + page::fit(data) +
+  html += page::key_figures(data) + page::diary(data) + figures_section(figures) + page::fit(data) +
           page::drive(data) + page::stability(data) + page::reading(data);
-  return html + "</main>\n</body>\n</html>\n";
+  return html + "</main>\n" + scripts(figures) + "</body>\n</html>\n";
 }
 
 } // namespace goingrate

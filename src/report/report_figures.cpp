@@ -67,6 +67,9 @@ public:
   [[nodiscard]] Figure amplitude() const;
   [[nodiscard]] Figure time_residual() const;
   [[nodiscard]] Figure amplitude_residual() const;
+  [[nodiscard]] std::optional<Figure> drive() const {
+    return drive_figure(data_, time_axis(), unit_.factor, markers_);
+  }
 
 private:
   [[nodiscard]] Axis time_axis() const { return {"time since the first beat", unit_.name}; }
@@ -113,7 +116,7 @@ Figure TimeFigures::rate() const {
       "rate",
       "Rate against time",
       "Above zero the clock gains; the cloud is the rate of every single period (where it is "
-      "dense, a stroke holds the middle 80 % and dots the extremes), the line its running "
+      "dense, a stroke holds most of it and dots the extremes), the line its running "
       "mean, and a numbered vertical line marks a change in the diary.",
       time_axis(),
       {"rate", "s/day"},
@@ -241,6 +244,16 @@ Figure spectrum_figure(const ReportData& data) {
   return figure;
 }
 
+// sqrt(3) j / tau: what white jitter j of the sensor alone makes of the deviation.
+Series jitter_floor(const Series& measured, double jitter_s) {
+  Series floor{Series::Style::line, "jitter of the sensor alone", {}, {}, {}, {}, green};
+  for (const double tau : measured.x) {
+    floor.x.push_back(tau);
+    floor.y.push_back(std::sqrt(3.0) * jitter_s / tau);
+  }
+  return floor;
+}
+
 Figure deviation_figure(const ReportData& data) {
   Series bars{Series::Style::bars, "deviation", {}, {}, {}, {}, blue};
   for (const DeviationRow& row : data.deviation.rows) {
@@ -250,7 +263,7 @@ Figure deviation_figure(const ReportData& data) {
     bars.low.push_back(row.interval ? row.low : unknown);
     bars.high.push_back(row.interval ? row.high : unknown);
   }
-  return {
+  Figure figure{
       "deviation",
       "Stability (overlapping Allan deviation)",
       "By how much the rate, averaged over τ, typically differs from one such stretch to the next "
@@ -261,6 +274,32 @@ Figure deviation_figure(const ReportData& data) {
       {"averaging time τ", "s", true},
       {"deviation of the rate", "", true},
       {std::move(bars)}};
+  if (data.fit.status == FitStatus::converged && data.fit.jitter_s > 0.0) {
+    figure.series.push_back(without_depths(jitter_floor(figure.series.front(), data.fit.jitter_s),
+                                           figure.series.front()));
+    figure.caption += " The line is what the fitted jitter √3 j/τ leaves of a perfect clock.";
+  }
+  return figure;
+}
+
+void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
+  if (figure) figures.push_back(std::move(*figure));
+}
+
+// What is against time on one axis, then what is against time alone.
+void add_time_figures(const ReportData& data, bool fitted, std::vector<Figure>& figures) {
+  const TimeFigures of_time(data);
+  figures.push_back(of_time.rate());
+  if (data.log.has_amplitude) figures.push_back(of_time.amplitude());
+  if (fitted && data.fit.residual_s.size() == data.beats.size())
+    figures.push_back(of_time.time_residual());
+  if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
+    figures.push_back(of_time.amplitude_residual());
+  for (Figure& figure : figures)
+    figure.group = "course";
+  figures.push_back(of_time.error());
+  add(figures, rate_amplitude_figure(data));
+  if (fitted) add(figures, of_time.drive());
 }
 
 } // namespace
@@ -291,19 +330,12 @@ BinnedSpectrum log_binned(const std::vector<double>& frequency_hz,
 std::vector<Figure> report_figures(const ReportData& data) {
   std::vector<Figure> figures;
   const bool fitted = data.fit.status == FitStatus::converged;
-  if (data.beats.size() > 1) {
-    const TimeFigures of_time(data);
-    figures.push_back(of_time.rate());
-    figures.push_back(of_time.error());
-    if (data.log.has_amplitude) figures.push_back(of_time.amplitude());
-    if (fitted && data.fit.residual_s.size() == data.beats.size())
-      figures.push_back(of_time.time_residual());
-    if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
-      figures.push_back(of_time.amplitude_residual());
-  }
+  if (data.beats.size() > 1) add_time_figures(data, fitted, figures);
   if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1)
     figures.push_back(spectrum_figure(data));
   if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
+  if (fitted) add(figures, correlation_figure(data.fit));
+  if (fitted) add(figures, interval_figure(data.fit));
   return figures;
 }
 

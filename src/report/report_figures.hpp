@@ -4,13 +4,30 @@
 #include "goingrate/report/figure.hpp"
 #include "goingrate/report/report.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace goingrate {
 
-/// Those figures for which there are data, in the order of the page: rate, clock error, amplitude,
-/// residuals, spectrum, deviation. What rests on the fit is left out unless the fit converged.
+/// Those figures for which there are data, in the order of the page: rate, amplitude and residuals
+/// (one group), clock error, rate against amplitude, drive, spectrum, deviation, correlation and
+/// intervals of the parameters. What rests on the fit is left out unless the fit converged.
 std::vector<Figure> report_figures(const ReportData& data);
+
+/// Mean rates of stretches against their mean amplitudes, with the slope of the circular error;
+/// nothing without amplitudes or for fewer than two stretches.
+std::optional<Figure> rate_amplitude_figure(const ReportData& data);
+
+/// mu(t)/mu0 with one sigma either way; nothing without a history. `time` = seconds *
+/// `time_factor`.
+std::optional<Figure> drive_figure(const ReportData& data, const Axis& time, double time_factor,
+                                   std::vector<Marker> markers);
+
+/// The matrix of those parameters that the log determines; nothing for fewer than two.
+std::optional<Figure> correlation_figure(const FitSummary& fit);
+
+/// The 68 % and 95 % intervals in units of sigma; nothing if no parameter has them.
+std::optional<Figure> interval_figure(const FitSummary& fit);
 
 /// A logarithmically spaced mean: a few values in each decade, each the mean over its band.
 struct BinnedSpectrum {

@@ -12,3 +12,7 @@ printed=$("$scratch/build/consumer")
 echo "printed $printed"
 [ "$printed" = "1.133264e-04" ] # the exact rate at A
 "$scratch/prefix/bin/goingrate" --version
+# What the page draws with travels inside the command.
+if [ -s "$build/src/plotly-basic.min.js" ]; then
+  grep -q 'plotly.js (basic' "$scratch/prefix/bin/goingrate"
+fi

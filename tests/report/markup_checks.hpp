@@ -25,7 +25,8 @@ inline std::string tag_fault(std::string_view text) {
     if (tag[0] == '!' || tag.back() == '/' || name == "meta" || name == "br") continue;
     if (tag[0] != '/') {
       open.push_back(name);
-      if (name == "style") at = text.find("</style>", at); // CSS may hold > and {
+      if (name == "style" || name == "script") // these may hold < and >
+        at = text.find("</" + name + ">", at);
     } else if (open.empty() || open.back() != tag.substr(1)) {
       return "<" + tag + "> closes " + (open.empty() ? "nothing" : open.back());
     } else {
@@ -48,6 +49,18 @@ inline bool has_word(std::string_view text, std::string_view word) {
     if (same == word.size() && !letter(at + same) && (at == 0 || !letter(at - 1))) return true;
   }
   return false;
+}
+
+/// The text without what stands between <script ...> and </script>.
+inline std::string without_scripts(std::string_view text) {
+  std::string rest;
+  for (;;) {
+    const std::size_t begin = text.find("<script");
+    const std::size_t end = begin == std::string_view::npos ? begin : text.find("</script>", begin);
+    if (end == std::string_view::npos) return rest.append(text);
+    rest.append(text.substr(0, begin));
+    text.remove_prefix(end + 9);
+  }
 }
 
 inline std::size_t count_of(std::string_view text, std::string_view part) {

@@ -12,13 +12,15 @@
 
 namespace goingrate {
 
-/// One set of values. `low` and `high` are those of a band or of error bars, else empty.
+/// One set of values. `low` and `high` are those of a band or of error bars, else empty; `low` also
+/// holds what cells show.
 struct Series {
   enum class Style {
     line,   ///< points joined in the order given; x should not decrease
     points, ///< dots
     band,   ///< the area between `low` and `high`; y is not used
     bars,   ///< a mark at y with a bar from `low` to `high` where both are known
+    cells,  ///< a square of side 1 about (x, y) for each number from -1 to 1 in `low`
   };
   Style style = Style::line;
   std::string label; ///< for the legend, which is drawn if the figure has more than one series
@@ -33,6 +35,7 @@ struct Axis {
   std::string label; ///< what is shown, without its unit
   std::string unit;  ///< may be empty
   bool logarithmic = false;
+  std::vector<std::string> names{}; ///< what stands at 0, 1, 2 ...; empty: an axis of numbers
 };
 
 /// A vertical line at x; left out if x lies outside the drawing.
@@ -49,6 +52,7 @@ struct Figure {
   Axis y;
   std::vector<Series> series;
   std::vector<Marker> markers{};
+  std::string group{}; ///< figures of one group share their x axis where a page draws them live
 };
 
 /// The figure as an <svg> element without width and height: it takes the width it is given. Colours

@@ -5,10 +5,12 @@
 #include "goingrate/fit/covariates.hpp"
 #include "goingrate/fit/diagnosis.hpp"
 #include "goingrate/fit/diary.hpp"
+#include "goingrate/fit/drive_history.hpp"
 #include "goingrate/fit/drive_split.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/spectra/stability.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,15 +25,20 @@ struct ReportData {
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
-  std::vector<Suspicion> suspicions; ///< strongest first
+  std::vector<Suspicion> suspicions;       ///< strongest first
   std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
+  std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
 };
 
 /// The summary for the terminal: at most 40 lines of at most 100 characters, in plain words.
 std::string report_text(const ReportData& data);
 
 /// One self-contained HTML page: summary, tables and figures; opens from disk without a network.
+/// plotly.js, if the build had it, draws the figures so that they can be zoomed; without scripts
+/// and on paper they are the still ones. Below 4 MB for any log: what a long log has beyond the
+/// 800,000 numbers kept for zooming is thinned to the extremes of stretches
+/// (HtmlReportTest.AMonthOfBeats).
 std::string report_html(const ReportData& data);
 
 } // namespace goingrate

@@ -1,0 +1,32 @@
+#include "embedded.hpp"
+
+#include <cstddef>
+
+// The assembler reads the files, which g++ and clang both leave to it: a megabyte of text as an
+// array in C++ would take the compiler many seconds.
+#define EMBED(name, path)                                                                          \
+  __asm__(".pushsection .rodata\n"                                                                 \
+          ".global goingrate_" #name "_begin\n.global goingrate_" #name "_end\n"                   \
+          "goingrate_" #name "_begin:\n.incbin \"" path "\"\n"                                     \
+          "goingrate_" #name "_end:\n.byte 0\n.popsection\n");                                     \
+  extern "C" const char goingrate_##name##_begin[];                                                \
+  extern "C" const char goingrate_##name##_end[]
+
+EMBED(plotly, GOINGRATE_PLOTLY_SCRIPT);
+EMBED(page, GOINGRATE_PAGE_SCRIPT);
+
+namespace goingrate {
+
+namespace {
+
+std::string_view between(const char* begin, const char* end) {
+  return {begin, static_cast<std::size_t>(end - begin)};
+}
+
+} // namespace
+
+std::string_view plotly_script() { return between(goingrate_plotly_begin, goingrate_plotly_end); }
+
+std::string_view page_script() { return between(goingrate_page_begin, goingrate_page_end); }
+
+} // namespace goingrate

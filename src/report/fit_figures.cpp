@@ -1,0 +1,93 @@
+// Figures of what the fit says of its own parameters.
+#include "report_figures.hpp"
+
+#include "goingrate/fit/clock_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace goingrate {
+
+namespace {
+
+constexpr int blue = 0;
+constexpr int vermilion = 1;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+bool is_determined(const FitSummary& fit, const std::string& name) {
+  return std::none_of(fit.parameters.begin(), fit.parameters.end(), [&](const auto& p) {
+    return p.name == name && p.status == ParameterStatus::undetermined;
+  });
+}
+
+bool has_intervals(const FittedParameter& p) {
+  return (p.status == ParameterStatus::free || p.status == ParameterStatus::prior) &&
+         std::isfinite(p.value) && p.sigma > 0.0 && p.low68 < p.high68;
+}
+
+} // namespace
+
+std::optional<Figure> correlation_figure(const FitSummary& fit) {
+  std::vector<std::size_t> shown; // one that is undetermined has the correlations of its prior
+  for (std::size_t i = 0; i < std::min(fit.correlated.size(), fit.correlation.size()); ++i)
+    if (is_determined(fit, fit.correlated[i])) shown.push_back(i);
+  if (shown.size() < 2) return std::nullopt;
+  Figure figure{"correlation",
+                "Correlation of the fitted parameters",
+                "Blue: an error that makes one of the two too large makes the other too large as "
+                "well; vermilion: too small. Near ±1 the log knows the two together much better "
+                "than each alone. Numbers along the foot are those beside the names.",
+                {"", ""},
+                {"", ""},
+                {{Series::Style::cells, "correlation", {}, {}, {}, {}, blue}}};
+  const std::size_t count = shown.size();
+  Series& cells = figure.series.front();
+  for (std::size_t i = 0; i < count; ++i) {
+    figure.x.names.push_back(fmt::format("{}", i + 1));
+    const std::size_t from_foot = count - 1 - i; // the first row on top, as a matrix is written
+    figure.y.names.push_back(fmt::format("{} {}", fit.correlated[shown[from_foot]], from_foot + 1));
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto& row = fit.correlation[shown[i]];
+      cells.x.push_back(static_cast<double>(k));
+      cells.y.push_back(static_cast<double>(from_foot));
+      cells.low.push_back(shown[k] < row.size() ? row[shown[k]] : unknown);
+    }
+  }
+  return figure;
+}
+
+std::optional<Figure> interval_figure(const FitSummary& fit) {
+  constexpr double edge = 5.0; // sigma: where an interval without an end is cut
+  Series narrow{Series::Style::bars, "68 %", {}, {}, {}, {}, blue};
+  Series wide{Series::Style::bars, "95 %", {}, {}, {}, {}, vermilion};
+  Figure figure{"intervals",
+                "Intervals of the parameters",
+                "Where the profile likelihood puts each parameter, in units of its σ from the best "
+                "value: about ±1 (68 %) and ±2 (95 %) where it is a parabola. A lopsided bar means "
+                "that the error is greater to that side; one that runs to 5 has no end there.",
+                {"", ""},
+                {"distance from the best value", "σ"},
+                {}};
+  const auto add = [&](Series& series, double at, const FittedParameter& p, double low,
+                       double high) {
+    series.x.push_back(at);
+    series.y.push_back(0.0);
+    series.low.push_back(std::clamp((low - p.value) / p.sigma, -edge, edge));
+    series.high.push_back(std::clamp((high - p.value) / p.sigma, -edge, edge));
+  };
+  for (const FittedParameter& p : fit.parameters) {
+    if (!has_intervals(p)) continue;
+    const auto at = static_cast<double>(figure.x.names.size());
+    constexpr double aside = 0.08; // so that both bars are seen
+    add(narrow, at - aside, p, p.low68, p.high68);
+    if (p.low95 < p.high95) add(wide, at + aside, p, p.low95, p.high95);
+    figure.x.names.push_back(p.name);
+  }
+  if (figure.x.names.empty()) return std::nullopt;
+  figure.series = {std::move(narrow), std::move(wide)};
+  return figure;
+}
+
+} // namespace goingrate

@@ -1,0 +1,400 @@
+// Draws the figures of a report's page with plotly.js from the data in the page.
+//
+// A long series is thinned to the width of its drawing: of each column of pixels the lowest and the
+// highest value stay, and a zoom draws what it shows anew from all the values there are.
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("figure-data").textContent);
+  const packedBlock = 1024; // as in packed.hpp
+  const margin = { l: 62, r: 12, t: 30, b: 46 }; // px; the buttons stand above
+  const panelHeight = 250, titleRow = 24; // px
+  const legendHeight = (rows) => (rows > 1 ? 30 : 22) * rows; // px
+
+  // ---- the numbers
+
+  // Least value and step of a block (two doubles), then 16 bits a value, 65535 for none.
+  function unpack({ count, packed }) {
+    const text = atob(packed);
+    const view = new DataView(Uint8Array.from(text, (c) => c.charCodeAt(0)).buffer);
+    const values = new Float64Array(count);
+    let at = 0;
+    for (let begin = 0; begin < count; begin += packedBlock) {
+      const least = view.getFloat64(at, true), step = view.getFloat64(at + 8, true);
+      at += 16;
+      for (let i = begin; i < Math.min(count, begin + packedBlock); ++i, at += 2) {
+        const number = view.getUint16(at, true);
+        values[i] = number === 65535 ? NaN : least + step * number;
+      }
+    }
+    return values;
+  }
+
+  const arrays = data.arrays.map((a) => (Array.isArray(a) ? a.map((v) => v ?? NaN) : unpack(a)));
+  const isLong = (series) => series.style !== "cells" && arrays[series.x].length > 1000;
+
+  // The first place that is not below `value`.
+  function lowerBound(x, value) {
+    let from = 0, to = x.length;
+    while (from < to) {
+      const middle = (from + to) >> 1;
+      if (x[middle] < value) from = middle + 1;
+      else to = middle;
+    }
+    return from;
+  }
+
+  // Calls see(indices, column) for each column of pixels of [low, high], with one neighbour either
+  // side so that a line runs on to the edge.
+  function forColumns(x, [low, high], columns, see) {
+    const begin = Math.max(0, lowerBound(x, low) - 1);
+    const end = Math.min(x.length, lowerBound(x, high) + 1);
+    const column = (i) => Math.floor(((x[i] - low) / (high - low)) * columns);
+    for (let i = begin; i < end;) {
+      const first = i, here = column(i);
+      while (i < end && column(i) === here) ++i;
+      see(first, i);
+    }
+  }
+
+  // Lowest and highest of each column, in the order they come in.
+  function extremes(x, y, range, columns) {
+    const out = { x: [], y: [] };
+    forColumns(x, range, columns, (from, to) => {
+      let low = from, high = from;
+      for (let i = from + 1; i < to; ++i) {
+        if (Number.isNaN(y[low]) || y[i] < y[low]) low = i;
+        if (Number.isNaN(y[high]) || y[i] > y[high]) high = i;
+      }
+      for (const i of low === high ? [low] : [Math.min(low, high), Math.max(low, high)]) {
+        out.x.push(x[i]);
+        out.y.push(y[i]);
+      }
+    });
+    return out;
+  }
+
+  const visible = (x, [low, high]) => lowerBound(x, high) - lowerBound(x, low);
+
+  // Whether a zoom shows the stretches of which the page holds but the lowest and the highest.
+  const isCoarse = (series, range, columns) => series.style === "points" && series.stretch > 1
+    && visible(arrays[series.x], range) < 4 * columns;
+
+  // Each stretch as a stroke: its two values alone would look like two series.
+  function strokes(x, y, range) {
+    const body = { x: [], y: [] };
+    const end = Math.min(x.length, lowerBound(x, range[1]) + 2);
+    for (let i = Math.max(0, lowerBound(x, range[0]) - 2) & ~1; i + 1 < end; i += 2) {
+      const middle = 0.5 * (x[i] + x[i + 1]);
+      body.x.push(middle, middle, null);
+      body.y.push(y[i], y[i + 1], null);
+    }
+    return body;
+  }
+
+  // A cloud: all dots where there is room, else the extremes of each column as dots and a stroke
+  // over its middle.
+  function cloud(x, y, range, columns) {
+    if (visible(x, range) <= 6 * columns) {
+      const from = Math.max(0, lowerBound(x, range[0]) - 1), to = lowerBound(x, range[1]) + 1;
+      return { dots: { x: x.slice(from, to), y: y.slice(from, to) }, body: { x: [], y: [] } };
+    }
+    const dots = extremes(x, y, range, columns), body = { x: [], y: [] };
+    forColumns(x, range, columns, (from, to) => {
+      const values = y.slice(from, to).filter(Number.isFinite).sort();
+      if (values.length < 3) return;
+      const last = values.length - 1, tenth = Math.floor(last / 10);
+      body.x.push(x[from], x[from], null);
+      body.y.push(values[tenth], values[last - tenth], null);
+    });
+    return { dots, body };
+  }
+
+  // ---- colours
+
+  // Those of the page's style sheet, which knows of the dark.
+  function theme() {
+    const root = getComputedStyle(document.documentElement);
+    const holder = document.createElement("div");
+    holder.className = "figure";
+    document.body.append(holder);
+    const ink = Array.from({ length: 8 }, (_, i) => {
+      const probe = holder.appendChild(document.createElement("i"));
+      probe.className = `c${i}`;
+      return getComputedStyle(probe).getPropertyValue("--ink").trim();
+    });
+    holder.remove();
+    const of = (name) => root.getPropertyValue(name).trim();
+    return { ink, text: of("--text"), grid: of("--grid"), paper: of("--paper") };
+  }
+
+  const faded = (colour, opacity) => colour + Math.round(255 * opacity).toString(16).padStart(2, "0");
+
+  // ---- from series to traces
+
+  const dashes = ["solid", "dash", "dot", "dashdot"];
+
+  // The widest of each column of pixels.
+  function outline(series, range, columns) {
+    const all = { x: arrays[series.x], low: arrays[series.low], high: arrays[series.high] };
+    if (!isLong(series)) return all;
+    const out = { x: [], low: [], high: [] };
+    forColumns(all.x, range, columns, (from, to) => {
+      out.x.push(all.x[from]);
+      out.low.push(all.low.slice(from, to).reduce((a, b) => Math.min(a, b)));
+      out.high.push(all.high.slice(from, to).reduce((a, b) => Math.max(a, b)));
+    });
+    return out;
+  }
+
+  function bandTraces(series, base, colour, range, columns) {
+    const { x, low, high } = outline(series, range, columns);
+    const edge = { ...base, mode: "lines", line: { width: 0 }, hoverinfo: "skip" };
+    return [{ ...edge, x, y: low, showlegend: false },
+      { ...edge, x, y: high, fill: "tonexty", fillcolor: faded(colour, 0.25) }];
+  }
+
+  function barTrace(series, base, colour) {
+    const y = arrays[series.y], low = arrays[series.low], high = arrays[series.high];
+    const known = (i) => Number.isFinite(low[i]) && Number.isFinite(high[i]);
+    return {
+      ...base, mode: "markers", x: arrays[series.x], y, marker: { color: colour, size: 7 },
+      error_y: { type: "data", symmetric: false, color: colour, thickness: 1.5, width: 4,
+        array: Array.from(y, (v, i) => (known(i) ? high[i] - v : 0)),
+        arrayminus: Array.from(y, (v, i) => (known(i) ? v - low[i] : 0)) },
+    };
+  }
+
+  // The squares themselves are shapes of the layout; this tells their numbers.
+  function cellTrace(series, base, width) {
+    const text = Array.from(arrays[series.low], (v) => (Number.isFinite(v) ? v.toFixed(2) : ""));
+    const side = (width - 190) / Math.sqrt(text.length); // 190 px: about what the names take
+    return { ...base, mode: "text", x: arrays[series.x], y: arrays[series.y], hoverinfo: "skip",
+      text: text.map((t) => t.replace("-0.00", "0.00").replace("-", "−")),
+      textfont: { size: Math.min(13, Math.max(7, side / 3)) } };
+  }
+
+  function pointTraces(series, base, colour, range, columns) {
+    const x = arrays[series.x], y = arrays[series.y];
+    if (!isLong(series))
+      return [{ ...base, mode: "markers", x, y, marker: { color: colour, size: x.length > 160 ? 4 : 7 } }];
+    if (isCoarse(series, range, columns))
+      return [{ ...base, ...strokes(x, y, range), mode: "lines", line: { color: faded(colour, 0.7), width: 2 } }];
+    const { dots, body } = cloud(x, y, range, columns);
+    return [
+      { ...base, ...body, mode: "lines", line: { color: faded(colour, 0.45), width: 1 },
+        hoverinfo: "skip", showlegend: false },
+      { ...base, ...dots, mode: "markers", marker: { color: faded(colour, 0.7), size: 3 } },
+    ];
+  }
+
+  // A line that fills its panel with noise is drawn finer.
+  function widthOf(y) {
+    let travel = 0, low = Infinity, high = -Infinity;
+    for (let i = 1; i < y.length; ++i) {
+      travel += Math.abs(y[i] - y[i - 1]) || 0;
+      low = Math.min(low, y[i]);
+      high = Math.max(high, y[i]);
+    }
+    return travel > 30 * (high - low) ? 1 : 1.8;
+  }
+
+  function tracesOf(series, panel, plot, look) {
+    const k = panel.number;
+    const base = { type: "scatter", name: series.label, xaxis: "x", yaxis: `y${k || ""}`,
+      legend: `legend${k || ""}`, legendgroup: series.label, showlegend: panel.series.length > 1 };
+    const colour = look.ink[series.colour % look.ink.length];
+    const columns = plot.width - margin.l - margin.r;
+    if (series.style === "band") return bandTraces(series, base, colour, plot.range, columns);
+    if (series.style === "bars") return [barTrace(series, base, colour)];
+    if (series.style === "cells") return [cellTrace(series, base, plot.width)];
+    if (series.style === "points") return pointTraces(series, base, colour, plot.range, columns);
+    const x = arrays[series.x], y = arrays[series.y];
+    const drawn = isLong(series) ? extremes(x, y, plot.range, columns) : { x, y };
+    const lines = panel.series.filter((s) => s.style === "line");
+    return [{ ...base, ...drawn, mode: "lines",
+      line: { color: colour, width: widthOf(drawn.y), dash: dashes[lines.indexOf(series) % dashes.length] } }];
+  }
+
+  // ---- the layout
+
+  function axisLook(axis, look) {
+    const common = { gridcolor: look.grid, tickcolor: look.text, zeroline: false, ticks: "outside", ticklen: 4 };
+    if (axis.names.length)
+      return { ...common, tickvals: axis.names.map((_, i) => i), ticktext: axis.names, showgrid: false,
+        range: [-0.5, axis.names.length - 0.5], automargin: true };
+    return { ...common, type: axis.logarithmic ? "log" : "linear", exponentformat: "power",
+      minexponent: 4, nticks: 7, hoverformat: ".6g" };
+  }
+
+  function cellShapes(panel, look) {
+    return panel.series.filter((s) => s.style === "cells").flatMap((s) =>
+      Array.from(arrays[s.low], (v, i) => ({
+        type: "rect", layer: "below", line: { width: 0 },
+        x0: arrays[s.x][i] - 0.5, x1: arrays[s.x][i] + 0.5,
+        y0: arrays[s.y][i] - 0.5, y1: arrays[s.y][i] + 0.5,
+        fillcolor: faded(look.ink[v < 0 ? 1 : 0], 0.8 * Math.min(1, Math.abs(v) || 0)),
+      })));
+  }
+
+  // How many rows a legend takes, about: plotly gives entries that do not fit into one row the width
+  // of the widest.
+  function legendRows(panel, width) {
+    if (panel.series.length < 2) return 0;
+    const pen = document.createElement("canvas").getContext("2d");
+    pen.font = "12px system-ui, sans-serif"; // as the legend below
+    const widths = panel.series.map((s) => 50 + pen.measureText(s.label).width); // 50: the sample
+    const room = width - margin.l - margin.r;
+    if (widths.reduce((a, b) => a + b) < room) return 1;
+    return Math.ceil(widths.length / Math.max(1, Math.floor((room + 12) / Math.max(...widths))));
+  }
+
+  // The lines run through all panels, their numbers stand in the first.
+  function markersOf(plot, look, layout) {
+    const logarithmic = plot.panels[0].x.logarithmic;
+    const [from, to] = plot.range ?? [-Infinity, Infinity];
+    let end = -Infinity, row = 0; // numbers that would touch stand one below the other
+    for (const { x, label } of plot.panels[0].markers) {
+      if (x < from || x > to) continue; // its number would stand beside the drawing
+      const at = ((x - from) / (to - from)) * (plot.width - margin.l - margin.r);
+      row = at < end ? (row + 1) % 4 : 0;
+      end = at + 10 + 8 * label.length;
+      layout.shapes.push({ type: "line", x0: x, x1: x, yref: "paper", y0: 0, y1: 1, layer: "above",
+        line: { color: look.text, width: 1, dash: "dot" } });
+      layout.annotations.push({ x: logarithmic ? Math.log10(x) : x, yref: "paper", y: 1, text: label,
+        yanchor: "top", yshift: -18 * row, showarrow: false, bgcolor: look.paper, font: { weight: 600 } });
+    }
+  }
+
+  function strokeNote(panel, plot) {
+    const coarse = panel.series.find((s) =>
+      isLong(s) && isCoarse(s, plot.range, plot.width - margin.l - margin.r));
+    return coarse ? ` – each stroke: lowest to highest of ${coarse.stretch}` : "";
+  }
+
+  function layoutOf(plot, look) {
+    const count = plot.panels.length;
+    const rows = Math.max(...plot.panels.map((panel) => legendRows(panel, plot.width)));
+    const gap = titleRow + legendHeight(rows) + 8; // over each panel: its title and legend
+    const inner = count * panelHeight + (count - 1) * gap;
+    const narrow = plot.width < 600;
+    const layout = {
+      width: plot.width, height: inner + margin.t + gap + margin.b, margin: { ...margin, t: margin.t + gap },
+      paper_bgcolor: look.paper, plot_bgcolor: look.paper, uirevision: "kept",
+      font: { color: look.text, family: "system-ui, sans-serif", size: 13 },
+      hovermode: "closest", dragmode: narrow ? false : "zoom", shapes: [], annotations: [],
+      hoverlabel: { bgcolor: look.paper, font: { color: look.text } },
+      modebar: { bgcolor: "transparent", color: look.text, activecolor: look.ink[0] },
+      xaxis: { ...axisLook(plot.panels[0].x, look), title: { text: plot.panels[0].x.title, font: { size: 13 } },
+        anchor: `y${count > 1 ? count : ""}` },
+    };
+    if (plot.range) layout.xaxis.range = [...plot.range];
+    if (narrow && plot.panels[0].x.logarithmic) layout.xaxis.dtick = 1; // there is room for decades
+    plot.panels.forEach((panel, i) => {
+      const k = panel.number, top = 1 - (i * (panelHeight + gap)) / inner;
+      layout[`yaxis${k || ""}`] = { ...axisLook(panel.y, look), fixedrange: Boolean(plot.range),
+        domain: [Math.max(0, top - panelHeight / inner), top] };
+      layout[`legend${k || ""}`] = { orientation: "h", x: 0, xanchor: "left", y: top, yanchor: "bottom",
+        bgcolor: "transparent", font: { size: 12 } };
+      const above = 4 + legendHeight(legendRows(panel, plot.width));
+      if (panel.y.title)
+        layout.annotations.push({ text: `<b>${panel.y.title}</b>${strokeNote(panel, plot)}`, xref: "paper", x: 0, yref: "paper",
+          y: top, xanchor: "left", yanchor: "bottom", yshift: above, showarrow: false });
+      layout.shapes.push(...cellShapes(panel, look), { type: "rect", xref: "paper", x0: 0, x1: 1,
+        yref: "paper", y0: top - panelHeight / inner, y1: top, line: { color: look.text, width: 1 } });
+    });
+    markersOf(plot, look, layout);
+    return layout;
+  }
+
+  // ---- drawing, zooming
+
+  const config = { displaylogo: false, doubleClick: "reset", displayModeBar: true,
+    // Named one by one: plotly would also offer to send the figure to its makers' server.
+    modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]] };
+
+  function draw(plot) {
+    const look = theme();
+    plot.width = plot.place.clientWidth;
+    const traces = plot.panels.flatMap((panel) =>
+      panel.series.flatMap((series) => tracesOf(series, panel, plot, look)));
+    return Plotly.react(plot.place, traces, layoutOf(plot, look), config);
+  }
+
+  // What is against time has a range of its own, so that it can be drawn anew for any part of it.
+  function wholeRange(plot) {
+    const long = plot.panels.some((panel) => panel.series.some(isLong));
+    const axis = plot.panels[0].x;
+    if (axis.logarithmic || axis.names.length || !(long || axis.title.startsWith("time"))) return null;
+    let low = Infinity, high = -Infinity;
+    for (const panel of plot.panels)
+      for (const { x } of panel.series) {
+        low = Math.min(low, arrays[x][0]);
+        high = Math.max(high, arrays[x][arrays[x].length - 1]);
+      }
+    return low < high ? [low, high] : null;
+  }
+
+  const plots = data.plots.map((plot, i) => ({ ...plot, place: document.querySelectorAll(".live")[i] }));
+  let timed = [];      // those against time
+  let whole = [0, 1]; // the range of all of them
+
+  function zoom([low, high]) {
+    const [least, greatest] = whole;
+    const length = Math.min(high - low, greatest - least);
+    const from = Math.min(Math.max(low, least), greatest - length);
+    for (const plot of timed) {
+      plot.range = [from, from + length];
+      draw(plot);
+    }
+  }
+
+  function onRelayout(plot, event) {
+    if (event["xaxis.autorange"]) return zoom(whole);
+    const low = event["xaxis.range[0]"] ?? event["xaxis.range"]?.[0];
+    const high = event["xaxis.range[1]"] ?? event["xaxis.range"]?.[1];
+    if (low === undefined || (low === plot.range[0] && high === plot.range[1])) return;
+    zoom([low, high]);
+  }
+
+  function onKey(plot, event) {
+    if (event.ctrlKey || event.altKey || event.metaKey || !plot.range) return;
+    const [low, high] = plot.range, length = high - low;
+    const to = { "+": [low + length / 4, high - length / 4], "=": [low + length / 4, high - length / 4],
+      "-": [low - length / 2, high + length / 2], "0": whole,
+      ArrowLeft: [low - length / 4, high - length / 4],
+      ArrowRight: [low + length / 4, high + length / 4] }[event.key];
+    if (!to) return;
+    event.preventDefault();
+    zoom(to);
+  }
+
+  async function start() {
+    document.documentElement.classList.add("drawn"); // first, so that the places have a width
+    timed = plots.filter((plot) => (plot.range = wholeRange(plot)));
+    const low = Math.min(...timed.map((plot) => plot.range[0]));
+    const high = Math.max(...timed.map((plot) => plot.range[1]));
+    const room = 0.01 * (high - low); // so that dots at the edge are not cut
+    whole = [low - room, high + room];
+    for (const plot of plots) {
+      plot.panels.forEach((panel, i) => { panel.number = i === 0 ? 0 : i + 1; });
+      if (plot.range) plot.range = whole;
+      await draw(plot);
+      if (!plot.range) continue;
+      plot.place.on("plotly_relayout", (event) => onRelayout(plot, event));
+      plot.place.addEventListener("keydown", (event) => onKey(plot, event));
+    }
+    const resized = new ResizeObserver((entries) => {
+      for (const plot of plots)
+        if (entries.some((e) => e.target === plot.place) && plot.place.clientWidth > 0
+            && plot.place.clientWidth !== plot.width) draw(plot);
+    });
+    plots.forEach((plot) => resized.observe(plot.place));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(draw));
+    document.documentElement.dataset.figures = plots.length; // all are drawn
+  }
+
+  start().catch((error) => {
+    document.documentElement.classList.remove("drawn"); // the still figures are better than none
+    console.error(error);
+  });
+})();

@@ -1,0 +1,161 @@
+// Opens a page of `goingrate report` in headless Chromium and looks at what it draws.
+// Arguments: CHROMIUM PAGE FOLDER-FOR-PICTURES. Speaks the DevTools protocol over a pipe (messages
+// end with a zero byte), so that node needs no packages.
+import { spawn } from "node:child_process";
+import { writeFileSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [chromium, page, folder] = process.argv.slice(2);
+const profile = mkdtempSync(join(tmpdir(), "goingrate-browser-"));
+const browser = spawn(chromium, ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+  `--user-data-dir=${profile}`, "--remote-debugging-pipe"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+
+let faults = 0;
+function check(holds, what) {
+  console.log(`${holds ? "ok   " : "FAULT"} ${what}`);
+  if (!holds) ++faults;
+}
+
+// ---- the protocol
+
+const waiting = new Map();
+const complaints = [];
+let last = 0, session, unread = Buffer.alloc(0);
+
+function hear({ id, method, params, result, error }) {
+  if (id) {
+    const { resolve: done, reject } = waiting.get(id);
+    waiting.delete(id);
+    if (error) reject(new Error(error.message));
+    else done(result);
+  }
+  if (method === "Runtime.exceptionThrown") complaints.push(params.exceptionDetails.exception?.description);
+  if (method === "Runtime.consoleAPICalled" && ["error", "warning"].includes(params.type))
+    complaints.push(params.args.map((a) => a.value ?? a.description).join(" "));
+  if (method === "Log.entryAdded" && params.entry.level === "error") complaints.push(params.entry.text);
+}
+
+browser.stdio[4].on("data", (bytes) => {
+  unread = Buffer.concat([unread, bytes]);
+  for (let end = unread.indexOf(0); end >= 0; end = unread.indexOf(0)) {
+    hear(JSON.parse(unread.subarray(0, end)));
+    unread = unread.subarray(end + 1);
+  }
+});
+
+function send(method, params = {}) {
+  const id = ++last;
+  browser.stdio[3].write(JSON.stringify({ id, method, params, sessionId: session }) + "\0");
+  return new Promise((done, reject) => waiting.set(id, { resolve: done, reject }));
+}
+
+async function value(expression) {
+  const answer = await send("Runtime.evaluate", { expression, returnByValue: true, awaitPromise: true });
+  if (answer.exceptionDetails) throw new Error(answer.exceptionDetails.exception?.description);
+  return answer.result.value;
+}
+
+const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+
+async function picture(name, width) {
+  await send("Emulation.setDeviceMetricsOverride", { width, height: 900, deviceScaleFactor: 1, mobile: width < 600 });
+  await pause(1200); // plotly answers a change of width after a while
+  const [top, bottom] = await value(`(() => { const r = document.getElementById("figures").getBoundingClientRect();
+    return [r.top + scrollY, r.bottom + scrollY]; })()`);
+  let bytes = 0, number = 0;
+  for (let y = top; y < bottom; y += 1500) { // in sheets that a viewer shows without shrinking them
+    const clip = { x: 0, y, width, height: Math.min(1500, bottom - y), scale: 1 };
+    const { data } = await send("Page.captureScreenshot", { captureBeyondViewport: true, clip });
+    writeFileSync(join(folder, `${name}-${++number}.png`), Buffer.from(data, "base64"));
+    bytes += data.length;
+  }
+  check(bytes > 100000, `pictures ${width} px wide: ${name}-1.png to -${number}.png`);
+}
+
+async function load(scripts) {
+  await send("Emulation.setScriptExecutionDisabled", { value: !scripts });
+  const began = Date.now();
+  await send("Page.navigate", { url: pathToFileURL(resolve(page)).href });
+  const ready = scripts ? "document.documentElement.dataset.figures" : "document.readyState === 'complete' && document.querySelector('.still')";
+  for (let i = 0; i < 1200; ++i) {
+    if (await value(`Boolean(${ready})`).catch(() => false)) return Date.now() - began;
+    await pause(50);
+  }
+  throw new Error(`the page is not ready after a minute; ${complaints.join("; ")}`);
+}
+
+// ---- what must hold
+
+// Values drawn per unit of the time axis in the first plot, of those that are seen.
+const density = `(() => { const gd = document.querySelector(".live"), r = gd._fullLayout.xaxis.range;
+  const inside = (t) => Array.from(t.x).filter((x) => x !== null && x >= r[0] && x <= r[1]).length;
+  return gd.data.reduce((n, t) => n + inside(t), 0) / (r[1] - r[0]); })()`;
+const shown = (selector) => `[...document.querySelectorAll("${selector}")].filter((e) => e.offsetHeight > 0).length`;
+
+async function checkFigures() {
+  const places = await value(`document.querySelectorAll(".live").length`);
+  check(places > 0 && await value(`[...document.querySelectorAll(".live")].every((e) => e.querySelector(".main-svg") && e.data.length)`),
+    `all ${places} plots are drawn`);
+  check(await value(shown(".still")) === 0, "the still figures make way");
+  check(await value(`[...document.querySelectorAll(".live")].every((e) => e.tabIndex === 0 && e.ariaLabel)`),
+    "every plot can be reached by the keyboard and has a name");
+  check(await value(`[...document.querySelectorAll("figure")].every((e) => e.querySelector("figcaption").textContent)`),
+    "every figure has a caption");
+  check(await value(`[...document.querySelectorAll(".live")].every((e) => e.data.every((t) => t.x.length < 6000))`),
+    "no trace has more than a few values a pixel");
+}
+
+async function checkZoom() {
+  const before = await value(density);
+  const cut = await value(`(async () => { const gd = document.querySelector(".live"), [a, b] = gd._fullLayout.xaxis.range;
+    const to = [a + 0.45 * (b - a), a + 0.47 * (b - a)]; const t = performance.now();
+    await Plotly.relayout(gd, { "xaxis.range": to }); await new Promise((r) => setTimeout(r, 300));
+    return to; })()`);
+  const after = await value(density);
+  const long = await value(`JSON.parse(document.getElementById("figure-data").textContent).arrays.some((a) => a.count > 5000)`);
+  check(long ? after > 1.5 * before : after > 0, `a zoom draws finer: ${before.toPrecision(3)} values a unit, then ${after.toPrecision(3)}`);
+  const ranges = await value(`[...document.querySelectorAll(".live")].map((e) => e._fullLayout.xaxis).filter((x) => x.title.text.startsWith("time")).map((x) => x.range)`);
+  check(ranges.length > 1 && ranges.every((r) => Math.abs(r[0] - cut[0]) < 1e-6 * Math.abs(cut[0])), "what is against time zooms together");
+  await picture("zoomed", 1000);
+  await value(`document.querySelector(".live").focus()`);
+  await send("Input.dispatchKeyEvent", { type: "keyDown", key: "0", text: "0" });
+  await pause(500);
+  check(Math.abs(await value(density) / before - 1) < 0.05, "the key 0 shows all again");
+}
+
+async function checkLooks() {
+  await picture("light", 1000);
+  const light = await value(`document.querySelector(".live")._fullLayout.paper_bgcolor`);
+  await send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: "dark" }] });
+  await picture("dark", 1000);
+  check(await value(`document.querySelector(".live")._fullLayout.paper_bgcolor`) !== light, "the dark has colours of its own");
+  await send("Emulation.setEmulatedMedia", { features: [] });
+  await picture("phone", 400);
+  check(await value("document.documentElement.scrollWidth") <= 400, "nothing is wider than a telephone");
+  await send("Emulation.setEmulatedMedia", { media: "print" });
+  check(await value(shown(".still")) > 0 && await value(shown(".live")) === 0, "on paper the figures are the still ones");
+  await send("Emulation.setEmulatedMedia", { media: "" });
+  check(complaints.length === 0, `no complaint on the console ${complaints.join("; ")}`);
+}
+
+try {
+  const { targetId } = await send("Target.createTarget", { url: "about:blank" });
+  ({ sessionId: session } = await send("Target.attachToTarget", { targetId, flatten: true }));
+  for (const domain of ["Page", "Runtime", "Log"]) await send(`${domain}.enable`);
+  await send("Emulation.setDeviceMetricsOverride", { width: 1000, height: 900, deviceScaleFactor: 1, mobile: false });
+  console.log(`      drawn ${await load(true)} ms after the call`);
+  await checkFigures();
+  await checkZoom();
+  await checkLooks();
+  await load(false);
+  check(await value(shown(".still")) > 0 && await value(shown(".live")) === 0, "without scripts there are the still figures");
+} catch (error) {
+  check(false, error.message);
+} finally {
+  browser.kill();
+  await pause(300);
+  rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+}
+process.exit(faults > 0 ? 1 : 0);
