@@ -5,7 +5,6 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/report/paper.hpp"
 
-#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
@@ -21,15 +20,6 @@ struct PaperCommand {
   PaperOptions paper;
 };
 
-std::string csv_of(const Figure& figure) {
-  std::string text = "series,x,y\n";
-  for (const Series& series : figure.series)
-    for (std::size_t i = 0; i < series.x.size(); ++i)
-      if (std::isfinite(series.y[i]))
-        text += fmt::format("{},{:.9g},{:.9g}\n", series.label, series.x[i], series.y[i]);
-  return text;
-}
-
 void run(const PaperCommand& options) {
   const PaperResults results = recompute_paper(options.paper);
   std::vector<std::pair<std::string, std::string>> files{{options.json, paper_json(results)}};
@@ -42,7 +32,7 @@ void run(const PaperCommand& options) {
       found = true;
       const std::string path = (std::filesystem::path(options.folder) / figure.name).string();
       files.push_back({path + ".svg", standalone_svg(figure.figure)});
-      files.push_back({path + ".csv", csv_of(figure.figure)});
+      files.push_back({path + ".csv", figure_csv(figure.figure)});
     }
     if (!found) throw ArgumentError("figure", options.figure, "rate, jump_zoom, jump or quasistat");
     files.push_back(

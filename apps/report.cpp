@@ -4,6 +4,7 @@
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/report.hpp"
+#include "goingrate/report/tables.hpp"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ struct ReportCommand {
   LogOptions log;
   ModelOptions model;
   std::string output;
+  std::string figures, tables;
   std::string json;
 };
 
@@ -51,13 +53,42 @@ std::string page_beside(const std::string& log) {
   return log == "-" ? "report.html" : std::filesystem::path(log).stem().string() + ".html";
 }
 
+std::string inside(const std::string& folder, const std::string& name) {
+  std::error_code exists; // what is wrong with it the writing will say
+  std::filesystem::create_directories(folder, exists);
+  return (std::filesystem::path(folder) / name).string();
+}
+
+using Files = std::vector<std::pair<std::string, std::string>>;
+
+void add_figures(const std::string& folder, const ReportData& data, Files& files) {
+  for (const Figure& figure : report_figures(data)) {
+    files.emplace_back(inside(folder, figure.id + ".svg"), standalone_svg(figure));
+    files.emplace_back(inside(folder, figure.id + ".csv"), figure_csv(figure));
+  }
+}
+
+void add_tables(const std::string& folder, const ReportData& data, Files& files) {
+  files.emplace_back(inside(folder, "rates.csv"),
+                     rate_table(data.numbered, data.rate.nominal_period_s));
+  files.emplace_back(inside(folder, "parameters.csv"), fit_csv(data.fit));
+  files.emplace_back(inside(folder, "parameters.tex"), fit_latex(data.fit));
+  files.emplace_back(inside(folder, "deviation.txt"), deviation_text(data.deviation));
+  if (data.drive.rate_spectrum)
+    files.emplace_back(inside(folder, "spectrum.csv"), spectrum_table(data.drive));
+  if (data.history) files.emplace_back(inside(folder, "drive.csv"), drive_table(*data.history));
+}
+
 void run(const ReportCommand& options, const GlobalOptions& global) {
   const ReportData data = gather(options, global);
   const std::string page = options.output.empty() ? page_beside(options.log.path) : options.output;
   const bool talk = options.json != "-" && page != "-";
-  write_whole_files({{options.json, report_json(data)},
-                     {page, report_html(data)},
-                     {talk ? "-" : "", report_text(data)}});
+  Files files{{options.json, report_json(data)},
+              {page, report_html(data)},
+              {talk ? "-" : "", report_text(data)}};
+  if (!options.figures.empty()) add_figures(options.figures, data, files);
+  if (!options.tables.empty()) add_tables(options.tables, data, files);
+  write_whole_files(files);
   if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).string());
 }
 
@@ -72,6 +103,10 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
   add_model_options(*command, options->model);
   command->add_option("-o,--output", options->output,
                       "the HTML page; if not given, the log's name with .html, in this folder");
+  command->add_option("--figures", options->figures,
+                      "folder for every figure as SVG and its numbers as CSV");
+  command->add_option("--tables", options->tables,
+                      "folder for rates, parameters (CSV, LaTeX), spectrum, deviation, drive");
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate report data/logs/jump.csv -o jump.html");
   command->callback([options, &global] { run(*options, global); });

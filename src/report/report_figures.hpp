@@ -9,11 +9,6 @@
 
 namespace goingrate {
 
-/// Those figures for which there are data, in the order of the page: rate, amplitude and residuals
-/// (one group), clock error, rate against amplitude, drive, spectrum, deviation, correlation and
-/// intervals of the parameters. What rests on the fit is left out unless the fit converged.
-std::vector<Figure> report_figures(const ReportData& data);
-
 /// Mean rates of stretches against their mean amplitudes, with the slope of the circular error;
 /// nothing without amplitudes or for fewer than two stretches.
 std::optional<Figure> rate_amplitude_figure(const ReportData& data);

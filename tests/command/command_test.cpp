@@ -66,6 +66,15 @@ TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
   EXPECT_EQ(run("rate log.csv --gap-probability 0.9").code, 0);
 }
 
+TEST_F(CommandTest, AReportsFiguresAndTablesAreWritten) {
+  run("simulate " + scenario("jump") + " -o log.csv");
+  ASSERT_EQ(run("report log.csv -o r.html --figures f --tables t").code, 0);
+  for (const char* name : {"f/rate.svg", "f/rate.csv", "f/spectrum.svg", "t/rates.csv",
+                           "t/parameters.csv", "t/parameters.tex", "t/spectrum.csv"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
+  EXPECT_EQ(content(folder_ / "f/rate.csv").substr(0, 19), "series,x,y,low,high");
+}
+
 TEST_F(CommandTest, HelpExplainsItsTopics) {
   const Outcome list = run("help");
   ASSERT_EQ(list.code, 0);

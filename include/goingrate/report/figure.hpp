@@ -65,6 +65,9 @@ std::string svg(const Figure& figure);
 /// The same as a file of its own, with its style inside.
 std::string standalone_svg(const Figure& figure);
 
+/// What a figure shows, as CSV: series,x,y,low,high; a field is empty where there is no number.
+std::string figure_csv(const Figure& figure);
+
 /// The CSS of all figures. Custom properties recolour it: --text, --grid, --paper and --c0 to --c7.
 std::string figure_style();
 

@@ -8,6 +8,7 @@
 #include "goingrate/fit/drive_history.hpp"
 #include "goingrate/fit/drive_split.hpp"
 #include "goingrate/log/rates.hpp"
+#include "goingrate/report/figure.hpp"
 #include "goingrate/spectra/stability.hpp"
 
 #include <optional>
@@ -33,6 +34,11 @@ struct ReportData {
 
 /// The summary for the terminal: at most 40 lines of at most 100 characters, in plain words.
 std::string report_text(const ReportData& data);
+
+/// Those figures for which there are data, in the order of the page: rate, amplitude and residuals
+/// (one group), clock error, rate against amplitude, drive, spectrum, deviation, correlation and
+/// intervals of the parameters. What rests on the fit is left out unless the fit converged.
+std::vector<Figure> report_figures(const ReportData& data);
 
 /// One self-contained HTML page: summary, tables and figures; opens from disk without a network.
 /// plotly.js, if the build had it, draws the figures so that they can be zoomed; without scripts
