@@ -7,6 +7,7 @@
 #include "goingrate/report/tables.hpp"
 #include "goingrate/spectra/multitaper.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -24,6 +25,7 @@ struct SpectrumCommand {
   double fold_s = 0.0;
   std::size_t tapers = 0;
   std::string gapped_output;
+  std::string against, coherence_output;
   std::string fold_output;
   std::string output;
   std::string json;
@@ -56,6 +58,35 @@ std::string fold(const SpectrumCommand& options, const DriveAnalysis& drive, dou
   return profile_table(folded(drive.rates, period_s, options.fold_s, bins));
 }
 
+// What the rate is held against, once a cycle; an unknown value is that before it.
+std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& loaded) {
+  const TimingData data = fit_data(loaded);
+  const auto term = std::find_if(data.terms.begin(), data.terms.end(),
+                                 [&](const RateTerm& t) { return t.name == options.against; });
+  const bool amplitude = options.against == "amplitude" && data.has_amplitude();
+  if (!amplitude && term == data.terms.end())
+    throw ArgumentError("against", options.against, "a column that the log has");
+  std::vector<double> cause;
+  double known = 0.0;
+  for (std::size_t i = 1; i < data.size(); ++i) {
+    const double value = amplitude ? data.amplitude_rad[i]
+                                   : (term->advance_s[i] - term->advance_s[i - 1]) /
+                                         (data.elapsed_s[i] - data.elapsed_s[i - 1]);
+    if (std::isfinite(value)) known = value;
+    cause.insert(cause.end(), static_cast<std::size_t>(data.cycle[i] - data.cycle[i - 1]), known);
+  }
+  return cause;
+}
+
+std::string coherence(const SpectrumCommand& options, const NumberedLog& loaded,
+                      const DriveAnalysis& drive) {
+  if (options.coherence_output.empty()) return {};
+  constexpr std::size_t usual = 16;
+  return coherence_table(cross_spectrum(cause_of(options, loaded), drive.rates,
+                                        loaded.nominal_period_s,
+                                        options.tapers > 1 ? options.tapers : usual));
+}
+
 // The rate of every period that was seen whole; a missed beat leaves a gap.
 std::string gapped(const SpectrumCommand& options, const NumberedLog& loaded) {
   if (options.gapped_output.empty()) return {};
@@ -82,7 +113,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
   for (const CovariateEffect& effect : covariate_effects(fit_data(loaded)))
     text += covariate_text(effect) + "\n";
   const bool talk = options.json != "-" && options.output != "-" && options.fold_output != "-" &&
-                    options.gapped_output != "-";
+                    options.gapped_output != "-" && options.coherence_output != "-";
   write_whole_files(
       {{options.json, spectrum_json(drive)},
        {options.output, options.tapers == 0
@@ -90,6 +121,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
                             : tapered_table(multitaper_spectrum(
                                   drive.rates, loaded.nominal_period_s, options.tapers, false))},
        {options.gapped_output, gapped(options, loaded)},
+       {options.coherence_output, coherence(options, loaded, drive)},
        {options.fold_output, fold(options, drive, loaded.nominal_period_s)},
        {talk ? "-" : "", text}});
 }
@@ -119,6 +151,14 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
   command->add_option(
       "--gapped", options->gapped_output,
       "write the Lomb-Scargle periodogram of the periods seen whole, and its window");
+  auto* against = command
+                      ->add_option("--against", options->against,
+                                   "amplitude, temperature or pressure of the log")
+                      ->check(CLI::IsMember({"amplitude", "temperature", "pressure"}));
+  command
+      ->add_option("--coherence", options->coherence_output,
+                   "write coherence, gain and phase of the rate against that column")
+      ->needs(against);
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate spectrum data/logs/noisy-drive.csv --fix T0=2 "
                   "--fix epsilon=1.167245e-4 \\\n    --fix mu=1.5e-5 --fix phi0=0.03");

@@ -216,6 +216,15 @@ std::string tapered_table(const Spectrum& spectrum) {
   return text;
 }
 
+std::string coherence_table(const CrossSpectrum& cross) {
+  std::string text = "frequency_hz,coherence,gain,phase_rad,significant\n";
+  for (std::size_t i = 0; i < cross.frequency_hz.size(); ++i)
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.6g},{:.6g},{:.6g},{:.4g}\n",
+                   cross.frequency_hz[i], cross.coherence[i], cross.gain[i], cross.phase_rad[i],
+                   cross.significant);
+  return text;
+}
+
 std::string gapped_table(const GappedPeriodogram& periodogram) {
   std::string text = "frequency_hz,power,window\n";
   for (std::size_t i = 0; i < periodogram.frequency_hz.size(); ++i)

@@ -66,6 +66,14 @@ TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
   EXPECT_EQ(run("rate log.csv --gap-probability 0.9").code, 0);
 }
 
+TEST_F(CommandTest, TheRateIsHeldAgainstTheAmplitude) {
+  const std::string log = (source / "data/logs/interruption.csv").string();
+  const std::string known = " --fix T0=3 --fix epsilon=7.5e-5 --fix mu=1.2e-5 --fix phi0=0.025";
+  ASSERT_EQ(run("spectrum " + log + known + " --against amplitude --coherence c.csv").code, 0);
+  EXPECT_EQ(content(folder_ / "c.csv").substr(0, 30), "frequency_hz,coherence,gain,ph");
+  EXPECT_EQ(run("spectrum " + log + known + " --against pressure --coherence c.csv").code, 2);
+}
+
 TEST_F(CommandTest, AReportsFiguresAndTablesAreWritten) {
   run("simulate " + scenario("jump") + " -o log.csv");
   ASSERT_EQ(run("report log.csv -o r.html --figures f --tables t").code, 0);

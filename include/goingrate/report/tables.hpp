@@ -111,6 +111,9 @@ std::string spectrum_table(const DriveAnalysis& drive);
 /// A spectrum with its 68 % intervals as CSV: frequency_hz,density_per_hz,low,high.
 std::string tapered_table(const Spectrum& spectrum);
 
+/// How two series go together as CSV: frequency_hz,coherence,gain,phase_rad,significant.
+std::string coherence_table(const CrossSpectrum& cross);
+
 /// A periodogram of a series with gaps as CSV: frequency_hz,power,window.
 std::string gapped_table(const GappedPeriodogram& periodogram);
 
