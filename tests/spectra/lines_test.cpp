@@ -1,7 +1,7 @@
 #include "goingrate/spectra/lines.hpp"
 
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/random.hpp"
+#include "support/white_noise.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -11,14 +11,7 @@ namespace goingrate {
 namespace {
 
 using std::numbers::pi;
-
-std::vector<double> noise(std::size_t n, std::uint64_t seed) {
-  RandomStream random(seed, StreamPurpose::jitter);
-  std::vector<double> x(n);
-  for (double& v : x)
-    v = random.normal();
-  return x;
-}
+using test::noise;
 
 void add_line(std::vector<double>& x, double amplitude, double turns_a_value, double phase) {
   for (std::size_t i = 0; i < x.size(); ++i)

@@ -1,7 +1,7 @@
 #include "goingrate/spectra/multitaper.hpp"
 
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/random.hpp"
+#include "support/white_noise.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -12,14 +12,7 @@ namespace goingrate {
 namespace {
 
 using std::numbers::pi;
-
-std::vector<double> noise(std::size_t n, std::uint64_t seed) {
-  RandomStream random(seed, StreamPurpose::jitter);
-  std::vector<double> x(n);
-  for (double& v : x)
-    v = random.normal();
-  return x;
-}
+using test::noise;
 
 TEST(MultitaperTest, WhiteNoiseHasItsLevelAndScatter) {
   constexpr std::size_t tapers = 8;
