@@ -218,7 +218,7 @@ std::string suspicion_lines(const ReportData& data) {
     const Suspicion& s = data.suspicions[i];
     text += fmt::format("{} cause: {}:\n  {}.\n", i == 0 ? "Most likely" : "Next likely",
                         name_of(s.cause), s.evidence);
-    if (!s.against.empty()) text += fmt::format("  But: {}.\n", s.against);
+    if (!s.against.empty()) text += fmt::format("  Consider: {}.\n", s.against);
   }
   return text;
 }
