@@ -45,6 +45,31 @@ void state_amplitudes(const TimingData& data, FitSummary& summary) {
   summary.quality.amplitude_rms_rad = seen > 0.0 ? std::sqrt(sum / seen) : unknown;
 }
 
+// Chi-squared. Of jitter alone it is that of the residuals, whose sum of squares is `sum`, against
+// the robust scatter of neighbouring beats, which a change in between does not touch. Where the
+// times walk the residuals tell nothing, the innovations do.
+void judge_size(const Fitted& fitted, const TimingData& data, double sum, FitQuality& quality) {
+  const auto free = static_cast<double>(fitted.problem.parameters.free_count);
+  quality.of_innovations = fitted.model.walk || fitted.model.drive;
+  auto n = static_cast<double>(data.size());
+  if (quality.of_innovations) {
+    n = static_cast<double>(fitted.seen.white_time.size()) + 1.0;
+    quality.chi2 = std::pow(rms(fitted.seen.white_time), 2) * (n - 1.0);
+  } else {
+    const NoiseGuess local = guess_noise(data);
+    const double jitter =
+        std::max(std::hypot(local.jitter_s, std::sqrt(0.3) * local.walk_s), least_jitter(data));
+    quality.chi2 = sum / (jitter * jitter);
+  }
+  quality.dof = n - 1.0 - free;
+  quality.p_value = unknown;
+  if (!(quality.dof >= 1.0)) return;
+  // The jitter itself comes from the median of third differences: variance of its square 12/N.
+  const double of_jitter = quality.of_innovations ? 0.0 : 12.0 / n;
+  const boost::math::normal chance(1.0, std::sqrt(2.0 / quality.dof + of_jitter));
+  quality.p_value = cdf(complement(chance, quality.chi2 / quality.dof));
+}
+
 void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& summary) {
   const FitProblem all = on_all_beats(fitted, data);
   const auto seen = residuals(all, fitted.minimum.x);
@@ -57,18 +82,7 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   for (const double r : summary.residual_s)
     sum += r * r;
   quality.rms_s = std::sqrt(sum / n);
-  // The robust scatter of neighbouring beats, which a change in between does not touch.
-  const NoiseGuess local = guess_noise(data);
-  const double jitter =
-      std::max(std::hypot(local.jitter_s, std::sqrt(0.3) * local.walk_s), least_jitter(data));
-  quality.chi2 = sum / (jitter * jitter);
-  quality.dof = n - 1.0 - static_cast<double>(fitted.problem.parameters.free_count);
-  // The jitter itself comes from the median of third differences: variance of its square 12/N.
-  quality.p_value = unknown;
-  if (quality.dof >= 1.0) {
-    const boost::math::normal chance(1.0, std::sqrt(2.0 / quality.dof + 12.0 / n));
-    quality.p_value = cdf(complement(chance, quality.chi2 / quality.dof));
-  }
+  judge_size(fitted, data, sum, quality);
   // What rounding leaves is no noise, and may look like anything.
   quality.whiteness_p = is_rounding(fitted) ? unknown : whiteness_p(fitted.seen.white_time);
   quality.bic = fitted.bic;

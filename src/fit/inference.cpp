@@ -82,9 +82,12 @@ bool has_prior(const FitOptions& options, const std::string& name) {
                      [&](const Prior& prior) { return prior.name == name; });
 }
 
-// What may be small or nothing, and then has an upper limit rather than no value.
-bool may_vanish(const Slot& slot) {
-  return slot.coordinate == Coordinate::multiple && slot.quantity != Quantity::mu;
+// The weak prior about the start is all there is.
+bool tells_nothing(const FitProblem& problem, const Slot& slot, double sigma) {
+  constexpr double hardly = 0.5; // of the prior's
+  return std::any_of(problem.priors.begin(), problem.priors.end(), [&](const auto& prior) {
+    return prior.index == slot.index && !prior.stated && sigma > hardly * prior.sigma;
+  });
 }
 
 void state_free(const FitProblem& problem, const Slot& slot, std::span<const double> x,
@@ -106,9 +109,9 @@ void state_free(const FitProblem& problem, const Slot& slot, std::span<const dou
     parameter.at_bound = x[slot.index] - low < near || high - x[slot.index] < near;
   }
   const bool open = !std::isfinite(interval.low68) || !std::isfinite(interval.high68);
-  const bool vague = !(sigma <= tolerable_sigma(problem, slot, x));
-  if ((vague && !may_vanish(slot)) || (open && !parameter.at_bound) ||
-      known.distrusted[slot.index]) {
+  const bool vague = !(sigma <= tolerable_sigma(problem, slot, x)) &&
+                     (!may_vanish(slot) || tells_nothing(problem, slot, sigma));
+  if (vague || (open && !parameter.at_bound) || known.distrusted[slot.index]) {
     parameter.status = ParameterStatus::undetermined;
     parameter.value = parameter.sigma = unknown;
     parameter.low68 = parameter.high68 = parameter.low95 = parameter.high95 = unknown;
@@ -264,7 +267,14 @@ void doubt_T0_without_gain(FitSummary& summary) {
 
 } // namespace
 
+bool may_vanish(const Slot& slot) {
+  return slot.coordinate == Coordinate::multiple && slot.quantity != Quantity::mu;
+}
+
 double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<const double> x) {
+  // Where noises share the scatter each is worth telling to a factor: its interval says which.
+  constexpr double factor = 1.0;
+  if (is_noise(slot.quantity) && problem.parameters.has(Quantity::drive_rms)) return factor;
   if (slot.coordinate == Coordinate::logarithm) return largest_relative_sigma;
   if (slot.coordinate == Coordinate::multiple) {
     double largest = 0.0;

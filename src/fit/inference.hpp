@@ -45,6 +45,9 @@ struct Rivals {
 /// than 3.5 sigma, and all that hang together with one so marked (correlation above 0.99 in size).
 void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certainty& known);
 
+/// What may be small or nothing, and then has an upper limit rather than no value.
+bool may_vanish(const Slot& slot);
+
 /// How large a sigma makes this parameter undetermined, in units of its coordinate.
 double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<const double> x);
 

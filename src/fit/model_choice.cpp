@@ -291,6 +291,11 @@ void ModelSearch::choose_noise() {
   const bool slowly =
       wanted == FitNoise::slow || (automatic && worth_trying(drive, options_, model));
   Fitted slow = slowly ? fit_from(drive, options_, model) : Fitted{};
+  if (slowly) { // without the slow part the drive may have been led far astray
+    Fitted past_drive = fit_from(best_, options_, model);
+    if (past_drive.minimum.usable && past_drive.minimum.value < slow.minimum.value)
+      slow = std::move(past_drive);
+  }
   if (slow.minimum.usable) refine(slow, dynamics);
   if (!automatic) {
     best_ = wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive);

@@ -365,8 +365,10 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     if (!step) return false;
     if (round > 1 && largest_in_sigma(*step, refined.known) < still) break;
     std::vector<double> moved = refined.minimum.x;
-    for (std::size_t k = 0; k < moved.size(); ++k)
-      moved[k] += (*step)[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const auto [low, high] = refined.problem.bounds[k];
+      moved[k] = std::clamp(moved[k] + (*step)[static_cast<Eigen::Index>(k)], low, high);
+    }
     if (late_at_end(refined.problem.parameters, ends_of(*refined.problem.data), moved))
       refined.minimum.x = moved;
     if (round == 0) continue; // the difference at the new place is worth more than its minimum here

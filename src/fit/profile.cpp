@@ -15,17 +15,18 @@ constexpr double q68 = 1.0, q95 = 1.959964;
 // The profile of one coordinate; z counts sigmas of the curvature.
 class Profile {
 public:
-  /// `vague`: so badly known that a likelihood which is no parabola leaves nothing to defend.
-  Profile(const FitProblem& problem, const Minimum& minimum, const Certainty& known, std::size_t k,
-          bool vague)
+  Profile(const FitProblem& problem, const Minimum& minimum, const Certainty& known, std::size_t k)
       : problem_(problem), minimum_(minimum), known_(known), k_(k), valley_(problem, minimum.x, k),
-        widening_(known.sigma(k) / known.curvature_sigma(k)), vague_(vague) {}
+        widening_(known.sigma(k) / known.curvature_sigma(k)) {}
 
   Interval ends() {
     const double low = risen(-q95), high = risen(q95);
     Interval found{end(-q68, low), end(q68, high), end(-q95, low), end(q95, high)};
     found.low95 = std::min(found.low95, found.low68); // a search may end a little early
     found.high95 = std::max(found.high95, found.high68);
+    const bool not_negative = !problem_.bounds.empty() && problem_.bounds[k_][0] == 0.0;
+    for (double* at : {&found.low68, &found.high68, &found.low95, &found.high95})
+      if (not_negative) *at = std::max(0.0, *at);
     return found;
   }
 
@@ -33,9 +34,9 @@ private:
   // The shape at q: by a look, and if that shows no parabola by a search.
   double risen(double q) {
     const double looked = shape(q);
-    if (std::abs(looked - 1.0) < bent || vague_) return looked;
+    if (!broken(looked)) return looked;
     const double z = q * widening_;
-    last_.clear();
+    last_.reset();
     return rise(z) / (0.5 * z * z);
   }
 
@@ -96,16 +97,16 @@ private:
     return there ? (there->value - there->gain - minimum_.value) / (0.5 * z * z) : 0.0;
   }
 
-  static constexpr double bent = 0.5; // of the rise: beyond that no cubic will do
+  // Beyond this no cubic will do; one that rises too little may never reach the end.
+  static bool broken(double shape) { return !(shape > 0.75 && shape < 1.5); }
 
   double end(double q, double shape) {
     constexpr double straight = 0.1; // of the rise: a twentieth of the interval
     const double z = q * widening_;
     double reach = z;
-    const bool broken = !(std::abs(shape - 1.0) < bent);
-    if (!(shape > 0.0) || (broken && vague_)) { // it falls, or nobody knows how it rises
+    if (!(shape > 0.0)) { // it falls
       reach = std::copysign(infinite, q);
-    } else if (broken) {
+    } else if (broken(shape)) {
       reach = searched(q);
     } else if (std::abs(shape - 1.0) > straight) {
       // z^2 (1 + a z) with a from the look at 1.96 sigma, by Newton's method.
@@ -116,43 +117,66 @@ private:
     return minimum_.x[k_] + reach * known_.curvature_sigma(k_);
   }
 
+  // Where the others start a search with this one held at z: on the ridge that the curvature
+  // promises, or where the last search ended, stretched, whichever is lower.
+  [[nodiscard]] std::vector<double> start_at(double z, const FitProblem& held) {
+    const auto without = [&](std::vector<double> x) {
+      x.erase(x.begin() + static_cast<std::ptrdiff_t>(k_));
+      return x;
+    };
+    std::vector<double> ridge = without(along(z));
+    if (!last_) return ridge;
+    std::vector<double> stretched = without(minimum_.x);
+    for (std::size_t i = 0; i < stretched.size(); ++i)
+      stretched[i] += (last_->x[i] - stretched[i]) * z / last_->z;
+    const auto here = minus_log_likelihood(held, ridge);
+    const auto there = minus_log_likelihood(held, stretched);
+    return there && (!here || *there < *here) ? stretched : ridge;
+  }
+
   // The profile itself at z: a search of the others with this coordinate held.
   double rise(double z) {
     const double coordinate = minimum_.x[k_] + z * known_.curvature_sigma(k_);
     const FitProblem held = with_held(problem_, k_, coordinate);
-    std::vector<double> start = along(z);
-    start.erase(start.begin() + static_cast<std::ptrdiff_t>(k_));
-    SearchLimits limits;
-    limits.iterations = 10;
-    limits.least_gain = 0.02; // of 0.5 or 1.9
-    Minimum found = minimise(held, start, limits);
-    if (!found.usable && !last_.empty()) found = minimise(held, last_, limits);
+    constexpr SearchLimits limits{30, 0.01}; // of 0.5 or 1.9
+    const Minimum found = minimise(held, start_at(z, held), limits);
     if (!found.usable) return infinite;
-    last_ = found.x;
+    last_ = Solution{z, found.x};
     double own = 0.0; // the priors on the held one
     for (const CoordinatePrior& prior : problem_.priors)
       if (prior.index == k_) own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
     return found.value + own - minimum_.value;
   }
 
+  // The root of twice the rise is nearly straight in z: the false position of it at q.
   double searched(double q) {
-    const double target = 0.5 * q * q * widening_ * widening_;
-    const double side = std::copysign(1.0, q);
-    constexpr double farthest = 8.0;
-    double inside = 0.0, outside = std::abs(q) * widening_;
-    const double limit = farthest * widening_;
-    last_.clear();
-    while (rise(side * outside) < target) {
-      inside = outside;
-      outside *= 1.6;
-      if (outside > limit) return side * infinite;
-    }
-    for (int round = 0; round < 5; ++round) {
-      const double middle = 0.5 * (inside + outside);
-      (rise(side * middle) < target ? inside : outside) = middle;
+    const double target = std::abs(q) * widening_, side = std::copysign(1.0, q);
+    constexpr double farthest = 8.0, near = 0.02, longest = 1.6;
+    double inside = 0.0, root_inside = 0.0, outside = infinite, root_outside = infinite;
+    double z = target;
+    last_.reset();
+    for (int round = 0; round < 9; ++round) {
+      const double root = std::sqrt(2.0 * std::max(0.0, rise(side * z)));
+      if (std::abs(root - target) < near * target) return side * z;
+      (root < target ? inside : outside) = z;
+      (root < target ? root_inside : root_outside) = root;
+      if (!std::isfinite(outside)) {
+        if (z >= farthest * widening_) return side * infinite;
+        z = std::min({longest * z, std::max(1.05 * z, z * target / std::max(root, 1e-3)),
+                      farthest * widening_});
+        continue;
+      }
+      const double part = (target - root_inside) / (root_outside - root_inside);
+      z = inside +
+          std::clamp(std::isfinite(root_outside) ? part : 0.5, 0.1, 0.9) * (outside - inside);
     }
     return side * 0.5 * (inside + outside);
   }
+
+  struct Solution {
+    double z;
+    std::vector<double> x; // of the others
+  };
 
   const FitProblem& problem_;
   const Minimum& minimum_;
@@ -160,8 +184,7 @@ private:
   std::size_t k_;
   Valley valley_;
   double widening_;
-  bool vague_;
-  std::vector<double> last_;
+  std::optional<Solution> last_;                       // of the last search
   std::array<std::optional<Eigen::VectorXd>, 2> bend_; // below and above the minimum
 };
 
@@ -203,13 +226,12 @@ std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimu
   for (const Slot& slot : problem.parameters.slots) {
     if (!slot.free) continue;
     const double sigma = known.sigma(slot.index), x = minimum.x[slot.index];
-    const double tolerable = tolerable_sigma(problem, slot, minimum.x);
-    if (!(sigma <= tolerable) || known.distrusted[slot.index]) continue;
-    if (largest < tiny)
+    const bool vague = !(sigma <= tolerable_sigma(problem, slot, minimum.x)) && !may_vanish(slot);
+    if (vague || known.distrusted[slot.index]) continue;
+    if (largest < tiny && !may_vanish(slot))
       result[slot.index] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
     else
-      result[slot.index] =
-          Profile(problem, minimum, known, slot.index, sigma > 0.4 * tolerable).ends();
+      result[slot.index] = Profile(problem, minimum, known, slot.index).ends();
   }
   return result;
 }

@@ -9,9 +9,8 @@ namespace goingrate::timing_model {
 /// widening) on either side of the minimum. One look at 1.96 sigma, corrected by a scoring step in
 /// the other coordinates, tells whether the parabola holds: then, within a tenth, it is taken;
 /// where it is bent the ends come from a cubic, where it is broken from searches with the
-/// coordinate held (or are open, if sigma is above 0.4 of what would be undetermined). Infinite
-/// where L does not rise far enough within eight sigma. Coordinates that are not determined anyway
-/// get infinite ends.
+/// coordinate held. Infinite where L does not rise far enough within eight sigma. Coordinates that
+/// are not determined anyway get infinite ends.
 std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimum,
                                 const Certainty& known);
 

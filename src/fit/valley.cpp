@@ -10,15 +10,6 @@ namespace {
 
 constexpr double step = 1e-6; // of a logarithm: half the digits
 
-std::optional<std::size_t> following(const Parameters& parameters,
-                                     std::optional<std::size_t> except) {
-  for (const Quantity quantity : {Quantity::T0, Quantity::phi0, Quantity::mu}) {
-    const Slot* slot = parameters.find(quantity);
-    if (slot != nullptr && slot->free && slot->index != except) return slot->index;
-  }
-  return {};
-}
-
 } // namespace
 
 Valley::Valley(const FitProblem& problem, std::span<const double> start,
@@ -35,12 +26,37 @@ Valley::Valley(const FitProblem& problem, std::span<const double> start,
     scatter_ = log_scatter(start);
     if (std::isfinite(scatter_)) drive_ = drive->index;
   }
-  const auto follows = following(parameters_, except);
+  const auto follows = following(start, except);
   const auto late = late_at_end(parameters_, ends_, start);
   if (!follows || !late) return;
   reference_ = start[*follows];
   late_ = *late;
   rate_ = follows;
+}
+
+// The rate of a clock at rest always falls with the switching angle; torque and friction may hardly
+// touch it, and what counts is the last beat, whose clock an event may have changed.
+std::optional<std::size_t> Valley::following(std::span<const double> start,
+                                             std::optional<std::size_t> except) const {
+  constexpr double preferred = 3.0; // over a steeper one
+  std::vector<double> x(start.begin(), start.end());
+  std::optional<std::size_t> best;
+  double steepest = 0.0;
+  for (const Slot& slot : parameters_.slots) {
+    const bool could = slot.quantity == Quantity::T0 || slot.quantity == Quantity::phi0 ||
+                       slot.quantity == Quantity::mu || slot.quantity == Quantity::epsilon;
+    if (!could || !slot.free || slot.index == except || slot.index == start_) continue;
+    const auto slope = slope_of_late(x, slot.index, start_ ? start[*start_] : 0.0);
+    if (!slope) continue;
+    const double weight = slot.quantity == Quantity::phi0 ? preferred : 1.0;
+    // A relative change of each, but for T0, which moves the last beat as no other does.
+    const double unit = slot.coordinate == Coordinate::multiple ? x[slot.index] : 1.0;
+    const double moves = weight * std::abs(*slope * unit);
+    if (moves <= steepest) continue;
+    steepest = moves;
+    best = slot.index;
+  }
+  return best;
 }
 
 double Valley::log_rest(std::span<const double> x) const {

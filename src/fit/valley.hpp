@@ -7,9 +7,9 @@
 //   x_a = u_a + h(x of the others)                           holds the last beat as late as it was,
 //   x_d = u_d - (log(T0 g) - its value at the start)         holds the scatter the drive causes.
 // l is the logarithm of lambda0 and lambda_rest = sqrt(2 mu phi0/(pi eps)) the amplitude of rest
-// before any change; a is T0 where it is free, else the switching angle (in which the rate of a
-// clock at rest always falls), else mu; d is the logarithm of the drive's rms, and g the fast gain.
-// Everywhere else only x is seen.
+// before any change; a is the one of T0, phi0, mu, epsilon and their changes that moves the last
+// beat most; d is the logarithm of the drive's rms, and g the fast gain. Everywhere else only x is
+// seen.
 #pragma once
 
 #include "likelihood.hpp"
@@ -30,6 +30,9 @@ public:
   [[nodiscard]] Eigen::MatrixXd slopes(std::span<const double> u) const;
 
 private:
+  // Which coordinate holds the rate.
+  [[nodiscard]] std::optional<std::size_t> following(std::span<const double> start,
+                                                     std::optional<std::size_t> except) const;
   // Sets lambda0 for where the other coordinates stand; `own` is u_l.
   void follow_start(std::vector<double>& x, double own) const;
   // The value of the following coordinate that holds the rate, given the others; lambda0 follows.

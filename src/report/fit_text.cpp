@@ -22,9 +22,14 @@ std::string parameter_line(const FittedParameter& p) {
     return fmt::format("  {:<14} undetermined by this log\n", p.name);
   if (p.status == ParameterStatus::fixed)
     return fmt::format("  {:<14} {:.10g} {} (fixed)\n", p.name, p.value, p.unit);
-  std::string line = fmt::format("  {:<14} {} {} ({:.2g} %)", p.name, with_sigma(p.value, p.sigma),
-                                 p.unit, 100.0 * p.sigma / std::abs(p.value));
-  if (is_lopsided(p)) line += fmt::format("  95 %: {}", interval(p.low95, p.high95, p.value));
+  std::string line = fmt::format("  {:<14} {} {}", p.name, with_sigma(p.value, p.sigma), p.unit);
+  if (p.sigma < std::abs(p.value))
+    line += fmt::format(" ({:.2g} %)", 100.0 * p.sigma / std::abs(p.value));
+  if (p.at_bound && p.low95 >= p.value && std::isfinite(p.high95))
+    line =
+        fmt::format("  {:<14} {:.4g} {}, at most {:.2g} (95 %)", p.name, p.value, p.unit, p.high95);
+  else if (is_lopsided(p))
+    line += fmt::format("  95 %: {}", interval(p.low95, p.high95, p.value));
   if (p.status == ParameterStatus::prior) line += " with prior";
   if (p.at_bound) line += " at the edge of what is allowed";
   if (std::abs(p.model_shift) >= 0.1)
@@ -63,8 +68,9 @@ std::string statistics_lines(const FitSummary& fit) {
       fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s",
                   fit.residual_s.size(), fit.correlated.size(), q.rms_s);
   text += std::isfinite(q.p_value)
-              ? fmt::format("; chi-squared against the jitter of neighbouring beats {:.5g} for "
-                            "{:.0f} degrees of freedom (p = {:.2g})\n",
+              ? fmt::format("; chi-squared {} {:.5g} for {:.0f} degrees of freedom (p = {:.2g})\n",
+                            q.of_innovations ? "of the innovations"
+                                             : "against the jitter of neighbouring beats",
                             q.chi2, q.dof, q.p_value)
               : "; too few beats to test it\n";
   if (std::isfinite(q.amplitude_rms_rad))

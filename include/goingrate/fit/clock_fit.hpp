@@ -108,9 +108,12 @@ struct DerivedQuantity {
 };
 
 struct FitQuality {
-  double chi2 = 0.0; ///< of the times against the jitter seen between neighbouring beats
+  /// Of the times against the jitter seen between neighbouring beats; where the model has a walk or
+  /// noise of the drive, of the innovations against their variances.
+  double chi2 = 0.0;
   double dof = 0.0;
   double p_value = 0.0; ///< of chi2, given that the jitter itself is known to some per cent only
+  bool of_innovations = false;    ///< which of the two chi2 is
   double whiteness_p = 0.0;       ///< Ljung-Box on the innovations of the times; NaN if they
                                   ///< are rounding only
   double rms_s = 0.0;             ///< of the times about the undisturbed course
