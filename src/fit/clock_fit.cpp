@@ -23,10 +23,8 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // The same model on all beats of the log, whatever it was fitted to.
 FitProblem on_all_beats(const Fitted& fitted, const TimingData& data) {
-  FitProblem problem = fitted.problem;
-  if (problem.data->size() == data.size()) return problem;
-  problem.data = &data;
-  problem.correction = {};
+  if (fitted.problem.data->size() == data.size()) return fitted.problem;
+  FitProblem problem = fitted.problem.on(data);
   if (fitted.dynamics != FitDynamics::averaged1)
     if (auto correction = difference_to(fitted.dynamics, problem, fitted.minimum.x))
       problem.correction = std::move(*correction);

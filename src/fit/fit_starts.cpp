@@ -113,9 +113,10 @@ bool agreed(const FitProblem& problem, std::span<const Minimum> places) {
   return found > good.size();
 }
 
-// By how much L may still exceed the best for a start that has not come to rest to be followed on.
-double hopeless(const FitProblem& problem) {
-  constexpr double per_beat = 100.0;
+// By how much L may still exceed the best for a start that has not come to rest to be followed on;
+// less where two others have agreed on a place that explains the data.
+double hopeless(const FitProblem& problem, bool others_agreed) {
+  const double per_beat = others_agreed ? 1.0 : 100.0;
   return per_beat * static_cast<double>(problem.data->size());
 }
 
@@ -140,14 +141,18 @@ std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
     start = minimise(problem, start.x, {iterations, 1e-2, 1e4});
   };
   std::size_t done = 0;
-  while (done < tried.size() && !agreed(problem, {tried.data(), done}))
+  bool others_agreed = false;
+  while (done < tried.size() && !others_agreed) {
     score(tried[done++], 8);
+    others_agreed = agreed(problem, {tried.data(), done});
+  }
   tried.resize(done);
   std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
   std::sort(tried.begin(), tried.end(), by_value);
   if (tried.size() > to_finish) tried.resize(to_finish);
   for (Minimum& start : tried)
-    if (!start.converged && start.value < tried.front().value + hopeless(problem)) score(start, 60);
+    if (!start.converged && start.value < tried.front().value + hopeless(problem, others_agreed))
+      score(start, 60);
   std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
   std::sort(tried.begin(), tried.end(), by_value);
   drop_duplicates(problem, tried);

@@ -165,6 +165,36 @@ struct LikelihoodSums {
   [[nodiscard]] double value() const { return 0.5 * (squares.value() + logs.value()); }
 };
 
+// The lateness at the nodes of a condensed log, weighted; then its derivatives, a column each.
+// Nothing where the model does not hold.
+template <class T>
+std::optional<Eigen::MatrixXd> weighted_lateness(const FitProblem& problem, std::span<const T> x) {
+  constexpr bool slopes = !std::is_same_v<T, double>;
+  const TimingData& nodes = problem.condensed->nodes();
+  const auto columns = static_cast<Eigen::Index>(slopes ? x.size() + 1 : 1);
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(nodes.size()), columns);
+  const bool holds =
+      Follower<T>(problem.parameters, x, nodes).run([&](std::size_t i, const auto& sight) {
+        const auto row = static_cast<Eigen::Index>(i);
+        rows(row, 0) = plain(sight.late_s) - beat_correction(problem.correction.late_s, i);
+        if constexpr (slopes)
+          for (Eigen::Index k = 1; k < columns; ++k)
+            rows(row, k) = sight.late_s.v[k - 1];
+      });
+  if (!holds) return {};
+  return problem.condensed->weighted(rows);
+}
+
+double jitter2(const FitProblem& problem, std::span<const double> x) {
+  return std::pow(noise_sizes<double>(problem.parameters, x).jitter, 2);
+}
+
+// Of N - 1 innovations with variances jitter^2 (i + 1)/i.
+double condensed_value(const FitProblem& problem, double squares, double jitter2) {
+  const double n = problem.condensed->beats();
+  return 0.5 * (squares / jitter2 + (n - 1.0) * std::log(jitter2) + std::log(n));
+}
+
 // Adds one innovation to the sums and rows.
 template <class T, class N>
 void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& sums, RowStack& rows,
@@ -184,13 +214,60 @@ void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& su
   }
 }
 
+void add_priors(const FitProblem& problem, std::span<const double> x, RowStack& rows) {
+  for (const CoordinatePrior& prior : problem.priors)
+    rows.add((x[prior.index] - prior.centre) / prior.sigma, [&](Eigen::Index k) {
+      return static_cast<std::size_t>(k) == prior.index ? 1.0 / prior.sigma : 0.0;
+    });
+}
+
+template <class T> std::vector<T> jets_at(std::span<const double> x) {
+  std::vector<T> jets;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    jets.emplace_back(x[k], static_cast<int>(k));
+  return jets;
+}
+
+std::optional<Evaluation> if_finite(Evaluation&& result) {
+  const bool finite = std::isfinite(result.value) && result.triangle.allFinite() &&
+                      result.projected.allFinite();
+  return finite ? std::optional(std::move(result)) : std::nullopt;
+}
+
+template <int n>
+std::optional<Evaluation> evaluate_condensed(const FitProblem& problem, std::span<const double> x) {
+  using T = ceres::Jet<double, n>;
+  const std::vector<T> jets = jets_at<T>(x);
+  const auto late = weighted_lateness<T>(problem, jets);
+  if (!late) return {};
+  const auto unknowns = static_cast<Eigen::Index>(x.size());
+  RowStack rows(unknowns);
+  const double variance = jitter2(problem, x), root = 1.0 / std::sqrt(variance);
+  for (Eigen::Index i = 0; i < late->rows(); ++i)
+    rows.add((*late)(i, 0) * root, [&](Eigen::Index k) { return (*late)(i, k + 1) * root; });
+  const double squares = problem.condensed->rest_s2() + late->col(0).squaredNorm();
+  const double innovations = problem.condensed->beats() - 1.0;
+  const Slot* jitter = problem.parameters.find(Quantity::jitter_rms);
+  if (jitter->free) { // what the rows (1 - e^2/F)/sqrt 2 of all beats come to
+    const double slope = std::sqrt(2.0 * innovations);
+    rows.add((innovations - squares / variance) / slope, [&](Eigen::Index k) {
+      return static_cast<std::size_t>(k) == jitter->index ? slope : 0.0;
+    });
+  }
+  add_priors(problem, x, rows);
+  Evaluation result;
+  result.value = condensed_value(problem, squares, variance) + prior_cost(problem, x);
+  result.triangle = rows.triangle();
+  result.projected = rows.projected();
+  result.amplitude_triangle = RowStack(unknowns).triangle();
+  return if_finite(std::move(result));
+}
+
 template <int n, bool noisy>
 std::optional<Evaluation> evaluate_with(const FitProblem& problem, std::span<const double> x) {
   using T = ceres::Jet<double, n>;
   using N = std::conditional_t<noisy, T, double>;
-  std::vector<T> jets;
-  for (std::size_t k = 0; k < x.size(); ++k)
-    jets.emplace_back(x[k], static_cast<int>(k));
+  const std::vector<T> jets = jets_at<T>(x);
   const auto unknowns = static_cast<Eigen::Index>(x.size());
   RowStack rows(unknowns), amplitude_rows(unknowns);
   Evaluation result;
@@ -200,22 +277,43 @@ std::optional<Evaluation> evaluate_with(const FitProblem& problem, std::span<con
         fold_in(value, variance, of_time, sums, rows, amplitude_rows);
       }))
     return {};
-  for (const CoordinatePrior& prior : problem.priors)
-    rows.add((x[prior.index] - prior.centre) / prior.sigma, [&](Eigen::Index k) {
-      return static_cast<std::size_t>(k) == prior.index ? 1.0 / prior.sigma : 0.0;
-    });
+  add_priors(problem, x, rows);
   result.value = sums.value() + prior_cost(problem, x);
-  if (!std::isfinite(result.value)) return {};
   result.triangle = rows.triangle();
   result.projected = rows.projected();
   result.amplitude_triangle = amplitude_rows.triangle();
-  return result.triangle.allFinite() && result.projected.allFinite() ? std::optional(result)
-                                                                     : std::nullopt;
+  return if_finite(std::move(result));
 }
 
 } // namespace
 
+FitProblem FitProblem::on(const TimingData& other) const {
+  FitProblem problem = *this;
+  problem.data = &other;
+  problem.correction = {};
+  problem.condensed.reset();
+  return problem;
+}
+
+FitProblem on_every_beat(const FitProblem& problem) {
+  FitProblem every = problem;
+  every.condensed.reset();
+  if (problem.condensed != nullptr && !problem.correction.late_s.empty()) {
+    every.correction.late_s = problem.condensed->spread(problem.correction.late_s);
+    every.correction.amplitude = problem.condensed->spread(problem.correction.amplitude);
+  }
+  return every;
+}
+
 std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<const double> x) {
+  if (problem.condensed != nullptr) {
+    const auto late = weighted_lateness<double>(problem, x);
+    if (!late) return {};
+    const double squares = problem.condensed->rest_s2() + late->squaredNorm();
+    const double total =
+        condensed_value(problem, squares, jitter2(problem, x)) + prior_cost(problem, x);
+    return std::isfinite(total) ? std::optional(total) : std::nullopt;
+  }
   LikelihoodSums sums;
   double product = 1.0;
   Run<double, double> run(problem, x);
@@ -240,6 +338,7 @@ std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const do
   const bool noisy = disturbed || noise_is_free(problem.parameters);
   const auto of_width = [&](auto width) {
     constexpr int n = decltype(width)::value;
+    if (problem.condensed != nullptr) return evaluate_condensed<n>(problem, x);
     return noisy ? evaluate_with<n, true>(problem, x) : evaluate_with<n, false>(problem, x);
   };
   if (x.size() <= 6) return of_width(std::integral_constant<int, 6>());
@@ -263,6 +362,7 @@ std::optional<double> late_at_end(const Parameters& parameters, const TimingData
 }
 
 std::optional<Residuals> residuals(const FitProblem& problem, std::span<const double> x) {
+  if (problem.condensed != nullptr) return residuals(on_every_beat(problem), x);
   const TimingData& data = *problem.data;
   Residuals result;
   Run<double, double> run(problem, x);

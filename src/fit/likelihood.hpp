@@ -9,6 +9,7 @@
 // orthogonal steps, which keeps the digits that a product J'J would lose.
 #pragma once
 
+#include "condensed.hpp"
 #include "parameters.hpp"
 
 #include "goingrate/fit/timing_data.hpp"
@@ -42,6 +43,15 @@ struct FitProblem {
   Correction correction;
   std::vector<CoordinatePrior> priors;
   std::vector<std::array<double, 2>> bounds; ///< of each coordinate; empty: none
+  /// If set, it stands for the data, and the correction is one at its nodes.
+  std::shared_ptr<const CondensedLog> condensed;
+
+  /// The same problem on other data, without a correction.
+  [[nodiscard]] FitProblem on(const TimingData& other) const;
+  /// Where the model is asked.
+  [[nodiscard]] const TimingData& asked() const {
+    return condensed != nullptr ? condensed->nodes() : *data;
+  }
 };
 
 /// L, and with derivatives the triangle R (n x n, R'R = information) and Q'r (n): R'(Q'r) is the
@@ -58,6 +68,9 @@ std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<
 
 /// The same with derivatives. Cost: O(N n^2) for N beats and n free parameters.
 std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const double> x);
+
+/// The same problem with every beat by itself.
+FitProblem on_every_beat(const FitProblem& problem);
 
 /// One entry a beat, NaN where there is none.
 struct Residuals {

@@ -5,6 +5,7 @@
 #include "reference_run.hpp"
 #include "twin.hpp"
 
+#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/fit/timing_noise.hpp"
 
 #include <algorithm>
@@ -43,6 +44,27 @@ bool knows_its_clock(const Fitted& fitted) {
   return all_but_known(fitted.problem, fitted.known, fitted.minimum.x);
 }
 
+// Lets a few beats stand for all where nothing but jitter disturbs them.
+void condense(FitProblem& problem, std::span<const double> x) {
+  const Parameters& parameters = problem.parameters;
+  for (const Quantity quantity : {Quantity::walk_rms, Quantity::drive_rms, Quantity::term})
+    if (parameters.has(quantity)) return;
+  if (problem.data->has_amplitude()) return;
+  double epsilon = 0.0; // the largest
+  for (const Slot& slot : parameters.slots)
+    if (slot.quantity == Quantity::epsilon) epsilon = std::max(epsilon, slot.value(x));
+  problem.condensed =
+      CondensedLog::of(*problem.data, parameters.event_cycles, 1.0 / (2.0 * two_pi * epsilon));
+}
+
+// Whether the few beats say what all say.
+bool condensed_well(const FitProblem& problem, std::span<const double> x) {
+  constexpr double enough = 1e-3; // of L: 0.05 sigma
+  const auto few = minus_log_likelihood(problem, x);
+  const auto all = minus_log_likelihood(on_every_beat(problem), x);
+  return few && all && std::abs(*few - *all) < enough;
+}
+
 // Searches again on at most a few thousand beats, from the other finalists and, where something is
 // known badly, from along the valley; moves to a better minimum if there is one and keeps the
 // others that are nearly as good.
@@ -51,9 +73,8 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   if (others.empty() && knows_its_clock(fitted)) return false;
   constexpr std::size_t enough = 3000; // beats: what is thinned away makes the check stricter
   const TimingData data = thinned(*fitted.problem.data, fitted.problem.parameters, enough);
-  FitProblem check = fitted.problem;
-  check.data = &data;
-  check.correction = {};
+  FitProblem check = fitted.problem.on(data);
+  check.condensed = fitted.problem.condensed;
   const Minimum home = minimise(check, fitted.minimum.x, {60, 1e-3});
   if (!home.usable) return false;
   const auto there = evaluate(check, home.x);
@@ -116,6 +137,9 @@ void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits) {
   minimum = minimise(problem, minimum.x, limits);
   // The first search counts from a bad start, whose misfit may drown what is left to gain.
   if (minimum.usable && !minimum.converged) minimum = minimise(problem, minimum.x, limits);
+  if (!minimum.usable || problem.condensed == nullptr || condensed_well(problem, minimum.x)) return;
+  problem = on_every_beat(problem);
+  minimum = minimise(problem, minimum.x, limits);
 }
 
 Widening widening_of(const Fitted& fitted) {
@@ -192,6 +216,7 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
   fitted.problem.priors = make_priors(options, parameters, starts.front());
   fitted.minimum.x = starts.front();
   starts.erase(starts.begin());
+  condense(fitted.problem, fitted.minimum.x);
   settle(fitted.problem, fitted.minimum, {100});
   if (!fitted.minimum.usable) return fitted;
   finish(fitted);
@@ -233,9 +258,8 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
 
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
   const TimingData thin = at_one_stride(*simpler.problem.data, enough_to_screen);
-  FitProblem plain = simpler.problem, richer = make_problem(thin, options, model);
-  plain.data = richer.data = &thin;
-  plain.correction = {}; // of other beats; the dynamics change little between noises
+  FitProblem plain = simpler.problem.on(thin); // the dynamics change little between noises
+  const FitProblem richer = make_problem(thin, options, model);
   plain.priors.clear();
   const auto here = minus_log_likelihood(plain, simpler.minimum.x);
   constexpr double some = 1.0; // of L: below that no search would make it worth two parameters
@@ -303,6 +327,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   if (tried.empty()) return fitted;
   fitted.minimum.x = tried.front().x;
   fitted.problem.priors = make_priors(options, fitted.problem.parameters, fitted.minimum.x);
+  condense(fitted.problem, fitted.minimum.x);
   settle(fitted.problem, fitted.minimum, {});
   if (!fitted.minimum.usable) return fitted;
   for (const Minimum& other : tried) {

@@ -109,7 +109,7 @@ double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x
 
 std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
                                         std::span<const double> x) {
-  TimingData seen = *problem.data; // what a perfect sensor would have logged of that clock
+  TimingData seen = problem.asked(); // what a perfect sensor would have logged of that clock
   Correction correction;
   try {
     SettlingRun run(scenario_of(dynamics, problem, x), seen.reference_period_s);
