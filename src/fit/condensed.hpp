@@ -20,11 +20,10 @@ namespace goingrate::timing_model {
 
 class CondensedLog {
 public:
-  /// `relaxation_cycles`: in which the squared amplitude comes nearer to rest by a factor e. Nothing
-  /// if the log is too short beside it to gain, or too full of gaps.
-  static std::shared_ptr<const CondensedLog> of(const TimingData& data,
-                                                const std::vector<double>& event_cycles,
-                                                double relaxation_cycles);
+  /// `relaxation_cycles`: in which the squared amplitude comes nearer to rest by a factor e.
+  /// Nothing if the log is too short beside it to gain, or too full of gaps.
+  static std::shared_ptr<const CondensedLog>
+  of(const TimingData& data, const std::vector<double>& event_cycles, double relaxation_cycles);
 
   /// The nodes, with d^ as their lateness.
   [[nodiscard]] const TimingData& nodes() const { return nodes_; }

@@ -229,8 +229,8 @@ template <class T> std::vector<T> jets_at(std::span<const double> x) {
 }
 
 std::optional<Evaluation> if_finite(Evaluation&& result) {
-  const bool finite = std::isfinite(result.value) && result.triangle.allFinite() &&
-                      result.projected.allFinite();
+  const bool finite =
+      std::isfinite(result.value) && result.triangle.allFinite() && result.projected.allFinite();
   return finite ? std::optional(std::move(result)) : std::nullopt;
 }
 

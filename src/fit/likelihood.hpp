@@ -57,7 +57,7 @@ struct FitProblem {
 /// L, and with derivatives the triangle R (n x n, R'R = information) and Q'r (n): R'(Q'r) is the
 /// gradient.
 struct Evaluation {
-  double value = 0.0;    ///< L
+  double value = 0.0; ///< L
   Eigen::MatrixXd triangle;
   Eigen::VectorXd projected;
   Eigen::MatrixXd amplitude_triangle; ///< of the rows of amplitudes alone
