@@ -1,11 +1,10 @@
 // goingrate paper: the paper's figures and numbers, computed again.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/report/paper.hpp"
 
-#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 
@@ -20,23 +19,19 @@ struct PaperCommand {
   PaperOptions paper;
 };
 
-void run(const PaperCommand& options) {
+void run(const PaperCommand& options, const GlobalOptions& global) {
   const PaperResults results = recompute_paper(options.paper);
-  std::vector<std::pair<std::string, std::string>> files{{options.json, paper_json(results)}};
+  Files files{{options.json, paper_json(results)}};
   if (!options.folder.empty()) {
-    std::error_code exists;
-    std::filesystem::create_directories(options.folder, exists);
     bool found = options.figure.empty();
     for (const PaperFigure& figure : results.figures) {
       if (!options.figure.empty() && !figure.name.starts_with(options.figure)) continue;
       found = true;
-      const std::string path = (std::filesystem::path(options.folder) / figure.name).string();
-      files.push_back({path + ".svg", standalone_svg(figure.figure)});
-      files.push_back({path + ".csv", figure_csv(figure.figure)});
+      add_figure(options.folder, figure.name, figure.figure, files);
     }
+    tell_of_missing_gnuplot(global);
     if (!found) throw ArgumentError("figure", options.figure, "rate, jump_zoom, jump or quasistat");
-    files.push_back(
-        {(std::filesystem::path(options.folder) / "paper.md").string(), paper_text(results)});
+    files.emplace_back(inside(options.folder, "paper.md"), paper_text(results));
   }
   files.push_back({options.json == "-" ? "" : "-", paper_text(results)});
   write_whole_files(files);
@@ -44,12 +39,13 @@ void run(const PaperCommand& options) {
 
 } // namespace
 
-void add_paper(CLI::App& program, const GlobalOptions&) {
+void add_paper(CLI::App& program, const GlobalOptions& global) {
   auto* command =
       program.add_subcommand("paper", "the paper's figures and numbers, its method beside ours");
   auto options = std::make_shared<PaperCommand>();
-  auto* folder = command->add_option("-o,--output", options->folder,
-                                     "folder for paper.md and the figures (SVG and CSV)");
+  auto* folder =
+      command->add_option("-o,--output", options->folder,
+                          "folder for paper.md and the figures (SVG, PDF, PNG, gnuplot, CSV)");
   command
       ->add_option("--figure", options->figure, "only this one: rate, jump_zoom, jump, quasistat")
       ->needs(folder);
@@ -58,7 +54,7 @@ void add_paper(CLI::App& program, const GlobalOptions&) {
   command->add_option("--seed", options->paper.seed, "of the driving noise")->check(seed_range());
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate paper -o paper --figure jump");
-  command->callback([options] { run(*options); });
+  command->callback([options, &global] { run(*options, global); });
 }
 
 } // namespace goingrate::apps

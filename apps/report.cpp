@@ -1,5 +1,5 @@
 // goingrate report: everything about one log.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/report/json.hpp"
@@ -53,19 +53,11 @@ std::string page_beside(const std::string& log) {
   return log == "-" ? "report.html" : std::filesystem::path(log).stem().string() + ".html";
 }
 
-std::string inside(const std::string& folder, const std::string& name) {
-  std::error_code exists; // what is wrong with it the writing will say
-  std::filesystem::create_directories(folder, exists);
-  return (std::filesystem::path(folder) / name).string();
-}
-
-using Files = std::vector<std::pair<std::string, std::string>>;
-
-void add_figures(const std::string& folder, const ReportData& data, Files& files) {
-  for (const Figure& figure : report_figures(data)) {
-    files.emplace_back(inside(folder, figure.id + ".svg"), standalone_svg(figure));
-    files.emplace_back(inside(folder, figure.id + ".csv"), figure_csv(figure));
-  }
+void add_figures(const std::string& folder, const ReportData& data, const GlobalOptions& global,
+                 Files& files) {
+  for (const Figure& figure : report_figures(data))
+    add_figure(folder, figure.id, figure, files);
+  tell_of_missing_gnuplot(global);
 }
 
 void add_tables(const std::string& folder, const ReportData& data, Files& files) {
@@ -86,7 +78,7 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
   Files files{{options.json, report_json(data)},
               {page, report_html(data)},
               {talk ? "-" : "", report_text(data)}};
-  if (!options.figures.empty()) add_figures(options.figures, data, files);
+  if (!options.figures.empty()) add_figures(options.figures, data, global, files);
   if (!options.tables.empty()) add_tables(options.tables, data, files);
   write_whole_files(files);
   if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).string());
@@ -104,7 +96,7 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
   command->add_option("-o,--output", options->output,
                       "the HTML page; if not given, the log's name with .html, in this folder");
   command->add_option("--figures", options->figures,
-                      "folder for every figure as SVG and its numbers as CSV");
+                      "folder for every figure as SVG, PDF, PNG, a script for gnuplot, and CSV");
   command->add_option("--tables", options->tables,
                       "folder for rates, parameters (CSV, LaTeX), spectrum, deviation, drive");
   add_json_option(*command, options->json);

@@ -4,6 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh
 goingrate_setup libgtest-dev dpkg-dev file
+command -v gnuplot > /dev/null || goingrate_setup gnuplot-nox # for figures as PDF and PNG
 goingrate_setup clang libclang-rt-dev # for the fuzzers alone, which are skipped without
 # A newer compiler may warn of more; only the project's own checks insist.
 cmake --preset release -DBUILD_TESTING=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null

@@ -1,11 +1,9 @@
 #include "goingrate/report/figure.hpp"
 
-#include "axis_scale.hpp"
+#include "figure_axes.hpp"
 #include "figure_cells.hpp"
 #include "markup.hpp"
 #include "series_path.hpp"
-
-#include "goingrate/base/errors.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,9 +26,6 @@ constexpr double space_above = 14.0;
 constexpr double space_below = 58.0;
 constexpr double legend_row = 26.0;
 constexpr double character = 11.0; // width of one, generously
-constexpr int line_kinds = 4;      // dashes
-constexpr int mark_kinds = 3;
-constexpr int colours = 8;
 
 std::string identifier(const std::string& id) {
   std::string out = "figure-";
@@ -41,48 +36,6 @@ std::string identifier(const std::string& id) {
   return out;
 }
 
-std::size_t characters(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-  }));
-}
-
-void check(const Series& series) {
-  const bool ranged = series.style == Series::Style::band || series.style == Series::Style::bars;
-  const bool plain = series.style != Series::Style::band;
-  if ((plain && series.y.size() != series.x.size()) ||
-      (ranged && (series.low.size() != series.x.size() || series.high.size() != series.x.size())) ||
-      (series.style == Series::Style::cells && series.low.size() != series.x.size()))
-    throw ArgumentError("series", series.label, "vectors of one length");
-}
-
-// The smallest and largest value that can be shown.
-class Range {
-public:
-  explicit Range(bool logarithmic) : logarithmic_(logarithmic) {}
-  void include(double value) {
-    if (!can_be_shown(value, logarithmic_)) return;
-    lowest_ = std::min(lowest_, value);
-    highest_ = std::max(highest_, value);
-  }
-  [[nodiscard]] AxisScale scale(const Axis& axis, double margin) const {
-    return lowest_ <= highest_ ? scale_axis(axis, lowest_, highest_, margin) : empty_axis(axis);
-  }
-  [[nodiscard]] bool empty() const { return lowest_ > highest_; }
-
-private:
-  bool logarithmic_;
-  double lowest_ = std::numeric_limits<double>::infinity();
-  double highest_ = -std::numeric_limits<double>::infinity();
-};
-
-// How one series is told from the others without its colour.
-struct Look {
-  int colour = 0;
-  int kind = 0; // of dash or of mark, among the series of the same manner
-  bool dense = false;
-};
-
 struct LegendEntry {
   double x = 0.0;
   double y = 0.0;
@@ -90,16 +43,24 @@ struct LegendEntry {
 
 class Drawing {
 public:
-  explicit Drawing(const Figure& figure) : figure_(figure), id_(identifier(figure.id)) {
-    for (const Series& series : figure.series)
-      check(series);
-    scale_axes();
+  explicit Drawing(const Figure& figure)
+      : figure_(figure), id_(identifier(figure.id)), looks_(series_looks(figure)) {
+    FigureAxes axes = figure_axes(figure);
+    x_ = std::move(axes.x);
+    y_ = std::move(axes.y);
+    empty_ = axes.empty;
+    std::size_t longest = 0;
+    for (const Tick& tick : y_.ticks)
+      longest = std::max(longest, characters(tick.label));
+    left_ = std::max(least_left, 28.0 + character * static_cast<double>(longest)); // 28: the title
     lay_out_legend();
-    choose_looks();
   }
 
-  std::string text(bool with_style) {
-    open(with_style);
+  [[nodiscard]] double height() const { return bottom_ + space_below; }
+
+  // With a style it is a figure of its own; `top` is its place in a stack.
+  std::string text(bool with_style, std::optional<double> top = {}) {
+    open(with_style, top);
     draw_grid();
     draw_markers();
     for (std::size_t i = 0; i < figure_.series.size(); ++i)
@@ -112,9 +73,7 @@ public:
 
 private:
   void lay_out_legend();
-  void scale_axes();
-  void choose_looks();
-  void open(bool with_style);
+  void open(bool with_style, std::optional<double> top);
   void draw_grid();
   void draw_markers();
   void draw_series(std::size_t index);
@@ -166,52 +125,15 @@ void Drawing::lay_out_legend() {
   bottom_ = top_ + plot_height;
 }
 
-void Drawing::scale_axes() {
-  Range x(figure_.x.logarithmic);
-  Range y(figure_.y.logarithmic);
-  for (const Series& series : figure_.series) {
-    for (std::size_t i = 0; i < series.x.size(); ++i) {
-      if (!can_be_shown(series.x[i], figure_.x.logarithmic)) continue;
-      const bool band = series.style == Series::Style::band;
-      const double value = band ? 0.5 * (series.low[i] + series.high[i]) : series.y[i];
-      if (!can_be_shown(value, figure_.y.logarithmic)) continue;
-      x.include(series.x[i]);
-      y.include(value);
-      if (band || series.style == Series::Style::bars) {
-        y.include(series.low[i]);
-        y.include(series.high[i]);
-      }
-    }
-  }
-  empty_ = x.empty();
-  constexpr double sideways = 0.01; // room so that dots at the edge are not cut
-  constexpr double upwards = 0.05;
-  x_ = x.scale(figure_.x, sideways);
-  y_ = y.scale(figure_.y, upwards);
-  std::size_t longest = 0;
-  for (const Tick& tick : y_.ticks)
-    longest = std::max(longest, characters(tick.label));
-  left_ = std::max(least_left, 28.0 + character * static_cast<double>(longest)); // 28: the title
-}
-
-void Drawing::choose_looks() {
-  constexpr std::size_t sparse = 160; // dots that have room to be large
-  int lines = 0;
-  int marks = 0;
-  for (const Series& series : figure_.series) {
-    Look look{series.colour < 0 ? 0 : series.colour % colours, 0, series.x.size() > sparse};
-    if (series.style == Series::Style::line)
-      look.kind = lines++ % line_kinds;
-    else if (series.style != Series::Style::band)
-      look.kind = marks++ % mark_kinds;
-    looks_.push_back(look);
-  }
-}
-
-void Drawing::open(bool with_style) {
-  write("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"figure\" id=\"{0}\" "
+void Drawing::open(bool with_style, std::optional<double> top) {
+  // In a stack the whole has the class and with it the style.
+  const std::string place =
+      top ? fmt::format("y=\"{}\" width=\"{}\" height=\"{}\"", coordinate(*top), coordinate(width),
+                        coordinate(height()))
+          : std::string("class=\"figure\"");
+  write("<svg xmlns=\"http://www.w3.org/2000/svg\" {3} id=\"{0}\" "
         "viewBox=\"0 0 {1} {2}\" role=\"img\" aria-labelledby=\"{0}-title {0}-description\">\n",
-        id_, coordinate(width), coordinate(bottom_ + space_below));
+        id_, coordinate(width), coordinate(height()), place);
   write("<title id=\"{0}-title\">{1}</title>\n<desc id=\"{0}-description\">{2}</desc>\n", id_,
         escape_markup(figure_.title), escape_markup(figure_.caption));
   if (with_style) write("<style>{}</style>\n", figure_style());
@@ -389,17 +311,20 @@ std::string svg(const Figure& figure) { return Drawing(figure).text(false); }
 
 std::string standalone_svg(const Figure& figure) { return Drawing(figure).text(true); }
 
-std::string figure_csv(const Figure& figure) {
-  const auto field = [](const std::vector<double>& values, std::size_t i) {
-    return i < values.size() && std::isfinite(values[i]) ? fmt::format("{:.9g}", values[i])
-                                                         : std::string();
-  };
-  std::string text = "series,x,y,low,high\n";
-  for (const Series& series : figure.series)
-    for (std::size_t i = 0; i < series.x.size(); ++i)
-      text += fmt::format("\"{}\",{},{},{},{}\n", series.label, field(series.x, i),
-                          field(series.y, i), field(series.low, i), field(series.high, i));
-  return text;
+std::string stacked_svg(const std::vector<Figure>& figures) {
+  if (figures.size() == 1) return standalone_svg(figures.front());
+  std::string stack;
+  double top = 0.0;
+  for (const Figure& figure : figures) {
+    Drawing drawing(figure);
+    const double below = top + drawing.height();
+    stack += drawing.text(false, top);
+    top = below;
+  }
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"figure\" viewBox=\"0 0 {} {}\">\n"
+      "<style>{}</style>\n{}</svg>\n",
+      coordinate(width), coordinate(top), figure_style(), stack);
 }
 
 } // namespace goingrate

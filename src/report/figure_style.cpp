@@ -1,15 +1,13 @@
 #include "goingrate/report/figure.hpp"
 
-#include <array>
+#include "figure_axes.hpp"
+
 #include <fmt/format.h>
-#include <string_view>
 
 namespace goingrate {
 
 // Each property has its light value as fallback, so that the style also works without a page.
 std::string figure_style() {
-  static constexpr std::array<std::string_view, 8> okabe_ito{
-      "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442", "#000000"};
   std::string style = R"(
 .figure{display:block;width:100%;height:auto;font:13px system-ui,sans-serif}
 .figure text{fill:var(--text,#1b1b1b)}
@@ -32,8 +30,8 @@ std::string figure_style() {
 .figure rect.cell{fill:var(--ink)}
 .figure path.band{fill:var(--ink);fill-opacity:.25}
 )";
-  for (std::size_t i = 0; i < okabe_ito.size(); ++i)
-    style += fmt::format(".figure .c{0}{{--ink:var(--c{0},{1})}}\n", i, okabe_ito[i]);
+  for (int i = 0; i < 8; ++i)
+    style += fmt::format(".figure .c{0}{{--ink:var(--c{0},{1})}}\n", i, palette(i));
   // A telephone halves the drawing: what is thin there grows.
   style += "@media screen and (max-width:600px){.figure{font-size:20px}"
            ".figure .frame,.figure .grid{stroke-width:1.5}.figure .line{stroke-width:3}"

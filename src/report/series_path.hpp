@@ -1,36 +1,24 @@
 // Series as SVG path data, thinned to the columns of the drawing.
 #pragma once
 
+#include "series_thinning.hpp"
+
 #include <string>
 #include <vector>
 
 namespace goingrate {
 
-/// A place in the drawing, in its units; NaN where a value is missing.
-struct Place {
-  double x;
-  double y;
-};
-
-/// The ends of a bar or of a band at x.
-struct Extent {
-  double x;
-  double low;
-  double high;
-};
-
-/// A point cloud: dots, and strokes for what is too dense to show as dots.
+/// A point cloud as paths.
 struct CloudPaths {
   std::string dots;
   std::string body;
 };
 
-/// The line through the places, broken where one is missing: of the places in one column the lowest
-/// and the highest, in their order. A place with gaps on both sides becomes a dot.
+/// The line through the places, broken where one is missing. A place with gaps on both sides
+/// becomes a dot.
 std::string line_path(const std::vector<Place>& places);
 
-/// The places as dots. In a column with more than two, the lowest and the highest are dots and the
-/// middle 80 % a stroke.
+/// The places as dots, and as strokes where they are dense.
 CloudPaths cloud_paths(const std::vector<Place>& places);
 
 /// The outline of a band, one piece for each unbroken run.

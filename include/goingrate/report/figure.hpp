@@ -65,6 +65,9 @@ std::string svg(const Figure& figure);
 /// The same as a file of its own, with its style inside.
 std::string standalone_svg(const Figure& figure);
 
+/// Figures one above the other as one file; their ids differ.
+std::string stacked_svg(const std::vector<Figure>& figures);
+
 /// What a figure shows, as CSV: series,x,y,low,high; a field is empty where there is no number.
 std::string figure_csv(const Figure& figure);
 

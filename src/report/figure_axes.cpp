@@ -1,0 +1,109 @@
+#include "figure_axes.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace goingrate {
+
+namespace {
+
+constexpr std::array<std::string_view, 8> okabe_ito{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                                    "#E69F00", "#56B4E9", "#F0E442", "#000000"};
+constexpr int line_kinds = 4; // dashes
+constexpr int mark_kinds = 3;
+
+void check(const Series& series) {
+  const bool ranged = series.style == Series::Style::band || series.style == Series::Style::bars;
+  const bool plain = series.style != Series::Style::band;
+  if ((plain && series.y.size() != series.x.size()) ||
+      (ranged && (series.low.size() != series.x.size() || series.high.size() != series.x.size())) ||
+      (series.style == Series::Style::cells && series.low.size() != series.x.size()))
+    throw ArgumentError("series", series.label, "vectors of one length");
+}
+
+// The smallest and largest value that can be shown.
+class Range {
+public:
+  explicit Range(bool logarithmic) : logarithmic_(logarithmic) {}
+  void include(double value) {
+    if (!can_be_shown(value, logarithmic_)) return;
+    lowest_ = std::min(lowest_, value);
+    highest_ = std::max(highest_, value);
+  }
+  [[nodiscard]] AxisScale scale(const Axis& axis, double margin) const {
+    return lowest_ <= highest_ ? scale_axis(axis, lowest_, highest_, margin) : empty_axis(axis);
+  }
+  [[nodiscard]] bool empty() const { return lowest_ > highest_; }
+
+private:
+  bool logarithmic_;
+  double lowest_ = std::numeric_limits<double>::infinity();
+  double highest_ = -std::numeric_limits<double>::infinity();
+};
+
+void include(const Figure& figure, Range& x, Range& y) {
+  for (const Series& series : figure.series) {
+    check(series);
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (!can_be_shown(series.x[i], figure.x.logarithmic)) continue;
+      const bool band = series.style == Series::Style::band;
+      const double value = band ? 0.5 * (series.low[i] + series.high[i]) : series.y[i];
+      if (!can_be_shown(value, figure.y.logarithmic)) continue;
+      x.include(series.x[i]);
+      y.include(value);
+      if (band || series.style == Series::Style::bars) {
+        y.include(series.low[i]);
+        y.include(series.high[i]);
+      }
+    }
+  }
+}
+
+} // namespace
+
+FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside) {
+  Range x(figure.x.logarithmic);
+  Range y(figure.y.logarithmic);
+  include(figure, x, y);
+  FigureAxes axes;
+  axes.empty = x.empty();
+  for (const Figure& other : beside) {
+    Range unused(other.y.logarithmic);
+    include(other, x, unused);
+  }
+  constexpr double sideways = 0.01; // room so that dots at the edge are not cut
+  constexpr double upwards = 0.05;
+  axes.x = x.scale(figure.x, sideways);
+  axes.y = y.scale(figure.y, upwards);
+  return axes;
+}
+
+std::vector<Look> series_looks(const Figure& figure) {
+  constexpr std::size_t sparse = 160; // dots that have room to be large
+  std::vector<Look> looks;
+  int lines = 0;
+  int marks = 0;
+  for (const Series& series : figure.series) {
+    const int colour = series.colour < 0 ? 0 : series.colour % static_cast<int>(okabe_ito.size());
+    Look look{colour, 0, series.x.size() > sparse};
+    if (series.style == Series::Style::line)
+      look.kind = lines++ % line_kinds;
+    else if (series.style != Series::Style::band)
+      look.kind = marks++ % mark_kinds;
+    looks.push_back(look);
+  }
+  return looks;
+}
+
+std::string_view palette(int colour) { return okabe_ito.at(static_cast<std::size_t>(colour)); }
+
+std::size_t characters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+} // namespace goingrate

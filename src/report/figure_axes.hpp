@@ -1,0 +1,40 @@
+// What every way of drawing a figure has to find out first: ranges, ticks, looks.
+#pragma once
+
+#include "axis_scale.hpp"
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+/// Both axes of a figure.
+struct FigureAxes {
+  AxisScale x, y;
+  bool empty = false; ///< there is no value that can be shown
+};
+
+/// The axes that show all values of `figure`, with room at the edges; x shows those of `beside`
+/// too, figures that have the same x axis. Throws ArgumentError if the vectors of a series differ
+/// in length.
+FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside = {});
+
+/// How one series is told from the others without its colour.
+struct Look {
+  int colour = 0;     ///< 0 to 7
+  int kind = 0;       ///< of dash (0 to 3) or of mark (0 to 2), among the series of the same manner
+  bool dense = false; ///< too many dots for large ones
+};
+
+/// One for each series.
+std::vector<Look> series_looks(const Figure& figure);
+
+/// The eight colours of Okabe and Ito that the colour-blind tell apart, as #RRGGBB.
+std::string_view palette(int colour);
+
+/// Of UTF-8 text.
+std::size_t characters(std::string_view text);
+
+} // namespace goingrate

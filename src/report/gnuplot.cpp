@@ -1,0 +1,120 @@
+#include "goingrate/report/gnuplot.hpp"
+
+#include "gnuplot_script.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fmt/format.h>
+#include <memory>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace goingrate {
+
+namespace {
+
+// A file without a name, gone when it is closed, however the program ends.
+class Scratch {
+public:
+  Scratch() : file_(std::tmpfile()) {
+    if (!file_) throw OutputError("a temporary file", std::strerror(errno));
+  }
+  [[nodiscard]] int descriptor() const { return ::fileno(file_.get()); }
+  void write(std::string_view text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() ||
+        std::fflush(file_.get()) != 0)
+      throw OutputError("a temporary file", std::strerror(errno));
+    std::rewind(file_.get()); // whoever inherits it reads from its beginning
+  }
+  [[nodiscard]] std::string content() {
+    std::rewind(file_.get());
+    std::string text;
+    std::array<char, 65536> piece{};
+    while (const std::size_t read = std::fread(piece.data(), 1, piece.size(), file_.get()))
+      text.append(piece.data(), read);
+    return text;
+  }
+
+private:
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Closer> file_;
+};
+
+struct Outcome {
+  bool ended_well = false;
+  std::string out, err;
+};
+
+// Standard streams are files, not pipes: nobody waits for anybody.
+class Streams {
+public:
+  Streams(const Scratch& in, const Scratch& out, const Scratch& err) {
+    ::posix_spawn_file_actions_init(&actions_);
+    ::posix_spawn_file_actions_adddup2(&actions_, in.descriptor(), STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions_, out.descriptor(), STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions_, err.descriptor(), STDERR_FILENO);
+  }
+  Streams(const Streams&) = delete;
+  Streams& operator=(const Streams&) = delete;
+  ~Streams() { ::posix_spawn_file_actions_destroy(&actions_); }
+  [[nodiscard]] const posix_spawn_file_actions_t* actions() const { return &actions_; }
+
+private:
+  posix_spawn_file_actions_t actions_{};
+};
+
+// Runs gnuplot without a shell; nothing if there is none.
+std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view script) {
+  Scratch in, out, err;
+  in.write(script);
+  std::string program = "gnuplot";
+  std::string argument(option);
+  const std::array<char*, 3> arguments{program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  const int failed = ::posix_spawnp(&child, program.c_str(), Streams(in, out, err).actions(),
+                                    nullptr, arguments.data(), environ);
+  if (failed != 0) return std::nullopt;
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) throw OutputError("gnuplot", std::strerror(errno));
+  return Outcome{WIFEXITED(status) && WEXITSTATUS(status) == 0, out.content(), err.content()};
+}
+
+// On one line; the end of it says most.
+std::string in_one_line(std::string_view text) {
+  constexpr std::size_t most = 400;
+  std::string line;
+  for (const char c : text.substr(text.size() > most ? text.size() - most : 0)) {
+    const bool blank = static_cast<unsigned char>(c) <= ' ';
+    if (!blank)
+      line += c;
+    else if (!line.empty() && line.back() != ' ')
+      line += ' ';
+  }
+  return line.empty() ? "it did not say why" : line;
+}
+
+} // namespace
+
+bool gnuplot_is_installed() { return run_gnuplot("--version", "").has_value(); }
+
+std::optional<std::string> printed_figure(const std::vector<Figure>& figures, PrintFormat format,
+                                          const std::string& target) {
+  const bool pdf = format == PrintFormat::pdf;
+  // -d: whatever the user's own settings are, the figure looks as it should.
+  const auto outcome = run_gnuplot("-d", pdf ? script_for_pdf(figures) : script_for_png(figures));
+  if (!outcome) return std::nullopt;
+  const std::string_view begins = pdf ? "%PDF" : "\x89PNG";
+  if (!outcome->ended_well || !outcome->out.starts_with(begins))
+    throw OutputError(target, "gnuplot failed: " + in_one_line(outcome->err));
+  return outcome->out;
+}
+
+} // namespace goingrate

@@ -1,0 +1,39 @@
+// Series thinned to the columns of a drawing, one unit of x each, so that what is seen stays.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// A place in the drawing, in its units; NaN where a value is missing.
+struct Place {
+  double x;
+  double y;
+};
+
+/// The ends of a bar or of a band at x. y grows downwards, so that `low` is the larger.
+struct Extent {
+  double x;
+  double low;
+  double high;
+};
+
+/// A point cloud: dots, and strokes for what is too dense to show as dots.
+struct Cloud {
+  std::vector<Place> dots;
+  std::vector<Extent> body;
+};
+
+/// The runs of a line, which is broken where a place is missing: of the places in one column the
+/// lowest and the highest, in their order. A place with gaps on both sides is a run of one.
+std::vector<std::vector<Place>> thinned_line(const std::vector<Place>& places);
+
+/// Of a column with more than two places, the lowest and the highest are dots and the middle 80 % a
+/// stroke.
+Cloud thinned_cloud(const std::vector<Place>& places);
+
+/// The runs of a band: of the extents in one column their outline.
+std::vector<std::vector<Extent>> thinned_band(const std::vector<Extent>& extents);
+
+} // namespace goingrate
