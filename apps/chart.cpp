@@ -1,5 +1,5 @@
 // goingrate chart: speed against accuracy of every method, measured here and now.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/dynamics/chart.hpp"
@@ -34,12 +34,10 @@ void run(const ChartCommand& options, const GlobalOptions& global) {
   if (options.limits) return run_limits(options, global);
   const auto rows =
       measure_chart(chart_scenes(options.periods), chart_methods(), options.repetitions);
-  std::string figure;
-  if (!options.plot.empty())
-    figure = standalone_svg(
-        chart_figure(rows, options.scene, options.nominal_period_s, options.jitter_s));
   write_whole_files(
-      {{options.plot, figure},
+      {{options.plot,
+        plotted(options.plot,
+                {chart_figure(rows, options.scene, options.nominal_period_s, options.jitter_s)})},
        {options.json, chart_json(rows)},
        {table_output(options.output, options.json), chart_text(rows, options.nominal_period_s)}});
 }
@@ -56,12 +54,13 @@ void add_chart(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--repetitions", options->repetitions, "the median is taken")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_flag("--limits", options->limits,
-                    "where each method fails, over friction, amplitude and escapement angle");
+  auto* limits =
+      command->add_flag("--limits", options->limits,
+                        "where each method fails, over friction, amplitude and escapement angle");
   command->add_option("--nominal-period", options->nominal_period_s, "of the clock, for seconds")
       ->check(positive())
       ->capture_default_str();
-  command->add_option("--plot", options->plot, "a figure (SVG) of one scene");
+  add_plot_option(*command, options->plot, "one scene")->excludes(limits);
   command->add_option("--scene", options->scene, "the scene of the figure")
       ->check(CLI::IsMember(
           {"C steady", "C noisy", "jump", "ring-down", "near stall", "large amplitude"}))

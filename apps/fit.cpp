@@ -1,5 +1,5 @@
 // goingrate fit: the parameters of the clock, with what the log cannot tell.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/fit/drive_history.hpp"
@@ -17,14 +17,13 @@ struct FitCommand {
   LogOptions log;
   ModelOptions model;
   std::string output;
-  std::string json, par, latex, csv, drive;
+  std::string json, par, latex, csv, drive, plot;
 };
 
 // The table goes to standard output unless another result is asked for there.
 std::string text_output(const FitCommand& options) {
-  const bool elsewhere =
-      options.json == "-" || options.par == "-" || options.latex == "-" || options.csv == "-" ||
-                         options.drive == "-";
+  const bool elsewhere = options.json == "-" || options.par == "-" || options.latex == "-" ||
+                         options.csv == "-" || options.drive == "-";
   return table_output(options.output, elsewhere ? "-" : "");
 }
 
@@ -39,6 +38,14 @@ std::string drive_output(const FitCommand& options, const FitSummary& fit, const
   return drive_table(*history);
 }
 
+std::string plot_of(const FitCommand& options, const NumberedLog& loaded, const FitSummary& fit) {
+  if (options.plot.empty()) return {};
+  ReportData data = drawn_data(loaded);
+  data.fit = fit;
+  return plotted(options.plot,
+                 figures_named(data, {"rate", "amplitude", "time-residual", "amplitude-residual"}));
+}
+
 void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitOptions asked = fit_options(options.model, loaded, global);
@@ -49,6 +56,7 @@ void run(const FitCommand& options, const GlobalOptions& global) {
                      {options.par, par_text(fit, asked, loaded.good.front().cycle)},
                      {options.latex, fit_latex(fit)},
                      {options.csv, fit_csv(fit)},
+                     {options.plot, plot_of(options, loaded, fit)},
                      {options.drive, drive_output(options, fit, data)},
                      {text_output(options), fit_text(fit)}});
 }
@@ -69,6 +77,7 @@ void add_fit(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--csv", options->csv,
                       "write the table of parameters as CSV: name,value,sigma,low68,high68,low95,"
                       "high95,unit,status");
+  add_plot_option(*command, options->plot, "rate, amplitude with the fit, and residuals");
   command->add_option("--drive", options->drive,
                       "write the drive as it went, mu(t)/mu0, as CSV: time_s,relative_drive,sigma");
   command->footer("Example:\n  goingrate fit data/logs/jump.csv --fix T0=2 --event 150:mu");

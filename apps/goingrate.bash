@@ -6,6 +6,8 @@ _goingrate() {
     mapfile -t COMPREPLY < <(compgen -W "$commands --help --version" -- "$word")
   elif [[ $command == help ]]; then
     mapfile -t COMPREPLY < <(compgen -W "formats scenario noise identifiability" -- "$word")
+  elif [[ ${COMP_WORDS[COMP_CWORD - 1]} == --plot && $word == *. ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "${word}svg ${word}pdf ${word}png ${word}gp" -- "$word")
   elif [[ $word == -* ]]; then
     local options
     options=$("${COMP_WORDS[0]}" "$command" --help 2> /dev/null | grep -oE -- '--[a-z][a-z0-9-]*')

@@ -1,5 +1,5 @@
 // goingrate map: stationary operation over friction and torque.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -23,7 +23,7 @@ struct MapCommand {
   std::size_t points = 41;
   bool first_order = false;
   std::vector<std::string> solve;
-  std::string output, json;
+  std::string output, json, plot;
 };
 
 std::vector<double> log_grid(const std::vector<double>& ends, std::size_t points) {
@@ -95,6 +95,7 @@ void run(const MapCommand& options) {
                           "two numbers above 0, the smaller first");
   const RateMap map = rate_map(options);
   write_whole_files({{options.json, rate_map_json(map)},
+                     {options.plot, plotted(options.plot, {rate_map_figure(map)})},
                      {table_output(options.output, options.json), rate_map_table(map)}});
 }
 
@@ -113,13 +114,17 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
       ->capture_default_str();
   command->add_flag("--first-order", options->first_order,
                     "the paper's averaged equations instead of the full one");
-  command
-      ->add_option("--solve", options->solve,
-                   "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
-                   "rate_excess=")
-      ->expected(2);
+  auto* solving =
+      command
+          ->add_option(
+              "--solve", options->solve,
+              "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
+              "rate_excess=")
+          ->expected(2);
   command->add_option("-o,--output", options->output, "CSV; standard output if not given");
   add_json_option(*command, options->json);
+  add_plot_option(*command, options->plot, "the rate over friction for some torques")
+      ->excludes(solving);
   command->footer("Example:\n  goingrate map --solve amplitude=0.05 rate=0");
   command->callback([options, &global] {
     (void)global;

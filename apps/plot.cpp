@@ -45,12 +45,31 @@ CLI::Option* add_plot_option(CLI::App& command, std::string& path, const std::st
 
 std::string plotted(const std::string& path, const std::vector<Figure>& figures) {
   if (path.empty()) return {};
+  if (figures.empty()) throw NumericsError("nothing to draw in " + path);
   if (extension(path) == ".svg") return stacked_svg(figures);
   if (extension(path) == ".gp") return gnuplot_script(figures, fs::path(path).stem().string());
   const auto format = extension(path) == ".pdf" ? PrintFormat::pdf : PrintFormat::png;
   auto drawn = printed_figure(figures, format, path);
   if (!drawn) throw OutputError(path, missing_gnuplot);
   return std::move(*drawn);
+}
+
+ReportData drawn_data(const NumberedLog& loaded) {
+  ReportData data;
+  data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
+  data.beats.assign(loaded.good.begin(), loaded.good.end());
+  data.log.has_amplitude = loaded.log.has_amplitude;
+  data.fit.status = FitStatus::no_valid_model;
+  return data;
+}
+
+std::vector<Figure> figures_named(const ReportData& data,
+                                  std::initializer_list<std::string_view> ids) {
+  std::vector<Figure> figures = report_figures(data);
+  std::erase_if(figures, [&](const Figure& figure) {
+    return std::find(ids.begin(), ids.end(), figure.id) == ids.end();
+  });
+  return figures;
 }
 
 std::string inside(const std::string& folder, const std::string& name) {

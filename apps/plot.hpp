@@ -3,9 +3,11 @@
 
 #include "common.hpp"
 
-#include "goingrate/report/figure.hpp"
+#include "goingrate/report/report.hpp"
 
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +23,13 @@ CLI::Option* add_plot_option(CLI::App& command, std::string& path, const std::st
 /// The figures, one above the other, as the extension of `path` asks for; nothing for an empty
 /// path.
 std::string plotted(const std::string& path, const std::vector<Figure>& figures);
+
+/// What the figures of a log are made from, as far as it is known without a fit.
+ReportData drawn_data(const NumberedLog& loaded);
+
+/// Those figures of a report that have these ids.
+std::vector<Figure> figures_named(const ReportData& data,
+                                  std::initializer_list<std::string_view> ids);
 
 /// The path of `name` in `folder`, which is made if need be.
 std::string inside(const std::string& folder, const std::string& name);

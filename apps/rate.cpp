@@ -1,6 +1,6 @@
 // goingrate rate: a log becomes numbered beats and rates.
-#include "common.hpp"
 #include "follow.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -20,7 +20,7 @@ struct RateOptions {
   std::string json;
   double block_s = 0.0;
   std::int64_t running_cycles = 0;
-  std::string native, phase, ticc, par;
+  std::string native, phase, ticc, par, plot;
   bool follow = false;
   double alarm_s = 0.0;
 };
@@ -56,6 +56,9 @@ void write_others(std::vector<StreamedFile>& files, const RateOptions& options, 
   add(options.phase, [&] { return stable32_text(loaded.good, loaded.nominal_period_s); });
   add(options.par, [&] { return par_text(summary, loaded.beats); });
   add(options.ticc, [&] { return ticc_text(loaded.beats.beats); });
+  add(options.plot, [&] {
+    return plotted(options.plot, figures_named(drawn_data(loaded), {"rate", "amplitude"}));
+  });
   add(options.native, [&] {
     loaded.log.nominal_period_s = loaded.nominal_period_s;
     loaded.log.events.swap(loaded.beats.beats);
@@ -102,6 +105,7 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
   command->add_option("-o,--output", options->output,
                       "the table (CSV); standard output if not given");
   add_json_option(*command, options->json);
+  auto* plot = add_plot_option(*command, options->plot, "rate, and amplitude, against time");
   command->add_option("--block", options->block_s, "rates of blocks of so many seconds instead")
       ->check(CLI::PositiveNumber);
   command
@@ -118,6 +122,7 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--par", options->par, "a summary of keys and values")->group(group);
   auto* following = command->add_flag(
       "--follow", options->follow, "print each beat as it arrives, from a pipe or a growing file");
+  plot->excludes(following);
   command
       ->add_option("--alarm", options->alarm_s,
                    "with --follow: say when no beat has come for so many seconds; five periods if "

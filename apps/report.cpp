@@ -18,7 +18,7 @@ struct ReportCommand {
   LogOptions log;
   ModelOptions model;
   std::string output;
-  std::string figures, tables;
+  std::string plot, figures, tables;
   std::string json;
 };
 
@@ -78,6 +78,12 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
   Files files{{options.json, report_json(data)},
               {page, report_html(data)},
               {talk ? "-" : "", report_text(data)}};
+  if (!options.plot.empty())
+    files.emplace_back(
+        options.plot,
+        plotted(options.plot,
+                figures_named(data, {"rate", "amplitude", "time-residual", "amplitude-residual",
+                                     "spectrum", "deviation"})));
   if (!options.figures.empty()) add_figures(options.figures, data, global, files);
   if (!options.tables.empty()) add_tables(options.tables, data, files);
   write_whole_files(files);
@@ -95,6 +101,8 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
   add_model_options(*command, options->model);
   command->add_option("-o,--output", options->output,
                       "the HTML page; if not given, the log's name with .html, in this folder");
+  add_plot_option(*command, options->plot,
+                  "rate, amplitude, residuals, spectrum and deviation in one figure");
   command->add_option("--figures", options->figures,
                       "folder for every figure as SVG, PDF, PNG, a script for gnuplot, and CSV");
   command->add_option("--tables", options->tables,

@@ -1,5 +1,5 @@
 // goingrate simulate: a scenario becomes a log.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -22,7 +22,7 @@ namespace {
 struct SimulateOptions {
   std::string scenario;
   std::string output = "-";
-  std::string truth;
+  std::string truth, plot;
   std::uint64_t seed = 1;
   std::size_t realisations = 1;
   std::size_t threads = 0;
@@ -99,14 +99,44 @@ void check_going(SwingStatus status, const Period& last) {
                     words_for(status), last.cycle, last.cycle));
 }
 
+// The true course as a log of perfect beats.
+class TrueCourse {
+public:
+  void see(const Period& period) {
+    Beat beat = event_at(instant_of(period.time_s), Edge::up, 0, period.amplitude_rad);
+    beat.cycle = period.cycle;
+    data_.beats.push_back(beat);
+  }
+
+  std::vector<Figure> figures(const Scenario& scenario) {
+    const double nominal_s = scenario.clock.nominal_period_s;
+    data_.rate = summarise_rates(data_.beats, nominal_s);
+    data_.log.has_amplitude = true;
+    data_.fit.status = FitStatus::no_valid_model;
+    for (const ClockEvent& event : scenario.events)
+      data_.diary.changes.push_back(
+          {0, event.at_s.value_or(nominal_s * static_cast<double>(event.at_period.value_or(0)))});
+    return figures_named(data_, {"rate", "amplitude"});
+  }
+
+private:
+  ReportData data_;
+};
+
 void run_single(const Scenario& scenario, const SimulateOptions& options,
                 const GlobalOptions& global) {
   ClockRun run(scenario, options.seed);
   Writer writer(scenario, run.last(), options.seed, options.output, options.truth);
-  while (const auto period = run.next())
+  TrueCourse course;
+  if (!options.plot.empty()) course.see(run.last());
+  while (const auto period = run.next()) {
     writer.see(*period);
+    if (!options.plot.empty()) course.see(*period);
+  }
   check_going(run.status(), run.last());
   writer.finish();
+  if (!options.plot.empty())
+    write_whole_file(options.plot, plotted(options.plot, course.figures(scenario)));
   writer.commit();
   say(global, fmt::format("{} periods by {}: {}", run.last().cycle, name_of(run.method().method),
                           run.method().reason));
@@ -164,14 +194,18 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
   command->add_option("-o,--output", options->output,
                       "the log to write; standard output if not given");
   command->add_option("--truth", options->truth, "also write the true state, one row a period");
+  auto* plot = add_plot_option(*command, options->plot, "the true rate and amplitude");
   command->add_option("--seed", options->seed, "of the random streams")
       ->check(seed_range())
       ->capture_default_str();
-  command
-      ->add_option("--realisations", options->realisations,
-                   "so many logs, name-0.csv and on; number k is what --seed SEED+k gives alone")
-      ->check(CLI::Range(1, 10000000))
-      ->capture_default_str();
+  auto* many =
+      command
+          ->add_option(
+              "--realisations", options->realisations,
+              "so many logs, name-0.csv and on; number k is what --seed SEED+k gives alone")
+          ->check(CLI::Range(1, 10000000))
+          ->capture_default_str();
+  plot->excludes(many);
   command->add_option("--threads", options->threads, "0: one a core; changes nothing but the time")
       ->check(not_negative())
       ->capture_default_str();

@@ -1,5 +1,5 @@
 // goingrate spectrum: the spectrum of the rate, and fast against slow drive.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -28,7 +28,7 @@ struct SpectrumCommand {
   std::string against, coherence_output;
   std::string fold_output;
   std::string output;
-  std::string json;
+  std::string json, plot;
 };
 
 std::vector<ExpectedPeriod> expected_periods(const SpectrumCommand& options,
@@ -101,6 +101,14 @@ std::string gapped(const SpectrumCommand& options, const NumberedLog& loaded) {
   return gapped_table(lomb_scargle(rates, loaded.nominal_period_s));
 }
 
+std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
+                    const DriveAnalysis& drive) {
+  if (options.plot.empty()) return {};
+  ReportData data = drawn_data(loaded);
+  data.drive = drive;
+  return plotted(options.plot, figures_named(data, {"spectrum"}));
+}
+
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
@@ -116,6 +124,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
                     options.gapped_output != "-" && options.coherence_output != "-";
   write_whole_files(
       {{options.json, spectrum_json(drive)},
+       {options.plot, plot_of(options, loaded, drive)},
        {options.output, options.tapers == 0
                             ? spectrum_table(drive)
                             : tapered_table(multitaper_spectrum(
@@ -145,6 +154,7 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
       ->needs(fold);
   command->add_option("-o,--output", options->output,
                       "write the spectrum of the rate and its parts as CSV");
+  add_plot_option(*command, options->plot, "the spectrum and its parts");
   command->add_option("--tapers", options->tapers,
                       "that table by so many sine tapers, with 68 % intervals, instead of one "
                       "window over all");

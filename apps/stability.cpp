@@ -1,5 +1,5 @@
 // goingrate stability: Allan deviations and their relatives.
-#include "common.hpp"
+#include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/report/json.hpp"
@@ -23,7 +23,7 @@ struct StabilityCommand {
   std::optional<int> alpha;
   bool keep_bias = false;
   std::string output;
-  std::string json;
+  std::string json, plot;
 };
 
 struct Phase {
@@ -82,6 +82,13 @@ DeviationKind kind_of(const std::string& name) {
                        [&](DeviationKind kind) { return name_of(kind) == name; });
 }
 
+std::string plot_of(const StabilityCommand& options, const DeviationTable& table) {
+  if (options.plot.empty()) return {};
+  ReportData data;
+  data.deviation = table;
+  return plotted(options.plot, figures_named(data, {"deviation"}));
+}
+
 void run(const StabilityCommand& options, const GlobalOptions& global) {
   const Phase phase = phase_of(options, global);
   const DeviationKind kind = kind_of(options.kind);
@@ -90,8 +97,9 @@ void run(const StabilityCommand& options, const GlobalOptions& global) {
       stability_table(kind, phase.phase_s, phase.tau0_s, factors,
                       {.alpha = options.alpha, .remove_bias = !options.keep_bias});
   const std::string text = deviation_text(table) + deviation_findings(table);
-  write_whole_files(
-      {{options.json, stability_json(table)}, {table_output(options.output, options.json), text}});
+  write_whole_files({{options.json, stability_json(table)},
+                     {options.plot, plot_of(options, table)},
+                     {table_output(options.output, options.json), text}});
 }
 
 } // namespace
@@ -124,6 +132,7 @@ void add_stability(CLI::App& program, const GlobalOptions& global) {
                     "leave the bias of the total deviations and of theo1 in");
   command->add_option("-o,--output", options->output, "the table; standard output if not given");
   add_json_option(*command, options->json);
+  add_plot_option(*command, options->plot, "the deviation with its intervals");
   command->footer("Example:\n  goingrate stability data/logs/noisy-drive.csv --taus decade");
   command->callback([options, &global] { run(*options, global); });
 }

@@ -2,6 +2,7 @@
 
 #include "goingrate/base/scaled_time.hpp"
 #include "json_parts.hpp"
+#include "markup.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -189,6 +190,28 @@ std::string rate_map_json(const RateMap& map) {
     json["rate_excess"].push_back(values);
   }
   return json.dump() + '\n';
+}
+
+Figure rate_map_figure(const RateMap& map) {
+  constexpr std::size_t most = 7; // lines that are told apart
+  const std::size_t lines = std::min(most, map.mu.size());
+  Figure figure;
+  figure.id = "map";
+  figure.title = "Stationary rate";
+  figure.caption = fmt::format("The rate of a clock with escapement angle {:g} rad against its "
+                               "friction; a line ends where the clock stalls.",
+                               map.phi0);
+  figure.x = {"friction ε", "", true};
+  figure.y = {"rate", "s/day"};
+  for (std::size_t k = 0; k < lines; ++k) {
+    const std::size_t j = lines == 1 ? 0 : k * (map.mu.size() - 1) / (lines - 1);
+    Series series{Series::Style::line, "μ = " + plain_number(map.mu[j]), map.epsilon, {}, {}, {},
+                  static_cast<int>(k)};
+    for (const double rate : map.rate_excess[j])
+      series.y.push_back(seconds_gained_per_day(rate));
+    figure.series.push_back(std::move(series));
+  }
+  return figure;
 }
 
 std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0) {

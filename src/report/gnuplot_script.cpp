@@ -248,7 +248,7 @@ void Script::draw(const Panel& panel, std::size_t index) {
 
 // By how many characters the terminal takes a word for longer than it is, a character of it.
 constexpr double pdf_key_character = 0.27;
-constexpr double png_key_character = 0.1;
+constexpr double png_key_character = 0.15;
 
 constexpr const char* manner = "font 'sans,8' noenhanced rounded";
 
@@ -284,7 +284,7 @@ std::string script_for_png(const std::vector<Figure>& figures) {
   constexpr double scale = 300.0 / 96.0; // the terminal takes a dot for 1/96 inch
   return fmt::format(
              "set terminal pngcairo size {:.0f},{:.0f} {} fontscale {:.3f} linewidth {:.3f} "
-             "pointscale {:.3f}\n",
+             "pointscale {:.3f} dashlength 2\n",
              dots * width, dots * script.height(), manner, scale, 0.7 * scale, scale) +
          script.text();
 }

@@ -263,18 +263,25 @@ Figure deviation_figure(const ReportData& data) {
     bars.low.push_back(row.interval ? row.low : unknown);
     bars.high.push_back(row.interval ? row.high : unknown);
   }
+  const DeviationKind kind = data.deviation.kind;
+  const bool usual = kind == DeviationKind::oadev;
   Figure figure{
       "deviation",
-      "Stability (overlapping Allan deviation)",
-      "By how much the rate, averaged over τ, typically differs from one such stretch to the next "
-      "(bars: 68 %; 10⁻⁵ is 0.86 s a day): where the points fall, a longer average tells the rate "
-      "better (like 1/τ: the sensor's jitter limits; like 1/√τ: random rate); where they are flat "
-      "it does not; and where they rise the clock itself wanders, so look for slow causes such "
-      "as temperature.",
+      usual ? "Stability (overlapping Allan deviation)"
+            : fmt::format("Stability ({})", name_of(kind)),
+      usual
+          ? "By how much the rate, averaged over τ, typically differs from one such stretch to the "
+            "next (bars: 68 %; 10⁻⁵ is 0.86 s a day): where the points fall, a longer average "
+            "tells "
+            "the rate better (like 1/τ: the sensor's jitter limits; like 1/√τ: random rate); where "
+            "they are flat it does not; and where they rise the clock itself wanders, so look for "
+            "slow causes such as temperature."
+          : "The deviation against the averaging time (bars: 68 %).",
       {"averaging time τ", "s", true},
-      {"deviation of the rate", "", true},
+      {usual ? "deviation of the rate" : std::string(name_of(kind)), is_in_seconds(kind) ? "s" : "",
+       true},
       {std::move(bars)}};
-  if (data.fit.status == FitStatus::converged && data.fit.jitter_s > 0.0) {
+  if (usual && data.fit.status == FitStatus::converged && data.fit.jitter_s > 0.0) {
     figure.series.push_back(without_depths(jitter_floor(figure.series.front(), data.fit.jitter_s),
                                            figure.series.front()));
     figure.caption += " The line is what the fitted jitter √3 j/τ leaves of a perfect clock.";

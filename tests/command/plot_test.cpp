@@ -74,4 +74,80 @@ TEST_F(PlotTest, AGnuplotThatFailsIsExitFiveWithItsMessage) {
   EXPECT_FALSE(fs::exists(folder_ / "f/rate.svg")) << "all or none";
 }
 
+struct Case {
+  const char* name;
+  std::string arguments;
+};
+
+std::vector<Case> every_command(const std::string& log) {
+  return {
+      {"rate", "rate " + log + " -o out.csv"},
+      {"fit", "fit " + log + " --fix T0=2 --event 150:mu --model averaged1 --noise jitter"},
+      {"spectrum", "spectrum " + log + " --fix T0=2 --event 150:mu"},
+      {"stability", "stability " + log},
+      {"stability mdev", "stability " + log + " --kind mdev"},
+      {"simulate", "simulate " + (source / "data/scenarios/jump.toml").string() + " -o log.csv"},
+      {"report", "report " + log + " -o r.html"},
+      {"map", "map --points 9"},
+      {"chart", "chart --periods 200 --repetitions 1"}};
+}
+
+TEST_F(PlotTest, EveryCommandDrawsItsFigure) {
+  const bool prints = goingrate::gnuplot_is_installed();
+  for (const Case& command : every_command(log_)) {
+    for (const auto& [file, magic] : {std::pair{"p.svg", "<svg"},
+                                      {"p.gp", "# "},
+                                      {"p.pdf", "%PDF-"},
+                                      {"p.PNG", "\x89PNG\r\n"}}) {
+      const bool printed =
+          fs::path(file).extension() != ".svg" && fs::path(file).extension() != ".gp";
+      if (printed && !prints) continue;
+      // The rest of a command's work is the same for every format.
+      if (printed && std::string(command.name) == "chart") continue;
+      const Outcome outcome = run(command.arguments + " --plot " + file);
+      EXPECT_EQ(outcome.code, 0) << command.name << ' ' << file << outcome.err;
+      EXPECT_TRUE(begins(file, magic)) << command.name << ' ' << file;
+      fs::remove(folder_ / file);
+    }
+  }
+}
+
+TEST_F(PlotTest, AnotherExtensionIsWrongUsage) {
+  for (const Case& command : every_command(log_)) {
+    const Outcome outcome = run(command.arguments + " --plot figure.jpg");
+    EXPECT_EQ(outcome.code, 2) << command.name;
+    for (const char* known : {".svg", ".pdf", ".png", ".gp"})
+      EXPECT_NE(outcome.err.find(known), std::string::npos) << command.name << outcome.err;
+  }
+}
+
+TEST_F(PlotTest, WhatHasNoFigureIsWrongUsage) {
+  EXPECT_EQ(run("map --solve amplitude=0.05 rate=0 --plot p.svg").code, 2);
+  EXPECT_EQ(run("chart --limits --plot p.svg").code, 2);
+  EXPECT_EQ(run("rate - --follow --plot p.svg < /dev/null").code, 2);
+  EXPECT_EQ(run("simulate " + scenario("jump") + " -o l.csv --realisations 3 --plot p.svg").code,
+            2);
+}
+
+TEST_F(PlotTest, WithoutGnuplotAPrintedFigureIsRefusedBeforeTheWork) {
+  put("p.pdf", "precious");
+  const Outcome outcome = run("rate no-such.log --plot p.pdf", without_gnuplot);
+  EXPECT_EQ(outcome.code, 5) << "the log is not even looked for";
+  EXPECT_NE(outcome.err.find("gnuplot-nox"), std::string::npos) << outcome.err;
+  EXPECT_EQ(content(folder_ / "p.pdf"), "precious");
+  EXPECT_EQ(run("rate " + log_ + " -o out.csv --plot p.svg", without_gnuplot).code, 0);
+}
+
+TEST_F(PlotTest, AStackHoldsEveryFigure) {
+  ASSERT_EQ(run("report " + log_ + " -o r.html --plot p.svg").code, 0);
+  const std::string stack = content(folder_ / "p.svg");
+  for (const char* id :
+       {"figure-rate\"", "figure-time-residual\"", "figure-spectrum\"", "figure-deviation\""})
+    EXPECT_NE(stack.find(id), std::string::npos) << id;
+  ASSERT_EQ(run("simulate " + scenario("jump") + " -o l.csv --plot p.svg").code, 0);
+  const std::string course = content(folder_ / "p.svg");
+  EXPECT_NE(course.find("figure-amplitude\""), std::string::npos);
+  EXPECT_NE(course.find("class=\"marker\""), std::string::npos) << "the jump";
+}
+
 } // namespace

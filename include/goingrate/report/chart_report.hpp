@@ -35,6 +35,8 @@ struct RateMap {
 };
 std::string rate_map_table(const RateMap& map); ///< CSV: epsilon,mu,rate_excess,rate_s_per_day
 std::string rate_map_json(const RateMap& map);
+/// The rate against epsilon for up to seven of the torques.
+Figure rate_map_figure(const RateMap& map);
 std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0);
 std::string operating_points_json(const std::vector<OperatingPoint>& points, double phi0);
 
