@@ -116,6 +116,9 @@ void add_model_options(CLI::App& command, ModelOptions& options);
 FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
                        const GlobalOptions& global);
 
+/// Sets the help of the program and of the subcommands that are added later in 80 columns.
+void narrow_help(CLI::App& program);
+
 // The subcommands: each adds itself to the program.
 void add_simulate(CLI::App& program, const GlobalOptions& global);
 void add_rate(CLI::App& program, const GlobalOptions& global);

@@ -2,6 +2,7 @@
 #include "common.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/report/tables.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,56 +21,88 @@ struct Topic {
 constexpr std::array topics{
     Topic{"formats", "logs that are read",
           R"(The layout of a log is found from its first lines and said on standard error.
-  timestamps      one time a line: seconds, ms, us, ns, days, or 2013-02-22 23:38:00.2279906
+  timestamps      one time a line: seconds, ms, us, ns, days, or
+                  2013-02-22 23:38:00.2279906
   periods         one period a line
   clock-error     label, error of the clock, amplitude
   phase           Stable32: the clock's error every --tau0 s; 0 within is a gap
   frequency       relative rate every --tau0 s
   ticc            TAPR TICC; --channel chB
   ticc-interval   the clock's error every --tau0 s
-  table           columns by their names: CSV, semicolon, tab, blanks; Vernier, phyphox
+  table           columns by their names: CSV, semicolon, tab, blanks; Vernier,
+                  phyphox
   angle           samples of an angle; crossings by local fits
-  native          what simulate writes: '#' lines 'key: value', then named columns
-Against what is found: --format, --unit, --column time=2, --decimal-comma, --wrap, --both-edges,
---nominal-period. --strict makes the first faulty line an error; else faults are mended or left out,
-and rate --json lists each with its line and column.
+  native          what simulate writes: '#' lines 'key: value', then named
+                  columns
+Against what is found: --format, --unit, --column time=2, --decimal-comma,
+--wrap, --both-edges, --nominal-period. --strict makes the first faulty line an
+error; else faults are mended or left out, and rate --json lists each with its
+line and column.
 )"},
     Topic{"scenario", "keys of a scenario for simulate",
-          R"([clock]   nominal_period (s), epsilon, mu, phi0 (rad), escapement = "constant-torque",
-          "single-impulse" (impulse, angle), "profile" (rising, falling) or "none",
-          quadratic_drag, dry_friction
+          R"([clock]   nominal_period (s), epsilon, mu, phi0 (rad),
+          escapement = "constant-torque", "single-impulse" (impulse, angle),
+          "profile" (rising, falling) or "none", quadratic_drag, dry_friction
 [start]   amplitude = "stationary" or phi' at the first upward crossing (rad)
-[run]     periods or duration (s); method = "auto", "direct", "map", "averaged1", "averaged2",
-          "rk4" (dt, torque)
+[run]     periods or duration (s); method = "auto", "direct", "map",
+          "averaged1", "averaged2", "rk4" (dt, torque)
 [[event]] at_period or at (s), and any clock key that changes then
-[drive]   fast_rms (white, renewed at every upward crossing), slow_rms and slow_time (s),
-          sine = [{amplitude = 0.02, period = 900.0}], series = "mu.csv"
+[drive]   fast_rms (white, renewed at every upward crossing), slow_rms and
+          slow_time (s), sine = [{amplitude = 0.02, period = 900.0}],
+          series = "mu.csv"
 [length]  drift per day, sines, or a temperature coefficient
-[sensor]  edges = "up", "both", "gate", "four"; jitter_rms (s), resolution (s), offset (rad),
-          flag_width (rad), missed, spurious (probability a crossing), amplitude_rms (rad)
---set clock.epsilon=1e-3 overrides a key. Unknown keys are errors with line and column.
+[sensor]  edges = "up", "both", "gate", "four"; jitter_rms (s), resolution (s),
+          offset (rad), flag_width (rad), missed, spurious (probability a
+          crossing), amplitude_rms (rad)
+--set clock.epsilon=1e-3 overrides a key. Unknown keys are errors with line and
+column.
 )"},
-    Topic{
-        "noise", "what disturbs a clock, and how it is told apart",
-        R"(jitter      of the sensor: white in time, so that neighbouring period differences go against
-            each other; the deviation falls as 1/tau
-fast drive  white from period to period: the rate answers at once with one gain, and once the
-            amplitude has settled with another; the times walk; the deviation falls as 1/sqrt(tau)
+    Topic{"noise", "what disturbs a clock, and how it is told apart",
+          R"(jitter      of the sensor: white in time, so that neighbouring period
+            differences go against each other; the deviation falls as 1/tau
+fast drive  white from period to period: the rate answers at once with one gain,
+            and once the amplitude has settled with another; the times walk; the
+            deviation falls as 1/sqrt(tau)
 slow drive  with a memory: little cancels, and the clock goes off for hours
 fit --noise jitter|drive|both|slow|auto chooses; auto adds what BIC asks for.
-spectrum sizes all three by the likelihood of the rate's spectrum and says what each costs in a
-day, a week, a year. stability names the noise at every averaging time.
+spectrum sizes all three by the likelihood of the rate's spectrum and says what
+each costs in a day, a week, a year. stability names the noise at every
+averaging time.
 )"},
-    Topic{
-        "identifiability", "what a log can and cannot tell",
-        R"(A steady log tells the mean rate and nothing of epsilon, mu and phi0: they are 'undetermined'.
-A change tells: a jump of the driving weight, a start from rest, a ring-down, or amplitudes.
-With T0 known (--fix T0=2) the mean rate says how drive and friction stand to each other.
-A steady log with a noisy drive shows the gain of the rate at low and high frequencies; two clocks
-fit it, with the slow gain of either sign, and one look at the amplitude (--prior
-lambda0=0.05+-0.005) tells which. fit names the combinations that are determined, and says what
-experiment would tell more and with what sigma.
+    Topic{"identifiability", "what a log can and cannot tell",
+          R"(A steady log tells the mean rate and nothing of epsilon, mu and phi0: they are
+'undetermined'. A change tells: a jump of the driving weight, a start from rest,
+a ring-down, or amplitudes. With T0 known (--fix T0=2) the mean rate says how
+drive and friction stand to each other. A steady log with a noisy drive shows
+the gain of the rate at low and high frequencies; two clocks fit it, with the
+slow gain of either sign, and one look at the amplitude (--prior
+lambda0=0.05+-0.005) tells which. fit names the combinations that are
+determined, and says what experiment would tell more and with what sigma.
 )"},
+};
+
+// CLI11's own lines are as long as the descriptions.
+class NarrowFormatter : public CLI::Formatter {
+public:
+  std::string make_option(const CLI::Option* option, bool is_positional) const override {
+    return entry(make_option_name(option, is_positional) + make_option_opts(option),
+                 make_option_desc(option));
+  }
+  std::string make_subcommand(const CLI::App* command) const override {
+    return entry(command->get_display_name(true), command->get_description());
+  }
+
+private:
+  static std::string entry(const std::string& name, const std::string& description) {
+    constexpr std::size_t terminal = 80, column = 30;
+    std::string text = wrapped("  " + name, terminal, 4);
+    if (description.empty()) return text + '\n';
+    const std::string indent(column, ' ');
+    const std::string lines = wrapped(indent + description, terminal);
+    // The description begins beside the name if that leaves it room.
+    if (text.size() < column) return text + lines.substr(text.size()) + '\n';
+    return text + '\n' + lines + '\n';
+  }
 };
 
 void run(const std::string& name) {
@@ -87,6 +120,8 @@ void run(const std::string& name) {
 }
 
 } // namespace
+
+void narrow_help(CLI::App& program) { program.formatter(std::make_shared<NarrowFormatter>()); }
 
 void add_help(CLI::App& program) {
   auto* command = program.add_subcommand("help", "formats, scenario keys, noise, identifiability");

@@ -20,13 +20,28 @@ struct ReportCommand {
   std::string output;
   std::string plot, figures, tables;
   std::string json;
+  double nut_pitch_mm = 0.0, pendulum_length_m = 0.0; // 0: not given
 };
+
+std::optional<NutTurns> nut_turns(const ReportCommand& options, const RateSummary& rate,
+                                  const GlobalOptions& global) {
+  if (options.nut_pitch_mm == 0.0) return std::nullopt;
+  if (!rate.nominal_is_known) {
+    say(global, "no turns of the rating nut: the rate takes a nominal period (--nominal-period)");
+    return std::nullopt;
+  }
+  const RatingNut nut{1e-3 * options.nut_pitch_mm,
+                      options.pendulum_length_m > 0.0 ? options.pendulum_length_m
+                                                      : mathematical_length(rate.nominal_period_s)};
+  return turns_to_zero_rate(nut, rate.rate_excess, rate.rate_excess_sigma);
+}
 
 ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   NumberedLog loaded = load(options.log, global);
   ReportData data;
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
   data.rate.nominal_is_known = loaded.nominal_is_known;
+  data.nut = nut_turns(options, data.rate, global);
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
   const TimingData times = fit_data(loaded);
   data.fit = fit_clock(times, loaded.nominal_period_s, fit_options(options.model, loaded, global));
@@ -107,6 +122,16 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
                       "folder for every figure as SVG, PDF, PNG, a script for gnuplot, and CSV");
   command->add_option("--tables", options->tables,
                       "folder for rates, parameters (CSV, LaTeX), spectrum, deviation, drive");
+  auto* pitch = command
+                    ->add_option("--nut-pitch", options->nut_pitch_mm,
+                                 "mm that a turn of the rating nut moves the bob: says how many "
+                                 "turns bring the rate to zero")
+                    ->check(positive());
+  command
+      ->add_option("--pendulum-length", options->pendulum_length_m,
+                   "m, for the nut; that of a mathematical pendulum if not given")
+      ->check(positive())
+      ->needs(pitch);
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate report data/logs/jump.csv -o jump.html");
   command->callback([options, &global] { run(*options, global); });

@@ -170,8 +170,8 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
                    "write coherence, gain and phase of the rate against that column")
       ->needs(against);
   add_json_option(*command, options->json);
-  command->footer("Example:\n  goingrate spectrum data/logs/noisy-drive.csv --fix T0=2 "
-                  "--fix epsilon=1.167245e-4 \\\n    --fix mu=1.5e-5 --fix phi0=0.03");
+  command->footer("Example:\n  goingrate spectrum data/logs/noisy-drive.csv --fix T0=2 \\\n"
+                  "    --fix epsilon=1.167245e-4 --fix mu=1.5e-5 --fix phi0=0.03");
   command->callback([options, &global] { run(*options, global); });
 }
 

@@ -303,6 +303,10 @@ std::string report_json(const ReportData& data) {
   json["fit"] = fit_object(data.fit);
   json["spectrum"] = spectrum_object(data.drive);
   json["stability"] = stability_object(data.deviation);
+  if (data.nut)
+    json["rating_nut"] = {{"turns_up", json_number(data.nut->turns)},
+                          {"sigma", json_number(data.nut->sigma)},
+                          {"raise_mm", json_number(1e3 * data.nut->raise_m)}};
   return text_of(json);
 }
 

@@ -50,15 +50,20 @@ std::string rate_lines(const ReportData& data) {
   std::string text = fmt::format("Rate: {} {}, from the first beat to the last.\n",
                                  rate.rate_excess < 0.0 ? "loses" : "gains",
                                  per_day(std::abs(rate.rate_excess), rate.rate_excess_sigma));
-  text += fmt::format("  That is {} end to end; a line fitted to the clock's error gives {}.\n",
+  text += fmt::format("  That is {}, what the hands show; a line through the clock's error, which\n"
+                      "  leans on the middle of the log, gives {}.\n",
                       plain_rate(rate.rate_excess), plain_rate(rate.slope_rate_excess));
-  text +=
-      "  The first is reported: it is what the hands show, and the line leans on the middle of the "
-      "log.\n";
   text += fmt::format("  Mean period {} s against {} s.\n",
                       with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12),
                       rate.nominal_period_s);
   return text;
+}
+
+std::string nut_line(const NutTurns& nut) {
+  return fmt::format(
+      "  Rating nut: {} the bob by {} turns ({:.3g} mm) to bring the rate to zero.\n",
+      nut.turns < 0.0 ? "lower" : "raise", with_sigma(std::abs(nut.turns), nut.sigma, 3),
+      1e3 * std::abs(nut.raise_m));
 }
 
 std::string amplitude_line(const ReportData& data) {
@@ -93,8 +98,8 @@ std::string recovery_lines(const Relaxation& recovery) {
 
 std::string interruption_lines(const Interruption& event) {
   std::string text = fmt::format("  {:.0f} to {:.0f} s: the drive was interrupted. The rate "
-                                 "changed by {} at once and came back;\n"
-                                 "    the amplitude fell from {:.2f} to {:.2f} mrad",
+                                 "changed by {}\n    at once and came back; "
+                                 "the amplitude fell from {:.2f} to {:.2f} mrad",
                                  event.begin.at_s, event.end.at_s, ppm(event.rate_change),
                                  1e3 * event.amplitude_before_rad, 1e3 * event.amplitude_after_rad);
   if (event.decay)
@@ -172,8 +177,9 @@ std::string fit_lines(const FitSummary& fit, const Diary& diary) {
 
 std::string drive_lines(const ReportData& data) {
   if (!data.drive.split)
-    return "Drive: the log does not determine the clock's response, so fast and slow drive are not "
-           "split.\n  What would tell: amplitudes, a ring-down, or a change of the driving "
+    return "Drive: not split into fast and slow, since the log does not determine the\n"
+           "  clock's response. What would tell: amplitudes, a ring-down, or a change of the "
+           "driving "
            "weight.\n";
   const auto part = [](const RmsEstimate& rms) {
     if (std::isnan(rms.rms)) return std::string("unknown");
@@ -181,8 +187,8 @@ std::string drive_lines(const ReportData& data) {
     return fmt::format("{:.2g} % ({:.2g} to {:.2g})", 100.0 * rms.rms, 100.0 * rms.low68,
                        100.0 * rms.high68);
   };
-  std::string text = fmt::format("Drive: fast variations {}, slow ones {} (rms).\n",
-                                 part(data.drive.split->fast), part(data.drive.split->slow));
+  std::string text = fmt::format("Drive: fast {}, slow {} (rms).\n", part(data.drive.split->fast),
+                                 part(data.drive.split->slow));
   if (!data.drive.split->costs.empty()) {
     const DriveCost& week = data.drive.split->costs[1];
     text += fmt::format("  What they cost in a week: {:.2g} s and {:.2g} s (rms).\n",
@@ -209,10 +215,9 @@ std::string covariate_lines(const CovariateEffect& effect) {
 std::string suspicion_lines(const ReportData& data) {
   const bool told = !data.diary.changes.empty() || !data.diary.interruptions.empty();
   if (data.suspicions.empty())
-    return data.beats.size() < 2000
-               ? ""
-               : fmt::format("Nothing {}is wrong with its going that this log would show.\n",
-                             told ? "beside what the diary tells " : "");
+    return data.beats.size() < 2000 ? ""
+                                    : fmt::format("Nothing {}is wrong that this log would show.\n",
+                                                  told ? "beside what the diary tells " : "");
   std::string text = told ? "Beside what the diary tells:\n" : "";
   for (std::size_t i = 0; i < std::min<std::size_t>(2, data.suspicions.size()); ++i) {
     const Suspicion& s = data.suspicions[i];
@@ -246,6 +251,7 @@ std::string report_text(const ReportData& data) {
   std::string text = fmt::format("{}\n", data.log.source);
   text += beats_line(data);
   text += rate_lines(data);
+  if (data.nut) text += nut_line(*data.nut);
   text += amplitude_line(data);
   text += diary_lines(data.diary);
   text += fit_lines(data.fit, data.diary);
@@ -254,7 +260,8 @@ std::string report_text(const ReportData& data) {
   for (const CovariateEffect& effect : data.covariates)
     text += covariate_lines(effect);
   text += stability_line(data.deviation);
-  return text;
+  constexpr std::size_t terminal = 80;
+  return wrapped(text, terminal, 2);
 }
 
 } // namespace goingrate

@@ -384,6 +384,26 @@ TEST_F(CommandTest, ReportWritesAPageAndSpeaksInWords) {
   EXPECT_EQ(json("report.json")["diary"]["interruptions"].size(), 1u);
 }
 
+TEST_F(CommandTest, TheReportSaysHowToTurnTheRatingNut) {
+  std::string log; // 10 s a day slow: 2 x 0.99396 m x 10/86400 is 0.3068 turns of 0.75 mm
+  for (int i = 0; i < 500; ++i)
+    log += fmt::format("{:.9f}\n", 2.0 * i / (1.0 - 10.0 / 86400.0) + 1e-6 * (i * 7 % 5));
+  put("slow.log", log);
+  const Outcome slow =
+      run("report slow.log --nominal-period 2 --nut-pitch 0.75 -o r.html --json r.json");
+  ASSERT_EQ(slow.code, 0) << slow.err;
+  EXPECT_NE(slow.out.find("raise the bob by 0.306"), std::string::npos) << slow.out;
+  EXPECT_NE(content(folder_ / "r.html").find("raise the bob by 0.306"), std::string::npos);
+  EXPECT_NEAR(json("r.json")["rating_nut"]["turns_up"].get<double>(), 0.3068, 2e-4);
+  const Outcome fast = run("report slow.log --nominal-period 2.001 --nut-pitch 0.75 -o r.html");
+  EXPECT_NE(fast.out.find("lower the bob"), std::string::npos) << fast.out;
+  const Outcome shorter = run(
+      "report slow.log --nominal-period 2 --nut-pitch 0.75 --pendulum-length 0.49698 -o r.html");
+  EXPECT_NE(shorter.out.find("raise the bob by 0.153"), std::string::npos) << shorter.out;
+  EXPECT_EQ(run("report slow.log --nut-pitch 0 -o r.html").code, 2);
+  EXPECT_EQ(run("report slow.log --pendulum-length 1 -o r.html").code, 2) << "without a pitch";
+}
+
 TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
   put("empty.log", "");
   put("one.log", "12.5\n");
@@ -535,6 +555,33 @@ TEST_F(CommandTest, EachHelpHasAnExampleThatRuns) {
     while (!example.empty() && (example.back() == '\n' || example.back() == ' '))
       example.pop_back();
     EXPECT_EQ(run(example).code, 0) << example;
+  }
+}
+
+// The longest line in characters, not bytes.
+std::size_t widest_line(const std::string& text) {
+  std::size_t widest = 0, width = 0;
+  for (const char c : text) {
+    if (c == '\n')
+      width = 0;
+    else if ((static_cast<unsigned char>(c) & 0xC0U) != 0x80U)
+      widest = std::max(widest, ++width);
+  }
+  return widest;
+}
+
+TEST_F(CommandTest, HelpAndSummaryFitATerminalOfEightyColumns) {
+  EXPECT_LE(widest_line(run("--help").out), 80u);
+  for (const char* command : {"simulate", "rate", "fit", "spectrum", "stability", "report", "map",
+                              "chart", "paper", "help"})
+    EXPECT_LE(widest_line(run(std::string(command) + " --help").out), 80u) << command;
+  for (const char* topic : {"", "formats", "scenario", "noise", "identifiability"})
+    EXPECT_LE(widest_line(run(std::string("help ") + topic).out), 80u) << topic;
+  for (const char* log : {"interruption", "jump"}) {
+    const std::string path = (source / "data/logs" / (std::string(log) + ".csv")).string();
+    const Outcome report = run("report " + path + " -o r.html");
+    EXPECT_LE(widest_line(report.out), 80u) << report.out;
+    EXPECT_LE(std::count(report.out.begin(), report.out.end(), '\n'), 40) << report.out;
   }
 }
 

@@ -100,5 +100,16 @@ TEST(TextTest, AnHonestMissIsNoTable) {
   EXPECT_EQ(fit_text(fit), "no fit: why\n");
 }
 
+TEST(TextTest, LongLinesAreBrokenAtBlanks) {
+  EXPECT_EQ(wrapped("short", 10), "short");
+  EXPECT_EQ(wrapped("exactly 10", 10), "exactly 10");
+  EXPECT_EQ(wrapped("exactly 10 and", 10), "exactly 10\nand");
+  EXPECT_EQ(wrapped("  one two three\nnext\n", 9, 2), "  one two\n    three\nnext\n");
+  EXPECT_EQ(wrapped("µµµµ µµµµ", 9), "µµµµ µµµµ") << "characters, not bytes";
+  EXPECT_EQ(wrapped("{aaa,bbb,ccc}", 9), "{aaa,bbb,\nccc}");
+  EXPECT_EQ(wrapped("unbreakable word", 5), "unbreakable\nword");
+  EXPECT_EQ(wrapped("unbreakable", 5), "unbreakable");
+}
+
 } // namespace
 } // namespace goingrate

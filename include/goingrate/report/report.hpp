@@ -1,6 +1,7 @@
 // The report: everything about one log, as a page for the eye and a summary for the terminal.
 #pragma once
 
+#include "goingrate/clock/rating_nut.hpp"
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/covariates.hpp"
 #include "goingrate/fit/diagnosis.hpp"
@@ -30,9 +31,10 @@ struct ReportData {
   std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
   std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
+  std::optional<NutTurns> nut{};           ///< to bring the rate to zero, if the nut is known
 };
 
-/// The summary for the terminal: at most 40 lines of at most 100 characters, in plain words.
+/// The summary for the terminal: at most 40 lines or so, of at most 80 characters, in plain words.
 std::string report_text(const ReportData& data);
 
 /// Those figures for which there are data, in the order of the page: rate, amplitude and residuals

@@ -22,6 +22,11 @@ namespace goingrate {
 /// A sigma of 0 or NaN gives the value with `digits` digits and no sigma.
 std::string with_sigma(double value, double sigma, int digits = 6);
 
+/// The text with its lines broken at blanks so that none has more than `width` characters (UTF-8);
+/// what is broken off is indented like its line and by `hanging` more. A word that is too long is
+/// broken behind a comma, or not at all.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t hanging = 0);
+
 /// The per-period table as CSV, row by row:
 /// cycle,time_s,period_s,rate_excess,rate_s_per_day,amplitude_rad,flags, and after these, where the
 /// log has them, rate_excess_at_zero_amplitude (without the circular error), running_rate_excess
