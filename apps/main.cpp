@@ -1,6 +1,7 @@
 // goingrate: the command. Each subcommand lives in a file of its own.
 #include "common.hpp"
 
+#include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
+#include <iostream>
 #include <string_view>
 
 namespace {
@@ -27,16 +29,37 @@ int complain(ExitCode code, const char* what) {
   return code;
 }
 
+// Ctrl-C and its like leave no half file behind; the signal then does what it does.
+extern "C" void end_by_signal(int number) {
+  goingrate::discard_drafts();
+  std::signal(number, SIG_DFL);
+  std::raise(number);
+}
+
+void heed_signals() {
+  std::signal(SIGPIPE, SIG_IGN); // a closed pipe is an output that cannot be written, not a crash
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(number, end_by_signal) == SIG_IGN)
+      std::signal(number, SIG_IGN); // as nohup asks
+}
+
+// What --help and --version print.
+bool standard_output_took_it() {
+  std::cout.flush();
+  return std::cout.good() && std::fflush(stdout) == 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
   using namespace goingrate;
-  std::signal(SIGPIPE, SIG_IGN); // a closed pipe is an output that cannot be written, not a crash
+  heed_signals();
   CLI::App program{"Fits, diagnoses and simulates pendulum clocks from their timing logs.",
                    "goingrate"};
   program.set_version_flag("--version", "goingrate " GOINGRATE_VERSION);
   program.require_subcommand(1);
   program.fallthrough();
+  apps::narrow_help(program);
   apps::GlobalOptions global;
   program.add_flag("--quiet", global.quiet, "no notes on standard error");
   try {
@@ -61,10 +84,10 @@ int main(int argc, char** argv) {
       return complain(wrong_usage,
                       fmt::format("'{}' is no command (--help lists them)", first).c_str());
     program.parse(argc, argv);
-    if (std::fflush(stdout) != 0) return complain(no_output, "cannot write standard output");
-    return done;
+    return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? done : wrong_usage;
+    if (program.exit(error) != 0) return wrong_usage;
+    return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
   } catch (const InputError& error) {
     return complain(bad_input, error.what());
   } catch (const ArgumentError& error) {

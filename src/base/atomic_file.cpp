@@ -3,12 +3,15 @@
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -28,6 +31,25 @@ void write_all(int file, std::string_view text, const std::string& path) {
   }
 }
 
+// The names of the drafts that there are, for a signal handler: slots that hold a name or nothing.
+std::array<std::atomic<const char*>, 256> draft_names{};
+static_assert(std::atomic<const char*>::is_always_lock_free);
+
+// One that finds no slot is not remembered.
+void remember_draft(const char* name) {
+  for (auto& slot : draft_names) {
+    const char* none = nullptr;
+    if (slot.compare_exchange_strong(none, name)) return;
+  }
+}
+
+void forget_draft(const char* name) {
+  for (auto& slot : draft_names) {
+    const char* mine = name;
+    if (slot.compare_exchange_strong(mine, nullptr)) return;
+  }
+}
+
 // Owns a temporary file beside the target until it is committed by a rename.
 class Draft {
 public:
@@ -35,9 +57,10 @@ public:
     std::error_code not_there; // a link is followed, so that the file it names is replaced
     if (std::filesystem::is_symlink(path, not_there))
       target_ = std::filesystem::weakly_canonical(path, not_there).string();
-    name_ = target_ + ".part-XXXXXX";
-    file_ = ::mkostemp(name_.data(), O_CLOEXEC);
+    name_ = std::make_unique<std::string>(target_ + ".part-XXXXXX");
+    file_ = ::mkostemp(name_->data(), O_CLOEXEC);
     if (file_ < 0) throw OutputError(path, std::strerror(errno));
+    remember_draft(name_->c_str());
     keep_mode();
   }
   Draft(const std::string& path, std::string_view text) : Draft(path) {
@@ -46,7 +69,7 @@ public:
   }
   Draft(Draft&& other) noexcept
       : target_(std::move(other.target_)), path_(std::move(other.path_)),
-        name_(std::exchange(other.name_, {})), file_(std::exchange(other.file_, -1)) {}
+        name_(std::move(other.name_)), file_(std::exchange(other.file_, -1)) {}
   Draft& operator=(Draft&&) = delete;
   ~Draft() { discard(); }
 
@@ -59,9 +82,10 @@ public:
   }
 
   void commit() {
-    if (::rename(name_.c_str(), target_.c_str()) != 0)
+    if (::rename(name_->c_str(), target_.c_str()) != 0)
       throw OutputError(target_, std::strerror(errno));
-    name_.clear();
+    forget_draft(name_->c_str());
+    name_.reset();
   }
 
 private:
@@ -75,12 +99,14 @@ private:
   }
   void discard() {
     if (file_ >= 0) ::close(std::exchange(file_, -1));
-    if (!name_.empty()) ::unlink(name_.c_str());
+    if (!name_) return;
+    ::unlink(name_->c_str());
+    forget_draft(name_->c_str());
   }
 
   std::string target_;
-  std::string path_; // as the user wrote it, for messages
-  std::string name_;
+  std::string path_;                  // as the user wrote it, for messages
+  std::unique_ptr<std::string> name_; // stays where it is when the draft is moved
   int file_ = -1;
 };
 
@@ -108,6 +134,11 @@ void write_stream(const std::string& path, std::string_view text) {
 }
 
 } // namespace
+
+void discard_drafts() noexcept {
+  for (const auto& slot : draft_names)
+    if (const char* name = slot.load()) ::unlink(name);
+}
 
 void write_whole_file(const std::string& path, std::string_view text) {
   if (is_stream(path)) return write_stream(path, text);

@@ -14,13 +14,17 @@ namespace goingrate {
 /// Throws OutputError; the temporary file is removed then.
 void write_whole_file(const std::string& path, std::string_view text);
 
+/// Removes what is half written, of the first 256 files in the making. Safe in a signal handler
+/// that ends the program; nothing may be written after it.
+void discard_drafts() noexcept;
+
 /// Several outputs of one command, (path, text): all are on disk before the first old file is
 /// replaced. An empty path is an output nobody asked for. Throws OutputError, and ArgumentError if
 /// two of them are standard output.
 void write_whole_files(const std::vector<std::pair<std::string, std::string>>& outputs);
 
-/// An output that is too long to be held in memory: written piece by piece, in constant memory, to a
-/// file beside the target (or straight to standard output or a pipe), and renamed over the target
+/// An output that is too long to be held in memory: written piece by piece, in constant memory, to
+/// a file beside the target (or straight to standard output or a pipe), and renamed over the target
 /// by commit(). Without commit() the old file stays and nothing is left behind.
 class StreamedFile {
 public:
