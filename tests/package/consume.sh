@@ -12,6 +12,26 @@ printed=$("$scratch/build/consumer")
 echo "printed $printed"
 [ "$printed" = "1.133264e-04" ] # the exact rate at A
 "$scratch/prefix/bin/goingrate" --version
+# The README's lines for a project of one's own, with no more than a main around them.
+block() { awk -v begin="\`\`\`$1" '$0 == begin { inside = 1; next } /^```/ { inside = 0 } inside' "$readme"; }
+readme=$source/../../README.md
+mkdir "$scratch/mine"
+{
+  echo 'cmake_minimum_required(VERSION 3.25)'
+  echo 'project(mine LANGUAGES CXX)'
+  echo 'add_executable(mine main.cpp)'
+  block cmake
+} > "$scratch/mine/CMakeLists.txt"
+{
+  block cpp | grep '^#'
+  echo 'int main() {'
+  block cpp | grep -v '^#'
+  echo 'return cycle->rate_excess > 0.0 ? 0 : 1; }'
+} > "$scratch/mine/main.cpp"
+"$cmake" -S "$scratch/mine" -B "$scratch/mine/build" -DCMAKE_PREFIX_PATH="$scratch/prefix" > "$scratch/mine.log" \
+  || { cat "$scratch/mine.log"; exit 1; }
+"$cmake" --build "$scratch/mine/build"
+"$scratch/mine/build/mine"
 # What the page draws with travels inside the command.
 if [ -s "$build/src/plotly-basic.min.js" ]; then
   grep -q 'plotly.js (basic' "$scratch/prefix/bin/goingrate"
