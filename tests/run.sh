@@ -5,6 +5,7 @@ cd "$(dirname "$0")/.."
 . apps/setup.sh
 goingrate_setup libgtest-dev dpkg-dev file
 command -v gnuplot > /dev/null || goingrate_setup gnuplot-nox # for figures as PDF and PNG
+command -v doxygen > /dev/null || goingrate_setup doxygen # for the library's documentation
 goingrate_setup clang libclang-rt-dev # for the fuzzers alone, which are skipped without
 # A newer compiler may warn of more; only the project's own checks insist.
 cmake --preset release -DBUILD_TESTING=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null

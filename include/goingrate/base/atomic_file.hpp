@@ -37,9 +37,11 @@ public:
   [[nodiscard]] bool wanted() const { return !path_.empty(); }
   /// Text to append to; hand it over with flush_if_large() now and then.
   [[nodiscard]] std::string& text() { return text_; }
+  /// Writes text() out and empties it once it has a megabyte.
   void flush_if_large();
   /// Everything is put on disk; commit() then only renames.
   void finish();
+  /// Renames the file over the target; nothing is done for a stream.
   void commit();
 
 private:

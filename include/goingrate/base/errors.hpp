@@ -17,10 +17,12 @@ class ArgumentError : public std::invalid_argument {
 public:
   /// `name` of the argument, the `value` it had, and the `legal` values in words.
   ArgumentError(std::string_view name, double value, std::string_view legal);
+  /// The same for a value that is text.
   ArgumentError(std::string_view name, std::string_view value, std::string_view legal);
+  /// The argument.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const std::string& value() const noexcept { return value_; } ///< as in what()
-  [[nodiscard]] const std::string& legal() const noexcept { return legal_; }
+  [[nodiscard]] const std::string& legal() const noexcept { return legal_; } ///< in words
 
 private:
   std::string name_, value_, legal_;
@@ -36,7 +38,9 @@ struct TextPlace {
 /// An input (log or scenario) cannot be used. what() reads "file:line:column: found X, expected Y".
 class InputError : public std::runtime_error {
 public:
+  /// `found` and `expected` in words; the place names the file at least.
   InputError(TextPlace place, std::string_view found, std::string_view expected);
+  /// Where it was found.
   [[nodiscard]] const TextPlace& place() const noexcept { return place_; }
 
 private:
@@ -46,6 +50,7 @@ private:
 /// An output could not be written; the target, if it existed, is as it was.
 class OutputError : public std::runtime_error {
 public:
+  /// `path` as the user gave it, `reason` in words.
   OutputError(std::string_view path, std::string_view reason);
 };
 

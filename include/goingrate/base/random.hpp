@@ -26,6 +26,7 @@ enum class StreamPurpose : std::uint64_t {
 /// One reproducible stream of deviates, fixed by (seed, purpose).
 class RandomStream {
 public:
+  /// Streams of other seeds or purposes are independent of it.
   RandomStream(std::uint64_t seed, StreamPurpose purpose)
       : engine_(mix(mix(seed) ^ static_cast<std::uint64_t>(purpose))) {}
 

@@ -17,12 +17,14 @@ inline constexpr double seconds_per_day = 86400.0;
 /// Converts between seconds and scaled time for a clock of nominal period `T0` (s, > 0).
 class TimeScale {
 public:
+  /// For a clock of this T0, s.
   explicit constexpr TimeScale(double nominal_period_s) : nominal_period_s_(nominal_period_s) {}
 
   /// Exact (factor 1) when the nominal period is 2 pi, so that scaled scenarios stay scaled.
   [[nodiscard]] constexpr double seconds(double scaled) const {
     return nominal_period_s_ == two_pi ? scaled : scaled * (nominal_period_s_ / two_pi);
   }
+  /// The way back, exact in the same case.
   [[nodiscard]] constexpr double scaled(double seconds) const {
     return nominal_period_s_ == two_pi ? seconds : seconds * (two_pi / nominal_period_s_);
   }
@@ -31,6 +33,7 @@ public:
   [[nodiscard]] constexpr TwoPart<double> nominal() const {
     return {nominal_period_s_, nominal_period_s_ == two_pi ? two_pi_low : 0.0};
   }
+  /// Half of nominal().
   [[nodiscard]] constexpr TwoPart<double> half_nominal() const {
     return {0.5 * nominal().hi, 0.5 * nominal().lo};
   }

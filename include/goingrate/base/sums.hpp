@@ -23,6 +23,7 @@ template <class T> struct TwoPart {
     return *this;
   }
 
+  /// Adds both parts.
   TwoPart& operator+=(const TwoPart& other) {
     *this += other.hi;
     return *this += other.lo;

@@ -17,6 +17,7 @@ enum class Escapement {
 
 /// Torque against angle: linear between the points, zero outside them.
 struct TorqueTable {
+  /// One point of the table.
   struct Point {
     double angle;  ///< rad, rising from point to point
     double torque; ///< scaled, as mu; positive to the right

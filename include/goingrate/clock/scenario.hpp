@@ -44,12 +44,14 @@ struct MethodSettings {
 /// upward crossing (Hoyng, sec. disc: -change/2 on the rate).
 struct LengthChanges {
   double drift_per_day = 0.0; ///< -0.1 to 0.1
+  /// One sine of time.
   struct Sine {
     double amplitude; ///< -0.1 to 0.1
     double period_s;  ///< > 0
   };
   std::vector<Sine> sines{};
   double temperature_coefficient = 0.0; ///< for each K from the mean; -0.01 to 0.01
+  /// Whether the length never changes.
   [[nodiscard]] bool none() const {
     return drift_per_day == 0.0 && sines.empty() && temperature_coefficient == 0.0;
   }
@@ -62,6 +64,7 @@ struct LengthChanges {
 struct Temperature {
   double mean_c = 20.0;       ///< -100 to 100
   double drift_per_day = 0.0; ///< K, -100 to 100
+  /// One sine of time.
   struct Sine {
     double amplitude; ///< K, -100 to 100
     double period_s;  ///< > 0

@@ -107,6 +107,7 @@ template <class T> T free_area(const T& q) {
 template <class T> struct Switch {
   T q, k, S, C, over_C, H, HS, S2;
 
+  /// From the square of the amplitude (above phi0^2), mu and phi0.
   Switch(const T& amplitude2, const T& mu, const T& phi0) : q(amplitude2) {
     using std::atan, std::sqrt;
     const T y = sqrt(q - phi0 * phi0), lambda = sqrt(q), inverse = 1.0 / lambda;

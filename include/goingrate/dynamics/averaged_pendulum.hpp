@@ -31,12 +31,15 @@ public:
   /// parameters out of range, and laws that the second order does not know.
   AveragedPendulum(const ClockParameters& clock, double velocity, AveragedOrder order);
 
+  /// From the present crossing on the clock has these parameters.
   void set_clock(const ClockParameters& clock);
   /// One period with the torque times `factor`. Status stalled once the amplitude does not reach
   /// the switching angle.
   PeriodStep advance(double factor = 1.0);
 
+  /// At the last crossing, as the order has it.
   [[nodiscard]] double velocity() const;
+  /// Restates the velocity for a nominal period changed by the factor `ratio`.
   void rescale(double ratio) { amplitude2_ *= ratio * ratio; }
 
 private:

@@ -76,6 +76,7 @@ std::vector<ChartRow> chart_frontier(const std::vector<ChartRow>& rows, const st
 struct LimitRow {
   double epsilon, ratio, amplitude; ///< ratio = lambda / phi0; amplitude lambda, rad
   SwingStatus exact;                ///< how the full equation ends within the run
+  /// What one method makes of the point.
   struct Error {
     std::string method;
     SwingStatus status;

@@ -35,6 +35,7 @@ public:
 
   /// One period; stalled if the pendulum turns before it comes back to the vertical.
   PeriodStep advance();
+  /// phi' at the last crossing.
   [[nodiscard]] double velocity() const { return state_[1]; }
 
 private:

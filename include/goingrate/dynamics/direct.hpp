@@ -28,7 +28,9 @@ public:
   /// crossed the state is spent.
   PeriodStep advance(double factor = 1.0);
 
+  /// phi' at the last crossing, and its square to all digits.
   [[nodiscard]] double velocity() const;
+  /// The square of velocity().
   [[nodiscard]] const TwoPart<double>& speed2() const { return v2_; }
   /// Restates the velocity for a nominal period changed by the factor `ratio`.
   void rescale(double ratio);

@@ -14,6 +14,7 @@
 
 namespace goingrate {
 
+/// How many runs of one scenario.
 struct EnsembleOptions {
   std::uint64_t seed = 1; ///< of realisation 0
   std::size_t realisations = 1;

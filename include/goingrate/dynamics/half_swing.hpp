@@ -61,24 +61,31 @@ public:
                friction.quadratic},
         mu_(mu), phi0_(phi0), dry_(friction.dry), to_switch_(helping && phi0 > 0) {}
 
+  /// Until the next stop.
   [[nodiscard]] const SwingForce<T>& force() const { return force_; }
+  /// Whether the law changes at an angle ahead.
   [[nodiscard]] bool has_stop() const { return to_switch_; }
+  /// That angle.
   [[nodiscard]] const T& stop() const { return phi0_; }
+  /// The stop is reached: returns the energy of a kick there.
   T pass() {
     force_.constant -= 2 * mu_;
     to_switch_ = false;
     switched_ = true;
     return T(0);
   }
+  /// The apex is reached.
   void turn(const T&) {
     to_switch_ = false;
     force_.constant += 2 * dry_;
     force_.quadratic = -force_.quadratic;
   }
+  /// Whether the pendulum at rest there stays there.
   [[nodiscard]] bool held(const T& phi) const {
     using std::sin;
     return dry_ > 0 && force_.constant - sin(phi) >= 0; // constant holds +dry here
   }
+  /// Whether the escapement did.
   [[nodiscard]] bool switched() const { return switched_; }
   /// The change of v^2 that the torque alone makes over the half swing.
   [[nodiscard]] T work() const { return switched_ ? T(4 * mu_ * phi0_) : T(0); }
@@ -97,6 +104,7 @@ template <class T> struct SwingStretch {
   T constant{}, slope{}; ///< torque = constant + slope phi
   T kick{};              ///< energy of an impulse at its end
 };
+/// The torque of a half swing to the right, and the energy of an impulse right at its start.
 template <class T> struct SwingProfile {
   T kick_at_start{};
   std::vector<SwingStretch<T>> rise, fall;
@@ -114,15 +122,20 @@ public:
     set_force();
   }
 
+  /// Until the next stop.
   [[nodiscard]] const SwingForce<T>& force() const { return force_; }
+  /// Whether the law changes at an angle ahead.
   [[nodiscard]] bool has_stop() const { return at_ + 1 < side().size(); }
+  /// That angle.
   [[nodiscard]] const T& stop() const { return side()[at_].until; }
+  /// The stop is reached: returns the energy of a kick there.
   T pass() {
     const T energy = side()[at_].kick * factor_;
     ++at_;
     set_force();
     return energy;
   }
+  /// The apex is reached.
   void turn(const T& phi) {
     rising_ = false;
     at_ = 0;
@@ -130,10 +143,12 @@ public:
       ++at_;
     set_force();
   }
+  /// Whether the pendulum at rest there stays there.
   [[nodiscard]] bool held(const T& phi) const {
     using std::sin;
     return friction_.dry > 0 && force_.constant + force_.slope * phi - sin(phi) >= 0;
   }
+  /// Whether the escapement did.
   [[nodiscard]] bool switched() const { return true; }
 
 private:
@@ -163,8 +178,10 @@ private:
 /// held(phi) (the pendulum at rest there stays there).
 template <class T, class Law> class HalfSwingRun {
 public:
+  /// Starts at the vertical with speed `v` > 0.
   HalfSwingRun(const T& v, Law law) : law_(std::move(law)), v_(v), w_(v) {}
 
+  /// Runs it to the next passage or to what prevents that; once.
   [[nodiscard]] HalfSwing<T> run() {
     // A stop takes a step or two, a half swing some five; far more is a torque beyond all measure.
     constexpr int most_steps = 100000;

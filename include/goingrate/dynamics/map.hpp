@@ -26,6 +26,7 @@ namespace goingrate {
 /// The range of drive factors a map is made for; a point is a steady drive.
 struct FactorRange {
   double low = 1.0, high = 1.0;
+  /// Whether the map knows a drive of this factor.
   [[nodiscard]] bool contains(double factor) const { return factor >= low && factor <= high; }
 };
 
@@ -39,18 +40,23 @@ public:
   /// Fits the patch low <= x < high; `usable()` tells whether it may be used.
   MapPatch(const ClockParameters& clock, double low, double high, const FactorRange& factors);
 
+  /// Whether the polynomials came out close enough.
   [[nodiscard]] bool usable() const { return usable_; }
+  /// Whether x lies in the patch.
   [[nodiscard]] bool contains(double x) const { return x >= low_ && x < high_; }
   /// Degrees in x and in the factor.
   [[nodiscard]] std::array<std::size_t, 2> degrees() const {
     return {starts_.size() - 2, starts_[1] - 1};
   }
 
+  /// One period at x with this drive.
   [[nodiscard]] Values at(double x, double factor) const;
+  /// Time from the start to the downward crossing, minus pi.
   [[nodiscard]] double half_excess(double x, double factor) const;
 
   /// The same for many states at once, in SIMD lanes: bit for bit what `at` gives for each.
   static constexpr std::size_t lanes = 8;
+  /// Lane by lane the change of v^2 and the excess.
   void at(const std::array<double, lanes>& x, const std::array<double, lanes>& factor,
           std::array<double, lanes>& speed2_change, std::array<double, lanes>& excess) const;
 
@@ -67,11 +73,14 @@ private:
 /// The patches of one clock, made when they are first needed.
 class ReturnMap {
 public:
+  /// Makes no patch yet. Throws ArgumentError for parameters out of range.
   ReturnMap(const ClockParameters& clock, const FactorRange& factors);
 
   /// The patch that holds x, or nullptr if the map cannot serve there.
   [[nodiscard]] const MapPatch* find(double x);
+  /// The drive it is made for.
   [[nodiscard]] const FactorRange& factors() const { return factors_; }
+  /// How many were made so far.
   [[nodiscard]] std::size_t patches() const { return patches_.size(); }
 
 private:
@@ -91,10 +100,15 @@ public:
   /// As DirectPendulum; `factors` bounds what advance() will be given most of the time.
   MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors);
 
+  /// From the present crossing on the clock has these parameters; the map is made anew.
   void set_clock(const ClockParameters& clock);
+  /// One period, as DirectPendulum::advance.
   PeriodStep advance(double factor = 1.0);
+  /// phi' at the last crossing.
   [[nodiscard]] double velocity() const { return direct_.velocity(); }
+  /// The square of velocity().
   [[nodiscard]] const TwoPart<double>& speed2() const { return direct_.speed2(); }
+  /// Restates the velocity for a nominal period changed by the factor `ratio`.
   void rescale(double ratio);
 
   /// Periods that the direct integrator had to do.

@@ -111,8 +111,11 @@ public:
   /// Throws ArgumentError for other laws too.
   Rk4Clock(const ClockParameters& clock, double velocity, double dt, TorqueTiming timing);
 
+  /// From the present crossing on the clock has these parameters.
   void set_clock(const ClockParameters& clock);
+  /// One period with the torque times `factor`.
   PeriodStep advance(double factor = 1.0);
+  /// phi' at the last crossing.
   [[nodiscard]] double velocity() const { return pendulum_.velocity(); }
   /// The grid is in scaled time: a change of the nominal period rescales the state's speed.
   void rescale(double ratio) { pendulum_.rescale(ratio); }

@@ -179,6 +179,7 @@ public:
   // for 113 bits.
   static constexpr std::size_t order = std::numeric_limits<T>::digits * 38 / 100 + 2;
 
+  /// About angle `phi` and speed `w` under `force`.
   SwingSeries(const T& phi, const T& w, const SwingForce<T>& force) : phi_(phi), force_(force) {
     const auto defects = detail::sine_defects(phi);
     w_.template set<0>(w);
@@ -219,6 +220,7 @@ public:
   /// serve the next and the processor need not wait for the test. None is longer than 1.16: the
   /// events of half_swing are further apart or looked for one by one.
   static constexpr int rungs = 200; // down to 1e-9
+  /// Of step i, 0 to rungs - 1, from long to short.
   [[nodiscard]] static const T& step_length(int i) {
     return ladder()[static_cast<std::size_t>(i)].step;
   }
@@ -227,11 +229,14 @@ public:
   struct Deviation {
     T angle, speed;
   };
+  /// At `t` after the point of expansion.
   [[nodiscard]] Deviation deviation(const T& t) const {
     const Pair both = detail::polynomial<order + 1, 1>(deviation_.data(), t);
     return {both[0], both[1]};
   }
+  /// phi' at `t`.
   [[nodiscard]] T speed(const T& t) const { return sum(w_.all(), t); }
+  /// phi at `t`.
   [[nodiscard]] T angle(const T& t) const { return phi_ + integral(w_.all(), t); }
   /// The integral of w^2 over [0, t].
   [[nodiscard]] T friction_integral(const T& t) const {

@@ -70,6 +70,7 @@ enum class FitNoise {
   slow,      ///< these two and slow drive
 };
 
+/// What is asked of a fit; what is left empty it finds out.
 struct FitOptions {
   FitDynamics dynamics = FitDynamics::automatic;
   FitNoise noise = FitNoise::automatic;
@@ -83,8 +84,10 @@ struct FitOptions {
   std::map<std::string, double> start; ///< where to begin; all names, or none for a search
 };
 
+/// Whether a parameter was fitted, held, fitted with knowledge from elsewhere, or cannot be told.
 enum class ParameterStatus { free, fixed, prior, undetermined };
 
+/// One parameter of the model.
 struct FittedParameter {
   std::string name;
   std::string unit;
@@ -107,6 +110,7 @@ struct DerivedQuantity {
   double sigma = 0.0;
 };
 
+/// How well the model describes the log.
 struct FitQuality {
   /// Of the times against the jitter seen between neighbouring beats; where the model has a walk or
   /// noise of the drive, of the innovations against their variances.
@@ -145,6 +149,7 @@ enum class FitStatus {
   no_valid_model, ///< no start lies in the domain of the model (amplitude above phi0)
 };
 
+/// The result of a fit.
 struct FitSummary {
   FitStatus status = FitStatus::converged;
   std::string termination; ///< in words

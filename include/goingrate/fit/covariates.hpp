@@ -25,6 +25,7 @@ struct CovariateEffect {
   double lag_s = 0.0;     ///< time constant of the lag; 0 if none is demanded
   double without_s = 0.0; ///< rms time error over the halves not seen, by their mean rate alone, s
   double with_s = 0.0;    ///< the same with the coefficient
+  /// Whether the coefficient is beyond three sigma.
   [[nodiscard]] bool significant() const { return std::abs(coefficient) > 3.0 * sigma; }
   /// Whether compensating would have helped on data it did not see.
   [[nodiscard]] bool helps() const { return significant() && with_s < without_s; }

@@ -42,6 +42,7 @@ struct Suspicion {
   std::string against;   ///< what else could look the same, and what would tell; may be empty
 };
 
+/// What the causes are judged by.
 struct DiagnosisInput {
   const TimingData* data = nullptr; ///< with the terms temperature and pressure if the log has them
   double nominal_period_s = 0.0;

@@ -44,6 +44,7 @@ struct Interruption {
   std::optional<Relaxation> recovery;
 };
 
+/// What happened to the clock.
 struct Diary {
   std::vector<Change> changes; ///< in order of time
   std::vector<Interruption> interruptions;

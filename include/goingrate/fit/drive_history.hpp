@@ -36,6 +36,7 @@ struct DrivePoint {
   double sigma = 0.0;    ///< of that; the model's own parameters are taken as they are
 };
 
+/// The drive as it went.
 struct DriveHistory {
   std::vector<DrivePoint> points;
   double step_rms = 0.0; ///< q

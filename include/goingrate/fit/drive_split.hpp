@@ -40,6 +40,7 @@ struct DriveCost {
   RmsEstimate fast_s{}, slow_s{};
 };
 
+/// The sizes of fast drive, slow drive and jitter, and what the drive costs.
 struct DriveSplit {
   double split_hz = 0.0;        ///< the frequency asked for, or the corner
   bool at_frequency = false;    ///< true: fast and slow are what lies above and below split_hz

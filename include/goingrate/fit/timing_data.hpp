@@ -28,7 +28,9 @@ struct TimingData {
   std::vector<double> amplitude_rad; ///< NaN where unknown; empty if the log has none
   std::vector<RateTerm> terms;       ///< what the fit may be asked to answer to
 
+  /// Number of beats.
   [[nodiscard]] std::size_t size() const { return cycle.size(); }
+  /// Whether the log has amplitudes.
   [[nodiscard]] bool has_amplitude() const { return !amplitude_rad.empty(); }
 };
 

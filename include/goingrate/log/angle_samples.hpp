@@ -27,6 +27,7 @@ struct SampledCrossing {
   std::uint32_t line = 0; ///< of the sample before it
 };
 
+/// What samples of an angle hold.
 struct SampledSwings {
   std::vector<SampledCrossing> crossings;
   double rest_angle = 0.0;  ///< where the pendulum hangs

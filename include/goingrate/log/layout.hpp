@@ -45,6 +45,7 @@ enum class ColumnRole : std::uint8_t {
   channel, ///< chA, chB, TI(A->B)
 };
 
+/// What one column holds.
 struct LogColumn {
   ColumnRole role = ColumnRole::ignored;
   TimeUnit unit{};    ///< of a time

@@ -14,6 +14,7 @@ namespace goingrate {
 
 /// One row of the log that the sensor writes.
 struct SensedEvent {
+  /// Which part of the passage the row tells.
   enum class Part : std::uint8_t {
     whole, ///< the passage, or its leading edge
     in,    ///< with four edges: the flag enters the beam
@@ -39,6 +40,7 @@ struct SensedEvent {
 /// the seed.
 class Sensor {
 public:
+  /// Of a scenario in range; equal seeds see the same faults.
   Sensor(const Scenario& scenario, std::uint64_t seed);
 
   /// Sees the crossings of one period; the start of a run is a period of length 0.

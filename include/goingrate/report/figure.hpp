@@ -15,6 +15,7 @@ namespace goingrate {
 /// One set of values. `low` and `high` are those of a band or of error bars, else empty; `low` also
 /// holds what cells show.
 struct Series {
+  /// How the values are drawn.
   enum class Style {
     line,   ///< points joined in the order given; x should not decrease
     points, ///< dots
@@ -31,6 +32,7 @@ struct Series {
   int colour = 0; ///< 0 to 7: place in the colour-blind safe palette of Okabe and Ito
 };
 
+/// One axis, in the unit its values have.
 struct Axis {
   std::string label; ///< what is shown, without its unit
   std::string unit;  ///< may be empty
@@ -44,6 +46,7 @@ struct Marker {
   std::string label;
 };
 
+/// A plot: what is shown, not how.
 struct Figure {
   std::string id; ///< unique in its page
   std::string title;
@@ -55,7 +58,7 @@ struct Figure {
   std::string group{}; ///< figures of one group share their x axis where a page draws them live
 };
 
-/// The figure as an <svg> element without width and height: it takes the width it is given. Colours
+/// The figure as an svg element without width and height: it takes the width it is given. Colours
 /// and lines come from `figure_style`, which the page has to hold once.
 /// Size: below 100 bytes for each of the 626 columns and each series of any length
 /// (FigureTest.ALongSeriesStaysSmall). Cost O(N log N).

@@ -33,12 +33,14 @@ struct PaperFigure {
   Figure figure;
 };
 
+/// Everything that was recomputed.
 struct PaperResults {
   std::vector<PaperNumber> numbers;
   std::vector<BudgetPart> budget; ///< sums to the last part: what the paper saw as 1e-8
   std::vector<PaperFigure> figures;
 };
 
+/// The noisy run.
 struct PaperOptions {
   std::int64_t periods = 4774648; ///< of the noisy run: 1e9 steps of 0.03; 10,000 at least
   std::uint64_t seed = 1;

@@ -37,13 +37,16 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t hangin
 /// reference clock was set.
 class RateTable {
 public:
+  /// What the columns need to know.
   struct Options {
     double nominal_period_s = 0.0;
     bool amplitudes = false;         ///< adds rate_excess_at_zero_amplitude
     std::int64_t running_cycles = 0; ///< adds running_rate_excess over so many; 0: does not
   };
+  /// `columns` and `gaps` are those of the log and must outlive the table.
   RateTable(const Options& options, const EventColumns& columns, const std::vector<Gap>& gaps);
 
+  /// The first line.
   [[nodiscard]] std::string header() const;
   /// Appends the row of the i-th event, after those of the cycles missed before it. Events come in
   /// order.

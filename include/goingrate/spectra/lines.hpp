@@ -25,6 +25,7 @@ struct SpectralLine {
   double false_alarm;     ///< probability that noise shows such a ratio anywhere in the search
 };
 
+/// How lines are looked for.
 struct LineSearch {
   double false_alarm = 0.01; ///< what a line must stay below
   double from_hz = 0.0;      ///< lowest frequency; at least three turns in the series in any case
