@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <utility>
 
 namespace goingrate {
 
@@ -27,7 +28,65 @@ bool has_intervals(const FittedParameter& p) {
          std::isfinite(p.value) && p.sigma > 0.0 && p.low68 < p.high68;
 }
 
+// A place of the profile: its distance from the best value in sigma, and the signed root of the
+// fall of 2 log L there, which a parabola has equal to it.
+struct Knot {
+  double z = 0.0, root = 0.0;
+};
+
+// Where the profile is known: at the best value and at those ends of the intervals that it has.
+std::vector<Knot> knots(const FittedParameter& p) {
+  constexpr double root95 = 1.959964;
+  std::vector<Knot> known;
+  for (const auto& [end, root] : {std::pair{p.low95, -root95},
+                                  {p.low68, -1.0},
+                                  {p.value, 0.0},
+                                  {p.high68, 1.0},
+                                  {p.high95, root95}}) {
+    const double z = (end - p.value) / p.sigma;
+    if (std::isfinite(z) && (known.empty() || z > known.back().z)) known.push_back({z, root});
+  }
+  return known;
+}
+
+// Between two knots the root goes straight, so that a parabola is drawn as one.
+Series profile_curve(const FittedParameter& p, int colour) {
+  constexpr int steps = 20; // between two knots
+  Series curve{Series::Style::line, p.name, {}, {}, {}, {}, colour};
+  const std::vector<Knot> known = knots(p);
+  for (std::size_t i = 1; i < known.size(); ++i)
+    for (int k = i == 1 ? 0 : 1; k <= steps; ++k) {
+      const double part = static_cast<double>(k) / steps;
+      const double root = known[i - 1].root + part * (known[i].root - known[i - 1].root);
+      curve.x.push_back(known[i - 1].z + part * (known[i].z - known[i - 1].z));
+      curve.y.push_back(root * root);
+    }
+  return curve;
+}
+
 } // namespace
+
+std::optional<Figure> profile_figure(const FitSummary& fit) {
+  Figure figure{
+      "profiles",
+      "Profile likelihoods",
+      "By how much 2 log L falls when a parameter is held off its best value and all "
+      "others are fitted again: 1 at the ends of the 68 % interval, 3.84 at those of 95 %, "
+      "where it was found; in between the curves are drawn as a parabola would go. A curve "
+      "that leans is an error greater to one side; one that ends early has no end there.",
+      {"distance from the best value", "σ"},
+      {"fall of 2 log L", ""},
+      {}};
+  constexpr std::size_t colours = 8; // then the same with another dash
+  for (const FittedParameter& p : fit.parameters) {
+    const std::size_t i = figure.series.size();
+    if (has_intervals(p))
+      figure.series.push_back(profile_curve(p, static_cast<int>((i + i / colours) % colours)));
+  }
+  std::erase_if(figure.series, [](const Series& series) { return series.x.empty(); });
+  if (figure.series.empty()) return std::nullopt;
+  return figure;
+}
 
 std::optional<Figure> correlation_figure(const FitSummary& fit) {
   std::vector<std::size_t> shown; // one that is undetermined has the correlations of its prior

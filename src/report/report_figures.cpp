@@ -343,6 +343,7 @@ std::vector<Figure> report_figures(const ReportData& data) {
   if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
   if (fitted) add(figures, correlation_figure(data.fit));
   if (fitted) add(figures, interval_figure(data.fit));
+  if (fitted) add(figures, profile_figure(data.fit));
   return figures;
 }
 

@@ -24,6 +24,10 @@ std::optional<Figure> correlation_figure(const FitSummary& fit);
 /// The 68 % and 95 % intervals in units of sigma; nothing if no parameter has them.
 std::optional<Figure> interval_figure(const FitSummary& fit);
 
+/// The profile of the likelihood for each parameter that has intervals, through their ends; nothing
+/// if none has.
+std::optional<Figure> profile_figure(const FitSummary& fit);
+
 /// A logarithmically spaced mean: a few values in each decade, each the mean over its band.
 struct BinnedSpectrum {
   std::vector<double> frequency_hz; ///< geometric mean of the band

@@ -3,6 +3,7 @@
 
 #include "markup_checks.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -44,7 +45,7 @@ FitSummary some_fit(const std::vector<Beat>& beats, bool with_amplitude) {
                       {"fast gain", "2 mu/(pi lambda)", "", nan, nan}};
   fit.q_factor = {"Q", "1/(2 epsilon)", "", 6250.0, 80.0};
   fit.rate_s_per_day = {"rate", "T0/mean period - 1", "s/day", 0.86, 0.02};
-  fit.quality = {100.0, 98.0, 0.4, 0.5, 1e-5, with_amplitude ? 1e-5 : nan, 10.0, 12.0};
+  fit.quality = {100.0, 98.0, 0.4, false, 0.5, 1e-5, with_amplitude ? 1e-5 : nan, 10.0, 12.0};
   fit.alternatives = {{"averaged1, constant-torque", 12.0, "chosen"}};
   fit.residual_s.assign(beats.size(), 1e-6);
   fit.model_amplitude_rad.assign(beats.size(), 0.046);
@@ -133,6 +134,7 @@ TEST(HtmlReportTest, HasEveryPartInItsPlace) {
                            "id=\"figure-deviation\"",
                            "id=\"figure-correlation\"",
                            "id=\"figure-intervals\"",
+                           "id=\"figure-profiles\"",
                            "id=\"fit\"",
                            "id=\"drive\"",
                            "id=\"stability\"",
@@ -282,6 +284,32 @@ TEST(HtmlReportTest, AMonthOfBeats) {
   EXPECT_LT(page.size(), 4'000'000U);
   EXPECT_LT(test::without_scripts(page).size(), 600'000U);
   EXPECT_LT(test::without_scripts(page_of(some_report(28'800))).size(), 500'000U);
+}
+
+TEST(HtmlReportTest, AProfileGoesThroughTheEndsOfTheIntervals) {
+  ReportData data = some_report();
+  data.fit.parameters = {{"T0", "s", ParameterStatus::free, 2.0, 0.1, 1.9, 2.2, 1.8, 2.5},
+                         {"mu", "", ParameterStatus::free, 1.0, 0.1, 0.9, 1.1, -INFINITY, INFINITY},
+                         {"phi0", "rad", ParameterStatus::fixed, 0.03, nan, nan}};
+  const auto figures = report_figures(data);
+  const auto figure = std::find_if(figures.begin(), figures.end(),
+                                   [](const Figure& f) { return f.id == "profiles"; });
+  ASSERT_NE(figure, figures.end());
+  ASSERT_EQ(figure->series.size(), 2u) << "the fixed one has none";
+  const auto fall_at = [&](std::size_t series, double z) {
+    const Series& curve = figure->series[series];
+    for (std::size_t i = 0; i < curve.x.size(); ++i)
+      if (std::abs(curve.x[i] - z) < 1e-9) return curve.y[i];
+    return nan;
+  };
+  EXPECT_NEAR(fall_at(0, -2.0), 3.8415, 1e-4);
+  EXPECT_NEAR(fall_at(0, -1.0), 1.0, 1e-9);
+  EXPECT_NEAR(fall_at(0, 0.0), 0.0, 1e-9);
+  EXPECT_NEAR(fall_at(0, 1.0), 0.25, 1e-9) << "halfway to an end at two sigma";
+  EXPECT_NEAR(fall_at(0, 2.0), 1.0, 1e-9);
+  EXPECT_NEAR(fall_at(0, 5.0), 3.8415, 1e-4);
+  EXPECT_NEAR(figure->series[1].x.front(), -1.0, 1e-9) << "no end at 95 %";
+  EXPECT_NEAR(figure->series[1].x.back(), 1.0, 1e-9);
 }
 
 } // namespace

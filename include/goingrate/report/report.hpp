@@ -38,8 +38,9 @@ struct ReportData {
 std::string report_text(const ReportData& data);
 
 /// Those figures for which there are data, in the order of the page: rate, amplitude and residuals
-/// (one group), clock error, rate against amplitude, drive, spectrum, deviation, correlation and
-/// intervals of the parameters. What rests on the fit is left out unless the fit converged.
+/// (one group), clock error, rate against amplitude, drive, spectrum, deviation, correlation,
+/// intervals and profile likelihoods of the parameters. What rests on the fit is left out unless
+/// the fit converged.
 std::vector<Figure> report_figures(const ReportData& data);
 
 /// One self-contained HTML page: summary, tables and figures; opens from disk without a network.
