@@ -156,6 +156,36 @@ void state_rivals(const Fitted& fitted, const Certainty& known, FitSummary& summ
   }
 }
 
+// A stretch whose innovations are far larger than elsewhere, by medians over blocks.
+struct RoughStretch {
+  double from_s, to_s, times; ///< how much larger
+};
+std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
+  constexpr std::size_t least = 30;  // beats a block
+  constexpr double far_larger = 2.5; // the median of 30 is good to a fifth
+  const std::vector<double>& white = fitted.seen.white_time;
+  const std::size_t block = std::max(least, white.size() / 50);
+  const auto size_of = [&](std::size_t first, std::size_t end) {
+    std::vector<double> size;
+    for (std::size_t i = first; i < end; ++i)
+      size.push_back(std::abs(white[i]));
+    std::nth_element(size.begin(), size.begin() + size.size() / 2, size.end());
+    return size[size.size() / 2];
+  };
+  if (white.size() < 4 * block) return {};
+  const double typical = size_of(0, white.size());
+  std::optional<RoughStretch> rough;
+  for (std::size_t first = 0; first + block <= white.size(); first += block) {
+    const double times = size_of(first, first + block) / typical;
+    if (!(times > far_larger)) continue;
+    const std::vector<double>& at = fitted.problem.data->elapsed_s;
+    if (!rough) rough = RoughStretch{at[first], at[first + block], times};
+    rough->to_s = at[first + block];
+    rough->times = std::max(rough->times, times);
+  }
+  return rough;
+}
+
 // Everything that follows from the chosen fit.
 void state(const Fitted& fitted, const ModelSearch& search, double nominal_period_s,
            FitSummary& summary) {
@@ -166,6 +196,15 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   if (!fitted.minimum.converged) { // it crept along a valley to the end of its patience
     known.distrusted.assign(known.distrusted.size(), true);
     summary.termination = "stopped on a flat ridge: the log does not determine the parameters";
+  }
+  constexpr double badly = 2.0; // sigmas widened by more: the model does not hold
+  if (const auto rough = rough_stretch(fitted); rough && widening.largest() > badly) {
+    known.distrusted.assign(known.distrusted.size(), true);
+    summary.notes.push_back(
+        fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
+                    "elsewhere, and the "
+                    "model does not follow: no one clock explains this log; leave that stretch out",
+                    rough->from_s, rough->to_s, rough->times));
   }
   summary.dynamics = name_of(fitted.dynamics);
   summary.escapement = goingrate::name_of(fitted.model.escapement);
@@ -178,8 +217,8 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.time_widening = widening.time;
   summary.amplitude_widening = widening.amplitude;
   state_results(fitted.problem, fitted.minimum.x, known,
-                intervals(fitted.problem, fitted.minimum, known), fitted.rivals, search.options(),
-                nominal_period_s, summary);
+                intervals(fitted.problem, fitted.minimum, known, widening.largest() < badly),
+                fitted.rivals, search.options(), nominal_period_s, summary);
   attach_shifts(fitted.problem.parameters, search.first_order_shifts(), summary);
   summary.jitter_s = noise_value(summary, "jitter_rms");
   summary.amplitude_noise_rad = noise_value(summary, "amplitude_rms");

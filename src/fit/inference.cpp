@@ -240,6 +240,15 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
                             seconds_gained_per_day(nominal_period_s / period.value - 1.0),
                             seconds_gained_per_day(period.sigma / period.value)};
   summary.combinations.push_back(period);
+  // A search that did not come to rest knows no combination either.
+  const bool settled =
+      std::find(known.distrusted.begin(), known.distrusted.end(), false) != known.distrusted.end();
+  if (!settled) {
+    for (DerivedQuantity* quantity :
+         {&summary.q_factor, &summary.decay_time, &summary.stationary_amplitude})
+      quantity->value = quantity->sigma = unknown;
+    return;
+  }
   const auto add_if_known = [&](const DerivedQuantity& quantity) {
     if (std::isfinite(quantity.value)) summary.combinations.push_back(quantity);
   };

@@ -209,7 +209,10 @@ void ModelSearch::choose_dynamics() {
       chosen_by_ += fmt::format(", averaged2 by {:.2g}", second);
     }
   }
-  if (second > tolerable) refine(best_, FitDynamics::map);
+  if (second > tolerable && !refine(best_, FitDynamics::map))
+    notes_.push_back(fmt::format("the full equation of motion found no place near this one; the "
+                                 "values are off by up to {:.2g} sigma",
+                                 std::min(first, second)));
   shifts_ = first_order;
 }
 

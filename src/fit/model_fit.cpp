@@ -175,7 +175,8 @@ void finish(Fitted& fitted) {
   fitted.known = certainty(fitted.problem, *at, fitted.widening);
 }
 
-constexpr std::size_t enough_to_screen = 2500; // beats that tell starts apart
+constexpr std::size_t enough_to_screen = 2500; // beats that tell starts apart,
+constexpr std::size_t enough_to_rank = 1000;   // that say which of many to look at
 
 } // namespace
 
@@ -315,7 +316,8 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     FitProblem few = fitted.problem;
     const TimingData thin = at_one_stride(*few.data, enough_to_screen);
     few.data = &thin;
-    tried = screened(few, points);
+    const TimingData fewer = at_one_stride(thin, enough_to_rank);
+    tried = screened(few.on(fewer), points);
     constexpr std::size_t to_score = 4;
     if (tried.size() > to_score) tried.resize(to_score);
     for (Minimum& start : tried) {
@@ -372,6 +374,15 @@ double largest_in_sigma(const Eigen::VectorXd& step, const Certainty& known) {
   return largest;
 }
 
+// Whether the innovations show that the place explains nothing.
+bool is_lost(const Fitted& fitted) {
+  constexpr double beyond_chance = 1e-6;
+  const auto coloured = [&](const std::vector<double>& innovations) {
+    return innovations.size() >= 8 && whiteness_p(innovations) < beyond_chance;
+  };
+  return coloured(fitted.seen.white_time) || coloured(fitted.seen.white_amplitude);
+}
+
 } // namespace
 
 bool refine(Fitted& fitted, FitDynamics dynamics) {
@@ -390,9 +401,11 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     if (!step) return false;
     if (round > 1 && largest_in_sigma(*step, refined.known) < still) break;
     std::vector<double> moved = refined.minimum.x;
+    constexpr double longest = 0.3; // along a flat ridge a step of scoring may lead anywhere
+    const double part = std::min(1.0, longest / std::max(longest, step->cwiseAbs().maxCoeff()));
     for (std::size_t k = 0; k < moved.size(); ++k) {
       const auto [low, high] = refined.problem.bounds[k];
-      moved[k] = std::clamp(moved[k] + (*step)[static_cast<Eigen::Index>(k)], low, high);
+      moved[k] = std::clamp(moved[k] + part * (*step)[static_cast<Eigen::Index>(k)], low, high);
     }
     if (late_at_end(refined.problem.parameters, ends_of(*refined.problem.data), moved))
       refined.minimum.x = moved;
@@ -405,7 +418,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     for (std::size_t k = 0; k < point.size(); ++k)
       point[k] += refined.minimum.x[k] - fitted.minimum.x[k];
   finish(refined);
-  if (!refined.minimum.usable) return false;
+  if (!refined.minimum.usable || (!is_lost(fitted) && is_lost(refined))) return false;
   fitted = std::move(refined);
   return true;
 }

@@ -15,9 +15,11 @@ constexpr double q68 = 1.0, q95 = 1.959964;
 // The profile of one coordinate; z counts sigmas of the curvature.
 class Profile {
 public:
-  Profile(const FitProblem& problem, const Minimum& minimum, const Certainty& known, std::size_t k)
+  /// `search`: look for the ends where the likelihood is no parabola; else they stay open.
+  Profile(const FitProblem& problem, const Minimum& minimum, const Certainty& known, std::size_t k,
+          bool search)
       : problem_(problem), minimum_(minimum), known_(known), k_(k), valley_(problem, minimum.x, k),
-        widening_(known.sigma(k) / known.curvature_sigma(k)) {}
+        widening_(known.sigma(k) / known.curvature_sigma(k)), search_(search) {}
 
   Interval ends() {
     const double low = risen(-q95), high = risen(q95);
@@ -34,7 +36,7 @@ private:
   // The shape at q: by a look, and if that shows no parabola by a search.
   double risen(double q) {
     const double looked = shape(q);
-    if (!broken(looked)) return looked;
+    if (!broken(looked) || !search_) return looked;
     const double z = q * widening_;
     last_.reset();
     return rise(z) / (0.5 * z * z);
@@ -97,22 +99,21 @@ private:
     return there ? (there->value - there->gain - minimum_.value) / (0.5 * z * z) : 0.0;
   }
 
-  // Beyond this no cubic will do; one that rises too little may never reach the end.
-  static bool broken(double shape) { return !(shape > 0.75 && shape < 1.5); }
+  // Beyond this no parabola of the root will do; one that rises too little may never reach the end.
+  static bool broken(double shape) { return !(shape > 0.65 && shape < 1.5); }
 
   double end(double q, double shape) {
     constexpr double straight = 0.1; // of the rise: a twentieth of the interval
     const double z = q * widening_;
     double reach = z;
-    if (!(shape > 0.0)) { // it falls
+    if (!(shape > 0.0) || (broken(shape) && !search_)) {
       reach = std::copysign(infinite, q);
     } else if (broken(shape)) {
       reach = searched(q);
     } else if (std::abs(shape - 1.0) > straight) {
-      // z^2 (1 + a z) with a from the look at 1.96 sigma, by Newton's method.
-      const double a = (shape - 1.0) / (std::copysign(q95, q) * widening_);
-      for (int round = 0; round < 20; ++round)
-        reach -= (reach * reach * (1.0 + a * reach) - z * z) / (reach * (2.0 + 3.0 * a * reach));
+      // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
+      const double b = (std::sqrt(shape) - 1.0) / (std::copysign(q95, q) * widening_);
+      reach = (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b);
     }
     return minimum_.x[k_] + reach * known_.curvature_sigma(k_);
   }
@@ -184,6 +185,7 @@ private:
   std::size_t k_;
   Valley valley_;
   double widening_;
+  bool search_;
   std::optional<Solution> last_;                       // of the last search
   std::array<std::optional<Eigen::VectorXd>, 2> bend_; // below and above the minimum
 };
@@ -217,7 +219,7 @@ FitProblem with_held(const FitProblem& problem, std::size_t index, double coordi
 }
 
 std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimum,
-                                const Certainty& known) {
+                                const Certainty& known, bool model_holds) {
   std::vector<Interval> result(minimum.x.size(), {-infinite, infinite, -infinite, infinite});
   double largest = 0.0;
   for (const Slot& slot : problem.parameters.slots)
@@ -226,12 +228,18 @@ std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimu
   for (const Slot& slot : problem.parameters.slots) {
     if (!slot.free) continue;
     const double sigma = known.sigma(slot.index), x = minimum.x[slot.index];
-    const bool vague = !(sigma <= tolerable_sigma(problem, slot, minimum.x)) && !may_vanish(slot);
-    if (vague || known.distrusted[slot.index]) continue;
+    const double tolerable = tolerable_sigma(problem, slot, minimum.x);
+    const bool lopsided = is_noise(slot.quantity) || may_vanish(slot);
+    if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[slot.index]) continue;
     if (largest < tiny && !may_vanish(slot))
       result[slot.index] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
-    else
-      result[slot.index] = Profile(problem, minimum, known, slot.index).ends();
+    else {
+      // Of a clock's parameter known so badly, or of a model that does not hold, a likelihood that
+      // is no parabola leaves nothing to defend.
+      constexpr double badly = 0.4;
+      const bool search = model_holds && (lopsided || sigma <= badly * tolerable);
+      result[slot.index] = Profile(problem, minimum, known, slot.index, search).ends();
+    }
   }
   return result;
 }

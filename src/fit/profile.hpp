@@ -8,11 +8,12 @@ namespace goingrate::timing_model {
 /// Where L, minimised over all other coordinates, has risen by q^2/2 (q = 1 and 1.96, times the
 /// widening) on either side of the minimum. One look at 1.96 sigma, corrected by a scoring step in
 /// the other coordinates, tells whether the parabola holds: then, within a tenth, it is taken;
-/// where it is bent the ends come from a cubic, where it is broken from searches with the
-/// coordinate held. Infinite where L does not rise far enough within eight sigma. Coordinates that
-/// are not determined anyway get infinite ends.
+/// where it is bent the root of the rise is taken for one, where it is broken from searches with
+/// the coordinate held (or are open, if the model does not hold or the parameter is hardly
+/// determined). Infinite where L does not rise far enough within eight sigma. Coordinates that are
+/// not determined anyway get infinite ends.
 std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimum,
-                                const Certainty& known);
+                                const Certainty& known, bool model_holds);
 
 /// The problem with one coordinate held; its priors on that coordinate are dropped.
 FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate);

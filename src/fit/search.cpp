@@ -33,13 +33,13 @@ public:
     if (jacobian == nullptr || jacobian[0] == nullptr) {
       const auto value = minus_log_likelihood(problem_, x);
       if (!value || *value + offset_ < 0.0) return false;
-      has_value_ = x;
+      have_value_.push_back(x);
       r[n] = std::sqrt(2.0 * (*value + offset_));
       return true;
     }
     const auto evaluation =
         remembered_ && remembered_->x == x ? remembered_->evaluation : evaluate(problem_, x);
-    if (!evaluation) return x == has_value_ && stop_here(r, jacobian[0]);
+    if (!evaluation) return has_value(x) && stop_here(r, jacobian[0]);
     const double rest = 2.0 * (evaluation->value + offset_) - evaluation->projected.squaredNorm();
     r.head(n) = evaluation->projected;
     r[n] = std::sqrt(std::max(0.0, rest)); // below 0 only where the noise is far too small
@@ -54,6 +54,10 @@ public:
   [[nodiscard]] bool broke_off() const { return broke_off_; }
 
 private:
+  // A step is taken only where L was asked for its value alone; a look along the way is not.
+  [[nodiscard]] bool has_value(const std::vector<double>& x) const {
+    return std::find(have_value_.begin(), have_value_.end(), x) != have_value_.end();
+  }
   // At a step that was taken a failure would make Ceres write to stderr; no slope ends it too.
   bool stop_here(Eigen::Map<Eigen::VectorXd>& residual, double* slopes) const {
     broke_off_ = true;
@@ -67,7 +71,7 @@ private:
   double offset_;
   std::size_t unknowns_;
   std::optional<Remembered> remembered_;
-  mutable std::vector<double> has_value_; // the last place that was asked for its value alone
+  mutable std::vector<std::vector<double>> have_value_;
   mutable bool broke_off_ = false;
 };
 
@@ -103,6 +107,8 @@ std::string words_for(const ceres::Solver::Summary& summary) {
 Minimum minimise(const FitProblem& problem, std::vector<double> start, const SearchLimits& limits) {
   Minimum minimum;
   minimum.x = std::move(start);
+  for (std::size_t k = 0; k < problem.bounds.size(); ++k)
+    minimum.x[k] = std::clamp(minimum.x[k], problem.bounds[k][0], problem.bounds[k][1]);
   const auto first = minus_log_likelihood(problem, minimum.x);
   if (!first) return minimum;
   minimum.value = *first;

@@ -95,7 +95,8 @@ std::string test_lines(const FitSummary& fit) {
     text +=
         fmt::format("  sigmas are widened by up to {:.3g} for correlation that is left\n", widest);
   if (fit.quality.whiteness_p < 1e-3)
-    text += "  they are not white: the model misses something, take the values with care\n";
+    text += "  they are not white: the model misses something, take the values with care "
+            "(`spectrum` finds lines)\n";
   return text;
 }
 
