@@ -70,7 +70,8 @@ void check_against(const ParFile& file, const NumberedLog& loaded) {
   const EventColumns& columns = loaded.log.columns;
   for (const auto& [name, place] : file.parameter_places)
     if ((name == "temperature" && columns.temperature_c.empty()) ||
-        (name == "pressure" && columns.pressure_mbar.empty()))
+        (name == "pressure" && columns.pressure_mbar.empty()) ||
+        (name == "density" && (columns.temperature_c.empty() || columns.pressure_mbar.empty())))
       throw InputError(place, fmt::format("'{}'", name), "a log with a column of it");
 }
 
@@ -171,8 +172,11 @@ TimingData fit_data(const NumberedLog& loaded) {
     if (!column.empty())
       data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
   };
-  add("temperature", "1/K", loaded.log.columns.temperature_c);
-  add("pressure", "1/mbar", loaded.log.columns.pressure_mbar);
+  const EventColumns& columns = loaded.log.columns;
+  add("temperature", "1/K", columns.temperature_c);
+  add("pressure", "1/mbar", columns.pressure_mbar);
+  if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
+    add("density", "m^3/kg", air_density(columns.temperature_c, columns.pressure_mbar));
   return data;
 }
 
@@ -187,7 +191,8 @@ void add_parameter_options(CLI::App& command, ModelOptions& options) {
       .add_option("--free", options.freed,
                   "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, offset (of the "
                   "sensor, rad), drift (of the rate, 1/day), and, where the log has such columns, "
-                  "temperature (1/K), pressure (1/mbar); or what a --from file holds")
+                  "temperature (1/K), pressure (1/mbar), and with both density (of air, m^3/kg); "
+                  "or what a --from file holds")
       ->delimiter(',')
       ->allow_extra_args(false);
   command.add_option("--prior", options.priors, "knowledge from elsewhere: NAME=VALUE+-SIGMA")

@@ -161,10 +161,11 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
   command->add_option(
       "--gapped", options->gapped_output,
       "write the Lomb-Scargle periodogram of the periods seen whole, and its window");
-  auto* against = command
-                      ->add_option("--against", options->against,
-                                   "amplitude, temperature or pressure of the log")
-                      ->check(CLI::IsMember({"amplitude", "temperature", "pressure"}));
+  auto* against =
+      command
+          ->add_option("--against", options->against,
+                       "amplitude, temperature, pressure or density (of air) of the log")
+          ->check(CLI::IsMember({"amplitude", "temperature", "pressure", "density"}));
   command
       ->add_option("--coherence", options->coherence_output,
                    "write coherence, gain and phase of the rate against that column")

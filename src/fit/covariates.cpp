@@ -126,7 +126,9 @@ std::vector<CovariateEffect> covariate_effects(const TimingData& data) {
 
 std::string covariate_text(const CovariateEffect& effect) {
   const double daily = seconds_per_day;
-  const std::string per = effect.unit.starts_with("1/") ? effect.unit.substr(2) : effect.unit;
+  const std::string per = effect.unit == "m^3/kg"         ? "kg/m^3"
+                          : effect.unit.starts_with("1/") ? effect.unit.substr(2)
+                                                          : effect.unit;
   std::string text =
       fmt::format("{}: the rate answers by {:.3g} +- {:.2g} s/day per {}", effect.name,
                   daily * effect.coefficient, daily * effect.sigma, per);

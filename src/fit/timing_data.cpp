@@ -51,6 +51,17 @@ RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
   return {std::move(name), std::move(unit), std::move(integral)};
 }
 
+std::vector<double> air_density(std::span<const double> temperature_c,
+                                std::span<const double> pressure_mbar) {
+  constexpr double gas_constant = 287.05, zero_celsius = 273.15, pascals = 100.0;
+  std::vector<double> density;
+  density.reserve(temperature_c.size());
+  for (std::size_t i = 0; i < temperature_c.size(); ++i)
+    density.push_back(pascals * pressure_mbar[i] /
+                      (gas_constant * (zero_celsius + temperature_c[i])));
+  return density;
+}
+
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen) {
   TimingData part;
   part.reference_period_s = data.reference_period_s;

@@ -50,8 +50,8 @@ std::string rate_lines(const ReportData& data) {
   std::string text = fmt::format("Rate: {} {}, from the first beat to the last.\n",
                                  rate.rate_excess < 0.0 ? "loses" : "gains",
                                  per_day(std::abs(rate.rate_excess), rate.rate_excess_sigma));
-  text += fmt::format("  That is {}, what the hands show; a line through the clock's error, which\n"
-                      "  leans on the middle of the log, gives {}.\n",
+  text += fmt::format("  That is {}, what the hands show; a line through the clock's error, which "
+                      "leans on the middle of the log, gives {}.\n",
                       plain_rate(rate.rate_excess), plain_rate(rate.slope_rate_excess));
   text += fmt::format("  Mean period {} s against {} s.\n",
                       with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12),
@@ -98,7 +98,7 @@ std::string recovery_lines(const Relaxation& recovery) {
 
 std::string interruption_lines(const Interruption& event) {
   std::string text = fmt::format("  {:.0f} to {:.0f} s: the drive was interrupted. The rate "
-                                 "changed by {}\n    at once and came back; "
+                                 "changed by {} at once and came back; "
                                  "the amplitude fell from {:.2f} to {:.2f} mrad",
                                  event.begin.at_s, event.end.at_s, ppm(event.rate_change),
                                  1e3 * event.amplitude_before_rad, 1e3 * event.amplitude_after_rad);

@@ -62,6 +62,14 @@ TEST(CovariateTest, AWanderSharedByChanceIsNotTakenForAnAnswer) {
   EXPECT_LE(ordinary, 24); // and one in 13 of 40
 }
 
+TEST(CovariateTest, DensityIsThatOfTheStandardAtmosphere) {
+  const std::vector<double> temperature{15.0, 20.0, std::nan("")}, pressure{1013.25, 990.0, 1000.0};
+  const std::vector<double> density = air_density(temperature, pressure);
+  EXPECT_NEAR(density[0], 1.2250, 5e-5); // ISO 2533: 1.225 kg/m^3
+  EXPECT_NEAR(density[1], 1.2250 * (990.0 / 1013.25) * (288.15 / 293.15), 5e-5);
+  EXPECT_TRUE(std::isnan(density[2]));
+}
+
 TEST(CovariateTest, ALagIsFound) {
   const auto effects =
       covariate_effects(made({.coefficient = 1e-6, .lag_s = 4000.0, .white = 1e-6}, 3));

@@ -19,7 +19,7 @@ namespace goingrate {
 
 /// What one covariate does to the rate.
 struct CovariateEffect {
-  std::string name, unit;   ///< unit of the coefficient: 1/K, 1/mbar
+  std::string name, unit;   ///< unit of the coefficient: 1/K, 1/mbar, m^3/kg
   double coefficient = 0.0; ///< b, relative rate per unit
   double sigma = 0.0;
   double lag_s = 0.0;     ///< time constant of the lag; 0 if none is demanded

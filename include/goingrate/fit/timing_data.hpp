@@ -42,6 +42,14 @@ TimingData timing_data(std::span<const Beat> beats);
 RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
                    std::span<const double> values);
 
+/// Density of dry air, p/(287.05 J/(kg K) T), kg/m^3, one entry for each of `temperature_c`
+/// (degrees C) and `pressure_mbar`, of equal length; NaN where either is not known. A pendulum
+/// floats in it and carries some along: its rate falls as the density rises. Moisture, which is
+/// left out, makes air lighter by up to one per cent.
+/// (CovariateTest.DensityIsThatOfTheStandardAtmosphere)
+std::vector<double> air_density(std::span<const double> temperature_c,
+                                std::span<const double> pressure_mbar);
+
 /// The entries with the given indices (increasing).
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen);
 
