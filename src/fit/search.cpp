@@ -146,6 +146,8 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   options.parameter_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
+  // Under bounds Ceres looks along each step first; a cubic would ask for derivatives every time.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
   options.callbacks.push_back(&enough);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);

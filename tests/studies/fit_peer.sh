@@ -2,12 +2,13 @@
 # Times `goingrate fit` as a whole process on a log of 2000 periods with a jump of the drive, beside
 # scipy.optimize.least_squares on the same log with the same equations. The two do not do the same:
 # goingrate starts, reads the log, finds its own start, and makes intervals and tests; of scipy only
-# the solver is timed, from 5 % off the truth, with the interpreter running and the log read. Takes
-# seconds.
+# the solver is timed, from 5 % off the truth, with the interpreter running and the log read. The
+# last line times goingrate's search alone, which does the same (built with the bench preset). Takes
+# seconds, and minutes for that build.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . apps/setup.sh
-goingrate_setup python3-numpy python3-scipy
+goingrate_setup python3-numpy python3-scipy libgtest-dev zlib1g-dev libbenchmark-dev libsundials-dev libgsl-dev
 goingrate=build/release/goingrate
 [ -x "$goingrate" ] || { echo "$goingrate is missing; build the release preset" >&2; exit 1; }
 folder=$(mktemp -d)
@@ -48,3 +49,13 @@ for model in averaged1 auto; do
     END { printf "goingrate fit --model %s (dynamics %s) %.2f ms a process%s\n",
           model, chosen, took, ratios }' <<< "$peer"
 done
+cmake --preset bench > /dev/null
+cmake --build --preset bench -j2 --target study_fit_speed > /dev/null
+build/bench/study_fit_speed solver "$log" | awk -v peer="$peer" '
+  /^search alone/ {
+    n = split(peer, line, "\n")
+    for (i = 1; i <= n; ++i)
+      if (split(line[i], word, " ") > 1 && (word[1] == "lm" || word[1] == "trf"))
+        ratios = ratios sprintf(", %.1f times faster than %s", word[2] / $3, word[1])
+    print "goingrate, " $0 ratios
+  }'

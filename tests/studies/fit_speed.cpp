@@ -1,6 +1,11 @@
 // Time of a fit against its error, for the dynamics and for thinned logs. Error: the largest
 // |value - truth| of a determined parameter of the clock, in the sigma of the whole log's fit.
-// Argument: "year" adds a log of 1.6e7 periods.
+// Arguments: "year" adds a log of 1.6e7 periods; "solver LOG" times the search alone instead, on a
+// log of the jump with T0 = 2 s, from 5 % off.
+#include "fit/fit_starts.hpp"
+#include "fit/inference.hpp"
+#include "fit/search.hpp"
+#include "goingrate/log/reading.hpp"
 #include "support/fit_scenes.hpp"
 
 #include <chrono>
@@ -84,9 +89,46 @@ void thinnings_of(const FitScene& scene, const std::vector<std::size_t>& strides
   }
 }
 
+// What scipy's solver does: the clock's parameters by least squares from a start, and their sigmas;
+// no other starts, no intervals, no tests. The condensed log is made anew each time.
+void solver_alone(const std::string& path) {
+  using namespace timing_model;
+  const FitScene scene = jump_scene("jump", 2000, 1e-6, true);
+  const TimingData data =
+      timing_data(number_beats(read_log(read_text(path), path)).longest_segment());
+  std::vector<double> times;
+  for (int i = 0; i < 25; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    FitProblem problem = make_problem(data, scene.options, ModelChoice{});
+    std::vector<double> x(problem.parameters.free_count, 0.0);
+    for (const Slot& slot : problem.parameters.slots)
+      if (slot.free) {
+        const double off = is_noise(slot.quantity) ? 1.0 : 1.05;
+        x[slot.index] = slot.coordinate_of(off * scene.truth.at(problem.parameters.name_of(slot)));
+      }
+    problem.condensed = CondensedLog::of(data, problem.parameters.event_cycles, 300.0);
+    problem = with_noise_held(problem, x);
+    x.resize(problem.parameters.free_count);
+    const Minimum minimum = minimise(problem, x, {100, 1e-4, 1e4});
+    const auto at = evaluate(problem, minimum.x);
+    const Certainty known = certainty(problem, *at, {});
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
+    times.push_back(time.count());
+    if (i == 0)
+      std::printf("epsilon %.10e +- %.2e\n", std::exp(minimum.x[0]),
+                  std::exp(minimum.x[0]) * known.sigma(0));
+  }
+  std::sort(times.begin(), times.end());
+  std::printf("search alone %.3f ms\n", times[times.size() / 2]);
+}
+
 } // namespace
 
 int main(int count, char** words) {
+  if (count > 2 && std::strcmp(words[1], "solver") == 0) {
+    solver_alone(words[2]);
+    return 0;
+  }
   dynamics_of(jump_scene("jump, jitter 1e-6 s", 2000, 1e-6, true), 11);
   dynamics_of(jump_scene("jump, jitter 1e-4 s", 2000, 1e-4, true), 11);
   dynamics_of(jump_scene("jump, jitter 1e-6 s", 20000, 1e-6, true), 3);
