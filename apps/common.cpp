@@ -1,4 +1,6 @@
 #include "common.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
 #include "progress.hpp"
 
 #include <algorithm>
@@ -167,6 +169,12 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
         fmt::format("warning: the mean period {:.6g} s is {:.3g} times the nominal period: is "
                     "--nominal-period right, or does the log hold both directions?",
                     loaded.beats.typical_period_s, ratio));
+  constexpr double wide = 1.0; // rad: no clock swings so far
+  if (loaded.sensor.amplitude && loaded.sensor.amplitude->mean_rad > wide)
+    say(global,
+        fmt::format("warning: the amplitudes, {:.3g} in the mean, were taken for radians; if "
+                    "they are not, say so: --column amplitude=NAME:deg (or mrad)",
+                    loaded.sensor.amplitude->mean_rad));
 }
 
 } // namespace
@@ -254,6 +262,7 @@ void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
 
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   NumberedLog loaded;
+  keep_input(options.path);
   {
     ProgressBar bar(global.quiet);
     ReadingOptions reading = reading_options(options);

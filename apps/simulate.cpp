@@ -176,6 +176,7 @@ void run_many(const Scenario& scenario, const SimulateOptions& options,
 }
 
 void run(const SimulateOptions& options, const GlobalOptions& global) {
+  keep_input(options.scenario);
   const Scenario scenario =
       parse_scenario(read_text(options.scenario), options.scenario, options.overrides);
   if (options.output == "-" && options.truth == "-")

@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace goingrate {
 
@@ -50,10 +51,25 @@ void forget_draft(const char* name) {
   }
 }
 
+// Files that are read and must stay.
+std::vector<std::filesystem::path>& kept_inputs() {
+  static std::vector<std::filesystem::path> paths;
+  return paths;
+}
+
+void refuse_input(const std::string& path) {
+  for (const auto& input : kept_inputs()) {
+    std::error_code unknown;
+    if (std::filesystem::equivalent(input, path, unknown))
+      throw ArgumentError("output", path, "another file than the one that is read");
+  }
+}
+
 // Owns a temporary file beside the target until it is committed by a rename.
 class Draft {
 public:
   explicit Draft(const std::string& path) : target_(path), path_(path) {
+    refuse_input(path);
     std::error_code not_there; // a link is followed, so that the file it names is replaced
     if (std::filesystem::is_symlink(path, not_there))
       target_ = std::filesystem::weakly_canonical(path, not_there).string();
@@ -134,6 +150,10 @@ void write_stream(const std::string& path, std::string_view text) {
 }
 
 } // namespace
+
+void keep_input(const std::string& path) {
+  if (!is_stream(path)) kept_inputs().emplace_back(path);
+}
 
 void discard_drafts() noexcept {
   for (const auto& slot : draft_names)

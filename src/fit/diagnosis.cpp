@@ -165,7 +165,7 @@ void look_for_steps(const Courses& courses, std::vector<Suspicion>& all) {
         fmt::format("{} the rate jumps by {} more than it keeps, {}", when(returning.block),
                     daily(returning.found.fit.coefficients[2]),
                     daily(returning.found.fit.coefficients[0])),
-        "an amplitude with each beat would show the swing follow the drive");
+        "amplitudes, if the log has them, show the swing follow the drive");
   else
     add(all, Cause::length_step, step.gain,
         fmt::format("{} the rate changes by {} and stays", when(step.block),
@@ -260,7 +260,7 @@ void look_at_noise(const DiagnosisInput& input, const Courses& courses,
   // What a step, a ramp or the weather explains is a wander too: the better account comes first.
   add(all, Cause::slow_drive, courses.gain_of_wander(),
       "the rate wanders more than white noise would",
-      "an amplitude with each beat tells a wandering drive from a wandering length");
+      "amplitudes tell a wandering drive from a wandering length");
   const double rough = walk_per_period(*input.data) / input.nominal_period_s;
   constexpr double usual = 3e-5; // relative: a drive of some 8 % at the usual gains
   if (rough > usual)

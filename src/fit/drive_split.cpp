@@ -183,7 +183,11 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   result.jitter_s = rms_of(fit, fit.interval68(Component::jitter), Component::jitter, response);
   result.slow_time_s = fit.best().slow2 > 0.0 ? fit.best().memory_s : unknown;
   result.slow_gain = fit.gain_of_slow();
+  constexpr double evidence = 2.0; // of log L: noise alone gains as much in one log of eight
+  if (result.slow_gain < evidence) result.slow.low68 = 0.0;
   result.costs = costs_of(fit, fast, slow, period_s, response);
+  for (DriveCost& cost : result.costs)
+    if (result.slow.low68 == 0.0) cost.slow_s.low68 = 0.0;
   for (const double f : frequency_hz) {
     result.jitter_density.push_back(fit.best().jitter_density(f, period_s));
     result.fast_density.push_back(fit.best().fast_density(f, period_s, response));

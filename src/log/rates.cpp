@@ -1,5 +1,7 @@
 #include "goingrate/log/rates.hpp"
 
+#include "beat_noise.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -84,10 +86,25 @@ private:
   double nominal_period_s_;
 };
 
-// Largest s/sqrt(k) over block counts k; elapsed times weigh as nothing since blocks are equal.
+// Of one beat, from third differences of four that follow each other: 20 j^2, whatever the rate.
+double jitter_variance(std::span<const Beat> beats, const ClockError& error) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i + 3 < beats.size(); ++i)
+    if (beats[i + 3].cycle - beats[i].cycle == 3)
+      differences.push_back(error[i + 3] - error[i] - 3.0 * (error[i + 2] - error[i + 1]));
+  constexpr std::size_t enough = 16;
+  return differences.size() < enough ? 0.0 : trimmed_mean_square(differences) / 20.0;
+}
+
+// The jitter of the two ends, and the largest s^2/k over block counts k beyond what it makes of the
+// scatter. Many blocks, whose scatter is mostly jitter, count only where they stand out of it.
+// Elapsed times weigh as nothing since blocks are equal.
 double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   double largest = 0.0;
+  constexpr std::size_t few = 8;
   const std::size_t last = beats.size() - 1;
+  const double ends =
+      2.0 * jitter_variance(beats, error) / std::pow(beats[last].time - beats[0].time, 2);
   for (std::size_t k = std::min<std::size_t>(4, last); k <= std::min<std::size_t>(64, last);
        k *= 2) {
     double sum = 0.0;
@@ -101,9 +118,11 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
     }
     const auto count = static_cast<double>(k);
     const double variance = std::max(0.0, (sum2 - sum * sum / count) / (count - 1.0));
-    largest = std::max(largest, std::sqrt(variance / count));
+    const double jitter = ends * count * count;
+    const bool stands_out = variance > jitter * (1.0 + 3.0 * std::sqrt(2.0 / (count - 1.0)));
+    if (k <= few || stands_out) largest = std::max(largest, (variance - jitter) / count);
   }
-  return largest;
+  return std::sqrt(ends + largest);
 }
 
 double slope(std::span<const Beat> beats, const ClockError& error) {

@@ -82,8 +82,8 @@ std::size_t longest_label(const Figure& figure) {
 std::size_t key_rows(const Figure& figure, double room) {
   if (figure.series.size() < 2) return 0;
   constexpr double sample = 1.05;
-  constexpr double letter = 0.13; // of words, which the last column may carry beyond the plot
-  const double fit = (room + 0.2) / (sample + letter * static_cast<double>(longest_label(figure)));
+  constexpr double letter = 0.14; // of words, which the last column may carry beyond the plot
+  const double fit = (room + 0.05) / (sample + letter * static_cast<double>(longest_label(figure)));
   const auto columns = static_cast<std::size_t>(std::max(fit, 1.0));
   return (figure.series.size() + columns - 1) / columns;
 }

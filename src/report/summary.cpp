@@ -170,17 +170,22 @@ std::string fit_lines(const FitSummary& fit, const Diary& diary) {
   if (!unknown.empty()) text += fmt::format("  not determined by this log: {}\n", unknown);
   text += disagreement(fit, diary);
   if (fit.quality.whiteness_p < 1e-3)
-    text += "  The residuals are not white: this clock does more than the model knows. Sigmas are\n"
-            "  widened for it; read the values as rough.\n";
+    text += "  The residuals are not white: this clock does more than the model knows. Sigmas are "
+            "widened for it; read the values as rough.\n";
   return text;
+}
+
+bool sees_amplitude(const ReportData& data) {
+  return std::any_of(data.beats.begin(), data.beats.end(),
+                     [](const Beat& beat) { return std::isfinite(beat.amplitude_rad); });
 }
 
 std::string drive_lines(const ReportData& data) {
   if (!data.drive.split)
-    return "Drive: not split into fast and slow, since the log does not determine the\n"
-           "  clock's response. What would tell: amplitudes, a ring-down, or a change of the "
-           "driving "
-           "weight.\n";
+    return fmt::format("Drive: not split into fast and slow, since the log does not determine the "
+                       "clock's response. What would tell: {}a ring-down, or a change of the "
+                       "driving weight.\n",
+                       sees_amplitude(data) ? "" : "amplitudes, ");
   const auto part = [](const RmsEstimate& rms) {
     if (std::isnan(rms.rms)) return std::string("unknown");
     if (rms.low68 == 0.0) return fmt::format("at most {:.2g} %", 100.0 * rms.high68);
@@ -191,8 +196,12 @@ std::string drive_lines(const ReportData& data) {
                                  part(data.drive.split->slow));
   if (!data.drive.split->costs.empty()) {
     const DriveCost& week = data.drive.split->costs[1];
-    text += fmt::format("  What they cost in a week: {:.2g} s and {:.2g} s (rms).\n",
-                        week.fast_s.rms, week.slow_s.rms);
+    const auto cost = [](const RmsEstimate& rms) {
+      return rms.low68 > 0.0 ? fmt::format("{:.2g} s", rms.rms)
+                             : fmt::format("at most {:.2g} s", rms.high68);
+    };
+    text += fmt::format("  What they cost in a week: {} and {} (rms).\n", cost(week.fast_s),
+                        cost(week.slow_s));
   }
   if (!data.drive.split->note.empty()) text += "  " + data.drive.split->note + ".\n";
   return text;

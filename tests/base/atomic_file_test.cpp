@@ -72,6 +72,19 @@ TEST_F(AtomicFileTest, ALinkIsFollowedAndTheModeKept) {
             fs::perms::owner_read | fs::perms::owner_write);
 }
 
+TEST_F(AtomicFileTest, WhatIsReadIsNotReplaced) {
+  write_whole_file(folder_ / "log.csv", "measured once");
+  fs::create_symlink(folder_ / "log.csv", folder_ / "link.csv");
+  keep_input(folder_ / "log.csv");
+  EXPECT_THROW(write_whole_file(folder_ / "log.csv", "rates"), ArgumentError);
+  EXPECT_THROW(write_whole_file(folder_ / "link.csv", "rates"), ArgumentError);
+  EXPECT_THROW(write_whole_files({{folder_ / "a.csv", "x"}, {folder_ / "log.csv", "y"}}),
+               ArgumentError);
+  EXPECT_EQ(content(folder_ / "log.csv"), "measured once");
+  EXPECT_FALSE(fs::exists(folder_ / "a.csv"));
+  write_whole_file(folder_ / "b.csv", "rates");
+}
+
 TEST_F(AtomicFileTest, ADeviceIsWrittenToAndNotReplaced) {
   write_whole_file("/dev/null", "gone");
   EXPECT_FALSE(fs::is_regular_file("/dev/null"));

@@ -41,6 +41,24 @@ TEST_F(RateCommandTest, SaysWhatItAssumedAndTakesOverrides) {
   EXPECT_NE(content(folder_ / "t.csv").find(",0.047,"), std::string::npos);
 }
 
+TEST_F(RateCommandTest, DegreesTakenForRadiansAreNotPassedOver) {
+  std::string text = "time (s),amplitude\n";
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("{},3.02\n", 1000 + 2 * i);
+  put("a.csv", text);
+  EXPECT_NE(run("rate a.csv").err.find("--column amplitude=NAME:deg"), std::string::npos);
+  EXPECT_EQ(run("rate a.csv --column amplitude=amplitude:deg").err.find("warning"),
+            std::string::npos);
+}
+
+TEST_F(RateCommandTest, TheLogIsNotReplacedByItsTable) {
+  put("a.log", evenly(100, 2.0001));
+  const Outcome outcome = run("rate a.log -o a.log");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("another file than the one that is read"), std::string::npos);
+  EXPECT_EQ(content(folder_ / "a.log"), evenly(100, 2.0001));
+}
+
 TEST_F(RateCommandTest, GzipStandardInputAndFileGiveTheSame) {
   put("a.log", evenly(100, 2.0001));
   ASSERT_EQ(run("rate a.log -o file.csv").code, 0);

@@ -59,6 +59,30 @@ TEST(RatesTest, MeanRateSigmaCovers) {
   EXPECT_LE(inside, 400 * 0.90);
 }
 
+TEST(RatesTest, JitterTellsOnTheEndsAlone) {
+  // Jitter alone, and with a noise of rate that the blocks show: 400 logs each of 1000 periods.
+  for (const double white : {0.0, 1e-5}) {
+    int inside = 0;
+    double mean = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      RandomStream random(static_cast<std::uint64_t>(k), StreamPurpose::jitter);
+      std::vector<std::pair<std::int64_t, double>> crossings;
+      double t = 0.0;
+      for (int i = 0; i <= 1000; ++i) {
+        crossings.emplace_back(i, t + 1e-4 * random.normal());
+        t += 2.0 * (1 + white * random.normal());
+      }
+      const RateSummary s = summarise_rates(beats_at(crossings), 2.0);
+      inside += std::abs(s.rate_excess) < s.rate_excess_sigma ? 1 : 0;
+      mean += s.rate_excess_sigma / 400;
+    }
+    EXPECT_GE(inside, 400 * 0.62); // 0.68 less two and a half standard deviations
+    EXPECT_LE(inside, 400 * 0.92);
+    const double truth = std::hypot(std::sqrt(2.0) * 1e-4 / 2000.0, white / std::sqrt(1000.0));
+    EXPECT_LT(mean, 2.5 * truth); // the larger of two estimates with 3 and 7 degrees of freedom
+  }
+}
+
 TEST(RatesTest, TheNominalPeriodIsGuessedOnlyWhereItIsPlain) {
   ClockLog log;
   Beats beats;

@@ -18,6 +18,11 @@ void write_whole_file(const std::string& path, std::string_view text);
 /// that ends the program; nothing may be written after it.
 void discard_drafts() noexcept;
 
+/// What is being read: from now on no output of this process may take its place. Writing to it by
+/// any name throws ArgumentError("output", ...). Nothing for standard input and files that are not
+/// there. (AtomicFileTest.WhatIsReadIsNotReplaced)
+void keep_input(const std::string& path);
+
 /// Several outputs of one command, (path, text): all are on disk before the first old file is
 /// replaced. An empty path is an output nobody asked for. Throws OutputError, and ArgumentError if
 /// two of them are standard output.

@@ -23,7 +23,7 @@ struct RateSummary {
   double mean_period_sigma_s = 0.0;
   double last_period_s = 0.0;
   double rate_excess = 0.0;       ///< T0 / mean period - 1, from end to end (eq. ratemeas)
-  double rate_excess_sigma = 0.0; ///< from the scatter of block rates, see below
+  double rate_excess_sigma = 0.0; ///< from jitter and the scatter of block rates, see below
   double slope_rate_excess = 0.0; ///< the same from a straight line fitted to the clock's error
 };
 
@@ -37,9 +37,10 @@ double nominal_period(const ClockLog& log, const Beats& beats,
 ///
 /// The rate is that from end to end: the time gained over the time passed, which is what the hands
 /// show, and the best estimate while the clock wanders more than its sensor jitters. Its sigma is
-/// s / sqrt(k) with s the scatter of the rates of k equal blocks, the largest for k = 4 to 64: for
-/// white noise of rate it covers as it should, for slower wander it grows with it, for jitter alone
-/// it is too large rather than too small (RatesTest.MeanRateSigmaCovers).
+/// that of the jitter at both ends and s / sqrt(k), where s is what the rates of k equal blocks
+/// scatter beyond the jitter, the largest for k = 4 to 64: for white noise of rate and for jitter
+/// it covers as it should or a little more, for slower wander it grows with it
+/// (RatesTest.MeanRateSigmaCovers, RatesTest.JitterTellsOnTheEndsAlone).
 RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s);
 
 /// The rate of a part of a log.
