@@ -176,11 +176,11 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   return simpler;
 }
 
-// The first of the dynamics that shifts no determined parameter by more than a fifth of its sigma.
-// First order is judged by second, which costs a twentieth of the full equation, and by that too
-// before it is taken.
+// The first of the dynamics that shifts no determined parameter by more than a fifth of its sigma,
+// for second order a tenth: the full equation then costs little more. First order is judged by
+// second, which costs a twentieth of the full equation, and by that too before it is taken.
 void ModelSearch::choose_dynamics() {
-  constexpr double tolerable = 0.2;
+  constexpr double tolerable = 0.2, tolerable_of_second = 0.1;
   const auto shift_by = [&](FitDynamics judge) {
     shifts_ = model_shifts(best_, judge);
     return shifts_.empty() ? 0.0 : largest_shift(best_, shifts_);
@@ -204,12 +204,12 @@ void ModelSearch::choose_dynamics() {
   double second = std::numeric_limits<double>::infinity();
   if (refine(best_, FitDynamics::averaged2)) {
     second = shift_by(FitDynamics::map);
-    if (second > tolerable) {
+    if (second > tolerable_of_second) {
       tried(best_, fmt::format("off by up to {:.2g} sigma", second));
       chosen_by_ += fmt::format(", averaged2 by {:.2g}", second);
     }
   }
-  if (second > tolerable && !refine(best_, FitDynamics::map))
+  if (second > tolerable_of_second && !refine(best_, FitDynamics::map))
     notes_.push_back(fmt::format("the full equation of motion found no place near this one; the "
                                  "values are off by up to {:.2g} sigma",
                                  std::min(first, second)));
