@@ -36,6 +36,28 @@ std::optional<NutTurns> nut_turns(const ReportCommand& options, const RateSummar
   return turns_to_zero_rate(nut, rate.rate_excess, rate.rate_excess_sigma);
 }
 
+// Through an interruption, and as long again after it, the lateness stands still: what shook the
+// clock then is told by the diary.
+void level_interruptions(const Diary& diary, TimingData& data) {
+  constexpr double before_s = 30.0;
+  for (const Interruption& event : diary.interruptions) {
+    const double from = event.begin.at_s - before_s;
+    const double to = 2.0 * event.end.at_s - event.begin.at_s;
+    double held = 0.0, taken_off = 0.0;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const double late = data.lateness_s[i];
+      if (data.elapsed_s[i] < from) {
+        held = late;
+      } else if (data.elapsed_s[i] <= to) {
+        data.lateness_s[i] = held;
+        taken_off = late - held;
+      } else {
+        data.lateness_s[i] -= taken_off;
+      }
+    }
+  }
+}
+
 ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   NumberedLog loaded = load(options.log, global);
   ReportData data;
@@ -54,6 +76,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   const bool told = !data.diary.changes.empty() || !data.diary.interruptions.empty();
   if (told && data.fit.residual_s.size() == times.size())
     unexplained.lateness_s = data.fit.residual_s;
+  level_interruptions(data.diary, unexplained);
   data.suspicions = diagnose({&unexplained, loaded.nominal_period_s, missed, data.drive.lines});
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
   data.deviation = stability_table(DeviationKind::oadev, error, loaded.nominal_period_s,
