@@ -66,7 +66,9 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   data.nut = nut_turns(options, data.rate, global);
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
   const TimingData times = fit_data(loaded);
-  data.fit = fit_clock(times, loaded.nominal_period_s, fit_options(options.model, loaded, global));
+  FitOptions asked = fit_options(options.model, loaded, global);
+  asked.profiles = true;
+  data.fit = fit_clock(times, loaded.nominal_period_s, asked);
   data.covariates = covariate_effects(times);
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);

@@ -114,6 +114,15 @@ void attach_shifts(const Parameters& parameters, const std::map<std::string, dou
         p.model_shift = shifts.at(p.name);
 }
 
+void attach_profiles(const Fitted& fitted, const Certainty& known,
+                     const std::vector<Interval>& ends, FitSummary& summary) {
+  const Parameters& parameters = fitted.problem.parameters;
+  for (const Slot& slot : parameters.slots)
+    for (FittedParameter& p : summary.parameters)
+      if (slot.free && p.name == parameters.name_of(slot) && std::isfinite(p.value))
+        p.profile = profile_points(fitted.problem, fitted.minimum, known, slot, ends[slot.index]);
+}
+
 void state_contradictions(const Fitted& fitted, FitSummary& summary) {
   for (const CoordinatePrior& prior : fitted.problem.priors) {
     if (!prior.stated) continue;
@@ -216,9 +225,11 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.events = search.options().events;
   summary.time_widening = widening.time;
   summary.amplitude_widening = widening.amplitude;
-  state_results(fitted.problem, fitted.minimum.x, known,
-                intervals(fitted.problem, fitted.minimum, known, widening.largest() < badly),
-                fitted.rivals, search.options(), nominal_period_s, summary);
+  const std::vector<Interval> ends =
+      intervals(fitted.problem, fitted.minimum, known, widening.largest() < badly);
+  state_results(fitted.problem, fitted.minimum.x, known, ends, fitted.rivals, search.options(),
+                nominal_period_s, summary);
+  if (search.options().profiles) attach_profiles(fitted, known, ends, summary);
   attach_shifts(fitted.problem.parameters, search.first_order_shifts(), summary);
   summary.jitter_s = noise_value(summary, "jitter_rms");
   summary.amplitude_noise_rad = noise_value(summary, "amplitude_rms");

@@ -196,6 +196,25 @@ double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
          static_cast<double>(problem.parameters.free_count) * std::log(seen);
 }
 
+namespace {
+
+// A change that is held may close the way from every start to the best place; where the same model
+// comes to rest with it free is a start on the far side.
+std::optional<std::vector<double>>
+start_from_free_changes(const TimingData& data, const FitOptions& options, const ModelChoice& model,
+                        const NoiseGuess& noise, const Parameters& parameters,
+                        std::span<const double> otherwise) {
+  FitOptions wider = options;
+  std::erase_if(wider.fixed,
+                [](const auto& item) { return item.first.find('@') != std::string::npos; });
+  if (wider.fixed.size() == options.fixed.size()) return {};
+  const Fitted there = fit_from_scratch(data, wider, model, noise);
+  if (!there.minimum.usable) return {};
+  return carried_over(there.problem.parameters, there.minimum.x, parameters, otherwise);
+}
+
+} // namespace
+
 Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const ModelChoice& model,
                         const NoiseGuess& noise) {
   Fitted fitted;
@@ -214,6 +233,8 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
     std::copy(end.x.begin(), end.x.end(), start.begin());
     starts.push_back(std::move(start));
   }
+  if (auto start = start_from_free_changes(data, options, model, noise, parameters, points.front()))
+    starts.insert(starts.begin(), std::move(*start));
   fitted.problem.priors = make_priors(options, parameters, starts.front());
   fitted.minimum.x = starts.front();
   starts.erase(starts.begin());

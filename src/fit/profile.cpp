@@ -32,6 +32,24 @@ public:
     return found;
   }
 
+  /// The fall of 2 log L at z, in the units of FittedParameter; nothing where the model does not
+  /// hold. To be called at growing distances on one side, then on the other.
+  std::optional<double> fall(double z) {
+    if (last_ && last_->z * z < 0.0) last_.reset();
+    constexpr double little = 0.02; // of L: a step that gains less gains what it promises
+    const auto there = step_of_others(along(z));
+    const double risen =
+        there && there->gain < little ? there->value - there->gain - minimum_.value : rise(z);
+    if (!std::isfinite(risen)) return {};
+    return 2.0 * std::max(0.0, risen) / (widening_ * widening_);
+  }
+
+  /// How many curvature sigmas an end of an interval lies off.
+  [[nodiscard]] double z_of(double end) const {
+    return (end - minimum_.x[k_]) / known_.curvature_sigma(k_);
+  }
+  [[nodiscard]] double widening() const { return widening_; }
+
 private:
   // The shape at q: by a look, and if that shows no parabola by a search.
   double risen(double q) {
@@ -242,6 +260,34 @@ std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimu
     }
   }
   return result;
+}
+
+std::vector<ProfilePoint> profile_points(const FitProblem& problem, const Minimum& minimum,
+                                         const Certainty& known, const Slot& slot,
+                                         const Interval& interval) {
+  constexpr int points_a_side = 5;
+  constexpr double beyond = 1.15, open = 3.0; // of the interval; sigma
+  Profile profile(problem, minimum, known, slot.index, true);
+  std::vector<double> x = minimum.x;
+  std::vector<ProfilePoint> found{{slot.value(std::span<const double>(x)), 0.0}};
+  for (const double end : {interval.low95, interval.high95}) {
+    const bool low = end == interval.low95;
+    const double reach =
+        std::isfinite(end) ? beyond * profile.z_of(end) : (low ? -open : open) * profile.widening();
+    for (int i = 1; i <= points_a_side; ++i) {
+      const double z = reach * i / points_a_side;
+      x[slot.index] = minimum.x[slot.index] + z * known.curvature_sigma(slot.index);
+      const bool allowed =
+          problem.bounds.empty() || (x[slot.index] >= problem.bounds[slot.index][0] &&
+                                     x[slot.index] <= problem.bounds[slot.index][1]);
+      if (!allowed) break;
+      if (const auto fall = profile.fall(z))
+        found.push_back({slot.value(std::span<const double>(x)), *fall});
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const ProfilePoint& a, const ProfilePoint& b) { return a.value < b.value; });
+  return found;
 }
 
 } // namespace goingrate::timing_model

@@ -15,6 +15,13 @@ namespace goingrate::timing_model {
 std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimum,
                                 const Certainty& known, bool model_holds);
 
+/// Points of the profile of one parameter between its interval's ends and a little beyond, or three
+/// sigma where an end is open: each by a look at the ridge and a scoring step of the others, or by
+/// a search where that step gains much.
+std::vector<ProfilePoint> profile_points(const FitProblem& problem, const Minimum& minimum,
+                                         const Certainty& known, const Slot& slot,
+                                         const Interval& interval);
+
 /// The problem with one coordinate held; its priors on that coordinate are dropped.
 FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate);
 

@@ -28,38 +28,20 @@ bool has_intervals(const FittedParameter& p) {
          std::isfinite(p.value) && p.sigma > 0.0 && p.low68 < p.high68;
 }
 
-// A place of the profile: its distance from the best value in sigma, and the signed root of the
-// fall of 2 log L there, which a parabola has equal to it.
-struct Knot {
-  double z = 0.0, root = 0.0;
-};
-
-// Where the profile is known: at the best value and at those ends of the intervals that it has.
-std::vector<Knot> knots(const FittedParameter& p) {
-  constexpr double root95 = 1.959964;
-  std::vector<Knot> known;
-  for (const auto& [end, root] : {std::pair{p.low95, -root95},
-                                  {p.low68, -1.0},
-                                  {p.value, 0.0},
-                                  {p.high68, 1.0},
-                                  {p.high95, root95}}) {
-    const double z = (end - p.value) / p.sigma;
-    if (std::isfinite(z) && (known.empty() || z > known.back().z)) known.push_back({z, root});
-  }
-  return known;
-}
-
-// Between two knots the root goes straight, so that a parabola is drawn as one.
+// Through the points that were computed; between two of them the signed root of the fall goes
+// straight, so that a parabola is drawn as one.
 Series profile_curve(const FittedParameter& p, int colour) {
-  constexpr int steps = 20; // between two knots
+  constexpr int steps = 8; // between two points
   Series curve{Series::Style::line, p.name, {}, {}, {}, {}, colour};
-  const std::vector<Knot> known = knots(p);
-  for (std::size_t i = 1; i < known.size(); ++i)
+  const auto root_of = [&](const ProfilePoint& point) {
+    return std::copysign(std::sqrt(point.fall), point.value - p.value);
+  };
+  for (std::size_t i = 1; i < p.profile.size(); ++i)
     for (int k = i == 1 ? 0 : 1; k <= steps; ++k) {
+      const ProfilePoint &from = p.profile[i - 1], &to = p.profile[i];
       const double part = static_cast<double>(k) / steps;
-      const double root = known[i - 1].root + part * (known[i].root - known[i - 1].root);
-      curve.x.push_back(known[i - 1].z + part * (known[i].z - known[i - 1].z));
-      curve.y.push_back(root * root);
+      curve.x.push_back((std::lerp(from.value, to.value, part) - p.value) / p.sigma);
+      curve.y.push_back(std::pow(std::lerp(root_of(from), root_of(to), part), 2));
     }
   return curve;
 }
@@ -71,16 +53,16 @@ std::optional<Figure> profile_figure(const FitSummary& fit) {
       "profiles",
       "Profile likelihoods",
       "By how much 2 log L falls when a parameter is held off its best value and all "
-      "others are fitted again: 1 at the ends of the 68 % interval, 3.84 at those of 95 %, "
-      "where it was found; in between the curves are drawn as a parabola would go. A curve "
-      "that leans is an error greater to one side; one that ends early has no end there.",
+      "others are fitted again, at five places on either side: 1 at the ends of the 68 % interval, "
+      "3.84 at those of 95 %. A curve that leans is an error greater to one side; one that stays "
+      "low has no end there.",
       {"distance from the best value", "σ"},
       {"fall of 2 log L", ""},
       {}};
   constexpr std::size_t colours = 8; // then the same with another dash
   for (const FittedParameter& p : fit.parameters) {
     const std::size_t i = figure.series.size();
-    if (has_intervals(p))
+    if (!p.profile.empty())
       figure.series.push_back(profile_curve(p, static_cast<int>((i + i / colours) % colours)));
   }
   std::erase_if(figure.series, [](const Series& series) { return series.x.empty(); });

@@ -24,7 +24,7 @@ std::optional<Figure> correlation_figure(const FitSummary& fit);
 /// The 68 % and 95 % intervals in units of sigma; nothing if no parameter has them.
 std::optional<Figure> interval_figure(const FitSummary& fit);
 
-/// The profile of the likelihood for each parameter that has intervals, through their ends; nothing
+/// The profile of the likelihood for each parameter of which the fit traced it; nothing
 /// if none has.
 std::optional<Figure> profile_figure(const FitSummary& fit);
 

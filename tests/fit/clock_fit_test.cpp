@@ -64,6 +64,38 @@ TEST(ClockFitTest, SigmaIsTheScatterOfManyFits) {
   EXPECT_NEAR(sum2, 1.0, 4 * std::sqrt(2.0 / 30));
 }
 
+TEST(ClockFitTest, AProfileIsThatOfFitsWithTheParameterHeld) {
+  // Few beats and much jitter: the profiles lean. The slow way round is a fit for each point.
+  FitOptions options;
+  options.dynamics = FitDynamics::averaged1;
+  options.noise = FitNoise::jitter;
+  options.fixed["T0"] = 2.0;
+  options.events = {{150, {"mu"}}};
+  options.profiles = true;
+  const Scenario scenario = test::jump_from_a_to_b(500, 2e-4);
+  const FitSummary fit = fit_of(scenario, 101, options);
+  const double minus_one_parameter = std::log(500.0); // what BIC takes off for it
+  double least_even = 1.0;
+  for (const char* name : {"epsilon", "phi0", "mu@1", "jitter_rms"}) {
+    const FittedParameter& p = parameter(fit, name);
+    ASSERT_EQ(p.profile.size(), 11u) << name; // five on each side
+    EXPECT_LT(p.profile.front().value, p.low95);
+    EXPECT_GT(p.profile.back().value, p.high95);
+    least_even = std::min(least_even, (p.value - p.low95) / (p.high95 - p.value));
+    if (p.name == "jitter_rms") continue; // cannot be held
+    for (const ProfilePoint& point : p.profile) {
+      FitOptions held = options;
+      held.fixed[name] = point.value;
+      const double fall =
+          fit_of(scenario, 101, held).quality.bic - fit.quality.bic + minus_one_parameter;
+      const double widened = fit.time_widening * fit.time_widening;
+      // the searches stop when a step gains less than 0.01 of L; the rest is the look's share
+      EXPECT_NEAR(point.fall * widened, fall, 0.05 + 0.02 * fall) << name << " at " << point.value;
+    }
+  }
+  EXPECT_LT(least_even, 0.95); // they do lean
+}
+
 TEST(ClockFitTest, FirstOrderAloneIsShownToBeOff) {
   FitOptions options;
   options.fixed["T0"] = 2.0;
