@@ -42,9 +42,16 @@ double second_difference_u6_log(double u) {
          1.0 / (28.0 * square);
 }
 
+double whole_power(double u, int power) { // std::pow takes five times as long
+  double product = 1.0;
+  for (; power > 0; --power)
+    product *= u;
+  return product;
+}
+
 double power_log(double u, int power) {
   u = std::abs(u);
-  return u == 0.0 ? 0.0 : std::pow(u, power) * std::log(u);
+  return u == 0.0 ? 0.0 : whole_power(u, power) * std::log(u);
 }
 
 // u^power ln u differenced directly at spacing 1.
@@ -80,7 +87,7 @@ double averaged_phase_covariance(int alpha, double u) {
 double power_law_covariance(int alpha, double t) {
   const double a = std::abs(t);
   const double sign = alpha == 2 || alpha == -1 || alpha == -2 ? -1.0 : 1.0;
-  return sign * (alpha % 2 == 0 ? std::pow(a, 3 - alpha) : power_log(a, 3 - alpha));
+  return sign * (alpha % 2 == 0 ? whole_power(a, 3 - alpha) : power_log(a, 3 - alpha));
 }
 
 // s_x of phases averaged over tau. Lags reach 4 tau, so the direct difference costs few digits.

@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "goingrate/base/errors.hpp"
-#include "mean_squares.hpp"
+#include "noise_by_ratio.hpp"
 
 namespace goingrate {
 namespace {
 
-std::vector<double> every_mth(std::span<const double> phase, std::size_t m) {
-  if (m == 1) return {phase.begin(), phase.end()};
-  std::vector<double> taken((phase.size() + m - 1) / m);
+std::vector<double> every_mth(std::span<const double> x, std::size_t m) {
+  if (m == 1) return {x.begin(), x.end()};
+  std::vector<double> taken((x.size() + m - 1) / m);
   for (std::size_t k = 0; k < taken.size(); ++k)
-    taken[k] = phase[k * m];
+    taken[k] = x[k * m];
   return taken;
 }
 
@@ -199,17 +199,6 @@ double expected_ratio(double n, int mu) {
   }
 }
 
-// 2 or 1: which phase noise MVAR/AVAR speaks for.
-int alpha_of_phase_noise(std::span<const double> phase, std::size_t m) {
-  const MeanSquare modified = mean_phase_differences(phase)(m);
-  const MeanSquare plain = phase_differences(phase, 2, true)(m);
-  if (m == 1 || modified.n == 0 || !(plain.value > 0.0)) return 2;
-  const double factor = static_cast<double>(m), pi = std::acos(-1.0);
-  const double white = 1.0 / factor;
-  const double flicker = 1.5 * std::log(256.0 / 27.0) / (1.038 + 3.0 * std::log(pi * factor));
-  return modified.value / plain.value < std::sqrt(white * flicker) ? 2 : 1;
-}
-
 } // namespace
 
 NoiseType identify_noise(std::span<const double> phase, std::size_t m,
@@ -239,9 +228,38 @@ NoiseType identify_noise(std::span<const double> phase, std::size_t m,
   }
 }
 
-NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m) {
+const WindowMeans& NoiseByRatio::means() const {
+  std::call_once(formed_, [this] { means_.emplace(phase_); });
+  return *means_;
+}
+
+int NoiseByRatio::alpha_of_phase_noise(std::size_t m) const {
+  if (m == 1) return 2;
+  // Differences that start a 16th of m apart tell as much as all.
+  const std::size_t step = std::max<std::size_t>(1, m / 16);
+  const WindowMeans& window = means();
+  double modified = 0.0, plain = 0.0;
+  std::size_t modified_count = 0, plain_count = 0;
+  for (std::size_t i = 0; i + 2 * m < phase_.size(); i += step) {
+    const double bend = (phase_[i + 2 * m] - phase_[i + m]) - (phase_[i + m] - phase_[i]);
+    if (!std::isnan(bend)) plain += bend * bend, ++plain_count;
+    if (i + 3 * m > phase_.size()) continue;
+    const double middle = window.mean(i + m, m);
+    const double of_means = (window.mean(i + 2 * m, m) - middle) - (middle - window.mean(i, m));
+    if (!std::isnan(of_means)) modified += of_means * of_means, ++modified_count;
+  }
+  if (modified_count == 0 || !(plain > 0.0)) return 2;
+  const double ratio =
+      modified / static_cast<double>(modified_count) / (plain / static_cast<double>(plain_count));
+  const double factor = static_cast<double>(m), pi = std::acos(-1.0);
+  const double white = 1.0 / factor;
+  const double flicker = 1.5 * std::log(256.0 / 27.0) / (1.038 + 3.0 * std::log(pi * factor));
+  return ratio < std::sqrt(white * flicker) ? 2 : 1;
+}
+
+NoiseType NoiseByRatio::at(std::size_t m) const {
   if (m == 0) throw ArgumentError("m", 0.0, "1 or more");
-  const std::vector<double> z = every_mth(phase, m);
+  const std::vector<double> z = every_mth(phase_, m);
   const FrequencyScatter scatter = scatter_of_steps(z);
   NoiseType noise;
   noise.points = count_finite(z);
@@ -254,10 +272,14 @@ NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m) 
   noise.alpha = -2;
   for (int mu = 1; noise.alpha < 1 && ratio <= border(mu); --mu)
     ++noise.alpha;
-  if (noise.alpha == 1) noise.alpha = alpha_of_phase_noise(phase, m);
+  if (noise.alpha == 1) noise.alpha = alpha_of_phase_noise(m);
   noise.exponent = noise.alpha;
   noise.identified = true;
   return noise;
+}
+
+NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m) {
+  return NoiseByRatio(phase).at(m);
 }
 
 } // namespace goingrate

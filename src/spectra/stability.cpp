@@ -15,6 +15,8 @@
 #include "goingrate/spectra/degrees_of_freedom.hpp"
 #include "goingrate/spectra/noise_type.hpp"
 #include "mean_squares.hpp"
+#include "noise_by_ratio.hpp"
+#include "square_sums.hpp"
 
 namespace goingrate {
 namespace {
@@ -43,11 +45,14 @@ void check_factors(Kind kind, std::span<const std::size_t> factors, std::size_t 
   }
 }
 
-void check_phase(std::span<const double> phase_s) {
+// Whether all are known.
+bool check_phase(std::span<const double> phase_s) {
   if (phase_s.size() < 3)
     throw ArgumentError("phase_s.size()", static_cast<double>(phase_s.size()), "3 or more");
+  if (is_finite(phase_s)) return true;
   for (double x : phase_s)
     if (std::isinf(x)) throw ArgumentError("phase_s", x, "finite, or NaN for a gap");
+  return false;
 }
 
 void check_alpha(const std::optional<int>& alpha) {
@@ -82,12 +87,14 @@ bool needs_an_unbroken_run(Kind kind) {
 // What the deviation of `kind` is made of. Unknown phases at the ends are cut off where the ends
 // matter, and gaps within are bridged where they must not be.
 struct Series {
-  std::vector<double> x;
+  std::vector<double> changed{}; // empty if the phases do as they are
+  std::span<const double> x{};
+  bool known = true; // all of x
   std::size_t bridged = 0;
 };
 
 void bridge_gaps(Series& series) {
-  std::vector<double>& x = series.x;
+  std::vector<double>& x = series.changed;
   for (std::size_t i = 1; i < x.size(); ++i) {
     if (!std::isnan(x[i])) continue;
     std::size_t next = i;
@@ -101,16 +108,24 @@ void bridge_gaps(Series& series) {
   }
 }
 
-Series prepared(Kind kind, std::span<const double> phase_s) {
-  const bool sees_the_rate = kind == Kind::mtie || kind == Kind::tierms;
-  Series series{sees_the_rate ? std::vector<double>(phase_s.begin(), phase_s.end())
-                              : without_end_line(phase_s)};
-  if (kind != Kind::totdev && !needs_an_unbroken_run(kind)) return series;
-  const auto known = [](double x) { return !std::isnan(x); };
-  std::vector<double>& x = series.x;
-  x.erase(std::find_if(x.rbegin(), x.rend(), known).base(), x.end());
-  x.erase(x.begin(), std::find_if(x.begin(), x.end(), known));
-  if (needs_an_unbroken_run(kind)) bridge_gaps(series);
+// Differences of single phases lose nothing to an offset or a slope that the phases have not lost
+// already.
+bool takes_single_phases(Kind kind) {
+  return kind == Kind::adev || kind == Kind::oadev || kind == Kind::hdev || kind == Kind::ohdev ||
+         kind == Kind::tierms || kind == Kind::mtie;
+}
+
+Series prepared(Kind kind, std::span<const double> phase_s, bool known) {
+  if (takes_single_phases(kind)) return {{}, phase_s, known};
+  Series series{without_end_line(phase_s), {}, known};
+  std::vector<double>& x = series.changed;
+  if (kind == Kind::totdev || needs_an_unbroken_run(kind)) {
+    const auto is_known = [](double v) { return !std::isnan(v); };
+    x.erase(std::find_if(x.rbegin(), x.rend(), is_known).base(), x.end());
+    x.erase(x.begin(), std::find_if(x.begin(), x.end(), is_known));
+  }
+  if (needs_an_unbroken_run(kind)) bridge_gaps(series), series.known = true;
+  series.x = x;
   return series;
 }
 
@@ -133,36 +148,37 @@ Source source_of(Kind kind, std::size_t m, std::size_t points) {
 
 // Theo1 times the mean ratio of AVAR to it (SP 1065 section 5.2.16, "TheoBR"): OADEV at 9 + 3i
 // against Theo1 at 12 + 4i, which has the same tau.
-MeanSquareAt scaled_theo1(std::span<const double> x) {
+MeanSquares scaled_theo1(std::span<const double> x) {
   const std::size_t pairs = x.size() >= 90 ? x.size() / 30 - 3 + 1 : 1;
   constexpr std::size_t enough = 32; // the ratio scatters less than Theo1 does at the tau it is for
   const std::size_t taken = std::min(pairs, enough);
-  const MeanSquareAt allan = phase_differences(x, 2, true), theo1 = theo1_differences(x);
+  const MeanSquares allan = phase_differences(x, true, 2, true), theo1 = theo1_differences(x);
   double ratio = 0.0;
   for (std::size_t k = 0; k < taken; ++k) {
     const std::size_t i = taken > 1 ? k * (pairs - 1) / (taken - 1) : 0;
-    ratio += allan(9 + 3 * i).value / theo1(12 + 4 * i).value / static_cast<double>(taken);
+    ratio += at_one(allan, 9 + 3 * i).value / at_one(theo1, 12 + 4 * i).value /
+             static_cast<double>(taken);
   }
-  return [theo1, ratio](std::size_t m) {
-    MeanSquare mean = theo1(m);
+  return one_by_one([theo1, ratio](std::size_t m) {
+    MeanSquare mean = at_one(theo1, m);
     if (std::isfinite(ratio)) mean.value *= ratio; // not so for phases without any noise
     return mean;
-  };
+  });
 }
 
-MeanSquareAt mean_square_of(Kind kind, std::span<const double> x) {
+MeanSquares mean_squares_of(Kind kind, std::span<const double> x, bool known) {
   switch (kind) {
   case Kind::adev:
   case Kind::oadev:
-    return phase_differences(x, 2, kind == Kind::oadev);
+    return phase_differences(x, known, 2, kind == Kind::oadev);
   case Kind::hdev:
   case Kind::ohdev:
-    return phase_differences(x, 3, kind == Kind::ohdev);
+    return phase_differences(x, known, 3, kind == Kind::ohdev);
   case Kind::mdev:
   case Kind::tdev:
-    return mean_phase_differences(x);
+    return mean_phase_differences(x, known);
   case Kind::totdev:
-    return reflected_differences(x);
+    return reflected_differences(x, known);
   case Kind::mtotdev:
   case Kind::ttotdev:
     return modified_total(x);
@@ -175,20 +191,20 @@ MeanSquareAt mean_square_of(Kind kind, std::span<const double> x) {
   case Kind::mtie:
     return largest_ranges(x);
   case Kind::tierms:
-    return phase_differences(x, 1, true);
+    return phase_differences(x, known, 1, true);
   default:
     return slope_differences(x);
   }
 }
 
 // Noise at the tau of a row; not identified where too little is left to tell.
-NoiseType noise_at(Kind kind, std::span<const double> x, double tau,
+NoiseType noise_at(Kind kind, std::span<const double> x, const NoiseByRatio& by_ratio, double tau,
                    const DeviationOptions& options) {
   if (kind == Kind::mtie || kind == Kind::tierms) return {}; // without an interval it is no use
   if (options.alpha) return {*options.alpha, static_cast<double>(*options.alpha), 0, true};
   const auto m = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(tau)));
   const NoiseType found = identify_noise(x, m, is_hadamard(kind) ? 3 : 2);
-  return found.identified ? found : identify_noise_by_ratio(x, m);
+  return found.identified ? found : by_ratio.at(m);
 }
 
 double degrees_of(const Source& source, int alpha, std::size_t n, std::size_t points) {
@@ -294,35 +310,64 @@ std::size_t threads_for(const DeviationOptions& options, std::size_t points, std
   return points * factors < worth_a_thread ? 1 : std::max(1u, std::thread::hardware_concurrency());
 }
 
+// How many factors one thread takes together. Sums over windows depend in the last digit on what
+// they were widened from, so there it does not hang on the number of threads.
+std::size_t factors_together(Kind kind, std::size_t factors, std::size_t threads) {
+  if (takes_single_phases(kind)) return (factors + threads - 1) / threads;
+  const bool windows = kind == Kind::mdev || kind == Kind::tdev || kind == Kind::pdev;
+  return windows ? std::clamp<std::size_t>(factors / 16, 32, 256) : 1;
+}
+
+// One for each factor.
+std::vector<MeanSquare> mean_squares(Kind kind, std::span<const double> x, bool known,
+                                     std::span<const std::size_t> factors, std::size_t threads) {
+  const MeanSquares of_kind = mean_squares_of(kind, x, known);
+  const MeanSquares allan = // the first part of THEOH
+      kind == Kind::theoh ? phase_differences(x, true, 2, true) : MeanSquares{};
+  const std::size_t together = factors_together(kind, factors.size(), threads);
+  std::vector<MeanSquare> means(factors.size());
+  share((factors.size() + together - 1) / together, threads, [&](std::size_t part) {
+    const std::size_t first = part * together, end = std::min(first + together, factors.size());
+    std::vector<std::size_t> taken;
+    for (std::size_t i = first; i < end; ++i)
+      taken.push_back(source_of(kind, factors[i], x.size()).m);
+    const bool from_allan =
+        kind == Kind::theoh && source_of(kind, factors[first], x.size()).kind == Kind::oadev;
+    const std::vector<MeanSquare> found = from_allan ? allan(taken) : of_kind(taken);
+    std::copy(found.begin(), found.end(), means.begin() + static_cast<std::ptrdiff_t>(first));
+  });
+  return means;
+}
+
 } // namespace
 
 DeviationTable stability_table(DeviationKind kind, std::span<const double> phase_s, double tau0_s,
                                std::span<const std::size_t> factors,
                                const DeviationOptions& options) {
-  check_phase(phase_s);
+  const bool known = check_phase(phase_s);
   check_interval(tau0_s);
   check_factors(kind, factors, phase_s.size());
   check_alpha(options.alpha);
   if (factors.empty()) return {kind, tau0_s, {}};
-  const Series series = prepared(kind, phase_s);
+  const Series series = prepared(kind, phase_s, known);
   const std::span<const double> x = series.x;
   check_factors(kind, factors, x.size());
   DeviationTable table{kind, tau0_s, std::vector<DeviationRow>(factors.size()), series.bridged};
   std::vector<NoiseType> noises(factors.size());
-  const MeanSquareAt mean_square = mean_square_of(kind, x);
-  const MeanSquareAt allan = phase_differences(x, 2, true); // the first part of THEOH
-  share(factors.size(), threads_for(options, x.size(), factors.size()), [&](std::size_t i) {
+  const std::size_t threads = threads_for(options, x.size(), factors.size());
+  const std::vector<MeanSquare> means = mean_squares(kind, x, series.known, factors, threads);
+  const NoiseByRatio by_ratio(x);
+  share(factors.size(), threads, [&](std::size_t i) {
     const Source source = source_of(kind, factors[i], x.size());
-    const bool from_allan = kind == Kind::theoh && source.kind == Kind::oadev;
-    const MeanSquare mean = from_allan ? allan(source.m) : mean_square(source.m);
-    table.rows[i] = row_without_noise(source, mean, tau0_s);
-    noises[i] = noise_at(kind, x, source.tau, options);
+    table.rows[i] = row_without_noise(source, means[i], tau0_s);
+    noises[i] = noise_at(kind, x, by_ratio, source.tau, options);
   });
   // A first row without noise borrows it from the longest time at which it can be found.
   NoiseType noise;
   if (!noises.empty() && !noises[0].identified)
-    noise = noise_at(
-        kind, x, static_cast<double>((x.size() - 1) / (least_points_for_noise_type - 1)), options);
+    noise =
+        noise_at(kind, x, by_ratio,
+                 static_cast<double>((x.size() - 1) / (least_points_for_noise_type - 1)), options);
   std::vector<std::size_t> grains;
   std::size_t noisy = 1; // the longest factor at which the rate is noisy
   for (std::size_t i = 0; i < noises.size(); ++i) {
@@ -331,7 +376,7 @@ DeviationTable stability_table(DeviationKind kind, std::span<const double> phase
     if (noise.identified && noise.alpha <= 0) noisy = factors[i];
     grains.push_back(noise.alpha >= 1 && !options.alpha ? noisy : 1);
   }
-  share(factors.size(), threads_for(options, x.size(), factors.size()), [&](std::size_t i) {
+  share(factors.size(), threads, [&](std::size_t i) {
     add_interval(table.rows[i], source_of(kind, factors[i], x.size()), noises[i], x.size(),
                  grains[i], options.remove_bias);
   });

@@ -1,5 +1,5 @@
-// The "total" variances: the data are continued by reflection, so that long averages have more
-// terms than the data alone would give.
+// The "total" variances of runs: each is continued by reflection, so that long averages have more
+// terms than the data alone would give. (TOTDEV is with the differences of single phases.)
 #include "mean_squares.hpp"
 
 #include <cmath>
@@ -64,44 +64,26 @@ MeanSquare mean_over_runs(const double* values, std::size_t count, std::size_t m
 
 } // namespace
 
-MeanSquareAt reflected_differences(std::span<const double> x) {
-  const std::size_t points = x.size(), beyond = points - 2;
-  std::vector<double> longer;
-  longer.reserve(points + 2 * beyond);
-  for (std::size_t k = beyond; k >= 1; --k)
-    longer.push_back(2.0 * x.front() - x[k]);
-  longer.insert(longer.end(), x.begin(), x.end());
-  for (std::size_t k = 1; k <= beyond; ++k)
-    longer.push_back(2.0 * x.back() - x[points - 1 - k]);
-  return [points, beyond,
-          longer = std::make_shared<const std::vector<double>>(std::move(longer))](std::size_t m) {
-    if (m >= points) return MeanSquare{};
-    // The differences centred on x[1] .. x[N-2] are those that start m earlier.
-    const std::span<const double> all(*longer);
-    const auto within = all.subspan(beyond + 1 - m, points - 2 + 2 * m);
-    return phase_differences(within, 2, true)(m);
-  };
-}
-
-MeanSquareAt modified_total(std::span<const double> x) {
-  return [x](std::size_t m) {
+MeanSquares modified_total(std::span<const double> x) {
+  return one_by_one([x](std::size_t m) {
     MeanSquare mean = mean_over_runs(x.data(), x.size(), m);
     mean.value /= 2.0;
     return mean;
-  };
+  });
 }
 
-MeanSquareAt hadamard_total(std::span<const double> x) {
+MeanSquares hadamard_total(std::span<const double> x) {
   std::vector<double> steps;
   for (std::size_t i = 0; i + 1 < x.size(); ++i)
     steps.push_back(x[i + 1] - x[i]);
-  return [x, steps = std::make_shared<const std::vector<double>>(std::move(steps))](std::size_t m) {
-    if (m == 1) return phase_differences(x, 3, true)(1);
-    MeanSquare mean = mean_over_runs(steps->data(), steps->size(), m);
-    const double size = static_cast<double>(m); // the root is divided by tau, not by tau0
-    mean.value *= size * size / 6.0;
-    return mean;
-  };
+  return one_by_one(
+      [x, steps = std::make_shared<const std::vector<double>>(std::move(steps))](std::size_t m) {
+        if (m == 1) return at_one(phase_differences(x, true, 3, true), 1);
+        MeanSquare mean = mean_over_runs(steps->data(), steps->size(), m);
+        const double size = static_cast<double>(m); // the root is divided by tau, not by tau0
+        mean.value *= size * size / 6.0;
+        return mean;
+      });
 }
 
 } // namespace goingrate

@@ -215,7 +215,8 @@ TEST(Stability, TheohGoesOverFromOadevToTheo1) {
       stability_table(DeviationKind::oadev, phase, 1.0, octave_factors(phase.size())).rows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].m <= 200) {
-      EXPECT_EQ(rows[i].value, allan[i].value);
+      // THEOH takes off a line first: a few roundings
+      EXPECT_NEAR(rows[i].value, allan[i].value, 1e-13 * allan[i].value);
     } else {
       EXPECT_EQ(rows[i].tau_s, 0.75 * static_cast<double>(rows[i].m));
       EXPECT_NEAR(rows[i].tau_s, static_cast<double>(factors[i]), 0.75); // the next even factor

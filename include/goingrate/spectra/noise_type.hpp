@@ -56,7 +56,8 @@ inline constexpr std::size_t least_frequencies_for_ratio = 6;
 /// its expectation B1(n, mu) for sigma_y^2 ~ tau^mu: n(n+1)/6, n/2, n ln n / (2 (n-1) ln 2), 1 and
 /// (n^2-1) / (1.5 n (n-1)) for mu = 2, 1, 0, -1, -2; parted at geometric means. mu = 1, 0, -1 is
 /// alpha = -2, -1, 0; for mu = -2 MVAR/AVAR at m, expected 1/m for alpha = 2 and
-/// 3.37/(1.04 + 3 ln(pi m)) for alpha = 1, decides (NIST SP 1065 sections 5.5.3 and 5.5.4).
+/// 3.37/(1.04 + 3 ln(pi m)) for alpha = 1, decides (NIST SP 1065 sections 5.5.3 and 5.5.4), both
+/// from differences that start a sixteenth of m apart.
 ///
 /// Arguments as for identify_noise. Result: alpha -2 to 2, `exponent` the same; identified if there
 /// are 6 frequencies. Accuracy: of Stable32's 80 alphas for its PHASE.DAT from 29 frequencies
