@@ -270,7 +270,7 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
     loaded.log = read_log_file(options.path, reading);
   }
   const bool labelled = label_alternate_edges(loaded.log, options.both_edges);
-  if (loaded.log.format == LogFormat::timestamps && !labelled)
+  if (loaded.log.directions_are_open && !labelled)
     loaded.log.assumptions.emplace_back(
         "each event is one period (--both-edges if both directions are in the log)");
   number(loaded, options);
