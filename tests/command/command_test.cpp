@@ -368,6 +368,9 @@ TEST_F(CommandTest, StabilityHasEveryKindAndSaysWhatItMeans) {
     return json("s.json")["rows"][0]["value"].get<double>();
   };
   EXPECT_NEAR(value("--no-bias") / value(""), std::sqrt(0.73), 1e-12); // SP 1065's ratio; roundings
+  const Outcome jump = run("stability " + (source / "data/logs/jump.csv").string());
+  EXPECT_EQ(jump.out.find("the rate is random"), std::string::npos) << jump.out;
+  EXPECT_NE(jump.out.find("A step or a trend"), std::string::npos) << jump.out;
   EXPECT_EQ(run("stability phase.txt --data phase --kind nonsense").code, 2);
   EXPECT_EQ(run("stability phase.txt --data phase --alpha 3").code, 2);
 }
