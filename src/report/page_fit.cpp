@@ -1,5 +1,7 @@
 #include "page.hpp"
 
+#include "goingrate/report/tables.hpp"
+
 #include "markup.hpp"
 
 #include <algorithm>
@@ -151,10 +153,16 @@ std::string cost_table(const DriveAnalysis& drive) {
 std::string line_table(const DriveAnalysis& drive) {
   Table table("Strictly periodic parts of the rate",
               {"period", "amplitude of the rate", "of the drive", "chance that noise does it"});
-  for (const SpectralLine& line : drive.lines)
-    table.row({plain_number(1.0 / line.frequency_hz, 5) + " s", plain_number(line.amplitude),
+  for (std::size_t i = 0; i < drive.lines.size(); ++i) {
+    const SpectralLine& line = drive.lines[i];
+    if (line.sideband_of) continue;
+    const std::string sidebands = sideband_text(drive.lines, i);
+    table.row({plain_number(1.0 / line.frequency_hz, 5) + " s" +
+                   (sidebands.empty() ? "" : ", " + sidebands),
+               plain_number(line.amplitude),
                drive.response ? plain_number(100.0 * drive_of(line, *drive.response)) + " %" : "",
                plain_number(line.false_alarm, 2)});
+  }
   return table.empty() ? "" : table.html();
 }
 

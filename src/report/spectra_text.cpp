@@ -193,15 +193,33 @@ std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPerio
   if (drive.lines.empty()) return text + "no strictly periodic part stands out of the rate\n";
   text += fmt::format("periodic parts of the rate:\n  {:>12} {:>12} {:>10} {:>12}\n", "period/s",
                       "rate", drive.response ? "drive/%" : "", "false alarm");
-  for (const SpectralLine& line : drive.lines)
+  for (std::size_t i = 0; i < drive.lines.size(); ++i) {
+    const SpectralLine& line = drive.lines[i];
+    if (line.sideband_of) continue;
     text += fmt::format(
         "  {:>12.7g} {:>12.3g} {:>10} {:>12.2g}{}\n", 1.0 / line.frequency_hz, line.amplitude,
         drive.response ? fmt::format("{:.3g}", 100.0 * drive_of(line, *drive.response)) : "",
         line.false_alarm, label_of(line, drive.rate_spectrum->resolution_hz, expected));
+    if (const std::string sidebands = sideband_text(drive.lines, i); !sidebands.empty())
+      text += fmt::format("  {:>12} {}\n", "", sidebands);
+  }
   return text;
 }
 
 } // namespace
+
+std::string sideband_text(const std::vector<SpectralLine>& lines, std::size_t main_line) {
+  std::size_t count = 0;
+  double largest = 0.0;
+  for (const SpectralLine& line : lines) {
+    if (line.sideband_of != main_line) continue;
+    ++count;
+    largest = std::max(largest, line.amplitude);
+  }
+  if (count == 0) return {};
+  return fmt::format("and {} beside it, of up to {:.2g} % of it: it changes with time", count,
+                     100.0 * largest / lines[main_line].amplitude);
+}
 
 std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected) {
   std::string text;
@@ -213,12 +231,11 @@ std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPerio
                     1.0 / drive.response->corner_hz);
   else
     text = "The log does not determine how the clock answers its drive, so fast and slow drive "
-           "cannot\n"
-           "be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from elsewhere, "
-           "an\n"
-           "amplitude column, a ring-down, or a deliberate change of the driving weight.\n";
+           "cannot be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from "
+           "elsewhere, an amplitude column, a ring-down, or a deliberate change of the driving "
+           "weight.\n";
   if (drive.split) text += split_lines(*drive.split);
-  return text + line_lines(drive, expected);
+  return wrapped(text + line_lines(drive, expected), terminal, 2);
 }
 
 std::string spectrum_table(const DriveAnalysis& drive) {

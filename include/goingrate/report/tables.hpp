@@ -110,6 +110,10 @@ std::string deviation_text(const DeviationTable& table);
 /// noise.
 std::string deviation_findings(const DeviationTable& table);
 
+/// "and 2 beside it, of up to 25 % of it: it changes with time" for a line with sidebands in the
+/// list that it is in; empty for one without.
+std::string sideband_text(const std::vector<SpectralLine>& lines, std::size_t main_line);
+
 /// What the spectrum says of drive, jitter and lines, in a few lines; `expected` are periods that a
 /// line may be labelled by.
 std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected = {});
