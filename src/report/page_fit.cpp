@@ -110,7 +110,10 @@ std::string quality_table(const FitSummary& fit) {
   table.row({"χ² / degrees of freedom", plain_number(q.chi2, 5) + " / " + plain_number(q.dof, 7),
              "near 1 if the residuals are no larger than the jitter between neighbouring beats"});
   table.row({"probability of that χ²", probability(q.p_value),
-             "below 0.01: the times hold more than the model and the jitter"});
+             q.of_innovations
+                 ? "below 0.01: the times hold more than the model and the jitter"
+                 : "below 0.01: the times hold more than the model and the jitter, which itself is "
+                   "known to some per cent only; that is allowed for"});
   table.row({"whiteness of the residuals", probability(q.whiteness_p),
              "below 0.001: the residuals have a shape, read the values as rough"});
   table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs", ""});
