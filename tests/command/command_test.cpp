@@ -637,6 +637,15 @@ TEST_F(CommandTest, MapSolvesForAnOperatingPoint) {
   EXPECT_EQ(run("map --solve epsilon=2.5e-4 nonsense=1").code, 2);
   EXPECT_EQ(run("map --solve epsilon=2.5e-4 mu=1e-6").code, 4); // it would stall
   ASSERT_EQ(run("map --points 3 --first-order").code, 0);
+  ASSERT_EQ(run("map --solve epsilon=1e-3 mu=1e-3 --plot p.svg").code, 0);
+  EXPECT_NE(content(folder_ / "p.svg").find("operating point"), std::string::npos);
+}
+
+TEST_F(CommandTest, MapWritesNumbersAsPeopleDo) {
+  const std::string nominal = run("map --solve amplitude=0.05 rate=0").out;
+  EXPECT_NE(nominal.find(" 0              0\n"), std::string::npos) << nominal;
+  const std::string table = run("map --points 2").out;
+  EXPECT_NE(table.find("\n1e-05,1e-06,"), std::string::npos) << table;
 }
 
 TEST_F(CommandTest, EveryClockLawAndMethodRunsFromAScenario) {
