@@ -605,6 +605,12 @@ TEST_F(CommandTest, RealisationsAreTheRunsOfTheirSeeds) {
     EXPECT_EQ(content(folder_ / fmt::format("log-{:02}.csv", k)), content(folder_ / "one.csv"));
   }
   EXPECT_EQ(run("simulate " + noisy + " --realisations 3").code, 2); // all to standard output?
+  fs::create_directory(folder_ / "logs");
+  for (const char* target : {"-o /dev/null", "-o logs", "-o logs/", "-o l.csv --truth /dev/null"}) {
+    const Outcome refused = run(fmt::format("simulate {} --realisations 3 {}", noisy, target));
+    EXPECT_EQ(refused.code, 2) << target;
+    EXPECT_NE(refused.err.find("log.csv becomes log-0.csv"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(CommandTest, AFailedRealisationLeavesNothingBehind) {
