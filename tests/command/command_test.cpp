@@ -5,6 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <fcntl.h>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -91,6 +95,53 @@ TEST_F(CommandTest, HelpExplainsItsTopics) {
     EXPECT_GT(run(std::string("help ") + topic).out.size(), 500u) << topic;
   }
   EXPECT_EQ(run("help clocks").code, 2);
+}
+
+// What the reader of scenarios expects in a section, from its complaint about a key it does not
+// know.
+std::vector<std::string> keys_it_names(const std::string& complaint) {
+  std::vector<std::string> keys;
+  const std::string begin = "expected one of ";
+  const std::size_t at = complaint.find(begin);
+  if (at == std::string::npos) return keys;
+  std::istringstream list(complaint.substr(at + begin.size()));
+  for (std::string key; std::getline(list, key, ',');) {
+    key.erase(0, key.find_first_not_of(' '));
+    keys.push_back(key.substr(0, key.find_first_of(" \n")));
+  }
+  return keys;
+}
+
+TEST_F(CommandTest, HelpNamesEveryKeyOfAScenario) {
+  const std::string help = run("help scenario").out;
+  put("s.toml", "[zzzzz]\n");
+  const std::vector<std::string> sections = keys_it_names(run("simulate s.toml").err);
+  EXPECT_GE(sections.size(), 8u);
+  for (const std::string& section : sections) {
+    const std::size_t at = help.find("[" + section + "]");
+    ASSERT_NE(at, std::string::npos) << section;
+    const std::size_t end = std::min(help.find("\n[", at), help.find("\n--set", at));
+    const std::string part = help.substr(at, end - at);
+    put("s.toml", (section == "event" ? "[[event]]" : "[" + section + "]") + "\nzzzzz = 1\n");
+    const std::vector<std::string> keys = keys_it_names(run("simulate s.toml").err);
+    EXPECT_FALSE(keys.empty()) << section;
+    for (const std::string& key : keys)
+      EXPECT_NE(part.find(key), std::string::npos) << section << ": " << key << '\n' << part;
+  }
+}
+
+TEST_F(CommandTest, HelpOnFormatsNamesEveryOptionThatReads) {
+  const std::string help = run("help formats").out, options = run("rate --help").out;
+  const std::size_t group = options.find("How the log is read");
+  ASSERT_NE(group, std::string::npos);
+  std::istringstream lines(options.substr(group, options.find("\n\n", group) - group));
+  std::vector<std::string> names{"--flag-width", "--sensor-offset", "--both-edges",
+                                 "--nominal-period"};
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("  --")) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  EXPECT_GE(names.size(), 12u);
+  for (const std::string& name : names)
+    EXPECT_NE(help.find(name), std::string::npos) << name;
 }
 
 TEST_F(CommandTest, LinesAreNamedByTheTrain) {
