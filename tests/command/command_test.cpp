@@ -438,6 +438,93 @@ TEST_F(CommandTest, ReportWritesAPageAndSpeaksInWords) {
   EXPECT_EQ(json("report.json")["diary"]["interruptions"].size(), 1u);
 }
 
+// A native log with all times after `from_s` later by `late_s`, as after a knock at the sensor.
+std::string knocked(const std::string& log, double from_s, double late_s) {
+  std::istringstream lines(log);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t comma = line.find(',');
+    const bool is_row = line.front() >= '0' && line.front() <= '9';
+    const double time = is_row ? std::stod(line) : 0.0;
+    text +=
+        time > from_s ? fmt::format("{:.8f}{}\n", time + late_s, line.substr(comma)) : line + "\n";
+  }
+  return text;
+}
+
+TEST_F(CommandTest, AKnockWhileTheDriveWasOffIsNotSuspectedAgain) {
+  // The drive is off from 1800 s to 2160 s; residuals are levelled until as long again after it.
+  ASSERT_EQ(run("simulate " + scenario("interruption") +
+                " -o log.csv --set drive.fast_rms=0.003 --set sensor.missed=0 --set "
+                "sensor.spurious=0 --set run.periods=4000")
+                .code,
+            0);
+  const std::string log = content(folder_ / "log.csv");
+  const auto suspicions = [&](double knock_s) {
+    put("knocked.csv", knocked(log, knock_s, 4e-4));
+    const Outcome outcome = run("report knocked.csv -o page.html --noise jitter --fix T0=3 "
+                                "--fix phi0=0.025 --fix epsilon=7.5e-5");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("the drive was interrupted"), std::string::npos) << outcome.out;
+    return outcome.out;
+  };
+  const std::string within = suspicions(1980.0), later = suspicions(7000.0);
+  EXPECT_EQ(within.find("shift of the sensor"), std::string::npos) << within;
+  EXPECT_NE(later.find("Most likely cause: shift of the sensor"), std::string::npos) << later;
+}
+
+// What a command writes to a terminal that is its standard error.
+class Terminal {
+public:
+  Terminal() : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+    if (master_ < 0 || ::grantpt(master_) != 0 || ::unlockpt(master_) != 0) return;
+    name_ = ::ptsname(master_);
+    slave_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY); // what is written stays while it is open
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  ~Terminal() {
+    ::close(slave_);
+    ::close(master_);
+  }
+  [[nodiscard]] bool is_there() const { return slave_ >= 0; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string text() const {
+    std::string all(65536, '\0');
+    const ssize_t size = ::read(master_, all.data(), all.size());
+    all.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return all;
+  }
+
+private:
+  int master_, slave_ = -1;
+  std::string name_;
+};
+
+TEST_F(CommandTest, OnATerminalItSaysWhatItIsDoingAndWipesThat) {
+  const Terminal terminal;
+  if (!terminal.is_there()) GTEST_SKIP() << "no terminal to be had here";
+  const std::string fit = (source / "data/logs/interruption.csv").string() +
+                          " --noise both --fix T0=3 --fix phi0=0.025"; // some seconds
+  const auto shown = [&](const std::string& options) {
+    const std::string line =
+        fmt::format("cd '{}' && '{}' fit {} {} > out.txt 2> {}", folder_.string(),
+                    GOINGRATE_COMMAND, fit, options, terminal.name());
+    EXPECT_EQ(std::system(line.c_str()), 0);
+    return terminal.text();
+  };
+  const std::string loud = shown("");
+  EXPECT_NE(loud.find("fitting the model ... 1 s"), std::string::npos) << loud;
+  EXPECT_TRUE(loud.ends_with("\r\x1b[K")) << "wiped out at the end";
+  std::istringstream notes(loud);
+  for (std::string note; std::getline(notes, note, '\n');) {
+    if (note.find("\x1b") != std::string::npos) continue;
+    EXPECT_LE(note.size(), 81u) << note; // with its \r
+  }
+  EXPECT_EQ(shown("--quiet"), "");
+  EXPECT_EQ(run("fit " + fit).err.find("fitting the model"), std::string::npos) << "in a file";
+}
+
 TEST_F(CommandTest, TheReportSaysHowToTurnTheRatingNut) {
   std::string log; // 10 s a day slow: 2 x 0.99396 m x 10/86400 is 0.3068 turns of 0.75 mm
   for (int i = 0; i < 500; ++i)
