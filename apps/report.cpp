@@ -167,7 +167,9 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
       ->check(positive())
       ->needs(pitch);
   add_json_option(*command, options->json);
-  command->footer("Example:\n  goingrate report data/logs/jump.csv -o jump.html");
+  command->footer("If the fit alone has no result, the report says so in its place and exits 0\n"
+                  "(`fit` exits 4).\n"
+                  "Example:\n  goingrate report data/logs/jump.csv -o jump.html");
   command->callback([options, &global] { run(*options, global); });
 }
 
