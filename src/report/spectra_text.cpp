@@ -195,11 +195,17 @@ std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPerio
                       "rate", drive.response ? "drive/%" : "", "false alarm");
   for (std::size_t i = 0; i < drive.lines.size(); ++i) {
     const SpectralLine& line = drive.lines[i];
-    if (line.sideband_of) continue;
+    const auto label = [&](const SpectralLine& l) {
+      return label_of(l, drive.rate_spectrum->resolution_hz, expected);
+    };
+    const std::string name = label(line);
+    // One that has a name of its own, as a tide close to half a day, may be no sideband.
+    if (line.sideband_of && (name.empty() || name == label(drive.lines[*line.sideband_of])))
+      continue;
     text += fmt::format(
         "  {:>12.7g} {:>12.3g} {:>10} {:>12.2g}{}\n", 1.0 / line.frequency_hz, line.amplitude,
         drive.response ? fmt::format("{:.3g}", 100.0 * drive_of(line, *drive.response)) : "",
-        line.false_alarm, label_of(line, drive.rate_spectrum->resolution_hz, expected));
+        line.false_alarm, name);
     if (const std::string sidebands = sideband_text(drive.lines, i); !sidebands.empty())
       text += fmt::format("  {:>12} {}\n", "", sidebands);
   }

@@ -112,6 +112,9 @@ TEST(TextTest, ALineIsListedWithItsSidebands) {
   const std::string text = drive_text(drive);
   EXPECT_NE(text.find("and 2 beside it"), std::string::npos) << text;
   EXPECT_EQ(text.find("9.98"), std::string::npos) << text;
+  drive.rate_spectrum->resolution_hz = 1e-5;
+  const std::vector<ExpectedPeriod> tide{{1.0 / 0.1002, "tide"}};
+  EXPECT_NE(drive_text(drive, tide).find("tide"), std::string::npos) << "it may be one of its own";
 }
 
 DeviationRow deviation_row(std::size_t m, double value, int alpha) {
