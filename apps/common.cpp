@@ -1,6 +1,7 @@
 #include "common.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
+#include "goingrate/report/tables.hpp"
 #include "progress.hpp"
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
+#include <unistd.h>
 
 namespace goingrate::apps {
 
@@ -40,7 +42,11 @@ CLI::Validator seed_range() {
 }
 
 void say(const GlobalOptions& global, std::string_view line) {
-  if (!global.quiet) std::fputs(fmt::format("{}\n", line).c_str(), stderr);
+  if (global.quiet) return;
+  // In a file or a pipe a note stays on its line, where a program finds it.
+  constexpr std::size_t terminal = 80;
+  const bool is_read = ::isatty(STDERR_FILENO) != 0;
+  std::fputs(fmt::format("{}\n", is_read ? wrapped(line, terminal, 2) : line).c_str(), stderr);
 }
 
 void add_log_options(CLI::App& command, LogOptions& options) {
@@ -270,7 +276,7 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
     loaded.log = read_log_file(options.path, reading);
   }
   const bool labelled = label_alternate_edges(loaded.log, options.both_edges);
-  if (loaded.log.format == LogFormat::timestamps && !labelled)
+  if (loaded.log.directions_are_open && !labelled)
     loaded.log.assumptions.emplace_back(
         "each event is one period (--both-edges if both directions are in the log)");
   number(loaded, options);

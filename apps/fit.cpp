@@ -1,5 +1,6 @@
 // goingrate fit: the parameters of the clock, with what the log cannot tell.
 #include "plot.hpp"
+#include "progress.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/fit/drive_history.hpp"
@@ -50,7 +51,10 @@ void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitOptions asked = fit_options(options.model, loaded, global);
   const TimingData data = fit_data(loaded);
-  const FitSummary fit = fit_clock(data, loaded.nominal_period_s, asked);
+  const FitSummary fit = [&] {
+    const StepLine now(global.quiet, "fitting the model");
+    return fit_clock(data, loaded.nominal_period_s, asked);
+  }();
   if (fit.status != FitStatus::converged) throw NumericsError("no fit: " + fit.termination);
   write_whole_files({{options.json, fit_json(fit)},
                      {options.par, par_text(fit, asked, loaded.good.front().cycle)},

@@ -35,9 +35,16 @@ constexpr std::array topics{
   native          what simulate writes: '#' lines 'key: value', then named
                   columns
 Against what is found: --format, --unit, --column time=2, --decimal-comma,
---wrap, --both-edges, --nominal-period. --strict makes the first faulty line an
-error; else faults are mended or left out, and rate --json lists each with its
-line and column.
+--wrap, --channel, --both-edges, --nominal-period (s), --tau0 (s, between values
+of phase, frequency and intervals), --rest-angle (rad, at which the pendulum of
+angle samples hangs). --strict makes the first faulty line an error; else faults
+are mended or left out, and rate --json lists each with its line and column.
+An amplitude is in rad unless the header or --column amplitude=NAME:mrad (rad,
+mrad, deg) says otherwise; the third column of a clock-error log is in mrad.
+Of the sensor: --flag-width (rad, width of the flag over its distance from the
+pivot) makes amplitudes of widths, or moves the times of its leading edge to the
+vertical; --sensor-offset (rad, or auto) says where it stands, moves the times
+to the vertical and makes amplitudes of half-periods.
 )"},
     Topic{"scenario", "keys of a scenario for simulate",
           R"([clock]   nominal_period (s), epsilon, mu, phi0 (rad),
@@ -45,15 +52,23 @@ line and column.
           "profile" (rising, falling) or "none", quadratic_drag, dry_friction
 [start]   amplitude = "stationary" or phi' at the first upward crossing (rad)
 [run]     periods or duration (s); method = "auto", "direct", "map",
-          "averaged1", "averaged2", "rk4" (dt, torque)
-[[event]] at_period or at (s), and any clock key that changes then
+          "averaged1", "averaged2", "rk4" (dt, rk4_torque = "step", "stage" or
+          "switches"); tolerance (s, of crossing times, for auto)
+[[event]] at_period or at (s), and what changes then: nominal_period, epsilon,
+          mu, phi0, quadratic_drag, dry_friction, impulse, angle
 [drive]   fast_rms (white, renewed at every upward crossing), slow_rms and
           slow_time (s), sine = [{amplitude = 0.02, period = 900.0}],
           series = "mu.csv"
-[length]  drift per day, sines, or a temperature coefficient
+[length]  relative changes: drift_per_day,
+          sine = [{amplitude = 1e-6, period = 86400.0}],
+          temperature_coefficient (per K, of the temperature below)
+[temperature]
+          mean (degrees C), drift_per_day (K),
+          sine = [{amplitude = 2.0, period = 86400.0}] (K, s)
 [sensor]  edges = "up", "both", "gate", "four"; jitter_rms (s), resolution (s),
           offset (rad), flag_width (rad), missed, spurious (probability a
-          crossing), amplitude_rms (rad)
+          crossing); amplitude_rms (rad), temperature_rms (K): each adds a
+          column to the log
 --set clock.epsilon=1e-3 overrides a key. Unknown keys are errors with line and
 column.
 )"},

@@ -3,6 +3,8 @@
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/spelling.hpp"
+#include "goingrate/dynamics/clock_run.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -10,7 +12,10 @@
 #include <exception>
 #include <fmt/format.h>
 #include <iostream>
+#include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace {
 
@@ -43,10 +48,54 @@ void heed_signals() {
       std::signal(number, SIG_IGN); // as nohup asks
 }
 
+// What --set says is read as a scenario is, but it is usage.
+bool is_option(const goingrate::InputError& error) {
+  return error.place().file.starts_with("--set ");
+}
+
 // What --help and --version print.
 bool standard_output_took_it() {
   std::cout.flush();
   return std::cout.good() && std::fflush(stdout) == 0;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known,
+                         const std::string& list) {
+  const auto meant = goingrate::nearest_word(word, known);
+  return meant ? fmt::format("did you mean {}?", *meant) : list + " lists them";
+}
+
+std::vector<std::string> command_names(const CLI::App& program) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return names;
+}
+
+void add_option_names(const CLI::App& command, std::vector<std::string>& names) {
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames())
+      names.push_back("--" + name);
+}
+
+// An option that nobody knows, or a word too many: it is told before what else may be wrong, which
+// is often its consequence.
+std::optional<std::string> unexpected_word(const CLI::App& program) {
+  const std::vector<std::string> words = program.remaining(true);
+  if (words.empty()) return {};
+  const auto is_option = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
+  const auto option = std::find_if(words.begin(), words.end(), is_option);
+  const auto commands = program.get_subcommands();
+  const std::string command = commands.empty() ? "" : " " + commands.front()->get_name();
+  if (option == words.end())
+    return fmt::format("found {}, expected no more words after goingrate{}", words.front(),
+                       command);
+  std::vector<std::string> known;
+  if (!commands.empty()) add_option_names(*commands.front(), known);
+  add_option_names(program, known);
+  const std::string name = option->substr(0, option->find('='));
+  return fmt::format("found {}, expected an option of goingrate{} ({})", name, command,
+                     did_you_mean(name, known, fmt::format("goingrate{} --help", command)));
 }
 
 } // namespace
@@ -78,18 +127,23 @@ int main(int argc, char** argv) {
       return wrong_usage;
     }
     const std::string_view first(argv[1]);
-    const auto all = program.get_subcommands([](const CLI::App*) { return true; });
-    const auto has_name = [first](const CLI::App* command) { return command->get_name() == first; };
-    if (!first.starts_with('-') && std::none_of(all.begin(), all.end(), has_name))
-      return complain(wrong_usage,
-                      fmt::format("'{}' is no command (--help lists them)", first).c_str());
+    const auto names = command_names(program);
+    if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
+      return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
+                                               did_you_mean(first, names, "goingrate --help"))
+                                       .c_str());
     program.parse(argc, argv);
     return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
   } catch (const CLI::ParseError& error) {
+    const bool is_help = error.get_exit_code() == 0;
+    if (const auto unexpected = unexpected_word(program); unexpected && !is_help)
+      return complain(wrong_usage, unexpected->c_str());
     if (program.exit(error) != 0) return wrong_usage;
     return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
   } catch (const InputError& error) {
-    return complain(bad_input, error.what());
+    return complain(is_option(error) ? wrong_usage : bad_input, error.what());
+  } catch (const NoStationarySwing& error) {
+    return complain(no_result, error.what());
   } catch (const ArgumentError& error) {
     return complain(wrong_usage, error.what());
   } catch (const apps::NumericsError& error) {

@@ -7,6 +7,7 @@
 #include "goingrate/dynamics/stationary.hpp"
 #include "goingrate/report/chart_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -77,6 +78,30 @@ KnownPair known_pair(const std::vector<std::string>& words) {
   return known;
 }
 
+// So wide that the point stands inside.
+void reach(std::vector<double>& ends, double value) {
+  constexpr double beyond = 2.0;
+  ends[0] = std::min(ends[0], value / beyond);
+  ends[1] = std::max(ends[1], value * beyond);
+}
+
+std::string plot_of(const MapCommand& options, const std::vector<OperatingPoint>& points) {
+  if (options.plot.empty()) return {};
+  MapCommand around = options;
+  for (const OperatingPoint& point : points) {
+    reach(around.epsilon, point.epsilon);
+    reach(around.mu, point.mu);
+  }
+  return plotted(options.plot, rate_map_figures(rate_map(around), points));
+}
+
+void check_ranges(const MapCommand& options) {
+  for (const auto* ends : {&options.epsilon, &options.mu})
+    if (!((*ends)[0] > 0.0 && (*ends)[1] > (*ends)[0]))
+      throw ArgumentError(ends == &options.mu ? "mu" : "epsilon", (*ends)[0],
+                          "two numbers above 0, the smaller first");
+}
+
 void solve(const MapCommand& options) {
   const auto points =
       operating_points(known_pair(options.solve), options.phi0,
@@ -84,18 +109,16 @@ void solve(const MapCommand& options) {
   if (points.empty()) throw NumericsError("no clock of this escapement angle runs like that");
   write_whole_files(
       {{options.json, operating_points_json(points, options.phi0)},
+       {options.plot, plot_of(options, points)},
        {table_output(options.output, options.json), operating_points_text(points, options.phi0)}});
 }
 
 void run(const MapCommand& options) {
+  check_ranges(options);
   if (!options.solve.empty()) return solve(options);
-  for (const auto* ends : {&options.epsilon, &options.mu})
-    if (!((*ends)[0] > 0.0 && (*ends)[1] > (*ends)[0]))
-      throw ArgumentError(ends == &options.mu ? "mu" : "epsilon", (*ends)[0],
-                          "two numbers above 0, the smaller first");
   const RateMap map = rate_map(options);
   write_whole_files({{options.json, rate_map_json(map)},
-                     {options.plot, plotted(options.plot, {rate_map_figure(map)})},
+                     {options.plot, plotted(options.plot, rate_map_figures(map))},
                      {table_output(options.output, options.json), rate_map_table(map)}});
 }
 
@@ -114,17 +137,15 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
       ->capture_default_str();
   command->add_flag("--first-order", options->first_order,
                     "the paper's averaged equations instead of the full one");
-  auto* solving =
-      command
-          ->add_option(
-              "--solve", options->solve,
-              "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
-              "rate_excess=")
-          ->expected(2);
+  command
+      ->add_option("--solve", options->solve,
+                   "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
+                   "rate_excess=")
+      ->expected(2);
   command->add_option("-o,--output", options->output, "CSV; standard output if not given");
   add_json_option(*command, options->json);
-  add_plot_option(*command, options->plot, "the rate over friction for some torques")
-      ->excludes(solving);
+  add_plot_option(*command, options->plot,
+                  "the rate over friction for some torques, with the point of --solve");
   command->footer("Example:\n  goingrate map --solve amplitude=0.05 rate=0");
   command->callback([options, &global] {
     (void)global;

@@ -6,18 +6,28 @@
 
 namespace goingrate::apps {
 
+namespace {
+
+using namespace std::chrono_literals;
+constexpr auto patience = 1s; // work that is over before needs no word
+
+bool somebody_looks(bool quiet) { return !quiet && ::isatty(STDERR_FILENO) != 0; }
+
+constexpr const char* wipe = "\r\x1b[K"; // back to the first column, rest of the line empty
+
+} // namespace
+
 ProgressBar::ProgressBar(bool quiet)
-    : wanted_(!quiet && ::isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
+    : wanted_(somebody_looks(quiet)), start_(Clock::now()), last_(start_) {}
 
 ProgressBar::~ProgressBar() {
-  if (drawn_) std::fputs("\r\x1b[K", stderr); // back to the first column, rest of the line empty
+  if (drawn_) std::fputs(wipe, stderr);
 }
 
 void ProgressBar::operator()(double part) {
-  using namespace std::chrono_literals;
   if (!wanted_) return;
   const auto now = Clock::now();
-  if (now - start_ < 1s || now - last_ < 100ms) return;
+  if (now - start_ < patience || now - last_ < 100ms) return;
   last_ = now;
   drawn_ = true;
   constexpr int width = 40;
@@ -26,6 +36,36 @@ void ProgressBar::operator()(double part) {
       fmt::format("\r[{:#<{}}{:.<{}}] {:3.0f} %", "", full, "", width - full, 100.0 * part).c_str(),
       stderr);
   std::fflush(stderr);
+}
+
+StepLine::StepLine(bool quiet, std::string_view what) : what_(what) {
+  if (somebody_looks(quiet)) drawing_ = std::thread([this] { draw_until_ended(); });
+}
+
+StepLine::~StepLine() {
+  if (!drawing_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_one();
+  drawing_.join();
+}
+
+void StepLine::operator()(std::string_view what) {
+  const std::lock_guard lock(mutex_);
+  what_ = what;
+}
+
+void StepLine::draw_until_ended() {
+  std::unique_lock lock(mutex_);
+  int seconds = 0;
+  while (!changed_.wait_for(lock, patience, [this] { return ended_; })) {
+    ++seconds;
+    std::fputs(fmt::format("{}{} ... {} s", wipe, what_, seconds).c_str(), stderr);
+    std::fflush(stderr);
+  }
+  if (seconds > 0) std::fputs(wipe, stderr);
 }
 
 } // namespace goingrate::apps

@@ -1,7 +1,12 @@
-// A bar on the terminal for work that lasts.
+// What a terminal shows while work lasts.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
 
 namespace goingrate::apps {
 
@@ -22,6 +27,28 @@ private:
   bool wanted_;
   bool drawn_ = false;
   Clock::time_point start_, last_;
+};
+
+/// Says what is being done where nobody knows how much of it is left: "fitting the model ... 12 s",
+/// on standard error while that is a terminal, from the second second on; wipes itself out at the
+/// end. No note may be written while it lives.
+class StepLine {
+public:
+  StepLine(bool quiet, std::string_view what);
+  ~StepLine();
+  StepLine(const StepLine&) = delete;
+  StepLine& operator=(const StepLine&) = delete;
+
+  /// This is done from now on.
+  void operator()(std::string_view what);
+
+private:
+  void draw_until_ended();
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::string what_;
+  bool ended_ = false;
+  std::thread drawing_; // none if nobody looks
 };
 
 } // namespace goingrate::apps

@@ -1,5 +1,6 @@
 // goingrate report: everything about one log.
 #include "plot.hpp"
+#include "progress.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/report/json.hpp"
@@ -68,10 +69,14 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   const TimingData times = fit_data(loaded);
   FitOptions asked = fit_options(options.model, loaded, global);
   asked.profiles = true;
+  StepLine now(global.quiet, "fitting the model");
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
   data.covariates = covariate_effects(times);
+  now("spectrum of the rate, fast and slow drive");
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
+  now("the drive as it went");
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
+  now("likely causes");
   const double missed = 1.0 - static_cast<double>(times.size()) / (times.cycle.back() + 1.0);
   // What the diary tells and the fit follows need not be suspected again.
   TimingData unexplained = times;
@@ -80,6 +85,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
     unexplained.lateness_s = data.fit.residual_s;
   level_interruptions(data.diary, unexplained);
   data.suspicions = diagnose({&unexplained, loaded.nominal_period_s, missed, data.drive.lines});
+  now("stability");
   const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
   data.deviation = stability_table(DeviationKind::oadev, error, loaded.nominal_period_s,
                                    octave_factors(error.size()));
@@ -95,8 +101,11 @@ std::string page_beside(const std::string& log) {
 
 void add_figures(const std::string& folder, const ReportData& data, const GlobalOptions& global,
                  Files& files) {
-  for (const Figure& figure : report_figures(data))
-    add_figure(folder, figure.id, figure, files);
+  {
+    const StepLine now(global.quiet, "drawing the figures");
+    for (const Figure& figure : report_figures(data))
+      add_figure(folder, figure.id, figure, files);
+  }
   tell_of_missing_gnuplot(global);
 }
 
@@ -158,7 +167,9 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
       ->check(positive())
       ->needs(pitch);
   add_json_option(*command, options->json);
-  command->footer("Example:\n  goingrate report data/logs/jump.csv -o jump.html");
+  command->footer("If the fit alone has no result, the report says so in its place and exits 0\n"
+                  "(`fit` exits 4).\n"
+                  "Example:\n  goingrate report data/logs/jump.csv -o jump.html");
   command->callback([options, &global] { run(*options, global); });
 }
 

@@ -91,6 +91,18 @@ std::string numbered(const std::string& path, std::size_t k, std::size_t count) 
       .string();
 }
 
+// Each realisation has a file of its own, named after the one that was given.
+void check_can_be_numbered(const std::string& option, const std::string& path) {
+  std::error_code not_there;
+  const bool taken = std::filesystem::exists(path, not_there) &&
+                     !std::filesystem::is_regular_file(path, not_there);
+  const bool nameless = !path.empty() && !std::filesystem::path(path).has_filename();
+  if (path == "-" || taken || nameless)
+    throw ArgumentError(option, path,
+                        "the name of a file, which gets a number for each realisation: log.csv "
+                        "becomes log-0.csv, log-1.csv and on");
+}
+
 void check_going(SwingStatus status, const Period& last) {
   if (status != SwingStatus::crossed)
     throw NumericsError(
@@ -146,8 +158,8 @@ void run_single(const Scenario& scenario, const SimulateOptions& options,
 
 void run_many(const Scenario& scenario, const SimulateOptions& options,
               const GlobalOptions& global) {
-  if (options.output == "-" || options.truth == "-")
-    throw ArgumentError("output", "-", "a file name: each realisation is written to its own");
+  check_can_be_numbered("output", options.output);
+  check_can_be_numbered("truth", options.truth);
   const ClockRun first(scenario, options.seed);
   std::vector<Writer> writers;
   writers.reserve(options.realisations);
@@ -203,7 +215,8 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
       command
           ->add_option(
               "--realisations", options->realisations,
-              "so many logs, name-0.csv and on; number k is what --seed SEED+k gives alone")
+              "so many logs: -o log.csv becomes log-0.csv, log-1.csv and on (log-00.csv of more "
+              "than ten), --truth likewise; number k is what --seed SEED+k gives alone")
           ->check(CLI::Range(1, 10000000))
           ->capture_default_str();
   plot->excludes(many);

@@ -1,5 +1,6 @@
 // goingrate spectrum: the spectrum of the rate, and fast against slow drive.
 #include "plot.hpp"
+#include "progress.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -111,10 +112,13 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
-                                   fit_options(options.model, loaded, global));
-  const DriveAnalysis drive =
-      analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
+  const FitOptions asked = fit_options(options.model, loaded, global);
+  const DriveAnalysis drive = [&] {
+    StepLine now(global.quiet, "fitting the model");
+    const FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s, asked);
+    now("spectrum of the rate, fast and slow drive");
+    return analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
+  }();
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
   std::string text = drive_text(drive, expected_periods(options, loaded));

@@ -269,7 +269,7 @@ which_model() {
   if [ -n "$d" ] && [ -n "$sd" ]; then
     say "- Q1. Drag $(calc %.0f "$d / $sd") sigma from nothing, ε" \
       "$(calc %.0f "($(fitted "$fit" epsilon 2) - $eps) / $(fitted "$fit" epsilon 3)") sigma from the truth." \
-      "Chi-squared: $(sed -nE 's/.*degrees of freedom \((p = [0-9.e-]+)\)/\1/p' "$work/5-averaged1.txt"); whiteness:" \
+      "Chi-squared: $(sed -nE 's/.*degrees of freedom \((p = [0-9.e-]+)\).*/\1/p' "$work/5-averaged1.txt"); whiteness:" \
       "$(sed -nE 's/.*are white with (p = [0-9.e-]+) .*/\1/p' "$work/5-averaged1.txt"). Nothing sticks out."
   else
     say "- Q1. This log shows no drag with averaged1."

@@ -4,6 +4,7 @@
 #include "scenario_text.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/spelling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,13 @@
 namespace goingrate {
 
 namespace {
+
+// What was expected where `found` is none of the `known`.
+std::string one_of(std::string_view found, const std::vector<std::string>& known) {
+  const auto meant = nearest_word(found, known);
+  return fmt::format("one of {}{}", fmt::join(known, ", "),
+                     meant ? fmt::format(" (did you mean {}?)", *meant) : "");
+}
 
 // One [section] of the file: hands out values by key and complains about keys nobody asked for.
 class Section {
@@ -111,7 +119,7 @@ public:
       if (std::find(known_.begin(), known_.end(), key.str()) == known_.end())
         throw InputError(place(key.source()),
                          fmt::format("unknown key '{}{}'", prefix(), key.str()),
-                         fmt::format("one of {}", fmt::join(known_, ", ")));
+                         one_of(key.str(), known_));
     }
   }
 
@@ -278,6 +286,9 @@ void read_events(const toml::node& node, const std::string& file, Scenario& scen
   }
 }
 
+const std::vector<std::string> section_names{"clock", "start",  "run",         "event",
+                                             "drive", "length", "temperature", "sensor"};
+
 void read_root(const toml::table& root, const std::string& file, Scenario& scenario) {
   const std::map<std::string, std::function<void(Section)>, std::less<>> sections{
       {"clock", [&](Section s) { read_clock(std::move(s), scenario.clock); }},
@@ -297,8 +308,7 @@ void read_root(const toml::table& root, const std::string& file, Scenario& scena
     const auto reader = sections.find(key.str());
     if (reader == sections.end())
       throw InputError(place, fmt::format("unknown section '{}'", key.str()),
-                       "[clock], [start], [run], [[event]], [drive], [length], "
-                       "[temperature] or [sensor]");
+                       one_of(key.str(), section_names));
     if (!node.is_table())
       throw InputError(place, fmt::format("'{}' that is no section", key.str()),
                        fmt::format("a section [{}]", key.str()));

@@ -52,9 +52,9 @@ double start_velocity_of(const Scenario& scenario, Method method) {
     velocity = cycle->velocity;
   }
   if (!velocity)
-    throw ArgumentError("start.amplitude", "stationary",
-                        "a number: this clock has no stationary swing (it would stall, or has no "
-                        "drive or no friction)");
+    throw NoStationarySwing("start.amplitude", "stationary",
+                            "a number: this clock has no stationary swing (it would stall, or has "
+                            "no drive or no friction)");
   return *velocity;
 }
 

@@ -101,6 +101,14 @@ std::size_t room_for(const LineReader& lines) {
   return static_cast<std::size_t>(margin * static_cast<double>(lines.lines_expected()));
 }
 
+// Times of crossings may be those of one direction or of both. A log of our own has a column of
+// edges where it holds both.
+bool directions_are_open(const LogHead& head, const Layout& layout) {
+  const auto has = [&](ColumnRole role) { return layout.find(role).has_value(); };
+  return has(ColumnRole::time) && !has(ColumnRole::edge) && !has(ColumnRole::clock_error) &&
+         layout.format != LogFormat::angle && !head.value_of("goingrate log");
+}
+
 // What the log is, from its first lines, which are not needed any more then.
 Layout settle_layout(LineReader& lines, std::size_t enough, ClockLog& log,
                      const ReadingOptions& options) {
@@ -108,6 +116,7 @@ Layout settle_layout(LineReader& lines, std::size_t enough, ClockLog& log,
   const LogHead head = cut_head(text, lines.whole_is_in_head(), log.source, options.decimal_comma);
   Layout layout = detect_layout(head, options, log);
   log.format = layout.format;
+  log.directions_are_open = directions_are_open(head, layout);
   settle_nominal_period(log, head, layout, options);
   return layout;
 }

@@ -5,9 +5,11 @@
 #include "markup.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
+#include <limits>
 
 namespace goingrate {
 
@@ -167,10 +169,9 @@ std::string rate_map_table(const RateMap& map) {
   for (std::size_t j = 0; j < map.mu.size(); ++j)
     for (std::size_t i = 0; i < map.epsilon.size(); ++i) {
       const double rate = map.rate_excess[j][i];
-      fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},", map.epsilon[i], map.mu[j]);
+      fmt::format_to(std::back_inserter(text), "{},{},", map.epsilon[i], map.mu[j]);
       if (std::isfinite(rate))
-        fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g}\n", rate,
-                       seconds_gained_per_day(rate));
+        fmt::format_to(std::back_inserter(text), "{},{}\n", rate, seconds_gained_per_day(rate));
       else
         text += ",\n"; // stalled: no rate
     }
@@ -192,9 +193,32 @@ std::string rate_map_json(const RateMap& map) {
   return json.dump() + '\n';
 }
 
-Figure rate_map_figure(const RateMap& map) {
-  constexpr std::size_t most = 7; // lines that are told apart
-  const std::size_t lines = std::min(most, map.mu.size());
+namespace {
+
+// Beyond three times as far from the highest rate as half of them are the curves are steep.
+double lowest_of_interest(const RateMap& map) {
+  std::vector<double> rates;
+  for (const auto& row : map.rate_excess)
+    std::copy_if(row.begin(), row.end(), std::back_inserter(rates),
+                 [](double rate) { return std::isfinite(rate); });
+  if (rates.empty()) return -INFINITY;
+  const auto middle = rates.begin() + static_cast<std::ptrdiff_t>(rates.size() / 2);
+  std::nth_element(rates.begin(), middle, rates.end());
+  const double highest = *std::max_element(middle, rates.end());
+  return highest - 3.0 * (highest - *middle);
+}
+
+Series curve_of_torque(const RateMap& map, std::size_t j, double lowest) {
+  Series curve{Series::Style::line, "μ = " + plain_number(map.mu[j]), map.epsilon, {}, {}, {}};
+  for (const double rate : map.rate_excess[j])
+    curve.y.push_back(rate >= lowest ? seconds_gained_per_day(rate)
+                                     : std::numeric_limits<double>::quiet_NaN());
+  return curve;
+}
+
+Figure rates_above(const RateMap& map, double lowest, const std::vector<OperatingPoint>& points) {
+  constexpr std::array colours{0, 1, 2, 3, 4, 5, 7}; // yellow is too pale for a line
+  const std::size_t lines = std::min(colours.size(), map.mu.size());
   Figure figure;
   figure.id = "map";
   figure.title = "Stationary rate";
@@ -203,26 +227,58 @@ Figure rate_map_figure(const RateMap& map) {
                                map.phi0);
   figure.x = {"friction ε", "", true};
   figure.y = {"rate", "s/day"};
+  figure.group = "map";
   for (std::size_t k = 0; k < lines; ++k) {
     const std::size_t j = lines == 1 ? 0 : k * (map.mu.size() - 1) / (lines - 1);
-    Series series{Series::Style::line, "μ = " + plain_number(map.mu[j]), map.epsilon, {}, {}, {},
-                  static_cast<int>(k)};
-    for (const double rate : map.rate_excess[j])
-      series.y.push_back(seconds_gained_per_day(rate));
-    figure.series.push_back(std::move(series));
+    figure.series.push_back(curve_of_torque(map, j, lowest));
+    figure.series.back().colour = colours[k];
   }
+  Series marks{Series::Style::points, "operating point", {}, {}, {}, {}, 7};
+  for (const OperatingPoint& point : points) {
+    if (point.rate_excess < lowest) continue;
+    marks.x.push_back(point.epsilon);
+    marks.y.push_back(seconds_gained_per_day(point.rate_excess));
+  }
+  if (!marks.x.empty()) figure.series.push_back(std::move(marks));
   return figure;
 }
 
+} // namespace
+
+std::vector<Figure> rate_map_figures(const RateMap& map,
+                                     const std::vector<OperatingPoint>& points) {
+  std::vector<Figure> figures{rates_above(map, -INFINITY, points)};
+  const double lowest = lowest_of_interest(map);
+  double least = INFINITY;
+  for (const auto& row : map.rate_excess)
+    for (const double rate : row)
+      if (rate < least) least = rate;
+  if (!(least < 3.0 * lowest)) return figures;
+  figures.push_back(rates_above(map, lowest, points));
+  figures.back().id = "map-near";
+  figures.back().title = "Stationary rate, near the nominal";
+  return figures;
+}
+
+namespace {
+
+// limit_cycle's rate is good to 1e-15.
+double without_rounding(double rate_excess) {
+  return std::abs(rate_excess) < 1e-15 ? 0.0 : rate_excess;
+}
+
+} // namespace
+
 std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0) {
-  std::string text = fmt::format("  epsilon        mu             amplitude (rad)  rate (s/day)   "
-                                 "rate excess      (phi0 = {:g} rad)\n",
-                                 phi0);
-  for (const OperatingPoint& point : points)
-    fmt::format_to(std::back_inserter(text),
-                   "  {:<14.8g} {:<14.8g} {:<16.10g} {:<+14.8g} {:+.10e}\n", point.epsilon,
-                   point.mu, point.amplitude, seconds_gained_per_day(point.rate_excess),
-                   point.rate_excess);
+  std::string text = fmt::format("phi0 = {} rad\n  {:<14} {:<14} {:<16} {:<14} {}\n", phi0,
+                                 "epsilon", "mu", "amplitude/rad", "rate/(s/day)", "rate excess");
+  for (const OperatingPoint& point : points) {
+    const double rate = without_rounding(point.rate_excess);
+    fmt::format_to(std::back_inserter(text), "  {:<14.8g} {:<14.8g} {:<16.10g} {:<14} {}\n",
+                   point.epsilon, point.mu, point.amplitude,
+                   rate == 0.0 ? "0" : fmt::format("{:+.8g}", seconds_gained_per_day(rate)),
+                   rate == 0.0 ? "0" : fmt::format("{:+.10g}", rate));
+  }
   return text;
 }
 

@@ -21,10 +21,11 @@ namespace {
 constexpr double width = 720.0;
 constexpr double plot_height = 320.0;
 constexpr double least_left = 80.0;
-constexpr double right = width - 14.0;
+constexpr double least_right = 14.0;
 constexpr double space_above = 14.0;
 constexpr double space_below = 58.0;
 constexpr double legend_row = 26.0;
+constexpr double marker_row = 21.0;
 constexpr double character = 11.0; // width of one, generously
 
 std::string identifier(const std::string& id) {
@@ -45,14 +46,16 @@ class Drawing {
 public:
   explicit Drawing(const Figure& figure)
       : figure_(figure), id_(identifier(figure.id)), looks_(series_looks(figure)) {
-    FigureAxes axes = figure_axes(figure);
-    x_ = std::move(axes.x);
-    y_ = std::move(axes.y);
+    const FigureAxes axes = figure_axes(figure);
+    x_ = axes.x;
+    y_ = axes.y;
     empty_ = axes.empty;
     std::size_t longest = 0;
     for (const Tick& tick : y_.ticks)
       longest = std::max(longest, characters(tick.label));
     left_ = std::max(least_left, 28.0 + character * static_cast<double>(longest)); // 28: the title
+    right_ = width - std::max(least_right, 2.0 + character * half_of_last_label(x_));
+    markers_ = place_markers(figure, axes, character / (right_ - left_), 6.0 / (right_ - left_));
     lay_out_legend();
   }
 
@@ -85,7 +88,7 @@ private:
   [[nodiscard]] std::vector<Place> places(const Series& series) const;
   [[nodiscard]] std::vector<Extent> extents(const Series& series) const;
   [[nodiscard]] std::vector<Cell> cells(const Series& series) const;
-  [[nodiscard]] double across(double x) const { return left_ + (right - left_) * x_.place(x); }
+  [[nodiscard]] double across(double x) const { return left_ + (right_ - left_) * x_.place(x); }
   [[nodiscard]] double down(double y) const { return bottom_ - plot_height * y_.place(y); }
 
   template <class... Arguments>
@@ -99,10 +102,12 @@ private:
   AxisScale x_, y_;
   bool empty_ = false;
   double left_ = least_left;
+  double right_ = width - least_right;
   double top_ = space_above;
   double bottom_ = 0.0;
   std::vector<LegendEntry> legend_;
   std::vector<Look> looks_;
+  std::vector<PlacedMarker> markers_;
 };
 
 void Drawing::lay_out_legend() {
@@ -113,7 +118,7 @@ void Drawing::lay_out_legend() {
   if (figure_.series.size() > 1) {
     for (const Series& series : figure_.series) {
       const double needed = sample + character * static_cast<double>(characters(series.label));
-      if (x > left_ && x + needed > right) {
+      if (x > left_ && x + needed > right_) {
         x = left_;
         y += legend_row;
       }
@@ -122,6 +127,7 @@ void Drawing::lay_out_legend() {
     }
     top_ = y + legend_row - 6.0;
   }
+  top_ += marker_row * static_cast<double>(rows_of(markers_));
   bottom_ = top_ + plot_height;
 }
 
@@ -146,7 +152,7 @@ void Drawing::draw_grid() {
   const auto out = std::back_inserter(labels);
   bool lower = false; // every other name, so that long ones have room
   for (const Tick& tick : x_.ticks) {
-    const std::string x = coordinate(left_ + (right - left_) * tick.place);
+    const std::string x = coordinate(left_ + (right_ - left_) * tick.place);
     (tick.label.empty() ? minor : lines) +=
         fmt::format("M{} {}V{}", x, coordinate(top_), coordinate(bottom_));
     if (tick.label.empty()) continue;
@@ -157,7 +163,7 @@ void Drawing::draw_grid() {
   for (const Tick& tick : y_.ticks) {
     const double y = bottom_ - plot_height * tick.place;
     (tick.label.empty() ? minor : lines) +=
-        fmt::format("M{} {}H{}", coordinate(left_), coordinate(y), coordinate(right));
+        fmt::format("M{} {}H{}", coordinate(left_), coordinate(y), coordinate(right_));
     if (tick.label.empty()) continue;
     fmt::format_to(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" dy=\".35em\">{}</text>\n",
                    coordinate(left_ - 7.0), coordinate(y), escape_markup(tick.label));
@@ -168,24 +174,13 @@ void Drawing::draw_grid() {
 }
 
 void Drawing::draw_markers() {
-  constexpr std::size_t most_rows = 4;
-  std::vector<double> row_ends;
-  for (const Marker& marker : figure_.markers) {
-    const double x = empty_ ? std::numeric_limits<double>::quiet_NaN() : across(marker.x);
-    if (!(x >= left_ && x <= right)) continue;
-    const double half = 0.5 * character * static_cast<double>(characters(marker.label)) + 3.0;
-    const double centre = std::clamp(x, left_ + half, std::max(left_ + half, right - half));
-    std::size_t row = 0; // the first in which the label has room
-    while (row < row_ends.size() && row_ends[row] > centre - half)
-      ++row;
-    row %= most_rows;
-    row_ends.resize(std::max(row_ends.size(), row + 1));
-    row_ends[row] = centre + half;
-    write("<path class=\"marker\" d=\"M{} {}V{}\"/>\n", coordinate(x), coordinate(top_),
-          coordinate(bottom_));
+  for (const PlacedMarker& placed : markers_) {
+    const double foot = top_ - 7.0 - marker_row * static_cast<double>(placed.row);
+    write("<path class=\"marker\" d=\"M{} {}V{}\"/>\n", coordinate(across(placed.marker->x)),
+          coordinate(top_), coordinate(bottom_));
     write("<text class=\"note\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-          coordinate(centre), coordinate(top_ + 19.0 + 21.0 * static_cast<double>(row)),
-          escape_markup(marker.label));
+          coordinate(left_ + (right_ - left_) * placed.centre), coordinate(foot),
+          escape_markup(placed.marker->label));
   }
 }
 
@@ -266,13 +261,13 @@ void Drawing::draw_series(std::size_t index) {
 
 void Drawing::draw_frame() {
   write("<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", coordinate(left_),
-        coordinate(top_), coordinate(right - left_), coordinate(plot_height));
+        coordinate(top_), coordinate(right_ - left_), coordinate(plot_height));
   if (empty_)
     write(
         "<text class=\"none\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">no values to show</text>\n",
-        coordinate(left_ + 0.5 * (right - left_)), coordinate(top_ + 0.5 * plot_height));
+        coordinate(left_ + 0.5 * (right_ - left_)), coordinate(top_ + 0.5 * plot_height));
   write("<text class=\"axis\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-        coordinate(left_ + 0.5 * (right - left_)), coordinate(bottom_ + 47.0),
+        coordinate(left_ + 0.5 * (right_ - left_)), coordinate(bottom_ + 47.0),
         escape_markup(x_.title));
   write("<text class=\"axis\" text-anchor=\"middle\" transform=\"translate(16 {}) rotate(-90)\">{}"
         "</text>\n",

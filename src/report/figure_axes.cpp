@@ -98,6 +98,42 @@ std::vector<Look> series_looks(const Figure& figure) {
   return looks;
 }
 
+double half_of_last_label(const AxisScale& x) {
+  double reach = 0.0;
+  for (const Tick& tick : x.ticks)
+    if (tick.place > 0.95) reach = 0.5 * static_cast<double>(characters(tick.label));
+  return reach;
+}
+
+std::vector<PlacedMarker> place_markers(const Figure& figure, const FigureAxes& axes,
+                                        double character, double apart) {
+  constexpr std::size_t most_rows = 4;
+  std::vector<PlacedMarker> placed;
+  if (axes.empty) return placed;
+  std::vector<double> row_ends;
+  for (const Marker& marker : figure.markers) {
+    const double place = axes.x.place(marker.x);
+    if (!(place >= 0.0 && place <= 1.0)) continue;
+    const double half = 0.5 * (character * static_cast<double>(characters(marker.label)) + apart);
+    const double centre = std::clamp(place, half, std::max(half, 1.0 - half));
+    std::size_t row = 0;
+    while (row < row_ends.size() && row_ends[row] > centre - half)
+      ++row;
+    row %= most_rows;
+    row_ends.resize(std::max(row_ends.size(), row + 1));
+    row_ends[row] = centre + half;
+    placed.push_back({&marker, centre, row});
+  }
+  return placed;
+}
+
+std::size_t rows_of(const std::vector<PlacedMarker>& markers) {
+  std::size_t rows = 0;
+  for (const PlacedMarker& placed : markers)
+    rows = std::max(rows, placed.row + 1);
+  return rows;
+}
+
 std::string_view palette(int colour) { return okabe_ito.at(static_cast<std::size_t>(colour)); }
 
 std::size_t characters(std::string_view text) {

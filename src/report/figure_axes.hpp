@@ -34,6 +34,25 @@ std::vector<Look> series_looks(const Figure& figure);
 /// The eight colours of Okabe and Ito that the colour-blind tell apart, as #RRGGBB.
 std::string_view palette(int colour);
 
+/// Half the length of the last label of an x axis, in characters: how far it may reach beyond the
+/// plot. 0 if it stands inside.
+double half_of_last_label(const AxisScale& x);
+
+/// A marker inside the drawing and where its label stands: above the plot, so that it covers
+/// nothing that is drawn.
+struct PlacedMarker {
+  const Marker* marker;
+  double centre;   ///< of the label, 0 to 1 along the axis
+  std::size_t row; ///< from the plot upwards, 0 to 3
+};
+
+/// The markers inside the drawing, each label in the first row that has room for it. `character`
+/// and `apart`: width of one and what is left between two labels, as parts of the plot's width.
+std::vector<PlacedMarker> place_markers(const Figure& figure, const FigureAxes& axes,
+                                        double character, double apart);
+/// How many rows their labels take.
+std::size_t rows_of(const std::vector<PlacedMarker>& markers);
+
 /// Of UTF-8 text.
 std::size_t characters(std::string_view text);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <vector>
 
 namespace goingrate {
 
@@ -17,30 +18,58 @@ std::string interval(double low, double high, double value) {
   return fmt::format("{} {}", end(low), end(high));
 }
 
-std::string parameter_line(const FittedParameter& p) {
-  if (p.status == ParameterStatus::undetermined)
-    return fmt::format("  {:<14} undetermined by this log\n", p.name);
-  if (p.status == ParameterStatus::fixed)
-    return fmt::format("  {:<14} {:.10g} {} (fixed)\n", p.name, p.value, p.unit);
-  std::string line = fmt::format("  {:<14} {} {}", p.name, with_sigma(p.value, p.sigma), p.unit);
-  if (p.sigma < std::abs(p.value))
-    line += fmt::format(" ({:.2g} %)", 100.0 * p.sigma / std::abs(p.value));
-  if (p.at_bound && p.low95 >= p.value && std::isfinite(p.high95))
-    line =
-        fmt::format("  {:<14} {:.4g} {}, at most {:.2g} (95 %)", p.name, p.value, p.unit, p.high95);
-  else if (is_lopsided(p))
-    line += fmt::format("  95 %: {}", interval(p.low95, p.high95, p.value));
-  if (p.status == ParameterStatus::prior) line += " with prior";
-  if (p.at_bound) line += " at the edge of what is allowed";
-  if (std::abs(p.model_shift) >= 0.1)
-    line += fmt::format("   [first order alone: {:+.2g} sigma]", p.model_shift);
-  return line + "\n";
+// Not told from nothing: only how large it may be is known.
+bool is_at_lower_bound(const FittedParameter& p) {
+  return p.at_bound && p.low95 >= p.value && std::isfinite(p.high95);
+}
+
+// A value with its unit; the name before it and the remarks behind it stand in columns.
+std::string value_text(const FittedParameter& p) {
+  if (p.status == ParameterStatus::undetermined) return "undetermined by this log";
+  const std::string unit = p.unit.empty() ? "" : " " + p.unit;
+  if (p.status == ParameterStatus::fixed) return fmt::format("{:.10g}{} (fixed)", p.value, unit);
+  if (is_at_lower_bound(p))
+    return fmt::format("{:.4g}{}, at most {:.2g} (95 %)", p.value, unit, p.high95);
+  return with_sigma(p.value, p.sigma) + unit;
+}
+
+std::string remarks_on(const FittedParameter& p) {
+  if (p.status == ParameterStatus::undetermined || p.status == ParameterStatus::fixed) return {};
+  std::vector<std::string> remarks;
+  if (!is_at_lower_bound(p)) {
+    if (p.sigma < std::abs(p.value))
+      remarks.push_back(fmt::format("{:.2g} %", 100.0 * p.sigma / std::abs(p.value)));
+    if (is_lopsided(p))
+      remarks.push_back(fmt::format("95 %: {}", interval(p.low95, p.high95, p.value)));
+  }
+  if (p.status == ParameterStatus::prior) remarks.emplace_back("with prior");
+  if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
+  const std::string all = fmt::format("{}", fmt::join(remarks, "; "));
+  if (!(std::abs(p.model_shift) >= 0.1)) return all;
+  return all + fmt::format("{}[first order: {:+.2g} sigma]", all.empty() ? "" : " ", p.model_shift);
+}
+
+std::string parameter_lines(const std::vector<FittedParameter>& parameters) {
+  std::size_t name_width = 14, value_width = 0;
+  for (const FittedParameter& p : parameters) {
+    name_width = std::max(name_width, p.name.size());
+    if (!remarks_on(p).empty()) value_width = std::max(value_width, value_text(p).size());
+  }
+  std::string text;
+  for (const FittedParameter& p : parameters) {
+    const std::string remarks = remarks_on(p);
+    text += fmt::format("  {:<{}} ", p.name, name_width);
+    text += remarks.empty() ? value_text(p)
+                            : fmt::format("{:<{}}  {}", value_text(p), value_width, remarks);
+    text += "\n";
+  }
+  return text;
 }
 
 std::string derived_line(const DerivedQuantity& quantity) {
-  return fmt::format("  {:<22} {} {}   = {}\n", quantity.name,
-                     with_sigma(quantity.value, quantity.sigma, 10), quantity.unit,
-                     quantity.expression);
+  return fmt::format("  {:<22} {}{}{}\n    {}\n", quantity.name,
+                     with_sigma(quantity.value, quantity.sigma, 10),
+                     quantity.unit.empty() ? "" : " ", quantity.unit, quantity.expression);
 }
 
 bool has_value(const FitSummary& fit, const std::string& name) {
@@ -62,17 +91,22 @@ std::string correlation_lines(const FitSummary& fit) {
   return text;
 }
 
+std::string chi2_lines(const FitQuality& q) {
+  if (!std::isfinite(q.p_value)) return "  too few beats to test it\n";
+  return fmt::format("  chi-squared {:.5g} for {:.0f} degrees of freedom (p = {:.2g}) {}\n", q.chi2,
+                     q.dof, q.p_value,
+                     q.of_innovations
+                         ? "of the innovations"
+                         : "against the jitter of neighbouring beats; p allows for that "
+                           "being known to some per cent only");
+}
+
 std::string statistics_lines(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
   std::string text =
-      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s",
+      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s\n",
                   fit.residual_s.size(), fit.correlated.size(), q.rms_s);
-  text += std::isfinite(q.p_value)
-              ? fmt::format("; chi-squared {} {:.5g} for {:.0f} degrees of freedom (p = {:.2g})\n",
-                            q.of_innovations ? "of the innovations"
-                                             : "against the jitter of neighbouring beats",
-                            q.chi2, q.dof, q.p_value)
-              : "; too few beats to test it\n";
+  text += chi2_lines(q);
   if (std::isfinite(q.amplitude_rms_rad))
     text += fmt::format("  amplitude residual rms {:.3g} mrad\n", q.amplitude_rms_rad * 1e3);
   text += fmt::format("  BIC {:.8g}, AIC {:.8g}\n", q.bic, q.aic);
@@ -121,8 +155,7 @@ std::string fit_text(const FitSummary& fit) {
       fit.dynamics, fit.escapement, fit.friction, fit.noise, fit.chosen_by, fit.termination);
   text += statistics_lines(fit);
   text += "[parameters]\n";
-  for (const FittedParameter& p : fit.parameters)
-    text += parameter_line(p);
+  text += parameter_lines(fit.parameters);
   text += "[determined by this log]\n";
   for (const DerivedQuantity& quantity : fit.combinations)
     text += derived_line(quantity);
@@ -133,10 +166,11 @@ std::string fit_text(const FitSummary& fit) {
   text += test_lines(fit);
   text += "[models tried]\n";
   for (const FitAlternative& a : fit.alternatives)
-    text += fmt::format("  {}\n      BIC {:.8g}: {}\n", a.model, a.bic, a.verdict);
+    text += fmt::format("  {}\n    BIC {:.8g}: {}\n", a.model, a.bic, a.verdict);
   for (const std::string& note : fit.notes)
     text += "note: " + note + "\n";
-  return text;
+  constexpr std::size_t terminal = 80;
+  return wrapped(text, terminal, 2);
 }
 
 } // namespace goingrate

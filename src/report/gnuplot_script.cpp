@@ -23,11 +23,13 @@ constexpr double width = 8.5;
 constexpr double right_margin = 0.2;
 constexpr double height_alone = 5.0; // of the plot itself
 constexpr double height_in_stack = 3.6;
-constexpr double space_above = 0.15;
+constexpr double space_above = 0.2;
 constexpr double space_between = 0.35; // of panels that share their x axis
 constexpr double tick_label_row = 0.45;
 constexpr double axis_title_row = 0.45;
 constexpr double legend_row = 0.36;
+constexpr double marker_row = 0.36;
+constexpr double edge = 0.05;           // that stays white whatever stands beside it
 constexpr double character = 0.14;      // width of one at 8 points
 constexpr double tick_character = 0.17; // digits are wider
 
@@ -38,21 +40,13 @@ std::size_t longest(const std::vector<Tick>& ticks) {
   return length;
 }
 
-// How far the last label of an x axis may reach beyond the plot.
-double half_of_last_label(const AxisScale& x) {
-  double reach = 0.0;
-  for (const Tick& tick : x.ticks)
-    if (tick.place > 0.95)
-      reach = 0.5 * tick_character * static_cast<double>(characters(tick.label));
-  return reach;
-}
-
 // One figure of the stack.
 struct Panel {
   const Figure& figure;
   FigureAxes axes;
   bool shares_x = false; // with the panel below it, which has the labels
   std::size_t key_rows = 0;
+  std::vector<PlacedMarker> markers{};
   double top = 0.0, bottom = 0.0; // of the plot, from the upper edge
 };
 
@@ -68,7 +62,7 @@ double space_below(const Panel& panel) {
   const double labels =
       turned(panel) ? 0.5 + 0.7 * character * static_cast<double>(longest(panel.axes.x.ticks))
                     : tick_label_row;
-  return 0.1 + labels + (panel.axes.x.title.empty() ? 0.0 : axis_title_row);
+  return 0.15 + labels + (panel.axes.x.title.empty() ? 0.0 : axis_title_row);
 }
 
 std::size_t longest_label(const Figure& figure) {
@@ -78,12 +72,28 @@ std::size_t longest_label(const Figure& figure) {
   return widest;
 }
 
+// Width of a label in letters: digits and what stands between them are wider.
+double letters(const std::string& label) {
+  constexpr double digit = 1.25;
+  const auto wide = std::count_if(label.begin(), label.end(), [](char c) {
+    return (c >= '0' && c <= '9') || c == '=' || static_cast<unsigned char>(c) >= 0xC0;
+  });
+  return static_cast<double>(characters(label)) + (digit - 1.0) * static_cast<double>(wide);
+}
+
+double widest_label(const Figure& figure) {
+  double widest = 1.0;
+  for (const Series& series : figure.series)
+    widest = std::max(widest, letters(series.label));
+  return widest;
+}
+
 // gnuplot sets the entries of a key in columns of one width.
 std::size_t key_rows(const Figure& figure, double room) {
   if (figure.series.size() < 2) return 0;
   constexpr double sample = 1.05;
   constexpr double letter = 0.14; // of words, which the last column may carry beyond the plot
-  const double fit = (room + 0.05) / (sample + letter * static_cast<double>(longest_label(figure)));
+  const double fit = (room + 0.05) / (sample + letter * widest_label(figure));
   const auto columns = static_cast<std::size_t>(std::max(fit, 1.0));
   return (figure.series.size() + columns - 1) / columns;
 }
@@ -109,8 +119,7 @@ public:
   [[nodiscard]] double height() const { return height_; }
 
   std::string text() {
-    write("set encoding utf8\nset border linewidth 0.7\nset tics scale 0.6,0.3\nset style textbox "
-          "opaque noborder margins 0.3,0.3\n");
+    write("set encoding utf8\nset border linewidth 0.7\nset tics scale 0.6,0.3\n");
     write("set rmargin at screen {:.4f}\nset lmargin at screen {:.4f}\n", right_ / width,
           left_ / width);
     if (panels_.size() > 1) write("set multiplot\n");
@@ -145,12 +154,15 @@ void Script::lay_out() {
     const double axis_title = panel.axes.y.title.empty() ? 0.35 : 0.85;
     left_ = std::max(left_, axis_title +
                                 tick_character * static_cast<double>(longest(panel.axes.y.ticks)));
-    right_ = std::min(right_, width - half_of_last_label(panel.axes.x));
+    right_ = std::min(right_, width - edge - tick_character * half_of_last_label(panel.axes.x));
   }
   const double plot_height = panels_.size() > 1 ? height_in_stack : height_alone;
   for (Panel& panel : panels_) {
     panel.key_rows = key_rows(panel.figure, right_ - left_);
-    panel.top = height_ + space_above + legend_row * static_cast<double>(panel.key_rows);
+    panel.markers = place_markers(panel.figure, panel.axes, character / (right_ - left_),
+                                  0.1 / (right_ - left_));
+    panel.top = height_ + space_above + legend_row * static_cast<double>(panel.key_rows) +
+                marker_row * static_cast<double>(rows_of(panel.markers));
     panel.bottom = panel.top + plot_height;
     height_ = panel.bottom + space_below(panel);
   }
@@ -189,39 +201,28 @@ void Script::set_axis(char name, const AxisScale& scale, const Axis& axis, bool 
 
 void Script::set_key(const Panel& panel) {
   if (panel.key_rows == 0) return write("unset key\n");
-  const double top = panel.top - legend_row * static_cast<double>(panel.key_rows) - 0.05;
+  const double top = panel.top - marker_row * static_cast<double>(rows_of(panel.markers)) -
+                     legend_row * static_cast<double>(panel.key_rows) - 0.05;
   write("set key at graph 0, screen {:.4f} left top Left reverse vertical maxrows {} samplen 1.4 "
         "width {:.1f}\n",
         part_of_height(top), panel.key_rows,
-        -key_character_ * static_cast<double>(longest_label(panel.figure)));
+        widest_label(panel.figure) -
+            (1.0 + key_character_) * static_cast<double>(longest_label(panel.figure)));
 }
 
-// Each label in the first row that has room for it.
 void Script::set_markers(const Panel& panel) {
-  constexpr std::size_t most_rows = 4;
   write("unset arrow\nunset label\n");
   if (panel.axes.empty) {
     write("set label 'no values to show' at graph 0.5,0.5 center\n");
     return;
   }
-  std::vector<double> row_ends;
-  for (const Marker& marker : panel.figure.markers) {
-    const double place = panel.axes.x.place(marker.x);
-    if (!(place >= 0.0 && place <= 1.0)) continue;
-    const double half =
-        0.5 * (character * static_cast<double>(characters(marker.label)) + 0.1) / (right_ - left_);
-    const double centre = std::clamp(place, half, std::max(half, 1.0 - half));
-    std::size_t row = 0;
-    while (row < row_ends.size() && row_ends[row] > centre - half)
-      ++row;
-    row %= most_rows;
-    row_ends.resize(std::max(row_ends.size(), row + 1));
-    row_ends[row] = centre + half;
+  for (const PlacedMarker& placed : panel.markers) {
+    const double middle = panel.top - marker_row * (0.5 + static_cast<double>(placed.row));
     write("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead back linewidth 0.7 "
           "dashtype (4,4) linecolor rgb '#555555'\n",
-          number(marker.x));
-    write("set label {} at graph {:.4f}, graph {:.3f} center front boxed\n", quoted(marker.label),
-          centre, 0.94 - 0.07 * static_cast<double>(row));
+          number(placed.marker->x));
+    write("set label {} at graph {:.4f}, screen {:.4f} center front\n",
+          quoted(placed.marker->label), placed.centre, part_of_height(middle));
   }
 }
 

@@ -213,8 +213,12 @@ Json spectrum_object(const DriveAnalysis& drive) {
   json["slow_gain"] = response ? json_number(response->slow_gain) : Json(nullptr);
   json.update(split_object(drive.split));
   json["lines"] = Json::array();
-  for (const SpectralLine& line : drive.lines)
+  for (const SpectralLine& line : drive.lines) {
     json["lines"].push_back(line_object(line, response));
+    json["lines"].back()["sideband_of_period_s"] =
+        line.sideband_of ? json_number(1.0 / drive.lines[*line.sideband_of].frequency_hz)
+                         : Json(nullptr);
+  }
   json["unit"] = "1/Hz, one-sided density of the relative rate";
   json["frequency_hz"] = Json::array();
   json["density"] = Json::array();

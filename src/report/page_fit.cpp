@@ -1,5 +1,7 @@
 #include "page.hpp"
 
+#include "goingrate/report/tables.hpp"
+
 #include "markup.hpp"
 
 #include <algorithm>
@@ -108,7 +110,10 @@ std::string quality_table(const FitSummary& fit) {
   table.row({"χ² / degrees of freedom", plain_number(q.chi2, 5) + " / " + plain_number(q.dof, 7),
              "near 1 if the residuals are no larger than the jitter between neighbouring beats"});
   table.row({"probability of that χ²", probability(q.p_value),
-             "below 0.01: the times hold more than the model and the jitter"});
+             q.of_innovations
+                 ? "below 0.01: the times hold more than the model and the jitter"
+                 : "below 0.01: the times hold more than the model and the jitter, which itself is "
+                   "known to some per cent only; that is allowed for"});
   table.row({"whiteness of the residuals", probability(q.whiteness_p),
              "below 0.001: the residuals have a shape, read the values as rough"});
   table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs", ""});
@@ -151,10 +156,16 @@ std::string cost_table(const DriveAnalysis& drive) {
 std::string line_table(const DriveAnalysis& drive) {
   Table table("Strictly periodic parts of the rate",
               {"period", "amplitude of the rate", "of the drive", "chance that noise does it"});
-  for (const SpectralLine& line : drive.lines)
-    table.row({plain_number(1.0 / line.frequency_hz, 5) + " s", plain_number(line.amplitude),
+  for (std::size_t i = 0; i < drive.lines.size(); ++i) {
+    const SpectralLine& line = drive.lines[i];
+    if (line.sideband_of) continue;
+    const std::string sidebands = sideband_text(drive.lines, i);
+    table.row({plain_number(1.0 / line.frequency_hz, 5) + " s" +
+                   (sidebands.empty() ? "" : ", " + sidebands),
+               plain_number(line.amplitude),
                drive.response ? plain_number(100.0 * drive_of(line, *drive.response)) + " %" : "",
                plain_number(line.false_alarm, 2)});
+  }
   return table.empty() ? "" : table.html();
 }
 

@@ -3,6 +3,7 @@
 #include "goingrate/base/scaled_time.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -254,6 +255,27 @@ Series jitter_floor(const Series& measured, double jitter_s) {
   return floor;
 }
 
+std::string_view kind_in_words(DeviationKind kind) {
+  constexpr std::array<std::string_view, deviation_kinds.size()> names = {
+      "Allan deviation",
+      "overlapping Allan deviation",
+      "modified Allan deviation",
+      "time deviation",
+      "Hadamard deviation",
+      "overlapping Hadamard deviation",
+      "total deviation",
+      "modified total deviation",
+      "time total deviation",
+      "Hadamard total deviation",
+      "Theo1 deviation",
+      "TheoH deviation",
+      "maximum time interval error",
+      "rms time interval error",
+      "parabolic deviation",
+  }; // in the order of deviation_kinds
+  return names[static_cast<std::size_t>(kind)];
+}
+
 Figure deviation_figure(const ReportData& data) {
   Series bars{Series::Style::bars, "deviation", {}, {}, {}, {}, blue};
   for (const DeviationRow& row : data.deviation.rows) {
@@ -267,8 +289,7 @@ Figure deviation_figure(const ReportData& data) {
   const bool usual = kind == DeviationKind::oadev;
   Figure figure{
       "deviation",
-      usual ? "Stability (overlapping Allan deviation)"
-            : fmt::format("Stability ({})", name_of(kind)),
+      fmt::format("Stability ({})", kind_in_words(kind)),
       usual
           ? "By how much the rate, averaged over τ, typically differs from one such stretch to the "
             "next (bars: 68 %; 10⁻⁵ is 0.86 s a day): where the points fall, a longer average "
@@ -278,8 +299,7 @@ Figure deviation_figure(const ReportData& data) {
             "slow causes such as temperature."
           : "The deviation against the averaging time (bars: 68 %).",
       {"averaging time τ", "s", true},
-      {usual ? "deviation of the rate" : std::string(name_of(kind)), is_in_seconds(kind) ? "s" : "",
-       true},
+      {std::string(kind_in_words(kind)), is_in_seconds(kind) ? "s" : "", true},
       {std::move(bars)}};
   if (usual && data.fit.status == FitStatus::converged && data.fit.jitter_s > 0.0) {
     figure.series.push_back(without_depths(jitter_floor(figure.series.front(), data.fit.jitter_s),

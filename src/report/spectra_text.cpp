@@ -3,13 +3,17 @@
 #include "goingrate/spectra/noise_type.hpp"
 #include "goingrate/spectra/stability_reading.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
+#include <utility>
 
 namespace goingrate {
 
 namespace {
+
+constexpr std::size_t terminal = 80; // columns
 
 std::string rms_line(const char* name, const RmsEstimate& rms, double factor, const char* unit) {
   if (std::isnan(rms.rms)) return fmt::format("  {:<22} not determined\n", name);
@@ -38,11 +42,18 @@ const char* what_noise_means(int alpha) {
   return "the rate drifts: look for a steady cause before reading anything else";
 }
 
-std::string region_line(const SlopeRegion& region) {
+std::string region_line(const SlopeRegion& region, DeviationKind kind) {
   if (std::isnan(region.slope)) return {}; // one row of its own is as often chance as not
-  return fmt::format("From {} to {} (slope {:+.2g}, {}): {}.\n", time_in_words(region.from_s),
-                     time_in_words(region.to_s), region.slope, noise_name(region.alpha),
-                     what_noise_means(region.alpha));
+  const std::string times =
+      fmt::format("From {} to {} ", time_in_words(region.from_s), time_in_words(region.to_s));
+  if (!may_be_noise(region, kind))
+    return times + fmt::format("(slope {:+.2g}): not that of {} ({:+.2g}), which neighbouring "
+                               "values look like. A step or a trend of the rate can do that, or "
+                               "something periodic.\n",
+                               region.slope, noise_name(region.alpha),
+                               slope_of_noise(kind, region.alpha));
+  return times + fmt::format("(slope {:+.2g}, {}): {}.\n", region.slope, noise_name(region.alpha),
+                             what_noise_means(region.alpha));
 }
 
 // Jitter alone makes sqrt(3) j/tau of an Allan deviation.
@@ -58,16 +69,35 @@ std::string floor_line(const DeviationTable& table) {
   return text + "\n";
 }
 
-std::string prediction_line(const DeviationTable& table, double after_s, const char* name) {
-  const auto p = predict_time_error(table, after_s);
-  if (!p) return {};
+std::string prediction_line(const TimePrediction& p, const char* name) {
   std::string text = fmt::format(
       "Expected time error a {} after it was set: {:.2g} s (k tau sigma, k = {:.2g} for {})", name,
-      p->error_s, p->k, noise_name(p->alpha));
-  if (p->extrapolated)
-    text += fmt::format(";\n  extrapolated from {}, as if the noise went on as it is there",
-                        time_in_words(p->from_tau_s));
+      p.error_s, p.k, noise_name(p.alpha));
+  if (p.extrapolated)
+    text +=
+        fmt::format("; extrapolated from {}, as if the noise went on as it is there and nothing "
+                    "else moved the clock",
+                    time_in_words(p.from_tau_s));
   return text + ".\n";
+}
+
+// What is no noise does not go on as it was.
+std::string prediction_lines(const DeviationTable& table, bool all_noise) {
+  std::string text;
+  bool left_out = false;
+  for (const auto& [name, after_s] : {std::pair{"day", 86400.0}, {"week", 7.0 * 86400.0}}) {
+    const auto p = predict_time_error(table, after_s);
+    if (!p) continue;
+    if (p->extrapolated && !all_noise)
+      left_out = true;
+    else
+      text += prediction_line(*p, name);
+  }
+  if (left_out)
+    text += fmt::format("No time error is foretold beyond {}: noise alone does not explain this "
+                        "log.\n",
+                        time_in_words(table.rows.back().tau_s));
+  return text;
 }
 
 } // namespace
@@ -94,16 +124,18 @@ std::string deviation_findings(const DeviationTable& table) {
   std::string text;
   constexpr std::size_t most = 8; // of a table of all tau the regions would be as many as the rows
   const auto regions = slope_regions(table);
+  const bool all_noise =
+      std::all_of(regions.begin(), regions.end(),
+                  [&](const SlopeRegion& region) { return may_be_noise(region, table.kind); });
   if (regions.size() <= most)
     for (const SlopeRegion& region : regions)
-      text += region_line(region);
+      text += region_line(region, table.kind);
   else
     text += fmt::format("The noise type changes {} times along the table: too often for words.\n",
                         regions.size() - 1);
   text += floor_line(table);
-  text += prediction_line(table, 86400.0, "day");
-  text += prediction_line(table, 7.0 * 86400.0, "week");
-  return text;
+  text += prediction_lines(table, all_noise);
+  return wrapped(text, terminal, 2);
 }
 
 namespace {
@@ -161,32 +193,55 @@ std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPerio
   if (drive.lines.empty()) return text + "no strictly periodic part stands out of the rate\n";
   text += fmt::format("periodic parts of the rate:\n  {:>12} {:>12} {:>10} {:>12}\n", "period/s",
                       "rate", drive.response ? "drive/%" : "", "false alarm");
-  for (const SpectralLine& line : drive.lines)
+  for (std::size_t i = 0; i < drive.lines.size(); ++i) {
+    const SpectralLine& line = drive.lines[i];
+    const auto label = [&](const SpectralLine& l) {
+      return label_of(l, drive.rate_spectrum->resolution_hz, expected);
+    };
+    const std::string name = label(line);
+    // One that has a name of its own, as a tide close to half a day, may be no sideband.
+    if (line.sideband_of && (name.empty() || name == label(drive.lines[*line.sideband_of])))
+      continue;
     text += fmt::format(
         "  {:>12.7g} {:>12.3g} {:>10} {:>12.2g}{}\n", 1.0 / line.frequency_hz, line.amplitude,
         drive.response ? fmt::format("{:.3g}", 100.0 * drive_of(line, *drive.response)) : "",
-        line.false_alarm, label_of(line, drive.rate_spectrum->resolution_hz, expected));
+        line.false_alarm, name);
+    if (const std::string sidebands = sideband_text(drive.lines, i); !sidebands.empty())
+      text += fmt::format("  {:>12} {}\n", "", sidebands);
+  }
   return text;
 }
 
 } // namespace
 
+std::string sideband_text(const std::vector<SpectralLine>& lines, std::size_t main_line) {
+  std::size_t count = 0;
+  double largest = 0.0;
+  for (const SpectralLine& line : lines) {
+    if (line.sideband_of != main_line) continue;
+    ++count;
+    largest = std::max(largest, line.amplitude);
+  }
+  if (count == 0) return {};
+  return fmt::format("and {} beside it, of up to {:.2g} % of it: it changes with time", count,
+                     100.0 * largest / lines[main_line].amplitude);
+}
+
 std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPeriod> expected) {
   std::string text;
   if (drive.response)
     text =
-        fmt::format("response of the rate to a relative change of drive: {:.4g} at once, {:.4g} "
+        fmt::format("response of the rate to a relative change of drive:\n  {:.4g} at once, {:.4g} "
                     "in the long run\ncorner between the two: {:.4g} Hz (a period of {:.4g} s)\n",
                     drive.response->fast_gain, drive.response->slow_gain, drive.response->corner_hz,
                     1.0 / drive.response->corner_hz);
   else
     text = "The log does not determine how the clock answers its drive, so fast and slow drive "
-           "cannot\n"
-           "be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from elsewhere, "
-           "an\n"
-           "amplitude column, a ring-down, or a deliberate change of the driving weight.\n";
+           "cannot be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from "
+           "elsewhere, an amplitude column, a ring-down, or a deliberate change of the driving "
+           "weight.\n";
   if (drive.split) text += split_lines(*drive.split);
-  return text + line_lines(drive, expected);
+  return wrapped(text + line_lines(drive, expected), terminal, 2);
 }
 
 std::string spectrum_table(const DriveAnalysis& drive) {

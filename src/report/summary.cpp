@@ -156,17 +156,22 @@ std::string disagreement(const FitSummary& fit, const Diary& diary) {
 std::string fit_lines(const FitSummary& fit, const Diary& diary) {
   if (fit.status != FitStatus::converged) return "Fit: no result (" + fit.termination + ").\n";
   std::string known, unknown;
+  std::size_t longest = 8;
+  for (const FittedParameter& p : fit.parameters)
+    longest = std::max(longest, p.name.size());
   for (const FittedParameter& p : fit.parameters) {
     if (p.status == ParameterStatus::undetermined)
       unknown += (unknown.empty() ? "" : ", ") + p.name;
     else if (p.status != ParameterStatus::fixed)
-      known += fmt::format("  {:<8} {} {}\n", p.name, with_sigma(p.value, p.sigma), p.unit);
+      known +=
+          fmt::format("  {:<{}} {} {}\n", p.name, longest, with_sigma(p.value, p.sigma), p.unit);
   }
   std::string text =
       fmt::format("Fit of the pendulum model ({}, escapement {}):\n", fit.dynamics, fit.escapement);
   text += known;
   if (std::isfinite(fit.q_factor.value))
-    text += fmt::format("  Q        {}\n", with_sigma(fit.q_factor.value, fit.q_factor.sigma));
+    text += fmt::format("  {:<{}} {}\n", "Q", longest,
+                        with_sigma(fit.q_factor.value, fit.q_factor.sigma));
   if (!unknown.empty()) text += fmt::format("  not determined by this log: {}\n", unknown);
   text += disagreement(fit, diary);
   if (fit.quality.whiteness_p < 1e-3)

@@ -175,6 +175,19 @@ void check(std::span<const double> series, double interval_s) {
     if (!std::isfinite(v)) throw ArgumentError("series", v, "finite");
 }
 
+// The strongest line that `line` stands close beside, as what varies slowly makes it.
+std::optional<std::size_t> main_line_of(const SpectralLine& line,
+                                        const std::vector<SpectralLine>& stronger,
+                                        double resolution_hz) {
+  constexpr double close = 4.0;    // resolutions: four swells in the series
+  constexpr double weaker = 0.667; // a sideband has at most half, in noise a little more
+  for (std::size_t i = 0; i < stronger.size(); ++i)
+    if (!stronger[i].sideband_of && line.amplitude < weaker * stronger[i].amplitude &&
+        std::abs(line.frequency_hz - stronger[i].frequency_hz) < close * resolution_hz)
+      return i;
+  return {};
+}
+
 } // namespace
 
 std::vector<SpectralLine> find_lines(std::span<const double> series, double interval_s,
@@ -190,7 +203,9 @@ std::vector<SpectralLine> find_lines(std::span<const double> series, double inte
     const Peak peak = highest_peak(fine_periodogram(x), first, search.around);
     const double chance = chance_anywhere(peak.log_chance, x.size());
     if (peak.k == 0 || !(chance < search.false_alarm)) break;
-    lines.push_back(refined(x, interval_s, peak, chance));
+    SpectralLine line = refined(x, interval_s, peak, chance);
+    line.sideband_of = main_line_of(line, lines, 2.0 * fine_hz);
+    lines.push_back(line);
     take_out(x, interval_s, lines.back());
   }
   return lines;

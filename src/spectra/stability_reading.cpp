@@ -14,12 +14,6 @@ double slope_between(const DeviationRow& a, const DeviationRow& b) {
   return std::log(b.value / a.value) / std::log(b.tau_s / a.tau_s);
 }
 
-// d log(ADEV) / d log(tau) of power-law noise.
-double slope_of_noise(int alpha) {
-  if (alpha >= 1) return -1.0;
-  return -0.5 * static_cast<double>(alpha + 1);
-}
-
 double prediction_factor(int alpha) {
   if (alpha >= 1) return 1.0 / std::sqrt(3.0);
   return alpha == -1 ? 1.0 / std::sqrt(std::log(2.0)) : 1.0;
@@ -52,6 +46,30 @@ std::vector<SlopeRegion> slope_regions(const DeviationTable& table) {
     regions.back().slope = slope_between(*first, row);
   }
   return regions;
+}
+
+double slope_of_noise(DeviationKind kind, int alpha) {
+  const double plain = alpha >= 1 ? -1.0 : -0.5 * static_cast<double>(alpha + 1);
+  const double modified = alpha >= 2 ? -1.5 : plain;
+  switch (kind) {
+  case Kind::mdev:
+  case Kind::mtotdev:
+  case Kind::pdev:
+    return modified;
+  case Kind::tdev:
+  case Kind::ttotdev:
+    return modified + 1.0;
+  case Kind::mtie:
+  case Kind::tierms:
+    return std::numeric_limits<double>::quiet_NaN();
+  default:
+    return plain;
+  }
+}
+
+bool may_be_noise(const SlopeRegion& region, DeviationKind kind) {
+  constexpr double far = 0.4; // a slope over one octave scatters by 0.2 or so
+  return !(std::abs(region.slope - slope_of_noise(kind, region.alpha)) > far);
 }
 
 std::optional<double> jitter_of(const DeviationTable& table) {
@@ -91,7 +109,7 @@ std::optional<TimePrediction> predict_time_error(const DeviationTable& table, do
   }
   if (before == nullptr) return std::nullopt; // shorter than the shortest tau
   const double slope =
-      next != nullptr ? slope_between(*before, *next) : slope_of_noise(before->alpha);
+      next != nullptr ? slope_between(*before, *next) : slope_of_noise(table.kind, before->alpha);
   const double sigma = before->value * std::pow(after_s / before->tau_s, slope);
   const double k = prediction_factor(before->alpha);
   const bool beyond = next == nullptr && after_s > before->tau_s * (1.0 + 1e-9); // a rounding

@@ -5,6 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <fcntl.h>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -91,6 +95,53 @@ TEST_F(CommandTest, HelpExplainsItsTopics) {
     EXPECT_GT(run(std::string("help ") + topic).out.size(), 500u) << topic;
   }
   EXPECT_EQ(run("help clocks").code, 2);
+}
+
+// What the reader of scenarios expects in a section, from its complaint about a key it does not
+// know.
+std::vector<std::string> keys_it_names(const std::string& complaint) {
+  std::vector<std::string> keys;
+  const std::string begin = "expected one of ";
+  const std::size_t at = complaint.find(begin);
+  if (at == std::string::npos) return keys;
+  std::istringstream list(complaint.substr(at + begin.size()));
+  for (std::string key; std::getline(list, key, ',');) {
+    key.erase(0, key.find_first_not_of(' '));
+    keys.push_back(key.substr(0, key.find_first_of(" \n")));
+  }
+  return keys;
+}
+
+TEST_F(CommandTest, HelpNamesEveryKeyOfAScenario) {
+  const std::string help = run("help scenario").out;
+  put("s.toml", "[zzzzz]\n");
+  const std::vector<std::string> sections = keys_it_names(run("simulate s.toml").err);
+  EXPECT_GE(sections.size(), 8u);
+  for (const std::string& section : sections) {
+    const std::size_t at = help.find("[" + section + "]");
+    ASSERT_NE(at, std::string::npos) << section;
+    const std::size_t end = std::min(help.find("\n[", at), help.find("\n--set", at));
+    const std::string part = help.substr(at, end - at);
+    put("s.toml", (section == "event" ? "[[event]]" : "[" + section + "]") + "\nzzzzz = 1\n");
+    const std::vector<std::string> keys = keys_it_names(run("simulate s.toml").err);
+    EXPECT_FALSE(keys.empty()) << section;
+    for (const std::string& key : keys)
+      EXPECT_NE(part.find(key), std::string::npos) << section << ": " << key << '\n' << part;
+  }
+}
+
+TEST_F(CommandTest, HelpOnFormatsNamesEveryOptionThatReads) {
+  const std::string help = run("help formats").out, options = run("rate --help").out;
+  const std::size_t group = options.find("How the log is read");
+  ASSERT_NE(group, std::string::npos);
+  std::istringstream lines(options.substr(group, options.find("\n\n", group) - group));
+  std::vector<std::string> names{"--flag-width", "--sensor-offset", "--both-edges",
+                                 "--nominal-period"};
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("  --")) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  EXPECT_GE(names.size(), 12u);
+  for (const std::string& name : names)
+    EXPECT_NE(help.find(name), std::string::npos) << name;
 }
 
 TEST_F(CommandTest, LinesAreNamedByTheTrain) {
@@ -368,6 +419,9 @@ TEST_F(CommandTest, StabilityHasEveryKindAndSaysWhatItMeans) {
     return json("s.json")["rows"][0]["value"].get<double>();
   };
   EXPECT_NEAR(value("--no-bias") / value(""), std::sqrt(0.73), 1e-12); // SP 1065's ratio; roundings
+  const Outcome jump = run("stability " + (source / "data/logs/jump.csv").string());
+  EXPECT_EQ(jump.out.find("the rate is random"), std::string::npos) << jump.out;
+  EXPECT_NE(jump.out.find("A step or a trend"), std::string::npos) << jump.out;
   EXPECT_EQ(run("stability phase.txt --data phase --kind nonsense").code, 2);
   EXPECT_EQ(run("stability phase.txt --data phase --alpha 3").code, 2);
 }
@@ -382,6 +436,93 @@ TEST_F(CommandTest, ReportWritesAPageAndSpeaksInWords) {
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_NE(page.find("</html>"), std::string::npos);
   EXPECT_EQ(json("report.json")["diary"]["interruptions"].size(), 1u);
+}
+
+// A native log with all times after `from_s` later by `late_s`, as after a knock at the sensor.
+std::string knocked(const std::string& log, double from_s, double late_s) {
+  std::istringstream lines(log);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t comma = line.find(',');
+    const bool is_row = line.front() >= '0' && line.front() <= '9';
+    const double time = is_row ? std::stod(line) : 0.0;
+    text +=
+        time > from_s ? fmt::format("{:.8f}{}\n", time + late_s, line.substr(comma)) : line + "\n";
+  }
+  return text;
+}
+
+TEST_F(CommandTest, AKnockWhileTheDriveWasOffIsNotSuspectedAgain) {
+  // The drive is off from 1800 s to 2160 s; residuals are levelled until as long again after it.
+  ASSERT_EQ(run("simulate " + scenario("interruption") +
+                " -o log.csv --set drive.fast_rms=0.003 --set sensor.missed=0 --set "
+                "sensor.spurious=0 --set run.periods=4000")
+                .code,
+            0);
+  const std::string log = content(folder_ / "log.csv");
+  const auto suspicions = [&](double knock_s) {
+    put("knocked.csv", knocked(log, knock_s, 4e-4));
+    const Outcome outcome = run("report knocked.csv -o page.html --noise jitter --fix T0=3 "
+                                "--fix phi0=0.025 --fix epsilon=7.5e-5");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("the drive was interrupted"), std::string::npos) << outcome.out;
+    return outcome.out;
+  };
+  const std::string within = suspicions(1980.0), later = suspicions(7000.0);
+  EXPECT_EQ(within.find("shift of the sensor"), std::string::npos) << within;
+  EXPECT_NE(later.find("Most likely cause: shift of the sensor"), std::string::npos) << later;
+}
+
+// What a command writes to a terminal that is its standard error.
+class Terminal {
+public:
+  Terminal() : master_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+    if (master_ < 0 || ::grantpt(master_) != 0 || ::unlockpt(master_) != 0) return;
+    name_ = ::ptsname(master_);
+    slave_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY); // what is written stays while it is open
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  ~Terminal() {
+    ::close(slave_);
+    ::close(master_);
+  }
+  [[nodiscard]] bool is_there() const { return slave_ >= 0; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string text() const {
+    std::string all(65536, '\0');
+    const ssize_t size = ::read(master_, all.data(), all.size());
+    all.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return all;
+  }
+
+private:
+  int master_, slave_ = -1;
+  std::string name_;
+};
+
+TEST_F(CommandTest, OnATerminalItSaysWhatItIsDoingAndWipesThat) {
+  const Terminal terminal;
+  if (!terminal.is_there()) GTEST_SKIP() << "no terminal to be had here";
+  const std::string fit = (source / "data/logs/interruption.csv").string() +
+                          " --noise both --fix T0=3 --fix phi0=0.025"; // some seconds
+  const auto shown = [&](const std::string& options) {
+    const std::string line =
+        fmt::format("cd '{}' && '{}' fit {} {} > out.txt 2> {}", folder_.string(),
+                    GOINGRATE_COMMAND, fit, options, terminal.name());
+    EXPECT_EQ(std::system(line.c_str()), 0);
+    return terminal.text();
+  };
+  const std::string loud = shown("");
+  EXPECT_NE(loud.find("fitting the model ... 1 s"), std::string::npos) << loud;
+  EXPECT_TRUE(loud.ends_with("\r\x1b[K")) << "wiped out at the end";
+  std::istringstream notes(loud);
+  for (std::string note; std::getline(notes, note, '\n');) {
+    if (note.find("\x1b") != std::string::npos) continue;
+    EXPECT_LE(note.size(), 81u) << note; // with its \r
+  }
+  EXPECT_EQ(shown("--quiet"), "");
+  EXPECT_EQ(run("fit " + fit).err.find("fitting the model"), std::string::npos) << "in a file";
 }
 
 TEST_F(CommandTest, TheReportSaysHowToTurnTheRatingNut) {
@@ -523,12 +664,13 @@ TEST_F(CommandTest, WrongUsageIsExitTwo) {
   EXPECT_EQ(run("stability log.csv --taus 3").code, 2) << "no multiple of 2 s";
 }
 
-TEST_F(CommandTest, ABadScenarioIsExitThree) {
+TEST_F(CommandTest, ABadScenarioIsExitThreeAndABadOptionTwo) {
   put("bad.toml", "[clock]\nepsilom = 1\n");
   const Outcome outcome = run("simulate bad.toml");
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.err.find("bad.toml:2:1"), std::string::npos) << outcome.err;
-  EXPECT_EQ(run("simulate " + scenario("jump") + " --set clock.mu=lots").code, 3);
+  EXPECT_EQ(run("simulate " + scenario("jump") + " --set clock.mu=lots").code, 2)
+      << "that is an option";
 }
 
 TEST_F(CommandTest, AStalledClockIsExitFourAndOverwritesNothing) {
@@ -601,6 +743,12 @@ TEST_F(CommandTest, RealisationsAreTheRunsOfTheirSeeds) {
     EXPECT_EQ(content(folder_ / fmt::format("log-{:02}.csv", k)), content(folder_ / "one.csv"));
   }
   EXPECT_EQ(run("simulate " + noisy + " --realisations 3").code, 2); // all to standard output?
+  fs::create_directory(folder_ / "logs");
+  for (const char* target : {"-o /dev/null", "-o logs", "-o logs/", "-o l.csv --truth /dev/null"}) {
+    const Outcome refused = run(fmt::format("simulate {} --realisations 3 {}", noisy, target));
+    EXPECT_EQ(refused.code, 2) << target;
+    EXPECT_NE(refused.err.find("log.csv becomes log-0.csv"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(CommandTest, AFailedRealisationLeavesNothingBehind) {
@@ -633,6 +781,15 @@ TEST_F(CommandTest, MapSolvesForAnOperatingPoint) {
   EXPECT_EQ(run("map --solve epsilon=2.5e-4 nonsense=1").code, 2);
   EXPECT_EQ(run("map --solve epsilon=2.5e-4 mu=1e-6").code, 4); // it would stall
   ASSERT_EQ(run("map --points 3 --first-order").code, 0);
+  ASSERT_EQ(run("map --solve epsilon=1e-3 mu=1e-3 --plot p.svg").code, 0);
+  EXPECT_NE(content(folder_ / "p.svg").find("operating point"), std::string::npos);
+}
+
+TEST_F(CommandTest, MapWritesNumbersAsPeopleDo) {
+  const std::string nominal = run("map --solve amplitude=0.05 rate=0").out;
+  EXPECT_NE(nominal.find(" 0              0\n"), std::string::npos) << nominal;
+  const std::string table = run("map --points 2").out;
+  EXPECT_NE(table.find("\n1e-05,1e-06,"), std::string::npos) << table;
 }
 
 TEST_F(CommandTest, EveryClockLawAndMethodRunsFromAScenario) {

@@ -122,7 +122,6 @@ TEST_F(PlotTest, AnotherExtensionIsWrongUsage) {
 }
 
 TEST_F(PlotTest, WhatHasNoFigureIsWrongUsage) {
-  EXPECT_EQ(run("map --solve amplitude=0.05 rate=0 --plot p.svg").code, 2);
   EXPECT_EQ(run("chart --limits --plot p.svg").code, 2);
   EXPECT_EQ(run("rate - --follow --plot p.svg < /dev/null").code, 2);
   EXPECT_EQ(run("simulate " + scenario("jump") + " -o l.csv --realisations 3 --plot p.svg").code,

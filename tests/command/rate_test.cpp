@@ -51,6 +51,24 @@ TEST_F(RateCommandTest, DegreesTakenForRadiansAreNotPassedOver) {
             std::string::npos);
 }
 
+TEST_F(RateCommandTest, TimesWhoseDirectionNothingTellsAreSaidToBeOfOne) {
+  const char* note = "assumed: each event is one period (--both-edges";
+  const std::string rows = evenly(100, 1.0002);
+  std::string labelled = "time (s),edge\n";
+  for (const std::string& line : lines_of(rows))
+    labelled += line + ",up\n";
+  for (const auto& [text, open] : std::initializer_list<std::pair<std::string, bool>>{
+           {rows, true},
+           {"time (s)\n" + rows, true},
+           {"time_s\n" + rows, true},
+           {"# goingrate log: 1\ntime_s\n" + rows, false},
+           {labelled, false},
+           {"period (s)\n2.0001\n2.0002\n2.0001\n2.0002\n", false}}) {
+    put("a.csv", text);
+    EXPECT_EQ(run("rate a.csv").err.find(note) != std::string::npos, open) << text.substr(0, 60);
+  }
+}
+
 TEST_F(RateCommandTest, TheLogIsNotReplacedByItsTable) {
   put("a.log", evenly(100, 2.0001));
   const Outcome outcome = run("rate a.log -o a.log");

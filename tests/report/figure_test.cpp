@@ -249,6 +249,36 @@ TEST(FigureTest, DrawsMarkersInsideOnly) {
   EXPECT_EQ(text.find(">out<"), std::string::npos);
 }
 
+TEST(FigureTest, LabelsOfMarkersCoverNothing) {
+  Figure figure = figure_of({series_of(Style::line, {1, 2, 3}), series_of(Style::line, {3, 2, 1})});
+  figure.markers = {{1.0, "first"}, {1.001, "second"}}; // too close for one row
+  const std::string text = drawn(figure);
+  const auto number_after = [&](std::size_t from, const std::string& key) {
+    const std::size_t at = text.find(key, from);
+    EXPECT_NE(at, std::string::npos) << key;
+    return std::stod(text.substr(at + key.size()));
+  };
+  const double frame = number_after(text.find("class=\"frame\""), " y=\"");
+  const std::size_t first = text.find("class=\"note\"");
+  const double lower = number_after(first, " y=\""),
+               upper = number_after(text.find("class=\"note\"", first + 1), " y=\"");
+  EXPECT_LT(lower, frame);
+  EXPECT_LT(upper, lower - 13.0) << "a row of its own";
+  const double legend = number_after(text.find("M", text.find("line k0", text.find("frame"))), " ");
+  EXPECT_LT(legend, upper - 13.0) << "and the legend is above";
+}
+
+TEST(FigureTest, TheLastLabelOfAnAxisIsNotCut) {
+  Figure figure = figure_of({series_of(Style::line, {1, 2, 3})});
+  figure.x.logarithmic = true;
+  figure.series[0].x = {1.0, 100.0, 900000.0}; // the axis ends at 10^6
+  const std::string text = drawn(figure);
+  const std::size_t label = text.find(">10⁶<");
+  ASSERT_NE(label, std::string::npos) << text;
+  const std::size_t x = text.rfind(" x=\"", label) + 4;
+  EXPECT_LE(std::stod(text.substr(x)) + 0.5 * 3 * 11.0, 720.0); // three letters of eleven
+}
+
 TEST(FigureTest, TakesTheWidthItIsGivenAndSpeaksToAScreenReader) {
   const std::string text = drawn(figure_of({series_of(Style::line, {1, 2})}));
   const std::string opening = text.substr(0, text.find('>'));

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <set>
+#include <sstream>
+#include <string>
 
 namespace goingrate {
 namespace {
@@ -68,6 +71,74 @@ FitSummary fit_with_every_status() {
       {"mu@2", "", ParameterStatus::free, 2.5e-5, 2e-8, 2.498e-5, 2.502e-5, 2.496e-5, 2.504e-5},
       {"jitter_rms", "s", ParameterStatus::prior, 0.1, 0.05, 0.04, 0.15, -infinite, 0.25}};
   return fit;
+}
+
+TEST(TextTest, TheParametersStandInColumns) {
+  FitSummary fit = fit_with_every_status();
+  fit.parameters[2].model_shift = -0.99;
+  fit.parameters.push_back(
+      {"a_name_that_is_long", "s", ParameterStatus::free, 0.25, 0.002, 0.248, 0.252, 0.246, 0.254});
+  fit.notes = {"a note of more words than a terminal of eighty columns has room for on one line"};
+  const std::string text = fit_text(fit);
+  std::istringstream lines(text);
+  std::set<std::size_t> values, remarks;
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 80u) << line;
+    if (line.find(" +- ") == std::string::npos) continue;
+    values.insert(line.find_first_not_of(' ', line.find(' ', 2)));
+    remarks.insert(line.rfind("  ") + 2);
+  }
+  EXPECT_EQ(values.size(), 1u) << text;
+  EXPECT_EQ(remarks.size(), 1u) << text;
+}
+
+TEST(TextTest, TheChanceOfChiSquaredSaysWhatItAllowsFor) {
+  FitSummary fit;
+  fit.quality.p_value = 0.5;
+  EXPECT_NE(fit_text(fit).find("allows for"), std::string::npos) << "the jitter's uncertainty";
+  fit.quality.of_innovations = true;
+  EXPECT_EQ(fit_text(fit).find("allows for"), std::string::npos) << "there is none";
+}
+
+TEST(TextTest, ALineIsListedWithItsSidebands) {
+  DriveAnalysis drive;
+  drive.rate_spectrum.emplace();
+  drive.lines = {{0.1, 1e-5, 1e-7, 0.0, 100.0, 1e-40, {}},
+                 {0.1002, 2e-6, 1e-7, 0.0, 10.0, 1e-9, 0},
+                 {0.0998, 1e-6, 1e-7, 0.0, 10.0, 1e-9, 0}};
+  EXPECT_EQ(sideband_text(drive.lines, 0),
+            "and 2 beside it, of up to 20 % of it: it changes with time");
+  EXPECT_EQ(sideband_text(drive.lines, 1), "");
+  const std::string text = drive_text(drive);
+  EXPECT_NE(text.find("and 2 beside it"), std::string::npos) << text;
+  EXPECT_EQ(text.find("9.98"), std::string::npos) << text;
+  drive.rate_spectrum->resolution_hz = 1e-5;
+  const std::vector<ExpectedPeriod> tide{{1.0 / 0.1002, "tide"}};
+  EXPECT_NE(drive_text(drive, tide).find("tide"), std::string::npos) << "it may be one of its own";
+}
+
+DeviationRow deviation_row(std::size_t m, double value, int alpha) {
+  return {static_cast<double>(m), m, 1000, value, 0.9 * value, 1.1 * value, alpha, true};
+}
+
+TEST(TextTest, ASlopeThatIsNoNoisesIsCalledByNoName) {
+  DeviationTable table{DeviationKind::oadev, 1.0, {}};
+  table.rows = {deviation_row(1, 4e-6, 0), deviation_row(4, 2e-6, 0), deviation_row(16, 1e-6, 0)};
+  const std::string noise = deviation_findings(table);
+  EXPECT_NE(noise.find("white rate): the rate is random"), std::string::npos) << noise;
+  EXPECT_NE(noise.find("and nothing"), std::string::npos) << noise;
+  table.rows.back().value = 8e-6;
+  const std::string jump = deviation_findings(table);
+  EXPECT_EQ(jump.find("the rate is random"), std::string::npos) << jump;
+  EXPECT_NE(jump.find("(slope +0.25): not that of white rate (-0.5)"), std::string::npos) << jump;
+  EXPECT_NE(jump.find("A step or a trend"), std::string::npos) << jump;
+  EXPECT_EQ(jump.find("Expected time error"), std::string::npos) << jump;
+  EXPECT_NE(jump.find("No time error is foretold"), std::string::npos) << jump;
+  for (const std::string& text : {noise, jump}) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), 80u) << line;
+  }
 }
 
 TEST(TextTest, TheParametersAsLatex) {

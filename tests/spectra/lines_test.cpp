@@ -63,6 +63,29 @@ TEST(LinesTest, AStrongLineDoesNotPassForSeveral) {
   EXPECT_TRUE(find_lines(rest, 1.0).empty());
 }
 
+TEST(LinesTest, ALineThatSwellsIsOneWithSidebands) {
+  constexpr std::size_t n = 20000;
+  auto x = noise(n, 4);
+  for (std::size_t i = 0; i < n; ++i) { // half as strong again three times in the series
+    const double swell = 1.0 + 0.5 * std::sin(2.0 * pi * 3.0 * static_cast<double>(i) / n);
+    x[i] += 2.0 * swell * std::sin(2.0 * pi * 0.1111 * static_cast<double>(i));
+  }
+  add_line(x, 1.5, 0.1111 + 8.0 / n, 0.0); // another, eight resolutions away
+  std::size_t by_themselves = 0, swells = 0;
+  for (const SpectralLine& line : find_lines(x, 1.0)) {
+    if (!line.sideband_of) {
+      ++by_themselves;
+      continue;
+    }
+    EXPECT_EQ(*line.sideband_of, 0u);
+    const double apart = std::abs(line.frequency_hz - 0.1111) * n;
+    EXPECT_LT(apart, 3.2); // what the sinusoids taken out leave stands closer
+    swells += std::abs(apart - 3.0) < 0.2 && std::abs(line.amplitude - 0.5) < 0.05 ? 1 : 0;
+  }
+  EXPECT_EQ(by_themselves, 2u);
+  EXPECT_EQ(swells, 2u); // a quarter of the line on either side; 0.05 is five of their sigma
+}
+
 TEST(LinesTest, ARedContinuumHasNoLines) {
   int shown = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {

@@ -32,6 +32,19 @@ TEST(StabilityReading, PartsATableByNoise) {
   EXPECT_EQ(slope_regions(table).size(), 4u);
 }
 
+TEST(StabilityReading, ASlopeThatIsNoNoises) {
+  const auto region = [](double slope, int alpha) { return SlopeRegion{1.0, 2.0, slope, alpha}; };
+  EXPECT_TRUE(may_be_noise(region(-0.55, 0), DeviationKind::oadev));
+  EXPECT_FALSE(may_be_noise(region(0.38, 0), DeviationKind::oadev));
+  EXPECT_FALSE(may_be_noise(region(-1.0, -1), DeviationKind::oadev));
+  EXPECT_FALSE(may_be_noise(region(-1.0, 2), DeviationKind::mdev));
+  EXPECT_TRUE(may_be_noise(region(-1.4, 2), DeviationKind::mdev));
+  EXPECT_TRUE(may_be_noise(region(-0.4, 2), DeviationKind::tdev));
+  EXPECT_TRUE(may_be_noise(region(0.9, -3), DeviationKind::hdev));
+  EXPECT_TRUE(may_be_noise(region(1.0, 0), DeviationKind::mtie)) << "it has no slope of its own";
+  EXPECT_TRUE(may_be_noise(region(NAN, 0), DeviationKind::oadev)) << "one row";
+}
+
 TEST(StabilityReading, FindsTheJitterPutIn) {
   RandomStream stream(5, StreamPurpose::jitter);
   std::vector<double> phase(20000);

@@ -1,6 +1,7 @@
 // A scenario's clock, period by period, by any of the methods.
 #pragma once
 
+#include "goingrate/base/errors.hpp"
 #include "goingrate/base/sums.hpp"
 #include "goingrate/clock/scenario.hpp"
 #include "goingrate/dynamics/averaged_pendulum.hpp"
@@ -29,14 +30,21 @@ struct Period {
   double rate_excess = 0.0; ///< 2 pi / length - 1 (Hoyng, eq. ratemeas), against the nominal period
 };
 
+/// A stationary start was asked for, and the clock has no stationary swing: it would stall, or has
+/// no drive or no friction.
+class NoStationarySwing : public ArgumentError {
+public:
+  using ArgumentError::ArgumentError;
+};
+
 /// Runs a scenario's clock from its start, an upward crossing (cycle 0, time 0), period by period.
 ///
 /// Events act at upward crossings, drive and length are renewed there. Constant memory however long
 /// the run. The method is the scenario's; automatic takes that of choose_method.
 class ClockRun {
 public:
-  /// Throws ArgumentError if the scenario is out of range, asks for a stationary start that does
-  /// not exist, or for a method that does not know the clock's laws.
+  /// Throws ArgumentError if the scenario is out of range or asks for a method that does not know
+  /// the clock's laws, NoStationarySwing if it asks for a stationary start that does not exist.
   ClockRun(const Scenario& scenario, std::uint64_t seed);
 
   /// The next period; nothing when the run is complete or the clock stopped (see status).

@@ -89,6 +89,7 @@ struct ClockLog {
   std::vector<Beat> events;
   EventColumns columns;
   bool has_amplitude = false;
+  bool directions_are_open = false; ///< times of crossings, and nothing says of which direction
   std::optional<double> nominal_period_s; ///< if the log states one
   std::optional<double> flag_width_rad;   ///< the same
   std::vector<std::string> assumptions;   ///< what was taken for granted, in plain sentences

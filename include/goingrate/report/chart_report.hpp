@@ -35,8 +35,12 @@ struct RateMap {
 };
 std::string rate_map_table(const RateMap& map); ///< CSV: epsilon,mu,rate_excess,rate_s_per_day
 std::string rate_map_json(const RateMap& map);
-/// The rate against epsilon for up to seven of the torques.
-Figure rate_map_figure(const RateMap& map);
+/// The rate against friction, a curve for each of some torques; and, where some rates are so far
+/// from the others that these lie on each other, those near nominal by themselves. `points` are
+/// marked.
+std::vector<Figure> rate_map_figures(const RateMap& map,
+                                     const std::vector<OperatingPoint>& points = {});
+/// Rates below what the equations are solved to, 1e-15, are written as 0.
 std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0);
 std::string operating_points_json(const std::vector<OperatingPoint>& points, double phi0);
 

@@ -104,9 +104,15 @@ std::string drive_table(const DriveHistory& history);
 /// The deviation as a table: tau, averaging factor, count, value, 68 % interval, noise type.
 std::string deviation_text(const DeviationTable& table);
 
-/// What the table says, in sentences: a line a region of one noise type, the jitter, and the time
-/// error to expect after a day and a week, with what is extrapolated said.
+/// What the table says, in sentences of at most 80 columns: each region of one noise type, or that
+/// its slope is no noise's; the jitter; and the time error to expect after a day and a week, with
+/// what is extrapolated said. Beyond the table nothing is foretold of a log that is more than
+/// noise.
 std::string deviation_findings(const DeviationTable& table);
+
+/// "and 2 beside it, of up to 25 % of it: it changes with time" for a line with sidebands in the
+/// list that it is in; empty for one without.
+std::string sideband_text(const std::vector<SpectralLine>& lines, std::size_t main_line);
 
 /// What the spectrum says of drive, jitter and lines, in a few lines; `expected` are periods that a
 /// line may be labelled by.

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,8 @@ struct SpectralLine {
   double phase_rad;       ///< at the first value of the series, -pi to pi
   double ratio;           ///< periodogram over the density around it
   double false_alarm;     ///< probability that noise shows such a ratio anywhere in the search
+  /// Place in the list of the line it belongs to, if it is a sideband.
+  std::optional<std::size_t> sideband_of{};
 };
 
 /// How lines are looked for.
@@ -40,6 +43,11 @@ struct LineSearch {
 /// that a slope is no line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N values (twice the
 /// independent frequencies: the finer grid gives noise more chances). Frequency, amplitude and
 /// phase are then those of least squares.
+///
+/// A periodic part whose size or pace changes within the series is one line with sidebands close to
+/// it. A line within four resolutions of one that is stronger by half or more is named its
+/// sideband: it may as well be a weak line of its own, which only a longer series would tell
+/// (LinesTest.ALineThatSwellsIsOneWithSidebands).
 ///
 /// `series`: 64 or more finite values; `interval_s` above 0. Throws ArgumentError otherwise.
 /// Accuracy: white and red noise show a line no oftener than it says

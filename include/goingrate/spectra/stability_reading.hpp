@@ -20,6 +20,17 @@ struct SlopeRegion {
 /// Cost: O(rows). Tested by StabilityReading.PartsATableByNoise.
 [[nodiscard]] std::vector<SlopeRegion> slope_regions(const DeviationTable& table);
 
+/// d log(value) / d log(tau) of power-law noise: -1, -1, -1/2, 0, +1/2, +1 for alpha 2 to -3 where
+/// the deviation is Allan's or Hadamard's, -3/2 for alpha 2 where it is a modified or parabolic
+/// one, and one more for deviations of time. NaN for mtie and tierms, which have none of their own.
+[[nodiscard]] double slope_of_noise(DeviationKind kind, int alpha);
+
+/// Whether a region may be the noise that its neighbouring values look like: its slope is within
+/// 0.4 of that noise's (types are 0.5 apart), or neither has one. A step or a trend of the rate, or
+/// something periodic, makes slopes that are no noise's.
+/// Tested by StabilityReading.ASlopeThatIsNoNoises.
+[[nodiscard]] bool may_be_noise(const SlopeRegion& region, DeviationKind kind);
+
 /// The rms of white phase noise, s, if that is what the row at m = 1 shows.
 ///
 /// sigma = sqrt(3) j/tau for the Allan variances and sqrt(10/3) j/tau for the Hadamard ones (SP

@@ -1,0 +1,47 @@
+#include "goingrate/base/spelling.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace goingrate {
+
+namespace {
+
+// The least count of slips that turn one word into the other: Levenshtein's distance with an
+// exchange of neighbours as one slip.
+std::size_t slips_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j)
+    last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    now[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      now[j] =
+          std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        now[j] = std::min(now[j], before[j - 2] + 1);
+    }
+    before.swap(last);
+    last.swap(now);
+  }
+  return last[b.size()];
+}
+
+} // namespace
+
+std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> known) {
+  constexpr std::size_t letters_a_slip = 3, most = 3;
+  const std::size_t allowed = std::min(word.size() / letters_a_slip, most);
+  std::optional<std::string> nearest;
+  std::size_t fewest = allowed + 1;
+  for (const std::string& candidate : known) {
+    const bool begun = word.size() >= letters_a_slip && candidate.starts_with(word);
+    const std::size_t slips = begun ? allowed : slips_between(word, candidate);
+    if (slips >= fewest) continue;
+    fewest = slips;
+    nearest = candidate;
+  }
+  return nearest;
+}
+
+} // namespace goingrate
