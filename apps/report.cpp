@@ -71,6 +71,7 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   asked.profiles = true;
   StepLine now(global.quiet, "fitting the model");
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
+  now("looking at temperature and pressure");
   data.covariates = covariate_effects(times);
   now("spectrum of the rate, fast and slow drive");
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
