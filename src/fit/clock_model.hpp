@@ -92,55 +92,75 @@ public:
 
   Course(const AveragedLaws<T>& laws, const T& amplitude2)
       : laws_(laws), closed_(laws.epsilon, acting_torque(laws), laws.phi0, amplitude2),
-        reached_{T(0.0), {amplitude2, T(0.0), laws.rate(amplitude2)}} {}
+        reached_{T(0.0), {amplitude2, T(0.0), laws.rate(amplitude2)}, 0.0} {}
 
   /// The state at t; nothing where the model does not hold.
   [[nodiscard]] std::optional<State> at(const T& t) const {
-    if (!laws_.closed()) return stepped(t);
-    if (!closed_.in_domain(t)) return {};
-    const auto state = closed_.at(t);
-    return State{state.amplitude2, state.phase_excess, state.rate_excess};
+    if (settled()) return settled_at(reached_, t);
+    const auto there = laws_.closed() ? in_closed_form(t) : stepped(t);
+    return there ? std::optional(there->state) : std::nullopt;
   }
   /// The same, remembered as the place to go on from.
   std::optional<State> move_to(const T& t) {
-    if (settled_) return settled_at(t);
-    const auto state = at(t);
-    if (!state) return {};
-    reached_ = {t, *state};
-    // What is left of the way to the limit is then below the rounding of a double.
-    constexpr double over = 45.0;
-    settled_ = laws_.closed() && 2.0 * plain(laws_.epsilon) * plain(t) > over;
-    return state;
+    if (settled()) return settled_at(reached_, t);
+    auto there = laws_.closed() ? in_closed_form(t) : stepped(t);
+    if (!there) return {};
+    reached_ = std::move(*there);
+    return reached_.state;
   }
   /// Whether amplitude and rate stand still.
-  [[nodiscard]] bool settled() const { return settled_; }
+  [[nodiscard]] bool settled() const { return stands_still(reached_); }
   [[nodiscard]] const AveragedLaws<T>& laws() const { return laws_; }
 
 private:
   struct Reached {
     T t;
     State state;
+    double decay = 0.0; ///< what was left of the way to rest is by exp(decay) shorter
   };
 
   static T acting_torque(const AveragedLaws<T>& laws) {
     return laws.escapement == Escapement::single_impulse ? T(0.0) : laws.mu;
   }
 
-  [[nodiscard]] State settled_at(const T& t) const {
-    const State& from = reached_.state;
-    return {from.amplitude2, from.phase_excess + from.rate * (t - reached_.t), from.rate};
+  // What is left of the way to rest is then below the rounding of a double.
+  static bool stands_still(const Reached& reached) { return reached.decay > 45.0; }
+
+  static State settled_at(const Reached& reached, const T& t) {
+    const State& from = reached.state;
+    return {from.amplitude2, from.phase_excess + from.rate * (t - reached.t), from.rate};
   }
 
-  // Steps of a fiftieth of the relaxation: the error of a step is (1/50)^5/120 of the amplitude.
-  [[nodiscard]] std::optional<State> stepped(const T& t) const {
-    State state = reached_.state;
-    const double span = plain(t) - plain(reached_.t);
-    const double speed = std::abs(plain(laws_.growth(state.amplitude2))) / plain(state.amplitude2) +
-                         2.0 * plain(laws_.epsilon);
-    const double count = std::ceil(std::abs(span) * speed * 50.0) + 1.0;
-    if (!(count < 1e6)) return {};
-    const T h = (t - reached_.t) / count;
-    for (int k = 0; k < static_cast<int>(count); ++k) {
+  [[nodiscard]] std::optional<Reached> in_closed_form(const T& t) const {
+    if (!closed_.in_domain(t)) return {};
+    const auto state = closed_.at(t);
+    return Reached{t,
+                   {state.amplitude2, state.phase_excess, state.rate_excess},
+                   2.0 * plain(laws_.epsilon) * plain(t)};
+  }
+
+  // A hundredth of the relaxation, whose error is (1/100)^5/120 of the amplitude, and longer near
+  // rest, where only what is left of the way has that error. No derivatives: the course hardly
+  // depends on the steps, and continuously, for only the last is cut off.
+  [[nodiscard]] double step_at(const T& amplitude2) const {
+    constexpr double far = 0.01, longest = 0.5;
+    const double x = plain(amplitude2), slope = -plain(laws_.growth_slope(amplitude2));
+    const double growth = std::abs(plain(laws_.growth(amplitude2)));
+    const double way = growth / (slope * x); // to rest, in parts of x
+    const double part = way < 1.0 ? std::min(longest, far / std::pow(way, 0.2)) : far;
+    return part / (growth / x + slope);
+  }
+
+  // By Runge-Kutta steps of fourth order.
+  [[nodiscard]] std::optional<Reached> stepped(const T& t) const {
+    constexpr int most_steps = 1000000;
+    Reached at = reached_;
+    State& state = at.state;
+    for (int step = 0; step < most_steps; ++step) {
+      if (stands_still(at)) return Reached{t, settled_at(at, t), at.decay};
+      const double left = plain(t) - plain(at.t), whole = step_at(state.amplitude2);
+      const bool last = std::abs(left) <= whole;
+      const T h = last ? T(t - at.t) : T(std::copysign(whole, left));
       const T &x = state.amplitude2, k1 = laws_.growth(x);
       const T x2 = x + h * k1 * 0.5, k2 = laws_.growth(x2);
       const T x3 = x + h * k2 * 0.5, k3 = laws_.growth(x3);
@@ -150,16 +170,18 @@ private:
       const T middle = (x + next) * 0.5 + h * (k1 - k4) * 0.125; // Hermite's cubic
       const T rate = laws_.rate(next);
       state.phase_excess += h * (state.rate + laws_.rate(middle) * 4.0 + rate) * (1.0 / 6.0);
+      at.decay -= plain(h) * plain(laws_.growth_slope(middle));
       state.amplitude2 = next;
       state.rate = rate;
+      at.t += h;
+      if (last) return at;
     }
-    return state;
+    return {};
   }
 
   AveragedLaws<T> laws_;
   AveragedMotion<T> closed_;
   Reached reached_;
-  bool settled_ = false;
 };
 
 inline constexpr double untouchable_angle = 1e-9; ///< of a pendulum without an escapement

@@ -227,14 +227,20 @@ void look_for_shift(const TimingData& data, std::vector<Suspicion>& all) {
       "too");
 }
 
+std::string by_chance(double probability) {
+  constexpr double never = 1e-9; // such tails are the model's, not the world's
+  return probability < never ? std::string("which chance does not do")
+                             : fmt::format("by chance once in {:.1g} logs", 1.0 / probability);
+}
+
 void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   for (const SpectralLine& line : input.lines) {
     const double period_s = 1.0 / line.frequency_hz;
     constexpr double slowest = 4.0 * 3600.0; // of a wheel in the train
     if (period_s > slowest || line.false_alarm > 1e-4) continue;
     add(all, Cause::wheel, -2.0 * std::log(std::max(line.false_alarm, 1e-300)),
-        fmt::format("the rate swings by {} every {:.5g} s, by chance once in {:.1g} logs",
-                    daily(line.amplitude), period_s, 1.0 / line.false_alarm),
+        fmt::format("the rate swings by {} every {:.5g} s, {}", daily(line.amplitude), period_s,
+                    by_chance(line.false_alarm)),
         "give the teeth (spectrum --train) to know the wheel");
     return;
   }

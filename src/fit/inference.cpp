@@ -5,8 +5,10 @@
 #include "goingrate/base/scaled_time.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace goingrate::timing_model {
 
@@ -175,16 +177,35 @@ double walk_per_cycle(const FitProblem& problem, std::span<const double> x, cons
   return walk * walk + size * size;
 }
 
+// Scatter of the mean rates of eight parts of the log; infinite if it is too short to have them.
+double scatter_of_parts(const TimingData& data) {
+  constexpr std::size_t parts = 8, least = 4; // beats in each
+  if (data.size() < parts * least) return std::numeric_limits<double>::infinity();
+  std::array<double, parts> rates{};
+  for (std::size_t k = 0; k < parts; ++k) {
+    const std::size_t from = k * (data.size() - 1) / parts,
+                      to = (k + 1) * (data.size() - 1) / parts;
+    rates[k] = (data.lateness_s[to] - data.lateness_s[from]) / (data.cycle[to] - data.cycle[from]);
+  }
+  const double mean = std::accumulate(rates.begin(), rates.end(), 0.0) / parts;
+  double sum2 = 0.0;
+  for (const double rate : rates)
+    sum2 += (rate - mean) * (rate - mean);
+  return std::sqrt(sum2 / (parts - 1));
+}
+
 // Mean period of the log: from end to end of the model under noise that walks, else of a straight
 // line; no flat ridge of the clock's parameters can touch it. Sigma: jitter at both ends of a line
-// of N times, j sqrt(12/N)/n, and the walk.
+// of N times, j sqrt(12/N)/n, and the walk; but a noise whose size the log does not determine may
+// not claim more than an eighth of the log strays from the whole.
 DerivedQuantity mean_period(const FitProblem& problem, std::span<const double> x,
                             const Certainty& known, const Rivals& rivals, double widening) {
   const TimingData& data = *problem.data;
   const double per_cycle = walk_per_cycle(problem, x, known, rivals);
   const double jitter = problem.parameters.find(Quantity::jitter_rms)->value(x);
   const double cycles = data.cycle.back(), beats = static_cast<double>(data.size());
-  const double sigma = std::sqrt(12.0 * jitter * jitter / beats + per_cycle * cycles) / cycles;
+  const double sigma_of_line = jitter * std::sqrt(12.0 / beats) / cycles;
+  const double sigma = std::hypot(sigma_of_line, std::sqrt(per_cycle / cycles));
   double period = data.reference_period_s; // from end to end
   if (per_cycle == 0.0) {
     double sum = 0.0, weight = 0.0, mean = 0.0;
@@ -196,8 +217,10 @@ DerivedQuantity mean_period(const FitProblem& problem, std::span<const double> x
     }
     period += sum / weight;
   }
+  double widened = widening * sigma;
+  if (per_cycle > 0.0) widened = std::min(widened, std::max(sigma_of_line, scatter_of_parts(data)));
   return {"mean period", per_cycle == 0.0 ? "slope of the times" : "(t_N - t_0)/N", "s", period,
-          widening * sigma};
+          widened};
 }
 
 void state_combinations(const FitProblem& problem, std::span<const double> x,

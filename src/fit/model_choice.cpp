@@ -15,10 +15,13 @@ namespace {
 
 constexpr double not_white = 1e-2; // p below which the innovations ask for a better model
 
+bool white_in_amplitude(const Fitted& fitted) {
+  return fitted.seen.white_amplitude.size() < 8 ||
+         whiteness_p(fitted.seen.white_amplitude) > not_white;
+}
+
 bool white(const Fitted& fitted) {
-  return whiteness_p(fitted.seen.white_time) > not_white &&
-         (fitted.seen.white_amplitude.size() < 8 ||
-          whiteness_p(fitted.seen.white_amplitude) > not_white);
+  return whiteness_p(fitted.seen.white_time) > not_white && white_in_amplitude(fitted);
 }
 
 bool is_determined(const Fitted& fitted, const Slot& slot) {
@@ -277,11 +280,13 @@ void ModelSearch::choose_noise() {
   }
   if (automatic) {
     const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
-    if (!walks && !best_.model.walk) return;
+    // Amplitudes are noisy beat by beat and the drive still lies open in them.
+    const bool swing_wanders = !white_in_amplitude(best_);
+    if (!walks && !best_.model.walk && !swing_wanders) return;
     model.walk = !best_.model.walk;
     if (model.walk == walks)
       take_if_better(fit_with(model), walks ? "the times walk" : "the times do not walk");
-    if (!best_.model.walk || !driven) return;
+    if (!(best_.model.walk || swing_wanders) || !driven) return;
   }
   if (!driven) return;
   model = best_.model;
@@ -306,6 +311,36 @@ void ModelSearch::choose_noise() {
   }
   take_if_better(std::move(drive), "a drive that varies explains the walk");
   take_if_better(std::move(slow), "the drive varies slowly too");
+}
+
+// How far times or amplitudes stray from the fit, in units of what neighbouring beats scatter by.
+double ModelSearch::straying(const Fitted& fitted) const {
+  const double late = rms(fitted.seen.late_s) / guess_.jitter_s;
+  const Slot* amplitude = fitted.problem.parameters.find(Quantity::amplitude_rms);
+  if (amplitude == nullptr) return late;
+  return std::max(late, amplitude->value(std::span<const double>(fitted.minimum.x)) /
+                            guess_.amplitude_rad);
+}
+
+// Whether a long log strays far as no law of the clock would lead it: neither the full equation nor
+// other friction takes most of it away. What is slow hides from neighbouring beats; without noise
+// the laws would chase it at every beat.
+bool ModelSearch::strays_by_noise() const {
+  constexpr std::size_t is_long = 3000, enough = 1000; // beats
+  constexpr double far = 3.0, most = 0.5;
+  if (working_.data.size() < is_long || options_.noise == FitNoise::jitter) return false;
+  const double strays = straying(best_);
+  if (strays < far) return false;
+  const TimingData thin = thinned(working_.data, best_.problem.parameters, enough);
+  const auto explains_most = [&](bool quadratic, bool dry) {
+    ModelChoice model = best_.model;
+    model.quadratic |= quadratic;
+    model.dry |= dry;
+    Fitted other = fit_from(best_, options_, model, &thin);
+    if (other.minimum.usable) refine(other, FitDynamics::map);
+    return other.minimum.usable && straying(other) < most * strays;
+  };
+  return !explains_most(false, false) && !explains_most(true, false) && !explains_most(false, true);
 }
 
 // Again with as many beats as the information asks for.
@@ -404,7 +439,7 @@ const Fitted& ModelSearch::run() {
   leave_out_contradicted_priors();
   if (!best_.minimum.usable) return best_;
   move_events();
-  if (!best_.model.walk) {
+  if (!best_.model.walk && !strays_by_noise()) {
     choose_dynamics();
     choose_friction();
     choose_noise();

@@ -43,6 +43,8 @@ private:
   void choose_dynamics();
   void add_terms(Fitted& fitted);
   void choose_friction();
+  [[nodiscard]] double straying(const Fitted& fitted) const;
+  [[nodiscard]] bool strays_by_noise() const;
   void choose_noise();
   void thin_by_information();
   bool take_if_better(Fitted&& other, const std::string& why);

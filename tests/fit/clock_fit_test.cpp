@@ -4,6 +4,7 @@
 #include "support/fit_scenes.hpp"
 
 #include <gtest/gtest.h>
+#include <map>
 
 namespace goingrate {
 namespace {
@@ -205,6 +206,28 @@ TEST(ClockFitTest, DriveNoiseIsSeenForWhatItIs) {
   EXPECT_NE(fit.noise.find("drive"), std::string::npos) << fit.noise;
   // Its mean rate is known only as well as the walk allows.
   EXPECT_LT(std::abs(fit.rate_s_per_day.value - 86400 * 1.96005e-4), 4 * fit.rate_s_per_day.sigma);
+}
+
+TEST(ClockFitTest, AWanderThatNeighbouringBeatsHideIsTakenForNoise) {
+  // Far below the jitter from beat to beat, far above it over the log; without noise the full
+  // equation chases it at every beat.
+  Scenario scenario = test::at_point_b(6000);
+  scenario.drive.slow_rms = 0.02;
+  scenario.drive.slow_time_s = 600.0;
+  scenario.sensor.jitter_rms_s = 1e-3;
+  scenario.sensor.amplitude_rms = 1e-5;
+  const FitSummary fit = fit_of(scenario, 1, {});
+  EXPECT_EQ(fit.noise, "jitter + drive + slow drive");
+  for (const FitAlternative& tried : fit.alternatives)
+    EXPECT_TRUE(tried.model.rfind("map", 0) != 0 || tried.model.find("drive") != std::string::npos)
+        << tried.model;
+  EXPECT_NEAR(fit.jitter_s, 1e-3, 4e-5); // six standard errors
+  const std::map<std::string, double> truth{
+      {"epsilon", 2.5e-4}, {"mu", 4e-5}, {"phi0", 0.03}, {"slow_rms", 0.02}, {"slow_time", 600.0}};
+  for (const FittedParameter& p : fit.parameters)
+    if (truth.contains(p.name) && p.status == ParameterStatus::free) {
+      EXPECT_LT(std::abs(p.value - truth.at(p.name)), 4.0 * p.sigma) << p.name;
+    }
 }
 
 // The short form of tests/studies/coverage: what is called determined must be right. Truth lies
