@@ -3,7 +3,6 @@
 #include "square_sums.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace goingrate {
@@ -25,12 +24,12 @@ SquareSum squares_of_differences(const double* p, std::size_t count, std::size_t
 }
 
 constexpr double divisors[] = {1.0, 1.0, 2.0, 6.0}; // by order
+constexpr std::size_t block = 2048;                 // what is summed at a time: a few roundings
 
 // All factors in one walk over x: of long rows each phase then comes from memory once or twice for
 // each factor, and the two factors of an octave share what they fetch.
 std::vector<MeanSquare> overlapped(std::span<const double> x, bool known, std::size_t order,
                                    std::span<const std::size_t> factors) {
-  constexpr std::size_t block = 2048;
   std::vector<SquareSum> sums(factors.size());
   for (std::size_t begin = 0; begin < x.size(); begin += block)
     for (std::size_t k = 0; k < factors.size(); ++k) {
@@ -45,20 +44,50 @@ std::vector<MeanSquare> overlapped(std::span<const double> x, bool known, std::s
   return means;
 }
 
-// Starts a factor apart: the phases they need are gathered, a block at a time.
-MeanSquare strided(std::span<const double> x, bool known, std::size_t order, std::size_t m) {
-  if (order * m >= x.size()) return {};
-  constexpr std::size_t block = 2048, longest_reach = 3;
-  std::array<double, block + longest_reach> taken;
-  const std::size_t starts = (x.size() - 1) / m + 1 - order;
-  SquareSum sum;
-  for (std::size_t begin = 0; begin < starts; begin += block) {
-    const std::size_t here = std::min(block, starts - begin);
-    for (std::size_t k = 0; k < here + order; ++k)
-      taken[k] = x[(begin + k) * m];
-    sum += squares_of_differences(taken.data(), here, 1, order, known);
+// Every m-th phase. A factor that is a multiple of the one before is taken from what that left,
+// which lies closer together: an octave then fetches each row of memory twice, not at every factor.
+class EveryNth {
+public:
+  explicit EveryNth(std::span<const double> x) : all_(x) {}
+
+  std::span<const double> operator()(std::size_t m) {
+    if (m == 1) return all_;
+    const bool onwards = !kept_.empty() && m % stride_ == 0;
+    const std::span<const double> from = onwards ? kept_ : all_;
+    const std::size_t step = onwards ? m / stride_ : m, count = (from.size() - 1) / step + 1;
+    if (!onwards) kept_.resize(count);
+    for (std::size_t k = 0; k < count; ++k)
+      kept_[k] = from[k * step];
+    kept_.resize(count);
+    stride_ = m;
+    return kept_;
   }
-  return mean_of(sum, divisors[order]);
+
+private:
+  std::span<const double> all_;
+  std::vector<double> kept_;
+  std::size_t stride_ = 1;
+};
+
+// Starts a factor apart.
+std::vector<MeanSquare> strided(std::span<const double> x, bool known, std::size_t order,
+                                std::span<const std::size_t> factors) {
+  EveryNth every(x);
+  std::vector<MeanSquare> means;
+  for (const std::size_t m : factors) {
+    if (order * m >= x.size()) {
+      means.emplace_back();
+      continue;
+    }
+    const auto phases = every(m);
+    const std::size_t starts = phases.size() - order;
+    SquareSum sum;
+    for (std::size_t begin = 0; begin < starts; begin += block)
+      sum += squares_of_differences(phases.data() + begin, std::min(block, starts - begin), 1,
+                                    order, known);
+    means.push_back(mean_of(sum, divisors[order]));
+  }
+  return means;
 }
 
 // Second differences centred on x[1] .. x[last-1]. Where they reach over an end, the phase there is
@@ -104,8 +133,9 @@ MeanSquares one_by_one(MeanSquareAt at) {
 
 MeanSquares phase_differences(std::span<const double> x, bool known, std::size_t order,
                               bool overlap) {
-  if (!overlap) return one_by_one([=](std::size_t m) { return strided(x, known, order, m); });
-  return [=](std::span<const std::size_t> factors) { return overlapped(x, known, order, factors); };
+  return [=](std::span<const std::size_t> factors) {
+    return overlap ? overlapped(x, known, order, factors) : strided(x, known, order, factors);
+  };
 }
 
 MeanSquares reflected_differences(std::span<const double> x, bool known) {
