@@ -42,7 +42,9 @@ RmsEstimate rms_of(const ComponentFit& fit, const std::array<RateComponents, 2>&
   const auto rms = [&](const RateComponents& found) {
     return std::sqrt(variance_of(drive_at(found, response), which));
   };
-  return {rms(fit.best()), rms(ends[0]), rms(ends[1])};
+  RmsEstimate estimate{rms(fit.best_for(which)), rms(ends[0]), rms(ends[1])};
+  estimate.rms = std::clamp(estimate.rms, estimate.low68, estimate.high68);
+  return estimate;
 }
 
 // The share of a part of the drive that lies below a frequency.
@@ -183,8 +185,7 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   result.jitter_s = rms_of(fit, fit.interval68(Component::jitter), Component::jitter, response);
   result.slow_time_s = fit.best().slow2 > 0.0 ? fit.best().memory_s : unknown;
   result.slow_gain = fit.gain_of_slow();
-  constexpr double evidence = 2.0; // of log L: noise alone gains as much in one log of eight
-  if (result.slow_gain < evidence) result.slow.low68 = 0.0;
+  if (result.slow_gain < ComponentFit::evidence) result.slow.low68 = 0.0;
   result.costs = costs_of(fit, fast, slow, period_s, response);
   for (DriveCost& cost : result.costs)
     if (result.slow.low68 == 0.0) cost.slow_s.low68 = 0.0;

@@ -44,6 +44,12 @@ public:
   ComponentFit(std::span<const double> rates, double period_s, const DriveResponse& response);
 
   [[nodiscard]] const RateComponents& best() const { return best_; }
+  /// The same without the parts that the log does not show, but for `which`: a size that cannot
+  /// fall below 0 is 0 or too large on average, and what it takes is missing elsewhere.
+  [[nodiscard]] RateComponents best_for(Component which) const;
+  /// Of a slow drive, in log L: noise alone gains as much in one log of eight.
+  static constexpr double evidence = 2.0;
+
   /// By how much -log L falls short of that without a slow drive.
   [[nodiscard]] double gain_of_slow() const { return without_slow_ - best_value_; }
 
@@ -62,6 +68,7 @@ private:
   struct Held {
     int which = -1;
     double variance = 0.0;
+    unsigned absent = 0; // a bit for each variance that is 0
   };
   struct Place {
     double value = 0.0;

@@ -36,24 +36,31 @@ double weight(std::ptrdiff_t d, std::size_t h) {
   return distance < h ? 1.0 / static_cast<double>(h - distance) : 0.0;
 }
 
-// result[p] = sum over q of kernel(first + p - q) values[q], p = 0 .. count - 1, by transforms long
-// enough that nothing wraps round.
+// result[p] = sum over q of kernel(first + p - q) values[q], p = 0 .. count - 1, by transforms. The
+// kernel is 0 from |d| = h on: they are as long as it takes that no other distance falls, going
+// round, on one that counts.
 template <class Kernel>
 Values convolve(std::span<const double> values, std::ptrdiff_t first, std::size_t count,
-                const Kernel& kernel) {
-  const std::size_t lags = count + values.size() - 1, size = quick_size(lags);
-  const auto lowest = first - static_cast<std::ptrdiff_t>(values.size()) + 1;
+                std::size_t h, const Kernel& kernel) {
+  const auto n = static_cast<std::ptrdiff_t>(values.size()), reach = static_cast<std::ptrdiff_t>(h);
+  const auto lowest = first - n + 1, highest = first + static_cast<std::ptrdiff_t>(count) - 1;
+  const auto from = std::max(lowest, 1 - reach), to = std::min(highest, reach - 1);
+  const auto room = std::max({n, highest - from + 1, to - lowest + 1});
+  const std::size_t size = quick_size(static_cast<std::size_t>(room));
+  const auto place = [=](std::ptrdiff_t d) { return static_cast<std::size_t>(d - lowest) % size; };
   Values a(size, 0.0), b(size, 0.0);
-  for (std::size_t k = 0; k < lags; ++k)
-    a[k] = kernel(lowest + static_cast<std::ptrdiff_t>(k));
+  for (std::ptrdiff_t d = from; d <= to; ++d)
+    a[place(d)] = kernel(d);
   std::copy(values.begin(), values.end(), b.begin());
   auto product = real_transform(a);
   const auto other = real_transform(b);
   for (std::size_t k = 0; k < product.size(); ++k)
     product[k] *= other[k];
   const Values all = inverse_real_transform(product, size);
-  const auto from = all.begin() + static_cast<std::ptrdiff_t>(values.size()) - 1;
-  return {from, from + static_cast<std::ptrdiff_t>(count)};
+  Values result(count);
+  for (std::size_t p = 0; p < count; ++p)
+    result[p] = all[place(first + static_cast<std::ptrdiff_t>(p))];
+  return result;
 }
 
 double inner(std::span<const double> a, std::span<const double> b) {
@@ -79,7 +86,7 @@ double triangle(std::span<const double> x, std::size_t a, std::size_t b, std::si
   }
   const std::size_t half = (side + 1) / 2, rest = side - half; // p, q < half are all inside
   const Values filtered =
-      convolve(x.subspan(b, half), lag, half, [h](std::ptrdiff_t d) { return weight(d, h); });
+      convolve(x.subspan(b, half), lag, half, h, [h](std::ptrdiff_t d) { return weight(d, h); });
   sum = inner(x.subspan(a, half), filtered);
   if (a == b) return sum + 2.0 * triangle(x, a + half, b, rest, h); // the other is its mirror image
   return sum + triangle(x, a + half, b, rest, h) + triangle(x, a, b + half, rest, h);
@@ -107,8 +114,8 @@ double all_pairs(std::span<const double> x, std::size_t h) {
   double sum = 0.0;
   for (std::size_t parity = 0; parity < 2; ++parity) {
     const Values taken = every_second(x, parity);
-    sum += inner(taken,
-                 convolve(taken, 0, taken.size(), [h](std::ptrdiff_t d) { return weight(d, h); }));
+    sum += inner(
+        taken, convolve(taken, 0, taken.size(), h, [h](std::ptrdiff_t d) { return weight(d, h); }));
   }
   return 0.5 * (sum + inner(x, x) * weight(0, h));
 }
@@ -134,9 +141,9 @@ double theo1_sum_directly(std::span<const double> x, std::size_t m) {
 double theo1_sum_by_transform(std::span<const double> x, std::size_t m) {
   const std::size_t h = m / 2, starts = x.size() - m;
   // x_{c-d} + x_{c+d} under w: a convolution, in which d = 0 counts twice
-  const Values around = convolve(x, static_cast<std::ptrdiff_t>(h), starts, [h](std::ptrdiff_t d) {
-    return (d == 0 ? 2.0 : 1.0) * weight(d, h);
-  });
+  const Values around =
+      convolve(x, static_cast<std::ptrdiff_t>(h), starts, h,
+               [h](std::ptrdiff_t d) { return (d == 0 ? 2.0 : 1.0) * weight(d, h); });
   double total_weight = 0.0;
   for (std::size_t d = 0; d < h; ++d)
     total_weight += weight(static_cast<std::ptrdiff_t>(d), h);
@@ -160,11 +167,10 @@ MeanSquares theo1_differences(std::span<const double> x) {
   return one_by_one([x](std::size_t m) -> MeanSquare {
     if (m < 2 || m >= x.size()) return {};
     const std::size_t starts = x.size() - m;
-    // Measured on 5e3 to 1e5 phases: a transform costs as much as some 1500 terms a phase.
-    constexpr std::size_t worth_a_transform = 1500;
-    const double sum = starts * (m / 2) <= worth_a_transform * x.size()
-                           ? theo1_sum_directly(x, m)
-                           : theo1_sum_by_transform(x, m);
+    // Measured on 2e4 and 1e5 phases: the transforms cost as much as 400 terms a phase and, for the
+    // triangles at the ends, 5500 for each of h.
+    const bool few = starts * (m / 2) <= 400 * x.size() + 5500 * (m / 2);
+    const double sum = few ? theo1_sum_directly(x, m) : theo1_sum_by_transform(x, m);
     // Theo1 is the sum over 0.75 (N-m) (m tau0)^2; the root will be divided by tau = 0.75 m tau0.
     return {0.75 * sum / static_cast<double>(starts), starts * (m / 2)};
   });

@@ -21,7 +21,8 @@ struct Scene {
 
 struct Score {
   int logs = 0, inside = 0, limits = 0;
-  double sum = 0.0, sum2 = 0.0; // of (value - truth)/(half the interval)
+  double sum = 0.0, sum2 = 0.0;                 // of (value - truth)/(half the interval)
+  double error = 0.0, error2 = 0.0, half = 0.0; // of value/truth - 1, and of half the interval so
 
   void add(const RmsEstimate& estimate, double truth) {
     ++logs;
@@ -29,6 +30,9 @@ struct Score {
     limits += estimate.low68 == 0.0 ? 1 : 0;
     const double sigma = 0.5 * (estimate.high68 - estimate.low68);
     const double z = std::isfinite(sigma) ? (estimate.rms - truth) / sigma : 0.0;
+    error += estimate.rms / truth - 1.0;
+    error2 += std::pow(estimate.rms / truth - 1.0, 2);
+    half += sigma / truth;
     sum += z;
     sum2 += z * z;
   }
@@ -38,11 +42,16 @@ struct Score {
     limits += other.limits;
     sum += other.sum;
     sum2 += other.sum2;
+    error += other.error;
+    error2 += other.error2;
+    half += other.half;
   }
   void print(const char* name) const {
     const double n = logs, mean = sum / n;
     std::printf("  %-5s in 68 %% %.3f, bias %+.3f +- %.3f sigma, upper limits %d", name, inside / n,
                 mean, std::sqrt((sum2 / n - mean * mean) / n), limits);
+    std::printf(", error %+.4f, scatter %.4f, half interval %.4f", error / n,
+                std::sqrt(error2 / n - std::pow(error / n, 2)), half / n);
   }
 };
 
