@@ -140,7 +140,7 @@ void state_contradictions(const Fitted& fitted, FitSummary& summary) {
 
 // Other clocks that explain the log as well, in words.
 void state_rivals(const Fitted& fitted, const Certainty& known, FitSummary& summary) {
-  for (const auto& point : fitted.rivals.points) {
+  for (const auto& [point, behind] : fitted.rivals) {
     std::vector<std::string> parts;
     bool far = false;
     for (const Slot& slot : fitted.problem.parameters.slots) {

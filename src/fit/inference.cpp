@@ -42,8 +42,8 @@ DerivedQuantity derive(std::string name, std::string expression, std::string uni
 constexpr double rivals_apart = 3.5; // sigma: beyond what three sigma of likelihood allow
 
 bool rivals_agree(const Rivals& rivals, const DerivedQuantity& best, const Quality& function) {
-  return std::all_of(rivals.points.begin(), rivals.points.end(), [&](const auto& point) {
-    return std::abs(function(point) - best.value) <= rivals_apart * best.sigma;
+  return std::all_of(rivals.begin(), rivals.end(), [&](const Rival& rival) {
+    return std::abs(function(rival.x) - best.value) <= rivals_apart * best.sigma;
   });
 }
 
@@ -353,13 +353,14 @@ Certainty certainty(const FitProblem& problem, const Evaluation& at, const Widen
 void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certainty& known) {
   for (std::size_t k = 0; k < known.distrusted.size(); ++k) {
     const double sigma = known.sigma(k);
-    double farthest = 0.0;
-    for (const auto& point : rivals.points)
-      farthest = std::max(farthest, std::abs(point[k] - x[k]));
-    if (farthest > rivals_apart * sigma) known.distrusted[k] = true;
-    constexpr double same = 0.1; // sigma: the search stops somewhere
-    if (farthest > same * sigma)
-      known.factor.row(static_cast<Eigen::Index>(k)) *= std::hypot(1.0, farthest / sigma);
+    double added = 0.0; // to the variance: share times distance squared, in units of it
+    for (const Rival& rival : rivals) {
+      const double distance = std::abs(rival.x[k] - x[k]) / sigma;
+      if (distance > rivals_apart) known.distrusted[k] = true;
+      constexpr double same = 0.1; // sigma: the search stops somewhere
+      if (distance > same) added = std::max(added, rival.share() * distance * distance);
+    }
+    known.factor.row(static_cast<Eigen::Index>(k)) *= std::sqrt(1.0 + added);
   }
   const Eigen::MatrixXd covariance = known.covariance();
   const std::vector<bool> doubted = known.distrusted;

@@ -4,6 +4,8 @@
 #include "fit_setup.hpp"
 #include "search.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
 namespace goingrate::timing_model {
@@ -36,13 +38,19 @@ struct Certainty {
 Certainty certainty(const FitProblem& problem, const Evaluation& at_minimum,
                     const Widening& widening);
 
-/// Other places the search came to rest at, no worse than three sigma from the best.
-struct Rivals {
-  std::vector<std::vector<double>> points;
-};
+/// Another place the search came to rest at, no worse than three sigma from the best.
+struct Rival {
+  std::vector<double> x;
+  double behind = 0.0; ///< its L less that of the best
 
-/// Adds to each sigma how far the farthest rival lies. Marks the coordinates in which that is more
-/// than 3.5 sigma, and all that hang together with one so marked (correlation above 0.99 in size).
+  /// The probability of it, of the two.
+  [[nodiscard]] double share() const { return 1.0 / (1.0 + std::exp(std::max(0.0, behind))); }
+};
+using Rivals = std::vector<Rival>;
+
+/// Widens each sigma to the root mean square distance of the truth if it may lie about a rival as
+/// well as about the best. Marks the coordinates in which a rival is more than 3.5 sigma away, and
+/// all that hang together with one so marked (correlation above 0.99 in size).
 void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certainty& known);
 
 /// What may be small or nothing, and then has an upper limit rather than no value.

@@ -95,11 +95,11 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   if (moved) fitted.minimum.x = best.x;
   for (const Minimum& other : found)
     if (other.usable && other.value - best.value < 4.5) // three sigma
-      fitted.rivals.points.push_back(other.x);
+      fitted.rivals.push_back({other.x, other.value - best.value});
   // What the thinning moves, all of them were moved by.
-  for (auto& point : fitted.rivals.points)
-    for (std::size_t k = 0; k < point.size(); ++k)
-      point[k] += fitted.minimum.x[k] - best.x[k];
+  for (Rival& rival : fitted.rivals)
+    for (std::size_t k = 0; k < rival.x.size(); ++k)
+      rival.x[k] += fitted.minimum.x[k] - best.x[k];
   return moved;
 }
 
@@ -315,12 +315,12 @@ void look_at_the_twin(Fitted& fitted) {
   std::vector<double> place = twin.x; // what the thinning moved, both were moved by
   for (std::size_t k = 0; k < place.size(); ++k)
     place[k] += fitted.minimum.x[k] - home.x[k];
-  if (twin.value < home.value - near) {
+  if (twin.value < home.value) {
     std::swap(place, fitted.minimum.x);
     settle(fitted.problem, fitted.minimum, {});
-    return;
   }
-  fitted.rivals.points.push_back(std::move(place));
+  if (twin.value > home.value - near)
+    fitted.rivals.push_back({std::move(place), std::abs(twin.value - home.value)});
 }
 
 } // namespace
@@ -356,9 +356,9 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   for (const Minimum& other : tried) {
     constexpr double near = 4.5; // three sigma
     if (!other.usable || other.value > tried.front().value + near) continue;
-    fitted.rivals.points.push_back(other.x);
+    fitted.rivals.push_back({other.x, other.value - tried.front().value});
     for (std::size_t k = 0; k < other.x.size(); ++k) // what the thinning moved, both were moved by
-      fitted.rivals.points.back()[k] += fitted.minimum.x[k] - tried.front().x[k];
+      fitted.rivals.back().x[k] += fitted.minimum.x[k] - tried.front().x[k];
   }
   look_at_the_twin(fitted);
   finish(fitted);
@@ -435,9 +435,9 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     if (refined.minimum.usable) finish(refined); // the sigmas of the wrong model were too wide
     if (!refined.minimum.usable) return false;
   }
-  for (auto& point : refined.rivals.points)
-    for (std::size_t k = 0; k < point.size(); ++k)
-      point[k] += refined.minimum.x[k] - fitted.minimum.x[k];
+  for (Rival& rival : refined.rivals)
+    for (std::size_t k = 0; k < rival.x.size(); ++k)
+      rival.x[k] += refined.minimum.x[k] - fitted.minimum.x[k];
   finish(refined);
   if (!refined.minimum.usable || (!is_lost(fitted) && is_lost(refined))) return false;
   fitted = std::move(refined);
