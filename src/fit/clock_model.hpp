@@ -132,8 +132,8 @@ private:
   }
 
   [[nodiscard]] std::optional<Reached> in_closed_form(const T& t) const {
-    if (!closed_.in_domain(t)) return {};
     const auto state = closed_.at(t);
+    if (!closed_.in_domain(state)) return {};
     return Reached{t,
                    {state.amplitude2, state.phase_excess, state.rate_excess},
                    2.0 * plain(laws_.epsilon) * plain(t)};

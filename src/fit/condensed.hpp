@@ -15,8 +15,12 @@
 
 #include <Eigen/Dense>
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace goingrate::timing_model {
+
+inline constexpr int nodes_a_block = 12; ///< of a condensed log
 
 class CondensedLog {
 public:
@@ -27,7 +31,7 @@ public:
 
   /// The nodes, with d^ as their lateness.
   [[nodiscard]] const TimingData& nodes() const { return nodes_; }
-  [[nodiscard]] double beats() const { return static_cast<double>(beat_cycle_.size()); }
+  [[nodiscard]] double beats() const { return static_cast<double>(beats_); }
   /// |d - P d^|^2, s^2.
   [[nodiscard]] double rest_s2() const { return rest_s2_; }
 
@@ -38,18 +42,29 @@ public:
   [[nodiscard]] std::vector<double> spread(const std::vector<double>& at_nodes) const;
 
 private:
+  using Triangle = Eigen::Matrix<double, nodes_a_block, nodes_a_block>;
+  // Lagrange's polynomials on the beats of a block; blocks without gaps and of one length share it.
+  struct Pattern {
+    std::vector<double> cycle;                // of the beats, less the first
+    std::vector<std::size_t> nodes;           // places of the nodes among them
+    Triangle triangle = Triangle::Zero();     // R
+    bool swings = false;                      // so far that the nodes are no good
+    Eigen::HouseholderQR<Eigen::MatrixXd> qr; // of P; of the last few only, for it is long
+  };
   struct Block {
     std::size_t first, beats;
-    Eigen::MatrixXd triangle; // R
+    std::size_t pattern;
   };
 
   // Takes the beats [first, end) as one block; false if the polynomials would swing.
   bool add_block(const TimingData& data, std::size_t first, std::size_t end);
-  [[nodiscard]] Eigen::MatrixXd lagrange(const Block& block, std::size_t first_node) const;
+  // The place of the pattern of these beats in patterns_, where it may be new.
+  std::size_t pattern_of(std::span<const double> cycle);
   [[nodiscard]] Eigen::MatrixXd weighted_plainly(const Eigen::MatrixXd& at_nodes) const;
 
   TimingData nodes_;
-  std::vector<double> beat_cycle_;
+  std::size_t beats_ = 0;
+  std::vector<Pattern> patterns_;
   std::vector<Block> blocks_;
   Eigen::VectorXd constant_; // weighted ones
   double rest_s2_ = 0.0;

@@ -357,8 +357,9 @@ void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certain
     for (const Rival& rival : rivals) {
       const double distance = std::abs(rival.x[k] - x[k]) / sigma;
       if (distance > rivals_apart) known.distrusted[k] = true;
-      constexpr double same = 0.1; // sigma: the search stops somewhere
-      if (distance > same) added = std::max(added, rival.share() * distance * distance);
+      // So far off is what this sigma expects of a place so far behind, or its own width.
+      if (distance * distance < 1.0 + 2.0 * rival.behind) continue;
+      added = std::max(added, rival.share() * distance * distance);
     }
     known.factor.row(static_cast<Eigen::Index>(k)) *= std::sqrt(1.0 + added);
   }

@@ -26,7 +26,11 @@ public:
 
   bool Evaluate(double const* const* at, double* residual, double** jacobian) const override {
     const std::span<const double> u(at[0], unknowns_);
-    const std::vector<double> x = map_.x_of(u);
+    if (!std::equal(u.begin(), u.end(), last_u_.begin(), last_u_.end())) {
+      last_u_.assign(u.begin(), u.end()); // Ceres asks for the value first, then for the slopes
+      last_x_ = map_.x_of(u);
+    }
+    const std::vector<double>& x = last_x_;
     const auto n = static_cast<Eigen::Index>(unknowns_);
     Eigen::Map<Eigen::VectorXd> r(residual, n + 1);
     r.setZero();
@@ -71,6 +75,7 @@ private:
   double offset_;
   std::size_t unknowns_;
   std::optional<Remembered> remembered_;
+  mutable std::vector<double> last_u_, last_x_;
   mutable std::vector<std::vector<double>> have_value_;
   mutable bool broke_off_ = false;
 };
@@ -109,7 +114,9 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   minimum.x = std::move(start);
   for (std::size_t k = 0; k < problem.bounds.size(); ++k)
     minimum.x[k] = std::clamp(minimum.x[k], problem.bounds[k][0], problem.bounds[k][1]);
-  const auto first = minus_log_likelihood(problem, minimum.x);
+  const auto slopes = minimum.x.empty() ? std::nullopt : evaluate(problem, minimum.x);
+  const auto first =
+      slopes ? std::optional(slopes->value) : minus_log_likelihood(problem, minimum.x);
   if (!first) return minimum;
   minimum.value = *first;
   if (minimum.x.empty()) {
@@ -119,7 +126,6 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   }
   // Half of |Q'r|^2 is what a scoring step hopes to gain, which of a noise far too small is more
   // than L itself; and L may fall by half the logarithm of every variance.
-  const auto slopes = evaluate(problem, minimum.x);
   if (!slopes) return minimum;
   const double offset = 20.0 * static_cast<double>(problem.data->size()) + std::abs(*first) +
                         slopes->projected.squaredNorm();

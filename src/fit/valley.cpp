@@ -166,7 +166,7 @@ std::optional<double> Valley::solved(std::vector<double> x, double own) const {
     follow_start(x, own);
     const auto late = late_at_end(parameters_, ends_, x);
     if (!late) return {};
-    if (round < 3 || round % 4 == 0) { // the slope changes little; T0's not at all
+    if (round % 4 == 0) { // the slope changes little; T0's not at all
       const auto here = slope_of_late(x, *rate_, own);
       if (!here || *here == 0.0) return {};
       slope = *here;

@@ -5,14 +5,14 @@
 //   psi' - 1 = -x/16 + (2 mu / pi) sqrt(x - phi0^2) / x
 // While eps, mu and phi0 are constant,
 //   x(t) = X + (x0 - X) exp(-2 eps t),  X = 2 mu phi0 / (pi eps)           (cf. eq. l2jump),
-// and both integrals of psi' - 1 close. With y = sqrt(x - phi0^2), a = phi0^2, b = X - a and
-// dt = -y dy / (eps (y^2 - b)):
-//   int x dt        = X t + (x0 - X) (1 - exp(-2 eps t)) / (2 eps)
-//   int y/x dt      = sqrt(b)/X t - [(f(a) - sqrt(b) log(y + sqrt b)) / X]_y0^y / eps,   b > 0,
-//   int y/x dt      = -[(f(a) - f(-b)) / X]_y0^y / eps,                                 b <= 0,
-// where f(q) = sqrt(q) atan(y / sqrt q). The term log|y - sqrt b| of the textbook integral,
-// singular in stationary operation, was replaced by log|x - X| - log(y + sqrt b), whose first part
-// is -2 eps t.
+// and both integrals of psi' - 1 close. With y = sqrt(x - phi0^2), dt = -y dy/(eps (y^2 - b)),
+// b = X - phi0^2, and 2 mu/pi = eps X/phi0:
+//   int x dt            = X t + (x0 - X) (1 - exp(-2 eps t)) / (2 eps)
+//   (2 mu/pi) int y/x dt = -[atan(y/phi0) - c log(y + c phi0)]_y0^y + c eps t,  c = sqrt(b)/phi0,
+// if b > 0, and if not, when the drive is too weak to keep the clock going,
+//   (2 mu/pi) int y/x dt = -[atan(y/phi0) - c atan(y/(c phi0))]_y0^y,           c = sqrt(-b)/phi0.
+// The term log|y - sqrt b| of the textbook integral, singular in stationary operation, was replaced
+// by log|x - X| - log(y + sqrt b), whose first part is -2 eps t.
 //
 // lambda is the cycle average of the amplitude sqrt(phi^2 + phi'^2), not its value at a crossing.
 #pragma once
@@ -32,10 +32,16 @@ namespace goingrate {
 template <class T> class AveragedMotion {
 public:
   /// `amplitude2_start` is lambda^2 (rad^2) at t = 0.
-  AveragedMotion(T epsilon, T mu, T phi0, T amplitude2_start)
+  AveragedMotion(const T& epsilon, const T& mu, const T& phi0, const T& amplitude2_start)
       : epsilon_(epsilon), torque_(mu * (2.0 / std::numbers::pi)), a_(phi0 * phi0),
-        limit_(torque_ * phi0 / epsilon), start_(amplitude2_start) {
+        limit_(torque_ * phi0 / epsilon), start_(amplitude2_start), way_(start_ - limit_),
+        way_per_decay_(way_ / (epsilon * 2.0)), per_phi0_(1.0 / phi0) {
     using std::sqrt;
+    const T b = limit_ - a_;
+    going_ = b > 0.0;
+    root_ = sqrt(going_ ? b : T(-b));
+    c_ = root_ * per_phi0_;
+    c_epsilon_ = c_ * epsilon_;
     if (start_ > a_) primitive0_ = primitive(sqrt(start_ - a_));
   }
 
@@ -50,47 +56,31 @@ public:
   [[nodiscard]] State at(const T& t) const {
     using std::expm1, std::sqrt;
     const T gone = -expm1(epsilon_ * t * -2.0); // 1 - exp(-2 eps t)
-    const T amplitude2 = start_ + (limit_ - start_) * gone;
-    const T area = limit_ * t + (start_ - limit_) * gone / (epsilon_ * 2.0);
+    const T amplitude2 = start_ - way_ * gone;
     const T y = sqrt(amplitude2 - a_);
-    T pushed = -(primitive(y) - primitive0_) / epsilon_;
-    if (limit_ > a_) pushed += sqrt(limit_ - a_) / limit_ * t;
-    return {amplitude2, torque_ * pushed - area * (1.0 / 16.0),
-            torque_ * y / amplitude2 - amplitude2 * (1.0 / 16.0)};
+    T excess = primitive0_ - primitive(y) - (limit_ * t + way_per_decay_ * gone) * (1.0 / 16.0);
+    if (going_) excess += c_epsilon_ * t;
+    return {amplitude2, excess, torque_ * y / amplitude2 - amplitude2 * (1.0 / 16.0)};
   }
 
   /// lambda^2 at scaled time t.
   [[nodiscard]] T amplitude2(const T& t) const {
     using std::expm1;
-    return start_ - (limit_ - start_) * expm1(epsilon_ * t * -2.0);
+    return start_ + way_ * expm1(epsilon_ * t * -2.0);
   }
 
   /// Whether lambda > phi0 from 0 to t: x is monotone, so both ends tell.
   [[nodiscard]] bool in_domain(const T& t) const { return start_ > a_ && amplitude2(t) > a_; }
-
-private:
-  // sqrt(q) atan(y / sqrt q), q > 0.
-  static T arc(const T& q, const T& y) {
-    using std::atan, std::sqrt;
-    const T root = sqrt(q);
-    return root * atan(y / root);
+  /// The same of a time whose state is known; `at` may be asked anywhere for that.
+  [[nodiscard]] bool in_domain(const State& state) const {
+    return start_ > a_ && state.amplitude2 > a_;
   }
 
+private:
   // The bracket of the header, as a function of y.
   [[nodiscard]] T primitive(const T& y) const {
-    using std::abs, std::atan, std::log, std::sqrt;
-    const T b = limit_ - a_;
-    if (b > 0.0) {
-      const T root = sqrt(b);
-      return (arc(a_, y) - root * log(y + root)) / limit_;
-    }
-    if (abs(limit_) > a_ * 1e-3) return (arc(a_, y) - arc(-b, y)) / limit_;
-    // The derivative of f at the midpoint, free of the cancellation at a weak drive; what follows
-    // in the Taylor series is below 1e-6 of it, and the whole is multiplied by a mu that is itself
-    // a thousandth of what would keep the clock going.
-    const T middle = a_ - limit_ * 0.5;
-    const T root = sqrt(middle);
-    return atan(y / root) / (root * 2.0) - y / ((y * y + middle) * 2.0);
+    using std::atan, std::log;
+    return atan(y * per_phi0_) - c_ * (going_ ? T(log(y + root_)) : T(atan(y / root_)));
   }
 
   T epsilon_;
@@ -98,6 +88,13 @@ private:
   T a_;      // phi0^2
   T limit_;  // X
   T start_;  // x0
+  T way_;    // x0 - X
+  T way_per_decay_;
+  T per_phi0_;
+  bool going_ = false; // b > 0
+  T root_{};           // c phi0
+  T c_{};
+  T c_epsilon_{};
   T primitive0_{};
 };
 
