@@ -11,7 +11,7 @@ std::shared_ptr<const CondensedLog> CondensedLog::of(const TimingData& data,
                                                      const std::vector<double>& event_cycles,
                                                      double relaxation_cycles) {
   constexpr std::size_t least = 3 * nodes_a_block; // beats a block for which it is worth while
-  const double longest = 0.5 * relaxation_cycles;
+  const double longest = 0.7 * relaxation_cycles;
   if (!(longest >= static_cast<double>(least))) return nullptr;
   auto log = std::make_shared<CondensedLog>();
   log->nodes_.reference_period_s = data.reference_period_s;

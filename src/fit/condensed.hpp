@@ -5,7 +5,7 @@
 // nodes) holding Lagrange's polynomials and P = Q R,
 //   sum over beats (d - m)^2 = |d - P d^|^2 + sum over blocks |R (d^ - m at the nodes)|^2,
 // where d^ = R^-1 Q' d. The first term does not depend on the model. Nothing is lost but what the
-// polynomial misses: blocks of half a relaxation time and twelve Chebyshev nodes leave 1e-12 of the
+// polynomial misses: blocks of 0.7 relaxation times and twelve Chebyshev nodes leave 1e-10 of the
 // transient. `model_fit` compares with all beats before it believes it.
 #pragma once
 

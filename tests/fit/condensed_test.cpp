@@ -38,7 +38,7 @@ TEST(CondensedLogTest, SaysWhatAllBeatsSay) {
   EXPECT_NEAR(same->value, all->value, 1e-5);
   const Eigen::MatrixXd information = all->triangle.transpose() * all->triangle;
   const Eigen::MatrixXd condensed = same->triangle.transpose() * same->triangle;
-  EXPECT_LT((condensed - information).norm(), 1e-10 * information.norm()); // (1/8)^12
+  EXPECT_LT((condensed - information).norm(), 1e-10 * information.norm()); // (1/6)^12
   const Eigen::VectorXd gradient = all->triangle.transpose() * all->projected;
   EXPECT_LT((same->triangle.transpose() * same->projected - gradient).norm(),
             1e-8 * gradient.norm()); // sums that cancel to 1e-3
@@ -55,7 +55,7 @@ TEST(CondensedLogTest, SpreadsACorrectionOverAllBeats) {
   ASSERT_EQ(spread.size(), log.data.size());
   for (std::size_t i = 0; i < spread.size(); ++i)
     EXPECT_NEAR(spread[i], smooth(log.data.cycle[i]),
-                1e-13); // Chebyshev: (1/8)^12/12! and rounding
+                1e-13); // Chebyshev: (1/6)^12/12! and rounding
 }
 
 TEST(CondensedLogTest, LeavesAShortLogAlone) {
