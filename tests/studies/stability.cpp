@@ -42,14 +42,16 @@ std::vector<double> walk(std::size_t points) {
 double median_seconds(Kind kind, const std::vector<double>& phase, const DeviationOptions& options,
                       const std::vector<std::size_t>& factors, DeviationTable& table) {
   std::vector<double> seconds;
-  for (int run = 0; run < 3; ++run) {
+  constexpr double enough = 0.3; // s in all; short runs scatter most
+  for (double spent = 0.0; seconds.size() < 3 || (spent < enough && seconds.size() < 51);
+       spent += seconds.back()) {
     const auto begin = std::chrono::steady_clock::now();
     table = stability_table(kind, phase, 1.0, factors, options);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     seconds.push_back(took.count());
   }
   std::sort(seconds.begin(), seconds.end());
-  return seconds[1];
+  return seconds[seconds.size() / 2];
 }
 
 // Kind, points, seconds, seconds without looking for the noise, and factor = value of every row.
