@@ -3,6 +3,7 @@
 #include "square_sums.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 namespace goingrate {
@@ -14,59 +15,69 @@ MeanSquare mean_of(const SquareSum& total, double divisor) {
   return {total.sum / (divisor * static_cast<double>(total.n)), total.n};
 }
 
-// Squares of the differences of `order` that start at p[0] .. p[count-1].
-SquareSum squares_of_differences(const double* p, std::size_t count, std::size_t m,
-                                 std::size_t order, bool known) {
-  const auto at = [=](std::size_t k) { return stretch_of(p, k * m, count); };
-  if (order == 1) return sum_of_squares(at(1) - at(0), known);
-  if (order == 2) return sum_of_squares((at(2) - at(1)) - (at(1) - at(0)), known);
-  return sum_of_squares((at(3) - at(0)) - 3.0 * (at(2) - at(1)), known);
-}
-
 constexpr double divisors[] = {1.0, 1.0, 2.0, 6.0}; // by order
 constexpr std::size_t block = 2048;                 // what is summed at a time: a few roundings
 
+// Where the differences at one factor begin, and how many there are.
+struct Starts {
+  std::size_t first, count;
+};
+
 // All factors in one walk over x: of long rows each phase then comes from memory once or twice for
 // each factor, and the two factors of an octave share what they fetch.
+template <class StartsAt>
 std::vector<MeanSquare> overlapped(std::span<const double> x, bool known, std::size_t order,
-                                   std::span<const std::size_t> factors) {
+                                   std::span<const std::size_t> factors,
+                                   const StartsAt& starts_at) {
   std::vector<SquareSum> sums(factors.size());
-  for (std::size_t begin = 0; begin < x.size(); begin += block)
+  bool more = true;
+  for (std::size_t begin = 0; more; begin += block) {
+    more = false;
     for (std::size_t k = 0; k < factors.size(); ++k) {
-      const std::size_t m = factors[k];
-      if (begin + order * m >= x.size()) break; // and so will all longer ones
-      const std::size_t end = std::min(block, x.size() - order * m - begin);
-      sums[k] += squares_of_differences(x.data() + begin, end, m, order, known);
+      const auto [first, count] = starts_at(factors[k]);
+      if (begin >= count) continue;
+      more = true;
+      sums[k] += squares_of_differences(x.data() + first + begin, std::min(block, count - begin),
+                                        factors[k], order, known);
     }
+  }
   std::vector<MeanSquare> means;
   for (const SquareSum& sum : sums)
     means.push_back(mean_of(sum, divisors[order]));
   return means;
 }
 
-// Every m-th phase. A factor that is a multiple of the one before is taken from what that left,
-// which lies closer together: an octave then fetches each row of memory twice, not at every factor.
+// Every m-th phase, fetched a stretch at a time. A factor that is a multiple of the one before is
+// taken from what that left, which lies closer together: an octave then fetches each row of memory
+// twice, not at every factor.
 class EveryNth {
 public:
-  explicit EveryNth(std::span<const double> x) : all_(x) {}
+  explicit EveryNth(std::span<const double> x) : all_(x), phases_(x) {}
 
-  std::span<const double> operator()(std::size_t m) {
-    if (m == 1) return all_;
-    const bool onwards = !kept_.empty() && m % stride_ == 0;
-    const std::span<const double> from = onwards ? kept_ : all_;
-    const std::size_t step = onwards ? m / stride_ : m, count = (from.size() - 1) / step + 1;
-    if (!onwards) kept_.resize(count);
-    for (std::size_t k = 0; k < count; ++k)
-      kept_[k] = from[k * step];
-    kept_.resize(count);
+  // Returns how many there are.
+  std::size_t take(std::size_t m) {
+    const bool onwards = kept_ != nullptr && m % stride_ == 0;
+    from_ = onwards ? phases_ : all_;
+    step_ = onwards ? m / stride_ : m;
+    const std::size_t count = (from_.size() - 1) / step_ + 1;
+    if (m > 1 && !onwards) kept_ = std::make_unique_for_overwrite<double[]>(count);
+    phases_ = m > 1 ? std::span<const double>(kept_.get(), count) : all_;
+    fetched_ = m > 1 ? 0 : count;
     stride_ = m;
-    return kept_;
+    return count;
+  }
+
+  // The phases from `begin` on, of which those before `end` are fetched.
+  const double* up_to(std::size_t begin, std::size_t end) {
+    for (; fetched_ < end; ++fetched_)
+      kept_[fetched_] = from_[fetched_ * step_]; // in place: never behind what is read next
+    return phases_.data() + begin;
   }
 
 private:
-  std::span<const double> all_;
-  std::vector<double> kept_;
-  std::size_t stride_ = 1;
+  std::span<const double> all_, phases_, from_{};
+  std::unique_ptr<double[]> kept_;
+  std::size_t stride_ = 1, step_ = 1, fetched_ = 0;
 };
 
 // Starts a factor apart.
@@ -79,45 +90,27 @@ std::vector<MeanSquare> strided(std::span<const double> x, bool known, std::size
       means.emplace_back();
       continue;
     }
-    const auto phases = every(m);
-    const std::size_t starts = phases.size() - order;
+    const std::size_t starts = every.take(m) - order;
     SquareSum sum;
-    for (std::size_t begin = 0; begin < starts; begin += block)
-      sum += squares_of_differences(phases.data() + begin, std::min(block, starts - begin), 1,
-                                    order, known);
+    for (std::size_t begin = 0; begin < starts; begin += block) {
+      const std::size_t count = std::min(block, starts - begin);
+      const double* phases = every.up_to(begin, begin + count + order);
+      sum += squares_of_differences(phases, count, 1, order, known);
+    }
     means.push_back(mean_of(sum, divisors[order]));
   }
   return means;
 }
 
-// Second differences centred on x[1] .. x[last-1]. Where they reach over an end, the phase there is
-// that of the mirror: 2 x[0] - x[k] at -k, and 2 x[last] - x[last-k] at last + k.
-SquareSum reflected_squares(std::span<const double> x, bool known, std::size_t m) {
-  const std::size_t last = x.size() - 1;
-  const double* p = x.data();
-  const double left = 2.0 * p[0], right = 2.0 * p[last];
-  const auto down_from = [=](std::size_t highest, std::size_t count) {
-    return stretch_of(p, highest + 1 - count, count).reverse();
-  };
-  // Centres below m reach over the left end, those above last - m over the right one.
-  const std::size_t first = std::min(m, last - m + 1), second = std::max(m, last - m + 1);
-  const std::size_t before = first - 1, between = second - first, behind = last - second;
-  const auto centre = stretch_of(p, 1, before), last_centre = stretch_of(p, second, behind);
-  SquareSum sum = sum_of_squares((stretch_of(p, 1 + m, before) - centre) -
-                                     (centre - (left - down_from(m - 1, before))),
-                                 known);
-  if (2 * m <= last) {
-    sum += squares_of_differences(p, between, m, 2, known);
-  } else {
-    const auto middle = stretch_of(p, first, between);
-    sum += sum_of_squares(((right - down_from(2 * last - m - first, between)) - middle) -
-                              (middle - (left - down_from(m - first, between))),
-                          known);
-  }
-  sum += sum_of_squares(((right - down_from(2 * last - m - second, behind)) - last_centre) -
-                            (last_centre - stretch_of(p, second - m, behind)),
-                        known);
-  return sum;
+// x reflected through its first and its last value: 2 x[0] - x[k] for k = last .. 1, x, and
+// 2 x[last] - x[last-k] for k = 1 .. last.
+Eigen::ArrayXd with_reflections(std::span<const double> x) {
+  const auto last = static_cast<Eigen::Index>(x.size()) - 1;
+  const auto inner = stretch_of(x.data(), 0, x.size());
+  Eigen::ArrayXd all(3 * last + 1);
+  all << 2.0 * x.front() - inner.tail(last).reverse(), inner,
+      2.0 * x.back() - inner.head(last).reverse();
+  return all;
 }
 
 } // namespace
@@ -134,14 +127,21 @@ MeanSquares one_by_one(MeanSquareAt at) {
 MeanSquares phase_differences(std::span<const double> x, bool known, std::size_t order,
                               bool overlap) {
   return [=](std::span<const std::size_t> factors) {
-    return overlap ? overlapped(x, known, order, factors) : strided(x, known, order, factors);
+    if (!overlap) return strided(x, known, order, factors);
+    return overlapped(x, known, order, factors, [=](std::size_t m) {
+      return Starts{0, order * m < x.size() ? x.size() - order * m : 0};
+    });
   };
 }
 
 MeanSquares reflected_differences(std::span<const double> x, bool known) {
-  return one_by_one([=](std::size_t m) {
-    return m < x.size() ? mean_of(reflected_squares(x, known, m), divisors[2]) : MeanSquare{};
-  });
+  return [=, all = std::make_shared<const Eigen::ArrayXd>(with_reflections(x))](
+             std::span<const std::size_t> factors) {
+    return overlapped({all->data(), all->data() + all->size()}, known, 2, factors,
+                      [=](std::size_t m) {
+                        return m < x.size() ? Starts{x.size() - m, x.size() - 2} : Starts{0, 0};
+                      });
+  };
 }
 
 } // namespace goingrate

@@ -1,7 +1,6 @@
 // Sums of squares over long rows, quick and exact to a few roundings. Private to the spectra room.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -25,18 +24,14 @@ inline auto stretch_of(const double* x, std::size_t from, std::size_t count) {
   return Eigen::Map<const Eigen::ArrayXd>(x + from, static_cast<Eigen::Index>(count));
 }
 
-// Of an expression of such arrays. NaN are left out, one by one; if all are `known` there are none.
-template <class Differences> SquareSum sum_of_squares(const Differences& differences, bool known) {
-  if (known) return {differences.square().sum(), static_cast<std::size_t>(differences.size())};
-  SquareSum total;
-  for (Eigen::Index i = 0; i < differences.size(); ++i) {
-    const double value = differences.coeff(i);
-    if (std::isnan(value)) continue;
-    total.sum += value * value;
-    ++total.n;
-  }
-  return total;
-}
+// Squares of the first, second or third differences (order 1, 2, 3) at distance m that start at
+// p[0] .. p[count-1]. Differences with a NaN are left out; if all phases are `known` there are
+// none.
+SquareSum squares_of_differences(const double* p, std::size_t count, std::size_t m,
+                                 std::size_t order, bool known);
+
+// Sum of squares of (p[i] - p[i+h-d]) + (p[i+2h] - p[i+h+d]) over i < count; none may be NaN.
+double squares_of_bows(const double* p, std::size_t count, std::size_t h, std::size_t d);
 
 inline bool is_finite(std::span<const double> x) {
   // infinity or NaN times zero is NaN, and stays so in a sum

@@ -16,6 +16,7 @@
 #include "goingrate/spectra/noise_type.hpp"
 #include "mean_squares.hpp"
 #include "noise_by_ratio.hpp"
+#include "per_processor.hpp"
 #include "square_sums.hpp"
 
 namespace goingrate {
@@ -59,8 +60,15 @@ void check_alpha(const std::optional<int>& alpha) {
   if (alpha && (*alpha < -4 || *alpha > 2)) throw ArgumentError("alpha", *alpha, "from -4 to 2");
 }
 
-// The phase less the line through its first and last known point. x - x_first errs by no more than
-// the rounding already in x; the fused product then takes away an exact multiple of i.
+// x - x_first errs by no more than the rounding already in x; the fused product then takes away an
+// exact multiple of i.
+GOINGRATE_PER_PROCESSOR("fma") // a call of the C library's fma at each phase otherwise
+void take_line_away(double* x, std::size_t n, double offset, double slope) {
+  for (std::size_t i = 0; i < n; ++i)
+    x[i] = std::fma(-slope, static_cast<double>(i), x[i] - offset);
+}
+
+// The phase less the line through its first and last known point.
 std::vector<double> without_end_line(std::span<const double> phase_s) {
   std::vector<double> rest(phase_s.begin(), phase_s.end());
   const auto known = [](double x) { return !std::isnan(x); };
@@ -70,8 +78,7 @@ std::vector<double> without_end_line(std::span<const double> phase_s) {
   const double offset = *first;
   const double steps = static_cast<double>(last - first);
   const double slope = steps > 0.0 ? (*last - offset) / steps : 0.0;
-  for (std::size_t i = 0; i < rest.size(); ++i)
-    rest[i] = std::fma(-slope, static_cast<double>(i), rest[i] - offset);
+  take_line_away(rest.data(), rest.size(), offset, slope);
   return rest;
 }
 
@@ -313,7 +320,7 @@ std::size_t threads_for(const DeviationOptions& options, std::size_t points, std
 // How many factors one thread takes together. Sums over windows depend in the last digit on what
 // they were widened from, so there it does not hang on the number of threads.
 std::size_t factors_together(Kind kind, std::size_t factors, std::size_t threads) {
-  if (takes_single_phases(kind)) return (factors + threads - 1) / threads;
+  if (takes_single_phases(kind) || kind == Kind::totdev) return (factors + threads - 1) / threads;
   const bool windows = kind == Kind::mdev || kind == Kind::tdev || kind == Kind::pdev;
   return windows ? std::clamp<std::size_t>(factors / 16, 32, 256) : 1;
 }

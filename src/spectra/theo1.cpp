@@ -129,11 +129,8 @@ double theo1_sum_directly(std::span<const double> x, std::size_t m) {
   for (std::size_t begin = 0; begin + m < x.size(); begin += block) {
     const double* p = x.data() + begin;
     const std::size_t starts = std::min(block, x.size() - m - begin);
-    for (std::size_t d = 0; d < h; ++d) {
-      const auto bend = (stretch_of(p, 0, starts) - stretch_of(p, h - d, starts)) +
-                        (stretch_of(p, m, starts) - stretch_of(p, h + d, starts));
-      sum += bend.square().sum() / static_cast<double>(h - d);
-    }
+    for (std::size_t d = 0; d < h; ++d)
+      sum += squares_of_bows(p, starts, h, d) / static_cast<double>(h - d);
   }
   return sum;
 }
