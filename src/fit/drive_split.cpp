@@ -1,6 +1,7 @@
 #include "goingrate/fit/drive_split.hpp"
 
 #include "gain_spread.hpp"
+#include "linear_rates.hpp"
 #include "rate_components.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -22,11 +23,6 @@ using timing_model::RateComponents;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// Of the drive itself: with the gains averaged over the amplitudes that the slow drive brings.
-RateComponents drive_at(const RateComponents& found, const DriveResponse& response) {
-  return timing_model::with_gains_averaged(found, response);
-}
-
 // The ends moved apart by a relative error beside that of the likelihood.
 RmsEstimate widened(const RmsEstimate& estimate, double relative) {
   const double more = relative * estimate.rms;
@@ -37,12 +33,29 @@ RmsEstimate widened(const RmsEstimate& estimate, double relative) {
           estimate.rms + std::hypot(estimate.high68 - estimate.rms, more)};
 }
 
-RmsEstimate rms_of(const ComponentFit& fit, const std::array<RateComponents, 2>& ends,
-                   Component which, const DriveResponse& response) {
+using Ends = std::array<RateComponents, 2>;
+
+// What the rates say of the drive, each part with the others as they are where it has its ends.
+struct Parts {
+  ComponentFit fit;
+  Ends fast, slow, jitter;
+
+  explicit Parts(ComponentFit of_rates)
+      : fit(std::move(of_rates)), fast(fit.interval68(Component::fast)),
+        slow(fit.interval68(Component::slow)), jitter(fit.interval68(Component::jitter)) {}
+  [[nodiscard]] const Ends& ends(Component which) const {
+    return which == Component::fast ? fast : which == Component::slow ? slow : jitter;
+  }
+};
+
+// The rms of a part; drive_at makes drive of what the rates are made of.
+template <class DriveAt>
+RmsEstimate rms_of(const Parts& parts, Component which, const DriveAt& drive_at) {
   const auto rms = [&](const RateComponents& found) {
-    return std::sqrt(variance_of(drive_at(found, response), which));
+    return std::sqrt(variance_of(drive_at(found), which));
   };
-  RmsEstimate estimate{rms(fit.best_for(which)), rms(ends[0]), rms(ends[1])};
+  const Ends& ends = parts.ends(which);
+  RmsEstimate estimate{rms(parts.fit.best_for(which)), rms(ends[0]), rms(ends[1])};
   estimate.rms = std::clamp(estimate.rms, estimate.low68, estimate.high68);
   return estimate;
 }
@@ -105,33 +118,64 @@ double cost_of(const RateComponents& c, Component which, double t, double period
       t, period_s);
 }
 
-using Ends = std::array<RateComponents, 2>;
-
-std::vector<DriveCost> costs_of(const ComponentFit& fit, const Ends& fast, const Ends& slow,
-                                double period_s, const DriveResponse& response) {
+std::vector<DriveCost> costs_of(const Parts& parts, double period_s,
+                                const DriveResponse& response) {
   std::vector<DriveCost> costs;
   for (const double days : {1.0, 7.0, 365.25}) {
     DriveCost cost;
     cost.after_s = 86400.0 * days;
-    const auto estimate = [&](const Ends& ends, Component which) {
+    const auto estimate = [&](Component which) {
       const auto at = [&](const RateComponents& c) {
         return cost_of(c, which, cost.after_s, period_s, response);
       };
-      const double middle = at(fit.best()), a = at(ends[0]), b = at(ends[1]);
+      const Ends& ends = parts.ends(which);
+      const double middle = at(parts.fit.best_for(which)), a = at(ends[0]), b = at(ends[1]);
       return RmsEstimate{middle, std::min({a, b, middle}), std::max({a, b, middle})};
     };
-    cost.fast_s = estimate(fast, Component::fast);
-    cost.slow_s = estimate(slow, Component::slow);
+    cost.fast_s = estimate(Component::fast);
+    cost.slow_s = estimate(Component::slow);
     costs.push_back(cost);
   }
   return costs;
+}
+
+// Of the drive itself, from rates that answer it in proportion.
+void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
+                       double mean_drive_rms) {
+  const auto as_found = [](const RateComponents& found) { return found; };
+  const auto doubt = timing_model::gain_doubt(response, mean_drive_rms);
+  result.fast = widened(rms_of(parts, Component::fast, as_found), doubt.fast);
+  result.slow = widened(rms_of(parts, Component::slow, as_found), doubt.slow);
+  const RateComponents& best = parts.fit.best();
+  result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
+}
+
+// The same from rates as they are, with the gains averaged over the amplitudes that the slow drive
+// brings.
+void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
+                         double length_s) {
+  const auto drive_at = [&](const RateComponents& found) {
+    return timing_model::with_gains_averaged(found, response);
+  };
+  const RateComponents& best = parts.fit.best();
+  const auto doubt = timing_model::gain_doubt(
+      response, timing_model::mean_shift(drive_at(best), response, length_s));
+  // The slow drive's size decides by how much the fast one's gain is raised.
+  const auto raised = [&](const RateComponents& at) { return drive_at(at).fast2 / at.fast2; };
+  const double at_least = raised(parts.slow[0]);
+  const double at_most = std::isfinite(parts.slow[1].slow2) ? raised(parts.slow[1]) : at_least;
+  const double by_slow = best.fast2 > 0.0 ? 0.25 * std::abs(at_least - at_most) : 0.0;
+  result.fast = widened(rms_of(parts, Component::fast, drive_at), std::hypot(doubt.fast, by_slow));
+  result.slow = widened(rms_of(parts, Component::slow, drive_at), doubt.slow);
+  result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
 }
 
 bool is_constant(std::span<const double> rates) {
   return std::adjacent_find(rates.begin(), rates.end(), std::not_equal_to<>()) == rates.end();
 }
 
-std::string what_is_hidden(const DriveSplit& split, const RateComponents& best, double length_s) {
+std::string what_is_hidden(const DriveSplit& split, const RateComponents& best, double length_s,
+                           bool near_stall) {
   std::vector<std::string> notes;
   if (split.fast.low68 == 0.0)
     notes.emplace_back("the sensor's jitter hides the fast drive: its rms is an upper limit");
@@ -139,6 +183,10 @@ std::string what_is_hidden(const DriveSplit& split, const RateComponents& best, 
     notes.push_back(fmt::format(
         "the slow drive wanders as long as the log, {:.3g} s: its rms holds for so long only",
         length_s));
+  if (near_stall)
+    notes.emplace_back(
+        "a slow drive of this size takes the clock near a stall, where the rate does "
+        "not answer in proportion: its rms is rough");
   return fmt::format("{}", fmt::join(notes, "; "));
 }
 
@@ -166,38 +214,36 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   for (const double rate : rates)
     if (!std::isfinite(rate)) throw ArgumentError("rates", rate, "finite");
   if (is_constant(rates)) throw ArgumentError("rates", rates.front(), "not the same at all places");
-  const ComponentFit fit(rates, period_s, response);
-  const Ends fast = fit.interval68(Component::fast), slow = fit.interval68(Component::slow);
+  const Parts parts(ComponentFit(rates, period_s, response));
+  const RateComponents& best = parts.fit.best();
+  const double length_s = static_cast<double>(rates.size()) * period_s;
   DriveSplit result;
   result.at_frequency = split_hz > 0.0;
   result.split_hz = result.at_frequency ? split_hz : response.corner_hz;
-  result.fast = rms_of(fit, fast, Component::fast, response);
-  result.slow = rms_of(fit, slow, Component::slow, response);
-  const double length_s = static_cast<double>(rates.size()) * period_s;
-  const auto doubt = gain_doubt(drive_at(fit.best(), response), response, length_s);
-  // The slow drive's size decides by how much the fast one's gain is raised.
-  const double at_least = drive_at(slow[0], response).fast2 / slow[0].fast2;
-  const double at_most =
-      std::isfinite(slow[1].slow2) ? drive_at(slow[1], response).fast2 / slow[1].fast2 : at_least;
-  const double raised = fit.best().fast2 > 0.0 ? 0.25 * std::abs(at_least - at_most) : 0.0;
-  result.fast = widened(result.fast, std::hypot(doubt.fast, raised));
-  result.slow = widened(result.slow, doubt.slow);
-  result.jitter_s = rms_of(fit, fit.interval68(Component::jitter), Component::jitter, response);
-  result.slow_time_s = fit.best().slow2 > 0.0 ? fit.best().memory_s : unknown;
-  result.slow_gain = fit.gain_of_slow();
+  const RateComponents drive = timing_model::with_gains_averaged(best, response);
+  const auto linear = timing_model::linear_rates(rates, period_s, response, drive);
+  if (linear)
+    take_linear_sizes(result, Parts(ComponentFit(linear->rates, period_s, response)), response,
+                      linear->mean_drive_rms);
+  else
+    take_averaged_sizes(result, parts, response, length_s);
+  result.jitter_s = rms_of(parts, Component::jitter, [](const RateComponents& c) { return c; });
+  result.slow_gain = parts.fit.gain_of_slow();
   if (result.slow_gain < ComponentFit::evidence) result.slow.low68 = 0.0;
-  result.costs = costs_of(fit, fast, slow, period_s, response);
+  result.costs = costs_of(parts, period_s, response);
   for (DriveCost& cost : result.costs)
     if (result.slow.low68 == 0.0) cost.slow_s.low68 = 0.0;
   for (const double f : frequency_hz) {
-    result.jitter_density.push_back(fit.best().jitter_density(f, period_s));
-    result.fast_density.push_back(fit.best().fast_density(f, period_s, response));
-    result.slow_density.push_back(fit.best().slow_density(f, period_s, response));
+    result.jitter_density.push_back(best.jitter_density(f, period_s));
+    result.fast_density.push_back(best.fast_density(f, period_s, response));
+    result.slow_density.push_back(best.slow_density(f, period_s, response));
   }
-  result.note = what_is_hidden(result, fit.best(), length_s);
+  constexpr double far = 0.2; // of amplitude squared: three of these are a stall at point B
+  const bool near_stall = !linear && timing_model::amplitude_spread(drive, response) > far;
+  result.note = what_is_hidden(result, best, length_s, near_stall);
   if (!result.at_frequency) return result;
-  const double white = share_below(fit.best(), false, split_hz, period_s);
-  const double wander = share_below(fit.best(), true, split_hz, period_s);
+  const double white = share_below(best, false, split_hz, period_s);
+  const double wander = share_below(best, true, split_hz, period_s);
   const RmsEstimate all_fast = result.fast, all_slow = result.slow;
   result.fast = sum_of(all_fast, 1.0 - white, all_slow, 1.0 - wander);
   result.slow = sum_of(all_fast, white, all_slow, wander);

@@ -35,30 +35,40 @@ Factors factors_at(double spread, const DriveResponse& response) {
           linear > 0.0 ? variance / linear : 1.0};
 }
 
-} // namespace
-
-namespace {
+bool knows_amplitude(const DriveResponse& response) {
+  const double phi = response.switching_angle;
+  return phi > 0.0 && response.amplitude2 > phi * phi;
+}
 
 bool applies(const RateComponents& found, const DriveResponse& response) {
-  const double phi = response.switching_angle;
-  return response.amplitude2 > phi * phi && phi > 0.0 && found.slow2 > 0.0 &&
-         std::isfinite(found.slow2);
+  return knows_amplitude(response) && found.slow2 > 0.0 && std::isfinite(found.slow2);
 }
 
 // s_x^2 over s^2.
 double share_in_amplitude(const RateComponents& found, const DriveResponse& response) {
-  const double relaxation_s = 1.0 / (2.0 * std::numbers::pi * response.corner_hz);
-  return found.memory_s / (found.memory_s + relaxation_s);
+  return found.memory_s / (found.memory_s + relaxation_s(response));
 }
 
 } // namespace
 
-GainDoubt gain_doubt(const RateComponents& drive, const DriveResponse& response, double length_s) {
-  if (!applies(drive, response)) return {};
-  const double shift = std::sqrt(drive.slow2 * share_in_amplitude(drive, response) *
-                                 std::min(1.0, 2.0 * drive.memory_s / length_s));
-  const double phi2 = response.switching_angle * response.switching_angle;
-  const double x = response.amplitude2, y2 = x - phi2;
+double relaxation_s(const DriveResponse& response) {
+  return 1.0 / (2.0 * std::numbers::pi * response.corner_hz);
+}
+
+double amplitude_spread(const RateComponents& drive, const DriveResponse& response) {
+  if (!applies(drive, response)) return 0.0;
+  return std::sqrt(drive.slow2 * share_in_amplitude(drive, response));
+}
+
+double mean_shift(const RateComponents& drive, const DriveResponse& response, double length_s) {
+  if (!applies(drive, response)) return 0.0;
+  return std::sqrt(drive.slow2 * std::min(1.0, 2.0 * drive.memory_s / length_s));
+}
+
+GainDoubt gain_doubt(const DriveResponse& response, double shift) {
+  if (!knows_amplitude(response)) return {};
+  const double x = response.amplitude2;
+  const double y2 = x - response.switching_angle * response.switching_angle;
   // d log g_fast / d log x, and of g_slow = c x/(2 y) x/x - x/16 with c from g_fast.
   const double fast = 0.5 * x / y2 - 1.0;
   const double escapement = response.slow_gain + x / 16.0;

@@ -16,11 +16,20 @@ namespace goingrate::timing_model {
 /// The components of the drive itself, from those found with the gains of one amplitude.
 RateComponents with_gains_averaged(RateComponents components, const DriveResponse& response);
 
-/// How well the gains are known at all, relative: the mean amplitude of a log of this length
-/// wanders by s_x sqrt(2 tau/length), and the gains with it.
+/// 1/(2 pi f_c).
+double relaxation_s(const DriveResponse& response);
+
+/// s_x; 0 where there is no slow drive, or no amplitude is known.
+double amplitude_spread(const RateComponents& drive, const DriveResponse& response);
+
+/// By how much, relative, the mean drive of a log of this length, and with it the mean x, wanders:
+/// s sqrt(2 tau/length).
+double mean_shift(const RateComponents& drive, const DriveResponse& response, double length_s);
+
+/// How well the gains are known, relative, if the mean amplitude may be shifted by this much.
 struct GainDoubt {
   double fast = 0.0, slow = 0.0;
 };
-GainDoubt gain_doubt(const RateComponents& drive, const DriveResponse& response, double length_s);
+GainDoubt gain_doubt(const DriveResponse& response, double shift);
 
 } // namespace goingrate::timing_model

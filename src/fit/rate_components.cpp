@@ -17,18 +17,26 @@ namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-double jitter_shape(double hz, double period_s) {
+// sin^2(pi f T), by which both shapes go.
+double sine2(double hz, double period_s) {
   const double s = std::sin(std::numbers::pi * hz * period_s);
-  return 8.0 * s * s / period_s;
+  return s * s;
 }
 
-double memory_shape(double hz, double period_s, double memory_s) {
-  const double r = std::exp(-period_s / memory_s);
-  // 1 - 2 r cos + r^2 without cancellation.
-  const double s = std::sin(0.5 * two_pi * hz * period_s);
-  const double left = -std::expm1(-period_s / memory_s); // 1 - r
-  return left * (1.0 + r) / (left * left + 4.0 * r * s * s);
-}
+double jitter_shape(double sine2, double period_s) { return 8.0 * sine2 / period_s; }
+
+// Of a slow drive over a white one of the same variance.
+class MemoryShape {
+public:
+  MemoryShape(double period_s, double memory_s)
+      : r_(std::exp(-period_s / memory_s)), left_(-std::expm1(-period_s / memory_s)) {}
+  [[nodiscard]] double at(double sine2) const { // 1 - 2 r cos + r^2 without cancellation
+    return left_ * (1.0 + r_) / (left_ * left_ + 4.0 * r_ * sine2);
+  }
+
+private:
+  double r_, left_; // 1 - r
+};
 
 } // namespace
 
@@ -40,11 +48,12 @@ double RateComponents::fast_density(double hz, double period_s,
 double RateComponents::slow_density(double hz, double period_s,
                                     const DriveResponse& response) const {
   if (slow2 == 0.0) return 0.0;
-  return std::norm(response.at(hz)) * 2.0 * period_s * slow2 * memory_shape(hz, period_s, memory_s);
+  return std::norm(response.at(hz)) * 2.0 * period_s * slow2 *
+         MemoryShape(period_s, memory_s).at(sine2(hz, period_s));
 }
 
 double RateComponents::jitter_density(double hz, double period_s) const {
-  return jitter2 * jitter_shape(hz, period_s);
+  return jitter2 * jitter_shape(sine2(hz, period_s), period_s);
 }
 
 ComponentFit::ComponentFit(std::span<const double> rates, double period_s,
@@ -53,11 +62,11 @@ ComponentFit::ComponentFit(std::span<const double> rates, double period_s,
   gather(rates);
   double power = 0.0;
   std::array<double, 3> shape{};
-  for (const Bin& bin : bins_) {
-    const auto here = shapes(bin, period_s_ * std::sqrt(static_cast<double>(size_)));
-    power += bin.count * bin.power;
+  const auto shapes_of_bins = shapes(period_s_ * std::sqrt(static_cast<double>(size_)));
+  for (std::size_t b = 0; b < bins_.size(); ++b) {
+    power += bins_[b].count * bins_[b].power;
     for (std::size_t i = 0; i < 3; ++i)
-      shape[i] += bin.count * here[i];
+      shape[i] += bins_[b].count * shapes_of_bins[b][i];
   }
   for (std::size_t i = 0; i < 3; ++i)
     all_[i] = power / shape[i];
@@ -91,8 +100,9 @@ void ComponentFit::gather(std::span<const double> rates) {
     const std::size_t to = std::min(
         end,
         k + std::max<std::size_t>(1, static_cast<std::size_t>(width * static_cast<double>(k))));
-    Bin bin{0.0, static_cast<double>(to - k), 0.0, 0.0, 1.0};
+    Bin bin{0.0, static_cast<double>(to - k), 0.0, 0.0, 1.0, 0.0};
     bin.frequency_hz = 0.5 * static_cast<double>(k + to - 1) * spacing;
+    bin.sine2 = sine2(bin.frequency_hz, period_s_);
     for (std::size_t i = k; i < to; ++i)
       bin.power += std::norm(transform[i]) * scale / bin.count;
     bin.response2 = std::norm(response_.at(bin.frequency_hz));
@@ -132,19 +142,25 @@ void ComponentFit::smear() {
   }
 }
 
-std::array<double, 3> ComponentFit::shapes(const Bin& bin, double memory_s) const {
-  const double drive = bin.response2 * 2.0 * period_s_ * bin.smearing;
-  return {drive, drive * memory_shape(bin.frequency_hz, period_s_, memory_s),
-          jitter_shape(bin.frequency_hz, period_s_) * bin.smearing};
+std::vector<ComponentFit::Shapes> ComponentFit::shapes(double memory_s) const {
+  const MemoryShape memory(period_s_, memory_s);
+  std::vector<Shapes> all;
+  all.reserve(bins_.size());
+  for (const Bin& bin : bins_) {
+    const double drive = bin.response2 * 2.0 * period_s_ * bin.smearing;
+    all.push_back(
+        {drive, drive * memory.at(bin.sine2), jitter_shape(bin.sine2, period_s_) * bin.smearing});
+  }
+  return all;
 }
 
-double ComponentFit::value_at(const RateComponents& at) const {
+double ComponentFit::value_at(const RateComponents& at, const std::vector<Shapes>& shapes) const {
   double sum = 0.0;
-  for (const Bin& bin : bins_) {
-    const auto shape = shapes(bin, at.memory_s);
+  for (std::size_t i = 0; i < bins_.size(); ++i) {
+    const Shapes& shape = shapes[i];
     const double expected = at.fast2 * shape[0] + at.slow2 * shape[1] + at.jitter2 * shape[2];
     if (!(expected > 0.0)) return std::numeric_limits<double>::infinity();
-    sum += bin.count * (std::log(expected) + bin.power / expected);
+    sum += bins_[i].count * (std::log(expected) + bins_[i].power / expected);
   }
   return sum;
 }
@@ -184,14 +200,12 @@ Eigen::Vector3d nonnegative(const Eigen::Matrix3d& normal, const Eigen::Vector3d
 
 // Fisher scoring: least squares with the weights of the place before, until L stands still.
 ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) const {
-  std::vector<std::array<double, 3>> shape;
+  const std::vector<Shapes> shape = shapes(memory_s);
   Eigen::Vector3d scale = Eigen::Vector3d::Zero(); // of each variance, so that numbers are near 1
   double power = 0.0;
-  for (const Bin& bin : bins_) {
-    shape.push_back(shapes(bin, memory_s));
-    for (int i = 0; i < 3; ++i)
-      scale[i] += bin.count * shape.back()[static_cast<std::size_t>(i)];
-    power += bin.count * bin.power;
+  for (std::size_t b = 0; b < bins_.size(); ++b) {
+    scale += bins_[b].count * Eigen::Map<const Eigen::Vector3d>(shape[b].data());
+    power += bins_[b].count * bins_[b].power;
   }
   for (int i = 0; i < 3; ++i)
     scale[i] = power / scale[i];
@@ -207,7 +221,7 @@ ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) cons
   const auto at = [&](const Eigen::Vector3d& u) {
     return RateComponents{u[0] * scale[0], u[1] * scale[1], u[2] * scale[2], memory_s};
   };
-  double value = value_at(at(v));
+  double value = value_at(at(v), shape);
   constexpr int most = 60;
   for (int round = 0; round < most; ++round) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -221,11 +235,11 @@ ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) cons
       right += weight * bins_[b].power * a;
     }
     Eigen::Vector3d target = nonnegative(normal, right, v, free);
-    double step = 1.0, next = value_at(at(target));
+    double step = 1.0, next = value_at(at(target), shape);
     while (!(next <= value) && step > 1e-4) { // a full step may overshoot where v is far off
       step *= 0.5;
       target = v + step * (target - v);
-      next = value_at(at(target));
+      next = value_at(at(target), shape);
     }
     if (!(next < value)) break;
     const double gained = value - next;

@@ -63,7 +63,9 @@ private:
     double frequency_hz, count, power;
     double response2; // |H|^2
     double smearing;  // E over S
+    double sine2;     // sin^2(pi f T)
   };
+  using Shapes = std::array<double, 3>; // E of each variance of 1
   // -log L at its lowest with tau held, and one of the variances if it is given.
   struct Held {
     int which = -1;
@@ -79,8 +81,8 @@ private:
   void smear();
   [[nodiscard]] Place lowest(double memory_s, const Held& held) const;
   [[nodiscard]] Place lowest_over_memory(const Held& held) const;
-  [[nodiscard]] double value_at(const RateComponents& at) const;
-  [[nodiscard]] std::array<double, 3> shapes(const Bin& bin, double memory_s) const;
+  [[nodiscard]] std::vector<Shapes> shapes(double memory_s) const; // one for each bin
+  [[nodiscard]] double value_at(const RateComponents& at, const std::vector<Shapes>& shapes) const;
 
   double period_s_;
   DriveResponse response_;

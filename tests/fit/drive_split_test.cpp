@@ -45,6 +45,36 @@ TEST(DriveSplitTest, RecoversBothParts) {
   EXPECT_LE(slow_inside, 28);
 }
 
+TEST(DriveSplitTest, RecoversASlowDriveThatBendsTheResponse) {
+  // The amplitude wanders by a fifth: with the response of one amplitude slow comes out 8 % low,
+  // and one interval in ten holds the truth.
+  double fast = 0.0, slow = 0.0;
+  int slow_inside = 0;
+  const int logs = 12;
+  for (std::uint64_t seed = 1; seed <= logs; ++seed) {
+    Scenario scenario = test::at_point_b(100000);
+    scenario.drive = {0.3, 0.25, 637.0};
+    const DriveSplit split = split_of(scenario, seed);
+    fast += split.fast.rms / logs;
+    slow += split.slow.rms / logs;
+    slow_inside += holds(split.slow, 0.25) ? 1 : 0;
+  }
+  EXPECT_NEAR(fast, 0.3, 0.003);   // 0.8 % each, twelve logs: four standard errors
+  EXPECT_NEAR(slow, 0.25, 0.0125); // 5 % each, twelve logs: three and a half
+  EXPECT_GE(slow_inside, 4);       // 8.2 expected, within two and a half standard deviations
+}
+
+TEST(DriveSplitTest, SaysWhereASlowDriveIsRough) {
+  Scenario scenario = test::at_point_b(100000);
+  scenario.drive = {0.3, 0.3, 6370.0};
+  scenario.sensor.jitter_rms_s = 1e-6;
+  const auto rates = rates_of(scenario, 1000); // the clock stops in this one
+  ASSERT_LT(rates.size(), 100000u);
+  const DriveSplit split = split_drive(rates, 2.0, *drive_response(scenario.clock));
+  EXPECT_NE(split.note.find("near a stall"), std::string::npos) << split.note;
+  EXPECT_TRUE(holds(split.slow, 0.3));
+}
+
 TEST(DriveSplitTest, JitterIsToldFromDrive) {
   Scenario scenario = test::at_point_b(20000);
   scenario.drive.fast_rms = 0.1;

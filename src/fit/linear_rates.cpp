@@ -1,0 +1,210 @@
+#include "linear_rates.hpp"
+
+#include "gain_spread.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+double mean_of(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// Whether the last beats scatter as those of a clock that misses the switching angle do.
+bool comes_to_a_stand(std::span<const double> rates) {
+  constexpr std::size_t last = 30;
+  constexpr double much_more = 4.0; // in variance; a tail of 30 scatters by a quarter
+  double all = 0.0, tail = 0.0;
+  for (std::size_t i = 1; i < rates.size(); ++i) {
+    const double square = std::pow(rates[i] - rates[i - 1], 2);
+    all += square;
+    if (i + last >= rates.size()) tail += square;
+  }
+  return tail / static_cast<double>(last) > much_more * all / static_cast<double>(rates.size());
+}
+
+// The best prediction of the slow part of the next drive from those before: that of the steady
+// Kalman filter. (Any other is correlated with the amplitude and would shift the constant.)
+class Prediction {
+public:
+  Prediction(const RateComponents& drive, double period_s)
+      : memory_(std::exp(-period_s / drive.memory_s)) {
+    // P = r^2 P R/(P + R) + s^2 (1 - r^2), R the white variance
+    const double r2 = memory_ * memory_, white = drive.fast2;
+    const double fresh = -std::expm1(-2.0 * period_s / drive.memory_s) * drive.slow2;
+    const double b = fresh - white * (1.0 - r2);
+    const double variance = 0.5 * (b + std::sqrt(b * b + 4.0 * fresh * white));
+    gain_ = variance / (variance + white);
+  }
+  [[nodiscard]] double next(double predicted, double seen) const {
+    return memory_ * (predicted + gain_ * (seen - predicted));
+  }
+
+private:
+  double memory_, gain_ = 0.0;
+};
+
+// Of the variance that the rate has from beat to beat, the share that is jitter.
+double share_of_jitter(const RateComponents& drive, const DriveResponse& response,
+                       double period_s) {
+  const double jitter = 2.0 * drive.jitter2 / (period_s * period_s);
+  return jitter / (jitter + drive.fast2 * response.fast_gain * response.fast_gain);
+}
+
+class Recursion {
+public:
+  Recursion(std::span<const double> rates, double period_s, const DriveResponse& response,
+            const RateComponents& drive)
+      : rates_(rates), linear_(rates.size()), response_(response), x0_(response.amplitude2),
+        phi2_(response.switching_angle * response.switching_angle),
+        escapement_(response.fast_gain * x0_ / std::sqrt(x0_ - phi2_)),
+        relaxing_(-std::expm1(-period_s / relaxation_s(response))), prediction_(drive, period_s),
+        mean_drive_rms_(mean_shift(drive, response, static_cast<double>(rates.size()) * period_s)) {
+    constexpr double little = 0.1; // the white part is then seen as it is
+    asks_white_part_ =
+        share_of_jitter(drive, response, period_s) < little && equations_error() < mean_drive_rms_;
+  }
+
+  // Finds the constant, and how well it is known.
+  void run() {
+    const double middle = escapement_ * std::sqrt(x0_ - phi2_) / x0_ - x0_ / 16.0 - mean_of(rates_);
+    const double sigma = std::abs(response_.slow_gain) * mean_drive_rms_;
+    constexpr double reach = 3.0;
+    constexpr int steps = 4; // of the grid, either way
+    double best = middle, lowest = std::numeric_limits<double>::infinity();
+    for (int i = -steps; i <= steps; ++i) {
+      const double constant = middle + reach * sigma * i / steps;
+      if (const double here = at(constant); here < lowest) lowest = here, best = constant;
+    }
+    constexpr int rounds = 3; // of parabolas, each a quarter as wide
+    double step = reach * sigma / steps;
+    Parabola near = parabola(best, step);
+    for (int round = 1; round < rounds; ++round, step *= 0.25) {
+      best += near.vertex;
+      near = parabola(best, 0.25 * step);
+    }
+    best += near.vertex;
+    if (asks_white_part_ && near.rise > 0.0)
+      mean_drive_rms_ =
+          std::min(mean_drive_rms_, std::hypot(near.mean_drive_rms, equations_error()));
+    (void)at(best);
+  }
+
+  [[nodiscard]] bool holds() const {
+    constexpr double seldom = 1e-3; // of the beats: a clock that nearly stalls and goes on
+    return std::isfinite(mean_drive_) &&
+           static_cast<double>(held_) <= seldom * static_cast<double>(rates_.size());
+  }
+  [[nodiscard]] LinearRates result() const {
+    LinearRates result{linear_, mean_drive_rms_};
+    const double mean = mean_of(linear_);
+    for (double& rate : result.rates)
+      rate -= mean;
+    return result;
+  }
+
+private:
+  // -log L of the rates with this constant, infinite where the amplitude runs away. Their density
+  // is that of the drive over the derivatives d(rate)/dd, and the drive is white about its
+  // prediction.
+  double at(double constant) {
+    constexpr double near_stall = 1.01, far_out = 4.0; // of phi0^2 and of x0
+    const double direction = response_.slow_gain > 0.0 ? 1.0 : -1.0;
+    const std::size_t n = rates_.size();
+    constexpr std::size_t together = 32; // slopes, each about 1, whose logarithm is taken at once
+    double x = x0_, sum = 0.0, expected = 0.0, squares = 0.0, slopes = 1.0, log_slopes = 0.0;
+    held_ = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = direction > 0.0 ? k : n - 1 - k;
+      if (x < near_stall * phi2_) x = near_stall * phi2_, ++held_;
+      if (!(x < far_out * x0_)) {
+        mean_drive_ = std::numeric_limits<double>::infinity();
+        return mean_drive_;
+      }
+      double half = 0.0, gain = 0.0, d = 0.0, middle = x;
+      for (int pass = 0; pass < 2; ++pass) { // the amplitude in mid period, and what it asks for
+        middle = std::max(x + half, near_stall * phi2_);
+        gain = escapement_ * std::sqrt(middle - phi2_) / middle;
+        d = (rates_[i] + constant + middle / 16.0) / gain - 1.0;
+        half = 0.5 * direction * relaxing_ * (x0_ * (1.0 + d) - x);
+      }
+      const double bend =
+          (1.0 + d) * gain * (0.5 / (middle - phi2_) - 1.0 / middle) - 1.0 / 16.0; // d(rate)/dx
+      slopes *= (gain + 0.5 * direction * relaxing_ * x0_ * bend) / response_.fast_gain;
+      if (k % together == 0 || k + 1 == n) log_slopes += std::log(std::abs(slopes)), slopes = 1.0;
+      squares += (d - expected) * (d - expected);
+      expected = prediction_.next(expected, d);
+      sum += d;
+      linear_[i] = response_.fast_gain * d +
+                   (response_.slow_gain - response_.fast_gain) * (middle / x0_ - 1.0);
+      x += 2.0 * half;
+    }
+    const double count = static_cast<double>(n);
+    mean_drive_ = sum / count;
+    if (!asks_white_part_) return 0.5 * std::pow(mean_drive_ / mean_drive_rms_, 2);
+    return 0.5 * count * std::log(squares / count) + log_slopes;
+  }
+
+  // Through three values of -log L.
+  struct Parabola {
+    double vertex = 0.0;         // its place less the middle one's; no further than a step
+    double rise = 0.0;           // the curvature times the step squared; 0 where it is no valley
+    double mean_drive_rms = 0.0; // how far the mean drive goes while -log L rises by 1/2
+  };
+  Parabola parabola(double middle, double step) {
+    const double here = at(middle), above = at(middle + step), mean_above = mean_drive_;
+    const double below = at(middle - step), mean_below = mean_drive_;
+    const double rise = above + below - 2.0 * here;
+    if (!std::isfinite(rise) || !(rise > 0.0)) return {};
+    return {std::clamp(0.5 * step * (below - above) / rise, -step, step), rise,
+            0.5 * std::abs(mean_above - mean_below) / std::sqrt(rise)};
+  }
+
+  // What the white part can tell of the mean drive at best. The averaged equations hold for small
+  // swings, to lambda^2. Were log g_fast steeper by as much over log x, it would be as steep as
+  // they have it at another amplitude: off by that over the second derivative.
+  [[nodiscard]] double equations_error() const {
+    return x0_ / (0.5 * x0_ * phi2_ / std::pow(x0_ - phi2_, 2));
+  }
+
+  std::span<const double> rates_;
+  std::vector<double> linear_;
+  const DriveResponse& response_;
+  double x0_, phi2_, escapement_;
+  double relaxing_; // the share of its distance from rest that the amplitude goes in a period
+  Prediction prediction_;
+  double mean_drive_rms_, mean_drive_ = 0.0;
+  bool asks_white_part_ = false;
+  std::size_t held_ = 0; // how often the amplitude was kept from a stall
+};
+
+} // namespace
+
+std::optional<LinearRates> linear_rates(std::span<const double> rates, double period_s,
+                                        const DriveResponse& response,
+                                        const RateComponents& drive) {
+  constexpr double bends = 0.01;   // of spread: below, the gains vary by less than they are known
+  constexpr double settles = 0.02; // of g_slow/g_fast: an amplitude forgotten in 50 relaxations
+  if (!(amplitude_spread(drive, response) > bends) || !(drive.fast2 > 0.0)) return {};
+  if (std::abs(response.slow_gain) < settles * std::abs(response.fast_gain)) return {};
+  if (comes_to_a_stand(rates)) return {};
+  LinearRates result;
+  RateComponents known = drive;
+  constexpr int rounds = 2; // the second with the drive as the first has it
+  for (int round = 0; round < rounds; ++round) {
+    Recursion recursion(rates, period_s, response, known);
+    recursion.run();
+    if (!recursion.holds()) return {};
+    result = recursion.result();
+    if (round + 1 < rounds) known = ComponentFit(result.rates, period_s, response).best();
+    if (!(known.fast2 > 0.0) || !(known.slow2 > 0.0)) return {};
+  }
+  return result;
+}
+
+} // namespace goingrate::timing_model
