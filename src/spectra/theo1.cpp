@@ -164,9 +164,9 @@ MeanSquares theo1_differences(std::span<const double> x) {
   return one_by_one([x](std::size_t m) -> MeanSquare {
     if (m < 2 || m >= x.size()) return {};
     const std::size_t starts = x.size() - m;
-    // Measured on 2e4 and 1e5 phases: the transforms cost as much as 400 terms a phase and, for the
-    // triangles at the ends, 5500 for each of h.
-    const bool few = starts * (m / 2) <= 400 * x.size() + 5500 * (m / 2);
+    // Measured on 2e4 and 1e5 phases: the transforms cost as much as 650 terms a phase and, for the
+    // triangles at the ends, 8500 for each of h.
+    const bool few = starts * (m / 2) <= 650 * x.size() + 8500 * (m / 2);
     const double sum = few ? theo1_sum_directly(x, m) : theo1_sum_by_transform(x, m);
     // Theo1 is the sum over 0.75 (N-m) (m tau0)^2; the root will be divided by tau = 0.75 m tau0.
     return {0.75 * sum / static_cast<double>(starts), starts * (m / 2)};
