@@ -199,8 +199,9 @@ std::string drive_lines(const ReportData& data) {
   };
   std::string text = fmt::format("Drive: fast {}, slow {} (rms).\n", part(data.drive.split->fast),
                                  part(data.drive.split->slow));
-  if (!data.drive.split->costs.empty()) {
-    const DriveCost& week = data.drive.split->costs[1];
+  constexpr double week_s = 7.0 * 86400.0;
+  for (const DriveCost& week : data.drive.split->costs) {
+    if (week.after_s != week_s) continue;
     const auto cost = [](const RmsEstimate& rms) {
       return rms.low68 > 0.0 ? fmt::format("{:.2g} s", rms.rms)
                              : fmt::format("at most {:.2g} s", rms.high68);

@@ -81,7 +81,8 @@ ReportData some_report(std::size_t count = 500, bool with_amplitude = true) {
   split.slow = {0.002, 0.0, 0.004};
   split.jitter_s = {nan, nan, nan};
   split.slow_time_s = nan;
-  split.costs = {{86400.0, {0.1, 0.09, 0.11}, {0.0, 0.0, 0.2}}};
+  split.costs = {{86400.0, {0.1, 0.09, 0.11}, {0.0, 0.0, 0.2}},
+                 {7.0 * 86400.0, {0.3, 0.27, 0.33}, {0.0, 0.0, 1.2}}};
   split.jitter_density = {1e-20, 1e-15, 1e-14, 1e-12, 1e-9};
   split.fast_density = {1e-10, 1e-10, 1e-10, 1e-10, 1e-10};
   split.slow_density = std::vector<double>(5, 0.0);
@@ -116,6 +117,14 @@ std::string row_of(const std::string& page, const std::string& heading) {
   const std::size_t at = page.find("<th scope=\"row\">" + heading + "</th>");
   if (at == std::string::npos) return {};
   return page.substr(at, page.find("</tr>", at) - at);
+}
+
+TEST(HtmlReportTest, TheWeeksCostIsNamedWhereItIsKnown) {
+  ReportData data = some_report();
+  EXPECT_NE(page_of(data).find("What they cost in a week: 0.3 s and at most 1.2 s"),
+            std::string::npos);
+  data.drive.split->costs.resize(1); // of a day
+  EXPECT_EQ(page_of(data).find("What they cost in a week"), std::string::npos);
 }
 
 TEST(HtmlReportTest, HasEveryPartInItsPlace) {
