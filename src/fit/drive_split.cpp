@@ -38,24 +38,24 @@ using Ends = std::array<RateComponents, 2>;
 // What the rates say of the drive, each part with the others as they are where it has its ends.
 struct Parts {
   ComponentFit fit;
-  Ends fast, slow, jitter;
+  Ends fast, slow;
 
   explicit Parts(ComponentFit of_rates)
       : fit(std::move(of_rates)), fast(fit.interval68(Component::fast)),
-        slow(fit.interval68(Component::slow)), jitter(fit.interval68(Component::jitter)) {}
+        slow(fit.interval68(Component::slow)) {}
   [[nodiscard]] const Ends& ends(Component which) const {
-    return which == Component::fast ? fast : which == Component::slow ? slow : jitter;
+    return which == Component::fast ? fast : slow;
   }
 };
 
 // The rms of a part; drive_at makes drive of what the rates are made of.
 template <class DriveAt>
-RmsEstimate rms_of(const Parts& parts, Component which, const DriveAt& drive_at) {
+RmsEstimate rms_of(const ComponentFit& fit, const Ends& ends, Component which,
+                   const DriveAt& drive_at) {
   const auto rms = [&](const RateComponents& found) {
     return std::sqrt(variance_of(drive_at(found), which));
   };
-  const Ends& ends = parts.ends(which);
-  RmsEstimate estimate{rms(parts.fit.best_for(which)), rms(ends[0]), rms(ends[1])};
+  RmsEstimate estimate{rms(fit.best_for(which)), rms(ends[0]), rms(ends[1])};
   estimate.rms = std::clamp(estimate.rms, estimate.low68, estimate.high68);
   return estimate;
 }
@@ -139,14 +139,15 @@ std::vector<DriveCost> costs_of(const Parts& parts, double period_s,
   return costs;
 }
 
+RateComponents as_found(const RateComponents& found) { return found; }
+
 // Of the drive itself, from rates that answer it in proportion.
 void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
                        double mean_drive_rms) {
-  const auto as_found = [](const RateComponents& found) { return found; };
-  const auto doubt = timing_model::gain_doubt(response, mean_drive_rms);
-  result.fast = widened(rms_of(parts, Component::fast, as_found), doubt.fast);
-  result.slow = widened(rms_of(parts, Component::slow, as_found), doubt.slow);
   const RateComponents& best = parts.fit.best();
+  const auto doubt = timing_model::gain_doubt(response, mean_drive_rms, best.memory_s);
+  result.fast = widened(rms_of(parts.fit, parts.fast, Component::fast, as_found), doubt.fast);
+  result.slow = widened(rms_of(parts.fit, parts.slow, Component::slow, as_found), doubt.slow);
   result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
 }
 
@@ -158,15 +159,18 @@ void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResp
     return timing_model::with_gains_averaged(found, response);
   };
   const RateComponents& best = parts.fit.best();
-  const auto doubt = timing_model::gain_doubt(
-      response, timing_model::mean_shift(drive_at(best), response, length_s));
+  const double shift = timing_model::mean_shift(drive_at(best), response, length_s);
+  const auto doubt = timing_model::gain_doubt(response, shift, best.memory_s);
   // The slow drive's size decides by how much the fast one's gain is raised.
-  const auto raised = [&](const RateComponents& at) { return drive_at(at).fast2 / at.fast2; };
+  const auto raised = [&](const RateComponents& at) {
+    return at.fast2 > 0.0 ? drive_at(at).fast2 / at.fast2 : 1.0;
+  };
   const double at_least = raised(parts.slow[0]);
   const double at_most = std::isfinite(parts.slow[1].slow2) ? raised(parts.slow[1]) : at_least;
   const double by_slow = best.fast2 > 0.0 ? 0.25 * std::abs(at_least - at_most) : 0.0;
-  result.fast = widened(rms_of(parts, Component::fast, drive_at), std::hypot(doubt.fast, by_slow));
-  result.slow = widened(rms_of(parts, Component::slow, drive_at), doubt.slow);
+  result.fast = widened(rms_of(parts.fit, parts.fast, Component::fast, drive_at),
+                        std::hypot(doubt.fast, by_slow));
+  result.slow = widened(rms_of(parts.fit, parts.slow, Component::slow, drive_at), doubt.slow);
   result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
 }
 
@@ -174,19 +178,31 @@ bool is_constant(std::span<const double> rates) {
   return std::adjacent_find(rates.begin(), rates.end(), std::not_equal_to<>()) == rates.end();
 }
 
-std::string what_is_hidden(const DriveSplit& split, const RateComponents& best, double length_s,
-                           bool near_stall) {
+// Why the slow drive is rough if the rates could not be made linear; empty if it is not.
+std::string why_rough(const RateComponents& found, const DriveResponse& response) {
+  const double spread = timing_model::amplitude_spread(found, response);
+  const double phi2 = std::pow(response.switching_angle, 2);
+  constexpr double bends = 0.05; // beyond, the gains vary by more than a slow drive is known
+  constexpr double often = 3.5;  // standard deviations to a stall: once in some thousand memories
+  if (spread > bends && !timing_model::forgets_its_start(response))
+    return "the rate hardly answers a slow change of the drive, and that out of proportion: the "
+           "slow rms is rough";
+  if (spread > (1.0 - phi2 / response.amplitude2) / often)
+    return "a slow drive of this size takes the clock near a stall, where the rate does not answer "
+           "in proportion: its rms is rough";
+  return {};
+}
+
+std::string what_is_hidden(const DriveSplit& split, double memory_s, double length_s,
+                           const std::string& rough) {
   std::vector<std::string> notes;
   if (split.fast.low68 == 0.0)
     notes.emplace_back("the sensor's jitter hides the fast drive: its rms is an upper limit");
-  if (split.slow.low68 > 0.0 && best.memory_s > 0.3 * length_s)
+  if (split.slow.low68 > 0.0 && memory_s > 0.3 * length_s)
     notes.push_back(fmt::format(
         "the slow drive wanders as long as the log, {:.3g} s: its rms holds for so long only",
         length_s));
-  if (near_stall)
-    notes.emplace_back(
-        "a slow drive of this size takes the clock near a stall, where the rate does "
-        "not answer in proportion: its rms is rough");
+  if (!rough.empty()) notes.push_back(rough);
   return fmt::format("{}", fmt::join(notes, "; "));
 }
 
@@ -222,12 +238,16 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   result.split_hz = result.at_frequency ? split_hz : response.corner_hz;
   const RateComponents drive = timing_model::with_gains_averaged(best, response);
   const auto linear = timing_model::linear_rates(rates, period_s, response, drive);
-  if (linear)
-    take_linear_sizes(result, Parts(ComponentFit(linear->rates, period_s, response)), response,
-                      linear->mean_drive_rms);
-  else
+  RateComponents found = best; // in what the sizes are from
+  if (linear) {
+    const Parts freed(ComponentFit(linear->rates, period_s, response));
+    take_linear_sizes(result, freed, response, linear->mean_drive_rms);
+    found = freed.fit.best();
+  } else {
     take_averaged_sizes(result, parts, response, length_s);
-  result.jitter_s = rms_of(parts, Component::jitter, [](const RateComponents& c) { return c; });
+  }
+  result.jitter_s =
+      rms_of(parts.fit, parts.fit.interval68(Component::jitter), Component::jitter, as_found);
   result.slow_gain = parts.fit.gain_of_slow();
   if (result.slow_gain < ComponentFit::evidence) result.slow.low68 = 0.0;
   result.costs = costs_of(parts, period_s, response);
@@ -238,12 +258,11 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
     result.fast_density.push_back(best.fast_density(f, period_s, response));
     result.slow_density.push_back(best.slow_density(f, period_s, response));
   }
-  constexpr double far = 0.2; // of amplitude squared: three of these are a stall at point B
-  const bool near_stall = !linear && timing_model::amplitude_spread(drive, response) > far;
-  result.note = what_is_hidden(result, best, length_s, near_stall);
+  result.note = what_is_hidden(result, found.memory_s, length_s,
+                               linear ? std::string{} : why_rough(best, response));
   if (!result.at_frequency) return result;
-  const double white = share_below(best, false, split_hz, period_s);
-  const double wander = share_below(best, true, split_hz, period_s);
+  const double white = share_below(found, false, split_hz, period_s);
+  const double wander = share_below(found, true, split_hz, period_s);
   const RmsEstimate all_fast = result.fast, all_slow = result.slow;
   result.fast = sum_of(all_fast, 1.0 - white, all_slow, 1.0 - wander);
   result.slow = sum_of(all_fast, white, all_slow, wander);

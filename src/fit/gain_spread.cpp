@@ -12,8 +12,11 @@ struct Factors {
   double fast = 1.0, slow = 1.0;
 };
 
+// Below it a slow drive has most of its power.
+double slowest_hz(double memory_s) { return 1.0 / (2.0 * std::numbers::pi * memory_s); }
+
 // Averages over a normal z by the trapezoidal rule, which converges faster than any power here.
-Factors factors_at(double spread, const DriveResponse& response) {
+Factors factors_at(double spread, const DriveResponse& response, double memory_s) {
   constexpr double reach = 5.0, step = 0.1;
   const double x0 = response.amplitude2, phi2 = response.switching_angle * response.switching_angle;
   const double y0 = std::sqrt(x0 - phi2), c = response.fast_gain * x0 / y0;
@@ -30,9 +33,11 @@ Factors factors_at(double spread, const DriveResponse& response) {
   }
   rate /= weight;
   const double variance = rate2 / weight - rate * rate;
-  const double linear = std::pow(response.slow_gain * spread, 2);
-  return {gain2 / weight / (response.fast_gain * response.fast_gain),
-          linear > 0.0 ? variance / linear : 1.0};
+  // What the bend adds to the rate, beside what the drive makes of it where it has its memory: of a
+  // clock whose slow gain is almost zero that is far more than the slow gain would.
+  const double added = variance - std::pow(response.slow_gain * spread, 2);
+  const double linear = std::norm(response.at(slowest_hz(memory_s))) * spread * spread;
+  return {gain2 / weight / (response.fast_gain * response.fast_gain), 1.0 + added / linear};
 }
 
 bool knows_amplitude(const DriveResponse& response) {
@@ -65,15 +70,18 @@ double mean_shift(const RateComponents& drive, const DriveResponse& response, do
   return std::sqrt(drive.slow2 * std::min(1.0, 2.0 * drive.memory_s / length_s));
 }
 
-GainDoubt gain_doubt(const DriveResponse& response, double shift) {
+GainDoubt gain_doubt(const DriveResponse& response, double shift, double memory_s) {
   if (!knows_amplitude(response)) return {};
   const double x = response.amplitude2;
   const double y2 = x - response.switching_angle * response.switching_angle;
-  // d log g_fast / d log x, and of g_slow = c x/(2 y) x/x - x/16 with c from g_fast.
-  const double fast = 0.5 * x / y2 - 1.0;
-  const double escapement = response.slow_gain + x / 16.0;
-  const double slow = (escapement * (1.0 - 0.5 * x / y2) - x / 16.0) / response.slow_gain;
-  return {std::abs(fast) * shift, std::abs(slow) * shift};
+  // x dg/dx of g_fast = c y/x and of g_slow = c/(2 y) - x0/16: both of a change of the drive
+  // relative to mu, not to its mean.
+  const double of_fast = response.fast_gain * (0.5 * x / y2 - 1.0);
+  const double of_slow = -(response.slow_gain + x / 16.0) * 0.5 * x / y2;
+  const DriveResponse change{of_fast, of_slow, response.corner_hz};
+  const double hz = memory_s > 0.0 ? slowest_hz(memory_s) : 0.0;
+  const double slow = (change.at(hz) / response.at(hz)).real();
+  return {std::abs(of_fast / response.fast_gain) * shift, std::abs(slow) * shift};
 }
 
 RateComponents with_gains_averaged(RateComponents found, const DriveResponse& response) {
@@ -84,7 +92,7 @@ RateComponents with_gains_averaged(RateComponents found, const DriveResponse& re
   constexpr int rounds = 30;                 // each gains a digit or so
   for (int i = 0; i < rounds; ++i) {
     const double spread = std::clamp(std::sqrt(drive.slow2 * share), least, most);
-    const Factors factors = factors_at(spread, response);
+    const Factors factors = factors_at(spread, response, found.memory_s);
     drive.slow2 = 0.5 * (drive.slow2 + found.slow2 / (1.0 + share * (factors.slow - 1.0)));
     drive.fast2 = found.fast2 / factors.fast;
   }

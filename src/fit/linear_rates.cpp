@@ -18,35 +18,40 @@ double mean_of(std::span<const double> values) {
 // Whether the last beats scatter as those of a clock that misses the switching angle do.
 bool comes_to_a_stand(std::span<const double> rates) {
   constexpr std::size_t last = 30;
-  constexpr double much_more = 4.0; // in variance; a tail of 30 scatters by a quarter
-  double all = 0.0, tail = 0.0;
-  for (std::size_t i = 1; i < rates.size(); ++i) {
-    const double square = std::pow(rates[i] - rates[i - 1], 2);
-    all += square;
-    if (i + last >= rates.size()) tail += square;
-  }
-  return tail / static_cast<double>(last) > much_more * all / static_cast<double>(rates.size());
+  constexpr double far = 4.0;        // standard deviations of the differences before
+  constexpr std::size_t several = 3; // one or two may be a bad beat
+  if (rates.size() < 2 * last) return false;
+  const std::size_t tail = rates.size() - last;
+  double before = 0.0;
+  std::size_t large = 0;
+  for (std::size_t i = 1; i < tail; ++i)
+    before += std::pow(rates[i] - rates[i - 1], 2) / static_cast<double>(tail - 1);
+  for (std::size_t i = tail; i < rates.size(); ++i)
+    large += std::pow(rates[i] - rates[i - 1], 2) > far * far * before ? 1 : 0;
+  return large >= several;
 }
 
-// The best prediction of the slow part of the next drive from those before: that of the steady
-// Kalman filter. (Any other is correlated with the amplitude and would shift the constant.)
+// The best prediction of the slow part of each drive from those before, and how well it does: the
+// Kalman filter from the first beat on. (Any other is correlated with the amplitude and would shift
+// the constant.)
 class Prediction {
 public:
   Prediction(const RateComponents& drive, double period_s)
-      : memory_(std::exp(-period_s / drive.memory_s)) {
-    // P = r^2 P R/(P + R) + s^2 (1 - r^2), R the white variance
-    const double r2 = memory_ * memory_, white = drive.fast2;
-    const double fresh = -std::expm1(-2.0 * period_s / drive.memory_s) * drive.slow2;
-    const double b = fresh - white * (1.0 - r2);
-    const double variance = 0.5 * (b + std::sqrt(b * b + 4.0 * fresh * white));
-    gain_ = variance / (variance + white);
-  }
-  [[nodiscard]] double next(double predicted, double seen) const {
-    return memory_ * (predicted + gain_ * (seen - predicted));
+      : memory_(std::exp(-period_s / drive.memory_s)), white_(drive.fast2),
+        fresh_(-std::expm1(-2.0 * period_s / drive.memory_s) * drive.slow2),
+        variance_(drive.slow2) {}
+
+  // The square of a drive's distance from what was expected, in units of the white variance that
+  // explain it.
+  double take(double d) {
+    const double off = d - expected_, all = variance_ + white_;
+    expected_ = memory_ * (expected_ + variance_ / all * off);
+    variance_ = memory_ * memory_ * variance_ * white_ / all + fresh_;
+    return off * off * white_ / all;
   }
 
 private:
-  double memory_, gain_ = 0.0;
+  double memory_, white_, fresh_, variance_, expected_ = 0.0;
 };
 
 // Of the variance that the rate has from beat to beat, the share that is jitter.
@@ -64,10 +69,9 @@ public:
         phi2_(response.switching_angle * response.switching_angle),
         escapement_(response.fast_gain * x0_ / std::sqrt(x0_ - phi2_)),
         relaxing_(-std::expm1(-period_s / relaxation_s(response))), prediction_(drive, period_s),
+        jitter_share_(share_of_jitter(drive, response, period_s)),
         mean_drive_rms_(mean_shift(drive, response, static_cast<double>(rates.size()) * period_s)) {
-    constexpr double little = 0.1; // the white part is then seen as it is
-    asks_white_part_ =
-        share_of_jitter(drive, response, period_s) < little && equations_error() < mean_drive_rms_;
+    asks_white_part_ = equations_error() < mean_drive_rms_;
   }
 
   // Finds the constant, and how well it is known.
@@ -117,7 +121,8 @@ private:
     const double direction = response_.slow_gain > 0.0 ? 1.0 : -1.0;
     const std::size_t n = rates_.size();
     constexpr std::size_t together = 32; // slopes, each about 1, whose logarithm is taken at once
-    double x = x0_, sum = 0.0, expected = 0.0, squares = 0.0, slopes = 1.0, log_slopes = 0.0;
+    double x = x0_, sum = 0.0, squares = 0.0, slopes = 1.0, log_slopes = 0.0;
+    Prediction prediction = prediction_;
     held_ = 0;
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = direction > 0.0 ? k : n - 1 - k;
@@ -137,8 +142,7 @@ private:
           (1.0 + d) * gain * (0.5 / (middle - phi2_) - 1.0 / middle) - 1.0 / 16.0; // d(rate)/dx
       slopes *= (gain + 0.5 * direction * relaxing_ * x0_ * bend) / response_.fast_gain;
       if (k % together == 0 || k + 1 == n) log_slopes += std::log(std::abs(slopes)), slopes = 1.0;
-      squares += (d - expected) * (d - expected);
-      expected = prediction_.next(expected, d);
+      squares += prediction.take(d);
       sum += d;
       linear_[i] = response_.fast_gain * d +
                    (response_.slow_gain - response_.fast_gain) * (middle / x0_ - 1.0);
@@ -166,18 +170,22 @@ private:
   }
 
   // What the white part can tell of the mean drive at best. The averaged equations hold for small
-  // swings, to lambda^2. Were log g_fast steeper by as much over log x, it would be as steep as
-  // they have it at another amplitude: off by that over the second derivative.
+  // swings, to lambda^2: log g_fast may be steeper by as much over log x. A share of jitter, which
+  // does not go with g_fast, makes what is seen less steep by that share. Either looks as if the
+  // clock were at another amplitude: off by the change of slope over the second derivative.
   [[nodiscard]] double equations_error() const {
-    return x0_ / (0.5 * x0_ * phi2_ / std::pow(x0_ - phi2_, 2));
+    const double y2 = x0_ - phi2_;
+    const double slope = 0.5 * x0_ / y2 - 1.0, curvature = 0.5 * x0_ * phi2_ / (y2 * y2);
+    return std::hypot(x0_, jitter_share_ * slope) / curvature;
   }
 
   std::span<const double> rates_;
   std::vector<double> linear_;
   const DriveResponse& response_;
   double x0_, phi2_, escapement_;
-  double relaxing_; // the share of its distance from rest that the amplitude goes in a period
-  Prediction prediction_;
+  double relaxing_;       // the share of its distance from rest that the amplitude goes in a period
+  Prediction prediction_; // as it is before the first beat
+  double jitter_share_;   // of the variance from beat to beat
   double mean_drive_rms_, mean_drive_ = 0.0;
   bool asks_white_part_ = false;
   std::size_t held_ = 0; // how often the amplitude was kept from a stall
@@ -185,13 +193,17 @@ private:
 
 } // namespace
 
+bool forgets_its_start(const DriveResponse& response) {
+  constexpr double least = 0.02; // an amplitude is forgotten in fifty relaxations
+  return std::abs(response.slow_gain) > least * std::abs(response.fast_gain);
+}
+
 std::optional<LinearRates> linear_rates(std::span<const double> rates, double period_s,
                                         const DriveResponse& response,
                                         const RateComponents& drive) {
-  constexpr double bends = 0.01;   // of spread: below, the gains vary by less than they are known
-  constexpr double settles = 0.02; // of g_slow/g_fast: an amplitude forgotten in 50 relaxations
+  constexpr double bends = 0.01; // of spread: below, the gains vary by less than they are known
   if (!(amplitude_spread(drive, response) > bends) || !(drive.fast2 > 0.0)) return {};
-  if (std::abs(response.slow_gain) < settles * std::abs(response.fast_gain)) return {};
+  if (!forgets_its_start(response)) return {};
   if (comes_to_a_stand(rates)) return {};
   LinearRates result;
   RateComponents known = drive;

@@ -30,7 +30,10 @@ struct LinearRates {
   double mean_drive_rms = 0; ///< how well the mean drive of the log, and with it x0, is known
 };
 
-/// `drive`: about what the rates are made of. Nothing where the amplitude hardly varies, so that
+/// Whether g_slow is far enough from 0 for the recursion.
+bool forgets_its_start(const DriveResponse& response);
+
+/// `drive`: a first estimate of the components. Nothing where the amplitude hardly varies, so that
 /// the rates are linear as they are; where the response is not known or g_slow is near 0; or where
 /// the clock stalls or would have to, so that the equations do not hold. Exact for rates made by
 /// the equations above (LinearRatesTest.UndoesTheBendOfTheResponse).

@@ -6,7 +6,18 @@
 // processor it finds itself on. The arithmetic is that of the source in both (nothing is
 // contracted), so the results are the same bit for bit. Where the C library cannot choose (not
 // glibc) there is the plain one alone. What such a function calls must be inlined to gain by it.
-#if defined(__x86_64__) && defined(__GLIBC__)
+// ThreadSanitizer is not ready when the choice is made.
+#include <cstdlib> // __GLIBC__
+
+#if defined(__SANITIZE_THREAD__)
+#define GOINGRATE_ONE_VERSION
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define GOINGRATE_ONE_VERSION
+#endif
+#endif
+
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(GOINGRATE_ONE_VERSION)
 #define GOINGRATE_PER_PROCESSOR(feature) __attribute__((target_clones(feature, "default")))
 #else
 #define GOINGRATE_PER_PROCESSOR(feature)

@@ -54,7 +54,7 @@ SquareSum known_squares(std::size_t count, const Difference& difference) {
   return total;
 }
 
-// A third to a half of the time of the plain version; the lanes are the same.
+// With AVX2 they take about two thirds of the time, less is gained where memory is slow.
 GOINGRATE_PER_PROCESSOR("avx2")
 double first_squares(const double* p, std::size_t count, std::size_t m) {
   return squares_of(count,
@@ -69,6 +69,12 @@ GOINGRATE_PER_PROCESSOR("avx2")
 double third_squares(const double* p, std::size_t count, std::size_t m) {
   return squares_of(count,
                     [=](std::size_t i) GOINGRATE_INLINE { return third_difference(p + i, m); });
+}
+GOINGRATE_PER_PROCESSOR("avx2")
+double bow_squares(const double* p, std::size_t count, std::size_t h, std::size_t d) {
+  return squares_of(count, [=](std::size_t i) GOINGRATE_INLINE {
+    return (p[i] - p[i + h - d]) + (p[i + 2 * h] - p[i + h + d]);
+  });
 }
 
 } // namespace
@@ -87,11 +93,8 @@ SquareSum squares_of_differences(const double* p, std::size_t count, std::size_t
   return known_squares(count, [=](std::size_t i) { return third_difference(p + i, m); });
 }
 
-GOINGRATE_PER_PROCESSOR("avx2")
 double squares_of_bows(const double* p, std::size_t count, std::size_t h, std::size_t d) {
-  return squares_of(count, [=](std::size_t i) GOINGRATE_INLINE {
-    return (p[i] - p[i + h - d]) + (p[i + 2 * h] - p[i + h + d]);
-  });
+  return bow_squares(p, count, h, d);
 }
 
 } // namespace goingrate

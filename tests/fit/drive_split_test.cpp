@@ -1,6 +1,7 @@
 #include "goingrate/fit/drive_split.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/random.hpp"
 #include "goingrate/log/rates.hpp"
 #include "support/simulated.hpp"
 
@@ -73,6 +74,33 @@ TEST(DriveSplitTest, SaysWhereASlowDriveIsRough) {
   const DriveSplit split = split_drive(rates, 2.0, *drive_response(scenario.clock));
   EXPECT_NE(split.note.find("near a stall"), std::string::npos) << split.note;
   EXPECT_TRUE(holds(split.slow, 0.3));
+}
+
+TEST(DriveSplitTest, SaysWhereTheRateHardlyAnswersASlowDrive) {
+  Scenario scenario = test::at_point_b(50000);
+  scenario.clock.mu = 7e-5; // g_slow is a hundredth of g_fast
+  scenario.drive = {0.3, 0.2, 637.0};
+  const DriveSplit split = split_of(scenario, 1);
+  EXPECT_NE(split.note.find("hardly answers"), std::string::npos) << split.note;
+}
+
+TEST(DriveSplitTest, ShortLogsHaveIntervalsToo) {
+  const DriveResponse response = *drive_response(test::at_point_b(1).clock);
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    RandomStream stream(seed, StreamPurpose::jitter);
+    std::vector<double> rates;
+    double walk = 0.0; // of white, walking and mixed rates
+    for (std::size_t i = 0; i < 64 + seed; ++i) {
+      walk += 2e-5 * stream.normal();
+      rates.push_back(static_cast<double>(seed % 3) * 1e-4 * stream.normal() +
+                      static_cast<double>(seed % 4) * walk + 1e-7 * stream.normal());
+    }
+    const DriveSplit split = split_drive(rates, 2.0, response);
+    for (const RmsEstimate& part : {split.fast, split.slow, split.jitter_s}) {
+      EXPECT_LE(part.low68, part.rms) << seed; // NaN is neither less nor more
+      EXPECT_LE(part.rms, part.high68) << seed;
+    }
+  }
 }
 
 TEST(DriveSplitTest, JitterIsToldFromDrive) {

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds with the bench preset and prints how often the intervals of fast and slow drive hold the
-# truth; drive_split.txt holds one such print with its date and machine. Takes some three minutes with 208 logs (the first argument).
+# truth; drive_split.txt holds one such print with its date and machine. Argument:
+# logs in all, 208 if not given, which take some three minutes.
 set -e
 cd "$(dirname "$0")/../.."
 . apps/setup.sh

@@ -8,8 +8,12 @@
 // of a drive that is white from period to period, one that wanders with a memory (an
 // Ornstein-Uhlenbeck process), and jitter j of the sensor. Their sizes are those of the greatest
 // Whittle likelihood, once strictly periodic lines are taken out; intervals are where it falls by
-// half. Where this means nothing: a drift through the whole log counts as slow drive with a memory
-// of half the log, and jitter above the drive hides its fast part (then there is an upper limit).
+// half. A slow drive that moves the amplitude moves the gains too: the sizes of the drive, the
+// memory and the shares above and below a frequency are then those of rates that have been
+// corrected for it (not near a stall, and not where g_slow is almost zero; the note says so).
+// Densities, costs and the jitter are of the rates as they are. Where this means nothing: a drift
+// through the whole log counts as slow drive with a memory of half the log, and jitter above the
+// drive hides its fast part (then there is an upper limit).
 #pragma once
 
 #include "goingrate/dynamics/stationary.hpp"
