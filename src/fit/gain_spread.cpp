@@ -34,10 +34,12 @@ Factors factors_at(double spread, const DriveResponse& response, double memory_s
   rate /= weight;
   const double variance = rate2 / weight - rate * rate;
   // What the bend adds to the rate, beside what the drive makes of it where it has its memory: of a
-  // clock whose slow gain is almost zero that is far more than the slow gain would.
-  const double added = variance - std::pow(response.slow_gain * spread, 2);
+  // clock whose slow gain is almost zero that is far more than the slow gain would. What it takes
+  // away, as near a stall, is a share of the slow gain's part.
+  const double settled = std::pow(response.slow_gain * spread, 2), added = variance - settled;
   const double linear = std::norm(response.at(slowest_hz(memory_s))) * spread * spread;
-  return {gain2 / weight / (response.fast_gain * response.fast_gain), 1.0 + added / linear};
+  return {gain2 / weight / (response.fast_gain * response.fast_gain),
+          added > 0.0 ? 1.0 + added / linear : variance / settled};
 }
 
 bool knows_amplitude(const DriveResponse& response) {

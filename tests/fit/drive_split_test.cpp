@@ -78,22 +78,28 @@ TEST(DriveSplitTest, SaysWhereASlowDriveIsRough) {
 
 TEST(DriveSplitTest, SaysWhereTheRateHardlyAnswersASlowDrive) {
   Scenario scenario = test::at_point_b(50000);
-  scenario.clock.mu = 7e-5; // g_slow is a hundredth of g_fast
+  scenario.clock.mu = 7e-5; // g_slow is almost zero
   scenario.drive = {0.3, 0.2, 637.0};
   const DriveSplit split = split_of(scenario, 1);
   EXPECT_NE(split.note.find("hardly answers"), std::string::npos) << split.note;
 }
 
-TEST(DriveSplitTest, ShortLogsHaveIntervalsToo) {
-  const DriveResponse response = *drive_response(test::at_point_b(1).clock);
+TEST(DriveSplitTest, ShortLogsOfAnyClockHaveIntervals) {
+  // White and wandering rates of any size, of clocks from just above a stall on.
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     RandomStream stream(seed, StreamPurpose::jitter);
+    ClockParameters clock{2.0, 1e-4 * std::exp(stream.normal()), 0.0, 0.02};
+    const double amplitude = clock.phi0 * (1.003 + 0.08 * std::exp(1.5 * stream.normal()));
+    clock.mu = amplitude * amplitude * std::numbers::pi * clock.epsilon / (2.0 * clock.phi0);
+    const DriveResponse response = *drive_response(clock);
+    const double memory = std::exp(-0.02 * std::exp(1.5 * stream.normal()));
+    const double white = 0.3 * std::abs(response.fast_gain) * std::exp(2.0 * stream.normal());
+    const double wander = std::abs(response.fast_gain) * std::exp(2.0 * stream.normal());
     std::vector<double> rates;
-    double walk = 0.0; // of white, walking and mixed rates
-    for (std::size_t i = 0; i < 64 + seed; ++i) {
-      walk += 2e-5 * stream.normal();
-      rates.push_back(static_cast<double>(seed % 3) * 1e-4 * stream.normal() +
-                      static_cast<double>(seed % 4) * walk + 1e-7 * stream.normal());
+    double slow = wander * stream.normal();
+    for (std::size_t i = 0; i < 64 + 4 * seed; ++i) {
+      rates.push_back(slow + white * stream.normal());
+      slow = memory * slow + std::sqrt(1.0 - memory * memory) * wander * stream.normal();
     }
     const DriveSplit split = split_drive(rates, 2.0, response);
     for (const RmsEstimate& part : {split.fast, split.slow, split.jitter_s}) {
