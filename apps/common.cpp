@@ -74,6 +74,11 @@ void add_log_options(CLI::App& command, LogOptions& options) {
                   "split the log at a gap whose count is right with less than this probability")
       ->check(CLI::Range(0.5, 1.0) & not_negative())
       ->capture_default_str();
+  command
+      .add_option("--dead-time", options.dead_time_s,
+                  "a contact bounces: events within so many s after an edge are part of it; 0: none "
+                  "are; found by itself if not given")
+      ->check(not_negative());
   add_reading_options(command, options);
 }
 
@@ -140,6 +145,8 @@ namespace {
 
 std::string split_text(const Gap& gap) {
   const std::string place = fmt::format("the log is split after cycle {}: ", gap.after_cycle);
+  if (gap.kind == GapKind::restart)
+    return place + "the time goes back there, and a new segment begins; the longest part is used";
   if (gap.kind == GapKind::step)
     return place + "the events go on displaced, as if the reference had been set; the longest part "
                    "is used";
@@ -168,13 +175,6 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
     if (!gap.bridged && ++splits <= issues_shown) say(global, split_text(gap));
   if (splits > issues_shown)
     say(global, fmt::format("... and at {} more places", splits - issues_shown));
-  const double ratio = loaded.beats.typical_period_s / loaded.nominal_period_s;
-  constexpr double plausible = 0.05; // no pendulum clock is off by an hour a day
-  if (std::abs(ratio - 1.0) > plausible)
-    say(global,
-        fmt::format("warning: the mean period {:.6g} s is {:.3g} times the nominal period: is "
-                    "--nominal-period right, or does the log hold both directions?",
-                    loaded.beats.typical_period_s, ratio));
   constexpr double wide = 1.0; // rad: no clock swings so far
   if (loaded.sensor.amplitude && loaded.sensor.amplitude->mean_rad > wide)
     say(global,
@@ -183,117 +183,48 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
                     loaded.sensor.amplitude->mean_rad));
 }
 
-} // namespace
-
-namespace {
-
-void number(NumberedLog& loaded, const LogOptions& options) {
-  loaded.beats =
-      number_beats(std::move(loaded.log.events), loaded.log.source, {options.gap_probability});
-  loaded.log.events.clear();
-}
-
-// Corrections change times and amplitudes of events that are numbered: numbered they stay, unless
-// the times moved.
-void with_events(NumberedLog& loaded, const LogOptions& options,
-                 const std::function<void(ClockLog&)>& change) {
-  loaded.log.events = std::move(loaded.beats.beats);
-  change(loaded.log);
-  number(loaded, options);
-}
-
-void use_flag(NumberedLog& loaded, const LogOptions& options) {
-  const double width = options.flag_width_rad > 0.0 ? options.flag_width_rad
-                                                    : loaded.log.flag_width_rad.value_or(0.0);
-  const bool widths = !loaded.log.columns.width_s.empty();
-  if (widths && width == 0.0)
-    loaded.log.assumptions.emplace_back(
-        "the widths give no amplitude: the flag's own width is not known (--flag-width)");
-  if (widths && width > 0.0) {
-    ClockLog& log = loaded.log;
-    log.events = std::move(loaded.beats.beats);
-    set_amplitudes_from_widths(log, width, loaded.nominal_period_s);
-    loaded.beats.beats = std::move(log.events);
-  } else if (width > 0.0 && !loaded.log.has_amplitude) {
-    loaded.log.assumptions.emplace_back(
-        "the times are those of a flag's leading edge, and without amplitudes cannot be moved to "
-        "the "
-        "vertical: where the amplitude changes, the rate is biased");
-  } else if (width > 0.0) {
-    with_events(loaded, options, [&](ClockLog& log) {
-      move_to_vertical(log, -0.5 * width, 0.5 * width, loaded.nominal_period_s);
-    });
-  }
-}
-
-// The longest segment; no second copy of a log in which every event is good.
-void choose_good(NumberedLog& loaded) {
-  const auto& beats = loaded.beats.beats;
-  const bool all = loaded.beats.segments == 1 &&
-                   std::all_of(beats.begin(), beats.end(),
-                               [](const Beat& beat) { return beat.flag == BeatFlag::good; });
-  if (!all) loaded.chosen = loaded.beats.longest_segment();
-  loaded.good = all ? std::span<const Beat>(beats) : std::span<const Beat>(loaded.chosen);
-}
-
-void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
-  loaded.sensor.beat_error_s = beat_error(loaded.beats.beats);
-  if (options.sensor_offset.empty()) return;
-  double offset = 0.0;
-  if (options.sensor_offset == "auto") {
-    loaded.sensor.offset_rad = sensor_offset(loaded.beats.beats, loaded.nominal_period_s);
-    if (!loaded.sensor.offset_rad)
-      throw NumericsError(options.path +
-                          ": the log does not tell where the sensor stands: it needs "
-                          "amplitudes and either both directions or 30 beats");
-    offset = loaded.sensor.offset_rad->value;
-    loaded.log.assumptions.push_back(
-        fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
-                    offset * 1e3, loaded.sensor.offset_rad->sigma * 1e3));
-  } else {
-    offset = numbers_in("sensor-offset", options.sensor_offset).front();
-  }
-  if (!loaded.log.has_amplitude) {
-    set_amplitudes_from_halves(loaded.beats.beats, offset, loaded.nominal_period_s);
-    loaded.log.has_amplitude =
-        std::any_of(loaded.beats.beats.begin(), loaded.beats.beats.end(),
-                    [](const Beat& beat) { return !std::isnan(beat.amplitude_rad); });
-  }
-  with_events(loaded, options, [&](ClockLog& log) {
-    move_to_vertical(log, offset, offset, loaded.nominal_period_s);
-  });
+LoadRequest request_of(const LogOptions& options) {
+  LoadRequest request;
+  request.path = options.path;
+  request.reading = reading_options(options);
+  request.both_edges = options.both_edges;
+  request.dead_time_s = options.dead_time_s;
+  if (options.flag_width_rad > 0.0) request.flag_width_rad = options.flag_width_rad;
+  request.find_sensor_offset = options.sensor_offset == "auto";
+  if (!options.sensor_offset.empty() && !request.find_sensor_offset)
+    request.sensor_offset_rad = numbers_in("sensor-offset", options.sensor_offset).front();
+  request.gap_probability = options.gap_probability;
+  request.phases_will_do = options.phases_will_do;
+  return request;
 }
 
 } // namespace
 
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
-  NumberedLog loaded;
   keep_input(options.path);
+  LoadRequest request = request_of(options);
+  NumberedLog loaded;
   {
     ProgressBar bar(global.quiet);
-    ReadingOptions reading = reading_options(options);
-    reading.progress = std::ref(bar);
-    loaded.log = read_log_file(options.path, reading);
+    request.reading.progress = std::ref(bar);
+    loaded = goingrate::load(request);
   }
-  const bool labelled = label_alternate_edges(loaded.log, options.both_edges);
-  if (loaded.log.directions_are_open && !labelled)
-    loaded.log.assumptions.emplace_back(
-        "each event is one period (--both-edges if both directions are in the log)");
-  number(loaded, options);
-  loaded.nominal_period_s = nominal_period(loaded.log, loaded.beats, loaded.log.assumptions);
-  loaded.nominal_is_known = loaded.log.nominal_period_s ||
-                            loaded.nominal_period_s != loaded.beats.typical_period_s ||
-                            std::round(loaded.nominal_period_s * 4.0) ==
-                                loaded.nominal_period_s * 4.0; // a quarter second
-  use_flag(loaded, options);
-  use_sensor_offset(loaded, options);
-  choose_good(loaded);
-  loaded.sensor.amplitude = summarise_amplitudes(loaded.good);
-  if (loaded.good.size() < 3)
-    throw NumericsError(
-        fmt::format("{}: no run of three beats that could be numbered together", options.path));
   tell_about(loaded, global);
   return loaded;
+}
+
+std::string options_for(const OtherReading& other) {
+  std::string words;
+  const auto add = [&](const std::string& option) { words += " --" + option; };
+  if (other.format) add(fmt::format("format {}", name_of(*other.format)));
+  for (const std::string& column : other.columns)
+    add("column " + column);
+  if (!other.unit.empty()) add("unit " + other.unit);
+  if (other.wrap_s) add(fmt::format("wrap {}", *other.wrap_s));
+  if (other.tau0_s) add(fmt::format("tau0 {}", *other.tau0_s));
+  if (other.nominal_period_s) add(fmt::format("nominal-period {:.6g}", *other.nominal_period_s));
+  if (other.both_edges) add("both-edges");
+  return words.substr(1);
 }
 
 std::string table_output(const std::string& output, const std::string& json) {

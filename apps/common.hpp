@@ -1,13 +1,12 @@
 // What the subcommands share: options that several have, and the way results leave the program.
 #pragma once
 
+#include "goingrate/analysis/load.hpp"
+#include "goingrate/base/errors.hpp"
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/diary.hpp"
 #include "goingrate/fit/drive_split.hpp"
-#include "goingrate/log/amplitude.hpp"
-#include "goingrate/log/beats.hpp"
 #include "goingrate/log/rates.hpp"
-#include "goingrate/log/reading.hpp"
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -20,11 +19,6 @@ namespace goingrate::apps {
 /// Options of the whole command.
 struct GlobalOptions {
   bool quiet = false;
-};
-
-/// The numbers did not work out: exit code 4.
-class NumericsError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
 };
 
 /// Options of every command that reads a log.
@@ -43,6 +37,8 @@ struct LogOptions {
   bool decimal_comma = false;
   std::string channel;
   bool strict = false;
+  std::optional<double> dead_time_s;
+  bool phases_will_do = false; ///< the command takes data on a grid that are no clock's
 };
 
 /// Checks of numbers on the command line. CLI11's own let "nan" pass, which is neither above nor
@@ -61,25 +57,11 @@ ReadingOptions reading_options(const LogOptions& options);
 /// One issue as a line: file:line:column: what was found: what was done.
 std::string words_for(const LineIssue& issue, const std::string& source);
 
-/// A log read, corrected and numbered.
-struct NumberedLog {
-  NumberedLog() = default;
-  NumberedLog(NumberedLog&&) = default;
-  NumberedLog& operator=(NumberedLog&&) = default;
-  NumberedLog(const NumberedLog&) = delete; // `good` would point into the other
-  NumberedLog& operator=(const NumberedLog&) = delete;
-
-  ClockLog log; ///< its events are in `beats`
-  Beats beats;
-  std::vector<Beat> chosen;   ///< where `good` lives if it is not all of `beats`
-  std::span<const Beat> good; ///< the good beats of the longest segment
-  double nominal_period_s = 0.0;
-  bool nominal_is_known = true;
-  SensorFindings sensor;
-};
-
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.
 NumberedLog load(const LogOptions& options, const GlobalOptions& global);
+
+/// The options that say it: "--format periods --unit us".
+std::string options_for(const OtherReading& other);
 
 /// Where the readable result goes: to `output`; if that is not given to standard output, or nowhere
 /// if the JSON goes there.

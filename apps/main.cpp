@@ -98,6 +98,14 @@ std::optional<std::string> unexpected_word(const CLI::App& program) {
                      did_you_mean(name, known, fmt::format("goingrate{} --help", command)));
 }
 
+// What was found and expected, and by which options the likeliest other readings are had.
+std::string with_options(const goingrate::ImpossibleReading& error) {
+  std::string text = error.what();
+  for (const goingrate::OtherReading& other : error.others())
+    text += fmt::format("\n  if {}: {}", other.words, goingrate::apps::options_for(other));
+  return text;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -140,13 +148,15 @@ int main(int argc, char** argv) {
       return complain(wrong_usage, unexpected->c_str());
     if (program.exit(error) != 0) return wrong_usage;
     return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
+  } catch (const ImpossibleReading& error) {
+    return complain(bad_input, with_options(error).c_str());
   } catch (const InputError& error) {
     return complain(is_option(error) ? wrong_usage : bad_input, error.what());
   } catch (const NoStationarySwing& error) {
     return complain(no_result, error.what());
   } catch (const ArgumentError& error) {
     return complain(wrong_usage, error.what());
-  } catch (const apps::NumericsError& error) {
+  } catch (const NumericsError& error) {
     return complain(no_result, error.what());
   } catch (const ClosedPipe&) {
     return no_output;

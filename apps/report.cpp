@@ -87,9 +87,9 @@ ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
   level_interruptions(data.diary, unexplained);
   data.suspicions = diagnose({&unexplained, loaded.nominal_period_s, missed, data.drive.lines});
   now("stability");
-  const auto error = on_every_cycle(loaded.good, clock_error(loaded.good, loaded.nominal_period_s));
-  data.deviation = stability_table(DeviationKind::oadev, error, loaded.nominal_period_s,
-                                   octave_factors(error.size()));
+  const PhaseSeries phase = phase_series(loaded);
+  data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,
+                                   octave_factors(phase.phase_s.size()));
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -26,40 +25,18 @@ struct StabilityCommand {
   std::string json, plot;
 };
 
-struct Phase {
-  std::vector<double> phase_s;
-  double tau0_s;
-};
-
-// Stable32 writes a gap of phase data as an exact zero; the first value may well be zero.
-void mark_gaps(std::vector<double>& phase, const GlobalOptions& global) {
-  std::size_t gaps = 0;
-  for (std::size_t i = 1; i < phase.size(); ++i) {
-    if (phase[i] != 0.0) continue;
-    phase[i] = std::numeric_limits<double>::quiet_NaN();
-    ++gaps;
+PhaseSeries phase_of(StabilityCommand options, const GlobalOptions& global) {
+  LogOptions& log = options.log;
+  log.phases_will_do = true;
+  if (options.data != "timestamps") {
+    if (!log.format.empty() && log.format != options.data)
+      throw ArgumentError("data", options.data, "the same as the format, " + log.format);
+    log.format = options.data;
   }
-  if (gaps > 0) say(global, fmt::format("assumed: {} exact zeros are gaps", gaps));
-}
-
-Phase phase_of(const StabilityCommand& options, const GlobalOptions& global) {
-  if (options.data == "timestamps") {
-    const NumberedLog loaded = load(options.log, global);
-    const auto error = clock_error(loaded.good, loaded.nominal_period_s);
-    return {on_every_cycle(loaded.good, error),
-            options.log.tau0_s > 0.0 ? options.log.tau0_s : loaded.nominal_period_s};
-  }
-  auto numbers = read_numbers(read_text(options.log.path), options.log.path);
-  double tau0_s = options.log.tau0_s;
-  if (tau0_s == 0.0) {
-    tau0_s = 1.0;
-    say(global, "assumed: one value a second (--tau0 says otherwise)");
-  }
-  say(global, fmt::format("assumed: {} values of {}", numbers.size(),
-                          options.data == "phase" ? "phase in seconds" : "relative frequency"));
-  if (options.data == "phase") mark_gaps(numbers, global);
-  if (options.data == "frequency") numbers = phase_from_frequency(numbers, tau0_s);
-  return {std::move(numbers), tau0_s};
+  const NumberedLog loaded = load(log, global);
+  PhaseSeries series = phase_series(loaded);
+  if (log.tau0_s > 0.0) series.tau0_s = log.tau0_s;
+  return series;
 }
 
 std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points, double tau0_s,
@@ -90,7 +67,7 @@ std::string plot_of(const StabilityCommand& options, const DeviationTable& table
 }
 
 void run(const StabilityCommand& options, const GlobalOptions& global) {
-  const Phase phase = phase_of(options, global);
+  const PhaseSeries phase = phase_of(options, global);
   const DeviationKind kind = kind_of(options.kind);
   const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s, kind);
   const DeviationTable table =
@@ -117,7 +94,7 @@ void add_stability(CLI::App& program, const GlobalOptions& global) {
       ->capture_default_str();
   command
       ->add_option("--data", options->data,
-                   "what the file holds: timestamps (a log), phase (s) or frequency, one a line")
+                   "what the file holds: timestamps (a log), or --format phase or frequency")
       ->check(CLI::IsMember({"timestamps", "phase", "frequency"}))
       ->capture_default_str();
   command

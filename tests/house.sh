@@ -3,7 +3,7 @@
 # the public headers, and every test that a docstring names exists.
 set -euo pipefail
 cd "$1"
-rooms=(base clock dynamics log spectra fit report)
+rooms=(base clock dynamics log spectra fit analysis report)
 fault=0
 for i in "${!rooms[@]}"; do
   for ((j = i + 1; j < ${#rooms[@]}; j++)); do

@@ -10,7 +10,28 @@ namespace {
 
 constexpr std::string_view option = "--set ";
 
+// A dotted key or header of so many levels ends the stack; no scenario has more than two.
+void refuse_deep_keys(std::string_view text, const std::string& source) {
+  constexpr int most_levels = 64;
+  std::size_t line = 1, start = 0;
+  int dots = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '.') {
+      if (++dots > most_levels)
+        throw InputError({source, line, i - start + 1}, "a key of more than 64 levels",
+                         "one of at most two, such as clock.epsilon");
+    } else if (text[i] == '\n' || text[i] == ',' || text[i] == '"' || text[i] == '\'') {
+      dots = 0;
+    }
+    if (text[i] == '\n') {
+      ++line;
+      start = i + 1;
+    }
+  }
+}
+
 toml::table parsed(std::string_view text, const std::string& source) {
+  refuse_deep_keys(text, source);
   try {
     return toml::parse(text, source);
   } catch (const toml::parse_error& error) {

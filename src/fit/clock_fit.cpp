@@ -253,9 +253,40 @@ std::string_view name_of(FitDynamics dynamics) {
   }
 }
 
+namespace {
+
+// What timing_data() makes is so; what was put together by hand may not be.
+void check(const TimingData& data) {
+  constexpr std::size_t fewest = 3;
+  if (data.size() < fewest)
+    throw ArgumentError("data.cycle", static_cast<double>(data.size()), "at least 3 beats");
+  const auto as_long = [&](std::string_view name, const std::vector<double>& values) {
+    if (values.size() != data.size())
+      throw ArgumentError(name, static_cast<double>(values.size()), "one value a beat");
+  };
+  as_long("data.elapsed_s", data.elapsed_s);
+  as_long("data.lateness_s", data.lateness_s);
+  if (data.has_amplitude()) as_long("data.amplitude_rad", data.amplitude_rad);
+  for (const RateTerm& term : data.terms)
+    as_long(term.name, term.advance_s);
+  const auto finite = [](const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  };
+  if (!(data.reference_period_s > 0.0))
+    throw ArgumentError("data.reference_period_s", data.reference_period_s, "above 0");
+  if (!finite(data.cycle) || !finite(data.elapsed_s) || !finite(data.lateness_s))
+    throw ArgumentError("data", "infinite or no numbers", "finite times");
+  for (std::size_t i = 1; i < data.size(); ++i)
+    if (!(data.cycle[i] > data.cycle[i - 1]))
+      throw ArgumentError("data.cycle", data.cycle[i], "cycles that rise");
+}
+
+} // namespace
+
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options) {
   if (!(nominal_period_s > 0.0))
     throw ArgumentError("nominal_period", nominal_period_s, "a positive number of seconds");
+  check(data);
   FitSummary summary;
   ModelSearch search(data, options);
   const Fitted& fitted = search.run();

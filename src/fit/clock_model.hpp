@@ -144,7 +144,8 @@ private:
   // depends on the steps, and continuously, for only the last is cut off.
   [[nodiscard]] double step_at(const T& amplitude2) const {
     constexpr double far = 0.01, longest = 0.5;
-    const double x = plain(amplitude2), slope = -plain(laws_.growth_slope(amplitude2));
+    // Below the swing that stalls the motion runs away from it, as fast as it would come to rest.
+    const double x = plain(amplitude2), slope = std::abs(plain(laws_.growth_slope(amplitude2)));
     const double growth = std::abs(plain(laws_.growth(amplitude2)));
     const double way = growth / (slope * x); // to rest, in parts of x
     const double part = way < 1.0 ? std::min(longest, far / std::pow(way, 0.2)) : far;

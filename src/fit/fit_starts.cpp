@@ -175,11 +175,12 @@ std::vector<std::vector<double>> noise_variants(const std::vector<std::vector<do
         continue;
       }
       if (factor != 1.0) continue;
+      // Of memories longer than the log only one as long as itself shows in it.
       for (const double periods : {30.0, 300.0, 3000.0, 30000.0})
         for (const double size : {0.03, 0.2, 1.0}) {
-          const double length = periods * data.reference_period_s;
-          if (length > data.elapsed_s.back()) continue;
-          x[memory->index] = std::log(length);
+          const double whole = data.elapsed_s.back(), length = periods * data.reference_period_s;
+          if (length > whole && periods > 30.0) continue;
+          x[memory->index] = std::log(std::min(length, whole));
           x[slow->index] =
               (drive != nullptr && drive->free ? x[drive->index] : std::log(0.1)) + std::log(size);
           variants.push_back(x);

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
 
 namespace goingrate {
 
@@ -51,7 +54,11 @@ double period_between(std::span<const AngleSample> samples, const std::vector<Pa
   std::vector<double> steps;
   for (std::size_t k = 2; k < found.size(); ++k)
     steps.push_back(samples[found[k].before].time - samples[found[k - 2].before].time);
-  return steps.empty() ? 0.0 : median(std::move(steps));
+  if (steps.empty()) return 0.0;
+  // Where samples are few a step is a whole number of them: the mean of those that hold one period.
+  const double middle = median(steps);
+  std::erase_if(steps, [&](double step) { return std::abs(step - middle) > middle / 3.0; });
+  return std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
 }
 
 // A least-squares polynomial in u = (t - centre) / half_width.
@@ -246,12 +253,150 @@ private:
   Instant centre_{};
 };
 
+// Few samples a period: sines through several of them.
+class SineFinder {
+public:
+  SineFinder(std::span<const AngleSample> samples, std::vector<Passage> found, double period_s)
+      : samples_(samples), passages_(std::move(found)), period_s_(period_s),
+        decay_(passages_.size(), 0.0) {}
+
+  // `rest` is where the pendulum hangs, if that is known.
+  SampledSwings find(std::optional<double> rest) {
+    fit_all({}); // for the amplitudes, which tell how the swing fades, the middle and the period
+    refine_period();
+    fit_all({});
+    for (std::size_t k = 0; k < fits_.size(); ++k)
+      decay_[k] = decay_near(k);
+    if (!rest) rest = middle();
+    fit_all(rest);
+    SampledSwings swings;
+    swings.period_s = period_s_;
+    swings.rest_angle = rest.value_or(0.0);
+    double residual2 = 0.0, freedom = 0.0;
+    for (std::size_t k = 0; k < fits_.size(); ++k) {
+      if (!fits_[k]) {
+        ++swings.unfitted;
+        continue;
+      }
+      const Sine& sine = *fits_[k];
+      residual2 += sine.residual2;
+      freedom += sine.freedom;
+      swings.crossings.push_back({sine.centre + sine.root_s, sine.unit_sigma_s, sine.amplitude,
+                                  passages_[k].edge, samples_[passages_[k].before].line});
+    }
+    swings.noise = freedom > 0.0 ? std::sqrt(residual2 / freedom) : 0.0;
+    for (SampledCrossing& crossing : swings.crossings)
+      crossing.sigma_s *= swings.noise;
+    return swings;
+  }
+
+private:
+  struct Sine {
+    Instant centre;
+    double root_s = 0.0, amplitude = 0.0, middle = 0.0;
+    double unit_sigma_s = 0.0; // of the root, for samples of variance one
+    double residual2 = 0.0, freedom = 0.0;
+  };
+
+  void fit_all(std::optional<double> rest) {
+    fits_.clear();
+    for (std::size_t k = 0; k < passages_.size(); ++k)
+      fits_.push_back(fit(passages_[k], decay_[k], rest));
+  }
+
+  // The period of the fitted crossings: that of the passages is known to a sample only.
+  void refine_period() {
+    std::vector<double> steps;
+    for (std::size_t k = 0; k + 2 < fits_.size(); ++k) {
+      const auto &a = fits_[k], &b = fits_[k + 2];
+      if (a && b) steps.push_back(b->centre - a->centre + b->root_s - a->root_s);
+    }
+    if (!steps.empty()) period_s_ = median(std::move(steps));
+  }
+
+  // exp(-decay t) (a cos wt + b sin wt) + middle, the middle free unless `rest` is known.
+  std::optional<Sine> fit(const Passage& passage, double decay, std::optional<double> rest) const {
+    const AngleSample &a = samples_[passage.before], &b = samples_[passage.after];
+    const double wait = b.time - a.time;
+    if (wait > 0.95 * period_s_) return {}; // there may be three crossings between the two
+    Sine sine;
+    sine.centre = a.time + 0.5 * wait;
+    constexpr double reach = 0.6; // periods: the fewest samples leave a freedom even so
+    const auto near = around(samples_, passage.before, sine.centre, reach * period_s_);
+    const Eigen::Index terms = rest ? 2 : 3;
+    if (static_cast<Eigen::Index>(near.size()) < terms) return {};
+    const double w = 2.0 * std::numbers::pi / period_s_;
+    Eigen::MatrixXd rows(near.size(), terms);
+    Eigen::VectorXd values(near.size());
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      const AngleSample& sample = near[static_cast<std::size_t>(i)];
+      const double t = sample.time - sine.centre, size = std::exp(-decay * t);
+      rows(i, 0) = size * std::cos(w * t);
+      rows(i, 1) = size * std::sin(w * t);
+      if (!rest) rows(i, 2) = 1.0;
+      values(i) = sample.angle - rest.value_or(0.0);
+    }
+    const Eigen::MatrixXd inverse = (rows.transpose() * rows).inverse();
+    const Eigen::VectorXd c = inverse * (rows.transpose() * values);
+    sine.amplitude = std::hypot(c[0], c[1]);
+    if (!std::isfinite(sine.amplitude) || sine.amplitude == 0.0) return {};
+    // Rising, the sine is amplitude * sin(w (t - root)).
+    const double side = passage.edge == Edge::up ? 1.0 : -1.0;
+    sine.root_s = -std::atan2(side * c[0], side * c[1]) / w;
+    if (std::abs(sine.root_s) > 0.5 * wait) return {};
+    const double u = w * sine.root_s;
+    const double slope = sine.amplitude * w;
+    const Eigen::Vector2d at_root(std::cos(u), std::sin(u));
+    sine.unit_sigma_s =
+        std::sqrt(at_root.dot(inverse.topLeftCorner<2, 2>() * at_root)) / slope;
+    sine.middle = rest ? *rest : c[2];
+    sine.residual2 = (values - rows * c).squaredNorm();
+    sine.freedom = static_cast<double>(near.size()) - static_cast<double>(terms);
+    return sine;
+  }
+
+  // How fast the amplitude falls about passage k, 1/s: the slope of its logarithm.
+  [[nodiscard]] double decay_near(std::size_t k) const {
+    constexpr std::size_t reach = 12; // passages either way
+    double n = 0.0, t = 0.0, y = 0.0, tt = 0.0, ty = 0.0;
+    const std::size_t end = std::min(fits_.size(), k + reach + 1);
+    for (std::size_t i = k > reach ? k - reach : 0; i < end; ++i) {
+      if (!fits_[i] || !fits_[k]) continue;
+      const double at = fits_[i]->centre - fits_[k]->centre, log = std::log(fits_[i]->amplitude);
+      ++n, t += at, y += log, tt += at * at, ty += at * log;
+    }
+    const double spread = n * tt - t * t;
+    return n > 2.0 && spread > 0.0 ? -(n * ty - t * y) / spread : 0.0;
+  }
+
+  [[nodiscard]] double middle() const {
+    std::vector<double> middles;
+    for (const auto& fit : fits_)
+      if (fit) middles.push_back(fit->middle);
+    return middles.empty() ? 0.0 : median(std::move(middles));
+  }
+
+  std::span<const AngleSample> samples_;
+  std::vector<Passage> passages_;
+  double period_s_;
+  std::vector<double> decay_; // one a passage
+  std::vector<std::optional<Sine>> fits_;
+};
+
+// Of irregular samples the usual time between two.
+double usual_step(std::span<const AngleSample> samples) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    steps.push_back(samples[i].time - samples[i - 1].time);
+  return median(std::move(steps));
+}
+
 } // namespace
 
 SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
                                    std::optional<double> rest_angle) {
   SampledSwings none;
-  constexpr std::size_t fewest = 18; // six samples for each of three swings
+  constexpr std::size_t fewest = 8; // three swings of the fewest samples
   if (samples.size() < fewest) return none;
   std::vector<double> angles;
   for (const AngleSample& sample : samples)
@@ -267,14 +412,23 @@ SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
       (samples.back().time - samples.front().time) / static_cast<double>(samples.size() - 1);
   // A swing's memory: half of it is lost in five periods, faster than any ring-down worth timing.
   const double fade = std::min(0.1, 0.14 * step_s / period_s);
+  constexpr double samples_for_cubics = 32.0; // eight in a quarter of a period
+  const double samples_per_period = period_s / usual_step(samples);
+  const bool coarse = samples_per_period < samples_for_cubics;
   for (int round = 0; round < 2; ++round) { // the second with the rest angle of the first
     found = passages(samples, rest, 0.0, fade);
     period_s = period_between(samples, found);
-    if (!(period_s > 0.0) || rest_angle) break;
+    if (!(period_s > 0.0) || rest_angle || coarse) break;
     rest = SwingFinder(samples, found, period_s, rest).middle();
   }
   if (!(period_s > 0.0)) return none;
-  return SwingFinder(samples, std::move(found), period_s, rest).find();
+  SampledSwings swings;
+  if (!coarse)
+    swings = SwingFinder(samples, std::move(found), period_s, rest).find();
+  else if (samples_per_period >= fewest_samples_per_period)
+    swings = SineFinder(samples, std::move(found), period_s).find(rest_angle);
+  swings.samples_per_period = samples_per_period;
+  return swings;
 }
 
 } // namespace goingrate

@@ -27,15 +27,53 @@ void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
   differences.add(beats.subspan(from));
 }
 
+// Where the beats had to be looked for, in a numbered log.
+struct Resumed {
+  std::vector<std::size_t> at; // first beats, of blocks too
+  bool has_downward = false;
+};
+
+// The stretches in which time does not go back. A step back by less than half a period is left to the
+// numbering: two events that jitter past each other, or a reference that was set.
+std::vector<Stretch> blocks_of(std::span<const Beat> beats, double period_s) {
+  std::vector<Stretch> blocks{{0, 0}};
+  for (std::size_t i = 1; i < beats.size(); ++i)
+    if (beats[i].time < beats[i - 1].time && beats[i - 1].time - beats[i].time > 0.5 * period_s) {
+      blocks.back().last = i;
+      blocks.push_back({i, i});
+    }
+  blocks.back().last = beats.size();
+  return blocks;
+}
+
+Resumed number_blocks(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise) {
+  Resumed resumed;
+  std::int64_t next_cycle = 0;
+  for (const Stretch& block : blocks_of(beats, typical.mean_s)) {
+    const std::span<Beat> part = beats.subspan(block.first, block.size());
+    Numbering numbering(part, typical, noise);
+    numbering.run();
+    resumed.has_downward = resumed.has_downward || numbering.has_downward();
+    const auto good = std::find_if(part.begin(), part.end(),
+                                   [](const Beat& beat) { return beat.flag == BeatFlag::good; });
+    if (next_cycle > 0 && good != part.end())
+      resumed.at.push_back(block.first + static_cast<std::size_t>(good - part.begin()));
+    for (const std::size_t i : numbering.resumed())
+      resumed.at.push_back(block.first + i);
+    for (Beat& beat : part)
+      beat.cycle += next_cycle;
+    next_cycle = part.back().cycle + 1;
+  }
+  return resumed;
+}
+
 // The noise as a first numbering of a bounded sample shows it. A log that is its own sample is
 // numbered in place, and again later.
 BeatNoise sampled_noise(std::vector<Beat>& beats, const TypicalPeriod& typical) {
   SecondDifferences differences;
   for (const Stretch& stretch : sample_stretches(beats.size())) {
     const std::span<Beat> part(beats.data() + stretch.first, stretch.size());
-    Numbering numbering(part, typical, rough_noise(typical));
-    numbering.run();
-    add_runs(differences, part, numbering.resumed());
+    add_runs(differences, part, number_blocks(part, typical, rough_noise(typical)).at);
   }
   return at_least_finest(differences.fit(), typical.mean_s);
 }
@@ -58,9 +96,10 @@ std::int64_t longest_run(std::span<const Beat> beats, std::span<const std::size_
 class GapPass {
 public:
   GapPass(Beats& result, const std::vector<std::size_t>& resumed, const GapJudge& judge,
-          double least_probability, const std::string& source)
+          double least_probability, double longest_absence, const std::string& source)
       : result_(result), resumed_(resumed), judge_(judge), least_probability_(least_probability),
-        source_(source), reach_(resumed.empty() ? result.beats.size() : resumed.front()) {}
+        longest_absence_(longest_absence), source_(source),
+        reach_(resumed.empty() ? result.beats.size() : resumed.front()) {}
 
   void run() {
     auto& beats = result_.beats;
@@ -83,6 +122,7 @@ public:
       beat.segment = segment_;
       result_.spurious += beat.flag == BeatFlag::spurious ? 1 : 0;
       result_.rivals += beat.flag == BeatFlag::rival ? 1 : 0;
+      result_.bounces += beat.flag == BeatFlag::bounce ? 1 : 0;
     }
     result_.segments = segment_ + 1u;
   }
@@ -91,20 +131,11 @@ private:
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
   void settle(std::size_t i, bool lost) {
-    auto& beats = result_.beats;
-    const Beat& before = beats[last_];
-    const std::int64_t guess = beats[i].cycle + shift_ - before.cycle;
-    const GapCount count = judge_.count(beats, first_, last_, i, reach_, lost);
-    Gap gap;
-    gap.after_cycle = before.cycle;
-    gap.probability = count.probability;
-    gap.bridged = gap.probability >= least_probability_;
-    const bool displaced = count.displaced;
-    const double periods = (beats[i].time - before.time) / result_.typical_period_s;
-    gap.length = displaced && periods < 2.0 ? 0 : count.cycles - 1;
-    gap.kind = gap.length > shortest_stop ? (displaced ? GapKind::stop : GapKind::gap)
-                                          : (displaced ? GapKind::step : GapKind::missed);
-    if (lost && gap.length == 0) gap.kind = GapKind::step;
+    const Beat& before = result_.beats[last_];
+    const std::int64_t guess = result_.beats[i].cycle + shift_ - before.cycle;
+    const Gap gap = result_.beats[i].time < before.time
+                        ? Gap{before.cycle, 0, 0.0, false, GapKind::restart}
+                        : judged(i, lost || static_cast<double>(guess) > longest_absence_);
     shift_ += std::max<std::int64_t>(1, gap.length + 1) - guess;
     if (gap.bridged) {
       result_.missed += gap.length;
@@ -112,6 +143,25 @@ private:
       begin_segment(i);
     }
     result_.gaps.push_back(gap);
+  }
+
+  Gap judged(std::size_t i, bool lost) const {
+    const auto& beats = result_.beats;
+    const Beat& before = beats[last_];
+    const GapCount count = judge_.count(beats, first_, last_, i, reach_, lost);
+    if (count.reference_set) return {before.cycle, 0, 0.0, false, GapKind::step};
+    Gap gap;
+    gap.after_cycle = before.cycle;
+    gap.probability = count.probability;
+    const bool displaced = count.displaced;
+    const double periods = (beats[i].time - before.time) / result_.typical_period_s;
+    gap.length = displaced && periods < 2.0 ? 0 : count.cycles - 1;
+    gap.kind = gap.length > shortest_stop ? (displaced ? GapKind::stop : GapKind::gap)
+                                          : (displaced ? GapKind::step : GapKind::missed);
+    gap.bridged = gap.probability >= least_probability_ &&
+                  (!lost || gap.length <= result_.longest_countable_gap);
+    if (lost && gap.length == 0) gap.kind = GapKind::step;
+    return gap;
   }
 
   void begin_segment(std::size_t i) {
@@ -127,6 +177,7 @@ private:
   const std::vector<std::size_t>& resumed_;
   const GapJudge& judge_;
   double least_probability_;
+  double longest_absence_; // cycles
   const std::string& source_;
   std::size_t last_ = none;
   std::size_t first_ = 0; // of the segment
@@ -157,20 +208,22 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
                    const NumberingOptions& options) {
   Beats result;
   result.beats = std::move(events);
-  const TypicalPeriod typical = typical_period(result.beats, source);
+  const TypicalPeriod typical = typical_period(result.beats, source, options.nominal_period_s);
   result.typical_period_s = typical.mean_s;
   result.scatter_s = typical.scatter_s;
-  Numbering numbering(result.beats, typical, sampled_noise(result.beats, typical));
-  numbering.run();
+  const BeatNoise sampled = sampled_noise(result.beats, typical);
+  const Resumed resumed = number_blocks(result.beats, typical, sampled);
   SecondDifferences differences;
-  add_runs(differences, result.beats, numbering.resumed());
+  add_runs(differences, result.beats, resumed.at);
   const BeatNoise noise = at_least_finest(differences.cautious_fit(), typical.mean_s);
-  const GapJudge judge(noise, typical.mean_s, longest_run(result.beats, numbering.resumed()));
+  const GapJudge judge(noise, typical.mean_s, longest_run(result.beats, resumed.at));
   result.longest_countable_gap = judge.longest_countable(options.least_probability);
-  GapPass pass(result, numbering.resumed(), judge, options.least_probability, source);
+  GapPass pass(result, resumed.at, judge, options.least_probability, longest_absence(typical),
+               source);
   pass.run();
-  if (numbering.has_downward()) {
-    place_downward(result.beats, typical.mean_s);
+  if (resumed.has_downward) {
+    for (const Stretch& block : blocks_of(result.beats, typical.mean_s))
+      place_downward(std::span(result.beats).subspan(block.first, block.size()), typical.mean_s);
     const auto count = [&](BeatFlag flag) {
       return std::count_if(result.beats.begin(), result.beats.end(),
                            [flag](const Beat& beat) { return beat.flag == flag; });
@@ -178,6 +231,35 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
     result.spurious = count(BeatFlag::spurious);
     result.rivals = count(BeatFlag::rival);
   }
+  return result;
+}
+
+Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source) {
+  constexpr std::size_t fewest = 3;
+  if (events.size() < fewest)
+    throw InputError({source, 1, 1}, fmt::format("{} values", events.size()),
+                     fmt::format("at least {}", fewest));
+  Beats result;
+  result.beats = std::move(events);
+  const auto& beats = result.beats;
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < beats.size(); ++i) {
+    const double elapsed = beats[i].time - beats[i - 1].time;
+    if (!(elapsed > 0.0))
+      throw InputError({source, beats[i].line, 1}, "a clock's error that grows by more than the interval",
+                       "that of a clock that goes forward");
+    const std::int64_t cycles = beats[i].cycle - beats[i - 1].cycle;
+    periods.push_back(elapsed / static_cast<double>(cycles));
+    if (cycles == 1) continue;
+    const GapKind kind = cycles - 1 > shortest_stop ? GapKind::gap : GapKind::missed;
+    result.gaps.push_back({beats[i - 1].cycle, cycles - 1, 1.0, true, kind});
+    result.missed += cycles - 1;
+  }
+  result.typical_period_s = (beats.back().time - beats.front().time) /
+                            static_cast<double>(beats.back().cycle - beats.front().cycle);
+  for (double& period : periods)
+    period = std::abs(period - result.typical_period_s);
+  result.scatter_s = 1.4826 * median(periods); // the normal deviation with this median
   return result;
 }
 
@@ -195,6 +277,8 @@ std::string_view name_of(BeatFlag flag) {
     return "down";
   case BeatFlag::rival:
     return "rival";
+  case BeatFlag::bounce:
+    return "bounce";
   case BeatFlag::good:
     break;
   }
@@ -209,6 +293,8 @@ std::string_view name_of(GapKind kind) {
     return "gap";
   case GapKind::step:
     return "step";
+  case GapKind::restart:
+    return "restart";
   case GapKind::stop:
     break;
   }

@@ -116,7 +116,7 @@ struct RoleWord {
   ColumnRole role;
 };
 // The first that the name contains counts; the longer come before those they contain.
-constexpr std::array<RoleWord, 33> role_words{{{"uncertainty", ColumnRole::ignored},
+constexpr std::array<RoleWord, 34> role_words{{{"uncertainty", ColumnRole::ignored},
                                                {"sigma", ColumnRole::ignored},
                                                {"residual", ColumnRole::ignored},
                                                {"angvel", ColumnRole::ignored},
@@ -148,7 +148,8 @@ constexpr std::array<RoleWord, 33> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"winkel", ColumnRole::angle},
                                                {"druck", ColumnRole::pressure},
                                                {"heure", ColumnRole::time},
-                                               {"richtung", ColumnRole::edge}}};
+                                               {"richtung", ColumnRole::edge},
+                                               {"error", ColumnRole::clock_error}}};
 constexpr std::array<RoleWord, 9> short_names{{{"t", ColumnRole::time},
                                                {"mjd", ColumnRole::time},
                                                {"utc", ColumnRole::time},

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 namespace goingrate {
@@ -55,7 +57,15 @@ public:
   void run() {
     for (std::size_t i = 0; i < beats_.size() && up_ != none; ++i) {
       if (beats_[i].flag == BeatFlag::good) up_ = i;
-      if (beats_[i].edge == Edge::down) place(i);
+      const bool bounces = beats_[i].flag == BeatFlag::bounce;
+      if (!bounces) edge_ = i;
+      if (beats_[i].edge == Edge::down && !bounces) place(i);
+      // What bounced may have been a false event shortly before the crossing.
+      if (beats_[i].edge == Edge::down && bounces && edge_ != none &&
+          beats_[edge_].flag == BeatFlag::spurious) {
+        place(i);
+        if (beats_[i].flag == BeatFlag::spurious) beats_[i].flag = BeatFlag::bounce;
+      }
     }
   }
 
@@ -120,6 +130,7 @@ private:
   double period_;
   Middle middle_;
   std::size_t up_ = none, down_ = none; // the last upward and downward crossings
+  std::size_t edge_ = none;             // the last event that is no bounce
   double off_ = 0.0;                    // of the last downward one
   std::vector<Misfit> misfits_;
 };
@@ -139,36 +150,68 @@ bool intervals_alternate(const std::vector<double>& steps, double centre) {
   return variance > 0.0 && next < -0.75 * variance && second > 0.75 * variance;
 }
 
+// Steps from one event to the next, and of each two in a row together; bounces are passed over. NaN
+// where a stretch of the sample ends.
+struct Steps {
+  std::vector<double> single, pairs;
+};
+
+Steps steps_of(std::span<const Beat> events) {
+  Steps steps;
+  for (const Stretch& stretch : sample_stretches(events.size())) {
+    const Beat *before = nullptr, *last = nullptr;
+    for (const Beat& event : events.subspan(stretch.first, stretch.size())) {
+      if (event.flag == BeatFlag::bounce) continue;
+      if (last != nullptr) steps.single.push_back(event.time - last->time);
+      if (before != nullptr) steps.pairs.push_back(event.time - before->time);
+      before = std::exchange(last, &event);
+    }
+    steps.single.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+  return steps;
+}
+
+// Of a given period: most of the steps are half of it. No beat error makes them differ by more than
+// a fifth.
+bool most_are_half(const std::vector<double>& steps, double period_s) {
+  const auto count = std::count_if(steps.begin(), steps.end(), [&](double step) {
+    return std::abs(step / period_s - 0.5) < 0.1;
+  });
+  return 2 * static_cast<std::size_t>(count) > steps.size();
+}
+
 } // namespace
 
 void place_downward(std::span<Beat> beats, double period_s) {
   DownwardNumbering(beats, period_s).run();
 }
 
-bool label_alternate_edges(ClockLog& log, bool certain) {
-  const bool labelled = std::any_of(log.events.begin(), log.events.end(),
-                                    [](const Beat& e) { return e.edge == Edge::down; });
-  if (labelled || log.events.size() < 8) return false;
-  std::vector<double> steps, pairs;
-  for (const Stretch& stretch : sample_stretches(log.events.size())) {
-    for (std::size_t i = stretch.first + 1; i < stretch.last; ++i) {
-      steps.push_back(log.events[i].time - log.events[i - 1].time);
-      if (i > stretch.first + 1) pairs.push_back(steps.back() + steps[steps.size() - 2]);
-    }
-    steps.push_back(std::numeric_limits<double>::quiet_NaN());
-  }
-  const double half = 0.5 * median(pairs); // the beat error cancels in a pair
-  if (!(half > 0.0) || (!certain && !intervals_alternate(steps, half))) return false;
+bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> nominal_period_s) {
+  const auto is_down = [](const Beat& event) { return event.edge == Edge::down; };
+  if (std::any_of(log.events.begin(), log.events.end(), is_down) || log.events.size() < 8)
+    return false;
+  Steps steps = steps_of(log.events);
+  if (steps.pairs.empty()) return false;
+  const bool half_known = nominal_period_s && most_are_half(steps.single, *nominal_period_s);
+  // The beat error cancels in a pair; a period that is given is half of it whatever is missing.
+  const double half = half_known ? 0.5 * *nominal_period_s : 0.5 * median(steps.pairs);
+  if (!(half > 0.0) || !(certain || half_known || intervals_alternate(steps.single, half)))
+    return false;
   std::int64_t beat = 0;
-  for (std::size_t i = 1; i < log.events.size(); ++i) {
-    const double beats = (log.events[i].time - log.events[i - 1].time) / half;
-    if (beats < 1e15) beat += std::llround(beats);
-    log.events[i].edge = beat % 2 == 0 ? Edge::up : Edge::down;
+  const Beat* last = nullptr;
+  for (Beat& event : log.events) {
+    if (event.flag != BeatFlag::bounce) {
+      const double beats = last == nullptr ? 0.0 : (event.time - last->time) / half;
+      if (std::abs(beats) < 1e15) beat += std::llround(beats);
+      last = &event;
+    }
+    event.edge = beat % 2 == 0 ? Edge::up : Edge::down;
   }
   log.assumptions.push_back(
-      certain ? "both directions are in the log: every other event is a downward crossing"
-              : "the intervals alternate, so both directions are in the log: every other event is "
-                "taken as a downward crossing");
+      certain || half_known
+          ? "both directions are in the log: every other event is a downward crossing"
+          : "the intervals alternate, so both directions are in the log: every other event is "
+            "taken as a downward crossing");
   return true;
 }
 

@@ -113,7 +113,26 @@ GapCount GapJudge::count(std::span<const Beat> beats, std::size_t first, std::si
     if (good(k)) follow(forward, beats[std::exchange(i, k)], beats[k]);
   for (std::size_t i = to, k = to; k-- > after;)
     if (good(k)) follow(backward, beats[std::exchange(i, k)], beats[k]);
-  return judge(forward, backward, beats[after].time - beats[before].time, lost);
+  const double elapsed = beats[after].time - beats[before].time;
+  GapCount count = judge(forward, backward, elapsed, lost);
+  count.reference_set = lost && reference_was_set(forward, backward, elapsed);
+  return count;
+}
+
+// Whether the next beat came one period and some whole hours after the last: clocks are set from one
+// zone to another far more often than a break ends by chance after exactly so long.
+bool GapJudge::reference_was_set(const ClockFilter& before, const ClockFilter& after,
+                                 double elapsed_s) const {
+  constexpr double hour = 3600.0;
+  const double period = 0.5 * (before.period() + after.period());
+  const double hours = std::round((elapsed_s - period) / hour);
+  if (hours == 0.0) return false;
+  const double error = elapsed_s - hours * hour - period - before.offset() - after.offset();
+  const double variance = before.after(1.0).tt + after.covariance().tt;
+  // Six sigmas, a thousandth of the period in a log without noise, and never so wide that one break
+  // in ten would do.
+  const double limit = std::clamp(6.0 * std::sqrt(variance), 1e-3 * period_, 0.05 * period_);
+  return std::abs(error) <= limit;
 }
 
 std::int64_t GapJudge::longest_countable(double least_probability) const {

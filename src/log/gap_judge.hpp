@@ -13,6 +13,7 @@ struct GapCount {
   std::int64_t cycles = 1;  ///< from the beat before to the beat after
   double probability = 0.0; ///< that it is this many
   bool displaced = false;   ///< no count fits: the clock stood still, or the reference jumped
+  bool reference_set = false; ///< by whole hours, with no beat missing
 };
 
 /// Judges gaps by what the clock did before and after each.
@@ -51,6 +52,8 @@ private:
   [[nodiscard]] double probability(double misfit_periods, double sigma_periods,
                                    double share_displaced) const;
   [[nodiscard]] bool beyond_belief(double cycles) const;
+  [[nodiscard]] bool reference_was_set(const ClockFilter& before, const ClockFilter& after,
+                                       double elapsed_s) const;
 
   BeatNoise noise_;
   double period_;

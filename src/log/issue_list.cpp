@@ -74,6 +74,8 @@ std::string_view name_of(IssueKind kind) {
     return "gap";
   case IssueKind::header:
     return "header";
+  case IssueKind::repeated:
+    return "repeated";
   case IssueKind::incomplete:
     break;
   }

@@ -27,6 +27,13 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
   return {};
 }
 
+// The coarsest unit in which no value is beyond the time at which they begin again.
+std::optional<TimeUnit> unit_within(double wrap_s, const ColumnSample& sample) {
+  for (const TimeUnit& unit : {in_seconds, in_milliseconds, in_microseconds, in_nanoseconds})
+    if (sample.most * unit.seconds * std::pow(10.0, unit.power) <= wrap_s) return unit;
+  return {};
+}
+
 class Detection {
 public:
   Detection(const LogHead& head, const ReadingOptions& options, ClockLog& log)
@@ -96,6 +103,8 @@ private:
   void settle_unit(LogColumn& column, const ColumnSample& sample);
   void settle_angle_unit();
   void settle_tau0();
+  void refuse_fast_counter(const ColumnSample& sample) const;
+  void refuse_what_was_not_measured(std::size_t time) const;
   void say_which_time();
 
   const LogHead& head_;
@@ -176,7 +185,8 @@ LogFormat Detection::format_of_contents() const {
   if (head_.columns == 1) return format_of_one_column();
   if (looks_like_clock_error()) return LogFormat::clock_error;
   const bool timed = is_number(0) && samples_[0].rising > 0.9;
-  if (timed && is_number(1) && samples_[1].smooth && samples_[1].crossings >= 3)
+  const bool turned = is_number(0) && samples_[0].falling > 0.9;
+  if ((timed || turned) && is_number(1) && samples_[1].smooth && samples_[1].crossings >= 3)
     return LogFormat::angle;
   const std::string& name = log_.source;
   if (timed && is_number(1) && (name.ends_with(".ykt") || name.ends_with(".ykt.gz")))
@@ -201,7 +211,7 @@ LogFormat Detection::format_of_one_column() const {
   const bool beats = !is_number(0) || options_.unit || unit_for_step(only.typical_step, only);
   if ((steady && beats) || options_.wrap_s) return LogFormat::timestamps;
   // Periods of one clock are alike; the error of a clock wanders about nothing in particular.
-  const bool alike = only.least > 0.0 && only.spread < 0.2 * only.median &&
+  const bool alike = only.least >= 0.0 && only.spread < 0.2 * only.median &&
                      (options_.unit || unit_for_step(only.median, only));
   if (alike) return LogFormat::periods;
   if (only.whole && only.least >= 0.0 && only.most > 100.0) {
@@ -281,9 +291,10 @@ void Detection::check_needed_columns() {
                                     [](const std::string& c) { return c.starts_with("time="); });
     const bool use_time = forced || !coarse;
     assume(use_time ? "times are read, the column of periods is not (--column period=N)"
-                    : "periods are added up; the column of times, in whole numbers, is not read "
-                      "(--column time=N)");
+                    : "periods are added up; the column of times, in whole numbers, tells pauses "
+                      "alone (--column time=N)");
     layout_.columns[use_time ? *period : *time].role = ColumnRole::ignored;
+    if (!use_time) layout_.coarse_time = time;
   }
   const bool timed = has(ColumnRole::time) || has(ColumnRole::period) ||
                      has(ColumnRole::half_period) || has(ColumnRole::phase) ||
@@ -309,10 +320,12 @@ void Detection::settle_times() {
   const auto at = layout_.find(ColumnRole::time);
   if (at) {
     const ColumnSample& sample = samples_[*at];
-    layout_.calendar = is_calendar(*at) || layout_.find(ColumnRole::date).has_value();
+    layout_.date_begins_run = layout_.find(ColumnRole::date) && is_number(*at);
+    layout_.calendar = is_calendar(*at) || (layout_.find(ColumnRole::date) && !is_number(*at));
     const bool date = sample.has_date || layout_.find(ColumnRole::date);
     if (layout_.calendar && !date) layout_.wrap_s = 86400.0;
     if (options_.wrap_s) layout_.wrap_s = options_.wrap_s;
+    refuse_fast_counter(sample);
     layout_.newest_first = sample.falling > 0.7 && sample.falling > sample.rising;
     if (layout_.newest_first) {
       assume("the newest line is first; the log is turned round");
@@ -328,6 +341,67 @@ void Detection::settle_times() {
   if (layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency))
     if (!options_.tau0_s && !options_.nominal_period_s) settle_tau0();
   settle_angle_unit();
+  if (at && layout_.find(ColumnRole::clock_error)) {
+    const TimeUnit& unit = layout_.columns[*at].unit;
+    const double step = samples_[*at].typical_step * unit.seconds * std::pow(10.0, unit.power);
+    const bool label = layout_.format == LogFormat::clock_error || std::fmod(step, 0.25) == 0.0;
+    if (label && step > 0.0 && step < 1e9) layout_.label_step_s = step;
+  }
+  if (at) refuse_what_was_not_measured(*at);
+  if (layout_.format != LogFormat::angle) return;
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    if (layout_.columns[i].role == ColumnRole::ignored && samples_[i].smooth &&
+        samples_[i].crossings >= 3)
+      layout_.swinging = i;
+}
+
+// Whole numbers that begin again within a few lines, just below what a counter holds: how often it
+// began again between two lines they do not tell.
+void Detection::refuse_fast_counter(const ColumnSample& sample) const {
+  if (options_.wrap_s || options_.unit || !sample.whole || !(sample.least >= 0.0)) return;
+  constexpr double often = 0.05, nearly = 0.9; // of the lines; of what the counter holds
+  if (std::min(sample.rising, sample.falling) < often) return;
+  for (const double holds : {65536.0, 1e6, 1048576.0, 16777216.0}) {
+    if (!(sample.most < holds && sample.most > nearly * holds)) continue;
+    const HeadLine& first = head_.rows.front();
+    throw ImpossibleReading(
+        {log_.source, first.number, 1},
+        fmt::format("whole numbers up to {:.0f} that begin again every few lines", sample.most),
+        "times that rise for some beats at least",
+        {{.words = "they are microseconds, and begin again more than once a beat of 2 s",
+          .nominal_period_s = 2.0,
+          .wrap_s = holds * 1e-6,
+          .unit = "us"},
+         {.words = "they are milliseconds", .wrap_s = holds * 1e-3, .unit = "ms"}});
+  }
+}
+
+// Whole numbers at exactly equal steps are labels, or a count of the lines, where another column
+// goes one way or counts: nobody's beats are so even.
+void Detection::refuse_what_was_not_measured(std::size_t time) const {
+  const ColumnSample& sample = samples_[time];
+  constexpr std::size_t enough = 20; // lines
+  if (!sample.whole || !sample.even || sample.numbers < enough || !options_.columns.empty() ||
+      options_.format || !head_.names.empty() || layout_.find(ColumnRole::clock_error))
+    return;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const ColumnSample& other = samples_[i];
+    const bool one_way = std::max(other.rising, other.falling) > 0.9;
+    const bool counts = other.whole && other.most > 1000.0 && other.typical_step > 100.0;
+    if (i == time || !is_number(i) || !(one_way || counts)) continue;
+    const HeadLine& first = head_.rows.front();
+    const auto column = [](std::string_view role, std::size_t place) {
+      return fmt::format("{}={}", role, place + 1);
+    };
+    throw ImpossibleReading(
+        {log_.source, first.number, 1},
+        fmt::format("whole numbers exactly {} apart for times", sample.typical_step),
+        "times that were measured",
+        {{.words = fmt::format("column {} is the clock's error at each label", i + 1),
+          .columns = {column("time", time), column("error", i)}},
+         {.words = fmt::format("column {} holds the times", i + 1),
+          .columns = {column("time", i)}}});
+  }
 }
 
 void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
@@ -343,7 +417,10 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   }
   if (by_user || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
     return;
-  const auto likely = unit_for_step(sample.typical_step, sample);
+  const auto likely =
+      options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
+          ? unit_within(*options_.wrap_s, sample)
+          : unit_for_step(sample.typical_step, sample);
   const bool stated = index < stated_unit_.size() && stated_unit_[index];
   if (!likely || *likely == column.unit) return;
   const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
@@ -366,7 +443,11 @@ void Detection::say_which_time() {
   const auto date = layout_.find(ColumnRole::date);
   assume(fmt::format("times are those of column {}{}{} (--column time=N)", *at + 1,
                      name.empty() ? "" : ", " + shown(name),
-                     date ? fmt::format(", with the dates of column {}", *date + 1) : ""));
+                     !date                     ? std::string()
+                     : layout_.date_begins_run ? fmt::format(", counted from the dates of column {}",
+                                                             *date + 1)
+                                               : fmt::format(", with the dates of column {}",
+                                                             *date + 1)));
 }
 
 // Phase and frequency come with a time of their own, or are taken as one a second.

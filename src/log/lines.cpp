@@ -1,5 +1,7 @@
 #include "lines.hpp"
 
+#include "goingrate/log/reading.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -238,6 +240,19 @@ std::optional<Line> LineReader::next() {
     const Line last{rest_, ++number_, false};
     rest_ = {};
     return last;
+  }
+}
+
+std::string read_text(const std::string& path) {
+  const auto source = open_source(path);
+  std::string text;
+  constexpr std::size_t chunk = 1 << 16;
+  while (true) {
+    const std::size_t kept = text.size();
+    text.resize(kept + chunk);
+    const std::size_t count = source->read(text.data() + kept, chunk);
+    text.resize(kept + count);
+    if (count == 0) return text;
   }
 }
 

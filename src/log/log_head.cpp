@@ -310,6 +310,17 @@ void describe_steps(ColumnSample& sample, const std::vector<double>& values) {
   const auto count = static_cast<double>(std::max<std::size_t>(values.size(), 2) - 1);
   sample.rising = up / count;
   sample.falling = down / count;
+  if (steps.empty()) return;
+  const auto [shortest, longest] = std::minmax_element(steps.begin(), steps.end());
+  sample.even = steps.size() + 1 == values.size() && *shortest == *longest;
+  if (std::max(sample.rising, sample.falling) > 0.9) {
+    // Of times at which a contact bounced most steps are from one bounce to the next: they are no
+    // steps of the column. Nine in ten at most, and gaps are fewer than the tenth.
+    const auto most = steps.begin() + static_cast<std::ptrdiff_t>(9 * (steps.size() - 1) / 10);
+    std::nth_element(steps.begin(), most, steps.end());
+    const double bounce = 0.1 * *most;
+    std::erase_if(steps, [bounce](double step) { return step < bounce; });
+  }
   sample.typical_step = median_of(steps);
 }
 
@@ -322,8 +333,17 @@ void describe_swing(ColumnSample& sample, const std::vector<double>& values) {
     variance += a * a;
     next += a * b;
   }
-  // Five samples a swing or more have a correlation of cos(2 pi / 5) or more.
-  sample.smooth = variance > 0.0 && next > 0.3 * variance;
+  // Five samples a swing or more have a correlation of cos(2 pi / 5) or more. Fewer obey the
+  // difference equation of a sine, x[i+1] + x[i-1] = 2 cos(2 pi / n) x[i], with n above 2.5.
+  double sums = 0.0, with = 0.0;
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    const double both = values[i - 1] + values[i + 1] - 2.0 * middle;
+    sums += both * both;
+    with += both * (values[i] - middle);
+  }
+  const double factor = variance > 0.0 ? with / variance : 0.0;
+  const bool sine = sums - factor * with < 0.5 * variance && factor > -1.6;
+  sample.smooth = variance > 0.0 && (next > 0.3 * variance || sine);
 }
 
 } // namespace
@@ -351,6 +371,7 @@ ColumnSample LogHead::sample(std::size_t column) const {
       ++result.calendars;
       result.has_date = result.has_date || time->has_date;
       values.push_back(time->time.to_double());
+      result.whole = result.whole && time->time.fraction == 0.0;
     } else if (is_date(text)) {
       ++result.dates;
     }

@@ -25,6 +25,7 @@ struct ColumnSample {
   std::size_t rows = 0;
   bool whole = true; ///< all numbers without decimals
   bool has_date = false;
+  bool even = false;         ///< all steps are of one size
   double rising = 0.0;       ///< part of the steps that go up
   double falling = 0.0;      ///< and down
   double typical_step = 0.0; ///< median size of a step that is not zero

@@ -1,7 +1,5 @@
 #include "numbering.hpp"
 
-#include "phase_search.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,10 +15,12 @@ constexpr double gate_sigmas2 = 36.0;
 constexpr double gate_floor = 0.01;
 // Never so wide that an event half-way between two beats could be one.
 constexpr double gate_cap = 0.25;
-// So many periods without a beat, or events without a place: the beats are looked for afresh. With
-// a tenth of the beats missed, or of the events false, it happens once in 1e8 and 1e6 by chance.
-constexpr double longest_absence = 8.0;
+// So many events without a place: the beats are looked for afresh. With a tenth of the events false
+// it happens once in 1e6 by chance.
 constexpr int most_misfits = 6;
+// Over a long absence the next beat is still foreseen if six sigmas are no more than this part of the
+// period: an event at any phase then fits once in ten times at most.
+constexpr double foreseen_share = 0.05;
 // Two events for one cycle are told apart if one is a hundred times likelier: exp(4.6).
 constexpr double decisive_log_odds = 4.6;
 // How far the period may be off the typical one where the beats begin, and may have changed where
@@ -32,16 +32,20 @@ constexpr double changed_period_share = 1e-3;
 
 Numbering::Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise)
     : beats_(beats), period_(typical.mean_s),
-      // Six sigmas of a difference over twelve periods, at least 1.5 % (the typical period may be
-      // off by a thousandth), at most so much that false events seldom agree.
-      tolerance_(std::clamp(6.0 * std::sqrt(2.0 * noise.jitter2 + 12.0 * noise.walk2),
-                            0.015 * period_, 0.1 * period_)),
+      search_{.period_s = period_,
+              // Six sigmas of a difference over twelve periods, at least 1.5 % (the typical period may
+              // be off by a thousandth), at most so much that false events seldom agree.
+              .tolerance_s = std::clamp(6.0 * std::sqrt(2.0 * noise.jitter2 + 12.0 * noise.walk2),
+                                        0.015 * period_, 0.1 * period_),
+              .window = 12.5 * typical.mean_step,
+              .absence = longest_absence(typical)},
       floor_(gate_floor * period_), filter_(noise, typical.mean_s) {}
 
 std::size_t Numbering::next_up(std::size_t i) {
-  for (; i < beats_.size() && beats_[i].edge == Edge::down; ++i) {
-    beats_[i].flag = BeatFlag::down;
+  for (; i < beats_.size() && !may_be_up(beats_[i]); ++i) {
     beats_[i].cycle = beats_[last_].cycle;
+    if (beats_[i].flag == BeatFlag::bounce) continue;
+    beats_[i].flag = BeatFlag::down;
     has_downward_ = true;
   }
   return i;
@@ -69,9 +73,9 @@ void Numbering::run() {
   last_ = next_up(0);
   if (last_ == beats_.size()) return;
   beats_[last_].cycle = 0;
-  const double period = local_period(beats_, last_, period_);
+  double period = local_period(beats_, last_, search_);
   // Too few for a vote: trust the first event.
-  const std::size_t start = find_steady_beat(beats_, last_, period, tolerance_).value_or(last_);
+  const std::size_t start = looked_for(last_, period).value_or(last_);
   for (std::size_t i = last_; i < start; i = next_up(i + 1))
     mark_spurious(i);
   accept(start, 0);
@@ -86,19 +90,68 @@ std::size_t Numbering::place(std::size_t i) {
   const double since = beats_[i].time - beats_[last_].time - filter_.offset();
   const double period = filter_.period();
   const double cycles = std::abs(since - period) < 0.5 * period ? 1.0 : std::round(since / period);
-  if (cycles > longest_absence) return resume(i, i);
-  if (cycles >= 1.0) {
-    const auto foreseen = filter_.after(cycles);
-    if (fits(since - cycles * period, filter_.error_variance(foreseen))) return settle(i, cycles);
+  const double variance =
+      cycles >= 1.0 ? filter_.error_variance(filter_.after(cycles)) : 0.0; // of what is foreseen
+  const bool absent = cycles > search_.absence;
+  const bool lost =
+      absent && gate_sigmas2 * variance > std::pow(foreseen_share * period_, 2.0);
+  if (lost) return resume(i, i, true);
+  if (const auto beat = beat_among_bounces(i)) {
+    mark_spurious(i);
+    beats_[*beat].flag = BeatFlag::good;
+    return place(*beat);
   }
+  if (cycles >= 1.0 && fits(since - cycles * period, variance)) return settle(i, cycles);
+  if (absent) return resume(i, i, false);
   mark_spurious(i);
-  if (++misfits_ >= most_misfits) return resume(last_ + 1, i);
+  if (++misfits_ >= most_misfits) return resume(last_ + 1, i, true);
   return i;
+}
+
+// A false event shortly before a beat makes it look like its bounce: event i is off, and one of its
+// bounces stands where the beat is foreseen.
+std::optional<std::size_t> Numbering::beat_among_bounces(std::size_t i) const {
+  // Twice the log of what it must be likelier by: of events close to each other one in forty comes
+  // before the beat, and a hundred to one decides.
+  constexpr double decisive2 = 2.0 * (3.7 + decisive_log_odds);
+  const auto squared_sigmas = [&](std::size_t k) {
+    const double since = beats_[k].time - beats_[last_].time;
+    const double cycles = std::max(1.0, std::round((since - filter_.offset()) / filter_.period()));
+    const double error = filter_.error(since, cycles);
+    return error * error / filter_.error_variance(filter_.after(cycles));
+  };
+  const bool has_bounce = i + 1 < beats_.size() && beats_[i + 1].flag == BeatFlag::bounce;
+  const double first = has_bounce ? squared_sigmas(i) : 0.0;
+  if (first < decisive2) return {};
+  for (std::size_t k = i + 1; k < beats_.size() && beats_[k].flag == BeatFlag::bounce; ++k)
+    if (beats_[k].edge == Edge::up && first - squared_sigmas(k) > decisive2) return k;
+  return {};
+}
+
+// Where cycles are missing before event i: a bounce that stands where one of their beats is foreseen.
+// A false event of either direction came shortly before it.
+std::optional<std::size_t> Numbering::missing_among_bounces(std::size_t i) const {
+  constexpr double near2 = 9.0; // squared sigmas
+  for (std::size_t k = last_ + 1; k < i; ++k) {
+    if (beats_[k].flag != BeatFlag::bounce || beats_[k].edge != Edge::up) continue;
+    const double since = beats_[k].time - beats_[last_].time;
+    const double cycles = std::round((since - filter_.offset()) / filter_.period());
+    if (cycles < 1.0) continue;
+    const double error = filter_.error(since, cycles);
+    if (error * error < near2 * filter_.error_variance(filter_.after(cycles))) return k;
+  }
+  return {};
 }
 
 // Of event i and those after it that fit the same cycle the nearest is the beat; one that is nearly
 // as likely is a rival, another spurious.
 std::size_t Numbering::settle(std::size_t i, double cycles) {
+  if (cycles > 1.0)
+    if (const auto beat = missing_among_bounces(i)) {
+      beats_[*beat].flag = BeatFlag::good;
+      (void)place(*beat);
+      return place(i);
+    }
   const std::size_t before = last_;
   const auto foreseen = filter_.after(cycles);
   const double variance = filter_.error_variance(foreseen);
@@ -117,7 +170,7 @@ std::size_t Numbering::settle(std::size_t i, double cycles) {
   }
   const std::int64_t cycle = beats_[before].cycle + static_cast<std::int64_t>(cycles);
   for (std::size_t k = i; last != i && k <= last; ++k) {
-    if (k == best || beats_[k].edge == Edge::down) continue;
+    if (k == best || !may_be_up(beats_[k])) continue;
     const double error = error_of(k);
     const double log_odds = 0.5 * (error * error - least * least) / variance;
     beats_[k].flag = log_odds < decisive_log_odds ? BeatFlag::rival : BeatFlag::spurious;
@@ -129,16 +182,24 @@ std::size_t Numbering::settle(std::size_t i, double cycles) {
   return last;
 }
 
+// The first steady beat from event i on, by `period` or, as the filter may have gone astray after a
+// false start, by the period that the beats there have, which `period` becomes.
+std::optional<std::size_t> Numbering::looked_for(std::size_t i, double& period) const {
+  PhaseSearch search = search_;
+  search.period_s = period;
+  if (const auto found = find_steady_beat(beats_, i, search)) return found;
+  period = local_period(beats_, i, search_);
+  search.period_s = period;
+  return find_steady_beat(beats_, i, search);
+}
+
 // The beats were lost: looks for them from event i on; those up to `seen` are spurious if there are
-// none.
-std::size_t Numbering::resume(std::size_t i, std::size_t seen) {
+// none. Fewer than four before the next absence will do where nothing says that they are false.
+std::size_t Numbering::resume(std::size_t i, std::size_t seen, bool few_will_do) {
   misfits_ = 0;
   double period = filter_.period();
-  auto found = find_steady_beat(beats_, i, period, tolerance_);
-  if (!found) { // the filter itself may have gone astray, after a false start
-    period = local_period(beats_, i, period_);
-    found = find_steady_beat(beats_, i, period, tolerance_);
-  }
+  auto found = looked_for(i, period);
+  if (found && !few_will_do && events_before_absence(beats_, i, search_) < 4) found.reset();
   const std::size_t start = found.value_or(seen + 1);
   for (std::size_t k = next_up(i); k < start; k = next_up(k + 1))
     mark_spurious(k);
@@ -148,7 +209,7 @@ std::size_t Numbering::resume(std::size_t i, std::size_t seen) {
   const double periods = (elapsed - filter_.offset()) / period;
   const double cycles = std::clamp(std::round(periods), 1.0, most);
   const auto foreseen = filter_.after(cycles);
-  if (cycles <= longest_absence &&
+  if (cycles <= search_.absence &&
       fits(filter_.error(elapsed, cycles), filter_.error_variance(foreseen)))
     return settle(start, cycles); // no more than a run of false events
   accept(start, beats_[last_].cycle + static_cast<std::int64_t>(cycles));

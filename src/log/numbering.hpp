@@ -3,13 +3,20 @@
 #pragma once
 
 #include "clock_filter.hpp"
+#include "phase_search.hpp"
 
+#include <optional>
 #include <span>
 
 namespace goingrate {
 
+/// Periods without a beat after which the beats may be elsewhere: with a tenth of them missed it
+/// happens once in 1e8 by chance. Where more are lost as a rule, as many more.
+inline double longest_absence(const TypicalPeriod& typical) { return 8.0 * typical.mean_step; }
+
 /// Numbers the upward crossings of `beats` in place: flag and cycle. Downward crossings get their
-/// flag; they and spurious events get the cycle of the beat before them, so that cycles never fall.
+/// flag; they, bounces and spurious events get the cycle of the beat before them, so that cycles
+/// never fall.
 class Numbering {
 public:
   Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise);
@@ -26,7 +33,10 @@ private:
   [[nodiscard]] std::size_t next_up(std::size_t i);
   std::size_t place(std::size_t i);
   std::size_t settle(std::size_t i, double cycles);
-  std::size_t resume(std::size_t i, std::size_t seen);
+  [[nodiscard]] std::optional<std::size_t> beat_among_bounces(std::size_t i) const;
+  [[nodiscard]] std::optional<std::size_t> missing_among_bounces(std::size_t i) const;
+  std::size_t resume(std::size_t i, std::size_t seen, bool few_will_do);
+  [[nodiscard]] std::optional<std::size_t> looked_for(std::size_t i, double& period) const;
   void mark_spurious(std::size_t i);
   void accept(std::size_t i, std::int64_t cycle);
   [[nodiscard]] bool fits(double error_s, double variance) const;
@@ -35,8 +45,8 @@ private:
 
   std::span<Beat> beats_;
   double period_;
-  double tolerance_; // of a grid over a dozen periods, s
-  double floor_;     // an event this near fits however little noise there is, s
+  PhaseSearch search_;
+  double floor_; // an event this near fits however little noise there is, s
   ClockFilter filter_;
   std::vector<std::size_t> resumed_;
   std::vector<std::size_t> surprises_;

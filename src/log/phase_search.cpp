@@ -10,7 +10,6 @@ namespace goingrate {
 
 namespace {
 
-constexpr double window_periods = 12.5; // enough to outvote a tenth of false or missed events
 constexpr std::size_t most_tried = 40;  // three events a period
 
 // How many cycles after `start` have an event on its grid, and how far off these are, rms.
@@ -19,18 +18,18 @@ struct Agreement {
   double off_s = 0.0;
 };
 
-Agreement agreement(std::span<const Beat> events, std::size_t start, double period_s,
-                    double tolerance_s) {
+Agreement agreement(std::span<const Beat> events, std::size_t start, const PhaseSearch& search) {
+  const double period_s = search.period_s;
   Agreement agreed{1, 0.0};
   // The grid follows its events half-way: the period here may be off the typical one.
   double grid = 0.0;
   for (std::size_t i = start + 1; i < events.size() && i < start + 2 * most_tried; ++i) {
-    if (events[i].edge == Edge::down) continue;
+    if (!may_be_up(events[i])) continue;
     const double elapsed = events[i].time - events[start].time;
-    if (elapsed > window_periods * period_s) break;
+    if (elapsed > search.window * period_s) break;
     const double n = std::round((elapsed - grid) / period_s);
     const double off = elapsed - grid - n * period_s;
-    if (n < 1.0 || std::abs(off) > tolerance_s) continue;
+    if (n < 1.0 || std::abs(off) > search.tolerance_s) continue;
     ++agreed.cycles;
     agreed.off_s += off * off; // squared: a false start is far off its first neighbours
     grid = elapsed - 0.5 * off;
@@ -41,14 +40,15 @@ Agreement agreement(std::span<const Beat> events, std::size_t start, double peri
 
 } // namespace
 
-double local_period(std::span<const Beat> events, std::size_t from, double period_s) {
+double local_period(std::span<const Beat> events, std::size_t from, const PhaseSearch& search) {
+  const double period_s = search.period_s;
   constexpr double alike = 0.1; // of a period: no circular error or step of the rate is larger
   constexpr std::size_t fewest = 4;
   std::vector<double> steps;
   const Beat* before = nullptr;
   for (std::size_t i = from; i < events.size(); ++i) {
-    if (events[i].edge == Edge::down) continue;
-    if (events[i].time - events[from].time > window_periods * period_s) break;
+    if (!may_be_up(events[i])) continue;
+    if (events[i].time - events[from].time > search.window * period_s) break;
     const double step = before == nullptr ? 0.0 : events[i].time - before->time;
     if (std::abs(step - period_s) < alike * period_s) steps.push_back(step);
     before = &events[i];
@@ -63,26 +63,36 @@ double local_period(std::span<const Beat> events, std::size_t from, double perio
   return std::abs(here - period_s) > 4.0 * error ? here : period_s; // beyond chance
 }
 
+int events_before_absence(std::span<const Beat> events, std::size_t from,
+                          const PhaseSearch& search) {
+  int count = 0;
+  std::size_t last = from;
+  for (std::size_t i = from; i < events.size() && count < 4; ++i) {
+    if (!may_be_up(events[i])) continue;
+    if (count > 0 && events[i].time - events[last].time > search.absence * search.period_s) break;
+    last = i;
+    ++count;
+  }
+  return count;
+}
+
 std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
-                                            double period_s, double tolerance_s) {
+                                            const PhaseSearch& search) {
+  const double period_s = search.period_s, tolerance_s = search.tolerance_s;
   std::vector<std::size_t> tried;
   std::vector<Agreement> agreed;
   for (std::size_t i = from; i < events.size() && tried.size() < most_tried; ++i) {
-    if (events[i].edge == Edge::down) continue;
-    if (!tried.empty() && events[i].time - events[tried.front()].time > window_periods * period_s)
+    if (!may_be_up(events[i])) continue;
+    if (!tried.empty() && events[i].time - events[tried.front()].time > search.window * period_s)
       break;
     tried.push_back(i);
-    agreed.push_back(agreement(events, i, period_s, tolerance_s));
+    agreed.push_back(agreement(events, i, search));
   }
   if (tried.empty()) return {};
   const auto best =
       std::max_element(agreed.begin(), agreed.end(),
                        [](const Agreement& a, const Agreement& b) { return a.cycles < b.cycles; });
-  std::size_t left = 0;
-  for (std::size_t i = from; i < events.size() && left < 4; ++i)
-    left += events[i].edge == Edge::up ? 1 : 0;
-  const bool enough = best->cycles >= static_cast<int>(std::min<std::size_t>(4, left));
-  if (!enough) return {};
+  if (best->cycles < events_before_absence(events, from, search)) return {};
   // The first on the winner's grid; of several for the same cycle the nearest to the others.
   const Beat& winner = events[tried[static_cast<std::size_t>(best - agreed.begin())]];
   std::optional<std::size_t> first;

@@ -8,17 +8,29 @@
 
 namespace goingrate {
 
-/// The first event at or after `from` that stands on one grid of the period with most of the events
-/// of the next dozen periods. Each event is tried: a missed or false one among them does not make
-/// the others bad. `tolerance_s` is how far a beat may be off the grid. Downward crossings are
-/// passed over. Nothing if fewer than four events agree (fewer are enough at the end of the log).
-std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
-                                            double period_s, double tolerance_s);
+/// How beats are looked for.
+struct PhaseSearch {
+  double period_s = 0.0;
+  double tolerance_s = 0.0; ///< how far a beat may be off the grid
+  double window = 12.5;     ///< periods looked at: enough to outvote a tenth of false or missed ones
+  double absence = 8.0;     ///< periods without an event after which nothing is looked for
+};
 
-/// The period of the beats from index `from` on, within a dozen periods: the median of the steps
+/// The first event at or after `from` that stands on one grid of the period with most of the events
+/// of the window. Each event is tried: a missed or false one among them does not make the others
+/// bad. Downward crossings and bounces are passed over. Nothing if fewer than four events agree, or
+/// fewer than there are before an absence or the end of the log.
+std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
+                                            const PhaseSearch& search);
+
+/// The events from `from` on, no more than four, before none comes for the time of an absence.
+int events_before_absence(std::span<const Beat> events, std::size_t from,
+                          const PhaseSearch& search);
+
+/// The period of the beats from index `from` on, within the window: the median of the steps
 /// that are within a tenth of `period_s`, which of a clock that rings down may be some per cent
 /// off; `period_s` itself if there are not four of them or the median is not beyond four of its
 /// standard errors from it.
-double local_period(std::span<const Beat> events, std::size_t from, double period_s);
+double local_period(std::span<const Beat> events, std::size_t from, const PhaseSearch& search);
 
 } // namespace goingrate

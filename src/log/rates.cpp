@@ -11,12 +11,17 @@
 
 namespace goingrate {
 
+double rounded_period(double period_s) {
+  const double quarters = std::round(period_s * 4.0) / 4.0;
+  return quarters > 0.0 && std::abs(period_s / quarters - 1.0) < 0.002 ? quarters : period_s;
+}
+
 double nominal_period(const ClockLog& log, const Beats& beats,
                       std::vector<std::string>& assumptions) {
   if (log.nominal_period_s) return *log.nominal_period_s;
   const double mean = beats.typical_period_s;
-  const double quarters = std::round(mean * 4.0) / 4.0;
-  if (quarters > 0.0 && std::abs(mean / quarters - 1.0) < 0.002) {
+  const double quarters = rounded_period(mean);
+  if (quarters != mean) {
     assumptions.push_back(fmt::format(
         "nominal period {} s, the mean period {:.6f} s rounded (--nominal-period says otherwise)",
         quarters, mean));

@@ -29,18 +29,17 @@ std::optional<double> stated(const LogHead& head, std::string_view key, double l
 void settle_nominal_period(ClockLog& log, const LogHead& head, const Layout& layout,
                            const ReadingOptions& options) {
   log.flag_width_rad = stated(head, "flag_width_rad", 0.0, 1.0);
-  if (options.nominal_period_s) {
+  if (layout.find(ColumnRole::phase) || layout.find(ColumnRole::frequency)) {
+    log.nominal_period_s = layout.tau0_s;
+  } else if (options.nominal_period_s) {
     log.nominal_period_s = options.nominal_period_s;
-  } else if (layout.format == LogFormat::clock_error) {
-    const double step = head.sample(*layout.find(ColumnRole::time)).typical_step;
-    if (!(step > 0.0 && step < 1e9)) return;
-    log.nominal_period_s = step;
-    log.assumptions.push_back(fmt::format("nominal period {} s, the step of the labels", step));
+  } else if (layout.label_step_s > 0.0) {
+    log.nominal_period_s = layout.label_step_s;
+    log.assumptions.push_back(
+        fmt::format("nominal period {} s, the step of the labels", layout.label_step_s));
   } else if (const auto value = stated(head, "nominal_period_s", 1e-9, 1e9)) {
     log.nominal_period_s = value;
     log.assumptions.push_back(fmt::format("nominal period {} s, from the header", *value));
-  } else if (layout.find(ColumnRole::phase) || layout.find(ColumnRole::frequency)) {
-    log.nominal_period_s = layout.tau0_s;
   }
 }
 
@@ -53,6 +52,18 @@ void refuse_if_mostly_bad(const ClockLog& log, const RowReader& rows) {
                    "a log of which at least half can be read");
 }
 
+// Another column that swings, or crossings that were timed by somebody else.
+std::vector<OtherReading> readings_beside_angle(const Layout& layout) {
+  std::vector<OtherReading> others;
+  if (layout.swinging)
+    others.push_back({.words = fmt::format("column {} swings", *layout.swinging + 1),
+                      .columns = {fmt::format("angle={}", *layout.swinging + 1)}});
+  others.push_back({.words = "each line is a crossing, timed", .format = LogFormat::table});
+  if (others.size() < 2)
+    others.push_back({.words = "the angle stands in another column", .columns = {"angle=3"}});
+  return others;
+}
+
 void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout& layout) {
   if (log.events.size() >= fewest_events) return;
   if (log.events.empty() && rows.other_channels() > 0)
@@ -60,21 +71,31 @@ void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout&
                      fmt::format("{} lines of other channels", rows.other_channels()),
                      fmt::format("lines of channel {} (--channel)", layout.channel));
   if (layout.format == LogFormat::angle)
-    throw InputError({log.source, layout.first_line, 1},
-                     fmt::format("{} samples of an angle with {} crossings", rows.samples().size(),
-                                 log.events.size()),
-                     "three swings or more, of six samples or more each (--format, --column)");
+    throw ImpossibleReading({log.source, layout.first_line, 1},
+                            fmt::format("{} samples of an angle with {} crossings",
+                                        rows.samples().size(), log.events.size()),
+                            "three swings or more", readings_beside_angle(layout));
   const std::size_t line = log.events.empty() ? 1 : log.events.back().line;
   throw InputError({log.source, line, 1},
-                   fmt::format("{} event{}", log.events.size(), log.events.size() == 1 ? "" : "s"),
+                   fmt::format("{} {}{}", log.events.size(), log.grid ? "value" : "event",
+                               log.events.size() == 1 ? "" : "s"),
                    fmt::format("at least {}", fewest_events));
 }
 
 // Samples of an angle become the events.
 void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOptions& options,
                     ClockLog& log, IssueList& issues) {
-  const auto& samples = rows.samples();
+  auto samples = rows.samples();
+  if (layout.newest_first) std::reverse(samples.begin(), samples.end());
+  std::stable_sort(samples.begin(), samples.end(), [](const AngleSample& a, const AngleSample& b) {
+    return a.time < b.time;
+  });
   const auto swings = crossings_of_samples(samples, options.rest_angle_rad);
+  if (swings.samples_per_period > 0.0 && swings.samples_per_period < fewest_samples_per_period)
+    throw InputError({log.source, layout.first_line, 1},
+                     fmt::format("sampled too coarsely: {:.2g} samples a period",
+                                 swings.samples_per_period),
+                     fmt::format("at least {}", fewest_samples_per_period));
   const bool in_rad = layout.find(ColumnRole::angle).has_value();
   for (const SampledCrossing& crossing : swings.crossings) {
     const bool known = in_rad && crossing.amplitude > 0.0 && crossing.amplitude < 3.14;
@@ -154,6 +175,15 @@ void unwrap_turned(ClockLog& log, Layout layout, const ReadingOptions& options) 
                                           unwrap.wrap_s()));
 }
 
+// Whether times tell the day: dates, MJD, or seconds since 1970 (from 1973 on; no logger has run so
+// long).
+bool are_dates(const Layout& layout, const ClockLog& log) {
+  const auto time = layout.find(ColumnRole::time);
+  constexpr double years_s = 1e8;
+  return time && ((layout.calendar && !layout.wrap_s) || layout.columns[*time].unit == in_days ||
+                  log.events.front().time.to_double() > years_s);
+}
+
 ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   check(options);
   ClockLog log;
@@ -172,17 +202,17 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   IssueList issues(log, options.strict);
   if (layout.format == LogFormat::angle) find_crossings(rows, layout, options, log, issues);
   refuse_if_too_few(log, rows, layout);
-  if (layout.newest_first) {
+  if (layout.newest_first && layout.format != LogFormat::angle) {
     turn_round(log);
-    unwrap_turned(log, layout, options);
+    if (!log.grid) unwrap_turned(log, layout, options);
   }
-  if (layout.format == LogFormat::clock_error && log.nominal_period_s && !options.nominal_period_s)
-    mend_label_jitter(log, *log.nominal_period_s, issues);
+  if (layout.label_step_s > 0.0) mend_label_jitter(log, layout.label_step_s, issues);
   // Looking through a long log again takes a tenth of reading it: only where times were not
   // appended as they stand.
-  const bool as_read = layout.format != LogFormat::clock_error &&
+  const bool as_read = !layout.find(ColumnRole::clock_error) &&
                        layout.format != LogFormat::angle && !layout.newest_first;
-  if (!as_read || !rows.in_order()) restore_order(log, issues);
+  if (!log.grid && (!as_read || !rows.in_order()))
+    restore_order(log, are_dates(layout, log), issues);
   return log;
 }
 

@@ -1,10 +1,13 @@
 #include "repairs.hpp"
 
+#include "typical_period.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <utility>
 
 namespace goingrate {
 
@@ -16,13 +19,147 @@ std::array<std::vector<double>*, 4> all_columns(EventColumns& columns) {
 
 bool earlier(const Beat& a, const Beat& b) { return a.time < b.time; }
 
-// The order that sorts the events; only made if there are columns to be moved along.
-std::vector<std::uint32_t> sorting_order(const std::vector<Beat>& events) {
+// The time from one event to the next, in the middle; none of a step back.
+double usual_step(const std::vector<Beat>& events) {
+  std::vector<double> steps;
+  for (const Stretch& stretch : sample_stretches(events.size()))
+    for (std::size_t i = stretch.first + 1; i < stretch.last; ++i)
+      if (events[i - 1].time < events[i].time) steps.push_back(events[i].time - events[i - 1].time);
+  return steps.empty() ? 0.0 : median(steps);
+}
+
+// Finds the blocks of a log: where the time goes back and goes on from there, the logger has begun
+// again or another log follows. Lines that come late by a few places are no blocks, nor is a line
+// from elsewhere between two that follow each other, nor lines that are repeated.
+class BlockFinder {
+public:
+  explicit BlockFinder(const std::vector<Beat>& events)
+      : events_(events), usual_step_(usual_step(events)) {}
+
+  // Indices at which blocks begin, 0 included.
+  std::vector<std::size_t> find() {
+    std::vector<std::size_t> starts{0};
+    if (is_shuffled()) return starts;
+    std::size_t latest = 0; // the latest event of the block
+    for (std::size_t i = 1; i < events_.size(); ++i) {
+      if (earlier(events_[i], events_[i - 1]) && begins_block(i, starts.back(), latest))
+        starts.push_back(latest = i);
+      if (!earlier(events_[i], events_[latest])) latest = i;
+    }
+    return starts;
+  }
+
+private:
+  static constexpr std::size_t most_late = 64; // places by which a line may come late
+
+  // More than a quarter of the steps go back: there is no order to find blocks in.
+  [[nodiscard]] bool is_shuffled() const {
+    std::size_t back = 0;
+    for (std::size_t i = 1; i < events_.size(); ++i)
+      back += earlier(events_[i], events_[i - 1]) ? 1 : 0;
+    return 4 * back > events_.size();
+  }
+
+  [[nodiscard]] bool begins_block(std::size_t i, std::size_t first, std::size_t latest) const {
+    std::size_t before = i; // the last event that is not later than event i
+    while (before > first && i - before < most_late && earlier(events_[i], events_[before - 1]))
+      --before;
+    // To the beginning of the block, but for an eighth of it: the first times of runs differ.
+    const bool far_back = 8 * (before - first) <= i - first || i - before == most_late;
+    return far_back && goes_on(i, latest) && !is_repeated(i, first);
+  }
+
+  // Three events at least follow each other, until the time where the log stood is passed in an
+  // ordinary step, the time goes back once more, or the log ends.
+  [[nodiscard]] bool goes_on(std::size_t i, std::size_t latest) const {
+    constexpr std::size_t fewest = 3, enough = 16;
+    std::size_t end = i + 1;
+    while (end < events_.size() && end - i < enough && !earlier(events_[end], events_[end - 1]) &&
+           earlier(events_[end], events_[latest]))
+      ++end;
+    if (end - i < fewest) return false;
+    const bool passes = end < events_.size() && !earlier(events_[end], events_[latest]);
+    return !passes || events_[end].time - events_[end - 1].time < 1.5 * usual_step_;
+  }
+
+  // The next three times all stand earlier in the block.
+  [[nodiscard]] bool is_repeated(std::size_t i, std::size_t first) const {
+    const auto begin = events_.begin() + static_cast<std::ptrdiff_t>(first),
+               end = events_.begin() + static_cast<std::ptrdiff_t>(i);
+    return std::all_of(end, std::min(end + 3, events_.end()), [&](const Beat& event) {
+      return std::binary_search(begin, end, event, earlier);
+    });
+  }
+
+  const std::vector<Beat>& events_;
+  double usual_step_;
+};
+
+// Whether no two blocks have hours in common.
+bool are_apart(const std::vector<Beat>& events, const std::vector<std::size_t>& starts) {
+  std::vector<std::pair<Instant, Instant>> spans;
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const std::size_t end = k + 1 < starts.size() ? starts[k + 1] : events.size();
+    const auto [low, high] =
+        std::minmax_element(events.begin() + static_cast<std::ptrdiff_t>(starts[k]),
+                            events.begin() + static_cast<std::ptrdiff_t>(end), earlier);
+    spans.emplace_back(low->time, high->time);
+  }
+  std::sort(spans.begin(), spans.end());
+  return std::adjacent_find(spans.begin(), spans.end(), [](const auto& a, const auto& b) {
+           return !(a.second < b.first);
+         }) == spans.end();
+}
+
+// Sorts each block, with the columns.
+void sort_blocks(ClockLog& log, const std::vector<std::size_t>& starts) {
+  auto& events = log.events;
   std::vector<std::uint32_t> order(events.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return earlier(events[a], events[b]); });
-  return order;
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const std::size_t end = k + 1 < starts.size() ? starts[k + 1] : events.size();
+    std::stable_sort(
+        order.begin() + static_cast<std::ptrdiff_t>(starts[k]),
+        order.begin() + static_cast<std::ptrdiff_t>(end),
+        [&](std::uint32_t a, std::uint32_t b) { return earlier(events[a], events[b]); });
+  }
+  const auto put_in_order = [&](auto& values) {
+    auto sorted = values;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      sorted[i] = values[order[i]];
+    values = std::move(sorted);
+  };
+  for (std::vector<double>* column : all_columns(log.columns))
+    if (!column->empty()) put_in_order(*column);
+  put_in_order(events);
+}
+
+// Events that are the same as the one before, to the last digit of time and amplitude.
+void leave_out_copies(ClockLog& log, IssueList& issues) {
+  auto& events = log.events;
+  const auto is_copy = [&](std::size_t i) {
+    const Beat &a = events[i - 1], &b = events[i];
+    const bool same_amplitude = a.amplitude_rad == b.amplitude_rad ||
+                                (std::isnan(a.amplitude_rad) && std::isnan(b.amplitude_rad));
+    return a.time == b.time && a.edge == b.edge && same_amplitude;
+  };
+  std::vector<std::size_t> kept{0};
+  for (std::size_t i = 1; i < events.size(); ++i) {
+    if (!is_copy(i))
+      kept.push_back(i);
+    else
+      issues.add(events[i].line, 1, IssueKind::repeated,
+                 fmt::format("the same as line {}", events[kept.back()].line), "copy left out");
+  }
+  if (kept.size() == events.size()) return;
+  const auto keep = [&](auto& values) {
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      values[k] = values[kept[k]];
+    values.resize(kept.size());
+  };
+  for (std::vector<double>* column : all_columns(log.columns))
+    if (!column->empty()) keep(*column);
+  keep(events);
 }
 
 } // namespace
@@ -31,51 +168,65 @@ void turn_round(ClockLog& log) {
   std::reverse(log.events.begin(), log.events.end());
   for (std::vector<double>* column : all_columns(log.columns))
     std::reverse(column->begin(), column->end());
+  if (!log.grid) return;
+  auto& [tau0_s, phase_s] = *log.grid;
+  std::reverse(phase_s.begin(), phase_s.end());
+  for (Beat& event : log.events) {
+    event.cycle = static_cast<std::int64_t>(phase_s.size()) - 1 - event.cycle;
+    const double late = residual_from_grid(Instant{}, Instant{}, event.cycle, tau0_s);
+    event.time = Instant::from_seconds(-late) + -phase_s[static_cast<std::size_t>(event.cycle)];
+  }
 }
 
 void mend_label_jitter(ClockLog& log, double label_step_s, IssueList& issues) {
   auto& events = log.events;
-  const auto steps = [&](std::size_t i) {
-    return (events[i].time - events[i - 1].time) / label_step_s;
+  // A minute of seconds: labels that stay wrong for longer are a clock that was set.
+  constexpr std::size_t longest_run = 60;
+  const auto step_is = [&](std::size_t i, double labels) {
+    return std::abs((events[i].time - events[i - 1].time) / label_step_s - labels) < 0.5;
   };
-  const auto is_double = [](double step) { return step > 1.5 && step < 2.5; };
-  const auto is_none = [](double step) { return std::abs(step) < 0.5; };
+  // The end of a run from event i on that `ending` closes, or i if there is none.
+  const auto end_of_run = [&](std::size_t i, double ending) {
+    for (std::size_t k = i + 1; k < events.size() && k - i <= longest_run; ++k) {
+      if (step_is(k, ending)) return k;
+      if (!step_is(k, 1.0)) break;
+    }
+    return i;
+  };
   for (std::size_t i = 1; i + 1 < events.size(); ++i) {
-    const double before = steps(i), after = steps(i + 1);
-    const bool early = is_none(before) && is_double(after);
-    const bool late = is_double(before) && is_none(after);
+    const bool early = step_is(i, 0.0), late = step_is(i, 2.0);
     if (!early && !late) continue;
-    events[i].time = events[i].time + (early ? label_step_s : -label_step_s);
-    issues.add(events[i].line, 1, IssueKind::label_jitter,
-               fmt::format("a label {} step {}", "one", early ? "early" : "late"),
-               fmt::format("label moved by {} s", early ? label_step_s : -label_step_s));
+    const std::size_t end = end_of_run(i, early ? 2.0 : 0.0);
+    const double move_s = early ? label_step_s : -label_step_s;
+    for (std::size_t k = i; k < end; ++k) {
+      events[k].time = events[k].time + move_s;
+      issues.add(events[k].line, 1, IssueKind::label_jitter,
+                 fmt::format("a label one step {}", early ? "early" : "late"),
+                 fmt::format("label moved by {} s", move_s));
+    }
+    if (end > i) i = end; // the step that closes it is right now
   }
 }
 
-void restore_order(ClockLog& log, IssueList& issues) {
-  auto& events = log.events;
+void restore_order(ClockLog& log, bool dated, IssueList& issues) {
+  const auto& events = log.events;
   if (std::is_sorted(events.begin(), events.end(), earlier)) return;
-  Instant latest = events.front().time;
-  for (const Beat& event : events) {
-    if (event.time < latest)
-      issues.add(event.line, 1, IssueKind::out_of_order,
-                 fmt::format("a time {:.9g} s before an earlier line's", latest - event.time),
-                 "sorted by time");
-    latest = std::max(latest, event.time);
+  std::vector<std::size_t> starts = BlockFinder(events).find();
+  if (dated && are_apart(events, starts)) starts.resize(1);
+  auto start = starts.begin();
+  std::size_t latest = 0;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const bool begins = start != starts.end() && *start == i;
+    if (begins) ++start;
+    if (i > 0 && earlier(events[i], events[latest]))
+      issues.add(events[i].line, 1, IssueKind::out_of_order,
+                 fmt::format("a time {:.9g} s before an earlier line's",
+                             events[latest].time - events[i].time),
+                 begins ? "a new segment" : "sorted by time");
+    if (begins || !earlier(events[i], events[latest])) latest = i;
   }
-  const auto columns = all_columns(log.columns);
-  if (std::any_of(columns.begin(), columns.end(), [](const auto* c) { return !c->empty(); })) {
-    const auto order = sorting_order(events);
-    for (std::vector<double>* column : columns) {
-      if (column->empty()) continue;
-      std::vector<double> sorted;
-      sorted.reserve(column->size());
-      for (const std::uint32_t i : order)
-        sorted.push_back((*column)[i]);
-      *column = std::move(sorted);
-    }
-  }
-  std::stable_sort(events.begin(), events.end(), earlier);
+  sort_blocks(log, starts);
+  leave_out_copies(log, issues);
 }
 
 } // namespace goingrate

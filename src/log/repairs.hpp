@@ -7,14 +7,17 @@
 
 namespace goingrate {
 
-/// Reverses the order of events and columns.
+/// Reverses the order of events and columns; data on a grid get their places anew.
 void turn_round(ClockLog& log);
 
 /// A label that was written a step early or late gives two events at almost one time beside a
-/// double step: the event is moved by `label_step_s`.
+/// double step; if several in a row were, their steps stand between the two. These events are moved
+/// by `label_step_s`.
 void mend_label_jitter(ClockLog& log, double label_step_s, IssueList& issues);
 
-/// Sorts events by time, with their columns; each one that came too late is an issue.
-void restore_order(ClockLog& log, IssueList& issues);
+/// Sorts events by time, with their columns; each one that came too late is an issue. Where the time
+/// goes back and goes on from there a block begins, which is sorted by itself. Blocks of a log whose
+/// times are `dated`, and that have no hours in common, are put in order too.
+void restore_order(ClockLog& log, bool dated, IssueList& issues);
 
 } // namespace goingrate

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace goingrate {
 
@@ -32,6 +33,10 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       pressure_(layout.find(ColumnRole::pressure)), channel_(layout.find(ColumnRole::channel)) {
   if (!angle_) angle_ = layout.find(ColumnRole::position);
   plain_ = layout.columns.size() == 1 && time_ && !layout.calendar;
+  if (!phase_ && !frequency_) return;
+  log.grid.emplace();
+  log.grid->tau0_s = layout.tau0_s;
+  if (frequency_) add_phase(layout.first_line, 0.0); // where the first interval begins
 }
 
 void RowReader::reserve(std::size_t lines) {
@@ -71,12 +76,17 @@ void RowReader::add(const Line& line) {
   if (only_a_comment(line)) return;
   ++data_lines_;
   split_fields(line.text, layout_.separator, fields_);
-  if (!row_fits(line)) return;
+  if (!row_fits(line)) {
+    if (log_.grid) log_.grid->phase_s.push_back(unknown); // its place stays
+    return;
+  }
   if (channel_ && !layout_.channel.empty() && fields_[*channel_].text != layout_.channel) {
     ++other_channels_;
     --data_lines_;
     return;
   }
+  if (phase_) return add_on_grid(line, *phase_);
+  if (frequency_) return add_on_grid(line, *frequency_);
   const auto time = time_of(line);
   if (!time) return;
   if (angle_) {
@@ -141,8 +151,6 @@ bool RowReader::row_fits(const Line& line) {
 // ---- times
 
 std::optional<Instant> RowReader::time_of(const Line& line) {
-  if (phase_) return time_on_grid(line, *phase_);
-  if (frequency_) return time_on_grid(line, *frequency_);
   if (period_) return accumulated_time(line, *period_);
   if (half_period_) return accumulated_time(line, *half_period_);
   return written_time(line);
@@ -151,14 +159,21 @@ std::optional<Instant> RowReader::time_of(const Line& line) {
 // The text of the time, after that of the date if it has a column of its own.
 Field RowReader::time_field() {
   const Field& time = fields_[*time_];
-  if (!date_) return time;
+  if (!date_ || layout_.date_begins_run) return time;
   const Field& date = fields_[*date_];
   date_and_time_.assign(date.text).append(" ").append(time.text);
   return {date_and_time_, date.column};
 }
 
 std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
-  if (!layout_.calendar) return parse_instant(text, layout_.columns[*time_].unit, layout_.point);
+  if (!layout_.calendar) {
+    const auto count = parse_instant(text, layout_.columns[*time_].unit, layout_.point);
+    if (!layout_.date_begins_run) return count;
+    const auto date = parse_calendar(fields_[*date_].text, layout_.point);
+    if (!count || !date) return {};
+    const Instant sum = date->time + count->fraction;
+    return Instant{sum.seconds + count->seconds, sum.fraction};
+  }
   const auto time = parse_calendar(text, layout_.point);
   return time ? std::optional(time->time) : std::nullopt;
 }
@@ -242,6 +257,23 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
   return time;
 }
 
+// How much later than a period after the line before a line's own time stamp is, if that is more than
+// its resolution of a second explains.
+Instant RowReader::pause_before(const Instant& period) {
+  if (!layout_.coarse_time) return {};
+  const std::string_view text = fields_[*layout_.coarse_time].text;
+  const auto calendar = parse_calendar(text, layout_.point);
+  const auto stamp =
+      calendar ? std::optional(calendar->time)
+               : parse_instant(text, layout_.columns[*layout_.coarse_time].unit, layout_.point);
+  if (!stamp) return {};
+  const auto before = std::exchange(stamp_, stamp);
+  if (!before) return {};
+  const double pause_s = *stamp - *before - period.to_double();
+  constexpr double explained_s = 1.5; // both stamps are cut to a second, the counter has its own rate
+  return pause_s > explained_s ? Instant{std::llround(pause_s), 0.0} : Instant{};
+}
+
 // Periods are added up; of one that cannot be read the one before is taken, to keep the count.
 std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t column) {
   const LogColumn& meaning = layout_.columns[column];
@@ -260,7 +292,8 @@ std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t
   } else {
     last_period_s_ = size;
   }
-  whole_s_ += period->seconds;
+  const Instant pause = pause_before(*period);
+  whole_s_ += period->seconds + pause.seconds;
   part_s_ += period->fraction;
   if (part_s_.hi >= 1.0) {
     part_s_ += -1.0;
@@ -269,35 +302,48 @@ std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t
   return Instant{whole_s_, 0.0} + part_s_.value();
 }
 
-// Row n is the event that should have come at n tau0; an error x > 0 is a fast clock, which is
-// early.
-std::optional<Instant> RowReader::time_on_grid(const Line& line, std::size_t column) {
-  const std::int64_t n = row_++;
+// An empty place of the grid.
+void RowReader::leave_place(const Line& line, std::size_t column, IssueKind kind,
+                            std::string found) {
+  issues_.add(line.number, column, kind, std::move(found), "taken as missing");
+  log_.grid->phase_s.push_back(unknown);
+}
+
+// The event that should have come at n tau0; an error x > 0 is that of a fast clock, which is early.
+void RowReader::add_phase(std::uint32_t line, double error_s) {
+  const auto n = static_cast<std::int64_t>(log_.grid->phase_s.size());
+  log_.grid->phase_s.push_back(error_s);
+  const Instant origin{};
+  const double late = residual_from_grid(origin, origin, n, layout_.tau0_s);
+  Beat beat = event_at(Instant::from_seconds(-late) + -error_s, Edge::up, line);
+  beat.cycle = n;
+  log_.events.push_back(beat);
+}
+
+void RowReader::add_on_grid(const Line& line, std::size_t column) {
   const Field& field = fields_[column];
   const auto value = parse_number(field.text, layout_.point);
   if (!value && !says_nothing(field.text)) {
     reject_field(line, field, "a number");
-    return {};
+    log_.grid->phase_s.push_back(unknown);
+    return;
   }
-  const bool empty = phase_ && layout_.format == LogFormat::phase && n > 0 && value == 0.0;
+  const bool empty =
+      layout_.format == LogFormat::phase && !log_.grid->phase_s.empty() && value == 0.0;
   if (!value || empty || all_nines(field.text)) {
-    issues_.add(line.number, field.column, IssueKind::gap,
-                empty ? "an exact zero, which stands for a gap" : "no value",
-                "taken as a missing beat");
     --data_lines_; // left empty on purpose: no sign of a wrong format
-    return {};
+    return leave_place(line, field.column, IssueKind::gap,
+                       empty ? "an exact zero, which stands for a gap" : "no value");
   }
   const double scaled = *value * layout_.columns[column].scale;
   if (frequency_) part_s_ += scaled * layout_.tau0_s;
   const double error = frequency_ ? part_s_.value() : scaled;
   if (!(std::abs(error) < largest_error_s)) {
-    reject(line, field.column, IssueKind::out_of_range, fmt::format("an error of {} s", error));
-    return {};
+    ++rejected_;
+    return leave_place(line, field.column, IssueKind::out_of_range,
+                       fmt::format("an error of {} s", error));
   }
-  const std::int64_t periods = frequency_ ? n + 1 : n;
-  const Instant origin{};
-  const double late = residual_from_grid(origin, origin, periods, layout_.tau0_s);
-  return Instant::from_seconds(-late) + -error;
+  add_phase(line.number, error);
 }
 
 // ---- the other columns
@@ -306,7 +352,9 @@ double RowReader::number_at(const Line& line, const Place& place, std::string_vi
   if (!place) return unknown;
   const Field& field = fields_[*place];
   const auto value = parse_number(field.text, layout_.point);
-  if (value && !all_nines(field.text)) return *value;
+  // 999.9 mbar is weather like any other.
+  const bool no_value = all_nines(field.text) && !(place == pressure_ && value && *value < 1100.0);
+  if (value && !no_value) return *value;
   if (!says_nothing(field.text)) // empty or NaN: the file's own word for it
     issues_.add(line.number, field.column, value ? IssueKind::no_value : IssueKind::unreadable,
                 fmt::format("found {}, expected {}", shown(field.text), expected),

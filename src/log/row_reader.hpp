@@ -50,7 +50,10 @@ private:
   std::optional<Instant> time_of(const Line& line);
   std::optional<Instant> written_time(const Line& line);
   std::optional<Instant> accumulated_time(const Line& line, std::size_t column);
-  std::optional<Instant> time_on_grid(const Line& line, std::size_t column);
+  Instant pause_before(const Instant& period);
+  void add_phase(std::uint32_t line, double error_s);
+  void add_on_grid(const Line& line, std::size_t column);
+  void leave_place(const Line& line, std::size_t column, IssueKind kind, std::string found);
   [[nodiscard]] Field time_field();
   [[nodiscard]] std::optional<Instant> parsed_time(std::string_view text) const;
   [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
@@ -79,10 +82,11 @@ private:
   std::vector<AngleSample> samples_;
   std::size_t data_lines_ = 0, rejected_ = 0, other_channels_ = 0;
   std::size_t time_length_ = 0; // of the text of the time in the line before
-  std::int64_t row_ = 0;        // of phase, frequency and intervals
+  std::int64_t row_ = 0;        // of half-periods
   std::int64_t whole_s_ = 0;    // what was accumulated: whole seconds and the rest
   TwoPart<double> part_s_{};
   double last_period_s_ = 0.0;
+  std::optional<Instant> stamp_; // the coarse time of the line before
   bool plain_; // nothing but a number a line
   bool in_order_ = true;
   std::optional<Beat> entered_; // the first of a gate's two edges

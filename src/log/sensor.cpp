@@ -2,6 +2,7 @@
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/scaled_time.hpp"
+#include "goingrate/dynamics/direct.hpp"
 #include "goingrate/dynamics/passage.hpp"
 
 #include <algorithm>
@@ -35,10 +36,9 @@ void Sensor::see(const Period& period) {
     const double speed_before = pending_->speed;
     report(*pending_);
     if (settings_.edges != SensorEdges::up) {
-      // Half the loss and gain of the period lie before it: good to the square of their part.
-      const double speed =
-          std::sqrt(0.5 * (speed_before * speed_before + period.velocity * period.velocity));
-      Passage down{period.down_s, speed, 0.5 * period.period_s, period.nominal_period_s};
+      Passage down{period.down_s, speed_before, 0.5 * period.period_s, period.nominal_period_s};
+      if (settings_.offset_rad != 0.0 || settings_.flag_width_rad != 0.0)
+        down.speed = speed_after_half(clock_, speed_before, factor);
       down.edge = Edge::down;
       down.before = down.after = clock_;
       down.factor_before = down.factor_after = factor;

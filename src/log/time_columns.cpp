@@ -34,6 +34,22 @@ std::size_t likely_time(std::span<const ColumnSample> samples) {
   return 0;
 }
 
+// Of two columns named as times: dates that stay for a run of lines, and numbers that rise within it.
+std::optional<DateAndTime> run_and_time(std::span<const ColumnSample> samples,
+                                        const Layout& layout) {
+  std::vector<std::size_t> times;
+  for (std::size_t i = 0; i < layout.columns.size(); ++i)
+    if (layout.columns[i].role == ColumnRole::time) times.push_back(i);
+  if (times.size() != 2) return {};
+  for (const auto [date, time] : {DateAndTime{times[0], times[1]}, DateAndTime{times[1], times[0]}}) {
+    const ColumnSample &dates = samples[date], &numbers = samples[time];
+    const bool stays = is_mostly(dates.calendars, dates) && dates.has_date && dates.rising < 0.5;
+    if (stays && is_mostly(numbers.numbers, numbers) && numbers.rising > 0.5)
+      return DateAndTime{date, time};
+  }
+  return {};
+}
+
 } // namespace
 
 bool counts_lines(const ColumnSample& sample) {
@@ -55,6 +71,10 @@ void guess_time(std::span<const ColumnSample> samples, Layout& layout) {
 std::vector<std::size_t> settle_named_times(std::span<const ColumnSample> samples, Layout& layout) {
   std::vector<std::size_t> unread;
   std::optional<std::size_t> date, time;
+  if (const auto run = run_and_time(samples, layout)) {
+    layout.columns[run->date].role = ColumnRole::date;
+    return unread;
+  }
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
     ColumnRole& role = layout.columns[i].role;
     if (role != ColumnRole::time) continue;

@@ -2,10 +2,12 @@
 
 #include "beat_noise.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/log/reading.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace goingrate {
 
@@ -13,23 +15,85 @@ namespace {
 
 constexpr std::size_t most_sampled = 100'000; // three medians of so many take some milliseconds
 constexpr std::size_t stretches = 20;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double normal_from_mad = 1.4826; // standard deviation over median absolute deviation
 // A jitter of 1 % of the period moves intervals by 1.4 %; seven times that is still one period.
 constexpr double widest_share = 0.1;
+// Periods in one interval that are still told apart: beyond, the period is not known well enough.
+constexpr double most_periods = 8.0;
 
-// Intervals between neighbouring upward crossings; NaN where a stretch ends.
+// Intervals between neighbouring upward crossings; NaN where a stretch ends or time goes back.
 std::vector<double> sampled_intervals(std::span<const Beat> events) {
   std::vector<double> intervals;
   for (const Stretch& stretch : sample_stretches(events.size())) {
     const Beat* last = nullptr;
     for (const Beat& event : events.subspan(stretch.first, stretch.size())) {
-      if (event.edge == Edge::down) continue;
-      if (last != nullptr) intervals.push_back(event.time - last->time);
+      if (!may_be_up(event)) continue;
+      const double interval = last == nullptr ? unknown : event.time - last->time;
+      intervals.push_back(interval >= 0.0 ? interval : unknown);
       last = &event;
     }
-    intervals.push_back(std::numeric_limits<double>::quiet_NaN());
+    intervals.push_back(unknown);
   }
   return intervals;
+}
+
+// How many periods an interval holds, or 0 if it is near no whole number of them.
+double periods_in(double interval_s, double period_s) {
+  const double n = std::round(interval_s / period_s);
+  const bool whole = n >= 1.0 && n <= most_periods &&
+                     std::abs(interval_s - n * period_s) <= widest_share * period_s;
+  return whole ? n : 0.0;
+}
+
+// Where more than half of the beats are lost the median interval holds several periods: the period
+// is then the part of it that one interval in ten is, and nine in ten are multiples of.
+double shortest_length(const std::vector<double>& intervals, double median_s) {
+  const auto share = [&](auto is_one) {
+    return static_cast<double>(std::count_if(intervals.begin(), intervals.end(), is_one)) /
+           static_cast<double>(intervals.size());
+  };
+  for (double part = most_periods; part > 1.0; --part) {
+    const double period = median_s / part;
+    const auto holds = [&](double interval) {
+      const double n = std::round(interval / period);
+      return n >= 1.0 && std::abs(interval - n * period) <= 0.05 * period; // by chance: one in ten
+    };
+    const auto is_shortest = [&](double interval) { return holds(interval) && interval < 1.5 * period; };
+    if (share(is_shortest) > 0.1 && share(holds) > 0.9) return period;
+  }
+  return median_s;
+}
+
+// `lengths` are those of `intervals` that are known, and hold `periods` in all.
+TypicalPeriod bulk_of(const std::vector<double>& intervals, std::vector<double> lengths,
+                      double periods) {
+  TypicalPeriod typical;
+  typical.mean_step = periods / static_cast<double>(lengths.size());
+  const double centre = median(lengths);
+  double sum = 0.0;
+  std::vector<double> deviations, second;
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    const double deviation = intervals[i] - centre;
+    if (!(std::abs(deviation) <= widest_share * centre)) continue;
+    sum += deviation;
+    deviations.push_back(std::abs(deviation));
+    if (i > 0 && std::abs(intervals[i - 1] - centre) <= widest_share * centre)
+      second.push_back(intervals[i] - intervals[i - 1]);
+  }
+  typical.mean_s = centre + sum / static_cast<double>(deviations.size());
+  typical.scatter_s = normal_from_mad * median(deviations);
+  typical.second_s2 =
+      second.empty() ? 2.0 * typical.scatter_s * typical.scatter_s : trimmed_mean_square(second);
+  return typical;
+}
+
+[[noreturn]] void refuse_nominal(const std::string& source, std::size_t line, double median_s,
+                                 double nominal_s) {
+  throw ImpossibleReading(
+      {source, line, 1}, fmt::format("events {:.6g} s apart", median_s),
+      fmt::format("beats a whole number of nominal periods, {:.6g} s, apart", nominal_s),
+      readings_for_period(median_s, nominal_s));
 }
 
 } // namespace
@@ -51,8 +115,9 @@ double median(std::span<double> values) {
   return *middle;
 }
 
-TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source) {
-  const auto intervals = sampled_intervals(events);
+TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source,
+                             std::optional<double> nominal_s) {
+  auto intervals = sampled_intervals(events);
   std::vector<double> work;
   std::copy_if(intervals.begin(), intervals.end(), std::back_inserter(work),
                [](double interval) { return !std::isnan(interval); });
@@ -61,29 +126,25 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
                      fmt::format("{} upward crossings", events.empty() ? 0 : work.size() + 1),
                      "at least 3");
   // Missed and spurious events put intervals far from the bulk; the median sits inside it.
-  const double centre = median(work);
+  double centre = median(work);
   constexpr double shortest_s =
       1e-9; // no pendulum swings so fast, and its square is still a number
   if (!(centre >= shortest_s))
     throw InputError({source, events[1].line, 1}, "two events at one time in most places",
                      "times that increase");
-  double sum = 0.0;
-  std::vector<double> second;
-  work.clear();
-  for (std::size_t i = 0; i < intervals.size(); ++i) {
-    const double deviation = intervals[i] - centre;
-    if (!(std::abs(deviation) <= widest_share * centre)) continue;
-    sum += deviation;
-    work.push_back(std::abs(deviation));
-    if (i > 0 && std::abs(intervals[i - 1] - centre) <= widest_share * centre)
-      second.push_back(intervals[i] - intervals[i - 1]);
+  const double middle_s = centre;
+  centre = nominal_s.value_or(shortest_length(work, middle_s));
+  double periods = 0.0;
+  std::vector<double> lengths;
+  for (double& interval : intervals) {
+    const double n = std::isnan(interval) ? 0.0 : periods_in(interval, centre);
+    interval = n > 0.0 ? interval / n : unknown;
+    if (n > 0.0) lengths.push_back(interval);
+    periods += n;
   }
-  TypicalPeriod typical;
-  typical.mean_s = centre + sum / static_cast<double>(work.size());
-  typical.scatter_s = normal_from_mad * median(work);
-  typical.second_s2 =
-      second.empty() ? 2.0 * typical.scatter_s * typical.scatter_s : trimmed_mean_square(second);
-  return typical;
+  if (nominal_s && static_cast<double>(lengths.size()) <= 0.05 * static_cast<double>(work.size()))
+    refuse_nominal(source, events[1].line, middle_s, centre);
+  return bulk_of(intervals, std::move(lengths), periods);
 }
 
 } // namespace goingrate

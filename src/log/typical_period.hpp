@@ -3,6 +3,7 @@
 
 #include "goingrate/log/clock_log.hpp"
 
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -22,14 +23,26 @@ std::vector<Stretch> sample_stretches(std::size_t size);
 /// The median of `values`, which are reordered; they must not be empty.
 double median(std::span<double> values);
 
-/// The bulk of the intervals between upward crossings.
+/// The bulk of the intervals between upward crossings, each over the whole number of periods that it
+/// holds.
 struct TypicalPeriod {
   double mean_s = 0.0;    ///< of the intervals within a tenth of their median
   double scatter_s = 0.0; ///< their robust standard deviation (from the median absolute deviation)
   double second_s2 = 0.0; ///< trimmed mean square of t[i+2] - 2 t[i+1] + t[i], s^2
+  double mean_step = 1.0; ///< periods from one event to the next; above 1 where many are lost
 };
 
-/// Throws InputError if there are fewer than three upward crossings, or most are at one time.
-TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source);
+/// An event that may be an upward crossing: neither a downward one nor a bounce.
+inline bool may_be_up(const Beat& event) {
+  return event.edge == Edge::up && event.flag != BeatFlag::bounce;
+}
+
+/// The period of `events`. `nominal_s`, if it is known, settles how many periods an interval holds;
+/// else the shortest of the lengths that the intervals are multiples of, which is their median
+/// unless more than half of the beats are lost.
+/// Throws InputError if there are fewer than three upward crossings or most are at one time,
+/// ImpossibleReading if fewer than one interval in twenty is a multiple of the nominal period.
+TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source,
+                             std::optional<double> nominal_s = {});
 
 } // namespace goingrate

@@ -44,13 +44,17 @@ Instant Unwrapper::placed(const Instant& raw, double typical_step_s) {
 }
 
 // A step back is a wrap if the next reading then follows as soon as the ones before did. Over
-// midnight any gap is believed: nothing else throws a clock back by more than half a day.
+// midnight any gap is believed, unless the times began at nothing and do so again: then the logger
+// has.
 void Unwrapper::guess(double before_s, double after_s, double typical_step_s) {
   constexpr double patience = 20.0; // steps: a short gap may hide the wrap itself
   for (const double wrap : settings_.candidates_s) {
     if (before_s >= wrap || after_s < 0.0 || before_s - after_s < 0.5 * wrap) continue;
     const bool midnight = wrap == 86400.0;
-    if (!midnight && after_s + wrap - before_s > patience * typical_step_s) continue;
+    const double soon_s = patience * typical_step_s;
+    const bool follows = after_s + wrap - before_s <= soon_s;
+    const bool begins_again = first_s_ < soon_s && after_s < soon_s;
+    if (!follows && (!midnight || begins_again)) continue;
     settings_.wrap_s = wrap;
     return;
   }

@@ -21,6 +21,7 @@ public:
 
   /// `typical_step_s()`: of the steps before, to know a wrap from a jump; seldom asked.
   template <class TypicalStep> Instant operator()(const Instant& raw, TypicalStep typical_step_s) {
+    if (!last_raw_) first_s_ = raw.to_double();
     const bool plain = wraps_ == 0 && !settings_.step_s && (!last_raw_ || raw >= *last_raw_);
     if (!plain) return placed(raw, typical_step_s());
     last_raw_ = raw;
@@ -38,6 +39,7 @@ private:
 
   Settings settings_;
   std::optional<Instant> last_raw_;
+  double first_s_ = 0.0;
   Instant offset_{};
   std::int64_t wraps_ = 0;
 };

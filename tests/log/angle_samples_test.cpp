@@ -85,7 +85,7 @@ TEST(AngleSamplesTest, AGapInTheSamplesIsAGapInTheCrossings) {
 
 TEST(AngleSamplesTest, TooLittleGivesNothing) {
   EXPECT_TRUE(crossings_of_samples({}).crossings.empty());
-  EXPECT_TRUE(crossings_of_samples(ring_down(5.0, 0.0, 3.0, 1)).crossings.empty());
+  EXPECT_TRUE(crossings_of_samples(ring_down(5.0, 0.0, 1.4, 1)).crossings.empty());
   std::vector<AngleSample> still(100);
   EXPECT_TRUE(crossings_of_samples(still).crossings.empty());
 }

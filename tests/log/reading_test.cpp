@@ -108,13 +108,16 @@ TEST(ReadingTest, AnUnreadableFileIsAnInputError) {
 }
 
 TEST(ReadingTest, NumbersMayHaveAPlusAndLongExponents) {
-  const auto x = read_numbers("# phase\n+7.5199505265349822E-012\n-2.5e-3\nnan\n", "p");
-  ASSERT_EQ(x.size(), 3u);
+  const std::string text = "# phase\n+7.5199505265349822E-012\n-2.5e-3\nnan\n1e-3\n";
+  const ClockLog log = read_log(text, "p", {.format = LogFormat::phase});
+  ASSERT_TRUE(log.grid);
+  const auto& x = log.grid->phase_s;
+  ASSERT_EQ(x.size(), 4u);
   EXPECT_EQ(x[0], 7.5199505265349822e-12);
   EXPECT_TRUE(std::isnan(x[2]));
-  EXPECT_THROW((void)read_numbers("1\n2\nthree\n", "p"), InputError);
-  EXPECT_THROW((void)read_numbers("1\n2\n", "p"), InputError);
-  EXPECT_THROW((void)read_numbers("1\n2\n3 4\n", "p"), InputError);
+  EXPECT_EQ(log.events.size(), 3u);
+  EXPECT_EQ(log.events[2].cycle, 3);
+  EXPECT_THROW((void)read_log("1\n2\n", "p", {.format = LogFormat::phase}), InputError);
 }
 
 TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {

@@ -1,6 +1,6 @@
 // The long form of the test of the numbering: 500 random logs with every fault, and the speed on a
 // steady log. Prints a table.
-#include "support/faulty_log.hpp"
+#include "support/faulty_text.hpp"
 
 #include <chrono>
 #include <cstdio>
@@ -44,6 +44,32 @@ void print(const NumberingScore& s) {
               n(s.stops_bridged));
 }
 
+// One row for each fault of loggers and users, every log along the road of the command.
+void faults_one_by_one(std::uint64_t logs, std::uint64_t first) {
+  std::printf("\nfaults one by one, %llu logs each, as the command loads them; of 1e4 upward crossings "
+              "on time\n",
+              static_cast<unsigned long long>(logs));
+  std::printf("%-20s %9s %8s %10s %9s %9s %9s\n", "", "crossings", "refused", "logs wrong", "wrong",
+              "marked", "replaced");
+  for (std::size_t k = 0; k < test::all_text_faults.size(); ++k) {
+    test::NumberingJudge judge;
+    std::uint64_t refused = 0;
+    for (std::uint64_t seed = first; seed < first + logs; ++seed)
+      refused +=
+          test::judge_text(test::FaultyTextMaker(test::all_text_faults[k], seed).make(), judge)
+              ? 0
+              : 1;
+    const NumberingScore& s = judge.score();
+    const auto of_1e4 = [&](std::int64_t part) { return 100.0 * percent(part, s.good); };
+    std::printf("%-20s %9lld %8llu %10lld %9.2f %9.2f %9.2f\n", test::text_fault_names[k],
+                static_cast<long long>(s.good), static_cast<unsigned long long>(refused),
+                static_cast<long long>(s.logs_wrong), of_1e4(s.wrong), of_1e4(s.bad),
+                of_1e4(s.accepted));
+  }
+  std::printf("wrong: numbered otherwise than the rest of their segment; marked: as spurious or bounces; "
+              "replaced: a false event was taken instead\n");
+}
+
 void steady_log() {
   constexpr int count = 10'000'000;
   RandomStream random(1, StreamPurpose::jitter);
@@ -62,15 +88,18 @@ void steady_log() {
 
 int main(int argc, char** argv) {
   const std::uint64_t logs = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 5000;
-  // Logs below 12001 were looked at while the numbering was made; these were not.
-  const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 20001;
+  // Logs below 12001, and 20001 to 25000, were looked at while the numbering was made; these were not.
+  const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 70001;
   std::printf("seeds %llu to %llu\n", static_cast<unsigned long long>(first),
               static_cast<unsigned long long>(first + logs - 1));
   test::NumberingJudge judge;
   for (std::uint64_t seed = first; seed < first + logs; ++seed) {
     const test::FaultyLog made = test::FaultyLogMaker(seed).make();
-    judge.add(made, number_beats(made.log));
+    ClockLog log = made.log;
+    mark_bounces(log);
+    judge.add(made, number_beats(log));
   }
   print(judge.score());
+  faults_one_by_one(std::max<std::uint64_t>(logs / 50, 1), first);
   steady_log();
 }

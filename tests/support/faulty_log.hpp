@@ -218,11 +218,11 @@ private:
     if (down) {
       ++score_.downs;
       score_.downs_right += taken && right ? 1 : 0;
-      score_.downs_bad += beat.flag == BeatFlag::spurious ? 1 : 0;
+      score_.downs_bad += beat.flag == BeatFlag::spurious || beat.flag == BeatFlag::bounce ? 1 : 0;
       return;
     }
     ++score_.good;
-    if (beat.flag == BeatFlag::spurious)
+    if (beat.flag == BeatFlag::spurious || beat.flag == BeatFlag::bounce)
       ++score_.bad;
     else if (beat.flag == BeatFlag::rival)
       ++score_.rival;

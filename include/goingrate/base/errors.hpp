@@ -47,6 +47,11 @@ private:
   TextPlace place_;
 };
 
+/// An input was read, and the numbers did not work out.
+class NumericsError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// An output could not be written; the target, if it existed, is as it was.
 class OutputError : public std::runtime_error {
 public:

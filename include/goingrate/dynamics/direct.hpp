@@ -28,6 +28,9 @@ public:
   /// crossed the state is spent.
   PeriodStep advance(double factor = 1.0);
 
+  /// |phi'| at the next downward crossing; velocity() if there is none. Nothing is advanced.
+  [[nodiscard]] double speed_at_half(double factor) const;
+
   /// phi' at the last crossing, and its square to all digits.
   [[nodiscard]] double velocity() const;
   /// The square of velocity().
@@ -58,6 +61,10 @@ template <class T> struct RegularPeriod {
 };
 RegularPeriod<long double> regular_period(const ClockParameters& clock, long double speed2,
                                           long double factor);
+
+/// |phi'| at the downward crossing that follows an upward one of `velocity` in regular operation, the
+/// drive times `factor`; `velocity` itself where there is none (DirectTest.SpeedAfterHalfAPeriod).
+double speed_after_half(const ClockParameters& clock, double velocity, double factor);
 
 /// The turning angle of the free pendulum that passes the vertical with phi' = v: 2 asin(v/2).
 double turning_angle_of_velocity(double velocity);

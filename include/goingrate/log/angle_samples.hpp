@@ -33,8 +33,13 @@ struct SampledSwings {
   double rest_angle = 0.0;  ///< where the pendulum hangs
   double period_s = 0.0;    ///< median time between crossings of one direction
   double noise = 0.0;       ///< standard deviation of a sample about the local fits
+  double samples_per_period = 0.0;
   std::size_t unfitted = 0; ///< passages with too few samples around them
 };
+
+/// With fewer samples a period than this nothing is found: with two the swing is not determined, and
+/// with a few more it is by their noise alone.
+inline constexpr double fewest_samples_per_period = 2.5;
 
 /// Finds the crossings of `samples` (in order of time).
 ///
@@ -44,9 +49,13 @@ struct SampledSwings {
 /// crossing. The fifth-order term it leaves out is odd about the crossing and shifts nothing. The
 /// sigma is that of the root under the pooled noise of all fits. The turning angles are those of
 /// parabolas through the samples within a twelfth of a period of each extreme. The rest angle, if
-/// not given, is the median of the middles between turning angles. Sigma holds as a coverage and
-/// the error is without bias: AngleSamplesTest.SigmasCover. Cost O(N). No crossing is found with
-/// fewer than three swings or six samples a period.
+/// not given, is the median of the middles between turning angles.
+///
+/// Where there are fewer than 32 samples a period, a fading sine of the mean period is fitted instead to the
+/// samples within 0.6 periods of each crossing; its root, its amplitude and its middle are those of
+/// the swing. Sigma holds as a coverage and the error is without bias: AngleSamplesTest.SigmasCover,
+/// AngleSamplesTest.AFewSamplesAPeriodWillDo. Cost O(N). No crossing is found with fewer than three
+/// swings; samples fewer than `fewest_samples_per_period` give their number alone.
 SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
                                    std::optional<double> rest_angle = {});
 

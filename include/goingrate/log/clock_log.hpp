@@ -23,6 +23,7 @@ enum class BeatFlag : std::uint8_t {
   spurious, ///< no crossing of its own: a double trigger or a false one
   down,     ///< a downward crossing, numbered with the upward crossing before it
   rival,    ///< another event that fits this cycle as well; which was the crossing cannot be told
+  bounce,   ///< follows an edge so closely that it is part of it: a contact that bounces
 };
 
 /// One event of a log: as it was read and, once numbered, with its place in the going of the clock.
@@ -57,6 +58,7 @@ enum class IssueKind : std::uint8_t {
   gap,          ///< a place left empty on purpose
   header,       ///< a header in the middle, or one that does not fit the columns
   incomplete,   ///< one edge of a passage without the other
+  repeated,     ///< a copy of another line
 };
 std::string_view name_of(IssueKind kind);
 
@@ -82,11 +84,18 @@ struct EventColumns {
   std::vector<double> pressure_mbar{};
 };
 
-/// A log: events in order of time.
+/// Data on a grid: no beats, but how far the clock was off at equal intervals.
+struct GridData {
+  double tau0_s = 1.0;         ///< the interval
+  std::vector<double> phase_s; ///< the clock's error, positive: fast; NaN where there is none
+};
+
+/// A log: events in order of time, or blocks of them where the time goes back.
 struct ClockLog {
   std::string source; ///< file name as given
   LogFormat format = LogFormat::timestamps;
-  std::vector<Beat> events;
+  std::vector<Beat> events; ///< of data on a grid, one for each value, with its cycle
+  std::optional<GridData> grid;
   EventColumns columns;
   bool has_amplitude = false;
   bool directions_are_open = false; ///< times of crossings, and nothing says of which direction

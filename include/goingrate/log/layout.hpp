@@ -65,6 +65,11 @@ struct Layout {
   double tau0_s = 1.0;          ///< of phase, frequency and intervals
   std::string channel;          ///< of the TICC that is read; others are left out
   bool newest_first = false;
+  /// Of periods that are added up: a column of coarser times, which tells pauses.
+  std::optional<std::size_t> coarse_time;
+  bool date_begins_run = false; ///< the date is that of a run, the times count from it
+  double label_step_s = 0.0;    ///< between the labels that clock errors stand beside; 0: none
+  std::optional<std::size_t> swinging; ///< of samples of an angle: another column that swings
 
   /// The first column of a role.
   [[nodiscard]] std::optional<std::size_t> find(ColumnRole role) const;

@@ -27,6 +27,9 @@ struct RateSummary {
   double slope_rate_excess = 0.0; ///< the same from a straight line fitted to the clock's error
 };
 
+/// A period as it is told: on a quarter of a second if it is within 0.2 % of one.
+double rounded_period(double period_s);
+
 /// The nominal period to compare with: the one given, the log's own, or else a guess: the mean
 /// period rounded to a quarter second where that is within 0.2 %, else the mean period itself.
 /// The guess and its reason are appended to `assumptions`.

@@ -1,6 +1,7 @@
 // Reading logs.
 #pragma once
 
+#include "goingrate/base/errors.hpp"
 #include "goingrate/log/clock_log.hpp"
 
 #include <functional>
@@ -27,12 +28,43 @@ struct ReadingOptions {
   std::function<void(double)> progress{}; ///< told now and then which part has been read
 };
 
+/// What else a log may be, where it cannot be what it was taken for.
+struct OtherReading {
+  std::string words; ///< what the log then holds
+  std::optional<LogFormat> format{};
+  std::optional<double> nominal_period_s{}, tau0_s{}, wrap_s{};
+  std::string unit{};   ///< of the times, as unit_named takes it
+  std::vector<std::string> columns{}; ///< as ReadingOptions::columns takes them
+  bool both_edges = false;
+};
+
+/// A log was read, and what came out cannot be: no clock is so far off. Its message says what was
+/// found; `others` are the likeliest readings, best first.
+class ImpossibleReading : public InputError {
+public:
+  ImpossibleReading(TextPlace place, std::string_view found, std::string_view expected,
+                    std::vector<OtherReading> others)
+      : InputError(std::move(place), found, expected), others_(std::move(others)) {}
+  [[nodiscard]] const std::vector<OtherReading>& others() const noexcept { return others_; }
+
+private:
+  std::vector<OtherReading> others_;
+};
+
+/// Of events `step_s` apart that are no whole number of nominal periods apart: another unit of the
+/// times if one makes them so, another nominal period, both directions.
+std::vector<OtherReading> readings_for_period(double step_s, double nominal_s);
+
+/// Of phases that move by more than a clock's error does.
+std::vector<OtherReading> readings_for_phases(const GridData& grid);
+
 /// Reads the whole text of a log; `source` names it in messages.
 ///
 /// The layout is found from the beginning of the text and said in `assumptions`, each part of it
 /// can be overridden. Times keep all their digits. A line that cannot be used is left out, one that
 /// can be mended is mended; both are listed in `issues` (line, column, kind, what was done). Order
-/// is restored by sorting, a log with the newest line first is turned round.
+/// is restored by sorting, a log with the newest line first is turned round; where the time goes back
+/// and goes on from there a block of its own begins.
 /// Amplitudes outside 0 to pi rad and widths outside 0 to 1e6 s are taken as unknown, times beyond
 /// 4e18 s and clock errors beyond 1e9 s left out; all are told. Angle samples become crossings, see
 /// crossings_of_samples.
@@ -65,11 +97,6 @@ private:
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
-
-/// Reads a column of numbers, one a line ('#' lines are comments; "nan" is a gap), as phase and
-/// frequency data come. Throws InputError at the first line that is no number, and for fewer than
-/// three numbers.
-std::vector<double> read_numbers(std::string_view text, const std::string& source);
 
 /// Reads a file, or standard input for "-". Throws InputError if it cannot be opened.
 std::string read_text(const std::string& path);

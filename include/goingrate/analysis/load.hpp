@@ -1,0 +1,65 @@
+// From a file to numbered beats: the first half of the road that every log travels.
+#pragma once
+
+#include "goingrate/log/amplitude.hpp"
+#include "goingrate/log/beats.hpp"
+#include "goingrate/log/reading.hpp"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// What is asked of load(); what is left empty it finds out.
+struct LoadRequest {
+  std::string path; ///< a file, gzip or not, or "-" for standard input
+  ReadingOptions reading{};
+  bool both_edges = false; ///< the log holds both directions without labels
+  std::optional<double> dead_time_s{};    ///< of a contact that bounces; 0: none
+  std::optional<double> flag_width_rad{}; ///< as seen from the pivot
+  std::optional<double> sensor_offset_rad{};
+  bool find_sensor_offset = false;
+  double gap_probability = NumberingOptions{}.least_probability;
+  bool phases_will_do = false; ///< data on a grid may be those of anything: no beats are made of them
+};
+
+/// A log read, corrected and numbered.
+struct NumberedLog {
+  NumberedLog() = default;
+  NumberedLog(NumberedLog&&) = default;
+  NumberedLog& operator=(NumberedLog&&) = default;
+  NumberedLog(const NumberedLog&) = delete; // `good` would point into the other
+  NumberedLog& operator=(const NumberedLog&) = delete;
+
+  ClockLog log; ///< its events are in `beats`
+  Beats beats;
+  std::vector<Beat> chosen;   ///< where `good` lives if it is not all of `beats`
+  std::span<const Beat> good; ///< the good beats of the longest segment
+  double nominal_period_s = 0.0;
+  bool nominal_is_known = true;
+  SensorFindings sensor;
+};
+
+/// Reads the log, marks bounces, labels directions, numbers the beats, settles the nominal period,
+/// finds amplitudes and the sensor's place, and numbers again where that moved the times. Data on a
+/// grid are not numbered: their places are given. What was assumed is in `log.assumptions`.
+///
+/// A nominal period that is given is believed. Throws InputError if the log cannot be read,
+/// ImpossibleReading if it was read but no clock is so far off, NumericsError if no three beats could
+/// be numbered together or the sensor's place is asked for and cannot be told.
+NumberedLog load(const LoadRequest& request);
+
+/// The same for a text in memory; `path` names it in messages.
+NumberedLog load_text(std::string_view text, const LoadRequest& request);
+
+/// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on a
+/// grid as they were read, also where they are no clock's; else of the longest segment.
+struct PhaseSeries {
+  std::vector<double> phase_s;
+  double tau0_s = 1.0;
+};
+PhaseSeries phase_series(const NumberedLog& loaded);
+
+} // namespace goingrate

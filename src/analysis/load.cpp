@@ -1,0 +1,192 @@
+#include "goingrate/analysis/load.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/log/rates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <functional>
+
+namespace goingrate {
+
+namespace {
+
+constexpr double plausible = 0.05; // no pendulum clock is off by an hour a day
+
+class Loading {
+public:
+  Loading(ClockLog log, const LoadRequest& request) : request_(request) {
+    loaded_.log = std::move(log);
+  }
+
+  NumberedLog run() {
+    if (loaded_.log.grid)
+      take_grid();
+    else
+      number_events();
+    if (request_.phases_will_do && loaded_.log.grid) return std::move(loaded_);
+    choose_good();
+    loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
+    if (loaded_.good.size() < 3)
+      throw NumericsError(
+          fmt::format("{}: no run of three beats that could be numbered together, of {} events about "
+                      "{:.4g} s apart",
+                      request_.path, loaded_.beats.beats.size(), loaded_.beats.typical_period_s));
+    return std::move(loaded_);
+  }
+
+private:
+  void assume(std::string text) { loaded_.log.assumptions.push_back(std::move(text)); }
+
+  // The places are given: there is nothing to number.
+  void take_grid() {
+    const GridData& grid = *loaded_.log.grid;
+    loaded_.nominal_period_s = grid.tau0_s;
+    if (request_.phases_will_do) return;
+    refuse_phases_of_no_clock(grid);
+    loaded_.beats = beats_on_grid(std::move(loaded_.log.events), loaded_.log.source);
+    loaded_.log.events.clear();
+  }
+
+  // What was not given, but guessed, must be possible.
+  void refuse_phases_of_no_clock(const GridData& grid) const {
+    if (request_.reading.format || loaded_.log.format != LogFormat::phase) return;
+    std::size_t far = 0, all = 0;
+    for (std::size_t i = 1; i < grid.phase_s.size(); ++i) {
+      const double step = std::abs(grid.phase_s[i] - grid.phase_s[i - 1]);
+      if (std::isnan(step)) continue;
+      ++all;
+      far += step > plausible * grid.tau0_s ? 1 : 0;
+    }
+    if (2 * far <= all) return;
+    throw ImpossibleReading({loaded_.log.source, loaded_.log.events.front().line, 1},
+                            fmt::format("phases that move by more than {:.0f} % of the interval",
+                                        100.0 * plausible),
+                            "those of a clock", readings_for_phases(grid));
+  }
+
+  void number_events() {
+    ClockLog& log = loaded_.log;
+    mark_bounces(log, request_.dead_time_s);
+    const bool labelled =
+        label_alternate_edges(log, request_.both_edges, request_.reading.nominal_period_s);
+    if (log.directions_are_open && !labelled)
+      assume("each event is one period (--both-edges if both directions are in the log)");
+    number();
+    settle_nominal_period();
+    use_flag();
+    use_sensor_offset();
+  }
+
+  void number() {
+    NumberingOptions options{request_.gap_probability, loaded_.log.nominal_period_s};
+    loaded_.beats = number_beats(std::move(loaded_.log.events), loaded_.log.source, options);
+    loaded_.log.events.clear();
+  }
+
+  void settle_nominal_period() {
+    ClockLog& log = loaded_.log;
+    const double typical = loaded_.beats.typical_period_s;
+    loaded_.nominal_period_s = nominal_period(log, loaded_.beats, log.assumptions);
+    loaded_.nominal_is_known = log.nominal_period_s || loaded_.nominal_period_s != typical ||
+                               rounded_period(typical) == std::round(typical * 4.0) / 4.0;
+    // A period that is given is believed; one that the log states must be that of its beats.
+    const bool possible = std::abs(typical / loaded_.nominal_period_s - 1.0) <= plausible;
+    if (possible || request_.reading.nominal_period_s) return;
+    throw ImpossibleReading(
+        {log.source, loaded_.beats.beats.front().line, 1},
+        fmt::format("beats {:.6g} s apart", typical),
+        fmt::format("those of a clock whose nominal period is {:.6g} s", loaded_.nominal_period_s),
+        readings_for_period(typical, loaded_.nominal_period_s));
+  }
+
+  // Corrections change times and amplitudes of events that are numbered: numbered they stay, unless
+  // the times moved.
+  void with_events(const std::function<void(ClockLog&)>& change) {
+    loaded_.log.events = std::move(loaded_.beats.beats);
+    change(loaded_.log);
+    number();
+  }
+
+  void use_flag() {
+    ClockLog& log = loaded_.log;
+    const double width = request_.flag_width_rad.value_or(log.flag_width_rad.value_or(0.0));
+    const bool widths = !log.columns.width_s.empty();
+    if (widths && width == 0.0)
+      assume("the widths give no amplitude: the flag's own width is not known (--flag-width)");
+    if (widths && width > 0.0) {
+      log.events = std::move(loaded_.beats.beats);
+      set_amplitudes_from_widths(log, width, loaded_.nominal_period_s);
+      loaded_.beats.beats = std::move(log.events);
+    } else if (width > 0.0 && !log.has_amplitude) {
+      assume("the times are those of a flag's leading edge, and without amplitudes cannot be moved "
+             "to the vertical: where the amplitude changes, the rate is biased");
+    } else if (width > 0.0) {
+      with_events([&](ClockLog& moved) {
+        move_to_vertical(moved, -0.5 * width, 0.5 * width, loaded_.nominal_period_s);
+      });
+    }
+  }
+
+  double found_offset() {
+    auto& found = loaded_.sensor.offset_rad;
+    found = sensor_offset(loaded_.beats.beats, loaded_.nominal_period_s);
+    if (!found)
+      throw NumericsError(request_.path +
+                          ": the log does not tell where the sensor stands: it needs amplitudes and "
+                          "either both directions or 30 beats");
+    assume(fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
+                       found->value * 1e3, found->sigma * 1e3));
+    return found->value;
+  }
+
+  void use_sensor_offset() {
+    ClockLog& log = loaded_.log;
+    auto& beats = loaded_.beats.beats;
+    loaded_.sensor.beat_error_s = beat_error(beats);
+    if (!request_.find_sensor_offset && !request_.sensor_offset_rad) return;
+    const double offset =
+        request_.find_sensor_offset ? found_offset() : *request_.sensor_offset_rad;
+    if (!log.has_amplitude) {
+      set_amplitudes_from_halves(beats, offset, loaded_.nominal_period_s);
+      log.has_amplitude = std::any_of(beats.begin(), beats.end(), [](const Beat& beat) {
+        return !std::isnan(beat.amplitude_rad);
+      });
+    }
+    with_events([&](ClockLog& moved) {
+      move_to_vertical(moved, offset, offset, loaded_.nominal_period_s);
+    });
+  }
+
+  // The longest segment; no second copy of a log in which every event is good.
+  void choose_good() {
+    const auto& beats = loaded_.beats.beats;
+    const bool all = loaded_.beats.segments == 1 &&
+                     std::all_of(beats.begin(), beats.end(),
+                                 [](const Beat& beat) { return beat.flag == BeatFlag::good; });
+    if (!all) loaded_.chosen = loaded_.beats.longest_segment();
+    loaded_.good = all ? std::span<const Beat>(beats) : std::span<const Beat>(loaded_.chosen);
+  }
+
+  const LoadRequest& request_;
+  NumberedLog loaded_;
+};
+
+} // namespace
+
+NumberedLog load(const LoadRequest& request) {
+  return Loading(read_log_file(request.path, request.reading), request).run();
+}
+
+NumberedLog load_text(std::string_view text, const LoadRequest& request) {
+  return Loading(read_log(text, request.path, request.reading), request).run();
+}
+
+PhaseSeries phase_series(const NumberedLog& loaded) {
+  if (loaded.log.grid) return {loaded.log.grid->phase_s, loaded.log.grid->tau0_s};
+  const auto error = clock_error(loaded.good, loaded.nominal_period_s);
+  return {on_every_cycle(loaded.good, error), loaded.nominal_period_s};
+}
+
+} // namespace goingrate

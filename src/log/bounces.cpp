@@ -1,0 +1,120 @@
+// Contacts that bounce: several events for one edge.
+#include "typical_period.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/log/beats.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <vector>
+
+namespace goingrate {
+
+namespace {
+
+// The interval in which half of the time passes. Bounces, however many, take next to none of it.
+double usual_interval(std::span<const Beat> events) {
+  std::vector<double> intervals;
+  double sum = 0.0;
+  for (const Stretch& stretch : sample_stretches(events.size()))
+    for (std::size_t i = stretch.first + 1; i < stretch.last; ++i) {
+      const double interval = events[i].time - events[i - 1].time;
+      if (!(interval > 0.0)) continue;
+      intervals.push_back(interval);
+      sum += interval;
+    }
+  std::sort(intervals.begin(), intervals.end());
+  double passed = 0.0;
+  for (const double interval : intervals)
+    if ((passed += interval) >= 0.5 * sum) return interval;
+  return 0.0;
+}
+
+// Events within `dead_time_s` of an edge, which is the first event after such a time: `take` is told
+// each with the time since its edge.
+template <class Take> void for_each_bounce(std::span<Beat> events, double dead_time_s, Take take) {
+  const Beat* edge = nullptr;
+  for (Beat& event : events) {
+    const double since = edge == nullptr ? -1.0 : event.time - edge->time;
+    if (since >= 0.0 && since <= dead_time_s)
+      take(event, since);
+    else
+      edge = &event;
+  }
+}
+
+// The dead time that takes in the bounces, or 0 if there are none. False events fall on both halves
+// of the time looked at alike; as many as fall on the second half are taken off the first.
+double found_dead_time(std::span<Beat> events) {
+  constexpr double looked_at = 0.1; // of the usual interval
+  constexpr double longest_s = 0.1; // no contact bounces for longer
+  constexpr std::size_t fewest = 5; // bounces that are no accident
+  const double reach = std::min(looked_at * usual_interval(events), longest_s);
+  std::vector<double> early;
+  std::size_t late = 0;
+  for (const Stretch& stretch : sample_stretches(events.size()))
+    for_each_bounce(events.subspan(stretch.first, stretch.size()), reach,
+                    [&](const Beat&, double since) {
+                      if (since < 0.5 * reach)
+                        early.push_back(since);
+                      else
+                        ++late;
+                    });
+  if (early.size() < fewest || early.size() <= 4 * late) return 0.0;
+  std::sort(early.begin(), early.end());
+  constexpr double margin = 1.2; // the longest of the sample is not the longest of all
+  return margin * early[early.size() - 1 - late];
+}
+
+// Jitter as large as the dead time: then the first edge need not be the beat, and where few bounce the
+// numbering tells which event is the likelier.
+bool hides_in_jitter(std::span<const Beat> events, double dead_time_s) {
+  std::vector<Beat> edges(events.begin(), events.end());
+  for_each_bounce(edges, dead_time_s,
+                  [](Beat& event, double) { event.flag = BeatFlag::bounce; });
+  std::erase_if(edges, [](const Beat& event) { return event.flag == BeatFlag::bounce; });
+  if (5 * edges.size() < 4 * events.size() || edges.size() < 3) return false; // a fifth is not few
+  constexpr double part = 0.05; // of the dead time: two sigmas are a tenth of it
+  return std::sqrt(typical_period(edges, "").second_s2 / 6.0) > part * dead_time_s;
+}
+
+// A beam near the turning point is met and left within a short time: then one direction would go.
+bool takes_a_direction(std::span<Beat> events, double dead_time_s) {
+  std::size_t all[2] = {0, 0}, gone[2] = {0, 0};
+  for (const Beat& event : events)
+    ++all[event.edge == Edge::up ? 0 : 1];
+  for_each_bounce(events, dead_time_s,
+                  [&](const Beat& event, double) { ++gone[event.edge == Edge::up ? 0 : 1]; });
+  return all[1] > 0 && (2 * gone[0] > all[0]) != (2 * gone[1] > all[1]);
+}
+
+} // namespace
+
+double mark_bounces(ClockLog& log, std::optional<double> dead_time_s) {
+  if (dead_time_s && !(*dead_time_s >= 0.0))
+    throw ArgumentError("dead-time", *dead_time_s, "seconds from 0 on");
+  const std::span<Beat> events(log.events);
+  double dead_time = dead_time_s.value_or(0.0);
+  if (!dead_time_s) {
+    dead_time = found_dead_time(events);
+    if (dead_time > 0.0 &&
+        (takes_a_direction(events, dead_time) || hides_in_jitter(events, dead_time)))
+      return 0.0;
+  }
+  if (dead_time == 0.0) return 0.0;
+  std::size_t count = 0;
+  for_each_bounce(events, dead_time, [&](Beat& event, double) {
+    event.flag = BeatFlag::bounce;
+    ++count;
+  });
+  if (count > 0)
+    log.assumptions.push_back(
+        fmt::format("{} event{} within {:.2g} s of the one before {} part of it: the contact bounces, "
+                    "and the first edge is the beat",
+                    count, count == 1 ? "" : "s", dead_time, count == 1 ? "is" : "are"));
+  return dead_time;
+}
+
+} // namespace goingrate
