@@ -147,6 +147,10 @@ std::string split_text(const Gap& gap) {
   const std::string place = fmt::format("the log is split after cycle {}: ", gap.after_cycle);
   if (gap.kind == GapKind::restart)
     return place + "the time goes back there, and a new segment begins; the longest part is used";
+  if (gap.kind == GapKind::gap && gap.probability >= 0.99)
+    return place + fmt::format("about {} beats are missing, more than could be counted without "
+                               "doubt; the longest part is used",
+                               gap.length);
   if (gap.kind == GapKind::step)
     return place + "the events go on displaced, as if the reference had been set; the longest part "
                    "is used";
@@ -156,8 +160,8 @@ std::string split_text(const Gap& gap) {
                        "its longest run at most); the longest part is used",
                        gap.length);
   return place + fmt::format("about {} beats are missing, a count that is right with probability "
-                             "{:.2f}{}; the longest part is used",
-                             gap.length, gap.probability,
+                             "{:.3f}{}; the longest part is used",
+                             gap.length, std::floor(1e3 * gap.probability) * 1e-3,
                              gap.kind == GapKind::stop ? " (the clock seems to have stopped)" : "");
 }
 

@@ -97,9 +97,11 @@ std::string plot_of(const MapCommand& options, const std::vector<OperatingPoint>
 
 void check_ranges(const MapCommand& options) {
   for (const auto* ends : {&options.epsilon, &options.mu})
-    if (!((*ends)[0] > 0.0 && (*ends)[1] > (*ends)[0]))
-      throw ArgumentError(ends == &options.mu ? "mu" : "epsilon", (*ends)[0],
-                          "two numbers above 0, the smaller first");
+    // Less than the least takes longer to show than any clock has gone; more than 1 does not swing.
+    if (!((*ends)[0] >= 1e-15 && (*ends)[1] > (*ends)[0] && (*ends)[1] <= 1.0))
+      throw ArgumentError(ends == &options.mu ? "mu" : "epsilon",
+                          (*ends)[1] > (*ends)[0] && (*ends)[0] >= 1e-15 ? (*ends)[1] : (*ends)[0],
+                          "two numbers from 1e-15 to 1, the smaller first");
 }
 
 void solve(const MapCommand& options) {

@@ -3,6 +3,7 @@
 #include "goingrate/base/errors.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 
 namespace goingrate {
@@ -11,6 +12,12 @@ namespace {
 
 void demand_positive(const char* name, double value) {
   if (!(value > 0.0) || !std::isfinite(value)) throw ArgumentError(name, value, "above 0");
+}
+
+// What a nut or a pendulum could be, and numbers that stay numbers.
+void demand_between(const char* name, double value, double least, double most) {
+  if (!(value >= least && value <= most))
+    throw ArgumentError(name, value, fmt::format("between {} and {} m", least, most));
 }
 
 } // namespace
@@ -23,8 +30,8 @@ double mathematical_length(double nominal_period_s) {
 }
 
 NutTurns turns_to_zero_rate(const RatingNut& nut, double rate_excess, double sigma) {
-  demand_positive("pitch_m", nut.pitch_m);
-  demand_positive("length_m", nut.length_m);
+  demand_between("pitch_m", nut.pitch_m, 1e-9, 1.0);
+  demand_between("length_m", nut.length_m, 1e-6, 1e6);
   const double turns_a_rate = 2.0 * nut.length_m / nut.pitch_m;
   const double turns = -turns_a_rate * rate_excess;
   return {turns, turns_a_rate * sigma, turns * nut.pitch_m};

@@ -91,8 +91,10 @@ void move_to_vertical(ClockLog& log, double rising_rad, double falling_rad, doub
     const bool reaches = event.amplitude_rad > std::abs(angle);
     if (!reaches)
       issues.add(event.line, 1, IssueKind::missing,
-                 fmt::format("amplitude {} rad that does not reach the sensor at {} rad",
-                             event.amplitude_rad, angle),
+                 std::isnan(event.amplitude_rad)
+                     ? std::string("no amplitude")
+                     : fmt::format("amplitude {} rad that does not reach the sensor at {} rad",
+                                   event.amplitude_rad, angle),
                  "the log's median amplitude taken for its time");
     const double amplitude = reaches ? event.amplitude_rad : typical;
     if (amplitude > std::abs(angle))

@@ -17,27 +17,36 @@ Json estimate_object(const std::optional<SensorEstimate>& estimate) {
   return {{"value", json_number(estimate->value)}, {"sigma", json_number(estimate->sigma)}};
 }
 
-Json part_object(const PartRate& part) {
+// Against the mean period, for want of a nominal one, a rate says nothing.
+Json rate_or_null(double rate, bool nominal_is_known) {
+  return nominal_is_known ? json_number(rate) : Json(nullptr);
+}
+
+Json part_object(const PartRate& part, bool nominal_is_known) {
+  const auto rate = [&](double value) { return rate_or_null(value, nominal_is_known); };
   return {
       {"segment", part.segment},
       {"from_cycle", part.from_cycle},
       {"to_cycle", part.to_cycle},
       {"duration_s", json_number(part.rate.duration_s)},
-      {"rate_excess", json_number(part.rate.rate_excess)},
-      {"rate_s_per_day", json_number(seconds_gained_per_day(part.rate.rate_excess))},
-      {"rate_sigma_s_per_day", json_number(seconds_gained_per_day(part.rate.rate_excess_sigma))},
+      {"mean_period_s", json_number(part.rate.mean_period_s)},
+      {"rate_excess", rate(part.rate.rate_excess)},
+      {"rate_s_per_day", rate(seconds_gained_per_day(part.rate.rate_excess))},
+      {"rate_sigma_s_per_day", rate(seconds_gained_per_day(part.rate.rate_excess_sigma))},
       {"amplitude_rad", json_number(part.amplitude_rad)}};
 }
 
 Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                  const SensorFindings& sensor) {
   Json json = json_with_schema("goingrate.rate");
+  const auto rate = [&](double value) { return rate_or_null(value, summary.nominal_is_known); };
   json["source"] = log.source;
   json["crossings"] = summary.crossings;
   json["periods"] = summary.periods;
   json["missed"] = beats.missed;
   json["spurious"] = beats.spurious;
   json["rivals"] = beats.rivals;
+  json["bounces"] = beats.bounces;
   json["segments"] = beats.segments;
   json["gaps"] = Json::array();
   for (const Gap& gap : beats.gaps)
@@ -49,7 +58,7 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   json["longest_countable_gap"] = beats.longest_countable_gap;
   json["segment_rates"] = Json::array();
   for (const PartRate& part : segment_rates(beats.beats, summary.nominal_period_s))
-    json["segment_rates"].push_back(part_object(part));
+    json["segment_rates"].push_back(part_object(part, summary.nominal_is_known));
   json["format"] = name_of(log.format);
   json["beat_error_s"] = estimate_object(sensor.beat_error_s);
   json["sensor_offset_rad"] = estimate_object(sensor.offset_rad);
@@ -58,7 +67,7 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
     json["amplitude_rad"] = {{"mean", json_number(amplitude.mean_rad)},
                              {"sigma_of_one", json_number(amplitude.sigma_rad)}};
     json["rate_excess_at_zero_amplitude"] =
-        json_number(rate_without_circular_error(summary.rate_excess, amplitude.rms_rad));
+        rate(rate_without_circular_error(summary.rate_excess, amplitude.rms_rad));
   }
   json["nominal_period_known"] = summary.nominal_is_known;
   json["nominal_period_s"] = json_number(summary.nominal_period_s);
@@ -66,10 +75,10 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   json["mean_period_sigma_s"] = json_number(summary.mean_period_sigma_s);
   json["last_period_s"] = json_number(summary.last_period_s);
   json["duration_s"] = json_number(summary.duration_s);
-  json["rate_excess"] = json_number(summary.rate_excess);
-  json["rate_s_per_day"] = json_number(seconds_gained_per_day(summary.rate_excess));
-  json["rate_sigma_s_per_day"] = json_number(seconds_gained_per_day(summary.rate_excess_sigma));
-  json["slope_rate_s_per_day"] = json_number(seconds_gained_per_day(summary.slope_rate_excess));
+  json["rate_excess"] = rate(summary.rate_excess);
+  json["rate_s_per_day"] = rate(seconds_gained_per_day(summary.rate_excess));
+  json["rate_sigma_s_per_day"] = rate(seconds_gained_per_day(summary.rate_excess_sigma));
+  json["slope_rate_s_per_day"] = rate(seconds_gained_per_day(summary.slope_rate_excess));
   json["assumptions"] = log.assumptions;
   json["issues"] = Json::array();
   for (const LineIssue& issue : log.issues)

@@ -151,15 +151,21 @@ std::string duration_text(double seconds) {
 
 std::string key_figures(const ReportData& data) {
   const RateSummary& rate = data.rate;
-  std::string cards =
-      card("Rate, end to end", per_day(rate.rate_excess, rate.rate_excess_sigma),
-           "time gained from the first beat to the last, over the time between: what "
-           "the hands show");
-  cards += card("Rate, straight line",
-                plain_number(seconds_gained_per_day(rate.slope_rate_excess), 4) + " s/day",
-                "slope of a line fitted to the clock's error");
+  std::string cards;
+  if (rate.nominal_is_known) {
+    cards += card("Rate, end to end", per_day(rate.rate_excess, rate.rate_excess_sigma),
+                  "time gained from the first beat to the last, over the time between: what "
+                  "the hands show");
+    cards += card("Rate, straight line",
+                  plain_number(seconds_gained_per_day(rate.slope_rate_excess), 4) + " s/day",
+                  "slope of a line fitted to the clock's error");
+  } else {
+    cards += card("Rate", "not known", "no nominal period is known to hold the mean period against");
+  }
   cards += card("Mean period", measured(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s",
-                fmt::format("against {} s", plain_number(rate.nominal_period_s, 12)));
+                rate.nominal_is_known
+                    ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
+                    : std::string("from the first beat to the last"));
   const auto [start, start_sigma] = amplitude_at(data.beats, false);
   const auto [end, end_sigma] = amplitude_at(data.beats, true);
   if (std::isfinite(start)) {

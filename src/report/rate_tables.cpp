@@ -76,7 +76,10 @@ void RateTable::append_good(std::string& text, const Beat& beat, std::size_t i) 
     rate = rate_per_period(pair, options_.nominal_period_s).front();
     const double period =
         (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle);
-    fmt::format_to(out, "{:.12g},{:.6e},{:.6f},", period, rate, seconds_gained_per_day(rate));
+    if (std::isfinite(rate))
+      fmt::format_to(out, "{:.12g},{:.6e},{:.6f},", period, rate, seconds_gained_per_day(rate));
+    else // two beats at one time
+      fmt::format_to(out, "{:.12g},,,", period);
   } else {
     text += ",,,";
   }
@@ -170,16 +173,24 @@ std::string rate_sentence(const RateSummary& summary) {
                             seconds_gained_per_day(summary.slope_rate_excess));
 }
 
-std::string segment_lines(const Beats& beats, double nominal_period_s) {
+std::string part_rate_text(const PartRate& part, bool nominal_is_known) {
+  if (!nominal_is_known)
+    return fmt::format("mean period {} s",
+                       with_sigma(part.rate.mean_period_s, part.rate.mean_period_sigma_s, 12));
+  return with_sigma(seconds_gained_per_day(part.rate.rate_excess),
+                    seconds_gained_per_day(part.rate.rate_excess_sigma)) +
+         " s a day";
+}
+
+std::string segment_lines(const Beats& beats, const RateSummary& summary) {
   constexpr std::size_t most = 6; // enough to see; --json has all
-  const auto segments = segment_rates(beats.beats, nominal_period_s);
+  const auto segments = segment_rates(beats.beats, summary.nominal_period_s);
   std::string text;
   for (std::size_t i = 0; i < std::min(most, segments.size()); ++i) {
     const PartRate& part = segments[i];
-    text += fmt::format("  segment {}: cycles {} to {}, {:.6g} s, {} s a day\n", part.segment,
+    text += fmt::format("  segment {}: cycles {} to {}, {:.6g} s, {}\n", part.segment,
                         part.from_cycle, part.to_cycle, part.rate.duration_s,
-                        with_sigma(seconds_gained_per_day(part.rate.rate_excess),
-                                   seconds_gained_per_day(part.rate.rate_excess_sigma)));
+                        part_rate_text(part, summary.nominal_is_known));
   }
   if (segments.size() > most) text += fmt::format("  and {} more\n", segments.size() - most);
   return text;
@@ -210,7 +221,7 @@ std::string rate_text(const Beats& beats, const RateSummary& summary,
   std::string text = fmt::format("{} beats over {:.6g} s; {} missed, {} spurious, {} segment{}\n",
                                  summary.crossings, summary.duration_s, beats.missed,
                                  beats.spurious, beats.segments, beats.segments == 1 ? "" : "s");
-  if (beats.segments > 1) text += segment_lines(beats, summary.nominal_period_s);
+  if (beats.segments > 1) text += segment_lines(beats, summary);
   if (beats.rivals > 0)
     text += fmt::format("{} cycles have a second event that could as well be the crossing\n",
                         beats.rivals);

@@ -279,6 +279,7 @@ std::string_view kind_in_words(DeviationKind kind) {
 Figure deviation_figure(const ReportData& data) {
   Series bars{Series::Style::bars, "deviation", {}, {}, {}, {}, blue};
   for (const DeviationRow& row : data.deviation.rows) {
+    if (!std::isfinite(row.value)) continue;
     bars.x.push_back(row.tau_s);
     bars.y.push_back(row.value);
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();

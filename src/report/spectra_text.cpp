@@ -110,7 +110,8 @@ std::string deviation_text(const DeviationTable& table) {
   text += fmt::format("{:>12} {:>9} {:>10} {:>14} {:>12} {:>12}  noise\n", "tau/s", "m", "n",
                       name_of(table.kind), "low 68 %", "high 68 %");
   for (const DeviationRow& row : table.rows) {
-    text += fmt::format("{:>12.6g} {:>9} {:>10} {:>14.6e}", row.tau_s, row.m, row.n, row.value);
+    text += fmt::format("{:>12.6g} {:>9} {:>10} {:>14}", row.tau_s, row.m, row.n,
+                        std::isfinite(row.value) ? fmt::format("{:.6e}", row.value) : "-");
     text += row.interval ? fmt::format(" {:>12.4e} {:>12.4e}  {}\n", row.low, row.high,
                                        noise_name(row.alpha))
                          : fmt::format(" {:>12} {:>12}  -\n", "-", "-");
@@ -291,8 +292,8 @@ std::string gapped_table(const GappedPeriodogram& periodogram) {
 std::string profile_table(const FoldedProfile& profile) {
   std::string text = "phase,rate,sigma\n";
   for (std::size_t i = 0; i < profile.phase.size(); ++i)
-    fmt::format_to(std::back_inserter(text), "{:.6g},{:.9g},{}\n", profile.phase[i],
-                   profile.mean[i],
+    fmt::format_to(std::back_inserter(text), "{:.6g},{},{}\n", profile.phase[i],
+                   std::isnan(profile.mean[i]) ? "" : fmt::format("{:.9g}", profile.mean[i]),
                    std::isnan(profile.sigma[i]) ? "" : fmt::format("{:.3g}", profile.sigma[i]));
   return text;
 }

@@ -47,15 +47,16 @@ std::string beats_line(const ReportData& data) {
 
 std::string rate_lines(const ReportData& data) {
   const RateSummary& rate = data.rate;
+  const std::string mean = with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12);
+  if (!rate.nominal_is_known)
+    return fmt::format("Rate: not known, for no nominal period is known. Mean period {} s.\n", mean);
   std::string text = fmt::format("Rate: {} {}, from the first beat to the last.\n",
                                  rate.rate_excess < 0.0 ? "loses" : "gains",
                                  per_day(std::abs(rate.rate_excess), rate.rate_excess_sigma));
   text += fmt::format("  That is {}, what the hands show; a line through the clock's error, which "
                       "leans on the middle of the log, gives {}.\n",
                       plain_rate(rate.rate_excess), plain_rate(rate.slope_rate_excess));
-  text += fmt::format("  Mean period {} s against {} s.\n",
-                      with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12),
-                      rate.nominal_period_s);
+  text += fmt::format("  Mean period {} s against {} s.\n", mean, rate.nominal_period_s);
   return text;
 }
 
@@ -243,7 +244,8 @@ std::string suspicion_lines(const ReportData& data) {
   return text;
 }
 
-std::string stability_line(const DeviationTable& table) {
+std::string stability_line(DeviationTable table) {
+  std::erase_if(table.rows, [](const DeviationRow& row) { return !std::isfinite(row.value); });
   if (table.rows.empty()) return {};
   // The longest times rest on one or two differences; four spans of the log are the least to speak
   // of.

@@ -11,6 +11,7 @@
 namespace goingrate {
 
 std::string with_sigma(double value, double sigma, int digits) {
+  if (!std::isfinite(value)) return "not known";
   if (!(sigma > 0.0) || !std::isfinite(sigma)) return fmt::format("{:.{}g}", value, digits);
   const int first = static_cast<int>(std::floor(std::log10(sigma))); // place of sigma's first digit
   const double size = std::max(std::abs(value), sigma);
