@@ -216,7 +216,7 @@ void StreamedFile::flush() {
 }
 
 void StreamedFile::flush_if_large() {
-  constexpr std::size_t large = 1 << 20;
+  constexpr std::size_t large = 1 << 16; // few calls, and little even for a hundred files at once
   if (text_.size() >= large) flush();
 }
 

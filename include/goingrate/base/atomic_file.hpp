@@ -42,7 +42,7 @@ public:
   [[nodiscard]] bool wanted() const { return !path_.empty(); }
   /// Text to append to; hand it over with flush_if_large() now and then.
   [[nodiscard]] std::string& text() { return text_; }
-  /// Writes text() out and empties it once it has a megabyte.
+  /// Writes text() out and empties it once there is enough to be worth it.
   void flush_if_large();
   /// Everything is put on disk; commit() then only renames.
   void finish();
