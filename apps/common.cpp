@@ -1,6 +1,6 @@
 #include "common.hpp"
 
-#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/base/printable.hpp"
 #include "goingrate/report/tables.hpp"
 #include "progress.hpp"
 
@@ -46,7 +46,8 @@ void say(const GlobalOptions& global, std::string_view line) {
   // In a file or a pipe a note stays on its line, where a program finds it.
   constexpr std::size_t terminal = 80;
   const bool is_read = ::isatty(STDERR_FILENO) != 0;
-  std::fputs(fmt::format("{}\n", is_read ? wrapped(line, terminal, 2) : line).c_str(), stderr);
+  const std::string shown = printable(line);
+  std::fputs(fmt::format("{}\n", is_read ? wrapped(shown, terminal, 2) : shown).c_str(), stderr);
 }
 
 void add_log_options(CLI::App& command, LogOptions& options) {
@@ -268,7 +269,6 @@ void use_sensor_offset(NumberedLog& loaded, const LogOptions& options) {
 
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   NumberedLog loaded;
-  keep_input(options.path);
   {
     ProgressBar bar(global.quiet);
     ReadingOptions reading = reading_options(options);

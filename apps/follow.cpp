@@ -3,8 +3,10 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/report/tables.hpp"
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <fmt/format.h>
 
 namespace goingrate::apps {
@@ -122,8 +124,11 @@ private:
 };
 
 void print(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw OutputError("-", "standard output is closed");
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
+    return;
+  if (errno == EPIPE) throw ClosedPipe("standard output", std::strerror(errno));
+  throw OutputError("standard output", std::strerror(errno));
 }
 
 } // namespace

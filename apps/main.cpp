@@ -3,18 +3,23 @@
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/printable.hpp"
 #include "goingrate/base/spelling.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
 #include <iostream>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <sys/resource.h>
 #include <vector>
 
 namespace {
@@ -29,10 +34,15 @@ enum ExitCode {
   no_output = 5
 };
 
-int complain(ExitCode code, const char* what) {
-  std::fputs(fmt::format("goingrate: {}\n", what).c_str(), stderr); // lost if it cannot be written
+int complain(ExitCode code, std::string_view what) {
+  std::fputs(fmt::format("goingrate: {}\n", goingrate::printable(what)).c_str(),
+             stderr); // lost if it cannot be written
   return code;
 }
+
+constexpr std::string_view out_of_memory =
+    "this needs more memory than there is: take a part of the log (split it, or leave out every "
+    "other line), or fewer periods or realisations at a time";
 
 // Ctrl-C and its like leave no half file behind; the signal then does what it does.
 extern "C" void end_by_signal(int number) {
@@ -42,8 +52,10 @@ extern "C" void end_by_signal(int number) {
 }
 
 void heed_signals() {
-  std::signal(SIGPIPE, SIG_IGN); // a closed pipe is an output that cannot be written, not a crash
-  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+  // A closed pipe, or a file beyond its limit, is an output that cannot be written and no crash.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU})
     if (std::signal(number, end_by_signal) == SIG_IGN)
       std::signal(number, SIG_IGN); // as nohup asks
 }
@@ -53,10 +65,20 @@ bool is_option(const goingrate::InputError& error) {
   return error.place().file.starts_with("--set ");
 }
 
-// What --help and --version print.
-bool standard_output_took_it() {
+// Many realisations keep many files open, and the usual limit is lower than it must be.
+void allow_many_files() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// What --help and --version print. A reader that went away has all it wanted.
+int after_standard_output() {
+  errno = 0;
   std::cout.flush();
-  return std::cout.good() && std::fflush(stdout) == 0;
+  const bool written = std::cout.good() && std::fflush(stdout) == 0;
+  return written || errno == EPIPE ? done : complain(no_output, "cannot write standard output");
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known,
@@ -103,6 +125,8 @@ std::optional<std::string> unexpected_word(const CLI::App& program) {
 int main(int argc, char** argv) {
   using namespace goingrate;
   heed_signals();
+  allow_many_files();
+  keep_all_inputs();
   CLI::App program{"Fits, diagnoses and simulates pendulum clocks from their timing logs.",
                    "goingrate"};
   program.set_version_flag("--version", "goingrate " GOINGRATE_VERSION);
@@ -130,16 +154,20 @@ int main(int argc, char** argv) {
     const auto names = command_names(program);
     if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
       return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
-                                               did_you_mean(first, names, "goingrate --help"))
-                                       .c_str());
+                                               did_you_mean(first, names, "goingrate --help")));
     program.parse(argc, argv);
-    return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
+    return after_standard_output();
   } catch (const CLI::ParseError& error) {
     const bool is_help = error.get_exit_code() == 0;
     if (const auto unexpected = unexpected_word(program); unexpected && !is_help)
-      return complain(wrong_usage, unexpected->c_str());
-    if (program.exit(error) != 0) return wrong_usage;
-    return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
+      return complain(wrong_usage, *unexpected);
+    if (!is_help) {
+      complain(wrong_usage, error.what());
+      std::fputs("Run with --help for more information.\n", stderr);
+      return wrong_usage;
+    }
+    program.exit(error);
+    return after_standard_output();
   } catch (const InputError& error) {
     return complain(is_option(error) ? wrong_usage : bad_input, error.what());
   } catch (const NoStationarySwing& error) {
@@ -148,10 +176,14 @@ int main(int argc, char** argv) {
     return complain(wrong_usage, error.what());
   } catch (const apps::NumericsError& error) {
     return complain(no_result, error.what());
-  } catch (const ClosedPipe&) {
-    return no_output;
+  } catch (const ClosedPipe&) { // the reader of standard output has all it wanted
+    return done;
   } catch (const OutputError& error) {
     return complain(no_output, error.what());
+  } catch (const std::bad_alloc&) {
+    return complain(bad_input, out_of_memory);
+  } catch (const std::length_error&) { // more than any memory holds
+    return complain(bad_input, out_of_memory);
   } catch (const std::exception& error) {
     return complain(our_fault, error.what());
   }

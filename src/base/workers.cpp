@@ -25,6 +25,7 @@ public:
   Others(std::size_t count, const std::function<void()>& run) {
     std::vector<Room> rooms;
     threads_.reserve(count);
+    rooms.reserve(count + 1);
     rooms.push_back(put_aside()); // the caller's
     while (threads_.size() < count && rooms.back()) {
       rooms.push_back(put_aside());

@@ -1,5 +1,6 @@
 #include "lines.hpp"
 
+#include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -25,6 +26,7 @@ class FileSource : public ByteSource {
 public:
   FileSource(const std::string& path, std::function<bool()> wait)
       : path_(path), wait_(std::move(wait)) {
+    note_input(path);
     if (path == "-") {
       descriptor_ = STDIN_FILENO;
       return;

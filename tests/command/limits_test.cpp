@@ -19,5 +19,33 @@ TEST_F(LimitsTest, ThreadsThatCannotBeStartedAreDoneWithout) {
         << k;
 }
 
+TEST_F(LimitsTest, AFileThatMayNotGrowIsExitFive) {
+  put("log.csv", "precious");
+  const std::string command = "simulate " + scenario("jump") + " --set run.periods=100000 -o ";
+  const Outcome outcome = run(command + "log.csv", "ulimit -f 100;");
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_NE(outcome.err.find("cannot write log.csv: File too large"), std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(content(folder_ / "log.csv"), "precious");
+  EXPECT_EQ(run(command + "-", "ulimit -f 100;").code, 5);
+  for (const auto& file : fs::directory_iterator(folder_))
+    EXPECT_EQ(file.path().filename().string().find(".part-"), std::string::npos) << file.path();
+}
+
+TEST_F(LimitsTest, TooLittleMemoryIsExitThreeAndSaysWhatToDo) {
+  std::string text;
+  for (int i = 0; i < 3000000; ++i)
+    text += fmt::format("{}.0\n", 2 * i);
+  put("long.log", text);
+  for (const char* arguments : {"rate long.log -o t.csv", "stability long.log -o t.csv"}) {
+    const Outcome outcome = run(arguments, "ulimit -v 120000;");
+    EXPECT_EQ(outcome.code, 3) << arguments;
+    EXPECT_NE(outcome.err.find("more memory than there is: take a part of the log"),
+              std::string::npos)
+        << outcome.err;
+    EXPECT_FALSE(fs::exists(folder_ / "t.csv"));
+  }
+}
+
 } // namespace
 } // namespace goingrate::test
