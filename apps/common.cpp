@@ -109,6 +109,12 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       .add_option("--rest-angle", options.rest_angle_rad,
                   "of angle samples: the angle (rad) at which the pendulum hangs")
       ->group(group);
+  command
+      .add_option("--unpacked-limit", options.unpacked_limit_gib,
+                  "GiB that a packed log may have unpacked")
+      ->check(positive() & CLI::Range(0.0, 1e9))
+      ->capture_default_str()
+      ->group(group);
   command.add_flag("--strict", options.strict, "the first line at fault is an error")->group(group);
 }
 
@@ -124,6 +130,7 @@ ReadingOptions reading_options(const LogOptions& options) {
   reading.decimal_comma = options.decimal_comma;
   reading.channel = options.channel;
   reading.strict = options.strict;
+  reading.unpacked_limit = static_cast<std::uint64_t>(options.unpacked_limit_gib * gib);
   return reading;
 }
 

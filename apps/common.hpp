@@ -27,6 +27,8 @@ class NumericsError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+inline constexpr double gib = 1073741824.0; ///< bytes
+
 /// Options of every command that reads a log.
 struct LogOptions {
   std::string path;
@@ -43,6 +45,7 @@ struct LogOptions {
   bool decimal_comma = false;
   std::string channel;
   bool strict = false;
+  double unpacked_limit_gib = static_cast<double>(usual_unpacked_limit) / gib;
 };
 
 /// Checks of numbers on the command line. CLI11's own let "nan" pass, which is neither above nor

@@ -49,7 +49,8 @@ Phase phase_of(const StabilityCommand& options, const GlobalOptions& global) {
     return {on_every_cycle(loaded.good, error),
             options.log.tau0_s > 0.0 ? options.log.tau0_s : loaded.nominal_period_s};
   }
-  auto numbers = read_numbers(read_text(options.log.path), options.log.path);
+  auto numbers = read_numbers(
+      read_text(options.log.path, reading_options(options.log).unpacked_limit), options.log.path);
   double tau0_s = options.log.tau0_s;
   if (tau0_s == 0.0) {
     tau0_s = 1.0;

@@ -107,8 +107,8 @@ private:
 // Unpacks gzip, also several members one after the other.
 class GzipSource : public ByteSource {
 public:
-  GzipSource(std::unique_ptr<ByteSource> packed, std::string path)
-      : packed_(std::move(packed)), path_(std::move(path)) {
+  GzipSource(std::unique_ptr<ByteSource> packed, std::string path, std::uint64_t limit)
+      : packed_(std::move(packed)), path_(std::move(path)), limit_(limit) {
     constexpr int gzip_only = 16 + MAX_WBITS;
     if (inflateInit2(&stream_, gzip_only) != Z_OK) throw std::bad_alloc();
   }
@@ -133,7 +133,12 @@ public:
         throw InputError({path_}, "damaged gzip data", "a .gz file that unpacks");
       }
     }
-    return size - stream_.avail_out;
+    const std::size_t count = size - stream_.avail_out;
+    unpacked_ += count;
+    if (unpacked_ > limit_)
+      throw InputError({path_}, fmt::format("gzip data that unpack to more than {} bytes", limit_),
+                       "no more, or a higher limit for what may be unpacked");
+    return count;
   }
   [[nodiscard]] std::optional<std::uint64_t> size() const override { return packed_->size(); }
   [[nodiscard]] std::uint64_t taken() const override { return packed_->taken(); }
@@ -150,12 +155,14 @@ private:
   std::string path_;
   z_stream stream_{};
   std::array<char, 1 << 16> input_{};
+  std::uint64_t limit_, unpacked_ = 0;
   bool inside_ = false;
 };
 
 } // namespace
 
-std::unique_ptr<ByteSource> open_source(const std::string& path, std::function<bool()> wait) {
+std::unique_ptr<ByteSource> open_source(const std::string& path, std::uint64_t unpacked_limit,
+                                        std::function<bool()> wait) {
   std::unique_ptr<ByteSource> source = std::make_unique<FileSource>(path, std::move(wait));
   std::string first(2, '\0');
   std::size_t count = source->read(first.data(), 2);
@@ -163,7 +170,7 @@ std::unique_ptr<ByteSource> open_source(const std::string& path, std::function<b
   first.resize(count);
   const bool packed = first == "\x1f\x8b";
   source = std::make_unique<PeekedSource>(std::move(source), std::move(first));
-  if (packed) source = std::make_unique<GzipSource>(std::move(source), path);
+  if (packed) source = std::make_unique<GzipSource>(std::move(source), path, unpacked_limit);
   return source;
 }
 

@@ -35,8 +35,8 @@ std::vector<double> read_numbers(std::string_view text, const std::string& sourc
   return numbers;
 }
 
-std::string read_text(const std::string& path) {
-  const auto source = open_source(path);
+std::string read_text(const std::string& path, std::uint64_t unpacked_limit) {
+  const auto source = open_source(path, unpacked_limit);
   std::string text;
   constexpr std::size_t chunk = 1 << 16;
   while (true) {

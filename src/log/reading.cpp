@@ -194,7 +194,7 @@ ClockLog read_log(std::string_view text, const std::string& source, const Readin
 }
 
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options) {
-  LineReader lines(open_source(path), path);
+  LineReader lines(open_source(path, options.unpacked_limit), path);
   return read_lines(lines, options);
 }
 
@@ -202,7 +202,7 @@ ClockLog read_log_file(const std::string& path, const ReadingOptions& options) {
 
 struct LogFollower::Parts {
   Parts(const std::string& path, const ReadingOptions& reading, std::function<bool()> wait)
-      : options(reading), lines(open_source(path, std::move(wait)), path) {
+      : options(reading), lines(open_source(path, reading.unpacked_limit, std::move(wait)), path) {
     check(options);
     log.source = path;
     constexpr std::size_t enough = 12; // a dozen beats show what they are

@@ -47,5 +47,23 @@ TEST_F(LimitsTest, TooLittleMemoryIsExitThreeAndSaysWhatToDo) {
   }
 }
 
+TEST_F(LimitsTest, APackedLogMayUnpackToSoMuchAndNoMore) {
+  std::string text;
+  for (int i = 0; i < 200000; ++i)
+    text += fmt::format("{}.0\n", 2 * i);
+  put("a.log", text);
+  ASSERT_EQ(std::system(fmt::format("cd '{}' && gzip -k a.log", folder_.string()).c_str()), 0);
+  for (const std::string log : {"rate a.log.gz -o t.csv", "rate - -o t.csv < a.log.gz",
+                                "stability --data phase a.log.gz -o t.csv"}) {
+    const Outcome refused = run("--quiet " + log + " --unpacked-limit 0.001");
+    EXPECT_EQ(refused.code, 3) << log;
+    EXPECT_NE(refused.err.find("unpack to more than 1073741 bytes"), std::string::npos)
+        << refused.err;
+    EXPECT_EQ(run("--quiet " + log + " --unpacked-limit 0.01").code, 0) << log;
+  }
+  EXPECT_EQ(run("rate a.log -o t.csv --unpacked-limit 0.001").code, 0) << "nothing is packed";
+  EXPECT_EQ(run("rate a.log -o t.csv --unpacked-limit nan").code, 2);
+}
+
 } // namespace
 } // namespace goingrate::test

@@ -93,6 +93,45 @@ TEST_F(OutputsTest, AFolderInTheWayLeavesTheOtherFileAsItWas) {
   }
 }
 
+TEST_F(OutputsTest, NothingFromOutsideSteersTheTerminal) {
+  const std::string evil = "\x1b]0;t\x07\x1b[31mred\nline";
+  put("header.csv", "time (s),\x1b[31mred\x9b (x),edge\x1b[1m\n" "1,2,up\n3,\x1b[2J,up\n5,3,up\n7,2,up\n");
+  put(evil, content(folder_ / "log.csv"));
+  put("evil.toml", "[clock]\n\"\x5cu001b[31m\" = 1\n");
+  put("evil.par", "# goingrate par 1\n\x1b[31m 1 0\n");
+  put("evil2.toml", "[drive]\nseries = \"\\u001b[31m\"\n");
+  for (const std::string& arguments : {
+           fmt::format("rate '{}' -o t.csv", evil), fmt::format("report '{}' -o r.html", evil),
+           fmt::format("rate 'no{}'", evil), fmt::format("rate log.csv -o 'no{0}/{0}'", evil),
+           fmt::format("rate log.csv '{}'", evil), fmt::format("rate log.csv '--{}'", evil),
+           fmt::format("rate log.csv --format '{}'", evil), fmt::format("'{}'", evil),
+           fmt::format("rate log.csv --alarm '{}'", evil), fmt::format("help '{}'", evil),
+           fmt::format("rate log.csv --nominal-period '{}'", evil),
+           fmt::format("rate header.csv --column '{}=2'", evil),
+           fmt::format("rate header.csv --column 'amplitude={}'", evil),
+           fmt::format("rate log.csv --plot '{}'", evil),
+           fmt::format("fit log.csv --fix '{}=2'", evil),
+           fmt::format("fit log.csv --fix 'T0={}'", evil),
+           fmt::format("fit log.csv --event '{}'", evil),
+           fmt::format("fit log.csv --event '3:{}'", evil),
+           fmt::format("fit log.csv --free '{}'", evil),
+           fmt::format("fit log.csv --prior '{}=1+-1'", evil),
+           fmt::format("map --solve '{}=1' mu=1", evil),
+           fmt::format("stability log.csv --taus '{}'", evil),
+           fmt::format("simulate s.toml --set '{}=1'", evil),
+           fmt::format("simulate s.toml --set 'run.method={}'", evil),
+           fmt::format("paper -o p --periods 10000 --figure '{}'", evil),
+           std::string("rate header.csv -o t.csv"), std::string("simulate evil.toml"),
+           std::string("simulate evil2.toml"), std::string("fit log.csv --from evil.par")}) {
+    const Outcome outcome = run(arguments);
+    for (const std::string& text : {outcome.out, outcome.err})
+      for (const char byte : {'\x1b', '\x07', '\x9b'})
+        EXPECT_EQ(text.find(byte), std::string::npos) << arguments << '\n' << text;
+    EXPECT_EQ(outcome.err.find("\nline"), std::string::npos) << outcome.err;
+    EXPECT_FALSE(outcome.err.empty()) << arguments;
+  }
+}
+
 TEST_F(OutputsTest, AReaderThatLeavesIsExitZeroAndTheFilesAreWritten) {
   for (const std::string arguments :
        {"rate log.csv --json a.json", "stability log.csv --json a.json", "--help", "help formats",

@@ -3,6 +3,7 @@
 
 #include "goingrate/log/clock_log.hpp"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +12,10 @@
 #include <vector>
 
 namespace goingrate {
+
+/// Bytes that a packed file may unpack to, if nothing else is said: six years of beats a second.
+/// A few megabytes of gzip can hold a thousand times as much.
+inline constexpr std::uint64_t usual_unpacked_limit = std::uint64_t{4} << 30;
 
 /// What the reader may be told instead of finding out.
 struct ReadingOptions {
@@ -24,6 +29,7 @@ struct ReadingOptions {
   std::string channel{};                  ///< of a TICC
   std::optional<double> rest_angle_rad{}; ///< of angle samples: where the pendulum hangs
   bool strict = false;                    ///< the first issue is an error
+  std::uint64_t unpacked_limit = usual_unpacked_limit; ///< of a packed file, bytes
   std::function<void(double)> progress{}; ///< told now and then which part has been read
 };
 
@@ -38,7 +44,7 @@ struct ReadingOptions {
 /// crossings_of_samples.
 /// Throws InputError (file, line, column, found, expected) if the text is empty, in UTF-16, binary
 /// in its first line or in half of them (holes of zeros are left out), of no known format, has more
-/// than 256 columns or a line of more than 16 MiB, if fewer than half of its lines can be used, or
+/// than 256 columns or a line of more than 16 MiB, unpacks to more than the limit, if fewer than half of its lines can be used, or
 /// fewer than three events are found; ArgumentError for options out of range. Memory: 48 bytes a
 /// line and at most ten times the text (tests/fuzz). Formats: ReadingTest, Formats/ReadsInTheWild.
 /// Speed and memory: tests/studies/reading.txt.
@@ -71,7 +77,9 @@ private:
 /// three numbers.
 std::vector<double> read_numbers(std::string_view text, const std::string& source);
 
-/// Reads a file, or standard input for "-". Throws InputError if it cannot be opened.
-std::string read_text(const std::string& path);
+/// Reads a file, or standard input for "-". Throws InputError if it cannot be opened, or unpacks to
+/// more than `unpacked_limit` bytes.
+std::string read_text(const std::string& path,
+                      std::uint64_t unpacked_limit = usual_unpacked_limit);
 
 } // namespace goingrate
