@@ -1,5 +1,7 @@
 #include "lines.hpp"
 
+#include "growth.hpp"
+
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 
@@ -48,22 +50,21 @@ public:
   }
 
   std::size_t read(char* to, std::size_t size) override {
-    while (true) {
-      if (wait_ && !size_ && !something_to_read()) { // a pipe or a terminal, silent
-        if (!wait_()) return 0;
-        continue;
-      }
+    while (!wait_ || size_ ? !has_begun_anew() : something_comes()) {
       const ssize_t count = ::read(descriptor_, to, size);
       if (count > 0) {
         taken_ += static_cast<std::uint64_t>(count);
+        if (wait_ && size_) growth_.took(to, static_cast<std::size_t>(count), taken_);
+        was_at_end_ = false;
         return static_cast<std::size_t>(count);
       }
       if (count < 0 && errno != EINTR) throw InputError({path_}, std::strerror(errno), "more text");
-      if (count == 0) {
-        if (!wait_ || !size_ || !wait_()) return 0; // a closed pipe does not grow
-        ::poll(nullptr, 0, wait_ms);
-      }
+      if (count < 0) continue;
+      was_at_end_ = true;
+      if (!wait_ || !size_ || has_begun_anew() || !wait_()) break; // a closed pipe does not grow
+      ::poll(nullptr, 0, wait_ms);
     }
+    return 0;
   }
   [[nodiscard]] std::optional<std::uint64_t> size() const override { return size_; }
   [[nodiscard]] std::uint64_t taken() const override { return taken_; }
@@ -72,9 +73,17 @@ private:
   static constexpr int wait_ms =
       100; // a tenth of a second: shorter than a beat, long for a computer
 
-  [[nodiscard]] bool something_to_read() const {
+  // Of a pipe or a terminal; also at its end, which read() then tells. False if nobody waits on.
+  [[nodiscard]] bool something_comes() const {
     pollfd descriptor{descriptor_, POLLIN, 0};
-    return ::poll(&descriptor, 1, wait_ms) != 0; // also at the end, which read then tells
+    if (::poll(&descriptor, 1, 0) != 0) return true;
+    while (wait_())
+      if (::poll(&descriptor, 1, wait_ms) != 0) return true;
+    return false;
+  }
+  // Of a file that is followed: then what comes next is no continuation.
+  [[nodiscard]] bool has_begun_anew() const {
+    return was_at_end_ && growth_.begins_anew(descriptor_, path_);
   }
 
   std::string path_;
@@ -82,6 +91,8 @@ private:
   int descriptor_ = -1;
   std::optional<std::uint64_t> size_;
   std::uint64_t taken_ = 0;
+  Growth growth_;
+  bool was_at_end_ = false;
 };
 
 // Hands out first what was already taken from a source to look at it.

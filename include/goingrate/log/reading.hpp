@@ -54,7 +54,9 @@ ClockLog read_log(std::string_view text, const std::string& source,
 /// The same for a file (gzip or not), or standard input for "-", held a piece at a time.
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options = {});
 
-/// A log that is still being written: events as they come.
+/// A log that is still being written: events as they come. A file that is cut off or replaced by
+/// another of its name is read from its beginning. Lines before the first that make sense are left
+/// out. Times in seconds that begin again are handed out as they stand.
 class LogFollower {
 public:
   /// `wait` is called at the end of a growing file, and returns false to give up. Waits for the
