@@ -120,6 +120,50 @@ std::optional<std::string> unexpected_word(const CLI::App& program) {
                      did_you_mean(name, known, fmt::format("goingrate{} --help", command)));
 }
 
+void add_commands(CLI::App& program, const goingrate::apps::GlobalOptions& global) {
+  using namespace goingrate;
+  apps::add_simulate(program, global);
+  apps::add_rate(program, global);
+  apps::add_fit(program, global);
+  apps::add_spectrum(program, global);
+  apps::add_stability(program, global);
+  apps::add_report(program, global);
+  apps::add_map(program, global);
+  apps::add_chart(program, global);
+  apps::add_paper(program, global);
+  apps::add_help(program);
+}
+
+// What is wrong with the words of the command line; or it was asked for help, which is printed.
+int explain(const CLI::App& program, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) {
+    program.exit(error);
+    return after_standard_output();
+  }
+  if (const auto unexpected = unexpected_word(program)) return complain(wrong_usage, *unexpected);
+  complain(wrong_usage, error.what());
+  std::fputs("Run with --help for more information.\n", stderr);
+  return wrong_usage;
+}
+
+int run(CLI::App& program, int argc, char** argv) {
+  if (argc == 1) { // somebody who looks what this is
+    std::fputs(program.help().c_str(), stderr);
+    return wrong_usage;
+  }
+  const std::string_view first(argv[1]);
+  const auto names = command_names(program);
+  if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
+    return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
+                                             did_you_mean(first, names, "goingrate --help")));
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return explain(program, error);
+  }
+  return after_standard_output();
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -136,38 +180,8 @@ int main(int argc, char** argv) {
   apps::GlobalOptions global;
   program.add_flag("--quiet", global.quiet, "no notes on standard error");
   try {
-    apps::add_simulate(program, global);
-    apps::add_rate(program, global);
-    apps::add_fit(program, global);
-    apps::add_spectrum(program, global);
-    apps::add_stability(program, global);
-    apps::add_report(program, global);
-    apps::add_map(program, global);
-    apps::add_chart(program, global);
-    apps::add_paper(program, global);
-    apps::add_help(program);
-    if (argc == 1) { // somebody who looks what this is
-      std::fputs(program.help().c_str(), stderr);
-      return wrong_usage;
-    }
-    const std::string_view first(argv[1]);
-    const auto names = command_names(program);
-    if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
-      return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
-                                               did_you_mean(first, names, "goingrate --help")));
-    program.parse(argc, argv);
-    return after_standard_output();
-  } catch (const CLI::ParseError& error) {
-    const bool is_help = error.get_exit_code() == 0;
-    if (const auto unexpected = unexpected_word(program); unexpected && !is_help)
-      return complain(wrong_usage, *unexpected);
-    if (!is_help) {
-      complain(wrong_usage, error.what());
-      std::fputs("Run with --help for more information.\n", stderr);
-      return wrong_usage;
-    }
-    program.exit(error);
-    return after_standard_output();
+    add_commands(program, global);
+    return run(program, argc, argv);
   } catch (const InputError& error) {
     return complain(is_option(error) ? wrong_usage : bad_input, error.what());
   } catch (const NoStationarySwing& error) {
