@@ -35,8 +35,8 @@ private:
   void leave_out_held();
   void learn(double step_s);
 
-  double usual_step_s_ = 0.0;  // 0: not known
-  std::deque<double> steps_s_; // the last ones
+  double usual_step_s_ = 0.0;             // 0: not known
+  std::deque<double> steps_s_;            // the last ones
   std::optional<Beat> last_, one_before_; // of those believed
   std::vector<Beat> held_;                // each follows the one before
   std::vector<Beat> left_out_;

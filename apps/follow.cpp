@@ -99,8 +99,8 @@ private:
       if (begins_anew) {
         print(numbers_.rest(*log_));
         numbers_.begin_anew();
-        say(global_, fmt::format("{}:{}: the times begin again: a new segment", options_.path,
-                                 event.line));
+        say(global_,
+            fmt::format("{}:{}: the times begin again: a new segment", options_.path, event.line));
       }
       numbers_.add(event);
     }

@@ -66,9 +66,9 @@ RollingNumbers::Shift RollingNumbers::shift_of(const std::vector<Beat>& numbered
     if (window_[i].flag == BeatFlag::good && numbered[i].flag == BeatFlag::good)
       return {window_[i].cycle - numbered[i].cycle, window_[i].segment - numbered[i].segment};
   if (!last_) return {};
-  const auto first = std::find_if(numbered.begin() + static_cast<std::ptrdiff_t>(printed_),
-                                  numbered.end(),
-                                  [](const Beat& beat) { return beat.flag == BeatFlag::good; });
+  const auto first =
+      std::find_if(numbered.begin() + static_cast<std::ptrdiff_t>(printed_), numbered.end(),
+                   [](const Beat& beat) { return beat.flag == BeatFlag::good; });
   if (first == numbered.end()) return {last_->cycle - numbered.back().cycle, 0};
   return {last_->cycle + 1 - first->cycle, last_->segment + 1 - first->segment};
 }

@@ -130,7 +130,8 @@ std::string followed(const std::string& path) {
     place = place.parent_path() / next;
   }
   std::error_code unknown;
-  const fs::path folder = fs::canonical(place.has_parent_path() ? place.parent_path() : ".", unknown);
+  const fs::path folder =
+      fs::canonical(place.has_parent_path() ? place.parent_path() : ".", unknown);
   return unknown ? place.string() : (folder / place.filename()).string();
 }
 

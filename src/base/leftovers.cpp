@@ -56,8 +56,7 @@ void sweep(const std::string& target) {
   const fs::path prefix(draft_prefix(target));
   const fs::path folder = prefix.parent_path().empty() ? "." : prefix.parent_path();
   auto known = folders().find(folder.string());
-  if (known == folders().end())
-    known = folders().emplace(folder.string(), drafts_in(folder)).first;
+  if (known == folders().end()) known = folders().emplace(folder.string(), drafts_in(folder)).first;
   const std::string begins = prefix.filename().string();
   auto& names = known->second;
   for (auto name = names.lower_bound(begins); name != names.end() && name->starts_with(begins);

@@ -9,10 +9,13 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
 #include <memory>
 #include <spawn.h>
+#include <sstream>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -125,7 +128,16 @@ std::string in_one_line(std::string_view text) {
 } // namespace
 
 bool gnuplot_is_installed() {
-  return run_gnuplot("--version", "", gnuplot_patience).has_value();
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "/bin:/usr/bin"); // as a shell without one
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string program = (folder.empty() ? "." : folder) + "/gnuplot";
+    struct stat status {};
+    if (::stat(program.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+        ::access(program.c_str(), X_OK) == 0)
+      return true;
+  }
+  return false;
 }
 
 std::optional<std::string> printed_figure(const std::vector<Figure>& figures, PrintFormat format,
@@ -137,7 +149,8 @@ std::optional<std::string> printed_figure(const std::vector<Figure>& figures, Pr
       run_gnuplot("-d", pdf ? script_for_pdf(figures) : script_for_png(figures), patience);
   if (!outcome) return std::nullopt;
   if (outcome->hung)
-    throw OutputError(target, fmt::format("gnuplot was given up after {} s", patience.count() / 1000));
+    throw OutputError(target,
+                      fmt::format("gnuplot was given up after {} s", patience.count() / 1000));
   const std::string_view begins = pdf ? "%PDF" : "\x89PNG";
   if (!outcome->ended_well || !outcome->out.starts_with(begins))
     throw OutputError(target, "gnuplot failed: " + in_one_line(outcome->err));

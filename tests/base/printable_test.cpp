@@ -11,7 +11,10 @@ TEST(PrintableTest, WhatSteersATerminalIsWrittenOut) {
   EXPECT_EQ(printable("a\x1b[31mb"), "a\\x1b[31mb");
   EXPECT_EQ(printable("two\nlines\r\t\x7f"), "two\\x0alines\\x0d\\x09\\x7f");
   EXPECT_EQ(printable(std::string_view("\0", 1)), "\\x00");
-  EXPECT_EQ(printable("\xc2\x9b" "31m"), "\\xc2\\x9b31m") << "the same in one character";
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "31m"),
+            "\\xc2\\x9b31m")
+      << "the same in one character";
   EXPECT_EQ(printable("\u202egnp.exe"), "\\xe2\\x80\\xaegnp.exe") << "written from the right";
   EXPECT_EQ(printable("\u2066x\u2029"), "\\xe2\\x81\\xa6x\\xe2\\x80\\xa9");
 }

@@ -47,8 +47,8 @@ TEST_F(OutputsTest, WhatIsReadIsNeverWritten) {
         "report log.csv --tables d", "spectrum log.csv --fix T0=2 --json log.csv",
         "stability log.csv -o log.csv", "stability phase.txt --data phase --json phase.txt"})
     expect_refused(arguments);
-  for (const std::string output : {"-o s.toml", "-o drive.csv", "--truth drive.csv -o a.csv",
-                                   "-o a.csv --plot drive.csv"})
+  for (const std::string output :
+       {"-o s.toml", "-o drive.csv", "--truth drive.csv -o a.csv", "-o a.csv --plot drive.csv"})
     expect_refused("simulate s.toml" + periods + " " + output);
   expect_refused("simulate - -o s.toml --set drive.fast_rms=0 < s.toml");
   fs::rename(folder_ / "s.toml", folder_ / "s-0.toml");
@@ -57,9 +57,8 @@ TEST_F(OutputsTest, WhatIsReadIsNeverWritten) {
 }
 
 TEST_F(OutputsTest, StandardOutputAtTheEndOfTheLogIsRefused) {
-  const std::string line =
-      fmt::format("cd '{}' && '{}' rate log.csv >> log.csv 2> err.txt", folder_.string(),
-                  GOINGRATE_COMMAND);
+  const std::string line = fmt::format("cd '{}' && '{}' rate log.csv >> log.csv 2> err.txt",
+                                       folder_.string(), GOINGRATE_COMMAND);
   EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 2);
   EXPECT_EQ(content(folder_ / "log.csv"), content(folder_ / "kept-log.csv"));
 }
@@ -85,9 +84,9 @@ TEST_F(OutputsTest, TwoOutputsOfOneNameAreWrongUsage) {
 TEST_F(OutputsTest, AFolderInTheWayLeavesTheOtherFileAsItWas) {
   put("a.json", "precious");
   fs::create_directory(folder_ / "adir");
-  for (const char* arguments : {"fit log.csv --fix T0=2 --json a.json --csv adir",
-                                "rate log.csv --json a.json -o adir",
-                                "simulate s.toml -o a.json --truth adir"}) {
+  for (const char* arguments :
+       {"fit log.csv --fix T0=2 --json a.json --csv adir", "rate log.csv --json a.json -o adir",
+        "simulate s.toml -o a.json --truth adir"}) {
     EXPECT_EQ(run(arguments).code, 5) << arguments;
     EXPECT_EQ(content(folder_ / "a.json"), "precious") << arguments;
   }
@@ -95,34 +94,42 @@ TEST_F(OutputsTest, AFolderInTheWayLeavesTheOtherFileAsItWas) {
 
 TEST_F(OutputsTest, NothingFromOutsideSteersTheTerminal) {
   const std::string evil = "\x1b]0;t\x07\x1b[31mred\nline";
-  put("header.csv", "time (s),\x1b[31mred\x9b (x),edge\x1b[1m\n" "1,2,up\n3,\x1b[2J,up\n5,3,up\n7,2,up\n");
+  put("header.csv", "time (s),\x1b[31mred\x9b (x),edge\x1b[1m\n"
+                    "1,2,up\n3,\x1b[2J,up\n5,3,up\n7,2,up\n");
   put(evil, content(folder_ / "log.csv"));
   put("evil.toml", "[clock]\n\"\x5cu001b[31m\" = 1\n");
   put("evil.par", "# goingrate par 1\n\x1b[31m 1 0\n");
   put("evil2.toml", "[drive]\nseries = \"\\u001b[31m\"\n");
-  for (const std::string& arguments : {
-           fmt::format("rate '{}' -o t.csv", evil), fmt::format("report '{}' -o r.html", evil),
-           fmt::format("rate 'no{}'", evil), fmt::format("rate log.csv -o 'no{0}/{0}'", evil),
-           fmt::format("rate log.csv '{}'", evil), fmt::format("rate log.csv '--{}'", evil),
-           fmt::format("rate log.csv --format '{}'", evil), fmt::format("'{}'", evil),
-           fmt::format("rate log.csv --alarm '{}'", evil), fmt::format("help '{}'", evil),
-           fmt::format("rate log.csv --nominal-period '{}'", evil),
-           fmt::format("rate header.csv --column '{}=2'", evil),
-           fmt::format("rate header.csv --column 'amplitude={}'", evil),
-           fmt::format("rate log.csv --plot '{}'", evil),
-           fmt::format("fit log.csv --fix '{}=2'", evil),
-           fmt::format("fit log.csv --fix 'T0={}'", evil),
-           fmt::format("fit log.csv --event '{}'", evil),
-           fmt::format("fit log.csv --event '3:{}'", evil),
-           fmt::format("fit log.csv --free '{}'", evil),
-           fmt::format("fit log.csv --prior '{}=1+-1'", evil),
-           fmt::format("map --solve '{}=1' mu=1", evil),
-           fmt::format("stability log.csv --taus '{}'", evil),
-           fmt::format("simulate s.toml --set '{}=1'", evil),
-           fmt::format("simulate s.toml --set 'run.method={}'", evil),
-           fmt::format("paper -o p --periods 10000 --figure '{}'", evil),
-           std::string("rate header.csv -o t.csv"), std::string("simulate evil.toml"),
-           std::string("simulate evil2.toml"), std::string("fit log.csv --from evil.par")}) {
+  for (const std::string& arguments :
+       {fmt::format("rate '{}' -o t.csv", evil),
+        fmt::format("report '{}' -o r.html", evil),
+        fmt::format("rate 'no{}'", evil),
+        fmt::format("rate log.csv -o 'no{0}/{0}'", evil),
+        fmt::format("rate log.csv '{}'", evil),
+        fmt::format("rate log.csv '--{}'", evil),
+        fmt::format("rate log.csv --format '{}'", evil),
+        fmt::format("'{}'", evil),
+        fmt::format("rate log.csv --alarm '{}'", evil),
+        fmt::format("help '{}'", evil),
+        fmt::format("rate log.csv --nominal-period '{}'", evil),
+        fmt::format("rate header.csv --column '{}=2'", evil),
+        fmt::format("rate header.csv --column 'amplitude={}'", evil),
+        fmt::format("rate log.csv --plot '{}'", evil),
+        fmt::format("fit log.csv --fix '{}=2'", evil),
+        fmt::format("fit log.csv --fix 'T0={}'", evil),
+        fmt::format("fit log.csv --event '{}'", evil),
+        fmt::format("fit log.csv --event '3:{}'", evil),
+        fmt::format("fit log.csv --free '{}'", evil),
+        fmt::format("fit log.csv --prior '{}=1+-1'", evil),
+        fmt::format("map --solve '{}=1' mu=1", evil),
+        fmt::format("stability log.csv --taus '{}'", evil),
+        fmt::format("simulate s.toml --set '{}=1'", evil),
+        fmt::format("simulate s.toml --set 'run.method={}'", evil),
+        fmt::format("paper -o p --periods 10000 --figure '{}'", evil),
+        std::string("rate header.csv -o t.csv"),
+        std::string("simulate evil.toml"),
+        std::string("simulate evil2.toml"),
+        std::string("fit log.csv --from evil.par")}) {
     const Outcome outcome = run(arguments);
     for (const std::string& text : {outcome.out, outcome.err})
       for (const char byte : {'\x1b', '\x07', '\x9b'})
@@ -136,7 +143,8 @@ TEST_F(OutputsTest, AReaderThatLeavesIsExitZeroAndTheFilesAreWritten) {
   for (const std::string arguments :
        {"rate log.csv --json a.json", "stability log.csv --json a.json", "--help", "help formats",
         "fit log.csv --fix T0=2 --json a.json", "rate log.csv --json - -o a.json",
-        "simulate s.toml --set run.periods=300 --truth a.json", "report log.csv -o a.json", "rate log.csv --follow"}) {
+        "simulate s.toml --set run.periods=300 --truth a.json", "report log.csv -o a.json",
+        "rate log.csv --follow"}) {
     fs::remove(folder_ / "a.json");
     const bool writes = arguments.find("a.json") != std::string::npos;
     const bool endless = arguments.ends_with("--follow");
@@ -148,8 +156,9 @@ TEST_F(OutputsTest, AReaderThatLeavesIsExitZeroAndTheFilesAreWritten) {
     EXPECT_EQ(fs::exists(folder_ / "a.json"), writes) << arguments;
   }
   const auto began = std::chrono::steady_clock::now();
-  run("", fmt::format("'{}' simulate {} --quiet --set run.periods=1000000000 | head -3 > first.txt;",
-                      GOINGRATE_COMMAND, scenario("jump")));
+  run("",
+      fmt::format("'{}' simulate {} --quiet --set run.periods=1000000000 | head -3 > first.txt;",
+                  GOINGRATE_COMMAND, scenario("jump")));
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20)) << "went on alone";
 }
 

@@ -150,7 +150,8 @@ TEST(GnuplotScriptTest, VectorsOfDifferentLengthsAreRefused) {
 }
 
 TEST(GnuplotProcessTest, OneThatHangsIsGivenUp) {
-  const fs::path folder = fs::temp_directory_path() / ("goingrate-hanging-" + std::to_string(::getpid()));
+  const fs::path folder =
+      fs::temp_directory_path() / ("goingrate-hanging-" + std::to_string(::getpid()));
   fs::create_directory(folder);
   std::ofstream(folder / "gnuplot") << "#!/bin/sh\nexec sleep 60\n";
   fs::permissions(folder / "gnuplot", fs::perms::owner_all);

@@ -44,10 +44,10 @@ struct ReadingOptions {
 /// crossings_of_samples.
 /// Throws InputError (file, line, column, found, expected) if the text is empty, in UTF-16, binary
 /// in its first line or in half of them (holes of zeros are left out), of no known format, has more
-/// than 256 columns or a line of more than 16 MiB, unpacks to more than the limit, if fewer than half of its lines can be used, or
-/// fewer than three events are found; ArgumentError for options out of range. Memory: 48 bytes a
-/// line and at most ten times the text (tests/fuzz). Formats: ReadingTest, Formats/ReadsInTheWild.
-/// Speed and memory: tests/studies/reading.txt.
+/// than 256 columns or a line of more than 16 MiB, unpacks to more than the limit, if fewer than
+/// half of its lines can be used, or fewer than three events are found; ArgumentError for options
+/// out of range. Memory: 48 bytes a line and at most ten times the text (tests/fuzz). Formats:
+/// ReadingTest, Formats/ReadsInTheWild. Speed and memory: tests/studies/reading.txt.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});
 
@@ -81,7 +81,6 @@ std::vector<double> read_numbers(std::string_view text, const std::string& sourc
 
 /// Reads a file, or standard input for "-". Throws InputError if it cannot be opened, or unpacks to
 /// more than `unpacked_limit` bytes.
-std::string read_text(const std::string& path,
-                      std::uint64_t unpacked_limit = usual_unpacked_limit);
+std::string read_text(const std::string& path, std::uint64_t unpacked_limit = usual_unpacked_limit);
 
 } // namespace goingrate
