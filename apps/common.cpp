@@ -1,6 +1,6 @@
 #include "common.hpp"
 
-#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/base/printable.hpp"
 #include "goingrate/report/tables.hpp"
 #include "progress.hpp"
 
@@ -46,7 +46,8 @@ void say(const GlobalOptions& global, std::string_view line) {
   // In a file or a pipe a note stays on its line, where a program finds it.
   constexpr std::size_t terminal = 80;
   const bool is_read = ::isatty(STDERR_FILENO) != 0;
-  std::fputs(fmt::format("{}\n", is_read ? wrapped(line, terminal, 2) : line).c_str(), stderr);
+  const std::string shown = printable(line);
+  std::fputs(fmt::format("{}\n", is_read ? wrapped(shown, terminal, 2) : shown).c_str(), stderr);
 }
 
 void add_log_options(CLI::App& command, LogOptions& options) {
@@ -113,6 +114,12 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       .add_option("--rest-angle", options.rest_angle_rad,
                   "of angle samples: the angle (rad) at which the pendulum hangs")
       ->group(group);
+  command
+      .add_option("--unpacked-limit", options.unpacked_limit_gib,
+                  "GiB that a packed log may have unpacked")
+      ->check(positive() & CLI::Range(0.0, 1e9))
+      ->capture_default_str()
+      ->group(group);
   command.add_flag("--strict", options.strict, "the first line at fault is an error")->group(group);
 }
 
@@ -128,6 +135,7 @@ ReadingOptions reading_options(const LogOptions& options) {
   reading.decimal_comma = options.decimal_comma;
   reading.channel = options.channel;
   reading.strict = options.strict;
+  reading.unpacked_limit = static_cast<std::uint64_t>(options.unpacked_limit_gib * gib);
   return reading;
 }
 
@@ -205,7 +213,6 @@ LoadRequest request_of(const LogOptions& options) {
 } // namespace
 
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
-  keep_input(options.path);
   LoadRequest request = request_of(options);
   NumberedLog loaded;
   {

@@ -21,6 +21,8 @@ struct GlobalOptions {
   bool quiet = false;
 };
 
+inline constexpr double gib = 1073741824.0; ///< bytes
+
 /// Options of every command that reads a log.
 struct LogOptions {
   std::string path;
@@ -39,6 +41,7 @@ struct LogOptions {
   bool strict = false;
   std::optional<double> dead_time_s;
   bool phases_will_do = false; ///< the command takes data on a grid that are no clock's
+  double unpacked_limit_gib = static_cast<double>(usual_unpacked_limit) / gib;
 };
 
 /// Checks of numbers on the command line. CLI11's own let "nan" pass, which is neither above nor

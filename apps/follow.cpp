@@ -1,10 +1,14 @@
 #include "follow.hpp"
 
-#include "goingrate/base/errors.hpp"
-#include "goingrate/report/tables.hpp"
+#include "arrivals.hpp"
+#include "rolling_numbers.hpp"
 
+#include "goingrate/base/errors.hpp"
+
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <fmt/format.h>
 
 namespace goingrate::apps {
@@ -52,100 +56,88 @@ private:
   bool heard_ = false;
 };
 
-// Numbers each new event together with the last few hundred, which cost some microseconds, so that
-// what is printed is what a run over the whole log would say of its last beat.
-class RollingNumbers {
+void print(const std::string& text) {
+  if (text.empty()) return;
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
+    return;
+  if (errno == EPIPE) throw ClosedPipe("standard output", std::strerror(errno));
+  throw OutputError("standard output", std::strerror(errno));
+}
+
+// What comes is numbered and printed when nothing more comes for the moment, or when it is much.
+class Following {
 public:
-  explicit RollingNumbers(const LogOptions& options) : options_(options) {}
+  Following(const LogOptions& options, double alarm_s, const GlobalOptions& global)
+      : options_(options), global_(global), alarm_(alarm_s, global), numbers_(options) {}
 
-  // The rows that the event makes; empty until there are enough events to number.
-  std::string add(const Beat& event, const ClockLog& log) {
-    window_.push_back(event);
-    constexpr std::size_t enough = 8, most = 400;
-    if (window_.size() < enough) return {};
-    if (window_.size() > most) window_.erase(window_.begin(), window_.begin() + most / 2);
-    return rows(log);
+  void add(const Beat& event, const ClockLog& log) {
+    log_ = &log;
+    take(arrivals_.add(event));
+    if (numbers_.is_full()) print_new();
+    alarm_.beat(numbers_.period_s());
   }
-
-  // What was held back, at the end of a short log.
-  std::string rest(const ClockLog& log) {
-    constexpr std::size_t fewest = 3;
-    return table_ || window_.size() < fewest ? std::string() : rows(log);
+  // Called while nothing comes.
+  void wait() {
+    print_new();
+    alarm_.wait();
   }
-
-  [[nodiscard]] double period_s() const { return period_s_; }
+  void end(const ClockLog& log) {
+    log_ = &log;
+    take(arrivals_.rest());
+    print_new();
+    print(numbers_.rest(log));
+  }
+  void tell_assumptions(const ClockLog& log) {
+    for (; assumptions_told_ < log.assumptions.size(); ++assumptions_told_)
+      say(global_, "assumed: " + log.assumptions[assumptions_told_]);
+  }
 
 private:
-  std::string rows(const ClockLog& log) {
-    const Beats numbered =
-        number_beats(std::vector<Beat>(window_), log.source, {options_.gap_probability});
-    period_s_ = numbered.typical_period_s;
-    std::string text;
-    std::size_t from = window_.size() - 1;
-    if (!table_) {
-      std::vector<std::string> unused;
-      const double nominal = nominal_period(log, numbered, unused);
-      table_.emplace(RateTable::Options{nominal, false, 0}, no_columns_, no_gaps_);
-      text = table_->header();
-      from = 0;
+  void take(const std::vector<Arrivals::Arrival>& arrivals) {
+    for (const auto& [event, begins_anew] : arrivals) {
+      if (begins_anew) {
+        print(numbers_.rest(*log_));
+        numbers_.begin_anew();
+        say(global_,
+            fmt::format("{}:{}: the times begin again: a new segment", options_.path, event.line));
+      }
+      numbers_.add(event);
     }
-    const std::int64_t shift = shift_of(numbered);
-    for (std::size_t i = from; i < window_.size(); ++i) {
-      Beat beat = numbered.beats[i];
-      beat.cycle += shift;
-      beat.segment = static_cast<std::uint16_t>(beat.segment + segment_shift_);
-      table_->append(text, beat, 0);
-      if (beat.flag == BeatFlag::good) last_ = beat;
-    }
-    return text;
+    for (const Beat& event : arrivals_.take_left_out())
+      say(global_, fmt::format("{}:{}: a time far from those around it: left out", options_.path,
+                               event.line));
   }
 
-  // How far the window's own cycles are from those printed so far.
-  std::int64_t shift_of(const Beats& numbered) {
-    if (!last_) return 0;
-    for (const Beat& beat : numbered.beats)
-      if (beat.flag == BeatFlag::good && beat.time == last_->time) {
-        segment_shift_ = last_->segment - beat.segment;
-        return last_->cycle - beat.cycle;
-      }
-    return last_->cycle; // seen otherwise by now: go on from there
+  void print_new() {
+    if (log_ == nullptr) return;
+    print(numbers_.rows(*log_));
+    tell_assumptions(*log_);
+    for (; issues_told_ < log_->issues.size(); ++issues_told_)
+      say(global_, words_for(log_->issues[issues_told_], options_.path));
   }
 
   const LogOptions& options_;
-  std::vector<Beat> window_;
-  std::optional<RateTable> table_;
-  EventColumns no_columns_;
-  std::vector<Gap> no_gaps_;
-  std::optional<Beat> last_;
-  int segment_shift_ = 0;
-  double period_s_ = 0.0;
+  const GlobalOptions& global_;
+  Alarm alarm_;
+  Arrivals arrivals_;
+  RollingNumbers numbers_;
+  const ClockLog* log_ = nullptr; // none before the first event
+  std::size_t assumptions_told_ = 0, issues_told_ = 0;
 };
-
-void print(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw OutputError("-", "standard output is closed");
-}
 
 } // namespace
 
 void follow(const LogOptions& options, double alarm_s, const GlobalOptions& global) {
-  Alarm alarm(alarm_s, global);
-  const ReadingOptions reading = reading_options(options);
-  LogFollower log(options.path, reading, [&] {
-    alarm.wait();
+  Following following(options, alarm_s, global);
+  LogFollower log(options.path, reading_options(options), [&] {
+    following.wait();
     return true;
   });
-  for (const std::string& line : log.log().assumptions)
-    say(global, "assumed: " + line);
-  RollingNumbers numbers(options);
-  std::size_t told = 0;
-  while (const auto event = log.next()) {
-    print(numbers.add(*event, log.log()));
-    alarm.beat(numbers.period_s());
-    for (; told < log.log().issues.size(); ++told)
-      say(global, words_for(log.log().issues[told], options.path));
-  }
-  print(numbers.rest(log.log()));
+  following.tell_assumptions(log.log());
+  while (const auto event = log.next())
+    following.add(*event, log.log());
+  following.end(log.log());
 }
 
 } // namespace goingrate::apps

@@ -3,18 +3,23 @@
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/printable.hpp"
 #include "goingrate/base/spelling.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
 #include <iostream>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <sys/resource.h>
 #include <vector>
 
 namespace {
@@ -29,10 +34,15 @@ enum ExitCode {
   no_output = 5
 };
 
-int complain(ExitCode code, const char* what) {
-  std::fputs(fmt::format("goingrate: {}\n", what).c_str(), stderr); // lost if it cannot be written
+// `advice`: whole lines of our own that follow. All is lost if it cannot be written.
+int complain(ExitCode code, std::string_view what, const std::string& advice = {}) {
+  std::fputs(fmt::format("goingrate: {}\n{}", goingrate::printable(what), advice).c_str(), stderr);
   return code;
 }
+
+constexpr std::string_view out_of_memory =
+    "this needs more memory than there is: take a part of the log (split it, or leave out every "
+    "other line), or fewer periods or realisations at a time";
 
 // Ctrl-C and its like leave no half file behind; the signal then does what it does.
 extern "C" void end_by_signal(int number) {
@@ -42,8 +52,10 @@ extern "C" void end_by_signal(int number) {
 }
 
 void heed_signals() {
-  std::signal(SIGPIPE, SIG_IGN); // a closed pipe is an output that cannot be written, not a crash
-  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+  // A closed pipe, or a file beyond its limit, is an output that cannot be written and no crash.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU})
     if (std::signal(number, end_by_signal) == SIG_IGN)
       std::signal(number, SIG_IGN); // as nohup asks
 }
@@ -53,10 +65,20 @@ bool is_option(const goingrate::InputError& error) {
   return error.place().file.starts_with("--set ");
 }
 
-// What --help and --version print.
-bool standard_output_took_it() {
+// Many realisations keep many files open, and the usual limit is lower than it must be.
+void allow_many_files() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// What --help and --version print. A reader that went away has all it wanted.
+int after_standard_output() {
+  errno = 0;
   std::cout.flush();
-  return std::cout.good() && std::fflush(stdout) == 0;
+  const bool written = std::cout.good() && std::fflush(stdout) == 0;
+  return written || errno == EPIPE ? done : complain(no_output, "cannot write standard output");
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known,
@@ -98,12 +120,56 @@ std::optional<std::string> unexpected_word(const CLI::App& program) {
                      did_you_mean(name, known, fmt::format("goingrate{} --help", command)));
 }
 
-// What was found and expected, and by which options the likeliest other readings are had.
-std::string with_options(const goingrate::ImpossibleReading& error) {
-  std::string text = error.what();
+// By which options the likeliest other readings are had.
+std::string other_readings(const goingrate::ImpossibleReading& error) {
+  std::string text;
   for (const goingrate::OtherReading& other : error.others())
-    text += fmt::format("\n  if {}: {}", other.words, goingrate::apps::options_for(other));
+    text += fmt::format("  if {}: {}\n", other.words, goingrate::apps::options_for(other));
   return text;
+}
+
+void add_commands(CLI::App& program, const goingrate::apps::GlobalOptions& global) {
+  using namespace goingrate;
+  apps::add_simulate(program, global);
+  apps::add_rate(program, global);
+  apps::add_fit(program, global);
+  apps::add_spectrum(program, global);
+  apps::add_stability(program, global);
+  apps::add_report(program, global);
+  apps::add_map(program, global);
+  apps::add_chart(program, global);
+  apps::add_paper(program, global);
+  apps::add_help(program);
+}
+
+// What is wrong with the words of the command line; or it was asked for help, which is printed.
+int explain(const CLI::App& program, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) {
+    program.exit(error);
+    return after_standard_output();
+  }
+  if (const auto unexpected = unexpected_word(program)) return complain(wrong_usage, *unexpected);
+  complain(wrong_usage, error.what());
+  std::fputs("Run with --help for more information.\n", stderr);
+  return wrong_usage;
+}
+
+int run(CLI::App& program, int argc, char** argv) {
+  if (argc == 1) { // somebody who looks what this is
+    std::fputs(program.help().c_str(), stderr);
+    return wrong_usage;
+  }
+  const std::string_view first(argv[1]);
+  const auto names = command_names(program);
+  if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
+    return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
+                                             did_you_mean(first, names, "goingrate --help")));
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return explain(program, error);
+  }
+  return after_standard_output();
 }
 
 } // namespace
@@ -111,6 +177,8 @@ std::string with_options(const goingrate::ImpossibleReading& error) {
 int main(int argc, char** argv) {
   using namespace goingrate;
   heed_signals();
+  allow_many_files();
+  keep_all_inputs();
   CLI::App program{"Fits, diagnoses and simulates pendulum clocks from their timing logs.",
                    "goingrate"};
   program.set_version_flag("--version", "goingrate " GOINGRATE_VERSION);
@@ -120,36 +188,10 @@ int main(int argc, char** argv) {
   apps::GlobalOptions global;
   program.add_flag("--quiet", global.quiet, "no notes on standard error");
   try {
-    apps::add_simulate(program, global);
-    apps::add_rate(program, global);
-    apps::add_fit(program, global);
-    apps::add_spectrum(program, global);
-    apps::add_stability(program, global);
-    apps::add_report(program, global);
-    apps::add_map(program, global);
-    apps::add_chart(program, global);
-    apps::add_paper(program, global);
-    apps::add_help(program);
-    if (argc == 1) { // somebody who looks what this is
-      std::fputs(program.help().c_str(), stderr);
-      return wrong_usage;
-    }
-    const std::string_view first(argv[1]);
-    const auto names = command_names(program);
-    if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
-      return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
-                                               did_you_mean(first, names, "goingrate --help"))
-                                       .c_str());
-    program.parse(argc, argv);
-    return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
-  } catch (const CLI::ParseError& error) {
-    const bool is_help = error.get_exit_code() == 0;
-    if (const auto unexpected = unexpected_word(program); unexpected && !is_help)
-      return complain(wrong_usage, unexpected->c_str());
-    if (program.exit(error) != 0) return wrong_usage;
-    return standard_output_took_it() ? done : complain(no_output, "cannot write standard output");
+    add_commands(program, global);
+    return run(program, argc, argv);
   } catch (const ImpossibleReading& error) {
-    return complain(bad_input, with_options(error).c_str());
+    return complain(bad_input, error.what(), other_readings(error));
   } catch (const InputError& error) {
     return complain(is_option(error) ? wrong_usage : bad_input, error.what());
   } catch (const NoStationarySwing& error) {
@@ -158,10 +200,14 @@ int main(int argc, char** argv) {
     return complain(wrong_usage, error.what());
   } catch (const NumericsError& error) {
     return complain(no_result, error.what());
-  } catch (const ClosedPipe&) {
-    return no_output;
+  } catch (const ClosedPipe&) { // the reader of standard output has all it wanted
+    return done;
   } catch (const OutputError& error) {
     return complain(no_output, error.what());
+  } catch (const std::bad_alloc&) {
+    return complain(bad_input, out_of_memory);
+  } catch (const std::length_error&) { // more than any memory holds
+    return complain(bad_input, out_of_memory);
   } catch (const std::exception& error) {
     return complain(our_fault, error.what());
   }

@@ -1,5 +1,7 @@
 #include "progress.hpp"
 
+#include "goingrate/base/workers.hpp"
+
 #include <cstdio>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -39,7 +41,7 @@ void ProgressBar::operator()(double part) {
 }
 
 StepLine::StepLine(bool quiet, std::string_view what) : what_(what) {
-  if (somebody_looks(quiet)) drawing_ = std::thread([this] { draw_until_ended(); });
+  if (somebody_looks(quiet)) drawing_ = thread_if_possible([this] { draw_until_ended(); });
 }
 
 StepLine::~StepLine() {

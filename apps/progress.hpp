@@ -48,7 +48,7 @@ private:
   std::condition_variable changed_;
   std::string what_;
   bool ended_ = false;
-  std::thread drawing_; // none if nobody looks
+  std::thread drawing_; // none if nobody looks, or if none can be had
 };
 
 } // namespace goingrate::apps

@@ -9,6 +9,7 @@
 #include "goingrate/report/tables.hpp"
 
 #include <memory>
+#include <sstream>
 
 namespace goingrate::apps {
 
@@ -68,14 +69,6 @@ void write_others(std::vector<StreamedFile>& files, const RateOptions& options, 
   });
 }
 
-void refuse_two_on_standard_output(const RateOptions& options, const std::string& table) {
-  int count = 0;
-  for (const std::string& path :
-       {options.json, options.phase, options.par, options.ticc, options.native, table})
-    count += path == "-" ? 1 : 0;
-  if (count > 1) throw ArgumentError("output", "-", "given once: standard output holds one result");
-}
-
 void run(const RateOptions& options, const GlobalOptions& global) {
   if (options.follow) return follow(options.log, options.alarm_s, global);
   NumberedLog loaded = load(options.log, global);
@@ -86,13 +79,14 @@ void run(const RateOptions& options, const GlobalOptions& global) {
        {options.json, options.phase, options.par, options.ticc, options.native})
     elsewhere = elsewhere || path == "-";
   const std::string table = table_output(options.output, elsewhere ? "-" : "");
-  refuse_two_on_standard_output(options, table);
   std::vector<StreamedFile> files;
-  files.emplace_back(table);
-  write_table(files.front(), options, loaded);
   write_others(files, options, loaded, summary);
+  files.emplace_back(table);
+  write_table(files.back(), options, loaded);
   commit_all(files);
-  say(global, rate_text(loaded.beats, summary, loaded.sensor));
+  std::istringstream text(rate_text(loaded.beats, summary, loaded.sensor));
+  for (std::string line; std::getline(text, line);)
+    say(global, line);
 }
 
 } // namespace

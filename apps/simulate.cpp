@@ -64,9 +64,9 @@ public:
     for (StreamedFile& file : files_)
       file.finish();
   }
-  void commit() {
+  void add_files(std::vector<StreamedFile*>& files) {
     for (StreamedFile& file : files_)
-      file.commit();
+      files.push_back(&file);
   }
 
 private:
@@ -139,17 +139,19 @@ void run_single(const Scenario& scenario, const SimulateOptions& options,
                 const GlobalOptions& global) {
   ClockRun run(scenario, options.seed);
   Writer writer(scenario, run.last(), options.seed, options.output, options.truth);
+  StreamedFile plot(options.plot);
   TrueCourse course;
-  if (!options.plot.empty()) course.see(run.last());
+  if (plot.wanted()) course.see(run.last());
   while (const auto period = run.next()) {
     writer.see(*period);
-    if (!options.plot.empty()) course.see(*period);
+    if (plot.wanted()) course.see(*period);
   }
   check_going(run.status(), run.last());
   writer.finish();
-  if (!options.plot.empty())
-    write_whole_file(options.plot, plotted(options.plot, course.figures(scenario)));
-  writer.commit();
+  if (plot.wanted()) plot.text() = plotted(options.plot, course.figures(scenario));
+  std::vector<StreamedFile*> files{&plot};
+  writer.add_files(files);
+  commit_all(files);
   say(global, fmt::format("{} periods by {}: {}", run.last().cycle, name_of(run.method().method),
                           run.method().reason));
   if (run.fallbacks() > 0)
@@ -181,18 +183,17 @@ void run_many(const Scenario& scenario, const SimulateOptions& options,
       writers[from + k].finish();
     }
   }
+  std::vector<StreamedFile*> files;
   for (Writer& writer : writers)
-    writer.commit();
+    writer.add_files(files);
+  commit_all(files);
   say(global, fmt::format("{} realisations by {}: {}", options.realisations,
                           name_of(first.method().method), first.method().reason));
 }
 
 void run(const SimulateOptions& options, const GlobalOptions& global) {
-  keep_input(options.scenario);
   const Scenario scenario =
       parse_scenario(read_text(options.scenario), options.scenario, options.overrides);
-  if (options.output == "-" && options.truth == "-")
-    throw ArgumentError("output", "-", "given once: standard output holds one result");
   options.realisations == 1 ? run_single(scenario, options, global)
                             : run_many(scenario, options, global);
 }

@@ -3,6 +3,7 @@
 
 #include "scenario_text.hpp"
 
+#include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/spelling.hpp"
 
@@ -211,6 +212,7 @@ std::vector<double> read_series(const std::string& path) {
   if (!std::filesystem::is_regular_file(path, unknown)) // a device or a pipe might never end
     throw InputError({path}, "no regular file", "a file with a series of factors");
   std::ifstream in(path);
+  note_input(path);
   if (!in) throw InputError({path}, "a file that cannot be opened", "a series of factors");
   std::vector<double> factors;
   bool named = false;

@@ -1,16 +1,13 @@
 #include "goingrate/dynamics/ensemble.hpp"
 
 #include "goingrate/base/scaled_time.hpp"
+#include "goingrate/base/workers.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "lanes.hpp"
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <thread>
 
 namespace goingrate {
 
@@ -221,41 +218,16 @@ private:
   bool irregular_ = false;
 };
 
-// Calls work(i) for i below count from several threads; an exception of one is thrown here.
-template <class Work> void share_out(std::size_t count, std::size_t threads, Work make_worker) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failing;
-  const auto run = [&] {
-    try {
-      auto worker = make_worker();
-      for (std::size_t i = next++; i < count; i = next++)
-        worker(i);
-    } catch (...) {
-      const std::lock_guard lock(failing);
-      if (!failure) failure = std::current_exception();
-      next = count;
-    }
-  };
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  std::vector<std::thread> others;
-  for (std::size_t t = 1; t < std::min(threads, count); ++t)
-    others.emplace_back(run);
-  run();
-  for (auto& other : others)
-    other.join();
-  if (failure) std::rethrow_exception(failure);
-}
-
 // Runs everything; `each(realisation, period maker)` after every period, `last(...)` at the end.
 template <class Each, class Last>
 void run_all(const Scenario& scenario, const EnsembleOptions& options, Each each, Last last) {
   if (options.realisations == 0) return;
+  const std::size_t threads = threads_or_usual(options.threads);
   const ClockRun first(scenario, options.seed); // checks the scenario and chooses the method
   Scenario decided = scenario;
   decided.method.method = first.method().method;
   if (!fits_lanes(decided, decided.method.method)) {
-    share_out(options.realisations, options.threads, [&] {
+    share_out(options.realisations, threads, [&] {
       return [&](std::size_t i) {
         ClockRun run(decided, options.seed + i);
         while (run.next())
@@ -266,7 +238,7 @@ void run_all(const Scenario& scenario, const EnsembleOptions& options, Each each
     return;
   }
   const std::size_t groups = (options.realisations + lanes - 1) / lanes;
-  share_out(groups, options.threads, [&] {
+  share_out(groups, threads, [&] {
     return [&, stages = stages_of(decided)](std::size_t g) mutable {
       const std::size_t base = g * lanes, count = std::min(lanes, options.realisations - base);
       LaneGroup group(decided, stages, first.start_velocity(), options.seed + base, count);

@@ -1,5 +1,7 @@
 #include "fields.hpp"
 
+#include "goingrate/base/printable.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -89,15 +91,8 @@ bool all_nines(std::string_view text) {
 
 std::string shown(std::string_view text) {
   constexpr std::size_t longest = 40; // enough to recognise the place, short enough for one line
-  std::string clean;
-  for (const char c : text.substr(0, longest)) { // half a character must not spoil a message
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte < 0x7f)
-      clean += c;
-    else
-      clean += fmt::format("\\x{:02x}", byte);
-  }
-  return fmt::format("'{}{}'", clean, text.size() > longest ? "..." : "");
+  return fmt::format("'{}{}'", printable(text.substr(0, longest)),
+                     text.size() > longest ? "..." : "");
 }
 
 bool is_binary(char c) {

@@ -1,8 +1,10 @@
 #include "lines.hpp"
 
-#include "goingrate/log/reading.hpp"
+#include "growth.hpp"
 
+#include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/log/reading.hpp"
 
 #include <algorithm>
 #include <array>
@@ -27,6 +29,7 @@ class FileSource : public ByteSource {
 public:
   FileSource(const std::string& path, std::function<bool()> wait)
       : path_(path), wait_(std::move(wait)) {
+    note_input(path);
     if (path == "-") {
       descriptor_ = STDIN_FILENO;
       return;
@@ -48,22 +51,21 @@ public:
   }
 
   std::size_t read(char* to, std::size_t size) override {
-    while (true) {
-      if (wait_ && !size_ && !something_to_read()) { // a pipe or a terminal, silent
-        if (!wait_()) return 0;
-        continue;
-      }
+    while (!wait_ || size_ ? !has_begun_anew() : something_comes()) {
       const ssize_t count = ::read(descriptor_, to, size);
       if (count > 0) {
         taken_ += static_cast<std::uint64_t>(count);
+        if (wait_ && size_) growth_.took(to, static_cast<std::size_t>(count), taken_);
+        was_at_end_ = false;
         return static_cast<std::size_t>(count);
       }
       if (count < 0 && errno != EINTR) throw InputError({path_}, std::strerror(errno), "more text");
-      if (count == 0) {
-        if (!wait_ || !size_ || !wait_()) return 0; // a closed pipe does not grow
-        ::poll(nullptr, 0, wait_ms);
-      }
+      if (count < 0) continue;
+      was_at_end_ = true;
+      if (!wait_ || !size_ || has_begun_anew() || !wait_()) break; // a closed pipe does not grow
+      ::poll(nullptr, 0, wait_ms);
     }
+    return 0;
   }
   [[nodiscard]] std::optional<std::uint64_t> size() const override { return size_; }
   [[nodiscard]] std::uint64_t taken() const override { return taken_; }
@@ -72,9 +74,17 @@ private:
   static constexpr int wait_ms =
       100; // a tenth of a second: shorter than a beat, long for a computer
 
-  [[nodiscard]] bool something_to_read() const {
+  // Of a pipe or a terminal; also at its end, which read() then tells. False if nobody waits on.
+  [[nodiscard]] bool something_comes() const {
     pollfd descriptor{descriptor_, POLLIN, 0};
-    return ::poll(&descriptor, 1, wait_ms) != 0; // also at the end, which read then tells
+    if (::poll(&descriptor, 1, 0) != 0) return true;
+    while (wait_())
+      if (::poll(&descriptor, 1, wait_ms) != 0) return true;
+    return false;
+  }
+  // Of a file that is followed: then what comes next is no continuation.
+  [[nodiscard]] bool has_begun_anew() const {
+    return was_at_end_ && growth_.begins_anew(descriptor_, path_);
   }
 
   std::string path_;
@@ -82,6 +92,8 @@ private:
   int descriptor_ = -1;
   std::optional<std::uint64_t> size_;
   std::uint64_t taken_ = 0;
+  Growth growth_;
+  bool was_at_end_ = false;
 };
 
 // Hands out first what was already taken from a source to look at it.
@@ -107,8 +119,8 @@ private:
 // Unpacks gzip, also several members one after the other.
 class GzipSource : public ByteSource {
 public:
-  GzipSource(std::unique_ptr<ByteSource> packed, std::string path)
-      : packed_(std::move(packed)), path_(std::move(path)) {
+  GzipSource(std::unique_ptr<ByteSource> packed, std::string path, std::uint64_t limit)
+      : packed_(std::move(packed)), path_(std::move(path)), limit_(limit) {
     constexpr int gzip_only = 16 + MAX_WBITS;
     if (inflateInit2(&stream_, gzip_only) != Z_OK) throw std::bad_alloc();
   }
@@ -133,7 +145,12 @@ public:
         throw InputError({path_}, "damaged gzip data", "a .gz file that unpacks");
       }
     }
-    return size - stream_.avail_out;
+    const std::size_t count = size - stream_.avail_out;
+    unpacked_ += count;
+    if (unpacked_ > limit_)
+      throw InputError({path_}, fmt::format("gzip data that unpack to more than {} bytes", limit_),
+                       "no more, or a higher limit for what may be unpacked");
+    return count;
   }
   [[nodiscard]] std::optional<std::uint64_t> size() const override { return packed_->size(); }
   [[nodiscard]] std::uint64_t taken() const override { return packed_->taken(); }
@@ -150,12 +167,14 @@ private:
   std::string path_;
   z_stream stream_{};
   std::array<char, 1 << 16> input_{};
+  std::uint64_t limit_, unpacked_ = 0;
   bool inside_ = false;
 };
 
 } // namespace
 
-std::unique_ptr<ByteSource> open_source(const std::string& path, std::function<bool()> wait) {
+std::unique_ptr<ByteSource> open_source(const std::string& path, std::uint64_t unpacked_limit,
+                                        std::function<bool()> wait) {
   std::unique_ptr<ByteSource> source = std::make_unique<FileSource>(path, std::move(wait));
   std::string first(2, '\0');
   std::size_t count = source->read(first.data(), 2);
@@ -163,7 +182,7 @@ std::unique_ptr<ByteSource> open_source(const std::string& path, std::function<b
   first.resize(count);
   const bool packed = first == "\x1f\x8b";
   source = std::make_unique<PeekedSource>(std::move(source), std::move(first));
-  if (packed) source = std::make_unique<GzipSource>(std::move(source), path);
+  if (packed) source = std::make_unique<GzipSource>(std::move(source), path, unpacked_limit);
   return source;
 }
 
@@ -243,8 +262,8 @@ std::optional<Line> LineReader::next() {
   }
 }
 
-std::string read_text(const std::string& path) {
-  const auto source = open_source(path);
+std::string read_text(const std::string& path, std::uint64_t unpacked_limit) {
+  const auto source = open_source(path, unpacked_limit);
   std::string text;
   constexpr std::size_t chunk = 1 << 16;
   while (true) {

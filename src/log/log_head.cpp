@@ -313,7 +313,7 @@ void describe_steps(ColumnSample& sample, const std::vector<double>& values) {
   if (steps.empty()) return;
   const auto [shortest, longest] = std::minmax_element(steps.begin(), steps.end());
   sample.even = steps.size() + 1 == values.size() && *shortest == *longest;
-  if (std::max(sample.rising, sample.falling) > 0.9) {
+  if (std::max(sample.rising, sample.falling) > 0.98) {
     // Of times at which a contact bounced most steps are from one bounce to the next: they are no
     // steps of the column. Nine in ten at most, and gaps are fewer than the tenth.
     const auto most = steps.begin() + static_cast<std::ptrdiff_t>(9 * (steps.size() - 1) / 10);

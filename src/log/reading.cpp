@@ -1,5 +1,6 @@
 #include "goingrate/log/reading.hpp"
 
+#include "beginning.hpp"
 #include "layout_detection.hpp"
 #include "repairs.hpp"
 #include "row_reader.hpp"
@@ -130,11 +131,11 @@ bool directions_are_open(const LogHead& head, const Layout& layout) {
          layout.format != LogFormat::angle && !head.value_of("goingrate log");
 }
 
-// What the log is, from its first lines, which are not needed any more then.
-Layout settle_layout(LineReader& lines, std::size_t enough, ClockLog& log,
+} // namespace
+
+Layout settle_layout(std::string_view text, bool whole, ClockLog& log,
                      const ReadingOptions& options) {
-  const std::string_view text = lines.head(enough);
-  const LogHead head = cut_head(text, lines.whole_is_in_head(), log.source, options.decimal_comma);
+  const LogHead head = cut_head(text, whole, log.source, options.decimal_comma);
   Layout layout = detect_layout(head, options, log);
   log.format = layout.format;
   log.directions_are_open = directions_are_open(head, layout);
@@ -142,8 +143,7 @@ Layout settle_layout(LineReader& lines, std::size_t enough, ClockLog& log,
   return layout;
 }
 
-// What could not be counted with, however the file looks. 1e-9 s to 1e9 s: from a tick of the
-// finest counter to thirty years.
+// 1e-9 s to 1e9 s: from a tick of the finest counter to thirty years.
 void check(const ReadingOptions& options) {
   const auto within = [](std::string_view name, std::optional<double> value, double least) {
     if (value && !(*value >= least && *value <= 1e9))
@@ -155,6 +155,8 @@ void check(const ReadingOptions& options) {
   if (options.rest_angle_rad && !(std::abs(*options.rest_angle_rad) <= std::numbers::pi))
     throw ArgumentError("rest-angle", *options.rest_angle_rad, "between -pi and pi rad");
 }
+
+namespace {
 
 // A log that had its newest line first can be unwrapped only now.
 void unwrap_turned(ClockLog& log, Layout layout, const ReadingOptions& options) {
@@ -188,7 +190,8 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   check(options);
   ClockLog log;
   log.source = lines.name();
-  const Layout layout = settle_layout(lines, lines_to_know, log, options);
+  const std::string_view beginning = lines.head(lines_to_know);
+  const Layout layout = settle_layout(beginning, lines.whole_is_in_head(), log, options);
   RowReader rows(layout, options, log);
   rows.reserve(room_for(lines));
   constexpr std::uint32_t between_reports = 1 << 16; // lines
@@ -224,57 +227,8 @@ ClockLog read_log(std::string_view text, const std::string& source, const Readin
 }
 
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options) {
-  LineReader lines(open_source(path), path);
+  LineReader lines(open_source(path, options.unpacked_limit), path);
   return read_lines(lines, options);
-}
-
-// ---- a log that is still being written
-
-struct LogFollower::Parts {
-  Parts(const std::string& path, const ReadingOptions& reading, std::function<bool()> wait)
-      : options(reading), lines(open_source(path, std::move(wait)), path) {
-    check(options);
-    log.source = path;
-    constexpr std::size_t enough = 12; // a dozen beats show what they are
-    const Layout layout = settle_layout(lines, enough, log, options);
-    if (layout.format == LogFormat::angle || layout.newest_first)
-      throw InputError({path, layout.first_line, 1},
-                       layout.newest_first ? "the newest line first" : "samples of an angle",
-                       "a log that grows by one event a line (--follow)");
-    rows.emplace(layout, options, log);
-  }
-
-  ReadingOptions options;
-  ClockLog log;
-  LineReader lines;
-  std::optional<RowReader> rows;
-  std::size_t handed_out = 0; // of log.events
-};
-
-LogFollower::LogFollower(const std::string& path, const ReadingOptions& options,
-                         std::function<bool()> wait)
-    : parts_(std::make_unique<Parts>(path, options, std::move(wait))) {}
-
-LogFollower::~LogFollower() = default;
-
-const ClockLog& LogFollower::log() const { return parts_->log; }
-
-std::optional<Beat> LogFollower::next() {
-  auto& events = parts_->log.events;
-  while (parts_->handed_out == events.size()) {
-    const auto line = parts_->lines.next();
-    if (!line) return {};
-    parts_->rows->add(*line);
-  }
-  const Beat beat = events[parts_->handed_out++];
-  // The reader looks back at the last events: not all that were handed out can go.
-  constexpr std::size_t looked_back_at = 16, enough = 4096;
-  if (parts_->handed_out > enough) {
-    const std::size_t gone = parts_->handed_out - looked_back_at;
-    events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(gone));
-    parts_->handed_out -= gone;
-  }
-  return beat;
 }
 
 } // namespace goingrate

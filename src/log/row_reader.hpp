@@ -25,6 +25,8 @@ public:
   /// Makes room for the events or samples of so many lines.
   void reserve(std::size_t lines);
   void add(const Line& line);
+  /// Another text of the same layout follows, whose data begin in this line.
+  void begin_anew(std::uint32_t first_line) { layout_.first_line = first_line; }
   /// Says what can be said only at the end.
   void finish();
 

@@ -4,14 +4,20 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
 #include <memory>
 #include <spawn.h>
+#include <sstream>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 namespace goingrate {
@@ -48,7 +54,7 @@ private:
 };
 
 struct Outcome {
-  bool ended_well = false;
+  bool ended_well = false, hung = false;
   std::string out, err;
 };
 
@@ -70,8 +76,27 @@ private:
   posix_spawn_file_actions_t actions_{};
 };
 
+// What the child ended with; one that has not ended by then is killed, and there is nothing.
+std::optional<int> status_within(pid_t child, std::chrono::milliseconds patience) {
+  using namespace std::chrono_literals;
+  const auto end = std::chrono::steady_clock::now() + patience;
+  for (auto pause = 1ms;; pause = std::min(2 * pause, 20ms)) { // a fifth of the usual figure
+    int status = 0;
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended == child) return status;
+    if (ended < 0 && errno != EINTR) throw OutputError("gnuplot", std::strerror(errno));
+    if (std::chrono::steady_clock::now() > end) break;
+    std::this_thread::sleep_for(pause);
+  }
+  ::kill(child, SIGKILL);
+  while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  return {};
+}
+
 // Runs gnuplot without a shell; nothing if there is none.
-std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view script) {
+std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view script,
+                                   std::chrono::milliseconds patience) {
   Scratch in, out, err;
   in.write(script);
   std::string program = "gnuplot";
@@ -81,10 +106,9 @@ std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view scr
   const int failed = ::posix_spawnp(&child, program.c_str(), Streams(in, out, err).actions(),
                                     nullptr, arguments.data(), environ);
   if (failed != 0) return std::nullopt;
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw OutputError("gnuplot", std::strerror(errno));
-  return Outcome{WIFEXITED(status) && WEXITSTATUS(status) == 0, out.content(), err.content()};
+  const auto status = status_within(child, patience);
+  const bool ended_well = status && WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
+  return Outcome{ended_well, !status, out.content(), err.content()};
 }
 
 // On one line; the end of it says most.
@@ -103,14 +127,30 @@ std::string in_one_line(std::string_view text) {
 
 } // namespace
 
-bool gnuplot_is_installed() { return run_gnuplot("--version", "").has_value(); }
+bool gnuplot_is_installed() {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "/bin:/usr/bin"); // as a shell without one
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string program = (folder.empty() ? "." : folder) + "/gnuplot";
+    struct stat status {};
+    if (::stat(program.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+        ::access(program.c_str(), X_OK) == 0)
+      return true;
+  }
+  return false;
+}
 
 std::optional<std::string> printed_figure(const std::vector<Figure>& figures, PrintFormat format,
-                                          const std::string& target) {
+                                          const std::string& target,
+                                          std::chrono::milliseconds patience) {
   const bool pdf = format == PrintFormat::pdf;
   // -d: whatever the user's own settings are, the figure looks as it should.
-  const auto outcome = run_gnuplot("-d", pdf ? script_for_pdf(figures) : script_for_png(figures));
+  const auto outcome =
+      run_gnuplot("-d", pdf ? script_for_pdf(figures) : script_for_png(figures), patience);
   if (!outcome) return std::nullopt;
+  if (outcome->hung)
+    throw OutputError(target,
+                      fmt::format("gnuplot was given up after {} s", patience.count() / 1000));
   const std::string_view begins = pdf ? "%PDF" : "\x89PNG";
   if (!outcome->ended_well || !outcome->out.starts_with(begins))
     throw OutputError(target, "gnuplot failed: " + in_one_line(outcome->err));

@@ -1,5 +1,6 @@
 #include "markup.hpp"
 
+#include "goingrate/base/printable.hpp"
 #include "goingrate/report/tables.hpp"
 
 #include <cmath>
@@ -13,26 +14,6 @@ namespace {
 constexpr std::string_view replacement = "\xEF\xBF\xBD"; // U+FFFD
 
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
-
-// Length of the well-formed UTF-8 character that `text` begins with; 0 if it begins with none.
-std::size_t character_length(std::string_view text) {
-  const auto first = static_cast<unsigned char>(text[0]);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  if (length == 0 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if (!continues(text[i])) return 0;
-  const auto second = static_cast<unsigned char>(text[1]);
-  const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
-  const bool no_character = (first == 0xED && second >= 0xA0) ||
-                            (first == 0xF4 && second >= 0x90) ||
-                            (first == 0xEF && second == 0xBF && // U+FFFE and U+FFFF
-                             static_cast<unsigned char>(text[2]) >= 0xBE);
-  return overlong || no_character ? 0 : length;
-}
 
 void append_escaped(std::string& out, char c) {
   switch (c) {

@@ -1,6 +1,7 @@
 // The report in words, for somebody who keeps a clock.
 #include "goingrate/report/report.hpp"
 
+#include "goingrate/base/printable.hpp"
 #include "goingrate/base/scaled_time.hpp"
 #include "goingrate/report/tables.hpp"
 
@@ -265,7 +266,7 @@ std::string stability_line(DeviationTable table) {
 } // namespace
 
 std::string report_text(const ReportData& data) {
-  std::string text = fmt::format("{}\n", data.log.source);
+  std::string text = fmt::format("{}\n", printable(data.log.source));
   text += beats_line(data);
   text += rate_lines(data);
   if (data.nut) text += nut_line(*data.nut);

@@ -2,16 +2,13 @@
 #include "goingrate/spectra/stability.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include "bias.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/sums.hpp"
+#include "goingrate/base/workers.hpp"
 #include "goingrate/spectra/degrees_of_freedom.hpp"
 #include "goingrate/spectra/noise_type.hpp"
 #include "mean_squares.hpp"
@@ -286,35 +283,10 @@ DeviationRow row_without_noise(const Source& source, const MeanSquare& mean, dou
   return {tau_s, source.m, mean.n, value, nan, nan, 0, false};
 }
 
-// Calls work(i) for i = 0 .. count - 1, shared among threads that each take the next one; an
-// exception of any of them is thrown here.
-template <class Work> void share(std::size_t count, std::size_t threads, const Work& work) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto run = [&] {
-    try {
-      for (std::size_t i = next++; i < count; i = next++)
-        work(i);
-    } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      failure = std::current_exception();
-      next = count;
-    }
-  };
-  std::vector<std::thread> others;
-  for (std::size_t k = 1; k < std::min(threads, count); ++k)
-    others.emplace_back(run);
-  run();
-  for (std::thread& other : others)
-    other.join();
-  if (failure) std::rethrow_exception(failure);
-}
-
 std::size_t threads_for(const DeviationOptions& options, std::size_t points, std::size_t factors) {
   if (options.threads > 0) return options.threads;
   constexpr std::size_t worth_a_thread = 10'000'000; // terms, some 10 ms
-  return points * factors < worth_a_thread ? 1 : std::max(1u, std::thread::hardware_concurrency());
+  return points * factors < worth_a_thread ? 1 : threads_or_usual(0);
 }
 
 // How many factors one thread takes together. Sums over windows depend in the last digit on what

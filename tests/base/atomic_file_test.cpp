@@ -2,10 +2,15 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <array>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
+#include <set>
+#include <stdexcept>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace goingrate {
@@ -24,6 +29,13 @@ protected:
   static std::string content(const fs::path& path) {
     std::ifstream file(path);
     return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  [[nodiscard]] std::set<std::string> names() const {
+    std::set<std::string> all;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      all.insert(entry.path().filename());
+    return all;
   }
 
   fs::path folder_;
@@ -59,6 +71,94 @@ TEST_F(AtomicFileTest, OfSeveralFilesNoneIsReplacedIfOneFails) {
                ArgumentError);
   EXPECT_EQ(content(folder_ / "a.txt"), "old");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(AtomicFileTest, WhatWasReplacedBeforeAFailureIsPutBack) {
+  write_whole_file(folder_ / "a.txt", "old");
+  std::vector<StreamedFile> files;
+  for (const char* name : {"a.txt", "new.txt", "b.txt", "c.txt"}) {
+    files.emplace_back(folder_ / name);
+    files.back().text() = "new";
+  }
+  fs::create_directory(folder_ / "b.txt"); // after it was looked at: its rename must fail
+  EXPECT_THROW(commit_all(files), OutputError);
+  files.clear();
+  EXPECT_EQ(content(folder_ / "a.txt"), "old");
+  EXPECT_TRUE(fs::is_directory(folder_ / "b.txt"));
+  EXPECT_EQ(names(), (std::set<std::string>{"a.txt", "b.txt"}));
+}
+
+TEST_F(AtomicFileTest, AFolderIsRefusedBeforeAnythingIsReplaced) {
+  write_whole_file(folder_ / "a.txt", "old");
+  fs::create_directory(folder_ / "b");
+  EXPECT_THROW(write_whole_files({{folder_ / "a.txt", "new"}, {folder_ / "b", "new"}}),
+               OutputError);
+  EXPECT_EQ(content(folder_ / "a.txt"), "old");
+}
+
+TEST_F(AtomicFileTest, OneFileTakesOneOutput) {
+  fs::create_symlink("a.txt", folder_ / "link.txt"); // to what is not there yet
+  fs::create_directory_symlink(".", folder_ / "here");
+  for (const char* other : {"a.txt", "./a.txt", "link.txt", "here/a.txt"}) {
+    EXPECT_THROW(write_whole_files({{folder_ / "a.txt", "one"}, {folder_ / other, "two"}}),
+                 ArgumentError)
+        << other;
+    EXPECT_FALSE(fs::exists(folder_ / "a.txt")) << other;
+  }
+  EXPECT_THROW(write_whole_files({{"-", "x"}, {"/dev/stdout", "y"}}), ArgumentError);
+  write_whole_files({{"/dev/null", "x"}, {"/dev/null", "y"}});
+  write_whole_file(folder_ / "link.txt", "through the link");
+  EXPECT_EQ(content(folder_ / "a.txt"), "through the link");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.txt"));
+}
+
+TEST_F(AtomicFileTest, WhatTheDeadLeftBehindIsSweptAndWhatTheLivingWriteIsNot) {
+  const fs::path target = folder_ / "a.txt";
+  const auto start_writing = [&] { // in a process of its own, which waits then
+    std::array<int, 2> ready{};
+    if (::pipe(ready.data()) != 0) throw std::runtime_error("no pipe");
+    const pid_t child = ::fork();
+    if (child == 0) {
+      StreamedFile draft(target);
+      draft.write("half");
+      if (::write(ready[1], "x", 1) == 1) ::pause();
+      ::_exit(1);
+    }
+    char byte = 0;
+    EXPECT_EQ(::read(ready[0], &byte, 1), 1);
+    ::close(ready[0]);
+    ::close(ready[1]);
+    return child;
+  };
+  const auto kill_it = [](pid_t child) {
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+  };
+  kill_it(start_writing());
+  const std::set<std::string> left = names();
+  ASSERT_EQ(left.size(), 1u);
+  const pid_t living = start_writing();
+  write_whole_file(folder_ / "other.txt", ""); // another target: nothing of a.txt's goes
+  write_whole_file(folder_ / "a.txt.part-000001", "as split makes them");
+  const std::set<std::string> both = names();
+  EXPECT_EQ(both.size(), 3u); // the dead one's went when the living one began
+  EXPECT_FALSE(both.contains(*left.begin()));
+  write_whole_file(target, "new");
+  EXPECT_EQ(names().size(), 4u) << "the living one's draft is gone";
+  kill_it(living);
+  write_whole_file(target, "new");
+  EXPECT_EQ(names(), (std::set<std::string>{"a.txt", "a.txt.part-000001", "other.txt"}));
+}
+
+TEST_F(AtomicFileTest, AnyNumberOfDraftsIsDiscarded) {
+  const auto discarding = [this] {
+    std::vector<StreamedFile> files;
+    for (int k = 0; k < 700; ++k)
+      files.emplace_back(folder_ / std::to_string(k));
+    discard_drafts();
+    ::_exit(names().empty() ? 0 : 1);
+  };
+  EXPECT_EXIT(discarding(), testing::ExitedWithCode(0), "");
 }
 
 TEST_F(AtomicFileTest, ALinkIsFollowedAndTheModeKept) {

@@ -5,14 +5,21 @@
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <limits>
+#include <string>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
 namespace goingrate {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -140,6 +147,27 @@ TEST(GnuplotScriptTest, VectorsOfDifferentLengthsAreRefused) {
   Figure figure = every_style();
   figure.series[1].y.pop_back();
   EXPECT_THROW((void)gnuplot_script({figure}, "f"), ArgumentError);
+}
+
+TEST(GnuplotProcessTest, OneThatHangsIsGivenUp) {
+  const fs::path folder =
+      fs::temp_directory_path() / ("goingrate-hanging-" + std::to_string(::getpid()));
+  fs::create_directory(folder);
+  std::ofstream(folder / "gnuplot") << "#!/bin/sh\nexec sleep 60\n";
+  fs::permissions(folder / "gnuplot", fs::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
+  const auto began = std::chrono::steady_clock::now();
+  std::string said;
+  try {
+    printed_figure({every_style()}, PrintFormat::pdf, "f.pdf", std::chrono::seconds(1));
+  } catch (const OutputError& error) {
+    said = error.what();
+  }
+  ::setenv("PATH", path.c_str(), 1);
+  fs::remove_all(folder);
+  EXPECT_EQ(said, "cannot write f.pdf: gnuplot was given up after 1 s");
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
 }
 
 } // namespace

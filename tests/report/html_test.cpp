@@ -170,6 +170,16 @@ TEST(HtmlReportTest, NeedsNothingFromOutside) {
   EXPECT_EQ(count_of(page, "@import"), 0U);
 }
 
+TEST(HtmlReportTest, MayFetchNothingFromAnywhere) {
+  const std::string html = page_of(some_report());
+  const std::size_t policy = html.find("<meta http-equiv=\"Content-Security-Policy\"");
+  ASSERT_NE(policy, std::string::npos);
+  EXPECT_LT(policy, html.find("<style")) << "it holds for what comes after it";
+  const std::string words = html.substr(policy, html.find('>', policy) - policy);
+  EXPECT_NE(words.find("default-src 'none';"), std::string::npos) << words;
+  EXPECT_EQ(words.find("http:"), std::string::npos) << words;
+}
+
 TEST(HtmlReportTest, ParametersTheLogDoesNotTellHaveNoFigure) {
   ReportData data = some_report();
   const std::string shown = page_of(data);

@@ -111,7 +111,7 @@ private:
           break;
         case TextFault::hour_jump:
           if (changes++ == 0) {
-            time_ += with_chance(0.5) && n * period_ > 3700.0 ? -3600.0 : 3600.0;
+            time_ += with_chance(0.5) && static_cast<double>(n) * period_ > 3700.0 ? -3600.0 : 3600.0;
             ++epoch_;
           }
           break;

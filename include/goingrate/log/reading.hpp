@@ -4,6 +4,7 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/clock_log.hpp"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -12,6 +13,10 @@
 #include <vector>
 
 namespace goingrate {
+
+/// Bytes that a packed file may unpack to, if nothing else is said: six years of beats a second.
+/// A few megabytes of gzip can hold a thousand times as much.
+inline constexpr std::uint64_t usual_unpacked_limit = std::uint64_t{4} << 30;
 
 /// What the reader may be told instead of finding out.
 struct ReadingOptions {
@@ -25,6 +30,7 @@ struct ReadingOptions {
   std::string channel{};                  ///< of a TICC
   std::optional<double> rest_angle_rad{}; ///< of angle samples: where the pendulum hangs
   bool strict = false;                    ///< the first issue is an error
+  std::uint64_t unpacked_limit = usual_unpacked_limit; ///< of a packed file, bytes
   std::function<void(double)> progress{}; ///< told now and then which part has been read
 };
 
@@ -70,17 +76,19 @@ std::vector<OtherReading> readings_for_phases(const GridData& grid);
 /// crossings_of_samples.
 /// Throws InputError (file, line, column, found, expected) if the text is empty, in UTF-16, binary
 /// in its first line or in half of them (holes of zeros are left out), of no known format, has more
-/// than 256 columns or a line of more than 16 MiB, if fewer than half of its lines can be used, or
-/// fewer than three events are found; ArgumentError for options out of range. Memory: 48 bytes a
-/// line and at most ten times the text (tests/fuzz). Formats: ReadingTest, Formats/ReadsInTheWild.
-/// Speed and memory: tests/studies/reading.txt.
+/// than 256 columns or a line of more than 16 MiB, unpacks to more than the limit, if fewer than
+/// half of its lines can be used, or fewer than three events are found; ArgumentError for options
+/// out of range. Memory: 48 bytes a line and at most ten times the text (tests/fuzz). Formats:
+/// ReadingTest, Formats/ReadsInTheWild. Speed and memory: tests/studies/reading.txt.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});
 
 /// The same for a file (gzip or not), or standard input for "-", held a piece at a time.
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options = {});
 
-/// A log that is still being written: events as they come.
+/// A log that is still being written: events as they come. A file that is cut off or replaced by
+/// another of its name is read from its beginning. Lines before the first that make sense are left
+/// out. Times in seconds that begin again are handed out as they stand.
 class LogFollower {
 public:
   /// `wait` is called at the end of a growing file, and returns false to give up. Waits for the
@@ -98,7 +106,8 @@ private:
   std::unique_ptr<Parts> parts_;
 };
 
-/// Reads a file, or standard input for "-". Throws InputError if it cannot be opened.
-std::string read_text(const std::string& path);
+/// Reads a file, or standard input for "-". Throws InputError if it cannot be opened, or unpacks to
+/// more than `unpacked_limit` bytes.
+std::string read_text(const std::string& path, std::uint64_t unpacked_limit = usual_unpacked_limit);
 
 } // namespace goingrate

@@ -1,0 +1,23 @@
+// A file that is read while it grows.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace goingrate {
+
+/// Tells when a file that was read to its end begins anew: it was cut off and written again, or
+/// another file has taken its name.
+class Growth {
+public:
+  /// So many bytes were read, up to `end` in the file.
+  void took(const char* bytes, std::size_t count, std::uint64_t end);
+  /// Whether what was read last does not stand in the file any more, or `path` is another file.
+  [[nodiscard]] bool begins_anew(int descriptor, const std::string& path) const;
+
+private:
+  std::string last_; // bytes read
+  std::uint64_t end_ = 0;
+};
+
+} // namespace goingrate

@@ -1,0 +1,232 @@
+// The road from a log's text to numbered beats, as every command takes it.
+#include "goingrate/analysis/load.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/base/random.hpp"
+#include "goingrate/log/rates.hpp"
+#include "support/faulty_text.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+std::string seconds(int beats, double period_s, double start_s = 0.0, double jitter_s = 1e-4,
+                    std::uint64_t seed = 1) {
+  RandomStream random(seed, StreamPurpose::jitter);
+  std::string text;
+  for (int n = 0; n < beats; ++n)
+    text += fmt::format("{:.6f}\n", start_s + n * period_s + jitter_s * random.normal());
+  return text;
+}
+
+NumberedLog loaded(const std::string& text, std::optional<double> nominal_period_s = {}) {
+  LoadRequest request;
+  request.path = "log";
+  request.reading.nominal_period_s = nominal_period_s;
+  return load_text(text, request);
+}
+
+TEST(LoadTest, ALoggerThatBeginsAgainBeginsASegment) {
+  const NumberedLog log = loaded(seconds(1000, 2.0001, 1.0) + seconds(700, 2.0001, 0.3, 1e-4, 2) +
+                                 seconds(40, 2.0001, 1.9, 1e-4, 3));
+  EXPECT_EQ(log.beats.segments, 3u);
+  EXPECT_EQ(log.good.size(), 1000u);
+  EXPECT_EQ(log.beats.spurious, 0);
+  EXPECT_EQ(log.beats.missed, 0);
+  EXPECT_EQ(log.beats.beats.back().cycle, 1739);
+  ASSERT_EQ(log.beats.gaps.size(), 2u);
+  EXPECT_EQ(log.beats.gaps[0].kind, GapKind::restart);
+  EXPECT_FALSE(log.sensor.beat_error_s) << "the blocks are not interleaved";
+}
+
+TEST(LoadTest, DatedBlocksThatAreApartArePutInOrder) {
+  const NumberedLog log = loaded(seconds(1000, 2.0, 1.36e9 + 4000.0) + seconds(1000, 2.0, 1.36e9));
+  EXPECT_EQ(log.beats.segments, 1u);
+  EXPECT_EQ(log.beats.beats.back().cycle, 2999);
+  EXPECT_EQ(log.beats.missed, 1000);
+  const NumberedLog twice = loaded(seconds(1000, 2.0, 1.36e9) + seconds(1000, 2.0, 1.36e9 + 0.4));
+  EXPECT_EQ(twice.beats.segments, 2u) << "the same hours";
+}
+
+TEST(LoadTest, LinesThatComeLateOrStrayAreStillSorted) {
+  std::string text = seconds(500, 2.0, 0.0, 0.0);
+  text += "1000.000000\n1004.000000\n1002.000000\n37.0\n1006.000000\n1008.000000\n";
+  const NumberedLog log = loaded(text);
+  EXPECT_EQ(log.beats.segments, 1u);
+  EXPECT_EQ(log.good.size(), 505u);
+  EXPECT_EQ(log.beats.spurious, 1);
+}
+
+TEST(LoadTest, CopiesOfLinesAreLeftOut) {
+  const std::string text = seconds(300, 2.0);
+  std::string tail;
+  for (std::size_t at = 0, line = 0; at < text.size(); ++line) {
+    const std::size_t end = text.find('\n', at) + 1;
+    if (line >= 250) tail += text.substr(at, end - at);
+    at = end;
+  }
+  for (const std::string& twice : {text + tail, text + text}) {
+    const NumberedLog log = loaded(twice);
+    EXPECT_EQ(log.good.size(), 300u);
+    EXPECT_EQ(log.beats.rivals, 0);
+    EXPECT_EQ(log.log.issues.back().kind, IssueKind::repeated);
+  }
+}
+
+TEST(LoadTest, AnHourThatIsSetBeginsASegmentAndNoGapIsCounted) {
+  for (const double set_s : {3600.0, -3600.0}) {
+    const NumberedLog log =
+        loaded(seconds(2500, 2.0, 1.6e9) + seconds(2000, 2.0, 1.6e9 + 5000.0 + set_s, 1e-4, 2));
+    EXPECT_EQ(log.beats.segments, 2u) << set_s;
+    EXPECT_EQ(log.beats.missed, 0);
+    EXPECT_EQ(log.good.size(), 2500u);
+  }
+}
+
+TEST(LoadTest, ABreakLongerThanCanBeCountedSplitsTheLog) {
+  // The rate walks so much that few cycles can be counted; the break is a hundred times that.
+  RandomStream random(9, StreamPurpose::jitter);
+  std::string text;
+  double time = 0.0, rate = 0.0;
+  for (int n = 0; n < 6000; ++n) {
+    if (n < 3000 || n >= 4000) text += fmt::format("{:.6f}\n", time);
+    rate += 3e-6 * random.normal();
+    time += 2.0 * (1.0 + rate);
+  }
+  const NumberedLog log = loaded(text, 2.0);
+  ASSERT_EQ(log.beats.gaps.size(), 1u);
+  EXPECT_LT(log.beats.longest_countable_gap, 1000);
+  EXPECT_FALSE(log.beats.gaps[0].bridged);
+}
+
+TEST(LoadTest, BeatsBetweenLongGapsAreBeats) {
+  std::string text = seconds(400, 1.0, 0.0, 1e-4);
+  for (int n = 430; n < 900; n += 37)
+    text += fmt::format("{:.6f}\n", n + 1e-5);
+  text += seconds(400, 1.0, 930.0, 1e-4, 2);
+  const NumberedLog log = loaded(text);
+  EXPECT_EQ(log.beats.spurious, 0);
+  EXPECT_EQ(log.beats.segments, 1u);
+  EXPECT_EQ(log.beats.beats.back().cycle, 1329);
+}
+
+TEST(LoadTest, MostBeatsMayBeLost) {
+  RandomStream random(4, StreamPurpose::missed);
+  std::string text;
+  for (int n = 0; n < 4000; ++n)
+    if (random.uniform() < 0.3) text += fmt::format("{:.6f}\n", 1.0001 * n);
+  for (const std::optional<double> nominal : {std::optional(1.0), std::optional<double>()}) {
+    const NumberedLog log = loaded(text, nominal);
+    EXPECT_NEAR(log.beats.typical_period_s, 1.0001, 1e-4);
+    EXPECT_EQ(log.beats.spurious, 0);
+    EXPECT_EQ(log.beats.segments, 1u);
+    const RateSummary rate = summarise_rates(log.good, log.nominal_period_s);
+    EXPECT_NEAR(rate.mean_period_s, 1.0001, 1e-7);
+  }
+}
+
+TEST(LoadTest, AGivenPeriodIsBelieved) {
+  // Half of it between the events: both directions. Twice: every other beat is missing.
+  EXPECT_EQ(loaded(seconds(1000, 1.0), 2.0).good.size(), 500u);
+  const NumberedLog every_other = loaded(seconds(1000, 2.0), 1.0);
+  EXPECT_EQ(every_other.beats.missed, 999);
+  EXPECT_NEAR(every_other.beats.typical_period_s, 1.0, 1e-6);
+  try { // and none at all
+    (void)loaded(seconds(1000, 1.6), 2.0);
+    FAIL() << "1.6 s are no whole number of 2 s";
+  } catch (const ImpossibleReading& error) {
+    ASSERT_GE(error.others().size(), 2u);
+    ASSERT_TRUE(error.others()[0].nominal_period_s);
+    EXPECT_NEAR(*error.others()[0].nominal_period_s, 1.6, 1e-3); // one interval of the jitter's
+  }
+}
+
+TEST(LoadTest, PeriodsAreAddedUpButForThePausesThatTheirStampsTell) {
+  std::string text = "time,period (s)\n";
+  double time = 1.6e9;
+  for (int run = 0; run < 20; ++run, time += 1000.37)
+    for (int n = 0; n < 30; ++n, time += 2.0004)
+      text += fmt::format("{:.0f},2.0004\n", std::floor(time));
+  const NumberedLog log = loaded(text);
+  EXPECT_GE(log.beats.segments, 18u) << "one or two pauses may end by chance on a beat";
+  EXPECT_NEAR(log.beats.beats.back().time - log.beats.beats.front().time, time - 1.6e9 - 1000.37,
+              20.0); // a second for each pause
+}
+
+TEST(LoadTest, DatesWithAllTheirDigitsComeBeforePeriods) {
+  std::string text = "id,timestamp,period_s,temperature\n";
+  for (int run = 0; run < 20; ++run)
+    for (int n = 0; n < 15; ++n) {
+      const double second = 3.3737 * n;
+      text += fmt::format("{},2022-01-18 {:02d}:{:02d}:{:09.6f}+00:00,3.3737645,26.6\n", run, run,
+                          static_cast<int>(second) / 60, second - 60 * (static_cast<int>(second) / 60));
+    }
+  const NumberedLog log = loaded(text);
+  EXPECT_EQ(log.beats.segments, 20u);
+  EXPECT_EQ(log.beats.spurious, 0);
+  EXPECT_NEAR(log.beats.typical_period_s, 3.3737, 1e-5);
+}
+
+TEST(LoadTest, GridDataAreNotNumbered) {
+  LoadRequest request;
+  request.path = "x";
+  request.reading.format = LogFormat::phase;
+  request.reading.tau0_s = 10.0;
+  const NumberedLog log = load_text("0\n1e-6\n-2e-6\n0\n3e-6\n", request);
+  EXPECT_EQ(log.good.size(), 4u);
+  EXPECT_EQ(log.beats.missed, 1); // an exact zero is a gap
+  EXPECT_EQ(log.beats.beats.back().cycle, 4);
+  EXPECT_EQ(log.nominal_period_s, 10.0);
+  const PhaseSeries series = phase_series(log);
+  ASSERT_EQ(series.phase_s.size(), 5u);
+  EXPECT_EQ(series.phase_s[2], -2e-6);
+  EXPECT_TRUE(std::isnan(series.phase_s[3]));
+  // Phases of anything: only as phases.
+  const std::string wild = "0\n3\n-4\n2\n29\n";
+  EXPECT_THROW((void)load_text(wild, request), InputError) << "time would go back";
+  request.phases_will_do = true;
+  request.reading.tau0_s = 1.0;
+  EXPECT_EQ(phase_series(load_text(wild, request)).phase_s, (std::vector{0.0, 3.0, -4.0, 2.0, 29.0}));
+}
+
+TEST(LoadTest, WhatCannotBeIsRefusedWithOtherReadings) {
+  std::string phases, labels, counter;
+  for (int n = 0; n < 300; ++n) {
+    phases += fmt::format("{:.1f}\n", 100.0 + 33.3 * ((n * 7) % 11));
+    labels += fmt::format("{} {:.6f}\n", 1000 + 2 * n, -0.39 * n);
+    counter += fmt::format("{}\n", (1000003LL * n) % 65536);
+  }
+  for (const std::string& text : {phases, labels, counter}) {
+    try {
+      (void)loaded(text);
+      FAIL() << text.substr(0, 40);
+    } catch (const ImpossibleReading& error) {
+      EXPECT_EQ(error.others().size(), 2u);
+      for (const OtherReading& other : error.others())
+        EXPECT_FALSE(other.words.empty());
+    }
+  }
+}
+
+// Each fault of loggers and users, along the whole road; the long form is tests/studies/numbering.txt.
+class FaultyTexts : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(FaultyTexts, AreNumberedRight) {
+  const test::TextFault fault = test::all_text_faults[GetParam()];
+  test::NumberingJudge judge;
+  for (std::uint64_t seed = 101; seed <= 112; ++seed)
+    EXPECT_TRUE(test::judge_text(test::FaultyTextMaker(fault, seed).make(), judge)) << seed;
+  const test::NumberingScore& score = judge.score();
+  const auto all = static_cast<double>(score.good);
+  EXPECT_LE(score.logs_wrong, 1); // of twelve: where 70 % are lost and the period is not known
+  EXPECT_LE(static_cast<double>(score.bad), 1e-3 * all);
+  EXPECT_LE(static_cast<double>(score.accepted), 2e-3 * all);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfLoggers, FaultyTexts,
+                         testing::Range<std::size_t>(0, test::all_text_faults.size()));
+
+} // namespace
+} // namespace goingrate
