@@ -1,12 +1,8 @@
 // What the subcommands share: options that several have, and the way results leave the program.
 #pragma once
 
-#include "goingrate/analysis/load.hpp"
+#include "goingrate/analysis/analyse.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/fit/clock_fit.hpp"
-#include "goingrate/fit/diary.hpp"
-#include "goingrate/fit/drive_split.hpp"
-#include "goingrate/log/rates.hpp"
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -69,10 +65,6 @@ std::string options_for(const OtherReading& other);
 /// Where the readable result goes: to `output`; if that is not given to standard output, or nowhere
 /// if the JSON goes there.
 std::string table_output(const std::string& output, const std::string& json);
-
-/// What a fit is made of: times and amplitudes of the good beats, with the temperature and the
-/// pressure where the log has them.
-TimingData fit_data(const NumberedLog& loaded);
 
 /// Adds --json.
 void add_json_option(CLI::App& command, std::string& path);

@@ -41,7 +41,7 @@ std::string drive_output(const FitCommand& options, const FitSummary& fit, const
 
 std::string plot_of(const FitCommand& options, const NumberedLog& loaded, const FitSummary& fit) {
   if (options.plot.empty()) return {};
-  ReportData data = drawn_data(loaded);
+  Analysis data = drawn_data(loaded);
   data.fit = fit;
   return plotted(options.plot,
                  figures_named(data, {"rate", "amplitude", "time-residual", "amplitude-residual"}));

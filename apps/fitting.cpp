@@ -47,13 +47,14 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
 }
 
 std::vector<FitEvent> events_found(const NumberedLog& loaded, const GlobalOptions& global) {
-  constexpr std::size_t most = 4; // each costs a parameter
-  const auto changes = strongest_changes(keep_diary(loaded.good, loaded.nominal_period_s), most);
-  std::vector<FitEvent> events;
-  for (const Change& change : changes) {
+  const auto events = events_of_diary(loaded);
+  const auto& good = loaded.good;
+  for (const FitEvent& event : events) {
+    const auto at = std::find_if(good.begin(), good.end(), [&](const Beat& beat) {
+      return beat.cycle - good.front().cycle >= event.cycle;
+    });
     say(global, fmt::format("found a change at cycle {} ({:.6g} s): mu may change there",
-                            change.cycle, change.at_s));
-    events.push_back({change.cycle - loaded.good.front().cycle, {"mu"}, true});
+                            event.cycle + good.front().cycle, at->time - good.front().time));
   }
   return events;
 }
@@ -152,35 +153,6 @@ void put_priors(const ModelOptions& options, FitOptions& result) {
     drop_prior(result, prior.name);
   result.priors.insert(result.priors.end(), priors.begin(), priors.end());
 }
-
-// The values of a column at the good beats, which keep the order of the events.
-std::vector<double> at_good_beats(const std::vector<double>& column, const NumberedLog& loaded) {
-  std::vector<double> values;
-  values.reserve(loaded.good.size());
-  const std::vector<Beat>& events = loaded.beats.beats;
-  for (std::size_t i = 0; i < events.size(); ++i)
-    if (events[i].flag == BeatFlag::good && events[i].segment == loaded.good.front().segment)
-      values.push_back(column[i]);
-  return values;
-}
-
-} // namespace
-
-TimingData fit_data(const NumberedLog& loaded) {
-  TimingData data = timing_data(loaded.good);
-  const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
-    if (!column.empty())
-      data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
-  };
-  const EventColumns& columns = loaded.log.columns;
-  add("temperature", "1/K", columns.temperature_c);
-  add("pressure", "1/mbar", columns.pressure_mbar);
-  if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
-    add("density", "m^3/kg", air_density(columns.temperature_c, columns.pressure_mbar));
-  return data;
-}
-
-namespace {
 
 void add_parameter_options(CLI::App& command, ModelOptions& options) {
   command

@@ -54,8 +54,8 @@ std::string plotted(const std::string& path, const std::vector<Figure>& figures)
   return std::move(*drawn);
 }
 
-ReportData drawn_data(const NumberedLog& loaded) {
-  ReportData data;
+Analysis drawn_data(const NumberedLog& loaded) {
+  Analysis data;
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log.has_amplitude = loaded.log.has_amplitude;
@@ -63,7 +63,7 @@ ReportData drawn_data(const NumberedLog& loaded) {
   return data;
 }
 
-std::vector<Figure> figures_named(const ReportData& data,
+std::vector<Figure> figures_named(const Analysis& data,
                                   std::initializer_list<std::string_view> ids) {
   std::vector<Figure> figures = report_figures(data);
   std::erase_if(figures, [&](const Figure& figure) {

@@ -25,10 +25,10 @@ CLI::Option* add_plot_option(CLI::App& command, std::string& path, const std::st
 std::string plotted(const std::string& path, const std::vector<Figure>& figures);
 
 /// What the figures of a log are made from, as far as it is known without a fit.
-ReportData drawn_data(const NumberedLog& loaded);
+Analysis drawn_data(const NumberedLog& loaded);
 
 /// Those figures of a report that have these ids.
-std::vector<Figure> figures_named(const ReportData& data,
+std::vector<Figure> figures_named(const Analysis& data,
                                   std::initializer_list<std::string_view> ids);
 
 /// The path of `name` in `folder`, which is made if need be.

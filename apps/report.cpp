@@ -37,70 +37,20 @@ std::optional<NutTurns> nut_turns(const ReportCommand& options, const RateSummar
   return turns_to_zero_rate(nut, rate.rate_excess, rate.rate_excess_sigma);
 }
 
-// Through an interruption, and as long again after it, the lateness stands still: what shook the
-// clock then is told by the diary.
-void level_interruptions(const Diary& diary, TimingData& data) {
-  constexpr double before_s = 30.0;
-  for (const Interruption& event : diary.interruptions) {
-    const double from = event.begin.at_s - before_s;
-    const double to = 2.0 * event.end.at_s - event.begin.at_s;
-    double held = 0.0, taken_off = 0.0;
-    for (std::size_t i = 0; i < data.size(); ++i) {
-      const double late = data.lateness_s[i];
-      if (data.elapsed_s[i] < from) {
-        held = late;
-      } else if (data.elapsed_s[i] <= to) {
-        data.lateness_s[i] = held;
-        taken_off = late - held;
-      } else {
-        data.lateness_s[i] -= taken_off;
-      }
-    }
-  }
-}
-
-ReportData gather(const ReportCommand& options, const GlobalOptions& global) {
+Analysis gather(const ReportCommand& options, const GlobalOptions& global) {
   NumberedLog loaded = load(options.log, global);
-  ReportData data;
-  data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
-  data.rate.nominal_is_known = loaded.nominal_is_known;
-  data.nut = nut_turns(options, data.rate, global);
-  data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
-  const TimingData times = fit_data(loaded);
-  FitOptions asked = fit_options(options.model, loaded, global);
-  asked.profiles = true;
-  StepLine now(global.quiet, "fitting the model");
-  data.fit = fit_clock(times, loaded.nominal_period_s, asked);
-  now("looking at temperature and pressure");
-  data.covariates = covariate_effects(times);
-  now("spectrum of the rate, fast and slow drive");
-  data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
-  now("the drive as it went");
-  if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
-  now("likely causes");
-  const double missed = 1.0 - static_cast<double>(times.size()) / (times.cycle.back() + 1.0);
-  // What the diary tells and the fit follows need not be suspected again.
-  TimingData unexplained = times;
-  const bool told = !data.diary.changes.empty() || !data.diary.interruptions.empty();
-  if (told && data.fit.residual_s.size() == times.size())
-    unexplained.lateness_s = data.fit.residual_s;
-  level_interruptions(data.diary, unexplained);
-  data.suspicions = diagnose({&unexplained, loaded.nominal_period_s, missed, data.drive.lines});
-  now("stability");
-  const PhaseSeries phase = phase_series(loaded);
-  data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,
-                                   octave_factors(phase.phase_s.size()));
-  data.beats.assign(loaded.good.begin(), loaded.good.end());
-  data.log = std::move(loaded.log);
-  data.numbered = std::move(loaded.beats);
-  return data;
+  const FitOptions asked = fit_options(options.model, loaded, global);
+  StepLine line(global.quiet, "numbering the beats");
+  Analysis analysis =
+      analyse(std::move(loaded), asked, [&](std::string_view what) { line(what); });
+  return analysis;
 }
 
 std::string page_beside(const std::string& log) {
   return log == "-" ? "report.html" : std::filesystem::path(log).stem().string() + ".html";
 }
 
-void add_figures(const std::string& folder, const ReportData& data, const GlobalOptions& global,
+void add_figures(const std::string& folder, const Analysis& data, const GlobalOptions& global,
                  Files& files) {
   {
     const StepLine now(global.quiet, "drawing the figures");
@@ -110,7 +60,7 @@ void add_figures(const std::string& folder, const ReportData& data, const Global
   tell_of_missing_gnuplot(global);
 }
 
-void add_tables(const std::string& folder, const ReportData& data, Files& files) {
+void add_tables(const std::string& folder, const Analysis& data, Files& files) {
   files.emplace_back(inside(folder, "rates.csv"),
                      rate_table(data.numbered, data.rate.nominal_period_s));
   files.emplace_back(inside(folder, "parameters.csv"), fit_csv(data.fit));
@@ -122,7 +72,8 @@ void add_tables(const std::string& folder, const ReportData& data, Files& files)
 }
 
 void run(const ReportCommand& options, const GlobalOptions& global) {
-  const ReportData data = gather(options, global);
+  Analysis data = gather(options, global);
+  data.nut = nut_turns(options, data.rate, global);
   const std::string page = options.output.empty() ? page_beside(options.log.path) : options.output;
   const bool talk = options.json != "-" && page != "-";
   Files files{{options.json, report_json(data)},

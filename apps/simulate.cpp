@@ -132,7 +132,7 @@ public:
   }
 
 private:
-  ReportData data_;
+  Analysis data_;
 };
 
 void run_single(const Scenario& scenario, const SimulateOptions& options,

@@ -105,7 +105,7 @@ std::string gapped(const SpectrumCommand& options, const NumberedLog& loaded) {
 std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
                     const DriveAnalysis& drive) {
   if (options.plot.empty()) return {};
-  ReportData data = drawn_data(loaded);
+  Analysis data = drawn_data(loaded);
   data.drive = drive;
   return plotted(options.plot, figures_named(data, {"spectrum"}));
 }

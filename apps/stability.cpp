@@ -61,7 +61,7 @@ DeviationKind kind_of(const std::string& name) {
 
 std::string plot_of(const StabilityCommand& options, const DeviationTable& table) {
   if (options.plot.empty()) return {};
-  ReportData data;
+  Analysis data;
   data.deviation = table;
   return plotted(options.plot, figures_named(data, {"deviation"}));
 }

@@ -123,11 +123,20 @@ void sort_blocks(ClockLog& log, const std::vector<std::size_t>& starts) {
         order.begin() + static_cast<std::ptrdiff_t>(end),
         [&](std::uint32_t a, std::uint32_t b) { return earlier(events[a], events[b]); });
   }
+  // In place, one cycle of the permutation after the other: a long log has no room for a copy.
   const auto put_in_order = [&](auto& values) {
-    auto sorted = values;
-    for (std::size_t i = 0; i < order.size(); ++i)
-      sorted[i] = values[order[i]];
-    values = std::move(sorted);
+    std::vector<bool> done(order.size(), false);
+    for (std::size_t start = 0; start < order.size(); ++start) {
+      if (done[start]) continue;
+      const auto first = values[start];
+      std::size_t at = start;
+      for (; order[at] != start; at = order[at]) {
+        values[at] = values[order[at]];
+        done[at] = true;
+      }
+      values[at] = first;
+      done[at] = true;
+    }
   };
   for (std::vector<double>* column : all_columns(log.columns))
     if (!column->empty()) put_in_order(*column);
@@ -137,29 +146,26 @@ void sort_blocks(ClockLog& log, const std::vector<std::size_t>& starts) {
 // Events that are the same as the one before, to the last digit of time and amplitude.
 void leave_out_copies(ClockLog& log, IssueList& issues) {
   auto& events = log.events;
-  const auto is_copy = [&](std::size_t i) {
-    const Beat &a = events[i - 1], &b = events[i];
+  const auto is_same = [](const Beat& a, const Beat& b) {
     const bool same_amplitude = a.amplitude_rad == b.amplitude_rad ||
                                 (std::isnan(a.amplitude_rad) && std::isnan(b.amplitude_rad));
     return a.time == b.time && a.edge == b.edge && same_amplitude;
   };
-  std::vector<std::size_t> kept{0};
+  const auto columns = all_columns(log.columns);
+  std::size_t kept = 1;
   for (std::size_t i = 1; i < events.size(); ++i) {
-    if (!is_copy(i))
-      kept.push_back(i);
-    else
+    if (is_same(events[kept - 1], events[i])) {
       issues.add(events[i].line, 1, IssueKind::repeated,
-                 fmt::format("the same as line {}", events[kept.back()].line), "copy left out");
+                 fmt::format("the same as line {}", events[kept - 1].line), "copy left out");
+      continue;
+    }
+    for (std::vector<double>* column : columns)
+      if (!column->empty()) (*column)[kept] = (*column)[i];
+    events[kept++] = events[i];
   }
-  if (kept.size() == events.size()) return;
-  const auto keep = [&](auto& values) {
-    for (std::size_t k = 0; k < kept.size(); ++k)
-      values[k] = values[kept[k]];
-    values.resize(kept.size());
-  };
-  for (std::vector<double>* column : all_columns(log.columns))
-    if (!column->empty()) keep(*column);
-  keep(events);
+  for (std::vector<double>* column : columns)
+    if (!column->empty()) column->resize(kept);
+  events.resize(kept);
 }
 
 } // namespace

@@ -15,7 +15,7 @@ constexpr int blue = 0;
 constexpr int vermilion = 1;
 
 // Means over stretches of beats: of a single period the jitter hides what is looked for.
-Series stretch_means(const ReportData& data) {
+Series stretch_means(const Analysis& data) {
   constexpr std::size_t wanted = 300;
   constexpr std::size_t shortest = 10; // beats
   const std::size_t length = std::max(shortest, data.beats.size() / wanted);
@@ -60,7 +60,7 @@ Series circular_error(const Series& means) {
 
 } // namespace
 
-std::optional<Figure> rate_amplitude_figure(const ReportData& data) {
+std::optional<Figure> rate_amplitude_figure(const Analysis& data) {
   if (!data.log.has_amplitude) return std::nullopt;
   Series means = stretch_means(data);
   if (means.x.size() < 2) return std::nullopt;
@@ -76,7 +76,7 @@ std::optional<Figure> rate_amplitude_figure(const ReportData& data) {
                 {std::move(means), std::move(curve)}};
 }
 
-std::optional<Figure> drive_figure(const ReportData& data, const Axis& time, double time_factor,
+std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, double time_factor,
                                    std::vector<Marker> markers) {
   if (!data.history || data.history->points.empty()) return std::nullopt;
   Series band{Series::Style::band, "± σ", {}, {}, {}, {}, blue};

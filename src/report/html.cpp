@@ -154,7 +154,7 @@ constexpr std::string_view contents = R"(<nav aria-label="Contents"><ul>
 
 } // namespace
 
-std::string report_html(const ReportData& data) {
+std::string report_html(const Analysis& data) {
   const std::string name = escape_markup(data.log.source);
   std::string html =
       fmt::format("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

@@ -309,7 +309,7 @@ std::string spectrum_json(const DriveAnalysis& drive) { return text_of(spectrum_
 
 std::string stability_json(const DeviationTable& table) { return text_of(stability_object(table)); }
 
-std::string report_json(const ReportData& data) {
+std::string report_json(const Analysis& data) {
   Json json = json_with_schema("goingrate.report");
   json["rate"] = rate_object(data.log, data.numbered, data.rate, {});
   json["diary"] = diary_object(data.diary);

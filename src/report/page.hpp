@@ -32,13 +32,13 @@ std::string paragraph(std::string_view text);
 std::string duration_text(double seconds);
 
 // Of the log itself.
-std::string key_figures(const ReportData& data);
-std::string diary(const ReportData& data);
-std::string stability(const ReportData& data);
-std::string reading(const ReportData& data);
+std::string key_figures(const Analysis& data);
+std::string diary(const Analysis& data);
+std::string stability(const Analysis& data);
+std::string reading(const Analysis& data);
 
 // Of the model fitted to it.
-std::string fit(const ReportData& data);
-std::string drive(const ReportData& data);
+std::string fit(const Analysis& data);
+std::string drive(const Analysis& data);
 
 } // namespace goingrate::page

@@ -171,7 +171,7 @@ std::string line_table(const DriveAnalysis& drive) {
 
 } // namespace
 
-std::string fit(const ReportData& data) {
+std::string fit(const Analysis& data) {
   const FitSummary& fit = data.fit;
   std::string body;
   if (fit.status != FitStatus::converged) {
@@ -190,7 +190,7 @@ std::string fit(const ReportData& data) {
   return section("fit", "Fit of the pendulum model", body);
 }
 
-std::string drive(const ReportData& data) {
+std::string drive(const Analysis& data) {
   std::string body;
   if (!data.drive.response)
     body =

@@ -46,7 +46,7 @@ std::string per_day(double rate_excess, double sigma) {
   return measured(seconds_gained_per_day(rate_excess), seconds_gained_per_day(sigma), 5) + " s/day";
 }
 
-std::string counts(const ReportData& data) {
+std::string counts(const Analysis& data) {
   const Beats& numbered = data.numbered;
   std::string text = fmt::format("{} missed, {} spurious", numbered.missed, numbered.spurious);
   if (numbered.segments > 1)
@@ -149,7 +149,7 @@ std::string duration_text(double seconds) {
   return plain_number(seconds / seconds_per_day, 4) + " days";
 }
 
-std::string key_figures(const ReportData& data) {
+std::string key_figures(const Analysis& data) {
   const RateSummary& rate = data.rate;
   std::string cards;
   if (rate.nominal_is_known) {
@@ -179,7 +179,7 @@ std::string key_figures(const ReportData& data) {
   return section("key-figures", "Key figures", "<dl class=\"cards\">\n" + cards + "</dl>\n");
 }
 
-std::string diary(const ReportData& data) {
+std::string diary(const Analysis& data) {
   if (data.diary.changes.empty() && data.diary.interruptions.empty())
     return section("diary", "Diary",
                    paragraph("No sudden change of rate or amplitude stands out."));
@@ -190,7 +190,7 @@ std::string diary(const ReportData& data) {
   return section("diary", "Diary", body);
 }
 
-std::string stability(const ReportData& data) {
+std::string stability(const Analysis& data) {
   const bool overlapping = data.deviation.kind == DeviationKind::oadev;
   Table table(overlapping ? "Overlapping Allan deviation" : "Allan deviation",
               {"τ", "τ, s", "differences", "deviation", "68 % interval", "s/day", "noise"});
@@ -204,7 +204,7 @@ std::string stability(const ReportData& data) {
                  table.empty() ? paragraph("The log is too short for it.") : table.html());
 }
 
-std::string reading(const ReportData& data) {
+std::string reading(const Analysis& data) {
   std::string body = "<h3>What was assumed</h3>\n";
   body += data.log.assumptions.empty() ? paragraph("Nothing.") : list(data.log.assumptions);
   body += issue_table(data.log.issues) + gap_table(data.numbered.gaps);

@@ -55,7 +55,7 @@ std::vector<double> scaled(std::span<const double> values, double factor) {
 
 class TimeFigures {
 public:
-  explicit TimeFigures(const ReportData& data)
+  explicit TimeFigures(const Analysis& data)
       : data_(data), unit_(time_unit(data.rate.duration_s)) {
     for (const Beat& beat : data.beats)
       time_.push_back((beat.time - data.beats.front().time) * unit_.factor);
@@ -80,7 +80,7 @@ private:
     return {style, std::move(label), time_, std::move(y), {}, {}, colour};
   }
 
-  const ReportData& data_;
+  const Analysis& data_;
   Unit unit_;
   std::vector<double> time_;
   std::vector<Marker> markers_;
@@ -212,7 +212,7 @@ Series without_depths(Series part, const Series& measured) {
   return part;
 }
 
-Figure spectrum_figure(const ReportData& data) {
+Figure spectrum_figure(const Analysis& data) {
   const auto& frequency = data.drive.rate_spectrum->frequency_hz;
   Figure figure{"spectrum",
                 "Spectrum of the rate",
@@ -276,7 +276,7 @@ std::string_view kind_in_words(DeviationKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-Figure deviation_figure(const ReportData& data) {
+Figure deviation_figure(const Analysis& data) {
   Series bars{Series::Style::bars, "deviation", {}, {}, {}, {}, blue};
   for (const DeviationRow& row : data.deviation.rows) {
     if (!std::isfinite(row.value)) continue;
@@ -315,7 +315,7 @@ void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
 }
 
 // What is against time on one axis, then what is against time alone.
-void add_time_figures(const ReportData& data, bool fitted, std::vector<Figure>& figures) {
+void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& figures) {
   const TimeFigures of_time(data);
   figures.push_back(of_time.rate());
   if (data.log.has_amplitude) figures.push_back(of_time.amplitude());
@@ -355,7 +355,7 @@ BinnedSpectrum log_binned(const std::vector<double>& frequency_hz,
   return binned;
 }
 
-std::vector<Figure> report_figures(const ReportData& data) {
+std::vector<Figure> report_figures(const Analysis& data) {
   std::vector<Figure> figures;
   const bool fitted = data.fit.status == FitStatus::converged;
   if (data.beats.size() > 1) add_time_figures(data, fitted, figures);

@@ -11,11 +11,11 @@ namespace goingrate {
 
 /// Mean rates of stretches against their mean amplitudes, with the slope of the circular error;
 /// nothing without amplitudes or for fewer than two stretches.
-std::optional<Figure> rate_amplitude_figure(const ReportData& data);
+std::optional<Figure> rate_amplitude_figure(const Analysis& data);
 
 /// mu(t)/mu0 with one sigma either way; nothing without a history. `time` = seconds *
 /// `time_factor`.
-std::optional<Figure> drive_figure(const ReportData& data, const Axis& time, double time_factor,
+std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, double time_factor,
                                    std::vector<Marker> markers);
 
 /// The matrix of those parameters that the log determines; nothing for fewer than two.

@@ -36,7 +36,7 @@ std::string plain_rate(double rate_excess) {
                               : fmt::format("{:+.4f} s/day", rate);
 }
 
-std::string beats_line(const ReportData& data) {
+std::string beats_line(const Analysis& data) {
   std::string line =
       fmt::format("Beats: {} over {}", data.rate.crossings, span_of(data.rate.duration_s));
   line += fmt::format("; {} missed, {} spurious", data.numbered.missed, data.numbered.spurious);
@@ -46,7 +46,7 @@ std::string beats_line(const ReportData& data) {
   return line + ".\n";
 }
 
-std::string rate_lines(const ReportData& data) {
+std::string rate_lines(const Analysis& data) {
   const RateSummary& rate = data.rate;
   const std::string mean = with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12);
   if (!rate.nominal_is_known)
@@ -68,7 +68,7 @@ std::string nut_line(const NutTurns& nut) {
       1e3 * std::abs(nut.raise_m));
 }
 
-std::string amplitude_line(const ReportData& data) {
+std::string amplitude_line(const Analysis& data) {
   double least = INFINITY, most = -INFINITY, sum = 0.0;
   double count = 0.0;
   for (const Beat& beat : data.beats) {
@@ -182,12 +182,12 @@ std::string fit_lines(const FitSummary& fit, const Diary& diary) {
   return text;
 }
 
-bool sees_amplitude(const ReportData& data) {
+bool sees_amplitude(const Analysis& data) {
   return std::any_of(data.beats.begin(), data.beats.end(),
                      [](const Beat& beat) { return std::isfinite(beat.amplitude_rad); });
 }
 
-std::string drive_lines(const ReportData& data) {
+std::string drive_lines(const Analysis& data) {
   if (!data.drive.split)
     return fmt::format("Drive: not split into fast and slow, since the log does not determine the "
                        "clock's response. What would tell: {}a ring-down, or a change of the "
@@ -229,7 +229,7 @@ std::string covariate_lines(const CovariateEffect& effect) {
 }
 
 // The two strongest; facts of the numbering have lines of their own.
-std::string suspicion_lines(const ReportData& data) {
+std::string suspicion_lines(const Analysis& data) {
   const bool told = !data.diary.changes.empty() || !data.diary.interruptions.empty();
   if (data.suspicions.empty())
     return data.beats.size() < 2000 ? ""
@@ -265,7 +265,7 @@ std::string stability_line(DeviationTable table) {
 
 } // namespace
 
-std::string report_text(const ReportData& data) {
+std::string report_text(const Analysis& data) {
   std::string text = fmt::format("{}\n", printable(data.log.source));
   text += beats_line(data);
   text += rate_lines(data);

@@ -57,8 +57,8 @@ FitSummary some_fit(const std::vector<Beat>& beats, bool with_amplitude) {
   return fit;
 }
 
-ReportData some_report(std::size_t count = 500, bool with_amplitude = true) {
-  ReportData data;
+Analysis some_report(std::size_t count = 500, bool with_amplitude = true) {
+  Analysis data;
   data.log.source = "clock.csv";
   data.log.has_amplitude = with_amplitude;
   data.log.assumptions = {"times are seconds"};
@@ -102,7 +102,7 @@ ReportData some_report(std::size_t count = 500, bool with_amplitude = true) {
 }
 
 // The page, checked for what must hold for every page.
-std::string page_of(const ReportData& data) {
+std::string page_of(const Analysis& data) {
   std::string page = report_html(data);
   EXPECT_EQ(test::tag_fault(page), "");
   const std::string read = test::without_scripts(page);
@@ -120,7 +120,7 @@ std::string row_of(const std::string& page, const std::string& heading) {
 }
 
 TEST(HtmlReportTest, TheWeeksCostIsNamedWhereItIsKnown) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   EXPECT_NE(page_of(data).find("What they cost in a week: 0.3 s and at most 1.2 s"),
             std::string::npos);
   data.drive.split->costs.resize(1); // of a day
@@ -181,7 +181,7 @@ TEST(HtmlReportTest, MayFetchNothingFromAnywhere) {
 }
 
 TEST(HtmlReportTest, ParametersTheLogDoesNotTellHaveNoFigure) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   const std::string shown = page_of(data);
   const std::size_t at = shown.find("id=\"figure-correlation\"");
   const std::string matrix = shown.substr(at, shown.find("</svg>", at) - at);
@@ -205,7 +205,7 @@ TEST(HtmlReportTest, EveryLinkHasItsAnchor) {
 }
 
 TEST(HtmlReportTest, EscapesWhatComesFromTheLog) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   data.log.source = "<b>&\"";
   data.log.assumptions = {"<script>alert(1)</script>"};
   data.log.issues = {{3, 1, IssueKind::unreadable, "<i>\x02\xc3", "left & out", 3}};
@@ -234,7 +234,7 @@ TEST(HtmlReportTest, ParametersComeWithTheirUncertaintyAndStatus) {
 }
 
 TEST(HtmlReportTest, AFitThatFailedHasNoNumbers) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   data.fit.status = FitStatus::no_valid_model;
   data.fit.termination = "no valid start";
   const std::string page = page_of(data);
@@ -253,7 +253,7 @@ TEST(HtmlReportTest, WithoutAmplitudesHasNoFigureOfThem) {
 }
 
 TEST(HtmlReportTest, AShortLogWithNothingFoundOutIsStillAPage) {
-  ReportData data;
+  Analysis data;
   data.log.source = "short.txt";
   data.beats = swinging_beats(3, false);
   data.rate = summarise_rates(data.beats, 3.0);
@@ -264,7 +264,7 @@ TEST(HtmlReportTest, AShortLogWithNothingFoundOutIsStillAPage) {
 }
 
 TEST(HtmlReportTest, ShowsTheFirstTwentyFaultyLinesAndCountsTheRest) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   for (std::size_t i = 0; i < 33; ++i)
     data.log.issues.push_back({i + 1, 0, IssueKind::unreadable, "FAULT", "left out", i + 1});
   const std::string page = page_of(data);
@@ -273,13 +273,13 @@ TEST(HtmlReportTest, ShowsTheFirstTwentyFaultyLinesAndCountsTheRest) {
 }
 
 TEST(HtmlReportTest, CutsAFaultyLineThatIsVeryLong) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   data.log.issues = {{1, 1, IssueKind::unreadable, std::string(1'000'000, 'x'), "left out", 1}};
   EXPECT_LT(test::without_scripts(page_of(data)).size(), 500'000U);
 }
 
 TEST(HtmlReportTest, ListsTheGapsThatWereLeftOpen) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   data.numbered.gaps = {{50, 1, 1.0, true}, {777, 412, 0.61, false}};
   const std::string page = page_of(data);
   EXPECT_NE(row_of(page, "777").find("412"), std::string::npos);
@@ -310,7 +310,7 @@ TEST(HtmlReportTest, AMonthOfBeats) {
 }
 
 TEST(HtmlReportTest, AProfileGoesThroughThePointsThatWereFitted) {
-  ReportData data = some_report();
+  Analysis data = some_report();
   data.fit.parameters = {{"T0", "s", ParameterStatus::free, 2.0, 0.1},
                          {"mu", "", ParameterStatus::free, 1.0, 0.1},
                          {"phi0", "rad", ParameterStatus::fixed, 0.03, nan}};

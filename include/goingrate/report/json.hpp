@@ -14,6 +14,6 @@ std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary
 std::string fit_json(const FitSummary& fit);
 std::string spectrum_json(const DriveAnalysis& drive);
 std::string stability_json(const DeviationTable& table);
-std::string report_json(const ReportData& data);
+std::string report_json(const Analysis& data);
 
 } // namespace goingrate
