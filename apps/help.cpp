@@ -38,6 +38,8 @@ Against what is found: --format, --unit, --column time=2, --decimal-comma,
 --wrap, --channel, --both-edges, --nominal-period (s), --tau0 (s, between values
 of phase, frequency and intervals), --rest-angle (rad, at which the pendulum of
 angle samples hangs). A packed log may have 4 GiB unpacked: --unpacked-limit.
+--dead-time (s): events so soon after an edge are bounces of a contact; found by
+itself if not given. Times that go back begin a new segment.
 --strict makes the first faulty line an error; else faults
 are mended or left out, and rate --json lists each with its line and column.
 An amplitude is in rad unless the header or --column amplitude=NAME:mrad (rad,

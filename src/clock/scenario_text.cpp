@@ -10,22 +10,35 @@ namespace {
 
 constexpr std::string_view option = "--set ";
 
-// A dotted key or header of so many levels ends the stack; no scenario has more than two.
+// A dotted key or header of so many levels would end the stack; no scenario has more than two. Dots in
+// strings and comments are no levels.
 void refuse_deep_keys(std::string_view text, const std::string& source) {
   constexpr int most_levels = 64;
   std::size_t line = 1, start = 0;
   int dots = 0;
+  char quote = '\0';
+  bool comment = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '.') {
-      if (++dots > most_levels)
-        throw InputError({source, line, i - start + 1}, "a key of more than 64 levels",
-                         "one of at most two, such as clock.epsilon");
-    } else if (text[i] == '\n' || text[i] == ',' || text[i] == '"' || text[i] == '\'') {
-      dots = 0;
-    }
-    if (text[i] == '\n') {
+    const char c = text[i];
+    if (c == '\n') {
       ++line;
       start = i + 1;
+      dots = 0;
+      comment = false;
+      quote = '\0'; // a string of several lines begins anew on each: its quotes come in threes
+    } else if (comment) {
+      continue;
+    } else if (quote != '\0') {
+      if (c == quote) quote = '\0';
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '#') {
+      comment = true;
+    } else if (c == ',' || c == '=') {
+      dots = 0;
+    } else if (c == '.' && ++dots > most_levels) {
+      throw InputError({source, line, i - start + 1}, "a key of more than 64 levels",
+                       "one of at most two, such as clock.epsilon");
     }
   }
 }

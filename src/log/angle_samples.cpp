@@ -413,7 +413,8 @@ SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
   // A swing's memory: half of it is lost in five periods, faster than any ring-down worth timing.
   const double fade = std::min(0.1, 0.14 * step_s / period_s);
   constexpr double samples_for_cubics = 32.0; // eight in a quarter of a period
-  const double samples_per_period = period_s / usual_step(samples);
+  const double step_between = usual_step(samples);
+  const double samples_per_period = period_s / step_between;
   const bool coarse = samples_per_period < samples_for_cubics;
   for (int round = 0; round < 2; ++round) { // the second with the rest angle of the first
     found = passages(samples, rest, 0.0, fade);
@@ -427,7 +428,8 @@ SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
     swings = SwingFinder(samples, std::move(found), period_s, rest).find();
   else if (samples_per_period >= fewest_samples_per_period)
     swings = SineFinder(samples, std::move(found), period_s).find(rest_angle);
-  swings.samples_per_period = samples_per_period;
+  swings.samples_per_period =
+      swings.period_s > 0.0 ? swings.period_s / step_between : samples_per_period;
   return swings;
 }
 

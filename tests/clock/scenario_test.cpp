@@ -2,6 +2,7 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -119,6 +120,26 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"[run]\nperiods=3\n[sensor]\nmissed=1.0\n", 4, 8, "missed"},
                     Bad{"[run]\nperiods=3\n[[event]]\nmu=1e-5\n", 3, 1, "at_period"},
                     Bad{"[run]\nperiods=3\n[clock]\nmu=1e-5\n", 0, 0, "phi0"}));
+
+TEST(ScenarioTest, AKeyOfManyLevelsIsRefused) {
+  std::string key = "a";
+  for (int i = 0; i < 50000; ++i)
+    key += ".a";
+  std::string quoted = "'a'";
+  for (int i = 0; i < 50000; ++i)
+    quoted += ".'a'";
+  for (const std::string& text : {fmt::format("{} = 1\n", key), fmt::format("[{}]\n", key),
+                                  fmt::format("[[{}]]\nb = 1\n", key),
+                                  fmt::format("{} = 1\n", quoted),
+                                  fmt::format("{}c = {{{} = 1}}\n", minimal, key)}) {
+    try {
+      (void)parse_scenario(text, "deep.toml");
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_GT(error.place().line, 0u);
+    }
+  }
+}
 
 } // namespace
 } // namespace goingrate

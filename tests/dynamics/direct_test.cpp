@@ -98,6 +98,21 @@ TEST(DirectTest, QuadraticAndDryFrictionSlowTheSwingAsTheirAveragesSay) {
   EXPECT_NEAR((0.08 - pendulum.velocity()) / fall, 1.0, 5e-3); // second order: friction itself
 }
 
+TEST(DirectTest, SpeedAfterHalfAPeriod) {
+  // Of a free pendulum with linear friction alone, of small swing: exp(-epsilon pi) times the speed,
+  // to the square of both; and the second half from there gives the period.
+  ClockParameters clock;
+  clock.epsilon = 1e-3;
+  clock.escapement = Escapement::none;
+  EXPECT_NEAR(speed_after_half(clock, 0.01, 1.0) / 0.01, std::exp(-1e-3 * pi), 1e-7);
+  const double half = speed_after_half(clock_c, 0.06, 1.3);
+  DirectPendulum pendulum(clock_c, 0.06);
+  (void)pendulum.advance(1.3);
+  EXPECT_NE(half, 0.06);
+  EXPECT_NE(half, pendulum.velocity());
+  EXPECT_GT((half - 0.06) * (pendulum.velocity() - half), 0.0) << "between the two";
+}
+
 TEST(DirectTest, StartsOutsideTheSwingingPendulumAreRefused) {
   EXPECT_THROW(DirectPendulum(clock_c, 0.0), ArgumentError);
   EXPECT_THROW(DirectPendulum(clock_c, 2.0), ArgumentError);

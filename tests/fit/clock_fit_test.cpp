@@ -412,5 +412,45 @@ TEST(ClockFitTest, NonsenseIsRefusedByName) {
   EXPECT_EQ(parse_fit_event("15:mu,epsilon").names.size(), 2u);
 }
 
+TEST(ClockFitTest, SlowDriveIsFittedToShortLogsToo) {
+  for (const int beats : {3, 5, 10, 20, 31}) {
+    FitOptions options;
+    options.noise = FitNoise::slow;
+    const auto fit = fit_clock(timing_data(test::even_beats(beats, 1, 2.0001)), 2.0, options);
+    for (const FittedParameter& parameter : fit.parameters)
+      if (parameter.name != "jitter_rms") {
+        EXPECT_NE(parameter.status, ParameterStatus::free) << parameter.name << " of " << beats;
+      }
+  }
+}
+
+TEST(ClockFitTest, DataThatDoNotFitTogetherAreRefused) {
+  EXPECT_THROW((void)fit_clock({}, 2.0, {}), ArgumentError);
+  const TimingData good = timing_data(test::even_beats(50, 1, 2.0));
+  for (const auto spoil : {+[](TimingData& data) { data.elapsed_s.pop_back(); },
+                           +[](TimingData& data) { data.lateness_s.clear(); },
+                           +[](TimingData& data) { data.amplitude_rad = {0.05}; },
+                           +[](TimingData& data) { data.terms.front().advance_s.pop_back(); },
+                           +[](TimingData& data) { data.lateness_s[3] = NAN; },
+                           +[](TimingData& data) { data.cycle[7] = data.cycle[6]; },
+                           +[](TimingData& data) { data.reference_period_s = 0.0; }}) {
+    TimingData data = good;
+    spoil(data);
+    EXPECT_THROW((void)fit_clock(data, 2.0, {}), ArgumentError);
+  }
+}
+
+TEST(ClockFitTest, ManyTermsOnFewBeatsAreFittedInFewSteps) {
+  // Below the amplitude at which the clock stalls the course runs away from it; its steps were of the
+  // wrong sign there, and a million of them were taken. A run of the test that hangs is a failure.
+  auto beats = test::even_beats(50, 1, 2.0002);
+  RandomStream random(1, StreamPurpose::jitter);
+  for (Beat& beat : beats)
+    beat.time = beat.time + 1e-4 * random.normal();
+  FitOptions options;
+  options.freed = {"quadratic_drag", "dry_friction", "offset", "drift"};
+  EXPECT_EQ(fit_clock(timing_data(beats), 2.0, options).status, FitStatus::converged);
+}
+
 } // namespace
 } // namespace goingrate

@@ -36,13 +36,25 @@ void demand(bool holds, const char* what) {
 }
 
 void use(ClockLog&& log) {
-  for (std::size_t i = 1; i < log.events.size(); ++i)
-    demand(log.events[i - 1].time <= log.events[i].time, "events in order of time");
+  // Blocks, where the time goes back and three events at least go on from there.
+  std::size_t block = 0;
+  for (std::size_t i = 1; i < log.events.size(); ++i) {
+    const bool back = log.events[i].time < log.events[i - 1].time;
+    demand(log.grid || !back || block == 0 || i - block >= 3, "events in order of time");
+    if (back) block = i;
+  }
   for (const Beat& event : log.events)
     demand(event.time.fraction >= 0.0 && event.time.fraction < 1.0, "a fraction of a second");
-  (void)label_alternate_edges(log, false);
   const std::size_t events = log.events.size();
-  const Beats beats = number_beats(std::move(log.events), log.source); // as the command does
+  if (log.grid) {
+    demand(events <= log.grid->phase_s.size(), "an event for a value");
+    (void)beats_on_grid(std::move(log.events), log.source);
+    return;
+  }
+  (void)mark_bounces(log);
+  (void)label_alternate_edges(log, false, log.nominal_period_s);
+  const Beats beats = number_beats(std::move(log.events), log.source,
+                                   {.nominal_period_s = log.nominal_period_s}); // as load() does
   demand(beats.beats.size() == events, "no event is dropped");
   const auto longest = beats.longest_segment();
   if (longest.size() < 3) return;

@@ -1,5 +1,6 @@
 #include "goingrate/log/angle_samples.hpp"
 
+#include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/reading.hpp"
@@ -53,6 +54,51 @@ TEST(AngleSamplesTest, SigmasCover) {
     }
     EXPECT_NEAR(inside / all, 0.683, 4.0 * std::sqrt(0.683 * 0.317 / all)) << rate;
     EXPECT_NEAR(pull / all, 0.0, 4.0 / std::sqrt(all)) << "no bias of either direction";
+  }
+}
+
+TEST(AngleSamplesTest, AFewSamplesAPeriodWillDo) {
+  for (const double a_period : {2.6, 3.0, 4.0, 5.3, 8.0, 15.0}) {
+    double inside = 0.0, all = 0.0, pull = 0.0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      const auto swings = crossings_of_samples(ring_down(a_period / 1.6, 2e-3, 60.0, seed), 0.02);
+      EXPECT_NEAR(swings.samples_per_period, a_period, 0.05 * a_period);
+      ASSERT_GE(swings.crossings.size(), 70u) << a_period; // two at each end may lack samples
+      for (const SampledCrossing& crossing : swings.crossings) {
+        const double time = crossing.time - Instant::from_seconds(1000.0);
+        const double k = std::round((time / 1.6 * two_pi + 0.3) / std::numbers::pi) - 1.0;
+        const double error = time - passage_time(static_cast<std::size_t>(k));
+        inside += std::abs(error) < crossing.sigma_s ? 1.0 : 0.0;
+        pull += error / crossing.sigma_s * (crossing.edge == Edge::up ? 1.0 : -1.0);
+        ++all;
+      }
+      EXPECT_NEAR(swings.noise, 2e-3, 6e-4) << a_period;
+    }
+    // Neighbouring crossings share samples, so they count for half as many.
+    EXPECT_NEAR(inside / all, 0.683, 4.0 * std::sqrt(2.0 * 0.683 * 0.317 / all)) << a_period;
+    EXPECT_NEAR(pull / all, 0.0, 4.0 * std::sqrt(2.0 / all)) << "no bias of either direction";
+  }
+  EXPECT_TRUE(crossings_of_samples(ring_down(2.2 / 1.6, 0.0, 60.0, 1)).crossings.empty());
+}
+
+TEST(AngleSamplesTest, TheNewestSampleMayBeFirst) {
+  std::string text = "Time (s),Angle (rad)\n";
+  auto samples = ring_down(50.0, 1e-3, 60.0, 5);
+  std::reverse(samples.begin(), samples.end());
+  for (const AngleSample& sample : samples)
+    text += fmt::format("{:.4f},{:.6f}\n", sample.time - Instant::from_seconds(1000.0), sample.angle);
+  EXPECT_EQ(read_log(text, "x").events.size(), 75u);
+}
+
+TEST(AngleSamplesTest, TooFewSamplesAPeriodAreRefusedByTheirNumber) {
+  std::string text = "Time (s),Angle (rad)\n";
+  for (const AngleSample& sample : ring_down(2.2 / 1.6, 0.0, 60.0, 1))
+    text += fmt::format("{:.4f},{:.6f}\n", sample.time - Instant::from_seconds(1000.0), sample.angle);
+  try {
+    (void)read_log(text, "x");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string_view(error.what()).find("sampled too coarsely"), std::string::npos);
   }
 }
 

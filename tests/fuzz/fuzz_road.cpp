@@ -1,0 +1,195 @@
+// Random logs of 3 to 500 beats along the whole road: load, fit, drive, diary, causes, stability, the
+// report. `fuzz_road SECONDS [SEED]` goes on for so long and prints how many logs it saw; a finding
+// ends it with the seed of the log, which `fuzz_road 0 SEED` repeats. A finding is anything but an
+// answer or a refusal that the headers promise, "nan" or "inf" in what is shown, and an answer that
+// takes longer than a minute.
+#include "goingrate/analysis/analyse.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/base/random.hpp"
+#include "goingrate/report/json.hpp"
+#include "goingrate/report/report.hpp"
+#include "goingrate/report/tables.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <regex>
+
+namespace {
+
+using namespace goingrate;
+using Clock = std::chrono::steady_clock;
+
+class RandomLog {
+public:
+  explicit RandomLog(std::uint64_t seed)
+      : random_(seed, StreamPurpose::jitter), choice_(seed, StreamPurpose::missed) {}
+
+  std::string text() {
+    beats_ = static_cast<int>(log_uniform(3.0, 500.0));
+    const double period = log_uniform(0.3, 4.0), jitter = log_uniform(1e-9, 1e-2) * period;
+    const double rate = chance(0.3) ? 0.0 : 1e-3 * random_.normal();
+    const double walk = chance(0.5) ? 0.0 : log_uniform(1e-8, 1e-3);
+    const double missed = chance(0.5) ? 0.0 : 0.5 * choice_.uniform();
+    const double decay = chance(0.5) ? 0.0 : log_uniform(1e-5, 0.3);
+    const double amplitude = log_uniform(1e-3, 2.0);
+    const bool amplitudes = chance(0.4), temperature = chance(0.2), pressure = chance(0.2),
+               both = chance(0.2), exact = chance(0.1);
+    const int jump = chance(0.4) ? static_cast<int>(beats_ * choice_.uniform()) : -1;
+    const double size = 1e-3 * random_.normal();
+    std::string text = "time_s";
+    if (both) text += ",edge";
+    if (amplitudes) text += ",amplitude_rad";
+    if (temperature) text += ",temperature_c";
+    if (pressure) text += ",pressure_mbar";
+    text += '\n';
+    double time = chance(0.5) ? 0.0 : 1.6e9, drift = 0.0;
+    for (int n = 0; n < beats_; ++n) {
+      const double swing = amplitude * std::exp(-decay * n);
+      const int edges = both ? 2 : 1;
+      for (int edge = 0; edge < edges; ++edge) {
+        if (choice_.uniform() < missed) continue;
+        const double at = time + 0.5 * edge * period + (exact ? 0.0 : jitter * random_.normal());
+        text += fmt::format("{:.9f}", at);
+        if (both) text += edge == 0 ? ",up" : ",down";
+        if (amplitudes)
+          text += choice_.uniform() < 0.05
+                      ? std::string(",")
+                      : fmt::format(",{:.9g}", swing + 1e-4 * amplitude * random_.normal());
+        if (temperature) text += fmt::format(",{:.3f}", 20.0 + std::sin(0.01 * n));
+        if (pressure) text += fmt::format(",{:.2f}", chance(0.01) ? 9999.99 : 1000.0 + 0.1 * n);
+        text += '\n';
+      }
+      drift += walk * random_.normal();
+      const double circular = amplitudes || decay > 0.0 ? swing * swing / 16.0 : 0.0;
+      time += period * (1.0 + rate + drift + circular + (jump >= 0 && n >= jump ? size : 0.0));
+      if (chance(0.002)) time += period * log_uniform(1.0, 1e4);
+      if (chance(0.0005)) time = 0.0;
+    }
+    return text;
+  }
+
+  LoadRequest request() {
+    LoadRequest request;
+    request.path = "fuzz";
+    if (chance(0.2)) request.reading.nominal_period_s = log_uniform(0.2, 5.0);
+    if (chance(0.1)) request.dead_time_s = log_uniform(1e-6, 1.0);
+    request.find_sensor_offset = chance(0.1);
+    if (chance(0.1)) request.sensor_offset_rad = 0.02 * random_.normal();
+    if (chance(0.1)) request.flag_width_rad = 0.05 * choice_.uniform();
+    request.both_edges = chance(0.05);
+    return request;
+  }
+
+  FitOptions fit() {
+    FitOptions options;
+    constexpr std::array noises{FitNoise::automatic, FitNoise::jitter, FitNoise::drive,
+                                FitNoise::both, FitNoise::slow};
+    options.noise = noises[pick(noises.size())];
+    constexpr std::array dynamics{FitDynamics::automatic, FitDynamics::averaged1,
+                                  FitDynamics::averaged2, FitDynamics::map};
+    options.dynamics = dynamics[pick(dynamics.size())];
+    if (chance(0.3)) {
+      constexpr std::array escapements{Escapement::none, Escapement::constant_torque,
+                                       Escapement::single_impulse};
+      options.escapement = escapements[pick(escapements.size())];
+    }
+    if (chance(0.3)) options.fixed["T0"] = 2.0;
+    for (const char* name : {"quadratic_drag", "dry_friction", "offset", "drift"})
+      if (chance(0.15)) options.freed.emplace_back(name);
+    if (chance(0.3))
+      options.events.push_back({1 + static_cast<std::int64_t>(pick(static_cast<std::size_t>(beats_))),
+                                {chance(0.7) ? "mu" : chance(0.5) ? "epsilon" : "T0"},
+                                chance(0.5)});
+    if (chance(0.2)) options.priors.push_back({"lambda0", 0.05, 0.005});
+    return options;
+  }
+
+  DeviationKind kind() { return deviation_kinds[pick(deviation_kinds.size())]; }
+
+private:
+  bool chance(double part) { return choice_.uniform() < part; }
+  std::size_t pick(std::size_t count) {
+    return std::min(count - 1,
+                    static_cast<std::size_t>(choice_.uniform() * static_cast<double>(count)));
+  }
+  double log_uniform(double low, double high) {
+    return low * std::exp(std::log(high / low) * choice_.uniform());
+  }
+
+  RandomStream random_, choice_;
+  int beats_ = 0;
+};
+
+[[noreturn]] void finding(std::uint64_t seed, const std::string& what) {
+  std::fprintf(stderr, "finding at seed %llu: %s\n", static_cast<unsigned long long>(seed),
+               what.c_str());
+  std::abort();
+}
+
+void demand_numbers(std::uint64_t seed, const char* where, const std::string& text) {
+  static const std::regex no_number("(^|[^A-Za-z_])-?(nan|inf)([^A-Za-z_]|$)",
+                                    std::regex::icase | std::regex::optimize);
+  std::smatch match;
+  if (!std::regex_search(text, match, no_number)) return;
+  const auto at = static_cast<std::size_t>(match.position());
+  finding(seed, fmt::format("'{}' in {}", text.substr(at > 60 ? at - 60 : 0, 120), where));
+}
+
+void try_log(std::uint64_t seed) {
+  RandomLog random(seed);
+  const std::string text = random.text();
+  const LoadRequest request = random.request();
+  const FitOptions fit = random.fit();
+  const DeviationKind kind = random.kind();
+  try {
+    NumberedLog loaded = load_text(text, request);
+    const PhaseSeries phase = phase_series(loaded);
+    demand_numbers(seed, "the deviation",
+                   deviation_text(stability_table(kind, phase.phase_s, phase.tau0_s,
+                                                  octave_factors(phase.phase_s.size(), kind))));
+    const Analysis data = analyse(std::move(loaded), fit);
+    demand_numbers(seed, "the rate's table", rate_table(data.numbered, data.rate.nominal_period_s));
+    demand_numbers(seed, "the summary", report_text(data));
+    demand_numbers(seed, "the fit's text", fit_text(data.fit));
+    demand_numbers(seed, "the fit's table", fit_csv(data.fit));
+    demand_numbers(seed, "the JSON", report_json(data));
+    for (const Figure& figure : report_figures(data))
+      demand_numbers(seed, "a figure", standalone_svg(figure));
+  } catch (const InputError&) {
+  } catch (const ArgumentError&) {
+  } catch (const NumericsError&) {
+  } catch (const std::exception& error) {
+    finding(seed, error.what());
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 20.0;
+  std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  const auto start = Clock::now();
+  const auto since = [](Clock::time_point from) {
+    return std::chrono::duration<double>(Clock::now() - from).count();
+  };
+  std::uint64_t logs = 0;
+  double longest = 0.0;
+  std::uint64_t longest_seed = seed;
+  do {
+    const auto begin = Clock::now();
+    try_log(seed);
+    if (const double took = since(begin); took > longest) {
+      longest = took;
+      longest_seed = seed;
+      if (took > 60.0) finding(seed, "took longer than a minute");
+    }
+    ++logs;
+    ++seed;
+  } while (since(start) < seconds);
+  std::printf("%llu logs in %.0f s without a finding; the longest took %.1f s (seed %llu)\n",
+              static_cast<unsigned long long>(logs), since(start), longest,
+              static_cast<unsigned long long>(longest_seed));
+}
