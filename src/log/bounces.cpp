@@ -68,14 +68,21 @@ double found_dead_time(std::span<Beat> events) {
   return margin * early[early.size() - 1 - late];
 }
 
-// Jitter as large as the dead time: then the first edge need not be the beat, and where few bounce the
-// numbering tells which event is the likelier.
+// Jitter as large as the dead time: then the first edge need not be the beat, and where few bounce, by
+// one event each, the numbering tells which of the two is the likelier.
 bool hides_in_jitter(std::span<const Beat> events, double dead_time_s) {
   std::vector<Beat> edges(events.begin(), events.end());
-  for_each_bounce(edges, dead_time_s,
-                  [](Beat& event, double) { event.flag = BeatFlag::bounce; });
+  std::size_t bounces = 0, bouncing = 0; // events, and edges that they follow
+  const Beat* before = nullptr;
+  for_each_bounce(edges, dead_time_s, [&](Beat& event, double) {
+    bouncing += &event != before + 1 ? 1 : 0;
+    before = &event;
+    event.flag = BeatFlag::bounce;
+    ++bounces;
+  });
   std::erase_if(edges, [](const Beat& event) { return event.flag == BeatFlag::bounce; });
-  if (5 * edges.size() < 4 * events.size() || edges.size() < 3) return false; // a fifth is not few
+  const bool few = 4 * bounces < edges.size(), single = bounces < 2 * bouncing;
+  if (!few || !single || edges.size() < 3) return false;
   constexpr double part = 0.05; // of the dead time: two sigmas are a tenth of it
   return std::sqrt(typical_period(edges, "").second_s2 / 6.0) > part * dead_time_s;
 }

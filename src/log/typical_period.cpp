@@ -46,23 +46,38 @@ double periods_in(double interval_s, double period_s) {
   return whole ? n : 0.0;
 }
 
-// Where more than half of the beats are lost the median interval holds several periods: the period
-// is then the part of it that one interval in ten is, and nine in ten are multiples of.
-double shortest_length(const std::vector<double>& intervals, double median_s) {
+// Where half of the beats or more are lost the median interval holds several periods, or a false event.
+// The commonest length is then a whole number of periods: the shortest part of it that one interval in
+// ten is, and eight in ten are multiples of.
+double shortest_length(std::vector<double> intervals, double median_s) {
   const auto share = [&](auto is_one) {
     return static_cast<double>(std::count_if(intervals.begin(), intervals.end(), is_one)) /
            static_cast<double>(intervals.size());
   };
+  const auto near = [&](double length, double part) {
+    return share([&](double interval) { return std::abs(interval - length) <= part * length; });
+  };
+  if (near(median_s, widest_share) > 0.5) return median_s;
+  std::sort(intervals.begin(), intervals.end());
+  double commonest = median_s;
+  constexpr std::size_t tried = 20; // of which one at least is of the commonest length
+  for (std::size_t k = 0; k < tried; ++k) {
+    const double length = intervals[k * intervals.size() / tried];
+    const bool possible = length > 0.02 * median_s; // and not two events at one time
+    if (possible && near(length, 0.02) > near(commonest, 0.02)) commonest = length;
+  }
   for (double part = most_periods; part > 1.0; --part) {
-    const double period = median_s / part;
+    const double period = commonest / part;
     const auto holds = [&](double interval) {
       const double n = std::round(interval / period);
       return n >= 1.0 && std::abs(interval - n * period) <= 0.05 * period; // by chance: one in ten
     };
-    const auto is_shortest = [&](double interval) { return holds(interval) && interval < 1.5 * period; };
-    if (share(is_shortest) > 0.1 && share(holds) > 0.9) return period;
+    const auto is_shortest = [&](double interval) {
+      return holds(interval) && interval < 1.5 * period;
+    };
+    if (share(is_shortest) > 0.1 && share(holds) > 0.8) return period;
   }
-  return median_s;
+  return commonest;
 }
 
 // `lengths` are those of `intervals` that are known, and hold `periods` in all.
