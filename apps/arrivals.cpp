@@ -41,10 +41,12 @@ void Arrivals::learn(double step_s) {
   steps_s_.push_back(step_s);
   if (steps_s_.size() > most) steps_s_.pop_front();
   if (steps_s_.size() < fewest) return;
+  // Steps from one bounce of a contact to the next are none; the largest may be a gap.
   std::vector<double> sorted(steps_s_.begin(), steps_s_.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  usual_step_s_ = *middle;
+  std::sort(sorted.begin(), sorted.end());
+  const double bounce = 0.1 * sorted[sorted.size() - 2];
+  const auto first = std::lower_bound(sorted.begin(), sorted.end(), bounce);
+  usual_step_s_ = *(first + (sorted.end() - first) / 2);
 }
 
 void Arrivals::hold(const Beat& event) {

@@ -35,8 +35,11 @@ std::string RollingNumbers::rest(const ClockLog& log) {
 std::string RollingNumbers::numbered_rows(const ClockLog& log) {
   std::string text;
   try {
-    const Beats numbered =
-        number_beats(std::vector<Beat>(window_), log.source, {options_.gap_probability});
+    ClockLog part;
+    part.events = window_;
+    mark_bounces(part, options_.dead_time_s);
+    const Beats numbered = number_beats(std::move(part.events), log.source,
+                                        {options_.gap_probability, log.nominal_period_s});
     period_s_ = numbered.typical_period_s;
     if (!table_) open_table(log, numbered, text);
     const Shift shift = shift_of(numbered.beats);

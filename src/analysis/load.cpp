@@ -28,6 +28,7 @@ public:
     if (request_.phases_will_do && loaded_.log.grid) return std::move(loaded_);
     choose_good();
     loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
+    refuse_if_numbered_wrong();
     if (loaded_.good.size() < 3)
       throw NumericsError(
           fmt::format("{}: no run of three beats that could be numbered together, of {} events about "
@@ -47,6 +48,21 @@ private:
     refuse_phases_of_no_clock(grid);
     loaded_.beats = beats_on_grid(std::move(loaded_.log.events), loaded_.log.source);
     loaded_.log.events.clear();
+  }
+
+  // The mean period of what was numbered is that of the intervals; where most events are false ones
+  // the count may be no clock's.
+  void refuse_if_numbered_wrong() const {
+    if (loaded_.log.grid || loaded_.good.size() < 3) return;
+    const double cycles =
+        static_cast<double>(loaded_.good.back().cycle - loaded_.good.front().cycle);
+    const double mean = (loaded_.good.back().time - loaded_.good.front().time) / cycles;
+    const double typical = loaded_.beats.typical_period_s;
+    if (std::abs(mean / typical - 1.0) <= plausible) return;
+    throw ImpossibleReading(
+        {loaded_.log.source, loaded_.good.front().line, 1},
+        fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
+        "the beats of one clock", readings_for_period(mean, typical));
   }
 
   // What was not given, but guessed, must be possible.
@@ -70,7 +86,7 @@ private:
     ClockLog& log = loaded_.log;
     mark_bounces(log, request_.dead_time_s);
     const bool labelled =
-        label_alternate_edges(log, request_.both_edges, request_.reading.nominal_period_s);
+        label_alternate_edges(log, request_.both_edges, log.nominal_period_s);
     if (log.directions_are_open && !labelled)
       assume("each event is one period (--both-edges if both directions are in the log)");
     number();
@@ -88,6 +104,9 @@ private:
   void settle_nominal_period() {
     ClockLog& log = loaded_.log;
     const double typical = loaded_.beats.typical_period_s;
+    if (request_.dead_time_s && *request_.dead_time_s > 0.5 * typical)
+      throw ArgumentError("dead-time", *request_.dead_time_s,
+                          fmt::format("at most half of what is then the period, {:.4g} s", typical));
     loaded_.nominal_period_s = nominal_period(log, loaded_.beats, log.assumptions);
     loaded_.nominal_is_known = log.nominal_period_s || loaded_.nominal_period_s != typical ||
                                rounded_period(typical) == std::round(typical * 4.0) / 4.0;

@@ -1,4 +1,5 @@
 // Contacts that bounce: several events for one edge.
+#include "beat_noise.hpp"
 #include "typical_period.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -62,10 +63,29 @@ double found_dead_time(std::span<Beat> events) {
                       else
                         ++late;
                     });
-  if (early.size() < fewest || early.size() <= 4 * late) return 0.0;
+  // So many in a tenth of the time that false events at any time would be several a beat.
+  const bool crowded = 3 * (early.size() + late) > events.size();
+  if (early.size() < fewest || (early.size() <= 4 * late && !crowded)) return 0.0;
+  if (early.size() <= 4 * late) return reach;
   std::sort(early.begin(), early.end());
   constexpr double margin = 1.2; // the longest of the sample is not the longest of all
   return margin * early[early.size() - 1 - late];
+}
+
+// The jitter of single times, s, from second differences of every other edge, which a beat error does
+// not enter; 0 with too few edges.
+double jitter_of(std::span<const Beat> edges) {
+  std::vector<double> pairs;
+  for (std::size_t i = 2; i < edges.size(); ++i)
+    pairs.push_back(edges[i].time - edges[i - 2].time);
+  if (pairs.size() < 3) return 0.0;
+  std::vector<double> sorted = pairs;
+  const double usual = median(sorted);
+  const auto is_usual = [&](double pair) { return std::abs(pair - usual) < 0.1 * usual; };
+  std::vector<double> second;
+  for (std::size_t i = 2; i < pairs.size(); ++i)
+    if (is_usual(pairs[i]) && is_usual(pairs[i - 2])) second.push_back(pairs[i] - pairs[i - 2]);
+  return second.empty() ? 0.0 : std::sqrt(trimmed_mean_square(second) / 6.0);
 }
 
 // Jitter as large as the dead time: then the first edge need not be the beat, and where few bounce, by
@@ -84,7 +104,7 @@ bool hides_in_jitter(std::span<const Beat> events, double dead_time_s) {
   const bool few = 4 * bounces < edges.size(), single = bounces < 2 * bouncing;
   if (!few || !single || edges.size() < 3) return false;
   constexpr double part = 0.05; // of the dead time: two sigmas are a tenth of it
-  return std::sqrt(typical_period(edges, "").second_s2 / 6.0) > part * dead_time_s;
+  return jitter_of(edges) > part * dead_time_s;
 }
 
 // A beam near the turning point is met and left within a short time: then one direction would go.

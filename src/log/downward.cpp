@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -171,13 +172,28 @@ Steps steps_of(std::span<const Beat> events) {
   return steps;
 }
 
-// Of a given period: most of the steps are half of it. No beat error makes them differ by more than
-// a fifth.
-bool most_are_half(const std::vector<double>& steps, double period_s) {
-  const auto count = std::count_if(steps.begin(), steps.end(), [&](double step) {
-    return std::abs(step / period_s - 0.5) < 0.1;
-  });
-  return 2 * static_cast<std::size_t>(count) > steps.size();
+// Half the period, if the steps show that both directions are in the log: many are an odd number of
+// halves of the period that is given, and nearly all a whole number, however many are missing. Their
+// mean is that of the log itself; a beat error cancels in it.
+std::optional<double> half_period(const std::vector<double>& steps, double period_s) {
+  double all = 0.0, odd = 0.0, whole = 0.0, sum = 0.0, single = 0.0;
+  constexpr double off = 0.1; // periods: no beat error is larger
+  for (const double step : steps) {
+    if (!(step >= 0.0)) continue;
+    const double halves = std::round(2.0 * step / period_s);
+    ++all;
+    if (halves < 1.0 || std::abs(step / period_s - 0.5 * halves) > off) continue;
+    ++whole;
+    if (std::fmod(halves, 2.0) == 1.0) ++odd;
+    if (halves == 1.0) {
+      sum += step;
+      ++single;
+    }
+  }
+  if (!(odd > 0.25 * all && whole > 0.7 * all)) return {}; // by chance 0.2 and 0.4
+  constexpr double enough = 20.0;
+  const double mean = single > enough ? sum / single : 0.5 * period_s;
+  return std::abs(2.0 * mean / period_s - 1.0) < 0.02 ? mean : 0.5 * period_s;
 }
 
 } // namespace
@@ -192,11 +208,10 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
     return false;
   Steps steps = steps_of(log.events);
   if (steps.pairs.empty()) return false;
-  const bool half_known = nominal_period_s && most_are_half(steps.single, *nominal_period_s);
-  // The beat error cancels in a pair; a period that is given is half of it whatever is missing.
-  const double half = half_known ? 0.5 * *nominal_period_s : 0.5 * median(steps.pairs);
-  if (!(half > 0.0) || !(certain || half_known || intervals_alternate(steps.single, half)))
-    return false;
+  const auto given = nominal_period_s ? half_period(steps.single, *nominal_period_s) : std::nullopt;
+  const double half = given ? *given : 0.5 * median(steps.pairs); // the beat error cancels in a pair
+  const bool known = certain || given;
+  if (!(half > 0.0) || !(known || intervals_alternate(steps.single, half))) return false;
   std::int64_t beat = 0;
   const Beat* last = nullptr;
   for (Beat& event : log.events) {
@@ -208,7 +223,7 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
     event.edge = beat % 2 == 0 ? Edge::up : Edge::down;
   }
   log.assumptions.push_back(
-      certain || half_known
+      known
           ? "both directions are in the log: every other event is a downward crossing"
           : "the intervals alternate, so both directions are in the log: every other event is "
             "taken as a downward crossing");

@@ -166,7 +166,7 @@ bool Detection::looks_like_clock_error() const {
   constexpr double largest_rate = 0.02;
   return head_.columns == 3 && samples_[1].typical_step < largest_rate * samples_[0].typical_step &&
          is_number(0) && is_number(1) && is_number(2) && samples_[0].whole && !samples_[1].whole &&
-         samples_[0].rising > 0.5 &&
+         std::max(samples_[0].rising, samples_[0].falling) > 0.5 &&
          std::max(std::abs(samples_[1].least), std::abs(samples_[1].most)) <= 43200.0;
 }
 

@@ -65,21 +65,24 @@ private:
     while (before > first && i - before < most_late && earlier(events_[i], events_[before - 1]))
       --before;
     // To the beginning of the block, but for an eighth of it: the first times of runs differ.
-    const bool far_back = 8 * (before - first) <= i - first || i - before == most_late;
-    return far_back && goes_on(i, latest) && !is_repeated(i, first);
+    const bool far_back = 8 * (before - first) <= i - first + 8 || i - before == most_late;
+    return goes_on(i, latest, far_back) && !is_repeated(i, first);
   }
 
-  // Three events at least follow each other, until the time where the log stood is passed in an
-  // ordinary step, the time goes back once more, or the log ends.
-  [[nodiscard]] bool goes_on(std::size_t i, std::size_t latest) const {
+  // Three events at least follow each other until the time where the log stood is passed in an
+  // ordinary step; or, from far back, until the log ends or goes back once more, however soon.
+  [[nodiscard]] bool goes_on(std::size_t i, std::size_t latest, bool far_back) const {
     constexpr std::size_t fewest = 3, enough = 16;
     std::size_t end = i + 1;
     while (end < events_.size() && end - i < enough && !earlier(events_[end], events_[end - 1]) &&
            earlier(events_[end], events_[latest]))
       ++end;
+    const bool goes_back = end < events_.size() && earlier(events_[end], events_[end - 1]);
+    if (goes_back && far_back) return true;
     if (end - i < fewest) return false;
     const bool passes = end < events_.size() && !earlier(events_[end], events_[latest]);
-    return !passes || events_[end].time - events_[end - 1].time < 1.5 * usual_step_;
+    if (!passes) return far_back;
+    return events_[end].time - events_[end - 1].time < 1.5 * usual_step_;
   }
 
   // The next three times all stand earlier in the block.

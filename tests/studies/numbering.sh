@@ -9,4 +9,5 @@ cmake --preset bench > /dev/null
 cmake --build --preset bench -j2 --target study_numbering > /dev/null
 date -u +%Y-%m-%d
 grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
+echo "commit $(git rev-parse --short HEAD)"
 build/bench/study_numbering
