@@ -139,14 +139,21 @@ private:
 // Whether intervals alternate: neighbours on opposite sides of the median, next neighbours on the
 // same, and both much alike. Jitter alone gives correlations of -1/2 and 0. NaNs part stretches.
 bool intervals_alternate(const std::vector<double>& steps, double centre) {
+  const double widest = 0.45 * centre; // a clock further out of beat than this does not go
+  std::vector<double> sizes;
+  for (const double step : steps)
+    if (std::abs(step - centre) <= widest) sizes.push_back(std::abs(step - centre));
+  if (sizes.empty()) return false;
+  // A false event makes steps of any size: they count as twice the usual one at most.
+  const double most = 2.0 * median(sizes);
+  const auto off = [&](std::size_t i) { return std::clamp(steps[i] - centre, -most, most); };
   double variance = 0.0, next = 0.0, second = 0.0;
   for (std::size_t i = 0; i + 2 < steps.size(); ++i) {
-    const double a = steps[i] - centre, b = steps[i + 1] - centre, c = steps[i + 2] - centre;
-    const double widest = 0.45 * centre; // a clock further out of beat than this does not go
-    if (!(std::abs(a) <= widest && std::abs(b) <= widest && std::abs(c) <= widest)) continue;
-    variance += a * a;
-    next += a * b;
-    second += a * c;
+    const auto is_step = [&](std::size_t k) { return std::abs(steps[k] - centre) <= widest; };
+    if (!(is_step(i) && is_step(i + 1) && is_step(i + 2))) continue;
+    variance += off(i) * off(i);
+    next += off(i) * off(i + 1);
+    second += off(i) * off(i + 2);
   }
   return variance > 0.0 && next < -0.75 * variance && second > 0.75 * variance;
 }
