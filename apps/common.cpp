@@ -76,9 +76,10 @@ void add_log_options(CLI::App& command, LogOptions& options) {
       ->check(CLI::Range(0.5, 1.0) & not_negative())
       ->capture_default_str();
   command
-      .add_option("--dead-time", options.dead_time_s,
-                  "a contact bounces: events within so many s after an edge are part of it; 0: none "
-                  "are; found by itself if not given")
+      .add_option(
+          "--dead-time", options.dead_time_s,
+          "a contact bounces: events within so many s after an edge are part of it; 0: none "
+          "are; found by itself if not given")
       ->check(not_negative());
   add_reading_options(command, options);
 }

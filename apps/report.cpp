@@ -41,8 +41,7 @@ Analysis gather(const ReportCommand& options, const GlobalOptions& global) {
   NumberedLog loaded = load(options.log, global);
   const FitOptions asked = fit_options(options.model, loaded, global);
   StepLine line(global.quiet, "numbering the beats");
-  Analysis analysis =
-      analyse(std::move(loaded), asked, [&](std::string_view what) { line(what); });
+  Analysis analysis = analyse(std::move(loaded), asked, [&](std::string_view what) { line(what); });
   return analysis;
 }
 

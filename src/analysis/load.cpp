@@ -30,10 +30,10 @@ public:
     loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
     refuse_if_numbered_wrong();
     if (loaded_.good.size() < 3)
-      throw NumericsError(
-          fmt::format("{}: no run of three beats that could be numbered together, of {} events about "
-                      "{:.4g} s apart",
-                      request_.path, loaded_.beats.beats.size(), loaded_.beats.typical_period_s));
+      throw NumericsError(fmt::format(
+          "{}: no run of three beats that could be numbered together, of {} events about "
+          "{:.4g} s apart",
+          request_.path, loaded_.beats.beats.size(), loaded_.beats.typical_period_s));
     return std::move(loaded_);
   }
 
@@ -76,17 +76,16 @@ private:
       far += step > plausible * grid.tau0_s ? 1 : 0;
     }
     if (2 * far <= all) return;
-    throw ImpossibleReading({loaded_.log.source, loaded_.log.events.front().line, 1},
-                            fmt::format("phases that move by more than {:.0f} % of the interval",
-                                        100.0 * plausible),
-                            "those of a clock", readings_for_phases(grid));
+    throw ImpossibleReading(
+        {loaded_.log.source, loaded_.log.events.front().line, 1},
+        fmt::format("phases that move by more than {:.0f} % of the interval", 100.0 * plausible),
+        "those of a clock", readings_for_phases(grid));
   }
 
   void number_events() {
     ClockLog& log = loaded_.log;
     mark_bounces(log, request_.dead_time_s);
-    const bool labelled =
-        label_alternate_edges(log, request_.both_edges, log.nominal_period_s);
+    const bool labelled = label_alternate_edges(log, request_.both_edges, log.nominal_period_s);
     if (log.directions_are_open && !labelled)
       assume("each event is one period (--both-edges if both directions are in the log)");
     number();
@@ -105,8 +104,9 @@ private:
     ClockLog& log = loaded_.log;
     const double typical = loaded_.beats.typical_period_s;
     if (request_.dead_time_s && *request_.dead_time_s > 0.5 * typical)
-      throw ArgumentError("dead-time", *request_.dead_time_s,
-                          fmt::format("at most half of what is then the period, {:.4g} s", typical));
+      throw ArgumentError(
+          "dead-time", *request_.dead_time_s,
+          fmt::format("at most half of what is then the period, {:.4g} s", typical));
     loaded_.nominal_period_s = nominal_period(log, loaded_.beats, log.assumptions);
     loaded_.nominal_is_known = log.nominal_period_s || loaded_.nominal_period_s != typical ||
                                rounded_period(typical) == std::round(typical * 4.0) / 4.0;
@@ -152,9 +152,10 @@ private:
     auto& found = loaded_.sensor.offset_rad;
     found = sensor_offset(loaded_.beats.beats, loaded_.nominal_period_s);
     if (!found)
-      throw NumericsError(request_.path +
-                          ": the log does not tell where the sensor stands: it needs amplitudes and "
-                          "either both directions or 30 beats");
+      throw NumericsError(
+          request_.path +
+          ": the log does not tell where the sensor stands: it needs amplitudes and "
+          "either both directions or 30 beats");
     assume(fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
                        found->value * 1e3, found->sigma * 1e3));
     return found->value;

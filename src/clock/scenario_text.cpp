@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::string_view option = "--set ";
 
-// A dotted key or header of so many levels would end the stack; no scenario has more than two. Dots in
-// strings and comments are no levels.
+// A dotted key or header of so many levels would end the stack; no scenario has more than two. Dots
+// in strings and comments are no levels.
 void refuse_deep_keys(std::string_view text, const std::string& source) {
   constexpr int most_levels = 64;
   std::size_t line = 1, start = 0;

@@ -347,8 +347,7 @@ private:
     const double u = w * sine.root_s;
     const double slope = sine.amplitude * w;
     const Eigen::Vector2d at_root(std::cos(u), std::sin(u));
-    sine.unit_sigma_s =
-        std::sqrt(at_root.dot(inverse.topLeftCorner<2, 2>() * at_root)) / slope;
+    sine.unit_sigma_s = std::sqrt(at_root.dot(inverse.topLeftCorner<2, 2>() * at_root)) / slope;
     sine.middle = rest ? *rest : c[2];
     sine.residual2 = (values - rows * c).squaredNorm();
     sine.freedom = static_cast<double>(near.size()) - static_cast<double>(terms);

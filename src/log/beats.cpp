@@ -33,8 +33,8 @@ struct Resumed {
   bool has_downward = false;
 };
 
-// The stretches in which time does not go back. A step back by less than half a period is left to the
-// numbering: two events that jitter past each other, or a reference that was set.
+// The stretches in which time does not go back. A step back by less than half a period is left to
+// the numbering: two events that jitter past each other, or a reference that was set.
 std::vector<Stretch> blocks_of(std::span<const Beat> beats, double period_s) {
   std::vector<Stretch> blocks{{0, 0}};
   for (std::size_t i = 1; i < beats.size(); ++i)
@@ -246,7 +246,8 @@ Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source) {
   for (std::size_t i = 1; i < beats.size(); ++i) {
     const double elapsed = beats[i].time - beats[i - 1].time;
     if (!(elapsed > 0.0))
-      throw InputError({source, beats[i].line, 1}, "a clock's error that grows by more than the interval",
+      throw InputError({source, beats[i].line, 1},
+                       "a clock's error that grows by more than the interval",
                        "that of a clock that goes forward");
     const std::int64_t cycles = beats[i].cycle - beats[i - 1].cycle;
     periods.push_back(elapsed / static_cast<double>(cycles));

@@ -33,8 +33,8 @@ double usual_interval(std::span<const Beat> events) {
   return 0.0;
 }
 
-// Events within `dead_time_s` of an edge, which is the first event after such a time: `take` is told
-// each with the time since its edge.
+// Events within `dead_time_s` of an edge, which is the first event after such a time: `take` is
+// told each with the time since its edge.
 template <class Take> void for_each_bounce(std::span<Beat> events, double dead_time_s, Take take) {
   const Beat* edge = nullptr;
   for (Beat& event : events) {
@@ -72,8 +72,8 @@ double found_dead_time(std::span<Beat> events) {
   return margin * early[early.size() - 1 - late];
 }
 
-// The jitter of single times, s, from second differences of every other edge, which a beat error does
-// not enter; 0 with too few edges.
+// The jitter of single times, s, from second differences of every other edge, which a beat error
+// does not enter; 0 with too few edges.
 double jitter_of(std::span<const Beat> edges) {
   std::vector<double> pairs;
   for (std::size_t i = 2; i < edges.size(); ++i)
@@ -88,8 +88,8 @@ double jitter_of(std::span<const Beat> edges) {
   return second.empty() ? 0.0 : std::sqrt(trimmed_mean_square(second) / 6.0);
 }
 
-// Jitter as large as the dead time: then the first edge need not be the beat, and where few bounce, by
-// one event each, the numbering tells which of the two is the likelier.
+// Jitter as large as the dead time: then the first edge need not be the beat, and where few bounce,
+// by one event each, the numbering tells which of the two is the likelier.
 bool hides_in_jitter(std::span<const Beat> events, double dead_time_s) {
   std::vector<Beat> edges(events.begin(), events.end());
   std::size_t bounces = 0, bouncing = 0; // events, and edges that they follow
@@ -137,10 +137,10 @@ double mark_bounces(ClockLog& log, std::optional<double> dead_time_s) {
     ++count;
   });
   if (count > 0)
-    log.assumptions.push_back(
-        fmt::format("{} event{} within {:.2g} s of the one before {} part of it: the contact bounces, "
-                    "and the first edge is the beat",
-                    count, count == 1 ? "" : "s", dead_time, count == 1 ? "is" : "are"));
+    log.assumptions.push_back(fmt::format(
+        "{} event{} within {:.2g} s of the one before {} part of it: the contact bounces, "
+        "and the first edge is the beat",
+        count, count == 1 ? "" : "s", dead_time, count == 1 ? "is" : "are"));
   return dead_time;
 }
 

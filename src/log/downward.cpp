@@ -180,8 +180,8 @@ Steps steps_of(std::span<const Beat> events) {
 }
 
 // Half the period, if the steps show that both directions are in the log: many are an odd number of
-// halves of the period that is given, and nearly all a whole number, however many are missing. Their
-// mean is that of the log itself; a beat error cancels in it.
+// halves of the period that is given, and nearly all a whole number, however many are missing.
+// Their mean is that of the log itself; a beat error cancels in it.
 std::optional<double> half_period(const std::vector<double>& steps, double period_s) {
   double all = 0.0, odd = 0.0, whole = 0.0, sum = 0.0, single = 0.0;
   constexpr double off = 0.1; // periods: no beat error is larger
@@ -216,7 +216,8 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
   Steps steps = steps_of(log.events);
   if (steps.pairs.empty()) return false;
   const auto given = nominal_period_s ? half_period(steps.single, *nominal_period_s) : std::nullopt;
-  const double half = given ? *given : 0.5 * median(steps.pairs); // the beat error cancels in a pair
+  const double half =
+      given ? *given : 0.5 * median(steps.pairs); // the beat error cancels in a pair
   const bool known = certain || given;
   if (!(half > 0.0) || !(known || intervals_alternate(steps.single, half))) return false;
   std::int64_t beat = 0;
@@ -230,10 +231,9 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
     event.edge = beat % 2 == 0 ? Edge::up : Edge::down;
   }
   log.assumptions.push_back(
-      known
-          ? "both directions are in the log: every other event is a downward crossing"
-          : "the intervals alternate, so both directions are in the log: every other event is "
-            "taken as a downward crossing");
+      known ? "both directions are in the log: every other event is a downward crossing"
+            : "the intervals alternate, so both directions are in the log: every other event is "
+              "taken as a downward crossing");
   return true;
 }
 

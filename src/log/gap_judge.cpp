@@ -119,8 +119,8 @@ GapCount GapJudge::count(std::span<const Beat> beats, std::size_t first, std::si
   return count;
 }
 
-// Whether the next beat came one period and some whole hours after the last: clocks are set from one
-// zone to another far more often than a break ends by chance after exactly so long.
+// Whether the next beat came one period and some whole hours after the last: clocks are set from
+// one zone to another far more often than a break ends by chance after exactly so long.
 bool GapJudge::reference_was_set(const ClockFilter& before, const ClockFilter& after,
                                  double elapsed_s) const {
   constexpr double hour = 3600.0;

@@ -417,10 +417,9 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   }
   if (by_user || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
     return;
-  const auto likely =
-      options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
-          ? unit_within(*options_.wrap_s, sample)
-          : unit_for_step(sample.typical_step, sample);
+  const auto likely = options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
+                          ? unit_within(*options_.wrap_s, sample)
+                          : unit_for_step(sample.typical_step, sample);
   const bool stated = index < stated_unit_.size() && stated_unit_[index];
   if (!likely || *likely == column.unit) return;
   const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
@@ -443,11 +442,10 @@ void Detection::say_which_time() {
   const auto date = layout_.find(ColumnRole::date);
   assume(fmt::format("times are those of column {}{}{} (--column time=N)", *at + 1,
                      name.empty() ? "" : ", " + shown(name),
-                     !date                     ? std::string()
-                     : layout_.date_begins_run ? fmt::format(", counted from the dates of column {}",
-                                                             *date + 1)
-                                               : fmt::format(", with the dates of column {}",
-                                                             *date + 1)));
+                     !date ? std::string()
+                     : layout_.date_begins_run
+                         ? fmt::format(", counted from the dates of column {}", *date + 1)
+                         : fmt::format(", with the dates of column {}", *date + 1)));
 }
 
 // Phase and frequency come with a time of their own, or are taken as one a second.

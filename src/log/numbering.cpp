@@ -18,8 +18,8 @@ constexpr double gate_cap = 0.25;
 // So many events without a place: the beats are looked for afresh. With a tenth of the events false
 // it happens once in 1e6 by chance.
 constexpr int most_misfits = 6;
-// Over a long absence the next beat is still foreseen if six sigmas are no more than this part of the
-// period: an event at any phase then fits once in ten times at most.
+// Over a long absence the next beat is still foreseen if six sigmas are no more than this part of
+// the period: an event at any phase then fits once in ten times at most.
 constexpr double foreseen_share = 0.05;
 // Two events for one cycle are told apart if one is a hundred times likelier: exp(4.6).
 constexpr double decisive_log_odds = 4.6;
@@ -33,8 +33,8 @@ constexpr double changed_period_share = 1e-3;
 Numbering::Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise)
     : beats_(beats), period_(typical.mean_s),
       search_{.period_s = period_,
-              // Six sigmas of a difference over twelve periods, at least 1.5 % (the typical period may
-              // be off by a thousandth), at most so much that false events seldom agree.
+              // Six sigmas of a difference over twelve periods, at least 1.5 % (the typical period
+              // may be off by a thousandth), at most so much that false events seldom agree.
               .tolerance_s = std::clamp(6.0 * std::sqrt(2.0 * noise.jitter2 + 12.0 * noise.walk2),
                                         0.015 * period_, 0.1 * period_),
               .window = 12.5 * typical.mean_step,
@@ -93,8 +93,7 @@ std::size_t Numbering::place(std::size_t i) {
   const double variance =
       cycles >= 1.0 ? filter_.error_variance(filter_.after(cycles)) : 0.0; // of what is foreseen
   const bool absent = cycles > search_.absence;
-  const bool lost =
-      absent && gate_sigmas2 * variance > std::pow(foreseen_share * period_, 2.0);
+  const bool lost = absent && gate_sigmas2 * variance > std::pow(foreseen_share * period_, 2.0);
   if (lost) return resume(i, i, true);
   if (const auto beat = beat_among_bounces(i)) {
     mark_spurious(i);
@@ -128,8 +127,8 @@ std::optional<std::size_t> Numbering::beat_among_bounces(std::size_t i) const {
   return {};
 }
 
-// Where cycles are missing before event i: a bounce that stands where one of their beats is foreseen.
-// A false event of either direction came shortly before it.
+// Where cycles are missing before event i: a bounce that stands where one of their beats is
+// foreseen. A false event of either direction came shortly before it.
 std::optional<std::size_t> Numbering::missing_among_bounces(std::size_t i) const {
   constexpr double near2 = 9.0; // squared sigmas
   for (std::size_t k = last_ + 1; k < i; ++k) {

@@ -20,11 +20,10 @@ OtherReading with_nominal(double period_s, bool both_edges) {
   OtherReading other;
   other.nominal_period_s = rounded_period(both_edges ? 2.0 * period_s : period_s);
   other.both_edges = both_edges;
-  other.words =
-      fmt::format("{}{:.6g} s",
-                  both_edges ? "both directions are in the log, of a period of "
-                             : "the nominal period is ",
-                  *other.nominal_period_s);
+  other.words = fmt::format("{}{:.6g} s",
+                            both_edges ? "both directions are in the log, of a period of "
+                                       : "the nominal period is ",
+                            *other.nominal_period_s);
   return other;
 }
 
@@ -72,7 +71,8 @@ std::vector<OtherReading> readings_for_phases(const GridData& grid) {
     others.push_back(std::move(periods));
   }
   if (others.size() < 2)
-    others.push_back({.words = "each value is a relative frequency", .format = LogFormat::frequency});
+    others.push_back(
+        {.words = "each value is a relative frequency", .format = LogFormat::frequency});
   if (others.size() < 2)
     others.push_back({.words = "the values are phases, but not of a clock that is looked at as one",
                       .format = LogFormat::phase});

@@ -10,7 +10,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t most_tried = 40;  // three events a period
+constexpr std::size_t most_tried = 40; // three events a period
 
 // How many cycles after `start` have an event on its grid, and how far off these are, rms.
 struct Agreement {

@@ -12,8 +12,8 @@ namespace goingrate {
 struct PhaseSearch {
   double period_s = 0.0;
   double tolerance_s = 0.0; ///< how far a beat may be off the grid
-  double window = 12.5;     ///< periods looked at: enough to outvote a tenth of false or missed ones
-  double absence = 8.0;     ///< periods without an event after which nothing is looked for
+  double window = 12.5; ///< periods looked at: enough to outvote a tenth of false or missed ones
+  double absence = 8.0; ///< periods without an event after which nothing is looked for
 };
 
 /// The first event at or after `from` that stands on one grid of the period with most of the events

@@ -88,15 +88,14 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
                     ClockLog& log, IssueList& issues) {
   auto samples = rows.samples();
   if (layout.newest_first) std::reverse(samples.begin(), samples.end());
-  std::stable_sort(samples.begin(), samples.end(), [](const AngleSample& a, const AngleSample& b) {
-    return a.time < b.time;
-  });
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const AngleSample& a, const AngleSample& b) { return a.time < b.time; });
   const auto swings = crossings_of_samples(samples, options.rest_angle_rad);
   if (swings.samples_per_period > 0.0 && swings.samples_per_period < fewest_samples_per_period)
-    throw InputError({log.source, layout.first_line, 1},
-                     fmt::format("sampled too coarsely: {:.2g} samples a period",
-                                 swings.samples_per_period),
-                     fmt::format("at least {}", fewest_samples_per_period));
+    throw InputError(
+        {log.source, layout.first_line, 1},
+        fmt::format("sampled too coarsely: {:.2g} samples a period", swings.samples_per_period),
+        fmt::format("at least {}", fewest_samples_per_period));
   const bool in_rad = layout.find(ColumnRole::angle).has_value();
   for (const SampledCrossing& crossing : swings.crossings) {
     const bool known = in_rad && crossing.amplitude > 0.0 && crossing.amplitude < 3.14;
@@ -212,8 +211,8 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   if (layout.label_step_s > 0.0) mend_label_jitter(log, layout.label_step_s, issues);
   // Looking through a long log again takes a tenth of reading it: only where times were not
   // appended as they stand.
-  const bool as_read = !layout.find(ColumnRole::clock_error) &&
-                       layout.format != LogFormat::angle && !layout.newest_first;
+  const bool as_read = !layout.find(ColumnRole::clock_error) && layout.format != LogFormat::angle &&
+                       !layout.newest_first;
   if (!log.grid && (!as_read || !rows.in_order()))
     restore_order(log, are_dates(layout, log), issues);
   return log;

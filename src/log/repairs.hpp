@@ -15,9 +15,9 @@ void turn_round(ClockLog& log);
 /// by `label_step_s`.
 void mend_label_jitter(ClockLog& log, double label_step_s, IssueList& issues);
 
-/// Sorts events by time, with their columns; each one that came too late is an issue. Where the time
-/// goes back and goes on from there a block begins, which is sorted by itself. Blocks of a log whose
-/// times are `dated`, and that have no hours in common, are put in order too.
+/// Sorts events by time, with their columns; each one that came too late is an issue. Where the
+/// time goes back and goes on from there a block begins, which is sorted by itself. Blocks of a log
+/// whose times are `dated`, and that have no hours in common, are put in order too.
 void restore_order(ClockLog& log, bool dated, IssueList& issues);
 
 } // namespace goingrate

@@ -257,8 +257,8 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
   return time;
 }
 
-// How much later than a period after the line before a line's own time stamp is, if that is more than
-// its resolution of a second explains.
+// How much later than a period after the line before a line's own time stamp is, if that is more
+// than its resolution of a second explains.
 Instant RowReader::pause_before(const Instant& period) {
   if (!layout_.coarse_time) return {};
   const std::string_view text = fields_[*layout_.coarse_time].text;
@@ -270,7 +270,8 @@ Instant RowReader::pause_before(const Instant& period) {
   const auto before = std::exchange(stamp_, stamp);
   if (!before) return {};
   const double pause_s = *stamp - *before - period.to_double();
-  constexpr double explained_s = 1.5; // both stamps are cut to a second, the counter has its own rate
+  constexpr double explained_s =
+      1.5; // both stamps are cut to a second, the counter has its own rate
   return pause_s > explained_s ? Instant{std::llround(pause_s), 0.0} : Instant{};
 }
 
@@ -309,7 +310,8 @@ void RowReader::leave_place(const Line& line, std::size_t column, IssueKind kind
   log_.grid->phase_s.push_back(unknown);
 }
 
-// The event that should have come at n tau0; an error x > 0 is that of a fast clock, which is early.
+// The event that should have come at n tau0; an error x > 0 is that of a fast clock, which is
+// early.
 void RowReader::add_phase(std::uint32_t line, double error_s) {
   const auto n = static_cast<std::int64_t>(log_.grid->phase_s.size());
   log_.grid->phase_s.push_back(error_s);

@@ -89,7 +89,7 @@ private:
   TwoPart<double> part_s_{};
   double last_period_s_ = 0.0;
   std::optional<Instant> stamp_; // the coarse time of the line before
-  bool plain_; // nothing but a number a line
+  bool plain_;                   // nothing but a number a line
   bool in_order_ = true;
   std::optional<Beat> entered_; // the first of a gate's two edges
 };

@@ -34,14 +34,16 @@ std::size_t likely_time(std::span<const ColumnSample> samples) {
   return 0;
 }
 
-// Of two columns named as times: dates that stay for a run of lines, and numbers that rise within it.
+// Of two columns named as times: dates that stay for a run of lines, and numbers that rise within
+// it.
 std::optional<DateAndTime> run_and_time(std::span<const ColumnSample> samples,
                                         const Layout& layout) {
   std::vector<std::size_t> times;
   for (std::size_t i = 0; i < layout.columns.size(); ++i)
     if (layout.columns[i].role == ColumnRole::time) times.push_back(i);
   if (times.size() != 2) return {};
-  for (const auto [date, time] : {DateAndTime{times[0], times[1]}, DateAndTime{times[1], times[0]}}) {
+  for (const auto [date, time] :
+       {DateAndTime{times[0], times[1]}, DateAndTime{times[1], times[0]}}) {
     const ColumnSample &dates = samples[date], &numbers = samples[time];
     const bool stays = is_mostly(dates.calendars, dates) && dates.has_date && dates.rising < 0.5;
     if (stays && is_mostly(numbers.numbers, numbers) && numbers.rising > 0.5)

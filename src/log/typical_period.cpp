@@ -46,9 +46,9 @@ double periods_in(double interval_s, double period_s) {
   return whole ? n : 0.0;
 }
 
-// Where half of the beats or more are lost the median interval holds several periods, or a false event.
-// The commonest length is then a whole number of periods: the shortest part of it that one interval in
-// ten is, and eight in ten are multiples of.
+// Where half of the beats or more are lost the median interval holds several periods, or a false
+// event. The commonest length is then a whole number of periods: the shortest part of it that one
+// interval in ten is, and eight in ten are multiples of.
 double shortest_length(std::vector<double> intervals, double median_s) {
   const auto share = [&](auto is_one) {
     return static_cast<double>(std::count_if(intervals.begin(), intervals.end(), is_one)) /

@@ -23,8 +23,8 @@ std::vector<Stretch> sample_stretches(std::size_t size);
 /// The median of `values`, which are reordered; they must not be empty.
 double median(std::span<double> values);
 
-/// The bulk of the intervals between upward crossings, each over the whole number of periods that it
-/// holds.
+/// The bulk of the intervals between upward crossings, each over the whole number of periods that
+/// it holds.
 struct TypicalPeriod {
   double mean_s = 0.0;    ///< of the intervals within a tenth of their median
   double scatter_s = 0.0; ///< their robust standard deviation (from the median absolute deviation)

@@ -24,16 +24,15 @@ Json rate_or_null(double rate, bool nominal_is_known) {
 
 Json part_object(const PartRate& part, bool nominal_is_known) {
   const auto rate = [&](double value) { return rate_or_null(value, nominal_is_known); };
-  return {
-      {"segment", part.segment},
-      {"from_cycle", part.from_cycle},
-      {"to_cycle", part.to_cycle},
-      {"duration_s", json_number(part.rate.duration_s)},
-      {"mean_period_s", json_number(part.rate.mean_period_s)},
-      {"rate_excess", rate(part.rate.rate_excess)},
-      {"rate_s_per_day", rate(seconds_gained_per_day(part.rate.rate_excess))},
-      {"rate_sigma_s_per_day", rate(seconds_gained_per_day(part.rate.rate_excess_sigma))},
-      {"amplitude_rad", json_number(part.amplitude_rad)}};
+  return {{"segment", part.segment},
+          {"from_cycle", part.from_cycle},
+          {"to_cycle", part.to_cycle},
+          {"duration_s", json_number(part.rate.duration_s)},
+          {"mean_period_s", json_number(part.rate.mean_period_s)},
+          {"rate_excess", rate(part.rate.rate_excess)},
+          {"rate_s_per_day", rate(seconds_gained_per_day(part.rate.rate_excess))},
+          {"rate_sigma_s_per_day", rate(seconds_gained_per_day(part.rate.rate_excess_sigma))},
+          {"amplitude_rad", json_number(part.amplitude_rad)}};
 }
 
 Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary,

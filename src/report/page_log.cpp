@@ -160,7 +160,8 @@ std::string key_figures(const Analysis& data) {
                   plain_number(seconds_gained_per_day(rate.slope_rate_excess), 4) + " s/day",
                   "slope of a line fitted to the clock's error");
   } else {
-    cards += card("Rate", "not known", "no nominal period is known to hold the mean period against");
+    cards +=
+        card("Rate", "not known", "no nominal period is known to hold the mean period against");
   }
   cards += card("Mean period", measured(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s",
                 rate.nominal_is_known

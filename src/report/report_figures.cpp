@@ -55,8 +55,7 @@ std::vector<double> scaled(std::span<const double> values, double factor) {
 
 class TimeFigures {
 public:
-  explicit TimeFigures(const Analysis& data)
-      : data_(data), unit_(time_unit(data.rate.duration_s)) {
+  explicit TimeFigures(const Analysis& data) : data_(data), unit_(time_unit(data.rate.duration_s)) {
     for (const Beat& beat : data.beats)
       time_.push_back((beat.time - data.beats.front().time) * unit_.factor);
     for (const Change& change : data.diary.changes)

@@ -50,7 +50,8 @@ std::string rate_lines(const Analysis& data) {
   const RateSummary& rate = data.rate;
   const std::string mean = with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12);
   if (!rate.nominal_is_known)
-    return fmt::format("Rate: not known, for no nominal period is known. Mean period {} s.\n", mean);
+    return fmt::format("Rate: not known, for no nominal period is known. Mean period {} s.\n",
+                       mean);
   std::string text = fmt::format("Rate: {} {}, from the first beat to the last.\n",
                                  rate.rate_excess < 0.0 ? "loses" : "gains",
                                  per_day(std::abs(rate.rate_excess), rate.rate_excess_sigma));

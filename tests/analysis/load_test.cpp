@@ -160,8 +160,9 @@ TEST(LoadTest, DatesWithAllTheirDigitsComeBeforePeriods) {
   for (int run = 0; run < 20; ++run)
     for (int n = 0; n < 15; ++n) {
       const double second = 3.3737 * n;
-      text += fmt::format("{},2022-01-18 {:02d}:{:02d}:{:09.6f}+00:00,3.3737645,26.6\n", run, run,
-                          static_cast<int>(second) / 60, second - 60 * (static_cast<int>(second) / 60));
+      text +=
+          fmt::format("{},2022-01-18 {:02d}:{:02d}:{:09.6f}+00:00,3.3737645,26.6\n", run, run,
+                      static_cast<int>(second) / 60, second - 60 * (static_cast<int>(second) / 60));
     }
   const NumberedLog log = loaded(text);
   EXPECT_EQ(log.beats.segments, 20u);
@@ -188,7 +189,8 @@ TEST(LoadTest, GridDataAreNotNumbered) {
   EXPECT_THROW((void)load_text(wild, request), InputError) << "time would go back";
   request.phases_will_do = true;
   request.reading.tau0_s = 1.0;
-  EXPECT_EQ(phase_series(load_text(wild, request)).phase_s, (std::vector{0.0, 3.0, -4.0, 2.0, 29.0}));
+  EXPECT_EQ(phase_series(load_text(wild, request)).phase_s,
+            (std::vector{0.0, 3.0, -4.0, 2.0, 29.0}));
 }
 
 TEST(LoadTest, WhatCannotBeIsRefusedWithOtherReadings) {
@@ -210,7 +212,8 @@ TEST(LoadTest, WhatCannotBeIsRefusedWithOtherReadings) {
   }
 }
 
-// Each fault of loggers and users, along the whole road; the long form is tests/studies/numbering.txt.
+// Each fault of loggers and users, along the whole road; the long form is
+// tests/studies/numbering.txt.
 class FaultyTexts : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(FaultyTexts, AreNumberedRight) {

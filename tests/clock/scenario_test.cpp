@@ -128,10 +128,10 @@ TEST(ScenarioTest, AKeyOfManyLevelsIsRefused) {
   std::string quoted = "'a'";
   for (int i = 0; i < 50000; ++i)
     quoted += ".'a'";
-  for (const std::string& text : {fmt::format("{} = 1\n", key), fmt::format("[{}]\n", key),
-                                  fmt::format("[[{}]]\nb = 1\n", key),
-                                  fmt::format("{} = 1\n", quoted),
-                                  fmt::format("{}c = {{{} = 1}}\n", minimal, key)}) {
+  for (const std::string& text :
+       {fmt::format("{} = 1\n", key), fmt::format("[{}]\n", key),
+        fmt::format("[[{}]]\nb = 1\n", key), fmt::format("{} = 1\n", quoted),
+        fmt::format("{}c = {{{} = 1}}\n", minimal, key)}) {
     try {
       (void)parse_scenario(text, "deep.toml");
       FAIL();

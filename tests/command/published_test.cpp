@@ -36,9 +36,11 @@ TEST_P(PublishedByTheCommand, EveryRowIsReproduced) {
       SCOPED_TRACE(fmt::format("{}{} m = {}", table.file, told, printed[i].m));
       const double value = rows[i]["value"].get<double>() * std::sqrt(table.variance_factor);
       EXPECT_EQ(rows[i]["m"].get<std::size_t>(), printed[i].m);
-      // The bias that is taken off goes with the noise that is identified, which on few points is not
-      // always the printed one; the library's own test goes through these with the printed noise.
-      if (!std::isnan(printed[i].alpha) && rows[i]["alpha"].get<int>() != printed[i].alpha) continue;
+      // The bias that is taken off goes with the noise that is identified, which on few points is
+      // not always the printed one; the library's own test goes through these with the printed
+      // noise.
+      if (!std::isnan(printed[i].alpha) && rows[i]["alpha"].get<int>() != printed[i].alpha)
+        continue;
       const double unit = std::pow(10.0, std::floor(std::log10(printed[i].value)) - 4.0);
       const double rounding = table.variance_factor == 1.0 ? 0.503 : 1.0; // as in PublishedTables
       EXPECT_NEAR(value, printed[i].value, rounding * unit);
@@ -71,21 +73,20 @@ TEST_F(Sp1065ByTheCommand, AThousandFrequenciesAndTheirPhases) {
     const char* kind;
     std::array<double, 3> values; // at 1, 10 and 100 s; SP 1065, p. 108
   };
-  for (const Published& row :
-       {Published{"adev", {2.922319e-01, 9.965736e-02, 3.897804e-02}},
-        Published{"oadev", {2.922319e-01, 9.159953e-02, 3.241343e-02}},
-        Published{"mdev", {2.922319e-01, 6.172376e-02, 2.170921e-02}},
-        Published{"tdev", {1.687202e-01, 3.563623e-01, 1.253382e+00}},
-        Published{"hdev", {2.943883e-01, 1.052754e-01, 3.910861e-02}},
-        Published{"ohdev", {2.943883e-01, 9.581083e-02, 3.237638e-02}}})
+  for (const Published& row : {Published{"adev", {2.922319e-01, 9.965736e-02, 3.897804e-02}},
+                               Published{"oadev", {2.922319e-01, 9.159953e-02, 3.241343e-02}},
+                               Published{"mdev", {2.922319e-01, 6.172376e-02, 2.170921e-02}},
+                               Published{"tdev", {1.687202e-01, 3.563623e-01, 1.253382e+00}},
+                               Published{"hdev", {2.943883e-01, 1.052754e-01, 3.910861e-02}},
+                               Published{"ohdev", {2.943883e-01, 9.581083e-02, 3.237638e-02}}})
     for (const std::string& log :
          {fmt::format("'{}' --format frequency --tau0 1", frequency->string()),
           fmt::format("'{}' --data frequency", frequency->string()),
           fmt::format("'{}' --format phase --tau0 1", phase->string())}) {
-      ASSERT_EQ(run(fmt::format("stability {} --kind {} --taus 1,10,100 --json s.json", log,
-                                row.kind))
-                    .code,
-                0);
+      ASSERT_EQ(
+          run(fmt::format("stability {} --kind {} --taus 1,10,100 --json s.json", log, row.kind))
+              .code,
+          0);
       const auto rows = json("s.json")["rows"];
       ASSERT_EQ(rows.size(), 3u);
       for (std::size_t i = 0; i < 3; ++i) // printed to seven digits

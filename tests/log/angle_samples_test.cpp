@@ -86,14 +86,16 @@ TEST(AngleSamplesTest, TheNewestSampleMayBeFirst) {
   auto samples = ring_down(50.0, 1e-3, 60.0, 5);
   std::reverse(samples.begin(), samples.end());
   for (const AngleSample& sample : samples)
-    text += fmt::format("{:.4f},{:.6f}\n", sample.time - Instant::from_seconds(1000.0), sample.angle);
+    text +=
+        fmt::format("{:.4f},{:.6f}\n", sample.time - Instant::from_seconds(1000.0), sample.angle);
   EXPECT_EQ(read_log(text, "x").events.size(), 75u);
 }
 
 TEST(AngleSamplesTest, TooFewSamplesAPeriodAreRefusedByTheirNumber) {
   std::string text = "Time (s),Angle (rad)\n";
   for (const AngleSample& sample : ring_down(2.2 / 1.6, 0.0, 60.0, 1))
-    text += fmt::format("{:.4f},{:.6f}\n", sample.time - Instant::from_seconds(1000.0), sample.angle);
+    text +=
+        fmt::format("{:.4f},{:.6f}\n", sample.time - Instant::from_seconds(1000.0), sample.angle);
   try {
     (void)read_log(text, "x");
     FAIL();

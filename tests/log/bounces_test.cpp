@@ -7,8 +7,8 @@
 namespace goingrate {
 namespace {
 
-// Beats every `period_s` with jitter of 0.1 ms, a share of which is followed by one to four bounces,
-// 2 to 6 ms apart.
+// Beats every `period_s` with jitter of 0.1 ms, a share of which is followed by one to four
+// bounces, 2 to 6 ms apart.
 ClockLog bouncing(int beats, double period_s, double share, std::uint64_t seed) {
   RandomStream random(seed, StreamPurpose::jitter);
   ClockLog log;

@@ -125,8 +125,8 @@ std::vector<long double> falls_through(const ClockParameters& clock, long double
   while (static_cast<int>(times.size()) < periods) {
     T h = 1e-3L; // an error of 1e-14 a period
     const T next = after(h).phi, place = torque > 0.0L ? clock.phi0 : -clock.phi0;
-    const bool switches = torque > 0.0L ? now.phi < place && next >= place
-                                        : now.phi > place && next <= place;
+    const bool switches =
+        torque > 0.0L ? now.phi < place && next >= place : now.phi > place && next <= place;
     if (now.phi > angle && next <= angle) times.push_back(time + time_to(angle, h));
     if (switches) h = time_to(place, h);
     now = after(h);
@@ -137,8 +137,9 @@ std::vector<long double> falls_through(const ClockParameters& clock, long double
 }
 
 TEST(SensorTest, ABeamOffTheVerticalSeesTheDownwardPassageExactly) {
-  // 0.3 rad off, a swing of 0.5 rad, friction that takes 3 % a period: every passage to 1e-11 s, the
-  // rounding of the reference; the mean of the speeds at both ends of the period would be 1e-5 s off.
+  // 0.3 rad off, a swing of 0.5 rad, friction that takes 3 % a period: every passage to 1e-11 s,
+  // the rounding of the reference; the mean of the speeds at both ends of the period would be 1e-5
+  // s off.
   Scenario scenario;
   scenario.clock = {6.283185307179586, 2e-3, 4e-3, 0.05};
   scenario.start_amplitude = 0.5;

@@ -46,9 +46,10 @@ void print(const NumberingScore& s) {
 
 // One row for each fault of loggers and users, every log along the road of the command.
 void faults_one_by_one(std::uint64_t logs, std::uint64_t first) {
-  std::printf("\nfaults one by one, %llu logs each, as the command loads them; of 1e4 upward crossings "
-              "on time\n",
-              static_cast<unsigned long long>(logs));
+  std::printf(
+      "\nfaults one by one, %llu logs each, as the command loads them; of 1e4 upward crossings "
+      "on time\n",
+      static_cast<unsigned long long>(logs));
   std::printf("%-20s %9s %8s %10s %9s %9s %9s\n", "", "crossings", "refused", "logs wrong", "wrong",
               "marked", "replaced");
   for (std::size_t k = 0; k < test::all_text_faults.size(); ++k) {
@@ -56,9 +57,8 @@ void faults_one_by_one(std::uint64_t logs, std::uint64_t first) {
     std::uint64_t refused = 0;
     for (std::uint64_t seed = first; seed < first + logs; ++seed)
       refused +=
-          test::judge_text(test::FaultyTextMaker(test::all_text_faults[k], seed).make(), judge)
-              ? 0
-              : 1;
+          test::judge_text(test::FaultyTextMaker(test::all_text_faults[k], seed).make(), judge) ? 0
+                                                                                                : 1;
     const NumberingScore& s = judge.score();
     const auto of_1e4 = [&](std::int64_t part) { return 100.0 * percent(part, s.good); };
     std::printf("%-20s %9lld %8llu %10lld %9.2f %9.2f %9.2f\n", test::text_fault_names[k],
@@ -66,8 +66,9 @@ void faults_one_by_one(std::uint64_t logs, std::uint64_t first) {
                 static_cast<long long>(s.logs_wrong), of_1e4(s.wrong), of_1e4(s.bad),
                 of_1e4(s.accepted));
   }
-  std::printf("wrong: numbered otherwise than the rest of their segment; marked: as spurious or bounces; "
-              "replaced: a false event was taken instead\n");
+  std::printf(
+      "wrong: numbered otherwise than the rest of their segment; marked: as spurious or bounces; "
+      "replaced: a false event was taken instead\n");
 }
 
 void steady_log() {
@@ -88,7 +89,8 @@ void steady_log() {
 
 int main(int argc, char** argv) {
   const std::uint64_t logs = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 5000;
-  // Logs below 12001, and 20001 to 25000, were looked at while the numbering was made; these were not.
+  // Logs below 12001, and 20001 to 25000, were looked at while the numbering was made; these were
+  // not.
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 70001;
   std::printf("seeds %llu to %llu\n", static_cast<unsigned long long>(first),
               static_cast<unsigned long long>(first + logs - 1));

@@ -1,4 +1,5 @@
-// Logs as text, with the faults that loggers and their users make, whose truth is known line by line.
+// Logs as text, with the faults that loggers and their users make, whose truth is known line by
+// line.
 #pragma once
 
 #include "faulty_log.hpp"
@@ -28,8 +29,8 @@ inline constexpr std::array all_text_faults{
     TextFault::pasted, TextFault::hour_jump,   TextFault::lost,   TextFault::lost_unknown,
     TextFault::labels, TextFault::lone_beats};
 inline constexpr std::array text_fault_names{
-    "every edge bounces", "a third bounces", "bursts",       "restarts", "same hours twice",
-    "hour set",           "70 % lost",       "... no period", "labels",  "beats between gaps"};
+    "every edge bounces", "a third bounces", "bursts",        "restarts", "same hours twice",
+    "hour set",           "70 % lost",       "... no period", "labels",   "beats between gaps"};
 
 struct FaultyText {
   std::string text;
@@ -37,8 +38,8 @@ struct FaultyText {
   std::optional<double> nominal_period_s;
 };
 
-/// A random log of 800 to 4000 periods of 0.8 to 3 s, jitter 1e-6 to 1e-3 of the period, noise of the
-/// rate 1e-8 to 1e-5 and its random walk 1e-10 to 1e-8 a cycle (all log-uniform).
+/// A random log of 800 to 4000 periods of 0.8 to 3 s, jitter 1e-6 to 1e-3 of the period, noise of
+/// the rate 1e-8 to 1e-5 and its random walk 1e-10 to 1e-8 a cycle (all log-uniform).
 class FaultyTextMaker {
 public:
   FaultyTextMaker(TextFault fault, std::uint64_t seed)
@@ -111,7 +112,8 @@ private:
           break;
         case TextFault::hour_jump:
           if (changes++ == 0) {
-            time_ += with_chance(0.5) && static_cast<double>(n) * period_ > 3700.0 ? -3600.0 : 3600.0;
+            time_ +=
+                with_chance(0.5) && static_cast<double>(n) * period_ > 3700.0 ? -3600.0 : 3600.0;
             ++epoch_;
           }
           break;
@@ -161,7 +163,8 @@ private:
     if (is_label) return;
     bounces(n, seen);
     if (with_chance(0.01))
-      events_.push_back({seen + (0.05 + 0.9 * faults_.uniform()) * period_, {-1 - n, epoch_, false}});
+      events_.push_back(
+          {seen + (0.05 + 0.9 * faults_.uniform()) * period_, {-1 - n, epoch_, false}});
   }
 
   void bounces(std::int64_t n, double seen) {

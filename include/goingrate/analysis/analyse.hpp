@@ -35,8 +35,8 @@ struct Analysis {
   std::optional<NutTurns> nut{};           ///< to bring the rate to zero, if the nut is known
 };
 
-/// What a fit is made of: times and amplitudes of the good beats, with the temperature, the pressure
-/// and the air's density where the log has them.
+/// What a fit is made of: times and amplitudes of the good beats, with the temperature, the
+/// pressure and the air's density where the log has them.
 TimingData fit_data(const NumberedLog& loaded);
 
 /// The changes that the diary of the log shows most plainly, at most four, as events of a fit: each

@@ -16,13 +16,14 @@ namespace goingrate {
 struct LoadRequest {
   std::string path; ///< a file, gzip or not, or "-" for standard input
   ReadingOptions reading{};
-  bool both_edges = false; ///< the log holds both directions without labels
+  bool both_edges = false;                ///< the log holds both directions without labels
   std::optional<double> dead_time_s{};    ///< of a contact that bounces; 0: none
   std::optional<double> flag_width_rad{}; ///< as seen from the pivot
   std::optional<double> sensor_offset_rad{};
   bool find_sensor_offset = false;
   double gap_probability = NumberingOptions{}.least_probability;
-  bool phases_will_do = false; ///< data on a grid may be those of anything: no beats are made of them
+  bool phases_will_do =
+      false; ///< data on a grid may be those of anything: no beats are made of them
 };
 
 /// A log read, corrected and numbered.
@@ -47,15 +48,15 @@ struct NumberedLog {
 /// grid are not numbered: their places are given. What was assumed is in `log.assumptions`.
 ///
 /// A nominal period that is given is believed. Throws InputError if the log cannot be read,
-/// ImpossibleReading if it was read but no clock is so far off, NumericsError if no three beats could
-/// be numbered together or the sensor's place is asked for and cannot be told.
+/// ImpossibleReading if it was read but no clock is so far off, NumericsError if no three beats
+/// could be numbered together or the sensor's place is asked for and cannot be told.
 NumberedLog load(const LoadRequest& request);
 
 /// The same for a text in memory; `path` names it in messages.
 NumberedLog load_text(std::string_view text, const LoadRequest& request);
 
-/// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on a
-/// grid as they were read, also where they are no clock's; else of the longest segment.
+/// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on
+/// a grid as they were read, also where they are no clock's; else of the longest segment.
 struct PhaseSeries {
   std::vector<double> phase_s;
   double tau0_s = 1.0;

@@ -62,8 +62,9 @@ template <class T> struct RegularPeriod {
 RegularPeriod<long double> regular_period(const ClockParameters& clock, long double speed2,
                                           long double factor);
 
-/// |phi'| at the downward crossing that follows an upward one of `velocity` in regular operation, the
-/// drive times `factor`; `velocity` itself where there is none (DirectTest.SpeedAfterHalfAPeriod).
+/// |phi'| at the downward crossing that follows an upward one of `velocity` in regular operation,
+/// the drive times `factor`; `velocity` itself where there is none
+/// (DirectTest.SpeedAfterHalfAPeriod).
 double speed_after_half(const ClockParameters& clock, double velocity, double factor);
 
 /// The turning angle of the free pendulum that passes the vertical with phi' = v: 2 asin(v/2).

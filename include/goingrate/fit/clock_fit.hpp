@@ -195,8 +195,8 @@ struct FitSummary {
 ///
 /// Accuracy: truth lies in the 68 % and 95 % intervals as often as it should, and sigma is that of
 /// the full simulator's Cramer-Rao bound (tests/studies/coverage.txt; HonestSigma in the tests is
-/// its short form). Throws ArgumentError for data of fewer than three beats or of unequal lengths, for
-/// names, values or events that make no sense, or more than 20 free parameters.
+/// its short form). Throws ArgumentError for data of fewer than three beats or of unequal lengths,
+/// for names, values or events that make no sense, or more than 20 free parameters.
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options);
 
 /// The clock as it goes after the last event; nothing if one of its parameters is not known to a

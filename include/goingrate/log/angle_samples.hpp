@@ -30,15 +30,15 @@ struct SampledCrossing {
 /// What samples of an angle hold.
 struct SampledSwings {
   std::vector<SampledCrossing> crossings;
-  double rest_angle = 0.0;  ///< where the pendulum hangs
-  double period_s = 0.0;    ///< median time between crossings of one direction
-  double noise = 0.0;       ///< standard deviation of a sample about the local fits
+  double rest_angle = 0.0; ///< where the pendulum hangs
+  double period_s = 0.0;   ///< median time between crossings of one direction
+  double noise = 0.0;      ///< standard deviation of a sample about the local fits
   double samples_per_period = 0.0;
   std::size_t unfitted = 0; ///< passages with too few samples around them
 };
 
-/// With fewer samples a period than this nothing is found: with two the swing is not determined, and
-/// with a few more it is by their noise alone.
+/// With fewer samples a period than this nothing is found: with two the swing is not determined,
+/// and with a few more it is by their noise alone.
 inline constexpr double fewest_samples_per_period = 2.5;
 
 /// Finds the crossings of `samples` (in order of time).
@@ -51,11 +51,12 @@ inline constexpr double fewest_samples_per_period = 2.5;
 /// parabolas through the samples within a twelfth of a period of each extreme. The rest angle, if
 /// not given, is the median of the middles between turning angles.
 ///
-/// Where there are fewer than 32 samples a period, a fading sine of the mean period is fitted instead to the
-/// samples within 0.6 periods of each crossing; its root, its amplitude and its middle are those of
-/// the swing. Sigma holds as a coverage and the error is without bias: AngleSamplesTest.SigmasCover,
-/// AngleSamplesTest.AFewSamplesAPeriodWillDo. Cost O(N). No crossing is found with fewer than three
-/// swings; samples fewer than `fewest_samples_per_period` give their number alone.
+/// Where there are fewer than 32 samples a period, a fading sine of the mean period is fitted
+/// instead to the samples within 0.6 periods of each crossing; its root, its amplitude and its
+/// middle are those of the swing. Sigma holds as a coverage and the error is without bias:
+/// AngleSamplesTest.SigmasCover, AngleSamplesTest.AFewSamplesAPeriodWillDo. Cost O(N). No crossing
+/// is found with fewer than three swings; samples fewer than `fewest_samples_per_period` give their
+/// number alone.
 SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
                                    std::optional<double> rest_angle = {});
 

@@ -11,10 +11,10 @@ namespace goingrate {
 
 /// What a gap is.
 enum class GapKind : std::uint8_t {
-  missed, ///< up to twenty cycles without an event
-  gap,    ///< more
-  step,   ///< the events go on displaced: the reference clock was set, or the sensor moved
-  stop,   ///< more than twenty cycles, and no whole number fits: the clock stood still
+  missed,  ///< up to twenty cycles without an event
+  gap,     ///< more
+  step,    ///< the events go on displaced: the reference clock was set, or the sensor moved
+  stop,    ///< more than twenty cycles, and no whole number fits: the clock stood still
   restart, ///< the time goes back: the logger began again, or another log follows
 };
 
@@ -53,16 +53,16 @@ struct NumberingOptions {
 };
 
 /// Marks as bounces the events that follow an edge within `dead_time_s` (0: none), in either
-/// direction. Where it is not given it is found: of the events that come within 0.1 s, and a tenth of
-/// the usual interval, after another, contacts that bounce make most come at once, while false events come at
-/// any time. Says so in `log.assumptions`; returns the dead time, 0 where nothing bounces
-/// (BouncesTest.AreFoundWithoutBeingTold). Throws ArgumentError for a negative dead time.
+/// direction. Where it is not given it is found: of the events that come within 0.1 s, and a tenth
+/// of the usual interval, after another, contacts that bounce make most come at once, while false
+/// events come at any time. Says so in `log.assumptions`; returns the dead time, 0 where nothing
+/// bounces (BouncesTest.AreFoundWithoutBeingTold). Throws ArgumentError for a negative dead time.
 double mark_bounces(ClockLog& log, std::optional<double> dead_time_s = {});
 
-/// Labels every other event of a log without edge labels, bounces apart, as a downward crossing: all
-/// events if `certain`, else only where the intervals alternate between two lengths (out of beat),
-/// which one direction alone never does, or where most are half of `nominal_period_s`. Says so in
-/// `log.assumptions`; returns whether it did.
+/// Labels every other event of a log without edge labels, bounces apart, as a downward crossing:
+/// all events if `certain`, else only where the intervals alternate between two lengths (out of
+/// beat), which one direction alone never does, or where most are half of `nominal_period_s`. Says
+/// so in `log.assumptions`; returns whether it did.
 bool label_alternate_edges(ClockLog& log, bool certain,
                            std::optional<double> nominal_period_s = {});
 
@@ -79,8 +79,8 @@ bool label_alternate_edges(ClockLog& log, bool certain,
 /// Each gap's count has its probability from the clock's time and period on both sides, carried
 /// over the gap with the noise as it grows; a count of n periods, of its neighbours, and "the clock
 /// stood still or the reference jumped" compete. Below `least_probability` the log is split, and
-/// also where the gap is longer than `longest_countable_gap`, or whole hours longer than one period:
-/// then the reference was set from one zone to another.
+/// also where the gap is longer than `longest_countable_gap`, or whole hours longer than one
+/// period: then the reference was set from one zone to another.
 ///
 /// Within a segment all differences of cycles are right in at least 99 % of logs with up to 10 %
 /// missed and 10 % false events, jitter up to 1 % of the period, ramps, steps and restarts, and
@@ -95,9 +95,9 @@ Beats number_beats(const ClockLog& log, const NumberingOptions& options = {});
 Beats number_beats(std::vector<Beat>&& events, const std::string& source,
                    const NumberingOptions& options = {});
 
-/// Events on a grid, whose cycles are given: nothing is looked for, and every value that is missing is
-/// a gap of known length. Throws InputError if there are fewer than three, or the time goes back (a
-/// clock's error then moves by more than the interval).
+/// Events on a grid, whose cycles are given: nothing is looked for, and every value that is missing
+/// is a gap of known length. Throws InputError if there are fewer than three, or the time goes back
+/// (a clock's error then moves by more than the interval).
 Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source);
 
 /// The cycle, counted from the first of `beats`, of the first beat at or after `time_s` seconds

@@ -39,7 +39,7 @@ struct OtherReading {
   std::string words; ///< what the log then holds
   std::optional<LogFormat> format{};
   std::optional<double> nominal_period_s{}, tau0_s{}, wrap_s{};
-  std::string unit{};   ///< of the times, as unit_named takes it
+  std::string unit{};                 ///< of the times, as unit_named takes it
   std::vector<std::string> columns{}; ///< as ReadingOptions::columns takes them
   bool both_edges = false;
 };
@@ -69,17 +69,16 @@ std::vector<OtherReading> readings_for_phases(const GridData& grid);
 /// The layout is found from the beginning of the text and said in `assumptions`, each part of it
 /// can be overridden. Times keep all their digits. A line that cannot be used is left out, one that
 /// can be mended is mended; both are listed in `issues` (line, column, kind, what was done). Order
-/// is restored by sorting, a log with the newest line first is turned round; where the time goes back
-/// and goes on from there a block of its own begins.
-/// Amplitudes outside 0 to pi rad and widths outside 0 to 1e6 s are taken as unknown, times beyond
-/// 4e18 s and clock errors beyond 1e9 s left out; all are told. Angle samples become crossings, see
-/// crossings_of_samples.
-/// Throws InputError (file, line, column, found, expected) if the text is empty, in UTF-16, binary
-/// in its first line or in half of them (holes of zeros are left out), of no known format, has more
-/// than 256 columns or a line of more than 16 MiB, unpacks to more than the limit, if fewer than
-/// half of its lines can be used, or fewer than three events are found; ArgumentError for options
-/// out of range. Memory: 48 bytes a line and at most ten times the text (tests/fuzz). Formats:
-/// ReadingTest, Formats/ReadsInTheWild. Speed and memory: tests/studies/reading.txt.
+/// is restored by sorting, a log with the newest line first is turned round; where the time goes
+/// back and goes on from there a block of its own begins. Amplitudes outside 0 to pi rad and widths
+/// outside 0 to 1e6 s are taken as unknown, times beyond 4e18 s and clock errors beyond 1e9 s left
+/// out; all are told. Angle samples become crossings, see crossings_of_samples. Throws InputError
+/// (file, line, column, found, expected) if the text is empty, in UTF-16, binary in its first line
+/// or in half of them (holes of zeros are left out), of no known format, has more than 256 columns
+/// or a line of more than 16 MiB, unpacks to more than the limit, if fewer than half of its lines
+/// can be used, or fewer than three events are found; ArgumentError for options out of range.
+/// Memory: 48 bytes a line and at most ten times the text (tests/fuzz). Formats: ReadingTest,
+/// Formats/ReadsInTheWild. Speed and memory: tests/studies/reading.txt.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});
 
