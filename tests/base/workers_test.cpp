@@ -1,5 +1,7 @@
 #include "goingrate/base/workers.hpp"
 
+#include "support/sanitizers.hpp"
+
 #include <gtest/gtest.h>
 #include <mutex>
 #include <set>
@@ -48,6 +50,7 @@ TEST(WorkersTest, AnExceptionEndsTheWorkAndComesOut) {
 }
 
 TEST(WorkersTest, WithoutRoomForOtherThreadsTheCallersDoesIt) {
+  GOINGRATE_NEEDS_MEMORY_LIMITS();
   GTEST_FLAG_SET(death_test_style, "threadsafe"); // a fresh process, without stacks to use again
   const auto in_little_room = [] {
     constexpr rlim_t room = 1 << 20; // beyond what the program has: no stack fits

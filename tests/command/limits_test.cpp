@@ -1,5 +1,6 @@
 // The command where the machine sets limits: memory, threads, the size of files.
 #include "support/command_fixture.hpp"
+#include "support/sanitizers.hpp"
 
 namespace goingrate::test {
 namespace {
@@ -8,6 +9,7 @@ namespace fs = std::filesystem;
 using LimitsTest = CommandTest;
 
 TEST_F(LimitsTest, ThreadsThatCannotBeStartedAreDoneWithout) {
+  GOINGRATE_NEEDS_MEMORY_LIMITS();
   const std::string many =
       "simulate " + scenario("noisy-drive") + " --set run.periods=300 --quiet --realisations 70";
   ASSERT_EQ(run(many + " --threads 1 -o one.csv").code, 0);
@@ -33,6 +35,7 @@ TEST_F(LimitsTest, AFileThatMayNotGrowIsExitFive) {
 }
 
 TEST_F(LimitsTest, TooLittleMemoryIsExitThreeAndSaysWhatToDo) {
+  GOINGRATE_NEEDS_MEMORY_LIMITS();
   std::string text;
   for (int i = 0; i < 3000000; ++i)
     text += fmt::format("{}.0\n", 2 * i);
