@@ -95,7 +95,7 @@ bool hides_in_jitter(std::span<const Beat> events, double dead_time_s) {
   std::size_t bounces = 0, bouncing = 0; // events, and edges that they follow
   const Beat* before = nullptr;
   for_each_bounce(edges, dead_time_s, [&](Beat& event, double) {
-    bouncing += &event != before + 1 ? 1 : 0;
+    bouncing += before == nullptr || &event != before + 1 ? 1 : 0;
     before = &event;
     event.flag = BeatFlag::bounce;
     ++bounces;

@@ -73,7 +73,7 @@ std::vector<Malformed> logs() {
       {"OnlyAHeader", rate, "time_s,edge\n", 3, "found a header and 0 events"},
       {"NoTime", rate, "amplitude_rad,temperature_c\n0.05,20\n0.05,20\n0.05,20\n", 3,
        "bad.log:1:1: found 'amplitude_rad,temperature_c', expected a column with a time"},
-      {"OneEvent", rate, "12.5\n", 3, "found 1 value, expected at least 3"},
+      {"OneEvent", rate, "12.5\n", 3, "found 1 event, expected at least 3"},
       {"TwoEvents", rate, "12.5\n14.5\n", 3, "bad.log:2:1: found 2 events, expected at least 3"},
       {"Prose", rate, "Once upon a time\nthere was a clock.\n", 3, "bad.log:1:1: found 'Once upon"},
       {"Program", rate,
