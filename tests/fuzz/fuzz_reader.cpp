@@ -36,13 +36,13 @@ void demand(bool holds, const char* what) {
 }
 
 void use(ClockLog&& log) {
-  // Blocks, where the time goes back and three events at least go on from there.
-  std::size_t block = 0;
-  for (std::size_t i = 1; i < log.events.size(); ++i) {
-    const bool back = log.events[i].time < log.events[i - 1].time;
-    demand(log.grid || !back || block == 0 || i - block >= 3, "events in order of time");
-    if (back) block = i;
-  }
+  // In order, but where a block begins; and that is told.
+  std::size_t back = 0, told = 0;
+  for (std::size_t i = 1; i < log.events.size(); ++i)
+    back += log.events[i].time < log.events[i - 1].time ? 1 : 0;
+  for (const LineIssue& issue : log.issues)
+    told += issue.action == "a new segment" ? issue.lines : 0;
+  demand(log.grid || back <= told, "events in order of time");
   for (const Beat& event : log.events)
     demand(event.time.fraction >= 0.0 && event.time.fraction < 1.0, "a fraction of a second");
   const std::size_t events = log.events.size();
