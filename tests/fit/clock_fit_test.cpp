@@ -441,9 +441,8 @@ TEST(ClockFitTest, DataThatDoNotFitTogetherAreRefused) {
 }
 
 TEST(ClockFitTest, ManyTermsOnFewBeatsAreFittedInFewSteps) {
-  // Below the amplitude at which the clock stalls the course runs away from it; its steps were of
-  // the wrong sign there, and a million of them were taken. A run of the test that hangs is a
-  // failure.
+  // Below the amplitude at which the clock stalls the course runs away from it. Steps of the wrong
+  // sign there would never arrive: a run of the test that hangs is a failure.
   auto beats = test::even_beats(50, 1, 2.0002);
   RandomStream random(1, StreamPurpose::jitter);
   for (Beat& beat : beats)
