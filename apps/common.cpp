@@ -1,6 +1,6 @@
 #include "common.hpp"
 
-#include "goingrate/base/printable.hpp"
+#include "base/printable.hpp"
 #include "goingrate/report/tables.hpp"
 #include "progress.hpp"
 
@@ -175,8 +175,8 @@ std::string split_text(const Gap& gap) {
 }
 
 void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
-  for (const std::string& line : loaded.log.assumptions)
-    say(global, "assumed: " + line);
+  for (const Assumption& assumption : loaded.log.assumptions)
+    say(global, "assumed: " + assumption.text);
   const auto& issues = loaded.log.issues;
   for (std::size_t i = 0; i < std::min(issues.size(), issues_shown); ++i)
     say(global, words_for(issues[i], loaded.log.source));
@@ -221,8 +221,58 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
     request.reading.progress = std::ref(bar);
     loaded = goingrate::load(request);
   }
+  name_options(loaded.log.assumptions);
   tell_about(loaded, global);
   return loaded;
+}
+
+namespace {
+
+std::string_view option_of(Setting setting) {
+  switch (setting) {
+  case Setting::none:
+    break;
+  case Setting::format:
+    return "--format";
+  case Setting::columns:
+    return "--column";
+  case Setting::unit:
+    return "--unit";
+  case Setting::wrap:
+    return "--wrap";
+  case Setting::tau0:
+    return "--tau0";
+  case Setting::decimal_comma:
+    return "--decimal-comma";
+  case Setting::channel:
+    return "--channel";
+  case Setting::rest_angle:
+    return "--rest-angle";
+  case Setting::nominal_period:
+    return "--nominal-period";
+  case Setting::both_edges:
+    return "--both-edges";
+  case Setting::flag_width:
+    return "--flag-width";
+  }
+  return {};
+}
+
+} // namespace
+
+void name_options(std::vector<Assumption>& assumptions) {
+  for (Assumption& assumption : assumptions) {
+    if (assumption.setting == Setting::none) continue;
+    assumption.text += fmt::format(" ({}{}{})", option_of(assumption.setting),
+                                   assumption.value.empty() ? "" : " ", assumption.value);
+    assumption.setting = Setting::none;
+  }
+}
+
+void name_options(FitSummary& fit) {
+  for (FitNote& note : fit.notes)
+    if (note.kind == NoteKind::twin && fit.amplitude_residual_rad.empty())
+      note.text += " (--prior lambda0=VALUE+-SIGMA)";
 }
 
 std::string options_for(const OtherReading& other) {

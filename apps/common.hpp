@@ -59,6 +59,16 @@ std::string words_for(const LineIssue& issue, const std::string& source);
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.
 NumberedLog load(const LogOptions& options, const GlobalOptions& global);
 
+/// Puts the options that say otherwise behind what was assumed.
+void name_options(std::vector<Assumption>& assumptions);
+/// And behind the notes of a fit the options that would help.
+void name_options(FitSummary& fit);
+
+/// Usage that only a library finds wrong.
+class UsageError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// The options that say it: "--format periods --unit us".
 std::string options_for(const OtherReading& other);
 
@@ -82,11 +92,15 @@ struct ModelOptions {
   std::vector<std::string> priors; ///< NAME=VALUE+-SIGMA
   std::vector<std::string> events; ///< CYCLE:NAME[,NAME], TIMEs:NAME or auto
   std::string model, noise, escapement;
-  std::string from;          ///< a file of parameters; what is given beside it wins
-  bool finds_events = false; ///< events are searched for if neither options nor file name them
+  std::string from; ///< a file of parameters; what is given beside it wins
 };
 
-void add_model_options(CLI::App& command, ModelOptions& options);
+/// `finds_events`: the command does by itself if none are given.
+void add_model_options(CLI::App& command, ModelOptions& options, bool finds_events = false);
+
+/// Says which events were found, and what may change at them.
+void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
+                 const GlobalOptions& global);
 
 /// The options of the fit; `auto` events are those of the diary, said on standard error. Throws
 /// InputError if the file of parameters is unusable or does not suit the log.

@@ -3,7 +3,7 @@
 #include "progress.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
-#include "goingrate/fit/drive_history.hpp"
+#include "goingrate/drive/drive_history.hpp"
 #include "goingrate/fit/par_file.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/tables.hpp"
@@ -51,11 +51,12 @@ void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitOptions asked = fit_options(options.model, loaded, global);
   const TimingData data = fit_data(loaded);
-  const FitSummary fit = [&] {
+  FitSummary fit = [&] {
     const StepLine now(global.quiet, "fitting the model");
     return fit_clock(data, loaded.nominal_period_s, asked);
   }();
-  if (fit.status != FitStatus::converged) throw NumericsError("no fit: " + fit.termination);
+  if (!fit.has_result()) throw NumericsError("no fit: " + fit.termination);
+  name_options(fit);
   write_whole_files({{options.json, fit_json(fit)},
                      {options.par, par_text(fit, asked, loaded.good.front().cycle)},
                      {options.latex, fit_latex(fit)},
@@ -63,6 +64,7 @@ void run(const FitCommand& options, const GlobalOptions& global) {
                      {options.plot, plot_of(options, loaded, fit)},
                      {options.drive, drive_output(options, fit, data)},
                      {text_output(options), fit_text(fit)}});
+  if (fit.status == FitStatus::stopped_early) throw NumericsError("no fit: " + fit.termination);
 }
 
 } // namespace

@@ -47,15 +47,9 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
 }
 
 std::vector<FitEvent> events_found(const NumberedLog& loaded, const GlobalOptions& global) {
-  const auto events = events_of_diary(loaded);
-  const auto& good = loaded.good;
-  for (const FitEvent& event : events) {
-    const auto at = std::find_if(good.begin(), good.end(), [&](const Beat& beat) {
-      return beat.cycle - good.front().cycle >= event.cycle;
-    });
-    say(global, fmt::format("found a change at cycle {} ({:.6g} s): mu may change there",
-                            event.cycle + good.front().cycle, at->time - good.front().time));
-  }
+  const Diary diary = keep_diary(loaded.good, loaded.nominal_period_s);
+  const auto events = events_of_diary(diary, loaded.good.front().cycle);
+  tell_events(events, loaded.good, global);
   return events;
 }
 
@@ -89,8 +83,7 @@ FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
 // The events of the command line, or those that are found; what a file says of its own goes.
 void put_events(const ModelOptions& options, const NumberedLog& loaded, const GlobalOptions& global,
                 FitOptions& result) {
-  const bool by_default = options.events.empty() && options.from.empty() && options.finds_events;
-  if (options.events.empty() && !by_default) return;
+  if (options.events.empty()) return;
   const auto of_event = [](const auto& entry) {
     return entry.first.find('@') != std::string::npos;
   };
@@ -99,7 +92,7 @@ void put_events(const ModelOptions& options, const NumberedLog& loaded, const Gl
   std::erase_if(result.priors,
                 [](const Prior& prior) { return prior.name.find('@') != std::string::npos; });
   result.events.clear();
-  if (by_default || options.events == std::vector<std::string>{"auto"}) {
+  if (options.events == std::vector<std::string>{"auto"}) {
     result.events = events_found(loaded, global);
     return;
   }
@@ -154,7 +147,7 @@ void put_priors(const ModelOptions& options, FitOptions& result) {
   result.priors.insert(result.priors.end(), priors.begin(), priors.end());
 }
 
-void add_parameter_options(CLI::App& command, ModelOptions& options) {
+void add_parameter_options(CLI::App& command, ModelOptions& options, bool finds_events) {
   command
       .add_option("--fix", options.fixed,
                   "hold a parameter: NAME=VALUE (T0 in s, epsilon, mu, phi0, lambda0, mu@1 ...)")
@@ -175,14 +168,14 @@ void add_parameter_options(CLI::App& command, ModelOptions& options) {
           std::string("parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, "
                       "phi0, T0; or by time 300s:mu, or auto to search; the k-th gives "
                       "mu@k") +
-              (options.finds_events ? " [auto]" : ""))
+              (finds_events ? " [auto]" : ""))
       ->allow_extra_args(false);
 }
 
 } // namespace
 
-void add_model_options(CLI::App& command, ModelOptions& options) {
-  add_parameter_options(command, options);
+void add_model_options(CLI::App& command, ModelOptions& options, bool finds_events) {
+  add_parameter_options(command, options, finds_events);
   command
       .add_option("--model", options.model,
                   "averaged1 (the paper's first order), averaged2 (second order), map (the full "
@@ -203,6 +196,18 @@ void add_model_options(CLI::App& command, ModelOptions& options) {
   command.add_option("--from", options.from,
                      "parameters as `fit --par` writes them: what is held, where the search "
                      "starts, events, priors, model; other options win over the file");
+}
+
+void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
+                 const GlobalOptions& global) {
+  for (const FitEvent& event : events) {
+    const auto at = std::find_if(good.begin(), good.end(), [&](const Beat& beat) {
+      return beat.cycle - good.front().cycle >= event.cycle;
+    });
+    say(global, fmt::format("found a change at cycle {} ({:.6g} s): {} may change there",
+                            event.cycle + good.front().cycle, at->time - good.front().time,
+                            event.names.front()));
+  }
 }
 
 FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,

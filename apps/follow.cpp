@@ -89,8 +89,13 @@ public:
     print(numbers_.rest(log));
   }
   void tell_assumptions(const ClockLog& log) {
-    for (; assumptions_told_ < log.assumptions.size(); ++assumptions_told_)
-      say(global_, "assumed: " + log.assumptions[assumptions_told_]);
+    std::vector<Assumption> fresh(log.assumptions.begin() +
+                                      static_cast<std::ptrdiff_t>(assumptions_told_),
+                                  log.assumptions.end());
+    assumptions_told_ = log.assumptions.size();
+    name_options(fresh);
+    for (const Assumption& assumption : fresh)
+      say(global_, "assumed: " + assumption.text);
   }
 
 private:

@@ -1,10 +1,10 @@
 // goingrate: the command. Each subcommand lives in a file of its own.
 #include "common.hpp"
 
+#include "base/printable.hpp"
+#include "base/spelling.hpp"
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/printable.hpp"
-#include "goingrate/base/spelling.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 
 #include <algorithm>
@@ -58,11 +58,6 @@ void heed_signals() {
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU})
     if (std::signal(number, end_by_signal) == SIG_IGN)
       std::signal(number, SIG_IGN); // as nohup asks
-}
-
-// What --set says is read as a scenario is, but it is usage.
-bool is_option(const goingrate::InputError& error) {
-  return error.place().file.starts_with("--set ");
 }
 
 // Many realisations keep many files open, and the usual limit is lower than it must be.
@@ -193,7 +188,9 @@ int main(int argc, char** argv) {
   } catch (const ImpossibleReading& error) {
     return complain(bad_input, error.what(), other_readings(error));
   } catch (const InputError& error) {
-    return complain(is_option(error) ? wrong_usage : bad_input, error.what());
+    return complain(bad_input, error.what());
+  } catch (const apps::UsageError& error) {
+    return complain(wrong_usage, error.what());
   } catch (const NoStationarySwing& error) {
     return complain(no_result, error.what());
   } catch (const ArgumentError& error) {

@@ -1,6 +1,6 @@
 #include "progress.hpp"
 
-#include "goingrate/base/workers.hpp"
+#include "base/workers.hpp"
 
 #include <cstdio>
 #include <fmt/format.h>

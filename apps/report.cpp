@@ -24,25 +24,18 @@ struct ReportCommand {
   double nut_pitch_mm = 0.0, pendulum_length_m = 0.0; // 0: not given
 };
 
-std::optional<NutTurns> nut_turns(const ReportCommand& options, const RateSummary& rate,
-                                  const GlobalOptions& global) {
-  if (options.nut_pitch_mm == 0.0) return std::nullopt;
-  if (!rate.nominal_is_known) {
-    say(global, "no turns of the rating nut: the rate takes a nominal period (--nominal-period)");
-    return std::nullopt;
-  }
-  const RatingNut nut{1e-3 * options.nut_pitch_mm,
-                      options.pendulum_length_m > 0.0 ? options.pendulum_length_m
-                                                      : mathematical_length(rate.nominal_period_s)};
-  return turns_to_zero_rate(nut, rate.rate_excess, rate.rate_excess_sigma);
-}
-
-Analysis gather(const ReportCommand& options, const GlobalOptions& global) {
+Analysis analysis_of(const ReportCommand& options, const GlobalOptions& global) {
   NumberedLog loaded = load(options.log, global);
-  const FitOptions asked = fit_options(options.model, loaded, global);
+  AnalysisRequest request;
+  request.fit = fit_options(options.model, loaded, global);
+  request.finds_events = options.model.events.empty() && options.model.from.empty();
+  if (options.nut_pitch_mm > 0.0) request.nut_pitch_m = 1e-3 * options.nut_pitch_mm;
+  if (options.pendulum_length_m > 0.0) request.rod_length_m = options.pendulum_length_m;
   StepLine line(global.quiet, "numbering the beats");
-  Analysis analysis = analyse(std::move(loaded), asked, [&](std::string_view what) { line(what); });
-  return analysis;
+  request.now = [&](std::string_view what) { line(what); };
+  Analysis data = analyse(std::move(loaded), request);
+  if (request.finds_events) tell_events(data.fit.events, data.beats, global);
+  return data;
 }
 
 std::string page_beside(const std::string& log) {
@@ -71,8 +64,10 @@ void add_tables(const std::string& folder, const Analysis& data, Files& files) {
 }
 
 void run(const ReportCommand& options, const GlobalOptions& global) {
-  Analysis data = gather(options, global);
-  data.nut = nut_turns(options, data.rate, global);
+  Analysis data = analysis_of(options, global);
+  name_options(data.fit);
+  if (options.nut_pitch_mm > 0.0 && !data.nut)
+    say(global, "no turns of the rating nut: the rate takes a nominal period (--nominal-period)");
   const std::string page = options.output.empty() ? page_beside(options.log.path) : options.output;
   const bool talk = options.json != "-" && page != "-";
   Files files{{options.json, report_json(data)},
@@ -96,9 +91,8 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
   auto* command =
       program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
   auto options = std::make_shared<ReportCommand>();
-  options->model.finds_events = true;
   add_log_options(*command, options->log);
-  add_model_options(*command, options->model);
+  add_model_options(*command, options->model, true);
   command->add_option("-o,--output", options->output,
                       "the HTML page; if not given, the log's name with .html, in this folder");
   add_plot_option(*command, options->plot,

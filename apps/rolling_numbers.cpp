@@ -57,7 +57,7 @@ std::string RollingNumbers::numbered_rows(const ClockLog& log) {
 }
 
 void RollingNumbers::open_table(const ClockLog& log, const Beats& numbered, std::string& text) {
-  std::vector<std::string> unused;
+  std::vector<Assumption> unused;
   const double nominal = nominal_period(log, numbered, unused);
   table_.emplace(RateTable::Options{nominal, false, 0}, no_columns_, no_gaps_);
   text = table_->header();

@@ -191,9 +191,20 @@ void run_many(const Scenario& scenario, const SimulateOptions& options,
                           name_of(first.method().method), first.method().reason));
 }
 
+// What --set says is read as a scenario is, but it is usage.
+Scenario scenario_of(const SimulateOptions& options) {
+  const std::string text = read_text(options.scenario);
+  try {
+    return parse_scenario(text, options.scenario, options.overrides);
+  } catch (const InputError& error) {
+    const auto& said = options.overrides;
+    if (std::find(said.begin(), said.end(), error.place().file) == said.end()) throw;
+    throw UsageError(fmt::format("--set {}", error.what()));
+  }
+}
+
 void run(const SimulateOptions& options, const GlobalOptions& global) {
-  const Scenario scenario =
-      parse_scenario(read_text(options.scenario), options.scenario, options.overrides);
+  const Scenario scenario = scenario_of(options);
   options.realisations == 1 ? run_single(scenario, options, global)
                             : run_many(scenario, options, global);
 }

@@ -1,18 +1,44 @@
 #!/usr/bin/env bash
-# The rules of the house: each room includes only itself and those below it, Ceres and FFTW stay out of
-# the public headers, and every test that a docstring names exists.
+# The rules of the house: each room includes only itself and those below it, what is installed is what
+# users call, Ceres and FFTW stay out of it, the library does not know the command, and every test that a
+# docstring names exists. Argument: the folder of the project.
 set -euo pipefail
 cd "$1"
-rooms=(base clock dynamics log spectra fit analysis report)
+rooms=(base clock dynamics log spectra fit drive causes analysis report)
 fault=0
 for i in "${!rooms[@]}"; do
   for ((j = i + 1; j < ${#rooms[@]}; j++)); do
-    if grep -rn "#include \"goingrate/${rooms[j]}/" "include/goingrate/${rooms[i]}" "src/${rooms[i]}"; then
+    if grep -rnE "#include \"(goingrate/)?${rooms[j]}/" "include/goingrate/${rooms[i]}" "src/${rooms[i]}"; then
       echo "room ${rooms[i]} must not know room ${rooms[j]}"
       fault=1
     fi
   done
 done
+for folder in include/goingrate/*/ src/*/; do
+  if [[ ! " ${rooms[*]} " =~ " $(basename "$folder") " ]]; then
+    echo "$folder is no room"
+    fault=1
+  fi
+done
+if grep -rn '#include "\.\./' src include apps; then
+  echo "another room is included by its name, not by a way to it"
+  fault=1
+fi
+if grep -rnE '#include "(base|clock|dynamics|log|spectra|fit|drive|causes|analysis|report)/' include; then
+  echo "an installed header includes one that is not installed"
+  fault=1
+fi
+if ! diff <(cd include && find goingrate -mindepth 2 -name '*.hpp' | LC_ALL=C sort) \
+  <(sed -n 's/^#include "\(.*\)"$/\1/p' include/goingrate/goingrate.hpp | LC_ALL=C sort); then
+  echo "include/goingrate/goingrate.hpp is not the list of installed headers"
+  fault=1
+fi
+# Options of the command, from where it defines them; a string of the library names none.
+options=$(grep -rhoE '"(-[a-z],)?--[a-z][a-z-]+' apps/*.cpp | grep -oE -- '--[a-z-]+' | sort -u | paste -sd'|')
+if grep -rnE "^[^/]*\".*($options)\b" src include --include='*.cpp' --include='*.hpp'; then
+  echo "the library names an option of the command"
+  fault=1
+fi
 if grep -rn '#include "goingrate/\(clock\|dynamics\|log\)/' include/goingrate/spectra src/spectra; then
   echo "room spectra works on spans: it knows nothing of clocks and logs"
   fault=1

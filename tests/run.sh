@@ -16,7 +16,7 @@ if [ "${1:-}" = --sanitize ]; then
   ctest --preset dev "$@"
   # Without address space randomisation: the sanitizer's memory has its fixed place. The build runs
   # the programs to list their tests.
-  setarch -R cmake --build --preset threads -j2 --target test_base test_dynamics test_spectra test_fit
+  setarch -R cmake --build --preset threads -j2 --target test_base test_dynamics test_spectra test_fit test_drive
   exec setarch -R ctest --preset threads "$@"
 fi
 command -v doxygen > /dev/null || goingrate_setup doxygen # for the library's documentation

@@ -1,6 +1,9 @@
 #include "goingrate/analysis/analyse.hpp"
 
+#include "base/scaled_time.hpp"
+
 #include <algorithm>
+#include <cmath>
 
 namespace goingrate {
 
@@ -39,14 +42,66 @@ void level_interruptions(const Diary& diary, TimingData& data) {
   }
 }
 
-// What the diary tells and the fit follows need not be suspected again.
+// Whether the fit follows what no list of causes holds: a free pendulum that comes to rest, or a
+// clock whose drive was interrupted.
+bool follows_more(const Analysis& data) {
+  if (!data.fit.has_result()) return false;
+  if (!data.diary.interruptions.empty()) return true;
+  constexpr double rest = 0.8; // of the amplitude: no clock's falls so far
+  const auto& amplitude = data.fit.model_amplitude_rad;
+  return data.fit.model.escapement == Escapement::none && !amplitude.empty() &&
+         amplitude.back() < rest * amplitude.front();
+}
+
+// The times that must be accounted for: what the fit leaves of them, where it follows more than
+// causes do, and without interruptions, which the diary tells of.
 TimingData unexplained_times(const TimingData& times, const Analysis& data) {
   TimingData unexplained = times;
-  const bool told = !data.diary.changes.empty() || !data.diary.interruptions.empty();
-  if (told && data.fit.residual_s.size() == times.size())
+  if (follows_more(data) && data.fit.residual_s.size() == times.size()) {
     unexplained.lateness_s = data.fit.residual_s;
+    unexplained.amplitude_rad = data.fit.amplitude_residual_rad;
+  }
   level_interruptions(data.diary, unexplained);
   return unexplained;
+}
+
+const char* changed_by(ChangeKind kind) {
+  switch (kind) {
+  case ChangeKind::regulation:
+    return "T0";
+  case ChangeKind::friction:
+    return "epsilon";
+  case ChangeKind::drive:
+  case ChangeKind::unclear:
+    break;
+  }
+  return "mu";
+}
+
+// The rate from one dated change to the next.
+std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& diary,
+                                   double nominal_period_s) {
+  std::vector<Instant> cuts;
+  for (const Change& change : diary.changes)
+    cuts.push_back(beats.front().time + change.at_s);
+  return rates_between(beats, cuts, nominal_period_s);
+}
+
+// The rms of the fast drive, as far as the log tells it.
+std::optional<RmsEstimate> fast_drive(const DriveAnalysis& drive, const FitSummary& fit) {
+  if (drive.split) return drive.split->fast;
+  const FittedParameter* found = fit.find("drive_rms");
+  if (found == nullptr || !std::isfinite(found->value) || !(found->sigma > 0.0)) return {};
+  return RmsEstimate{found->value, found->low68, found->high68};
+}
+
+// Turns of the rating nut for the clock as it goes now, where the pitch is given and a nominal
+// period is known.
+std::optional<NutTurns> nut_turns(const AnalysisRequest& request, const RateSummary& rate) {
+  if (!request.nut_pitch_m || !rate.nominal_is_known) return {};
+  const double length_m = request.rod_length_m.value_or(mathematical_length(rate.nominal_period_s));
+  return turns_to_zero_rate({*request.nut_pitch_m, length_m}, rate.rate_excess,
+                            rate.rate_excess_sigma);
 }
 
 } // namespace
@@ -65,27 +120,49 @@ TimingData fit_data(const NumberedLog& loaded) {
   return data;
 }
 
-std::vector<FitEvent> events_of_diary(const NumberedLog& loaded) {
+std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle) {
   constexpr std::size_t most = 4; // each costs a parameter
   std::vector<FitEvent> events;
-  for (const Change& change :
-       strongest_changes(keep_diary(loaded.good, loaded.nominal_period_s), most))
-    events.push_back({change.cycle - loaded.good.front().cycle, {"mu"}, true});
+  for (const Change& change : strongest_changes(diary, most))
+    events.push_back({change.cycle - first_cycle, {changed_by(change.kind)}, true});
   return events;
 }
 
-Analysis analyse(NumberedLog loaded, const FitOptions& fit,
-                 const std::function<void(std::string_view)>& now) {
+DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
+                               const Diary& diary, const DriveAnalysis& drive,
+                               const FitSummary& fit) {
+  DiagnosisInput input;
+  input.data = &times;
+  input.nominal_period_s = loaded.nominal_period_s;
+  input.missed =
+      static_cast<std::int64_t>(times.cycle.back()) + 1 - static_cast<std::int64_t>(times.size());
+  input.changes = diary.changes;
+  input.lines = drive.lines;
+  if (drive.response) // of corner 2 epsilon / T0
+    input.relaxation_s = 1.0 / (two_pi * drive.response->corner_hz);
+  input.fast_drive = fast_drive(drive, fit);
+  for (const Gap& gap : loaded.beats.gaps)
+    if (gap.kind == GapKind::stop && !gap.bridged)
+      input.stopped_s = static_cast<double>(gap.after_cycle) * loaded.nominal_period_s;
+  return input;
+}
+
+Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   const auto tell = [&](std::string_view what) {
-    if (now) now(what);
+    if (request.now) request.now(what);
   };
   Analysis data;
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
   data.rate.nominal_is_known = loaded.nominal_is_known;
   data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
+  data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
+  for (PartRate& stretch : data.stretches)
+    stretch.rate.nominal_is_known = loaded.nominal_is_known;
   const TimingData times = fit_data(loaded);
-  FitOptions asked = fit;
+  FitOptions asked = request.fit;
   asked.profiles = true;
+  if (request.finds_events && asked.events.empty())
+    asked.events = events_of_diary(data.diary, loaded.good.front().cycle);
   tell("fitting the model");
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
   tell("looking at temperature and pressure");
@@ -96,12 +173,13 @@ Analysis analyse(NumberedLog loaded, const FitOptions& fit,
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
   tell("likely causes");
   const TimingData unexplained = unexplained_times(times, data);
-  const double missed = 1.0 - static_cast<double>(times.size()) / (times.cycle.back() + 1.0);
-  data.suspicions = diagnose({&unexplained, loaded.nominal_period_s, missed, data.drive.lines});
+  data.suspicions =
+      diagnose(diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit));
   tell("stability");
   const PhaseSeries phase = phase_series(loaded);
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,
                                    octave_factors(phase.phase_s.size()));
+  data.nut = nut_turns(request, data.stretches.back().rate);
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);

@@ -38,7 +38,9 @@ public:
   }
 
 private:
-  void assume(std::string text) { loaded_.log.assumptions.push_back(std::move(text)); }
+  void assume(std::string text, Setting setting = Setting::none) {
+    loaded_.log.assumptions.push_back({std::move(text), setting});
+  }
 
   // The places are given: there is nothing to number.
   void take_grid() {
@@ -87,7 +89,8 @@ private:
     mark_bounces(log, request_.dead_time_s);
     const bool labelled = label_alternate_edges(log, request_.both_edges, log.nominal_period_s);
     if (log.directions_are_open && !labelled)
-      assume("each event is one period (--both-edges if both directions are in the log)");
+      assume("each event is one period, and not a passage in either direction",
+             Setting::both_edges);
     number();
     settle_nominal_period();
     use_flag();
@@ -133,7 +136,8 @@ private:
     const double width = request_.flag_width_rad.value_or(log.flag_width_rad.value_or(0.0));
     const bool widths = !log.columns.width_s.empty();
     if (widths && width == 0.0)
-      assume("the widths give no amplitude: the flag's own width is not known (--flag-width)");
+      assume("the widths give no amplitude: the flag's own width is not known",
+             Setting::flag_width);
     if (widths && width > 0.0) {
       log.events = std::move(loaded_.beats.beats);
       set_amplitudes_from_widths(log, width, loaded_.nominal_period_s);

@@ -1,6 +1,6 @@
 #include "goingrate/base/errors.hpp"
 
-#include "goingrate/base/printable.hpp"
+#include "base/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "goingrate/base/spelling.hpp"
+#include "base/spelling.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "goingrate/clock/scenario.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 
 #include <cmath>
 

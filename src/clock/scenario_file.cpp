@@ -3,9 +3,9 @@
 
 #include "scenario_text.hpp"
 
+#include "base/spelling.hpp"
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/spelling.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,6 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::string_view option = "--set ";
-
 // A dotted key or header of so many levels would end the stack; no scenario has more than two. Dots
 // in strings and comments are no levels.
 void refuse_deep_keys(std::string_view text, const std::string& source) {
@@ -43,12 +41,13 @@ void refuse_deep_keys(std::string_view text, const std::string& source) {
   }
 }
 
-toml::table parsed(std::string_view text, const std::string& source) {
+// `has_lines`: the text is that of a file, and its places count.
+toml::table parsed(std::string_view text, const std::string& source, bool has_lines) {
   refuse_deep_keys(text, source);
   try {
     return toml::parse(text, source);
   } catch (const toml::parse_error& error) {
-    throw InputError(place_of(error.source(), source),
+    throw InputError(has_lines ? place_of(error.source(), source) : TextPlace{source},
                      fmt::format("text that is no TOML ({})", error.description()),
                      "a scenario in TOML");
   }
@@ -77,13 +76,12 @@ std::string with_quotes(const std::string& change) {
 }
 
 toml::table parsed_override(const std::string& change) {
-  const std::string source = fmt::format("{}{}", option, change);
   if (change.find('=') == std::string::npos)
-    throw InputError({source}, "no '='", "KEY=VALUE, such as clock.epsilon=1e-3");
-  return parsed(with_quotes(change), source);
+    throw InputError({change}, "no '='", "KEY=VALUE, such as clock.epsilon=1e-3");
+  return parsed(with_quotes(change), change, false);
 }
 
-// Moves, so that each value remembers which option it came from.
+// Moves, so that each value remembers which change it came from.
 void merge(toml::table& base, toml::table&& change) {
   for (auto&& [key, node] : change) {
     toml::node* old = base.get(key.str());
@@ -113,7 +111,7 @@ const toml::node* find(const toml::node& node, std::string_view key, const std::
 } // namespace
 
 TextPlace place_of(const toml::source_region& source, const std::string& file) {
-  if (source.path && source.path->starts_with(option)) return {*source.path, 0, 0};
+  if (source.path && *source.path != file) return {*source.path, 0, 0};
   return {file, source.begin.line, source.begin.column};
 }
 
@@ -123,7 +121,7 @@ toml::table scenario_tree(std::string_view text, const std::string& file,
   if (text.size() > longest)
     throw InputError({file}, fmt::format("{} bytes", text.size()),
                      fmt::format("a scenario of at most {}", longest));
-  toml::table root = parsed(text, file);
+  toml::table root = parsed(text, file, true);
   for (const std::string& change : overrides)
     merge(root, parsed_override(change));
   return root;

@@ -1,4 +1,4 @@
-#include "goingrate/dynamics/amplitude_history.hpp"
+#include "dynamics/amplitude_history.hpp"
 
 #include "goingrate/base/errors.hpp"
 

@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/averaged_pendulum.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/averaged2.hpp"
 #include "goingrate/dynamics/moments.hpp"
 

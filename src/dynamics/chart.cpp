@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/chart.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/random.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/averaged_pendulum.hpp"
 #include "goingrate/dynamics/direct.hpp"
 #include "goingrate/dynamics/map.hpp"

@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/clock_run.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/ensemble.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
-#include "goingrate/base/workers.hpp"
+#include "base/scaled_time.hpp"
+#include "base/workers.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "lanes.hpp"
 

@@ -1,6 +1,6 @@
 #include "goingrate/dynamics/method_choice.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 #include "goingrate/dynamics/averaged_pendulum.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/direct.hpp"

@@ -1,4 +1,4 @@
-#include "goingrate/dynamics/passage.hpp"
+#include "dynamics/passage.hpp"
 
 #include <algorithm>
 #include <array>

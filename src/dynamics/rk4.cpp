@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/rk4.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "goingrate/dynamics/stationary.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 #include "goingrate/base/sums.hpp"
 #include "goingrate/dynamics/direct.hpp"
 #include "goingrate/dynamics/half_swing.hpp"

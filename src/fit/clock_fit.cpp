@@ -5,8 +5,8 @@
 #include "profile.hpp"
 #include "reference_run.hpp"
 
+#include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/fit/timing_noise.hpp"
 
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
@@ -19,6 +19,7 @@ namespace {
 
 using namespace timing_model;
 
+constexpr double badly = 2.0; // sigmas widened by more: the model does not hold
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // The same model on all beats of the log, whatever it was fitted to.
@@ -91,18 +92,17 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   if (data.has_amplitude()) state_amplitudes(data, summary);
 }
 
-double noise_value(const FitSummary& summary, const std::string& name) {
-  for (const FittedParameter& p : summary.parameters)
-    if (p.name == name) return p.value;
-  return unknown;
+double value_of(const FitSummary& summary, std::string_view name) {
+  const FittedParameter* found = summary.find(name);
+  return found ? found->value : unknown;
 }
 
 bool something_is_undetermined(const FitSummary& summary) {
-  return std::any_of(summary.parameters.begin(), summary.parameters.end(),
-                     [](const FittedParameter& p) {
-                       return p.status == ParameterStatus::undetermined &&
-                              (p.name == "epsilon" || p.name == "mu" || p.name == "phi0");
-                     });
+  const auto is_undetermined = [&](std::string_view name) {
+    const FittedParameter* found = summary.find(name);
+    return found && found->status == ParameterStatus::undetermined;
+  };
+  return is_undetermined("epsilon") || is_undetermined("mu") || is_undetermined("phi0");
 }
 
 void attach_shifts(const Parameters& parameters, const std::map<std::string, double>& shifts,
@@ -132,9 +132,9 @@ void state_contradictions(const Fitted& fitted, FitSummary& summary) {
     for (const Slot& slot : fitted.problem.parameters.slots)
       if (slot.free && slot.index == prior.index)
         summary.notes.push_back(
-            fmt::format("the log contradicts the prior on {}: it ends {:.3g} of "
-                        "the prior's sigmas away",
-                        fitted.problem.parameters.name_of(slot), off));
+            {NoteKind::prior, fmt::format("the log contradicts the prior on {}: it ends {:.3g} "
+                                          "of the prior's sigmas away",
+                                          fitted.problem.parameters.name_of(slot), off)});
   }
 }
 
@@ -157,10 +157,13 @@ void state_rivals(const Fitted& fitted, const Certainty& known, FitSummary& summ
       if (slot.free && !is_noise(slot.quantity) && slot.quantity != Quantity::T0)
         own.push_back(fmt::format("{} {:.3g}", fitted.problem.parameters.name_of(slot),
                                   slot.value(std::span<const double>(fitted.minimum.x))));
-    summary.notes.push_back(fmt::format(
-        "two clocks explain this log equally well: {}; or {}. One look at the amplitude "
-        "tells which (--prior lambda0=VALUE+-SIGMA)",
-        fmt::join(own, ", "), fmt::join(parts, ", ")));
+    summary.notes.push_back(
+        {NoteKind::twin,
+         fmt::format("two clocks explain this log equally well: {}; or {}. {}",
+                     fmt::join(own, ", "), fmt::join(parts, ", "),
+                     fitted.problem.data->has_amplitude()
+                         ? "A ring-down, or T0 from elsewhere, would tell which"
+                         : "One look at the amplitude tells which: a prior on lambda0")});
     return;
   }
 }
@@ -204,21 +207,20 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.termination = fitted.minimum.termination;
   if (!fitted.minimum.converged) { // it crept along a valley to the end of its patience
     known.distrusted.assign(known.distrusted.size(), true);
+    summary.status = FitStatus::stopped_early;
     summary.termination = "stopped on a flat ridge: the log does not determine the parameters";
   }
-  constexpr double badly = 2.0; // sigmas widened by more: the model does not hold
   if (const auto rough = rough_stretch(fitted); rough && widening.largest() > badly) {
     known.distrusted.assign(known.distrusted.size(), true);
     summary.notes.push_back(
-        fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
-                    "elsewhere, and the "
-                    "model does not follow: no one clock explains this log; leave that stretch out",
-                    rough->from_s, rough->to_s, rough->times));
+        {NoteKind::rough_stretch,
+         fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
+                     "elsewhere, and the model does not follow: no one clock explains this log; "
+                     "leave that stretch out",
+                     rough->from_s, rough->to_s, rough->times)});
   }
-  summary.dynamics = name_of(fitted.dynamics);
-  summary.escapement = goingrate::name_of(fitted.model.escapement);
-  summary.friction = fitted.model.friction();
-  summary.noise = fitted.model.noise();
+  summary.dynamics = fitted.dynamics;
+  summary.model = fitted.model;
   summary.chosen_by = search.chosen_by();
   summary.alternatives = search.alternatives();
   summary.thinning = search.thinning();
@@ -231,8 +233,8 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
                 nominal_period_s, summary);
   if (search.options().profiles) attach_profiles(fitted, known, ends, summary);
   attach_shifts(fitted.problem.parameters, search.first_order_shifts(), summary);
-  summary.jitter_s = noise_value(summary, "jitter_rms");
-  summary.amplitude_noise_rad = noise_value(summary, "amplitude_rms");
+  summary.jitter_s = value_of(summary, "jitter_rms");
+  summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
   state_rivals(fitted, fitted.known, summary);
@@ -240,20 +242,13 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
 
 } // namespace
 
-std::string_view name_of(FitDynamics dynamics) {
-  switch (dynamics) {
-  case FitDynamics::automatic:
-    return "automatic";
-  case FitDynamics::averaged2:
-    return "averaged2";
-  case FitDynamics::map:
-    return "map";
-  default:
-    return "averaged1";
-  }
-}
-
 namespace {
+
+bool contradicts_log(const FitSummary& summary) {
+  constexpr double by_chance = 1e-6;
+  return summary.quality.p_value < by_chance ||
+         std::max(summary.time_widening, summary.amplitude_widening) > badly;
+}
 
 // What timing_data() makes is so; what was put together by hand may not be.
 void check(const TimingData& data) {
@@ -299,11 +294,13 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, search.options());
   state_quality(fitted, data, summary);
+  if (summary.status == FitStatus::converged && contradicts_log(summary))
+    summary.status = FitStatus::contradicts_log;
   return summary;
 }
 
 std::optional<ClockParameters> fitted_clock(const FitSummary& fit) {
-  if (fit.status != FitStatus::converged || fit.escapement != "constant-torque") return {};
+  if (!fit.has_result() || fit.model.escapement != Escapement::constant_torque) return {};
   constexpr double well_enough = 0.1; // what hangs on the clock is then good to a tenth or so
   std::map<std::string, double> last; // later events overwrite earlier ones
   for (const FittedParameter& parameter : fit.parameters) {

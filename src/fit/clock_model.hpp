@@ -13,7 +13,7 @@
 
 #include "parameters.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 #include "goingrate/dynamics/averaged.hpp"
 #include "goingrate/fit/timing_data.hpp"
 

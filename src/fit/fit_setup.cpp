@@ -1,7 +1,7 @@
 #include "fit_setup.hpp"
 
+#include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/fit/timing_noise.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -169,34 +169,40 @@ private:
 
 } // namespace
 
-std::string ModelChoice::friction() const {
-  return std::string("linear") + (quadratic ? " + quadratic" : "") + (dry ? " + dry" : "");
-}
-
-std::string ModelChoice::noise() const {
-  std::vector<std::string> parts;
-  if (jitter) parts.emplace_back("jitter");
-  if (walk) parts.emplace_back("random walk");
-  if (drive) parts.emplace_back("drive");
-  if (slow) parts.emplace_back("slow drive");
-  return fmt::format("{}", fmt::join(parts, " + "));
-}
-
-std::string ModelChoice::name() const {
-  return fmt::format("{}, friction {}, noise {}{}", name_of(escapement), friction(), noise(),
-                     amplitude_scale ? ", amplitude scale" : "");
-}
-
-double least_jitter(const TimingData& data) {
-  return 1e-12 * data.reference_period_s + 4e-16 * data.elapsed_s.back();
-}
-
 Parameters make_parameters(const FitOptions& options, const TimingData& data,
                            const ModelChoice& model) {
   return SlotList(options, data, model).collect();
 }
 
+std::string_view as_torque(std::string_view name) {
+  if (name == "impulse") return "mu";
+  if (name == "impulse_angle") return "phi0";
+  return name;
+}
+
+std::vector<std::string> names_without_start(const FitOptions& options) {
+  const Escapement escapement = options.escapement.value_or(Escapement::constant_torque);
+  const auto own_name = [&](std::string_view name) {
+    const std::string_view torque = as_torque(name);
+    if (escapement != Escapement::single_impulse) return std::string(torque);
+    return std::string(torque == "mu" ? "impulse" : torque == "phi0" ? "impulse_angle" : torque);
+  };
+  std::vector<std::string> needed{"T0", "epsilon", "lambda0"};
+  if (escapement != Escapement::none)
+    needed.insert(needed.end(), {own_name("mu"), own_name("phi0")});
+  for (std::size_t k = 0; k < options.events.size(); ++k)
+    for (const std::string& name : options.events[k].names)
+      needed.push_back(fmt::format("{}@{}", own_name(name), k + 1));
+  std::erase_if(needed, [&](const std::string& name) {
+    return options.start.contains(name) || options.fixed.contains(name);
+  });
+  return needed;
+}
+
 void check_names(const FitOptions& options, const TimingData& data) {
+  if (const auto missing = names_without_start(options); !options.start.empty() && !missing.empty())
+    throw ArgumentError("start", fmt::format("none of {}", fmt::join(missing, ", ")),
+                        "a place for every parameter of the clock, or none");
   std::set<std::string> known;
   ModelChoice everything;
   everything.amplitude_scale = everything.quadratic = everything.dry = everything.walk =

@@ -2,26 +2,11 @@
 #pragma once
 
 #include "likelihood.hpp"
+#include "noise_guess.hpp"
 
 #include "goingrate/fit/clock_fit.hpp"
 
 namespace goingrate::timing_model {
-
-/// What one model of the clock and its noise consists of.
-struct ModelChoice {
-  Escapement escapement = Escapement::constant_torque;
-  bool quadratic = false, dry = false;
-  bool amplitude_scale = false; ///< the amplitude column is off by a factor
-  bool jitter = true, walk = false, drive = false, slow = false;
-
-  /// "constant-torque, linear, jitter + drive"
-  [[nodiscard]] std::string name() const;
-  [[nodiscard]] std::string friction() const;
-  [[nodiscard]] std::string noise() const;
-};
-
-/// The smallest jitter that means anything for these data: what rounding does to a long log.
-double least_jitter(const TimingData& data);
 
 /// The parameters of a model. Throws ArgumentError for names that do not exist, values out of range
 /// and events that make no sense.
@@ -30,6 +15,12 @@ Parameters make_parameters(const FitOptions& options, const TimingData& data,
 
 /// Checks the names of options against everything any model could have.
 void check_names(const FitOptions& options, const TimingData& data);
+
+/// Events may name the impulse and its angle as they name torque and angle.
+std::string_view as_torque(std::string_view name);
+
+/// The parameters of the clock that are neither held nor have a place to start from.
+std::vector<std::string> names_without_start(const FitOptions& options);
 
 /// Whether the options speak of a parameter: fix it, free it, or state a prior on it.
 bool names(const FitOptions& options, const std::string& parameter);
@@ -47,13 +38,6 @@ std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parame
 /// slow drive between two periods and ten logs.
 std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
                                                const TimingData& data);
-
-/// A first idea of the noise, from the data alone.
-struct NoiseGuess {
-  double jitter_s = 0.0, walk_s = 0.0, amplitude_rad = 0.0;
-  bool walks = false; ///< the walk stands out of what jitter alone would show
-};
-NoiseGuess guess_noise(const TimingData& data);
 
 /// Starting points that cover the clocks people have: friction from 1e-5 to 3e-3, amplitudes from
 /// 0.025 to 0.2 rad (or the log's own, or what a known T0 and the rate demand), one to four times

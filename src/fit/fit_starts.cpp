@@ -2,7 +2,7 @@
 
 #include "inference.hpp"
 
-#include "goingrate/fit/timing_noise.hpp"
+#include "fit/timing_noise.hpp"
 
 #include <algorithm>
 

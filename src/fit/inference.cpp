@@ -2,7 +2,7 @@
 
 #include "final_clock.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <array>
@@ -287,9 +287,8 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
 // fast gain times the drive) is not determined neither is T0, whatever the curvature says at the
 // place on the flat ridge where the fit came to rest.
 void doubt_T0_without_gain(FitSummary& summary) {
-  const auto is_gain = [](const DerivedQuantity& q) { return q.name == "fast gain"; };
-  const bool known = summary.escapement == "none" ||
-                     std::any_of(summary.combinations.begin(), summary.combinations.end(), is_gain);
+  const bool known =
+      summary.model.escapement == Escapement::none || summary.combination("fast gain") != nullptr;
   for (FittedParameter& p : summary.parameters)
     if (!known && p.name == "T0" && p.status == ParameterStatus::free) {
       p.status = ParameterStatus::undetermined;

@@ -3,7 +3,7 @@
 #include "reference_run.hpp"
 #include "thinning.hpp"
 
-#include "goingrate/fit/timing_noise.hpp"
+#include "fit/timing_noise.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -213,9 +213,10 @@ void ModelSearch::choose_dynamics() {
     }
   }
   if (second > tolerable_of_second && !refine(best_, FitDynamics::map))
-    notes_.push_back(fmt::format("the full equation of motion found no place near this one; the "
-                                 "values are off by up to {:.2g} sigma",
-                                 std::min(first, second)));
+    notes_.push_back(
+        {NoteKind::dynamics, fmt::format("the full equation of motion found no place near this "
+                                         "one; the values are off by up to {:.2g} sigma",
+                                         std::min(first, second))});
   shifts_ = first_order;
 }
 
@@ -421,9 +422,10 @@ void ModelSearch::leave_out_contradicted_priors() {
     if (off < ruled_out)
       kept.push_back(prior);
     else
-      notes_.push_back(fmt::format("the log contradicts the prior on {0}: alone it says {1:.6g} +- "
-                                   "{2:.2g}, {3:.3g} sigma away; that prior is left out",
-                                   prior.name, value, sigma, off));
+      notes_.push_back({NoteKind::prior,
+                        fmt::format("the log contradicts the prior on {0}: alone it says {1:.6g} "
+                                    "+- {2:.2g}, {3:.3g} sigma away; that prior is left out",
+                                    prior.name, value, sigma, off)});
   }
   if (kept.size() == options_.priors.size()) return;
   options_.priors = kept;

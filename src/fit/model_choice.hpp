@@ -30,7 +30,7 @@ public:
   [[nodiscard]] const std::vector<FitAlternative>& alternatives() const { return alternatives_; }
   [[nodiscard]] const FitOptions& options() const { return options_; } ///< events may have moved
   /// What was found on the way and must be said.
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] const std::vector<FitNote>& notes() const { return notes_; }
   /// What first-order averaging alone is off by; empty if not known.
   [[nodiscard]] const std::map<std::string, double>& first_order_shifts() const { return shifts_; }
 
@@ -58,7 +58,7 @@ private:
   Fitted best_;
   std::map<std::string, double> shifts_; // by name, for later terms move the places
   std::string chosen_by_;
-  std::vector<std::string> notes_;
+  std::vector<FitNote> notes_;
   std::vector<FitAlternative> alternatives_;
 };
 

@@ -5,8 +5,8 @@
 #include "reference_run.hpp"
 #include "twin.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
-#include "goingrate/fit/timing_noise.hpp"
+#include "base/scaled_time.hpp"
+#include "fit/timing_noise.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,8 @@
 #include "goingrate/fit/par_file.hpp"
 
-#include "../log/fields.hpp"
+#include "fit_setup.hpp"
+
+#include "log/fields.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +14,8 @@
 #include <utility>
 
 namespace goingrate {
+
+using timing_model::as_torque;
 
 namespace {
 
@@ -80,13 +84,6 @@ constexpr std::array<Known, 20> known_parameters{{
 }};
 
 std::string_view base_of(std::string_view name) { return name.substr(0, name.find('@')); }
-
-// Events may name the impulse and its angle as they name torque and angle.
-std::string_view as_torque(std::string_view base) {
-  if (base == "impulse") return "mu";
-  if (base == "impulse_angle") return "phi0";
-  return base;
-}
 
 const Known* find_known(std::string_view name) {
   const auto at = std::find_if(known_parameters.begin(), known_parameters.end(),
@@ -281,11 +278,11 @@ private:
 
 std::string_view noise_word(const FitSummary& fit, const FitOptions& options) {
   if (options.noise != FitNoise::automatic) return word_of(noise_words, options.noise);
-  if (fit.noise == "jitter") return "jitter";
-  if (fit.noise == "drive") return "drive";
-  if (fit.noise == "jitter + drive") return "both";
-  if (fit.noise == "jitter + drive + slow drive") return "slow";
-  return "auto";
+  const ModelChoice& model = fit.model;
+  if (model.walk) return word_of(noise_words, FitNoise::automatic); // no noise of its own name
+  if (model.slow) return word_of(noise_words, FitNoise::slow);
+  if (!model.drive) return word_of(noise_words, FitNoise::jitter);
+  return word_of(noise_words, model.jitter ? FitNoise::both : FitNoise::drive);
 }
 
 // What the model itself holds (a jitter at rounding) is no choice of the user's: it comes back with
@@ -327,12 +324,12 @@ bool set_escapement(FitOptions& options, std::string_view word) {
 
 std::string par_text(const FitSummary& fit, const FitOptions& options, std::int64_t first_cycle) {
   const std::string_view dynamics = options.dynamics == FitDynamics::automatic
-                                        ? std::string_view(fit.dynamics)
+                                        ? name_of(fit.dynamics)
                                         : word_of(dynamics_words, options.dynamics);
   std::string text =
       fmt::format("{}\n# NAME VALUE FLAG SIGMA; flag 1: fitted, the search starts at VALUE (-: not "
                   "known); 0: held\nDYNAMICS {}\nESCAPEMENT {}\nNOISE {}\n",
-                  first_line, dynamics, fit.escapement, noise_word(fit, options));
+                  first_line, dynamics, name_of(fit.model.escapement), noise_word(fit, options));
   for (const FitEvent& event : fit.events)
     text += fmt::format("EVENT {} {}\n", event.cycle + first_cycle, fmt::join(event.names, ","));
   for (const Prior& prior : options.priors)
@@ -347,24 +344,7 @@ ParFile parse_par(std::string_view text, const std::string& file) {
 }
 
 void drop_partial_start(FitOptions& options) {
-  const auto is_known = [&](const std::string& name) {
-    return options.start.contains(name) || options.fixed.contains(name);
-  };
-  const Escapement escapement = options.escapement.value_or(Escapement::constant_torque);
-  const bool impulse = escapement == Escapement::single_impulse;
-  const auto parameter = [&](std::string_view name) {
-    const std::string_view torque = as_torque(name);
-    if (impulse && torque == "mu") return std::string("impulse");
-    if (impulse && torque == "phi0") return std::string("impulse_angle");
-    return std::string(torque);
-  };
-  std::vector<std::string> needed{"T0", "epsilon", "lambda0"};
-  if (escapement != Escapement::none)
-    needed.insert(needed.end(), {parameter("mu"), parameter("phi0")});
-  for (std::size_t k = 0; k < options.events.size(); ++k)
-    for (const std::string& name : options.events[k].names)
-      needed.push_back(fmt::format("{}@{}", parameter(name), k + 1));
-  if (!std::all_of(needed.begin(), needed.end(), is_known)) options.start.clear();
+  if (!timing_model::names_without_start(options).empty()) options.start.clear();
 }
 
 } // namespace goingrate

@@ -1,6 +1,6 @@
 #include "thinning.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "goingrate/fit/timing_data.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "goingrate/fit/timing_noise.hpp"
+#include "fit/timing_noise.hpp"
 
 #include "goingrate/base/errors.hpp"
 

@@ -3,7 +3,7 @@
 #include "issue_list.hpp"
 #include "typical_period.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -71,8 +71,8 @@ void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double per
                  "amplitude taken as unknown");
   }
   log.assumptions.push_back(
-      fmt::format("amplitudes from the widths, for a flag {:g} mrad wide (--flag-width)",
-                  flag_width_rad * 1e3));
+      {fmt::format("amplitudes from the widths, for a flag {:g} mrad wide", flag_width_rad * 1e3),
+       Setting::flag_width});
 }
 
 double rate_without_circular_error(double rate_excess, double amplitude_rad) {
@@ -100,9 +100,9 @@ void move_to_vertical(ClockLog& log, double rising_rad, double falling_rad, doub
     if (amplitude > std::abs(angle))
       event.time = event.time + -std::asin(angle / amplitude) * period_s / two_pi;
   }
-  log.assumptions.push_back(fmt::format(
+  log.assumptions.push_back({fmt::format(
       "times moved from the sensor at {:.4g} mrad to the vertical, with each beat's amplitude",
-      rising_rad * 1e3));
+      rising_rad * 1e3)});
 }
 
 } // namespace goingrate

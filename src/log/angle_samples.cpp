@@ -1,4 +1,4 @@
-#include "goingrate/log/angle_samples.hpp"
+#include "log/angle_samples.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

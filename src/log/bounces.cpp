@@ -137,10 +137,10 @@ double mark_bounces(ClockLog& log, std::optional<double> dead_time_s) {
     ++count;
   });
   if (count > 0)
-    log.assumptions.push_back(fmt::format(
+    log.assumptions.push_back({fmt::format(
         "{} event{} within {:.2g} s of the one before {} part of it: the contact bounces, "
         "and the first edge is the beat",
-        count, count == 1 ? "" : "s", dead_time, count == 1 ? "is" : "are"));
+        count, count == 1 ? "" : "s", dead_time, count == 1 ? "is" : "are")});
   return dead_time;
 }
 

@@ -231,9 +231,9 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
     event.edge = beat % 2 == 0 ? Edge::up : Edge::down;
   }
   log.assumptions.push_back(
-      known ? "both directions are in the log: every other event is a downward crossing"
-            : "the intervals alternate, so both directions are in the log: every other event is "
-              "taken as a downward crossing");
+      {known ? "both directions are in the log: every other event is a downward crossing"
+             : "the intervals alternate, so both directions are in the log: every other event is "
+               "taken as a downward crossing"});
   return true;
 }
 

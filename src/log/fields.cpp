@@ -1,6 +1,6 @@
 #include "fields.hpp"
 
-#include "goingrate/base/printable.hpp"
+#include "base/printable.hpp"
 
 #include <algorithm>
 #include <array>

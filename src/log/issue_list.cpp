@@ -25,7 +25,7 @@ void IssueList::refuse(std::size_t line, std::size_t column, std::string_view fo
     found = found.substr(before.size(), at - before.size());
   }
   throw InputError({log_.source, line, column}, found,
-                   fmt::format("{} (without --strict: {})", expected, action));
+                   fmt::format("{} (where faults are mended: {})", expected, action));
 }
 
 void IssueList::add(std::size_t line, std::size_t column, IssueKind kind, std::string found,

@@ -48,8 +48,7 @@ public:
   }
 
   Layout run() {
-    if (head_.comma_was_guessed)
-      assume("a comma is the decimal point (--decimal-comma says so for certain)");
+    if (head_.comma_was_guessed) assume("a comma is the decimal point", Setting::decimal_comma);
     const bool named = !head_.names.empty() && read_names();
     if (options_.format)
       layout_.format = *options_.format;
@@ -63,18 +62,20 @@ public:
     check_needed_columns();
     layout_.tau0_s = options_.tau0_s.value_or(options_.nominal_period_s.value_or(1.0));
     settle_times();
-    log_.assumptions.insert(log_.assumptions.begin(),
-                            fmt::format("format: {}{}",
-                                        layout_.format == LogFormat::table && head_.names.empty()
-                                            ? "columns without names"
-                                            : in_words(layout_.format),
-                                        options_.format ? "" : ", found from the first lines"));
+    Assumption format{fmt::format("format: {}{}",
+                                  layout_.format == LogFormat::table && head_.names.empty()
+                                      ? "columns without names"
+                                      : in_words(layout_.format),
+                                  options_.format ? "" : ", found from the first lines")};
+    log_.assumptions.insert(log_.assumptions.begin(), std::move(format));
     say_which_time();
     return layout_;
   }
 
 private:
-  void assume(std::string text) { log_.assumptions.push_back(std::move(text)); }
+  void assume(std::string text, Setting setting = Setting::none, std::string value = {}) {
+    log_.assumptions.push_back({std::move(text), setting, std::move(value)});
+  }
   [[nodiscard]] bool is_number(std::size_t column) const {
     return column < samples_.size() && samples_[column].numbers * 2 > samples_[column].rows;
   }
@@ -144,8 +145,9 @@ bool Detection::read_names() {
 
 // The first column of a name counts.
 void Detection::leave_out(std::size_t column) {
-  assume(fmt::format("column {} {} is not read, an earlier one says the same (--column)",
-                     column + 1, shown(layout_.columns[column].name)));
+  assume(fmt::format("column {} {} is not read, an earlier one says the same", column + 1,
+                     shown(layout_.columns[column].name)),
+         Setting::columns);
   layout_.columns[column].role = ColumnRole::ignored;
 }
 
@@ -197,8 +199,9 @@ LogFormat Detection::format_of_contents() const {
     if (is_calendar(i)) return LogFormat::table;
   if (timed || !options_.columns.empty()) return LogFormat::table;
   const HeadLine& first = head_.rows.front();
-  throw InputError({log_.source, first.number, 1}, shown(first.text),
-                   "a known layout; --format and --column say what the columns are");
+  throw ImpossibleReading({log_.source, first.number, 1}, shown(first.text), "a known layout",
+                          {{.words = "column 1 holds the times", .columns = {"time=1"}},
+                           {.words = "column 1 holds periods", .columns = {"period=1"}}});
 }
 
 LogFormat Detection::format_of_one_column() const {
@@ -216,10 +219,13 @@ LogFormat Detection::format_of_one_column() const {
   if (alike) return LogFormat::periods;
   if (only.whole && only.least >= 0.0 && only.most > 100.0) {
     const HeadLine& first = head_.rows.front();
-    throw InputError({log_.source, first.number, 1},
-                     fmt::format("whole numbers that do not rise, from {}", shown(first.text)),
-                     "times; if they are a counter that wraps more than once a beat, --wrap and "
-                     "--nominal-period say so");
+    throw ImpossibleReading(
+        {log_.source, first.number, 1},
+        fmt::format("whole numbers that do not rise, from {}", shown(first.text)), "times",
+        {{.words = "they are microseconds of a counter of 16 bits that overflows within a beat of "
+                   "1 s",
+          .nominal_period_s = 1.0,
+          .wrap_s = 0.065536}});
   }
   return LogFormat::phase;
 }
@@ -258,8 +264,9 @@ void Detection::fill_columns(bool named) {
     if (head_.columns < 2) break;
     set(1, ColumnRole::channel);
     layout_.channel = options_.channel.empty() ? std::string(first_[1].text) : options_.channel;
-    assume(fmt::format("channel {}{} (--channel)", layout_.channel,
-                       options_.channel.empty() ? ", the first in the file" : ""));
+    assume(fmt::format("channel {}{}", layout_.channel,
+                       options_.channel.empty() ? ", the first in the file" : ""),
+           Setting::channel);
     break;
   case LogFormat::angle:
     fill_time();
@@ -272,8 +279,9 @@ void Detection::fill_columns(bool named) {
     if (options_.columns.empty()) {
       const std::size_t used = layout_.find(ColumnRole::date) ? 2 : 1;
       if (head_.columns > used)
-        assume(fmt::format("{} other column{} not read (--column says what they are)",
-                           head_.columns - used, head_.columns - used == 1 ? " is" : "s are"));
+        assume(fmt::format("{} other column{} not read", head_.columns - used,
+                           head_.columns - used == 1 ? " is" : "s are"),
+               Setting::columns);
     }
     break;
   }
@@ -290,9 +298,11 @@ void Detection::check_needed_columns() {
     const bool forced = std::any_of(options_.columns.begin(), options_.columns.end(),
                                     [](const std::string& c) { return c.starts_with("time="); });
     const bool use_time = forced || !coarse;
-    assume(use_time ? "times are read, the column of periods is not (--column period=N)"
-                    : "periods are added up; the column of times, in whole numbers, tells pauses "
-                      "alone (--column time=N)");
+    if (use_time)
+      assume("times are read, the column of periods is not", Setting::columns, "period=N");
+    else
+      assume("periods are added up; the column of times, in whole numbers, tells pauses alone",
+             Setting::columns, "time=N");
     layout_.columns[use_time ? *period : *time].role = ColumnRole::ignored;
     if (!use_time) layout_.coarse_time = time;
   }
@@ -306,14 +316,20 @@ void Detection::check_needed_columns() {
       (layout_.format != LogFormat::native || head_.names.size() > 0);
   if (complete) return;
   const HeadLine& line = head_.titles.empty() ? head_.rows.front() : head_.titles.back();
-  throw InputError(
-      {log_.source, line.number, 1}, shown(line.text),
-      layout_.format == LogFormat::native ? "a header row with time_s"
-      : layout_.format == LogFormat::angle
-          ? "columns for a time and an angle (--column time=1 --column angle=2)"
-      : layout_.format == LogFormat::clock_error
-          ? "columns for a label and the clock's error (--column time=1 --column error=2)"
-          : "a column with a time or a period (--column time=1)");
+  const TextPlace place{log_.source, line.number, 1};
+  const auto refuse = [&](std::string_view expected, OtherReading other) {
+    throw ImpossibleReading(place, shown(line.text), expected, {std::move(other)});
+  };
+  if (layout_.format == LogFormat::native)
+    throw InputError(place, shown(line.text), "a header row with time_s");
+  if (layout_.format == LogFormat::angle)
+    refuse("columns for a time and an angle",
+           {.words = "they are columns 1 and 2", .columns = {"time=1", "angle=2"}});
+  if (layout_.format == LogFormat::clock_error)
+    refuse("columns for a label and the clock's error",
+           {.words = "they are columns 1 and 2", .columns = {"time=1", "error=2"}});
+  refuse("a column with a time or a period",
+         {.words = "column 1 holds the times", .columns = {"time=1"}});
 }
 
 void Detection::settle_times() {
@@ -425,12 +441,12 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
   const double step_s = sample.typical_step * own;
   if (stated && step_s > 0.01 && step_s < 4000.0) return; // unusual, but not absurd
-  assume(stated ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken "
-                              "(--unit)",
-                              name_of(column.unit), step_s, name_of(*likely))
-                : fmt::format("times are in {} (--unit)", *likely == in_days
-                                                              ? std::string_view("days, as MJD")
-                                                              : name_of(*likely)));
+  assume(stated
+             ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken",
+                           name_of(column.unit), step_s, name_of(*likely))
+             : fmt::format("times are in {}", *likely == in_days ? std::string_view("days, as MJD")
+                                                                 : name_of(*likely)),
+         Setting::unit);
   column.unit = *likely;
 }
 
@@ -440,12 +456,13 @@ void Detection::say_which_time() {
   if (!at || layout_.columns.size() < 2 || layout_.format != LogFormat::table) return;
   const std::string& name = layout_.columns[*at].name;
   const auto date = layout_.find(ColumnRole::date);
-  assume(fmt::format("times are those of column {}{}{} (--column time=N)", *at + 1,
+  assume(fmt::format("times are those of column {}{}{}", *at + 1,
                      name.empty() ? "" : ", " + shown(name),
                      !date ? std::string()
                      : layout_.date_begins_run
                          ? fmt::format(", counted from the dates of column {}", *date + 1)
-                         : fmt::format(", with the dates of column {}", *date + 1)));
+                         : fmt::format(", with the dates of column {}", *date + 1)),
+         Setting::columns, "time=N");
 }
 
 // Phase and frequency come with a time of their own, or are taken as one a second.
@@ -456,10 +473,12 @@ void Detection::settle_tau0() {
       layout_.find(ColumnRole::phase) != 0 && layout_.find(ColumnRole::frequency) != 0;
   if (unit && second) {
     layout_.tau0_s = samples_[0].typical_step * unit->seconds * std::pow(10.0, unit->power);
-    assume(fmt::format("one value every {:.6g} s, the step of the first column (--tau0)",
-                       layout_.tau0_s));
+    assume(fmt::format("one value every {:.6g} s, the step of the first column", layout_.tau0_s),
+           Setting::tau0);
   } else {
-    assume("one value a second (--tau0); if they are periods or frequencies, --format says so");
+    assume("one value a second", Setting::tau0);
+    if (!options_.format && layout_.find(ColumnRole::phase))
+      assume("the values are the clock's error, neither periods nor frequencies", Setting::format);
   }
 }
 
@@ -471,9 +490,9 @@ void Detection::settle_angle_unit() {
   if (stated || layout_.columns[*at].scale != 1.0) return;
   if (half > 3.2) { // more than upside down
     (void)set_unit(layout_.columns[*at], "deg");
-    assume("angles are in degrees (--column angle=N:rad)");
+    assume("angles are in degrees", Setting::columns, "angle=N:rad");
   } else {
-    assume("angles are in rad (--column angle=N:deg)");
+    assume("angles are in rad", Setting::columns, "angle=N:deg");
   }
 }
 

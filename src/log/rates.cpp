@@ -17,19 +17,20 @@ double rounded_period(double period_s) {
 }
 
 double nominal_period(const ClockLog& log, const Beats& beats,
-                      std::vector<std::string>& assumptions) {
+                      std::vector<Assumption>& assumptions) {
   if (log.nominal_period_s) return *log.nominal_period_s;
   const double mean = beats.typical_period_s;
   const double quarters = rounded_period(mean);
   if (quarters != mean) {
-    assumptions.push_back(fmt::format(
-        "nominal period {} s, the mean period {:.6f} s rounded (--nominal-period says otherwise)",
-        quarters, mean));
+    assumptions.push_back(
+        {fmt::format("nominal period {} s, the mean period {:.6f} s rounded", quarters, mean),
+         Setting::nominal_period});
     return quarters;
   }
-  assumptions.push_back(fmt::format("no nominal period is known: rates are relative to the mean "
-                                    "period {:.9g} s (--nominal-period says otherwise)",
-                                    mean));
+  assumptions.push_back(
+      {fmt::format("no nominal period is known: rates are relative to the mean period {:.9g} s",
+                   mean),
+       Setting::nominal_period});
   return mean;
 }
 
@@ -249,6 +250,20 @@ std::vector<PartRate> segment_rates(std::span<const Beat> beats, double nominal_
         if (part.size() >= 3) segments.push_back(part_rate(part, nominal_period_s));
       });
   return segments;
+}
+
+std::vector<PartRate> rates_between(std::span<const Beat> beats, std::span<const Instant> cuts,
+                                    double nominal_period_s) {
+  std::vector<PartRate> stretches;
+  for_each_part(
+      beats,
+      [&](const Beat& beat) {
+        return std::upper_bound(cuts.begin(), cuts.end(), beat.time) - cuts.begin();
+      },
+      [&](std::span<const Beat> part) {
+        if (part.size() >= 3) stretches.push_back(part_rate(part, nominal_period_s));
+      });
+  return stretches;
 }
 
 } // namespace goingrate

@@ -37,10 +37,12 @@ void settle_nominal_period(ClockLog& log, const LogHead& head, const Layout& lay
   } else if (layout.label_step_s > 0.0) {
     log.nominal_period_s = layout.label_step_s;
     log.assumptions.push_back(
-        fmt::format("nominal period {} s, the step of the labels", layout.label_step_s));
+        {fmt::format("nominal period {} s, the step of the labels", layout.label_step_s),
+         Setting::nominal_period});
   } else if (const auto value = stated(head, "nominal_period_s", 1e-9, 1e9)) {
     log.nominal_period_s = value;
-    log.assumptions.push_back(fmt::format("nominal period {} s, from the header", *value));
+    log.assumptions.push_back(
+        {fmt::format("nominal period {} s, from the header", *value), Setting::nominal_period});
   }
 }
 
@@ -70,7 +72,7 @@ void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout&
   if (log.events.empty() && rows.other_channels() > 0)
     throw InputError({log.source, layout.first_line, 1},
                      fmt::format("{} lines of other channels", rows.other_channels()),
-                     fmt::format("lines of channel {} (--channel)", layout.channel));
+                     fmt::format("lines of channel {}", layout.channel));
   if (layout.format == LogFormat::angle)
     throw ImpossibleReading({log.source, layout.first_line, 1},
                             fmt::format("{} samples of an angle with {} crossings",
@@ -108,12 +110,13 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
     issues.add(samples.front().line, 1, IssueKind::gap,
                fmt::format("{} passages with too few samples around them", swings.unfitted),
                "taken as missing");
-  log.assumptions.push_back(fmt::format(
-      "{} samples give {} crossings; the pendulum hangs at {:.6g}{} ({}), the samples' noise is "
-      "{:.2g}",
-      samples.size(), swings.crossings.size(), swings.rest_angle, in_rad ? " rad" : "",
-      options.rest_angle_rad ? "as given" : "the middle of its swings; --rest-angle",
-      swings.noise));
+  log.assumptions.push_back({fmt::format("{} samples, whose noise is {:.2g}, give {} crossings",
+                                         samples.size(), swings.noise, swings.crossings.size())});
+  if (!options.rest_angle_rad)
+    log.assumptions.push_back({fmt::format("the pendulum hangs at {:.6g}{}, the middle of its "
+                                           "swings",
+                                           swings.rest_angle, in_rad ? " rad" : ""),
+                               Setting::rest_angle});
 }
 
 // Lines to make room for; those of a file are not all of one length.
@@ -171,9 +174,10 @@ void unwrap_turned(ClockLog& log, Layout layout, const ReadingOptions& options) 
       typical_step_s += (step - typical_step_s) * (typical_step_s > 0.0 ? 0.125 : 1.0);
   }
   if (unwrap.wraps() > 0)
-    log.assumptions.push_back(fmt::format("the times begin again {} time{}, every {:.12g} s",
-                                          unwrap.wraps(), unwrap.wraps() == 1 ? "" : "s",
-                                          unwrap.wrap_s()));
+    log.assumptions.push_back(
+        {fmt::format("the times begin again {} time{}, every {:.12g} s", unwrap.wraps(),
+                     unwrap.wraps() == 1 ? "" : "s", unwrap.wrap_s()),
+         Setting::wrap});
 }
 
 // Whether times tell the day: dates, MJD, or seconds since 1970 (from 1973 on; no logger has run so

@@ -444,15 +444,17 @@ void RowReader::append(const Beat& beat, double width_s, double temperature_c,
 
 void RowReader::finish() {
   if (unwrap_.wraps() > 0)
-    log_.assumptions.push_back(fmt::format("the times begin again {} time{}, every {:.12g} s",
-                                           unwrap_.wraps(), unwrap_.wraps() == 1 ? "" : "s",
-                                           unwrap_.wrap_s()));
+    log_.assumptions.push_back(
+        {fmt::format("the times begin again {} time{}, every {:.12g} s", unwrap_.wraps(),
+                     unwrap_.wraps() == 1 ? "" : "s", unwrap_.wrap_s()),
+         Setting::wrap});
   if (other_channels_ > 0)
-    log_.assumptions.push_back(fmt::format("{} lines of other channels than {} (--channel)",
-                                           other_channels_, layout_.channel));
+    log_.assumptions.push_back(
+        {fmt::format("{} lines of other channels than {}", other_channels_, layout_.channel),
+         Setting::channel});
   if (width_ || !log_.columns.width_s.empty())
-    log_.assumptions.emplace_back("times are those of the flag's leading edge; half its width is "
-                                  "added to each");
+    log_.assumptions.push_back(
+        {"times are those of the flag's leading edge; half its width is added to each"});
 }
 
 } // namespace goingrate

@@ -7,9 +7,9 @@
 #include "unwrapper.hpp"
 
 #include "goingrate/base/sums.hpp"
-#include "goingrate/log/angle_samples.hpp"
 #include "goingrate/log/clock_log.hpp"
 #include "goingrate/log/reading.hpp"
+#include "log/angle_samples.hpp"
 
 #include <optional>
 #include <string>

@@ -1,9 +1,9 @@
 #include "goingrate/log/sensor.hpp"
 
+#include "base/scaled_time.hpp"
+#include "dynamics/passage.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/direct.hpp"
-#include "goingrate/dynamics/passage.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "typical_period.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "goingrate/report/chart_report.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 #include "json_parts.hpp"
 #include "markup.hpp"
 

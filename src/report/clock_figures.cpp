@@ -1,7 +1,7 @@
 // Figures of the clock itself: its rate against its amplitude, and the drive as it went.
 #include "report_figures.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <cmath>

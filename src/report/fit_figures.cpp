@@ -18,9 +18,8 @@ constexpr int vermilion = 1;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 bool is_determined(const FitSummary& fit, const std::string& name) {
-  return std::none_of(fit.parameters.begin(), fit.parameters.end(), [&](const auto& p) {
-    return p.name == name && p.status == ParameterStatus::undetermined;
-  });
+  const FittedParameter* found = fit.find(name);
+  return !found || found->status != ParameterStatus::undetermined;
 }
 
 bool has_intervals(const FittedParameter& p) {

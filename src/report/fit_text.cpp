@@ -73,9 +73,8 @@ std::string derived_line(const DerivedQuantity& quantity) {
 }
 
 bool has_value(const FitSummary& fit, const std::string& name) {
-  return std::any_of(fit.parameters.begin(), fit.parameters.end(), [&](const FittedParameter& p) {
-    return p.name == name && std::isfinite(p.value);
-  });
+  const FittedParameter* found = fit.find(name);
+  return found && std::isfinite(found->value);
 }
 
 // Of parameters that have a value; the correlation of one that has none is that of its prior.
@@ -152,7 +151,8 @@ std::string fit_text(const FitSummary& fit) {
   if (fit.status == FitStatus::no_valid_model) return "no fit: " + fit.termination + "\n";
   std::string text = fmt::format(
       "[model]\n  dynamics {}, escapement {}, friction {}, noise {}\n  chosen: {}\n  search {}\n",
-      fit.dynamics, fit.escapement, fit.friction, fit.noise, fit.chosen_by, fit.termination);
+      name_of(fit.dynamics), name_of(fit.model.escapement), fit.model.friction(), fit.model.noise(),
+      fit.chosen_by, fit.termination);
   text += statistics_lines(fit);
   text += "[parameters]\n";
   text += parameter_lines(fit.parameters);
@@ -167,8 +167,8 @@ std::string fit_text(const FitSummary& fit) {
   text += "[models tried]\n";
   for (const FitAlternative& a : fit.alternatives)
     text += fmt::format("  {}\n    BIC {:.8g}: {}\n", a.model, a.bic, a.verdict);
-  for (const std::string& note : fit.notes)
-    text += "note: " + note + "\n";
+  for (const FitNote& note : fit.notes)
+    text += "note: " + note.text + "\n";
   constexpr std::size_t terminal = 80;
   return wrapped(text, terminal, 2);
 }

@@ -1,6 +1,6 @@
 #include "goingrate/report/json.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 #include "goingrate/report/tables.hpp"
 #include "json_parts.hpp"
 
@@ -78,7 +78,9 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   json["rate_s_per_day"] = rate(seconds_gained_per_day(summary.rate_excess));
   json["rate_sigma_s_per_day"] = rate(seconds_gained_per_day(summary.rate_excess_sigma));
   json["slope_rate_s_per_day"] = rate(seconds_gained_per_day(summary.slope_rate_excess));
-  json["assumptions"] = log.assumptions;
+  json["assumptions"] = Json::array();
+  for (const Assumption& assumption : log.assumptions)
+    json["assumptions"].push_back(assumption.text);
   json["issues"] = Json::array();
   for (const LineIssue& issue : log.issues)
     json["issues"].push_back({{"line", issue.line},
@@ -121,12 +123,14 @@ Json derived_object(const DerivedQuantity& quantity) {
 Json fit_object(const FitSummary& fit) {
   Json json = json_with_schema("goingrate.fit");
   json["termination"] = fit.termination;
-  json["converged"] = fit.status == FitStatus::converged;
-  if (fit.status != FitStatus::converged) return json;
-  json["model"] = {{"dynamics", fit.dynamics},
-                   {"escapement", fit.escapement},
-                   {"friction", fit.friction},
-                   {"noise", fit.noise},
+  json["status"] = name_of(fit.status);
+  json["converged"] =
+      fit.status == FitStatus::converged || fit.status == FitStatus::contradicts_log;
+  if (!fit.has_result()) return json;
+  json["model"] = {{"dynamics", name_of(fit.dynamics)},
+                   {"escapement", name_of(fit.model.escapement)},
+                   {"friction", fit.model.friction()},
+                   {"noise", fit.model.noise()},
                    {"chosen_by", fit.chosen_by}};
   json["parameters"] = Json::array();
   for (const FittedParameter& p : fit.parameters)
@@ -166,7 +170,9 @@ Json fit_object(const FitSummary& fit) {
     json["experiments"].push_back(experiment_object(experiment));
   json["thinning"] = {{"beats_used", fit.thinning.beats},
                       {"information_lost", json_number(fit.thinning.information_lost)}};
-  json["notes"] = fit.notes;
+  json["notes"] = Json::array();
+  for (const FitNote& note : fit.notes)
+    json["notes"].push_back(note.text);
   return json;
 }
 
@@ -256,7 +262,13 @@ Json stability_object(const DeviationTable& table) {
 Json change_object(const Change& change) {
   return {{"cycle", change.cycle},
           {"at_s", json_number(change.at_s)},
+          {"kind", name_of(change.kind)},
+          {"kind_gain_2logL", json_number(change.kind_gain)},
           {"rate_change", json_number(change.rate_change)},
+          {"rate_excess_before", json_number(change.rate_before)},
+          {"rate_excess_before_sigma", json_number(change.rate_before_sigma)},
+          {"rate_excess_after", json_number(change.rate_after)},
+          {"rate_excess_after_sigma", json_number(change.rate_after_sigma)},
           {"amplitude_slope_change_rad_per_s", json_number(change.amplitude_slope_change)}};
 }
 
@@ -290,6 +302,33 @@ Json diary_object(const Diary& diary) {
   return json;
 }
 
+Json stretches_object(const Analysis& data) {
+  Json json = Json::array();
+  for (const PartRate& stretch : data.stretches) {
+    Json part = part_object(stretch, data.rate.nominal_is_known);
+    part["from_s"] = json_number(stretch.start - data.beats.front().time);
+    part["to_s"] = json_number(stretch.start - data.beats.front().time + stretch.rate.duration_s);
+    part["sigma"] = part["rate_sigma_s_per_day"];
+    json.push_back(std::move(part));
+  }
+  return json;
+}
+
+Json causes_object(const std::vector<Suspicion>& suspicions) {
+  Json json = Json::array();
+  for (const Suspicion& suspicion : suspicions) {
+    Json alternatives = Json::array();
+    for (const Cause cause : suspicion.alternatives)
+      alternatives.push_back(name_of(cause));
+    json.push_back({{"cause", name_of(suspicion.cause)},
+                    {"gain_2logL", json_number(suspicion.gain)},
+                    {"for", suspicion.evidence},
+                    {"against", std::move(alternatives)},
+                    {"advice", suspicion.advice}});
+  }
+  return json;
+}
+
 // A file name in some other encoding than UTF-8 is written with replacement characters.
 std::string text_of(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -311,7 +350,9 @@ std::string stability_json(const DeviationTable& table) { return text_of(stabili
 std::string report_json(const Analysis& data) {
   Json json = json_with_schema("goingrate.report");
   json["rate"] = rate_object(data.log, data.numbered, data.rate, {});
+  json["segment_rates"] = stretches_object(data);
   json["diary"] = diary_object(data.diary);
+  json["causes"] = causes_object(data.suspicions);
   json["fit"] = fit_object(data.fit);
   json["spectrum"] = spectrum_object(data.drive);
   json["stability"] = stability_object(data.deviation);

@@ -1,6 +1,6 @@
 #include "markup.hpp"
 
-#include "goingrate/base/printable.hpp"
+#include "base/printable.hpp"
 #include "goingrate/report/tables.hpp"
 
 #include <cmath>

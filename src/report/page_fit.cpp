@@ -79,8 +79,8 @@ std::string combination_table(const FitSummary& fit) {
 }
 
 bool is_undetermined(const FitSummary& fit, const std::string& name) {
-  return std::any_of(fit.parameters.begin(), fit.parameters.end(),
-                     [&](const FittedParameter& p) { return p.name == name && !has_value(p); });
+  const FittedParameter* found = fit.find(name);
+  return found && !has_value(*found);
 }
 
 // Of parameters that have a value; the correlation of one that has none is that of its prior.
@@ -174,7 +174,7 @@ std::string line_table(const DriveAnalysis& drive) {
 std::string fit(const Analysis& data) {
   const FitSummary& fit = data.fit;
   std::string body;
-  if (fit.status != FitStatus::converged) {
+  if (!fit.has_result()) {
     body = fmt::format(
         "<p class=\"warning\">No model of this kind fits the log: there are no values to "
         "report. {}</p>\n",
@@ -184,7 +184,8 @@ std::string fit(const Analysis& data) {
   if (fit.parameters.empty())
     return section("fit", "Fit of the pendulum model", paragraph("No fit was made."));
   body = paragraph(fmt::format("Equations: {}; escapement: {}; noise: {}. Chosen because: {}.",
-                               fit.dynamics, fit.escapement, fit.noise, fit.chosen_by));
+                               name_of(fit.dynamics), name_of(fit.model.escapement),
+                               fit.model.noise(), fit.chosen_by));
   body += parameter_table(fit) + combination_table(fit) + correlation_table(fit) +
           quality_table(fit) + alternatives_table(fit);
   return section("fit", "Fit of the pendulum model", body);

@@ -2,8 +2,8 @@
 
 #include "markup.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
-#include "goingrate/spectra/noise_type.hpp"
+#include "base/scaled_time.hpp"
+#include "spectra/noise_type.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -207,7 +207,10 @@ std::string stability(const Analysis& data) {
 
 std::string reading(const Analysis& data) {
   std::string body = "<h3>What was assumed</h3>\n";
-  body += data.log.assumptions.empty() ? paragraph("Nothing.") : list(data.log.assumptions);
+  std::vector<std::string> assumed;
+  for (const Assumption& assumption : data.log.assumptions)
+    assumed.push_back(assumption.text);
+  body += assumed.empty() ? paragraph("Nothing.") : list(assumed);
   body += issue_table(data.log.issues) + gap_table(data.numbered.gaps);
   return section("reading", "How the log was read", body);
 }

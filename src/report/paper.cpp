@@ -2,8 +2,8 @@
 
 #include "paper_figures.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
 #include "goingrate/dynamics/stationary.hpp"

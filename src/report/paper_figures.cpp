@@ -1,7 +1,7 @@
 #include "paper_figures.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/random.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
 #include "goingrate/dynamics/stationary.hpp"

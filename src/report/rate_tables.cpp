@@ -1,7 +1,7 @@
 // The tables and the text of `goingrate rate`.
 #include "goingrate/report/tables.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <array>
@@ -163,7 +163,7 @@ std::string rate_sentence(const RateSummary& summary) {
   const std::string mean = fmt::format(
       "mean period {} s", with_sigma(summary.mean_period_s, summary.mean_period_sigma_s, 12));
   if (!summary.nominal_is_known)
-    return mean + "; against what it gains or loses is not known (--nominal-period)";
+    return mean + "; what it gains or loses is not known, as no nominal period is";
   const double rate = seconds_gained_per_day(summary.rate_excess);
   const double sigma = seconds_gained_per_day(summary.rate_excess_sigma);
   return mean + fmt::format(" against {} s: {} by {} s a day (end to end); "

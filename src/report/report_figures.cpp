@@ -1,6 +1,6 @@
 #include "report_figures.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <array>
@@ -154,7 +154,7 @@ Figure TimeFigures::amplitude() const {
       {against_time(Series::Style::points, "measured", std::move(amplitude), blue)},
       markers_};
   const auto& model = data_.fit.model_amplitude_rad;
-  if (data_.fit.status == FitStatus::converged && model.size() == time_.size())
+  if (data_.fit.has_result() && model.size() == time_.size())
     figure.series.push_back(
         against_time(Series::Style::line, "model", scaled(model, 1e3), vermilion));
   else
@@ -301,7 +301,7 @@ Figure deviation_figure(const Analysis& data) {
       {"averaging time τ", "s", true},
       {std::string(kind_in_words(kind)), is_in_seconds(kind) ? "s" : "", true},
       {std::move(bars)}};
-  if (usual && data.fit.status == FitStatus::converged && data.fit.jitter_s > 0.0) {
+  if (usual && data.fit.has_result() && data.fit.jitter_s > 0.0) {
     figure.series.push_back(without_depths(jitter_floor(figure.series.front(), data.fit.jitter_s),
                                            figure.series.front()));
     figure.caption += " The line is what the fitted jitter √3 j/τ leaves of a perfect clock.";
@@ -356,7 +356,7 @@ BinnedSpectrum log_binned(const std::vector<double>& frequency_hz,
 
 std::vector<Figure> report_figures(const Analysis& data) {
   std::vector<Figure> figures;
-  const bool fitted = data.fit.status == FitStatus::converged;
+  const bool fitted = data.fit.has_result();
   if (data.beats.size() > 1) add_time_figures(data, fitted, figures);
   if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1)
     figures.push_back(spectrum_figure(data));

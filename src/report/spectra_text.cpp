@@ -1,7 +1,7 @@
 #include "goingrate/report/tables.hpp"
 
-#include "goingrate/spectra/noise_type.hpp"
-#include "goingrate/spectra/stability_reading.hpp"
+#include "spectra/noise_type.hpp"
+#include "spectra/stability_reading.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -236,11 +236,13 @@ std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPerio
                     "in the long run\ncorner between the two: {:.4g} Hz (a period of {:.4g} s)\n",
                     drive.response->fast_gain, drive.response->slow_gain, drive.response->corner_hz,
                     1.0 / drive.response->corner_hz);
+  else if (drive.swings_freely)
+    text = "The pendulum swings freely: there is no drive to split.\n";
   else
-    text = "The log does not determine how the clock answers its drive, so fast and slow drive "
-           "cannot be told apart. What would help: --fix epsilon=..., mu=..., phi0=... from "
-           "elsewhere, an amplitude column, a ring-down, or a deliberate change of the driving "
-           "weight.\n";
+    text = fmt::format("The log does not determine how the clock answers its drive, so fast and "
+                       "slow drive cannot be told apart. What would help: ε, μ and φ0 known from "
+                       "elsewhere, {}a ring-down, or a deliberate change of the driving weight.\n",
+                       drive.sees_amplitude ? "" : "an amplitude column, ");
   if (drive.split) text += split_lines(*drive.split);
   return wrapped(text + line_lines(drive, expected), terminal, 2);
 }

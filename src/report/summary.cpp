@@ -1,8 +1,8 @@
 // The report in words, for somebody who keeps a clock.
 #include "goingrate/report/report.hpp"
 
-#include "goingrate/base/printable.hpp"
-#include "goingrate/base/scaled_time.hpp"
+#include "base/printable.hpp"
+#include "base/scaled_time.hpp"
 #include "goingrate/report/tables.hpp"
 
 #include <algorithm>
@@ -62,11 +62,12 @@ std::string rate_lines(const Analysis& data) {
   return text;
 }
 
-std::string nut_line(const NutTurns& nut) {
-  return fmt::format(
-      "  Rating nut: {} the bob by {} turns ({:.3g} mm) to bring the rate to zero.\n",
-      nut.turns < 0.0 ? "lower" : "raise", with_sigma(std::abs(nut.turns), nut.sigma, 3),
-      1e3 * std::abs(nut.raise_m));
+std::string nut_line(const NutTurns& nut, bool has_changed) {
+  return fmt::format("  Rating nut: {} the bob by {} turns ({:.3g} mm) to bring the rate{} to "
+                     "zero.\n",
+                     nut.turns < 0.0 ? "lower" : "raise",
+                     with_sigma(std::abs(nut.turns), nut.sigma, 3), 1e3 * std::abs(nut.raise_m),
+                     has_changed ? " since the last change" : "");
 }
 
 std::string amplitude_line(const Analysis& data) {
@@ -124,7 +125,36 @@ bool part_of_interruption(const Diary& diary, const Change& change) {
                      });
 }
 
-std::string diary_lines(const Diary& diary) {
+std::string_view words_for(ChangeKind kind) {
+  switch (kind) {
+  case ChangeKind::regulation:
+    return "the regulation changed (nut, weight or length)";
+  case ChangeKind::drive:
+    return "the drive changed";
+  case ChangeKind::friction:
+    return "the friction changed";
+  case ChangeKind::unclear:
+    break;
+  }
+  return "the going changed";
+}
+
+// What it was, and the rate from the change before to this one, and from here to the next.
+std::string change_lines(const Change& change, bool nominal_is_known) {
+  std::string text =
+      fmt::format("  {:.0f} s ({}): {}", change.at_s, span_of(change.at_s), words_for(change.kind));
+  text += change.kind == ChangeKind::friction
+              ? std::string(", and the rate with the amplitude")
+              : fmt::format(", the rate by {} at once", ppm(change.rate_change));
+  if (nominal_is_known && std::isfinite(change.rate_before + change.rate_after))
+    text += fmt::format(". Rate before {}, after {}",
+                        per_day(change.rate_before, change.rate_before_sigma),
+                        per_day(change.rate_after, change.rate_after_sigma));
+  return text + ".\n";
+}
+
+std::string diary_lines(const Analysis& data) {
+  const Diary& diary = data.diary;
   if (diary.changes.empty()) return "Diary: no sudden change of rate or amplitude.\n";
   std::string text = "Diary (seconds after the first beat):\n";
   for (const Interruption& event : diary.interruptions)
@@ -133,11 +163,7 @@ std::string diary_lines(const Diary& diary) {
   int told = 0;
   for (const Change& change : diary.changes) {
     if (part_of_interruption(diary, change) || told++ >= most) continue;
-    text += fmt::format("  {:.0f} s: the rate changed by {}", change.at_s, ppm(change.rate_change));
-    if (std::isfinite(change.amplitude_slope_change))
-      text += fmt::format(", the amplitude's slope by {:+.2g} mrad/s",
-                          1e3 * change.amplitude_slope_change);
-    text += ".\n";
+    text += change_lines(change, data.rate.nominal_is_known);
   }
   return text;
 }
@@ -157,7 +183,7 @@ std::string disagreement(const FitSummary& fit, const Diary& diary) {
 }
 
 std::string fit_lines(const FitSummary& fit, const Diary& diary) {
-  if (fit.status != FitStatus::converged) return "Fit: no result (" + fit.termination + ").\n";
+  if (!fit.has_result()) return "Fit: no result (" + fit.termination + ").\n";
   std::string known, unknown;
   std::size_t longest = 8;
   for (const FittedParameter& p : fit.parameters)
@@ -169,8 +195,8 @@ std::string fit_lines(const FitSummary& fit, const Diary& diary) {
       known +=
           fmt::format("  {:<{}} {} {}\n", p.name, longest, with_sigma(p.value, p.sigma), p.unit);
   }
-  std::string text =
-      fmt::format("Fit of the pendulum model ({}, escapement {}):\n", fit.dynamics, fit.escapement);
+  std::string text = fmt::format("Fit of the pendulum model ({}, escapement {}):\n",
+                                 name_of(fit.dynamics), name_of(fit.model.escapement));
   text += known;
   if (std::isfinite(fit.q_factor.value))
     text += fmt::format("  {:<{}} {}\n", "Q", longest,
@@ -189,6 +215,7 @@ bool sees_amplitude(const Analysis& data) {
 }
 
 std::string drive_lines(const Analysis& data) {
+  if (data.drive.swings_freely) return {};
   if (!data.drive.split)
     return fmt::format("Drive: not split into fast and slow, since the log does not determine the "
                        "clock's response. What would tell: {}a ring-down, or a change of the "
@@ -236,12 +263,18 @@ std::string suspicion_lines(const Analysis& data) {
     return data.beats.size() < 2000 ? ""
                                     : fmt::format("Nothing {}is wrong that this log would show.\n",
                                                   told ? "beside what the diary tells " : "");
-  std::string text = told ? "Beside what the diary tells:\n" : "";
+  std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(2, data.suspicions.size()); ++i) {
     const Suspicion& s = data.suspicions[i];
     text += fmt::format("{} cause: {}:\n  {}.\n", i == 0 ? "Most likely" : "Next likely",
                         name_of(s.cause), s.evidence);
-    if (!s.against.empty()) text += fmt::format("  Consider: {}.\n", s.against);
+    std::vector<std::string_view> others;
+    for (const Cause other : s.alternatives)
+      others.push_back(name_of(other));
+    if (!others.empty())
+      text += fmt::format("  This log cannot tell it from: {}.\n", fmt::join(others, ", "));
+    if (!s.advice.empty())
+      text += fmt::format("  Consider: {}{}\n", s.advice, s.advice.ends_with('?') ? "" : ".");
   }
   return text;
 }
@@ -270,9 +303,9 @@ std::string report_text(const Analysis& data) {
   std::string text = fmt::format("{}\n", printable(data.log.source));
   text += beats_line(data);
   text += rate_lines(data);
-  if (data.nut) text += nut_line(*data.nut);
+  if (data.nut) text += nut_line(*data.nut, data.stretches.size() > 1);
   text += amplitude_line(data);
-  text += diary_lines(data.diary);
+  text += diary_lines(data);
   text += fit_lines(data.fit, data.diary);
   text += drive_lines(data);
   text += suspicion_lines(data);

@@ -8,7 +8,7 @@
 //   M, J, S number of differences, number of lags summed, starts per tau
 // References: C. A. Greenhall and W. J. Riley, "Uncertainty of stability variances based on finite
 // differences", PTTI 2003; W. J. Riley, NIST SP 1065 (2008).
-#include "goingrate/spectra/degrees_of_freedom.hpp"
+#include "spectra/degrees_of_freedom.hpp"
 
 #include <algorithm>
 #include <array>

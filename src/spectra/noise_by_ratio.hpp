@@ -2,7 +2,7 @@
 // room; goingrate/spectra/noise_type.hpp says what is done.
 #pragma once
 
-#include "goingrate/spectra/noise_type.hpp"
+#include "spectra/noise_type.hpp"
 #include "window_means.hpp"
 
 #include <mutex>

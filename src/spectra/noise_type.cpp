@@ -1,6 +1,6 @@
 // References: W. J. Riley and C. A. Greenhall, "Power law noise identification using the lag 1
 // autocorrelation", EFTF 2004; W. J. Riley, NIST SP 1065 (2008).
-#include "goingrate/spectra/noise_type.hpp"
+#include "spectra/noise_type.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "base/workers.hpp"
 #include "bias.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/sums.hpp"
-#include "goingrate/base/workers.hpp"
-#include "goingrate/spectra/degrees_of_freedom.hpp"
-#include "goingrate/spectra/noise_type.hpp"
 #include "mean_squares.hpp"
 #include "noise_by_ratio.hpp"
 #include "per_processor.hpp"
+#include "spectra/degrees_of_freedom.hpp"
+#include "spectra/noise_type.hpp"
 #include "square_sums.hpp"
 
 namespace goingrate {

@@ -1,4 +1,4 @@
-#include "goingrate/spectra/stability_reading.hpp"
+#include "spectra/stability_reading.hpp"
 
 #include <cmath>
 #include <limits>

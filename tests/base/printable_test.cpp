@@ -1,4 +1,4 @@
-#include "goingrate/base/printable.hpp"
+#include "base/printable.hpp"
 
 #include "goingrate/base/errors.hpp"
 

@@ -1,4 +1,4 @@
-#include "goingrate/base/workers.hpp"
+#include "base/workers.hpp"
 
 #include "support/sanitizers.hpp"
 

@@ -6,8 +6,8 @@
 // crossing, and time within the period as a sum that starts at 0 every period. Bench only.
 #pragma once
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/clock/parameters.hpp"
 #include "goingrate/dynamics/chart.hpp"
 #include "goingrate/dynamics/period_step.hpp"

@@ -1,5 +1,6 @@
 // `goingrate rate --follow` where a log does not simply grow.
 #include "support/command_fixture.hpp"
+#include "support/sanitizers.hpp"
 
 #include <chrono>
 #include <signal.h>
@@ -193,6 +194,7 @@ TEST_F(FollowTest, BeatsThatGarbageTookTheirPlaceAreMissed) {
 }
 
 TEST_F(FollowTest, AWeeksBacklogTakesSeconds) {
+  GOINGRATE_NEEDS_THE_USUAL_PACE();
   constexpr int week = 302400;
   put("a.log", beats(week, 1000.0));
   const auto began = std::chrono::steady_clock::now();

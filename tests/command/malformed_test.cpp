@@ -114,7 +114,7 @@ std::vector<Malformed> logs() {
       {"OpenQuote", rate, "\"Time (s),\"Angle\n\"0.1,1\n\"0.2,2\n", 3, "bad.log:1:1: found"},
       {"OnlySeparators", rate, repeated(",,,,\n", 20), 3, "bad.log:1:1: found ',,,,'"},
       {"WildTable", rate, "5 1 9\n1 8 2\n7 3 3\n2 2 8\n6 1 4\n", 3,
-       "expected a known layout; --format and --column say what the columns are"},
+       "expected a known layout\n  if column 1 holds the times: --column time=1"},
       {"PeriodOfAFemtosecond", rate + " --unit s", "1e-15\n2e-15\n3e-15\n4e-15\n", 3, "expected"},
       {"PackedAndCut", rate, packed(beats(500)).substr(0, 700), 3,
        "bad.log: found gzip data that end early, expected a whole .gz file"},
@@ -185,7 +185,8 @@ std::vector<Malformed> options() {
        "the log does not tell where the sensor stands"},
       {"RestAngleBeyondPi", rate("--rest-angle 7"), good, 2, "rest-angle = 7: must be between"},
       {"StrictReading", rate("--strict"), beats(3) + "x\n" + beats(5).substr(33), 3,
-       "bad.log:4:1: found 'x', expected a time in seconds (without --strict: line left out)"},
+       "bad.log:4:1: found 'x', expected a time in seconds (where faults are mended: line left "
+       "out)"},
       {"UnknownOption", rate("--frobnicate"), good, 2, "--frobnicate"},
       {"FixWhatIsNot", fit("--fix eps=1"), good, 2, "eps"},
       {"FixWithoutValue", fit("--fix epsilon"), good, 2, "fix = 'epsilon': must be NAME=VALUE"},

@@ -66,10 +66,10 @@ mkdir many
 "$goingrate" --quiet simulate "$scenario" --set run.periods=20000 --realisations 1000 --threads 1 \
   -o many/log.csv &
 child=$! tries=0
-until [ "$(find many -name '*.part-*' | wc -l)" -gt 600 ] || [ $((tries += 1)) -gt 300 ]; do
+until [ "$(find many -name '*.part-*' | wc -l)" -gt 600 ] || [ $((tries += 1)) -gt 1200 ]; do
   sleep 0.05
 done
-[ "$tries" -le 300 ] || fault "there never were 600 drafts"
+[ "$tries" -le 1200 ] || fault "there never were 600 drafts"
 kill -TERM "$child"
 wait "$child"
 check_code $? 143 "SIGTERM among many drafts"

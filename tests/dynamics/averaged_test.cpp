@@ -1,6 +1,6 @@
 #include "goingrate/dynamics/averaged.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 

@@ -1,8 +1,8 @@
 #include "goingrate/dynamics/direct.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "support/noisy_oracle.hpp"

@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/map.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/random.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "support/noisy_oracle.hpp"
 

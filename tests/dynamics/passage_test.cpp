@@ -1,4 +1,4 @@
-#include "goingrate/dynamics/passage.hpp"
+#include "dynamics/passage.hpp"
 
 #include <boost/math/special_functions/ellint_1.hpp>
 #include <boost/numeric/odeint.hpp>

@@ -1,6 +1,6 @@
 #include "goingrate/dynamics/stationary.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <gtest/gtest.h>
 

@@ -155,9 +155,9 @@ TEST(ParFileTest, APartialStartIsDropped) {
 
 TEST(ParFileTest, WhatWasChosenIsNamedAndWhatIsNotKnownIsADash) {
   FitSummary fit;
-  fit.dynamics = "averaged2";
-  fit.escapement = "none";
-  fit.noise = "jitter + random walk";
+  fit.dynamics = FitDynamics::averaged2;
+  fit.model.escapement = Escapement::none;
+  fit.model.walk = true;
   fit.events = {{140, {"epsilon", "T0"}}};
   fit.parameters = {{"T0", "s", ParameterStatus::fixed, 2.0, NAN},
                     {"epsilon", "", ParameterStatus::undetermined, NAN, NAN},
@@ -188,8 +188,8 @@ void expect_same_again(const test::FitScene& scene) {
   drop_partial_start(options);
   const FitSummary again = fit_clock(data, nominal, options);
   EXPECT_EQ(again.dynamics, first.dynamics);
-  EXPECT_EQ(again.escapement, first.escapement);
-  EXPECT_EQ(again.noise, first.noise);
+  EXPECT_EQ(again.model.escapement, first.model.escapement);
+  EXPECT_EQ(again.model.noise(), first.model.noise());
   ASSERT_EQ(again.parameters.size(), first.parameters.size());
   for (std::size_t k = 0; k < first.parameters.size(); ++k) {
     const FittedParameter &a = first.parameters[k], &b = again.parameters[k];

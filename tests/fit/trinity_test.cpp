@@ -1,6 +1,6 @@
 // The Trinity College clock, Cambridge: what is known of two of its days.
-#include "goingrate/fit/diary.hpp"
-#include "goingrate/fit/drive_history.hpp"
+#include "goingrate/causes/diary.hpp"
+#include "goingrate/drive/drive_history.hpp"
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/log/reading.hpp"

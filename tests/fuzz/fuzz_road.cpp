@@ -159,7 +159,9 @@ void try_log(std::uint64_t seed) {
   RandomLog random(seed);
   const std::string text = random.text();
   const LoadRequest request = random.request();
-  const FitOptions fit = random.fit();
+  AnalysisRequest road;
+  road.fit = random.fit();
+  road.finds_events = road.fit.events.empty() && seed % 2 == 0;
   const DeviationKind kind = random.kind();
   try {
     NumberedLog loaded = load_text(text, request);
@@ -167,7 +169,7 @@ void try_log(std::uint64_t seed) {
     demand_numbers(seed, "the deviation",
                    deviation_text(stability_table(kind, phase.phase_s, phase.tau0_s,
                                                   octave_factors(phase.phase_s.size(), kind))));
-    const Analysis data = analyse(std::move(loaded), fit);
+    const Analysis data = analyse(std::move(loaded), road);
     demand_numbers(seed, "the rate's table", rate_table(data.numbered, data.rate.nominal_period_s));
     demand_numbers(seed, "the summary", report_text(data));
     demand_numbers(seed, "the fit's text", fit_text(data.fit));

@@ -1,7 +1,7 @@
 #include "goingrate/log/amplitude.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
-#include "goingrate/dynamics/passage.hpp"
+#include "base/scaled_time.hpp"
+#include "dynamics/passage.hpp"
 #include "goingrate/log/reading.hpp"
 #include "goingrate/log/writing.hpp"
 #include "support/simulated.hpp"

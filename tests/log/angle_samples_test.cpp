@@ -1,4 +1,4 @@
-#include "goingrate/log/angle_samples.hpp"
+#include "log/angle_samples.hpp"
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"

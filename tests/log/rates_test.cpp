@@ -86,7 +86,7 @@ TEST(RatesTest, JitterTellsOnTheEndsAlone) {
 TEST(RatesTest, TheNominalPeriodIsGuessedOnlyWhereItIsPlain) {
   ClockLog log;
   Beats beats;
-  std::vector<std::string> assumptions;
+  std::vector<Assumption> assumptions;
   beats.typical_period_s = 1.9993;
   EXPECT_EQ(nominal_period(log, beats, assumptions), 2.0);
   beats.typical_period_s = 1.63;

@@ -16,7 +16,7 @@ TEST(ReadingTest, BareTimestampsAreFoundAndSaid) {
   EXPECT_EQ(log.format, LogFormat::timestamps);
   ASSERT_EQ(log.events.size(), 3u);
   EXPECT_EQ(log.events[0].time.fraction, 0.2279906);
-  EXPECT_NE(log.assumptions.front().find("one time a line"), std::string::npos);
+  EXPECT_NE(log.assumptions.front().text.find("one time a line"), std::string::npos);
 }
 
 TEST(ReadingTest, AClockErrorLogGivesTrueTimes) {

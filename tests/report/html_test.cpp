@@ -30,9 +30,6 @@ std::vector<Beat> swinging_beats(std::size_t count, bool with_amplitude) {
 
 FitSummary some_fit(const std::vector<Beat>& beats, bool with_amplitude) {
   FitSummary fit;
-  fit.dynamics = "averaged1";
-  fit.escapement = "constant-torque";
-  fit.noise = "jitter";
   fit.chosen_by = "asked for";
   fit.parameters = {
       {"T0", "s", ParameterStatus::free, 2.9999, 0.0001, 2.9998, 3.0, 2.9997, 3.0001},
@@ -61,7 +58,7 @@ Analysis some_report(std::size_t count = 500, bool with_amplitude = true) {
   Analysis data;
   data.log.source = "clock.csv";
   data.log.has_amplitude = with_amplitude;
-  data.log.assumptions = {"times are seconds"};
+  data.log.assumptions = {{"times are seconds"}};
   data.beats = swinging_beats(count, with_amplitude);
   data.numbered.beats = data.beats;
   data.rate = summarise_rates(data.beats, 3.0);
@@ -207,7 +204,7 @@ TEST(HtmlReportTest, EveryLinkHasItsAnchor) {
 TEST(HtmlReportTest, EscapesWhatComesFromTheLog) {
   Analysis data = some_report();
   data.log.source = "<b>&\"";
-  data.log.assumptions = {"<script>alert(1)</script>"};
+  data.log.assumptions = {{"<script>alert(1)</script>"}};
   data.log.issues = {{3, 1, IssueKind::unreadable, "<i>\x02\xc3", "left & out", 3}};
   const std::string page = page_of(data);
   EXPECT_NE(page.find("<h1>The going of &lt;b&gt;&amp;&quot;</h1>"), std::string::npos);

@@ -78,7 +78,8 @@ TEST(TextTest, TheParametersStandInColumns) {
   fit.parameters[2].model_shift = -0.99;
   fit.parameters.push_back(
       {"a_name_that_is_long", "s", ParameterStatus::free, 0.25, 0.002, 0.248, 0.252, 0.246, 0.254});
-  fit.notes = {"a note of more words than a terminal of eighty columns has room for on one line"};
+  fit.notes = {{NoteKind::dynamics,
+                "a note of more words than a terminal of eighty columns has room for on one line"}};
   const std::string text = fit_text(fit);
   std::istringstream lines(text);
   std::set<std::size_t> values, remarks;

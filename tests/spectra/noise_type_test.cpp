@@ -1,8 +1,8 @@
 // Identification of power-law noise, degrees of freedom and intervals, against slow obvious
 // oracles.
-#include "goingrate/spectra/degrees_of_freedom.hpp"
-#include "goingrate/spectra/noise_type.hpp"
 #include "goingrate/spectra/stability.hpp"
+#include "spectra/degrees_of_freedom.hpp"
+#include "spectra/noise_type.hpp"
 
 #include <array>
 #include <cmath>

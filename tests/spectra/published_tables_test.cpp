@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "goingrate/spectra/degrees_of_freedom.hpp"
-#include "goingrate/spectra/noise_type.hpp"
+#include "spectra/degrees_of_freedom.hpp"
+#include "spectra/noise_type.hpp"
 
 namespace goingrate {
 namespace {

@@ -1,5 +1,5 @@
 // What is read out of a stability table.
-#include "goingrate/spectra/stability_reading.hpp"
+#include "spectra/stability_reading.hpp"
 
 #include <cmath>
 #include <limits>

@@ -13,8 +13,8 @@
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
-#include "goingrate/spectra/degrees_of_freedom.hpp"
-#include "goingrate/spectra/noise_type.hpp"
+#include "spectra/degrees_of_freedom.hpp"
+#include "spectra/noise_type.hpp"
 #include "support/simulated_phase.hpp"
 
 namespace goingrate {

@@ -17,12 +17,6 @@ struct Bias {
   int logs = 0;
 };
 
-const FittedParameter* find(const FitSummary& fit, const std::string& name) {
-  for (const FittedParameter& p : fit.parameters)
-    if (p.name == name) return &p;
-  return nullptr;
-}
-
 std::map<std::string, Bias> biases(FitScene scene, int logs, std::map<std::string, int>& dynamics) {
   std::map<std::string, Bias> sums;
   for (int seed = 1; seed <= logs; ++seed) {
@@ -30,13 +24,13 @@ std::map<std::string, Bias> biases(FitScene scene, int logs, std::map<std::strin
         timing_data(simulated_beats(scene.scenario, static_cast<std::uint64_t>(seed)));
     scene.options.dynamics = FitDynamics::automatic;
     const FitSummary chosen = fit_clock(data, 2.0, scene.options);
-    ++dynamics[chosen.dynamics];
+    ++dynamics[std::string(name_of(chosen.dynamics))];
     scene.options.dynamics = FitDynamics::averaged1;
     scene.options.noise = FitNoise::jitter;
     const FitSummary first = fit_clock(data, 2.0, scene.options);
     scene.options.noise = FitNoise::automatic;
     for (const FittedParameter& p : chosen.parameters) {
-      const FittedParameter* other = find(first, p.name);
+      const FittedParameter* other = first.find(p.name);
       if (!std::isfinite(p.sigma) || !scene.truth.contains(p.name) || other == nullptr) continue;
       const double truth = scene.truth.at(p.name);
       Bias& bias = sums[p.name];

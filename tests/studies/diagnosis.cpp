@@ -1,4 +1,6 @@
-// Confusion of ten causes and of health on simulated weeks. Argument: clocks of each kind (28).
+// Confusion of causes on clocks drawn from those people have, through analyse(): causes of the
+// list, causes that are not in it, pairs, and health. Arguments: clocks of each kind (10), first
+// seed (1), greatest length in days (3).
 #include "support/sick_clocks.hpp"
 
 #include <cstdio>
@@ -10,48 +12,77 @@ namespace {
 
 using namespace goingrate;
 
-constexpr int causes = 10;
+struct Kind {
+  std::vector<Cause> faults;
+  bool in_list = true;
+};
+
+std::vector<Kind> kinds() {
+  const std::vector<Cause> list{Cause::slow_drive,       Cause::drive_step,  Cause::friction_step,
+                                Cause::growing_friction, Cause::temperature, Cause::pressure,
+                                Cause::length_step,      Cause::wheel,       Cause::sensor_shift,
+                                Cause::missed_beats,     Cause::rough_drive};
+  std::vector<Kind> all;
+  for (const Cause cause : list)
+    all.push_back({{cause}});
+  for (const Cause cause : {Cause::length_drift, Cause::log_clock, Cause::unlogged_weather,
+                            Cause::knock, Cause::magnet, Cause::stop})
+    all.push_back({{cause}, false});
+  all.push_back({{Cause::length_step, Cause::temperature}});
+  all.push_back({{Cause::missed_beats, Cause::slow_drive}});
+  all.push_back({{Cause::wheel, Cause::growing_friction}});
+  all.push_back({{}});
+  return all;
+}
+
+std::string words_for(const std::vector<Cause>& faults) {
+  std::string words;
+  for (const Cause fault : faults)
+    words += (words.empty() ? "" : " and ") + std::string(name_of(fault));
+  return words.empty() ? "healthy" : words;
+}
 
 } // namespace
 
 int main(int count, char** words) {
-  const auto each = static_cast<std::size_t>(count > 1 ? std::atoi(words[1]) : 28);
-  int first_right = 0, second_right = 0, healthy_right = 0, sick = 0;
-  std::printf("%-20s named first\n", "truth");
-  for (int k = 0; k <= causes; ++k) {
-    const bool healthy = k == causes;
-    const auto cause = static_cast<Cause>(k);
-    std::vector<std::vector<Suspicion>> found(each);
-    const auto half = [&](std::size_t first) {
-      for (std::size_t i = first; i < each; i += 2) {
-        test::SickClock clock;
-        if (!healthy) clock.cause = cause;
-        clock.seed = 1000 * static_cast<std::uint64_t>(k + 1) + i;
-        found[i] = test::diagnosed(clock);
+  const int each = count > 1 ? std::atoi(words[1]) : 10;
+  const auto first_seed = static_cast<std::uint64_t>(count > 2 ? std::atoll(words[2]) : 1);
+  const double longest = count > 3 ? std::atof(words[3]) : 3.0;
+  std::map<std::string, std::pair<int, int>> shares;
+  std::printf("%-34s right  named first\n", "truth");
+  std::uint64_t seed = first_seed;
+  for (const Kind& kind : kinds()) {
+    std::vector<std::vector<Suspicion>> found(static_cast<std::size_t>(each));
+    const auto half = [&](std::size_t begin) {
+      for (std::size_t i = begin; i < found.size(); i += 2) {
+        RandomStream chance(seed + i, StreamPurpose::jitter);
+        found[i] = test::diagnosed({kind.faults, std::pow(longest, chance.uniform()), seed + i});
       }
     };
     std::thread other(half, 1);
     half(0);
     other.join();
+    seed += found.size();
     std::map<std::string, int> named;
+    int right = 0;
     for (const auto& suspicions : found) {
       ++named[suspicions.empty() ? "healthy" : std::string(name_of(suspicions[0].cause))];
-      if (healthy) {
-        healthy_right += suspicions.empty() ? 1 : 0;
-        continue;
-      }
-      ++sick;
-      const bool one = !suspicions.empty() && suspicions[0].cause == cause;
-      first_right += one ? 1 : 0;
-      second_right += one || (suspicions.size() > 1 && suspicions[1].cause == cause) ? 1 : 0;
+      right += kind.faults.empty() ? suspicions.empty()
+                                   : test::is_named(suspicions, kind.faults, kind.in_list);
     }
-    std::printf("%-20s", healthy ? "healthy" : std::string(name_of(cause)).c_str());
+    auto& [sum, of] = shares[kind.faults.empty()      ? "healthy"
+                             : !kind.in_list          ? "not in the list"
+                             : kind.faults.size() > 1 ? "pairs"
+                                                      : "in the list"];
+    sum += right;
+    of += each;
+    std::printf("%-34s %2d/%d ", words_for(kind.faults).c_str(), right, each);
     for (const auto& [name, times] : named)
       std::printf(" %s %d,", name.c_str(), times);
     std::printf("\n");
     std::fflush(stdout);
   }
-  std::printf("right cause first %.3f, among the first two %.3f, healthy called healthy %.3f\n",
-              static_cast<double>(first_right) / sick, static_cast<double>(second_right) / sick,
-              static_cast<double>(healthy_right) / static_cast<double>(each));
+  for (const auto& [name, share] : shares)
+    std::printf("%-16s %.3f of %d\n", name.c_str(), static_cast<double>(share.first) / share.second,
+                share.second);
 }

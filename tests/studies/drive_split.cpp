@@ -1,12 +1,18 @@
-// Coverage and bias of the fast and slow rms of the drive, on simulated logs of point B with fast
-// drive of 30 %. Argument: logs in all (200).
-#include "goingrate/fit/drive_split.hpp"
+// Coverage and bias of the fast and slow rms of the drive. First with the clock known: logs of
+// point B with fast drive of 30 %. Then as users have it: several clocks, each fitted by analyse()
+// from a log with amplitudes in which the drive changes by a fifth, T0 being known. Arguments: logs
+// in all of the first kind (200), of the second (40), first seed (1).
+#include "goingrate/analysis/analyse.hpp"
 #include "goingrate/log/rates.hpp"
 #include "support/simulated.hpp"
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <fmt/format.h>
+#include <numbers>
+#include <optional>
+#include <string>
 #include <thread>
 
 namespace {
@@ -55,6 +61,40 @@ struct Score {
   }
 };
 
+// A clock of T0 (s), Q, amplitude of rest (rad) and lambda/phi0.
+struct Clock {
+  double period_s, quality, amplitude, ratio;
+};
+
+Scenario scene_with(const Clock& own) {
+  const double epsilon = 0.5 / own.quality, phi0 = own.amplitude / own.ratio;
+  Scenario scenario;
+  scenario.clock = {own.period_s, epsilon,
+                    0.5 * std::numbers::pi * epsilon * own.amplitude * own.amplitude / phi0, phi0};
+  scenario.periods = 20000;
+  ClockEvent event;
+  event.at_period = 3000;
+  event.mu = 1.2 * scenario.clock.mu;
+  scenario.events = {event};
+  scenario.drive = {0.1, 0.05, 4.0 * own.period_s * own.quality / (2.0 * std::numbers::pi)};
+  scenario.sensor.jitter_rms_s = 1e-6;
+  scenario.sensor.amplitude_rms = 1e-3 * own.amplitude;
+  return scenario;
+}
+
+// Nothing where the fit does not determine the gains.
+std::optional<DriveSplit> split_as_users_get_it(const Scenario& scenario, std::uint64_t seed) {
+  std::string text = "time (s),amplitude (rad)\n";
+  for (const Beat& beat : test::simulated_log(scenario, seed).events)
+    text += fmt::format("{:.10f},{:.8f}\n", beat.time.to_double(), beat.amplitude_rad);
+  LoadRequest request;
+  request.path = "split.csv";
+  request.reading.nominal_period_s = scenario.clock.nominal_period_s;
+  AnalysisRequest asked;
+  asked.fit.fixed["T0"] = scenario.clock.nominal_period_s;
+  return analyse(load_text(text, request), asked).drive.split;
+}
+
 DriveSplit split_of(const Scene& scene, std::uint64_t seed) {
   const double turns = 30.0; // memories in a log
   const auto periods = static_cast<std::int64_t>(std::max(1e5, turns * scene.slow_time_s / 2.0));
@@ -102,5 +142,46 @@ int main(int count, char** words) {
   all_fast.print("fast");
   std::printf("\n");
   all_slow.print("slow");
+  std::printf("\n");
+
+  std::printf("\nfitted clocks:\n");
+  const int fitted = count > 2 ? std::atoi(words[2]) : 40;
+  const auto seed = static_cast<std::uint64_t>(count > 3 ? std::atoll(words[3]) : 1);
+  const std::vector<Clock> clocks{{2.0, 2000.0, 0.055, 1.84},
+                                  {0.8, 300.0, 0.08, 1.5},
+                                  {1.0, 1000.0, 0.04, 3.0},
+                                  {3.0, 6000.0, 0.046, 2.0}};
+  Score fitted_fast, fitted_slow;
+  for (std::size_t k = 0; k < clocks.size(); ++k) {
+    const Scenario scenario = scene_with(clocks[k]);
+    std::vector<std::optional<DriveSplit>> splits(static_cast<std::size_t>(fitted) / clocks.size());
+    const auto half = [&](std::size_t first) {
+      for (std::size_t i = first; i < splits.size(); i += 2)
+        splits[i] = split_as_users_get_it(scenario, seed + 1000 * k + i);
+    };
+    std::thread other(half, 1);
+    half(0);
+    other.join();
+    Score fast, slow;
+    for (const auto& split : splits) {
+      if (!split) continue;
+      fast.add(split->fast, scenario.drive.fast_rms);
+      slow.add(split->slow, scenario.drive.slow_rms);
+    }
+    std::printf("T0 %.1f s, Q %.0f, lambda/phi0 %.2f: %d of %zu split", clocks[k].period_s,
+                clocks[k].quality, clocks[k].ratio, fast.logs, splits.size());
+    if (fast.logs > 0) {
+      fast.print("fast");
+      slow.print("slow");
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+    fitted_fast.add(fast);
+    fitted_slow.add(slow);
+  }
+  std::printf("all %d logs with fitted clocks:\n", fitted_fast.logs);
+  fitted_fast.print("fast");
+  std::printf("\n");
+  fitted_slow.print("slow");
   std::printf("\n");
 }

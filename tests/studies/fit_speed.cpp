@@ -37,9 +37,8 @@ Timed timed(const TimingData& data, const FitOptions& options, int repeats) {
 }
 
 double sigma_of(const FitSummary& fit, const std::string& name) {
-  for (const FittedParameter& p : fit.parameters)
-    if (p.name == name) return p.sigma;
-  return 0.0;
+  const FittedParameter* found = fit.find(name);
+  return found ? found->sigma : 0.0;
 }
 
 void print(const char* what, const Timed& t, const FitScene& scene, const FitSummary& whole) {
@@ -52,7 +51,8 @@ void print(const char* what, const Timed& t, const FitScene& scene, const FitSum
       worst = std::max(worst, std::abs(p.value - truth->second) / sigma);
   }
   std::printf("  %-22s %10.1f ms   error %8.2f sigma   sigma of epsilon %.2g %%   (%s)\n", what,
-              t.ms, worst, 100.0 * sigma_of(t.fit, "epsilon") / 2.5e-4, t.fit.dynamics.c_str());
+              t.ms, worst, 100.0 * sigma_of(t.fit, "epsilon") / 2.5e-4,
+              std::string(name_of(t.fit.dynamics)).c_str());
 }
 
 void dynamics_of(const FitScene& given, int repeats) {

@@ -1,7 +1,7 @@
 // The long form of what the tests of the solvers show in short: figures over 1e5 and 1e8 periods,
 // throughput, and the worst case of the automatic choice over a fine grid. Prints a table.
+#include "base/scaled_time.hpp"
 #include "goingrate/base/random.hpp"
-#include "goingrate/base/scaled_time.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/ensemble.hpp"
 #include "goingrate/dynamics/map.hpp"

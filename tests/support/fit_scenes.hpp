@@ -149,12 +149,12 @@ struct SceneScore {
 
   void add(const FitSummary& fit, const std::map<std::string, double>& truth) {
     ++logs;
-    if (fit.status != FitStatus::converged) {
+    if (!fit.has_result()) {
       ++failed;
       return;
     }
-    ++dynamics[fit.dynamics];
-    ++noise[fit.noise];
+    ++dynamics[std::string(name_of(fit.dynamics))];
+    ++noise[fit.model.noise()];
     for (const FittedParameter& p : fit.parameters) {
       const auto known = truth.find(p.name);
       if (known != truth.end() && std::isfinite(p.sigma)) parameters[p.name].add(p, known->second);

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "goingrate/analysis/load.hpp"
+#include "goingrate/causes/covariates.hpp"
+#include "goingrate/causes/diagnosis.hpp"
+#include "goingrate/causes/diary.hpp"
 #include "goingrate/clock/rating_nut.hpp"
+#include "goingrate/drive/drive_history.hpp"
+#include "goingrate/drive/drive_split.hpp"
 #include "goingrate/fit/clock_fit.hpp"
-#include "goingrate/fit/covariates.hpp"
-#include "goingrate/fit/diagnosis.hpp"
-#include "goingrate/fit/diary.hpp"
-#include "goingrate/fit/drive_history.hpp"
-#include "goingrate/fit/drive_split.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/spectra/stability.hpp"
 
@@ -23,16 +23,17 @@ namespace goingrate {
 struct Analysis {
   ClockLog log;
   Beats numbered;
-  std::vector<Beat> beats; ///< the segment that was analysed
-  RateSummary rate;
+  std::vector<Beat> beats;         ///< the segment that was analysed
+  RateSummary rate;                ///< of all of `beats`
+  std::vector<PartRate> stretches; ///< of these, from one dated change to the next
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
-  std::vector<Suspicion> suspicions;       ///< strongest first
+  std::vector<Suspicion> suspicions;       ///< the greatest gain first
   std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
   std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
-  std::optional<NutTurns> nut{};           ///< to bring the rate to zero, if the nut is known
+  std::optional<NutTurns> nut{};           ///< to bring the rate as it is now to zero
 };
 
 /// What a fit is made of: times and amplitudes of the good beats, with the temperature, the
@@ -40,13 +41,25 @@ struct Analysis {
 TimingData fit_data(const NumberedLog& loaded);
 
 /// The changes that the diary of the log shows most plainly, at most four, as events of a fit: each
-/// may move, and changes mu.
-std::vector<FitEvent> events_of_diary(const NumberedLog& loaded);
+/// may move, and changes T0 (regulation), epsilon (friction) or mu.
+std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle);
 
-/// All that a report shows of a log, by one fit with these options (profile likelihoods included);
-/// `nut` is left to whoever knows it. `now` is told what is being done.
-/// Throws ArgumentError for options that make no sense, as fit_clock does.
-Analysis analyse(NumberedLog loaded, const FitOptions& fit,
-                 const std::function<void(std::string_view)>& now = {});
+/// What the causes are judged by. Points to `times`. The fit serves to tell a rough drive.
+DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
+                               const Diary& diary, const DriveAnalysis& drive,
+                               const FitSummary& fit);
+
+/// What is asked of analyse(); what is left empty it finds out.
+struct AnalysisRequest {
+  FitOptions fit{};
+  bool finds_events = true;             ///< where `fit` names none: those of the diary
+  std::optional<double> nut_pitch_m{};  ///< of the rating nut, if its turns are asked for
+  std::optional<double> rod_length_m{}; ///< of the mathematical pendulum; that of the period if not
+  std::function<void(std::string_view)> now{}; ///< told what is being done
+};
+
+/// All that a report shows of a log, by one fit (profile likelihoods included). Throws
+/// ArgumentError for options that make no sense, as fit_clock does.
+Analysis analyse(NumberedLog loaded, const AnalysisRequest& request = {});
 
 } // namespace goingrate

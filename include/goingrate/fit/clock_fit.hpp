@@ -70,6 +70,19 @@ enum class FitNoise {
   slow,      ///< these two and slow drive
 };
 
+/// What one model of the clock and its noise consists of.
+struct ModelChoice {
+  Escapement escapement = Escapement::constant_torque;
+  bool quadratic = false, dry = false;
+  bool amplitude_scale = false; ///< the amplitude column is off by a factor
+  bool jitter = true, walk = false, drive = false, slow = false;
+
+  /// "constant-torque, linear, jitter + drive"
+  [[nodiscard]] std::string name() const;
+  [[nodiscard]] std::string friction() const;
+  [[nodiscard]] std::string noise() const;
+};
+
 /// What is asked of a fit; what is left empty it finds out.
 struct FitOptions {
   FitDynamics dynamics = FitDynamics::automatic;
@@ -81,8 +94,9 @@ struct FitOptions {
   /// Parameters that are fitted only if named: quadratic_drag, dry_friction, offset, and the names
   /// of the data's terms; a name that is always fitted is taken out of `fixed`.
   std::vector<std::string> freed;
-  std::map<std::string, double> start; ///< where to begin; all names, or none for a search
-  bool profiles = false;               ///< whether to trace FittedParameter::profile
+  /// Where to begin: every parameter of the clock that is fitted, or none for a search.
+  std::map<std::string, double> start;
+  bool profiles = false; ///< whether to trace FittedParameter::profile
 };
 
 /// Whether a parameter was fitted, held, fitted with knowledge from elsewhere, or cannot be told.
@@ -157,20 +171,40 @@ struct Thinning {
   double information_lost = 0.0; ///< largest relative loss of information on a parameter
 };
 
+/// How a fit ended.
 enum class FitStatus {
-  converged,      ///< a maximum was found, or a flat ridge on which no parameter is determined
+  converged,      ///< a maximum was found, and the model describes the log
+  stopped_early,  ///< the search crept along a flat ridge to its end: no parameter is determined
   no_valid_model, ///< no start lies in the domain of the model (amplitude above phi0)
+  /// A maximum was found, and the log is not such a clock's: chi-squared is as large by chance in
+  /// less than one log of a million, or correlation left in the innovations widens sigma by more
+  /// than 2.
+  contradicts_log,
+};
+/// "converged", "stopped-early", "no-valid-model" or "contradicts-log".
+std::string_view name_of(FitStatus status);
+
+/// What a note speaks of.
+enum class NoteKind {
+  prior,         ///< the log contradicts one
+  twin,          ///< another clock explains the log as well
+  rough_stretch, ///< a part of the log scatters far more than the rest
+  dynamics,      ///< what equations could not be used
+};
+
+/// Something beside the numbers that must be said.
+struct FitNote {
+  NoteKind kind{};
+  std::string text;
 };
 
 /// The result of a fit.
 struct FitSummary {
   FitStatus status = FitStatus::converged;
-  std::string termination; ///< in words
-  std::string dynamics;    ///< "averaged1", "averaged2" or "map"
-  std::string escapement;  ///< "constant-torque", "single-impulse" or "none"
-  std::string friction;    ///< "linear", "linear + quadratic" ...
-  std::string noise;       ///< "jitter", "jitter + drive" ...
-  std::string chosen_by;
+  std::string termination;                       ///< in words
+  FitDynamics dynamics = FitDynamics::averaged1; ///< never automatic
+  ModelChoice model{};
+  std::string chosen_by;                        ///< why these dynamics, in words
   std::vector<FittedParameter> parameters;      ///< noise included
   std::vector<std::string> correlated;          ///< names of the free parameters, in order
   std::vector<std::vector<double>> correlation; ///< of those
@@ -185,10 +219,19 @@ struct FitSummary {
   std::vector<Experiment> experiments; ///< where something is undetermined
   Thinning thinning;
   std::vector<FitEvent> events; ///< as they were fitted
-  std::vector<std::string> notes;
+  std::vector<FitNote> notes;
   std::vector<double> residual_s;             ///< one a beat, mean removed; positive: late
   std::vector<double> model_amplitude_rad;    ///< one a beat: the turning angle
   std::vector<double> amplitude_residual_rad; ///< empty without amplitudes
+
+  /// Whether there are parameters to show, determined or not.
+  [[nodiscard]] bool has_result() const { return status != FitStatus::no_valid_model; }
+  /// The parameter of that name, or nullptr where the model has none.
+  [[nodiscard]] const FittedParameter* find(std::string_view name) const;
+  /// The same, for a name the model has; throws ArgumentError for another.
+  const FittedParameter& operator[](std::string_view name) const;
+  /// The determined combination of that name, or nullptr.
+  [[nodiscard]] const DerivedQuantity* combination(std::string_view name) const;
 };
 
 /// Fits `data`. `nominal_period_s` only serves to state the derived rate in s a day.
@@ -196,7 +239,8 @@ struct FitSummary {
 /// Accuracy: truth lies in the 68 % and 95 % intervals as often as it should, and sigma is that of
 /// the full simulator's Cramer-Rao bound (tests/studies/coverage.txt; HonestSigma in the tests is
 /// its short form). Throws ArgumentError for data of fewer than three beats or of unequal lengths,
-/// for names, values or events that make no sense, or more than 20 free parameters.
+/// for names, values or events that make no sense, a start of some parameters only, or more than 20
+/// free parameters.
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options);
 
 /// The clock as it goes after the last event; nothing if one of its parameters is not known to a

@@ -90,6 +90,29 @@ struct GridData {
   std::vector<double> phase_s; ///< the clock's error, positive: fast; NaN where there is none
 };
 
+/// What of a log a reader is told or finds out.
+enum class Setting : std::uint8_t {
+  none,
+  format,
+  columns,
+  unit,
+  wrap,
+  tau0,
+  decimal_comma,
+  channel,
+  rest_angle,
+  nominal_period,
+  both_edges,
+  flag_width,
+};
+
+/// Something taken for granted.
+struct Assumption {
+  std::string text;                ///< a plain sentence
+  Setting setting = Setting::none; ///< what says otherwise, if anything does
+  std::string value{};             ///< as that setting takes it, "period=N"; empty: any
+};
+
 /// A log: events in order of time, or blocks of them where the time goes back.
 struct ClockLog {
   std::string source; ///< file name as given
@@ -101,7 +124,7 @@ struct ClockLog {
   bool directions_are_open = false; ///< times of crossings, and nothing says of which direction
   std::optional<double> nominal_period_s; ///< if the log states one
   std::optional<double> flag_width_rad;   ///< the same
-  std::vector<std::string> assumptions;   ///< what was taken for granted, in plain sentences
+  std::vector<Assumption> assumptions;
   std::vector<LineIssue> issues;
 };
 

@@ -34,7 +34,7 @@ double rounded_period(double period_s);
 /// period rounded to a quarter second where that is within 0.2 %, else the mean period itself.
 /// The guess and its reason are appended to `assumptions`.
 double nominal_period(const ClockLog& log, const Beats& beats,
-                      std::vector<std::string>& assumptions);
+                      std::vector<Assumption>& assumptions);
 
 /// Mean rate of a run of good beats (at least three), and its standard deviation.
 ///
@@ -63,6 +63,11 @@ std::vector<PartRate> block_rates(std::span<const Beat> beats, double nominal_pe
 
 /// The same for whole segments.
 std::vector<PartRate> segment_rates(std::span<const Beat> beats, double nominal_period_s);
+
+/// The same for the stretches between `cuts`, times in order. The period in which a cut falls
+/// belongs to the later stretch.
+std::vector<PartRate> rates_between(std::span<const Beat> beats, std::span<const Instant> cuts,
+                                    double nominal_period_s);
 
 /// Rate excess of each period, T0 (n_i - n_{i-1}) / (t_i - t_{i-1}) - 1: one value for each beat
 /// but the first (eq. ratemeas).

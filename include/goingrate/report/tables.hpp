@@ -1,9 +1,9 @@
 // Results as text: tables for programs (CSV) and summaries for people.
 #pragma once
 
+#include "goingrate/drive/drive_history.hpp"
+#include "goingrate/drive/drive_split.hpp"
 #include "goingrate/fit/clock_fit.hpp"
-#include "goingrate/fit/drive_history.hpp"
-#include "goingrate/fit/drive_split.hpp"
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/rates.hpp"

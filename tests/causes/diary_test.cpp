@@ -1,4 +1,4 @@
-#include "goingrate/fit/diary.hpp"
+#include "goingrate/causes/diary.hpp"
 
 #include "support/simulated.hpp"
 
@@ -87,6 +87,56 @@ TEST(DiaryTest, ABlankAmplitudeHidesNoInterruption) {
   beats[550].amplitude_rad = NAN;
   EXPECT_EQ(keep_diary(beats, 2.0).interruptions.size(), 1u);
 }
+
+// A clock whose friction, drive or regulation changes at beat 1500 of 4000.
+Beats changed(ChangeKind kind, double part, std::uint64_t seed, bool amplitudes) {
+  Scenario scenario = test::at_point_b(4000);
+  ClockEvent event;
+  event.at_period = 1500;
+  if (kind == ChangeKind::friction) event.epsilon = scenario.clock.epsilon * (1.0 + part);
+  if (kind == ChangeKind::drive) event.mu = scenario.clock.mu * (1.0 + part);
+  if (kind == ChangeKind::regulation) event.nominal_period_s = 2.0 * (1.0 + part);
+  scenario.events = {event};
+  scenario.sensor.jitter_rms_s = 2e-5;
+  if (amplitudes) scenario.sensor.amplitude_rms = 5e-5;
+  return number_beats(test::simulated_log(scenario, seed));
+}
+
+struct ChangeCase {
+  const char* name;
+  ChangeKind kind;
+  double part; // relative
+  bool amplitudes;
+};
+
+class ChangeKindTest : public testing::TestWithParam<ChangeCase> {};
+
+TEST_P(ChangeKindTest, IsToldWithTheRatesBeforeAndAfter) {
+  const ChangeCase& one = GetParam();
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto beats = changed(one.kind, one.part, seed, one.amplitudes).longest_segment();
+    const Diary diary = keep_diary(beats, 2.0);
+    ASSERT_EQ(diary.changes.size(), 1u) << seed;
+    const Change& change = diary.changes.front();
+    EXPECT_NEAR(change.at_s, 3000.0, 10.0)
+        << seed; // five beats: a bend is dated by what comes of it
+    EXPECT_EQ(change.kind, one.kind)
+        << seed << ": " << name_of(change.kind) << " by " << change.kind_gain;
+    if (one.kind != ChangeKind::regulation) continue;
+    const double moved = change.rate_after - change.rate_before;
+    const double sigma = std::hypot(change.rate_before_sigma, change.rate_after_sigma);
+    EXPECT_NEAR(moved, -one.part, 4.0 * sigma) << seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , ChangeKindTest,
+    testing::Values(ChangeCase{"FrictionWithAmplitudes", ChangeKind::friction, 0.28, true},
+                    ChangeCase{"DriveWithAmplitudes", ChangeKind::drive, 0.1, true},
+                    ChangeCase{"Drive", ChangeKind::drive, -0.1, false},
+                    ChangeCase{"RegulationWithAmplitudes", ChangeKind::regulation, 2e-5, true},
+                    ChangeCase{"Regulation", ChangeKind::regulation, -2e-5, false}),
+    [](const auto& given) { return given.param.name; });
 
 TEST(DiaryTest, AShortLogHasNoDiary) {
   EXPECT_TRUE(keep_diary(test::simulated_beats(test::at_point_a(50), 1), 2.0).changes.empty());

@@ -82,8 +82,18 @@ struct DriveAnalysis {
   std::vector<SpectralLine> lines;       ///< of the rate; nothing below 64 beats
   std::optional<DriveResponse> response; ///< if epsilon, mu and phi0 are known to a tenth
   std::optional<DriveSplit> split;
+  bool swings_freely = false;  ///< no escapement: there is no drive
+  bool sees_amplitude = false; ///< the log has amplitudes
 };
 
+/// The relative sigma of |H| at a frequency, from the sigmas and correlations of T0, epsilon, mu
+/// and phi0 in a fit whose clock this is; infinite where the clock may stall.
+/// (DriveSplitTest.WhatTheFitDoesNotKnowWidensTheIntervals)
+double relative_gain_sigma(const FitSummary& fit, const ClockParameters& clock,
+                           double frequency_hz);
+
+/// Spectrum, lines and split of the rate about a fit. The intervals of fast and slow hold what the
+/// fit does not know of the clock's gains (tests/studies/drive_split.txt: with fitted clocks).
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
                             const FitSummary& fit, double split_hz = 0.0);
 

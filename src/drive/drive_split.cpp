@@ -1,12 +1,14 @@
-#include "goingrate/fit/drive_split.hpp"
+#include "goingrate/drive/drive_split.hpp"
 
 #include "gain_spread.hpp"
 #include "linear_rates.hpp"
 #include "rate_components.hpp"
 
+#include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
@@ -269,6 +271,59 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   return result;
 }
 
+namespace {
+
+// Places of the clock's own numbers, as a fit names them.
+struct ClockNumber {
+  std::string_view name;
+  double ClockParameters::*place;
+};
+constexpr std::array clock_numbers{ClockNumber{"T0", &ClockParameters::nominal_period_s},
+                                   ClockNumber{"epsilon", &ClockParameters::epsilon},
+                                   ClockNumber{"mu", &ClockParameters::mu},
+                                   ClockNumber{"phi0", &ClockParameters::phi0}};
+
+// The correlation of two parameters of the fit; 0 where it does not say.
+double correlation_of(const FitSummary& fit, const std::string& a, const std::string& b) {
+  const auto at = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(fit.correlated.begin(), fit.correlated.end(), name) -
+                                    fit.correlated.begin());
+  };
+  if (a == b) return 1.0;
+  const std::size_t i = at(a), k = at(b);
+  return std::max(i, k) < fit.correlation.size() ? fit.correlation[i][k] : 0.0;
+}
+
+} // namespace
+
+double relative_gain_sigma(const FitSummary& fit, const ClockParameters& clock,
+                           double frequency_hz) {
+  std::vector<std::string> names;
+  std::vector<double> moves; // of log |H| by one sigma
+  const auto log_gain = [&](const ClockParameters& at) {
+    const auto response = drive_response(at);
+    return response ? std::log(std::abs(response->at(frequency_hz))) : unknown;
+  };
+  for (const ClockNumber& number : clock_numbers) {
+    const FittedParameter* last = nullptr; // as it is after the last event
+    for (const FittedParameter& p : fit.parameters)
+      if (std::string_view(p.name).substr(0, p.name.find('@')) == number.name) last = &p;
+    if (last == nullptr || !(last->sigma > 0.0)) continue;
+    ClockParameters up = clock, down = clock;
+    up.*number.place += 0.5 * last->sigma;
+    down.*number.place -= 0.5 * last->sigma;
+    const double move = log_gain(up) - log_gain(down);
+    if (!std::isfinite(move)) return std::numeric_limits<double>::infinity(); // at a stall
+    names.push_back(last->name);
+    moves.push_back(move);
+  }
+  double variance = 0.0;
+  for (std::size_t i = 0; i < moves.size(); ++i)
+    for (std::size_t k = 0; k < moves.size(); ++k)
+      variance += moves[i] * moves[k] * correlation_of(fit, names[i], names[k]);
+  return std::sqrt(std::max(0.0, variance));
+}
+
 double drive_of(const SpectralLine& line, const DriveResponse& response) {
   return line.amplitude / std::abs(response.at(line.frequency_hz));
 }
@@ -276,6 +331,9 @@ double drive_of(const SpectralLine& line, const DriveResponse& response) {
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
                             const FitSummary& fit, double split_hz) {
   DriveAnalysis drive;
+  drive.swings_freely =
+      fit.has_result() && !fit.parameters.empty() && fit.model.escapement == Escapement::none;
+  drive.sees_amplitude = !fit.amplitude_residual_rad.empty();
   drive.rates = rate_about_fit(beats, nominal_period_s, fit);
   const auto& rates = drive.rates;
   if (rates.size() < 8) return drive;
@@ -287,9 +345,18 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   constexpr std::size_t enough = 64;
   if (rates.size() < enough) return drive;
   drive.lines = find_lines(rates, nominal_period_s);
-  if (drive.response && !is_constant(rates))
-    drive.split = split_drive(without_lines(rates, nominal_period_s, drive.lines), nominal_period_s,
-                              *drive.response, split_hz, drive.rate_spectrum->frequency_hz);
+  if (!drive.response || is_constant(rates)) return drive;
+  drive.split = split_drive(without_lines(rates, nominal_period_s, drive.lines), nominal_period_s,
+                            *drive.response, split_hz, drive.rate_spectrum->frequency_hz);
+  // The gains are those of a fit: what it does not know of them, the sizes of the drive share.
+  DriveSplit& split = *drive.split;
+  const double nyquist_hz = 0.5 / nominal_period_s;
+  split.fast =
+      widened(split.fast,
+              relative_gain_sigma(fit, *clock, std::sqrt(drive.response->corner_hz * nyquist_hz)));
+  const double slow_hz =
+      split.slow_time_s > 0.0 ? 1.0 / (two_pi * split.slow_time_s) : drive.response->corner_hz;
+  split.slow = widened(split.slow, relative_gain_sigma(fit, *clock, slow_hz));
   return drive;
 }
 

@@ -1,7 +1,10 @@
-#include "goingrate/fit/diary.hpp"
+#include "goingrate/causes/diary.hpp"
 
+#include "change_kinds.hpp"
+#include "facts.hpp"
+
+#include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/fit/timing_noise.hpp"
 #include "goingrate/log/rates.hpp"
 
 #include <Eigen/Dense>
@@ -132,9 +135,13 @@ double broken_line_misfit(const Track& track, std::size_t from, std::size_t to, 
 
 class Search {
 public:
-  Search(std::span<const Beat> beats, double nominal_period_s, const DiaryOptions& options)
+  Search(std::span<const Beat> beats, double nominal_period_s,
+         const std::vector<timing_model::Displacement>& displaced, const DiaryOptions& options)
       : options_(options) {
-    const auto error = clock_error(beats, nominal_period_s);
+    auto error = clock_error(beats, nominal_period_s);
+    for (const timing_model::Displacement& at : displaced)
+      for (std::size_t i = at.beat; i < error.size(); ++i)
+        error[i] += at.late_s;
     for (std::size_t i = 0; i < beats.size(); ++i) {
       error_.time.push_back(beats[i].time - beats[0].time);
       error_.value.push_back(error[i]);
@@ -383,12 +390,16 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
     throw ArgumentError("window", static_cast<double>(options.window), "at least 4");
   Diary diary;
   if (beats.size() < 4 * options.window) return diary; // nothing to compare a change with
-  const Search search(beats, nominal_period_s, options);
+  // Displaced times are no change of the going.
+  TimingData data = timing_data(beats);
+  constexpr std::size_t most_displaced = 8;
+  const Search search(beats, nominal_period_s,
+                      timing_model::take_displacements(data, most_displaced), options);
   std::vector<std::size_t> knots;
   for (const std::size_t place : search.places()) {
     const std::size_t k = search.refined(place);
-    // Two places that refine to nearly one are one change seen twice.
-    if (!knots.empty() && k < knots.back() + options.window / 2) {
+    // Two places within a window are one change seen twice: in the rate, and in the amplitude.
+    if (!knots.empty() && k < knots.back() + options.window) {
       if (search.significance(k) > search.significance(knots.back())) knots.back() = k;
     } else {
       knots.push_back(k);
@@ -403,6 +414,17 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   }
   if (search.has_amplitude())
     diary.interruptions = interruptions_among(diary.changes, knots, search.amplitude(), options);
+  timing_model::judge_changes(beats, data, nominal_period_s, diary.changes);
+  for (Change& change : diary.changes)
+    for (Interruption& event : diary.interruptions)
+      for (Change* end : {&event.begin, &event.end})
+        if (std::abs(change.at_s - end->at_s) <
+            static_cast<double>(options.window) * nominal_period_s) {
+          change.at_s = end->at_s; // amplitudes date it, and it is too short to be judged alone
+          change.cycle = end->cycle;
+          change.kind = ChangeKind::drive;
+          *end = change;
+        }
   return diary;
 }
 

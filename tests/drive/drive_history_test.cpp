@@ -1,4 +1,4 @@
-#include "goingrate/fit/drive_history.hpp"
+#include "goingrate/drive/drive_history.hpp"
 
 #include "goingrate/dynamics/stationary.hpp"
 #include "support/simulated.hpp"

@@ -1,6 +1,6 @@
-#include "goingrate/fit/drive_history.hpp"
+#include "goingrate/drive/drive_history.hpp"
 
-#include "fit_setup.hpp"
+#include "fit/noise_guess.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -188,12 +188,14 @@ std::optional<DriveHistory> drive_history(const TimingData& data, const DriveMod
 std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& data) {
   DriveModel model;
   model.T0_s = data.reference_period_s; // what differs from T0 by a part in a thousand will do
-  for (const FittedParameter& p : fit.parameters)
-    if (p.name == "epsilon") model.epsilon = p.value; // NaN if undetermined
+  if (const FittedParameter* epsilon = fit.find("epsilon"))
+    model.epsilon = epsilon->value; // NaN if undetermined
   if (!(model.epsilon > 0.0)) return {};
-  for (const DerivedQuantity& quantity : fit.combinations) {
-    if (quantity.name == "fast gain") model.fast_gain = quantity.value;
-    if (quantity.name == "slow gain") model.slow_gain = quantity.value;
+  const DerivedQuantity* fast = fit.combination("fast gain");
+  const DerivedQuantity* slow = fit.combination("slow gain");
+  if (fast && slow) {
+    model.fast_gain = fast->value;
+    model.slow_gain = slow->value;
   }
   model.amplitude_rad = fit.stationary_amplitude.value;
   if (data.has_amplitude() && !(model.amplitude_rad > 0.0)) { // the log's own mean counts as rest
@@ -204,7 +206,6 @@ std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& d
     }
     model.amplitude_rad = sum / seen;
   }
-  if (!(model.fast_gain && model.slow_gain)) model.fast_gain = model.slow_gain = std::nullopt;
   const bool enough = data.has_amplitude() || model.fast_gain;
   return enough ? std::optional(model) : std::nullopt;
 }

@@ -30,30 +30,61 @@ private:
 };
 
 std::vector<double> differences(const TimingData& data, const std::vector<double>& integral,
-                                std::size_t count, double length_s) {
+                                double begin_s, double length_s, std::size_t count) {
   Between between(data.elapsed_s, integral);
   std::vector<double> means;
-  double before = between.at(0.0);
+  double before = between.at(begin_s);
   for (std::size_t b = 1; b <= count; ++b) {
     const double now =
-        between.at(std::min(length_s * static_cast<double>(b), data.elapsed_s.back()));
+        between.at(std::min(begin_s + length_s * static_cast<double>(b), data.elapsed_s.back()));
     means.push_back((now - before) / length_s);
     before = now;
   }
   return means;
 }
 
+// Means of the known amplitudes; a block without any takes the value before it.
+std::vector<double> amplitude_means(const TimingData& data, double begin_s, double length_s,
+                                    std::size_t count) {
+  std::vector<double> sum(count, 0.0), seen(count, 0.0);
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < data.amplitude_rad.size(); ++i) {
+    const double place = std::floor((data.elapsed_s[i] - begin_s) / length_s);
+    if (std::isnan(data.amplitude_rad[i])) continue;
+    ++known;
+    if (place < 0.0 || place >= static_cast<double>(count)) continue;
+    sum[static_cast<std::size_t>(place)] += data.amplitude_rad[i];
+    seen[static_cast<std::size_t>(place)] += 1.0;
+  }
+  if (10 * known < 9 * data.size()) return {};
+  const auto first = std::find_if(seen.begin(), seen.end(), [](double n) { return n > 0.0; });
+  if (first == seen.end()) return {};
+  const auto at = static_cast<std::size_t>(first - seen.begin());
+  double last = sum[at] / seen[at];
+  for (std::size_t b = 0; b < count; ++b) {
+    if (seen[b] > 0.0) last = sum[b] / seen[b];
+    sum[b] = last;
+  }
+  return sum;
+}
+
 } // namespace
 
-RateBlocks rate_blocks(const TimingData& data, std::size_t count) {
+RateBlocks rate_blocks(const TimingData& data, double begin_s, double length_s, std::size_t count) {
   RateBlocks blocks;
-  blocks.length_s = data.elapsed_s.back() / static_cast<double>(count);
-  blocks.rate = differences(data, data.lateness_s, count, blocks.length_s);
+  blocks.begin_s = begin_s;
+  blocks.length_s = length_s;
+  blocks.rate = differences(data, data.lateness_s, begin_s, length_s, count);
   for (double& rate : blocks.rate)
     rate = -rate;
   for (const RateTerm& term : data.terms)
-    blocks.values.push_back(differences(data, term.advance_s, count, blocks.length_s));
+    blocks.values.push_back(differences(data, term.advance_s, begin_s, length_s, count));
+  if (data.has_amplitude()) blocks.amplitude_rad = amplitude_means(data, begin_s, length_s, count);
   return blocks;
+}
+
+RateBlocks rate_blocks(const TimingData& data, std::size_t count) {
+  return rate_blocks(data, 0.0, data.elapsed_s.back() / static_cast<double>(count), count);
 }
 
 std::vector<double> cosines(std::span<const double> series, bool without_line) {
@@ -80,13 +111,15 @@ std::vector<double> cosines(std::span<const double> series, bool without_line) {
   return result;
 }
 
-void RateNoise::fit(std::span<const double> residual, bool wanders) {
+void RateNoise::fit(std::span<const double> residual) {
   const std::size_t n = residual.size();
   std::vector<std::array<double, parts>> shapes(n);
   for (std::size_t k = first_; k < n; ++k) {
     const double s =
         2.0 * std::sin(0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
-    shapes[k] = {s * s, 1.0, wanders ? 1.0 / s : 0.0, wanders ? 1.0 / (s * s) : 0.0};
+    const double wander = kinds_.wanders ? 1.0 / s : 0.0;
+    const double bend = kinds_.corner > 0.0 ? 1.0 / (1.0 + std::pow(s / kinds_.corner, 2)) : 0.0;
+    shapes[k] = {s * s, 1.0, wander, wander * wander, bend};
   }
   if (level_.empty()) {
     double all = 0.0;
@@ -95,8 +128,11 @@ void RateNoise::fit(std::span<const double> residual, bool wanders) {
     sizes_.fill(all / (parts * static_cast<double>(n)));
     level_.assign(n, 0.0);
   }
-  constexpr int rounds = 60; // the likelihood then stands still to a tenth
-  for (int round = 0; round < rounds; ++round) {
+  constexpr int rounds = 60;       // the likelihood then stands still to a tenth
+  constexpr double settled = 1e-3; // of each size
+  constexpr double most_bent = 30.0;
+  double moved = 1.0;
+  for (int round = 0; round < rounds && moved > settled; ++round) {
     std::array<double, parts> seen{}, expected{};
     for (std::size_t k = first_; k < n; ++k) {
       const double level =
@@ -106,8 +142,15 @@ void RateNoise::fit(std::span<const double> residual, bool wanders) {
         expected[i] += shapes[k][i] / level;
       }
     }
-    for (std::size_t i = 0; i < parts; ++i)
-      if (expected[i] > 0.0) sizes_[i] *= seen[i] / expected[i];
+    moved = 0.0;
+    for (std::size_t i = 0; i < parts; ++i) {
+      if (!(expected[i] > 0.0)) continue;
+      const double factor = seen[i] / expected[i];
+      // A size that goes to nothing takes for ever: it counts by what it is beside the others.
+      if (sizes_[i] * expected[i] > settled) moved = std::max(moved, std::abs(factor - 1.0));
+      sizes_[i] *= factor;
+    }
+    sizes_[4] = std::min(sizes_[4], most_bent * sizes_[1]);
   }
   deviance_ = 0.0;
   for (std::size_t k = first_; k < n; ++k) {
@@ -117,16 +160,16 @@ void RateNoise::fit(std::span<const double> residual, bool wanders) {
 }
 
 RateRegression regress(const std::vector<double>& rate,
-                       const std::vector<std::vector<double>>& causes, std::size_t first,
-                       bool wanders) {
+                       const std::vector<std::vector<double>>& causes, RateNoise noise) {
   const auto unknowns = static_cast<Eigen::Index>(causes.size());
-  RateNoise noise(first);
-  noise.fit(rate, wanders);
+  const std::size_t first = noise.first();
+  if (!noise.is_fitted() || causes.empty()) noise.fit(rate);
   RateRegression result;
   result.deviance = noise.deviance();
-  if (causes.empty()) return result;
-  constexpr int rounds = 5; // coefficients and noise settle together
-  for (int round = 0; round < rounds; ++round) {
+  constexpr int most_rounds = 6; // coefficients and noise settle together
+  constexpr double settled = 0.05;
+  double moved = causes.empty() ? 0.0 : 1.0;
+  for (int round = 0; round < most_rounds && moved > settled; ++round) {
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
     for (std::size_t k = first; k < rate.size(); ++k) {
@@ -139,9 +182,9 @@ RateRegression regress(const std::vector<double>& rate,
       }
     }
     const Eigen::MatrixXd full = normal.selfadjointView<Eigen::Lower>();
-    const Eigen::VectorXd b = full.ldlt().solve(right);
     const Eigen::MatrixXd covariance =
         full.ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+    const Eigen::VectorXd b = full.ldlt().solve(right);
     result.coefficients.assign(b.begin(), b.end());
     result.sigmas.clear();
     for (Eigen::Index i = 0; i < unknowns; ++i)
@@ -150,9 +193,11 @@ RateRegression regress(const std::vector<double>& rate,
     for (std::size_t k = 0; k < rest.size(); ++k)
       for (Eigen::Index i = 0; i < unknowns; ++i)
         rest[k] -= b[i] * causes[static_cast<std::size_t>(i)][k];
-    noise.fit(rest, wanders);
+    noise.fit(rest);
+    moved = std::abs(noise.deviance() - result.deviance);
     result.deviance = noise.deviance();
   }
+  result.noise = std::move(noise);
   return result;
 }
 

@@ -1,4 +1,4 @@
-// What a wandering amplitude does to the gains of a clock. Private to the fit room.
+// What a wandering amplitude does to the gains of a clock. Private to the drive room.
 //
 // The response H belongs to one amplitude. A slow drive of several per cent moves the amplitude,
 // and with it the gains: with y = sqrt(x - phi0^2), x = lambda^2 about x0,

@@ -1,6 +1,6 @@
-#include "fit/linear_rates.hpp"
+#include "drive/linear_rates.hpp"
 
-#include "fit/gain_spread.hpp"
+#include "drive/gain_spread.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/clock/parameters.hpp"
 

@@ -1,4 +1,4 @@
-#include "goingrate/fit/drive_split.hpp"
+#include "goingrate/drive/drive_split.hpp"
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
@@ -202,6 +202,43 @@ TEST(DriveSplitTest, RefusesWhatItCannotSplit) {
   EXPECT_THROW((void)split_drive(few, 2.0, response), ArgumentError);
   EXPECT_THROW((void)split_drive(std::vector<double>(64, NAN), 2.0, response), ArgumentError);
   EXPECT_THROW((void)split_drive(std::vector<double>(64, 0.0), 0.0, response), ArgumentError);
+}
+
+// Against the slow obvious way: the split with the gains of a clock a sigma on either side.
+TEST(DriveSplitTest, WhatTheFitDoesNotKnowWidensTheIntervals) {
+  Scenario scenario = test::at_point_b(20000);
+  scenario.drive = {0.3, 0.1, 6000.0};
+  const auto rates = rate_on_every_cycle(test::simulated_beats(scenario, 5), 2.0);
+  const ClockParameters& clock = scenario.clock;
+  FitSummary fit;
+  const auto add = [&](const char* name, double value, double sigma) {
+    FittedParameter parameter;
+    parameter.name = name;
+    parameter.value = value;
+    parameter.sigma = sigma;
+    fit.parameters.push_back(parameter);
+  };
+  add("T0", 2.0, 0.0);
+  add("epsilon", clock.epsilon, 0.05 * clock.epsilon);
+  add("mu", clock.mu, 0.05 * clock.mu);
+  add("phi0", clock.phi0, 0.0);
+  fit.correlated = {"epsilon", "mu"};
+  const auto fast_of = [&](double factor_epsilon, double factor_mu) {
+    ClockParameters other = clock;
+    other.epsilon *= factor_epsilon;
+    other.mu *= factor_mu;
+    return split_drive(rates, 2.0, *drive_response(other)).fast.rms;
+  };
+  const double hz = std::sqrt(drive_response(clock)->corner_hz * 0.25);
+  for (const double correlation : {0.0, 0.9}) {
+    fit.correlation = {{1.0, correlation}, {correlation, 1.0}};
+    const double by_epsilon = std::log(fast_of(1.025, 1.0) / fast_of(0.975, 1.0));
+    const double by_mu = std::log(fast_of(1.0, 1.025) / fast_of(1.0, 0.975));
+    const double expected =
+        std::sqrt(by_epsilon * by_epsilon + by_mu * by_mu + 2.0 * correlation * by_epsilon * by_mu);
+    // The gain is looked at in one frequency, the split looks at all above the corner.
+    EXPECT_NEAR(relative_gain_sigma(fit, clock, hz), expected, 0.15 * expected + 0.002);
+  }
 }
 
 } // namespace

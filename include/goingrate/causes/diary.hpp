@@ -5,10 +5,19 @@
 
 #include <optional>
 #include <span>
-#include <string>
+#include <string_view>
 #include <vector>
 
 namespace goingrate {
+
+/// What a change was of.
+enum class ChangeKind {
+  unclear,
+  regulation, ///< the rate changes and stays, the amplitude does not follow: length, or a weight
+  drive,      ///< the rate jumps, and goes on as the amplitude follows
+  friction,   ///< the rate does not jump, it goes as the amplitude goes
+};
+std::string_view name_of(ChangeKind kind);
 
 /// A moment at which the rate or the speed of change of the amplitude jumped.
 struct Change {
@@ -17,6 +26,12 @@ struct Change {
   double rate_change = 0.0;            ///< rate excess after minus before
   double amplitude_slope_change = 0.0; ///< rad/s after minus before; NaN without amplitudes
   double significance = 0.0;           ///< in units of the log's own typical fluctuation
+  ChangeKind kind = ChangeKind::unclear;
+  double kind_gain = 0.0; ///< 2 log L by which that kind is ahead of the next, less their prices
+  /// The mean from the change before (or the first beat) to this one, and from here to the next (or
+  /// the last beat). NaN where fewer than three beats lie between, sigma where fewer than five.
+  double rate_before = 0.0, rate_before_sigma = 0.0;
+  double rate_after = 0.0, rate_after_sigma = 0.0;
 };
 
 /// An exponential approach of the amplitude to a limit, A = limit + (start - limit) exp(-t/time).
@@ -65,7 +80,9 @@ struct DiaryOptions {
 /// The clock's error and the amplitude are locally straight lines; at each beat the slopes of the
 /// `window` beats before and after are compared. The jump is a change where it exceeds
 /// `least_significance` times its own robust scatter over the log, so that a clock's ordinary
-/// wander raises no alarm. The place is refined by a least-squares broken line.
+/// wander raises no alarm. The place is refined by a least-squares broken line. Of which kind a
+/// change is the likelihood says: rate and amplitude from the change before to the next are
+/// described as each kind has them, in noise that may wander (ChangeKindTest).
 /// TrinityTest.FindsTheInterruption dates the known one; DiaryTest.QuietLogsStayQuiet bounds false
 /// alarms.
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,

@@ -1,8 +1,8 @@
-#include "goingrate/fit/covariates.hpp"
+#include "goingrate/causes/covariates.hpp"
 
 #include "rate_blocks.hpp"
 
-#include "goingrate/base/scaled_time.hpp"
+#include "base/scaled_time.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -57,7 +57,7 @@ private:
   void settle(double lag_s) {
     lag_s_ = lag_s;
     constexpr std::size_t first = 2;
-    found_ = regress(rate_, {cosines(lagged(value_, block_s_, lag_s), true)}, first);
+    found_ = regress(rate_, {cosines(lagged(value_, block_s_, lag_s), true)}, RateNoise(first, {}));
   }
 
   std::vector<double> rate_;

@@ -1,4 +1,4 @@
-#include "goingrate/fit/covariates.hpp"
+#include "goingrate/causes/covariates.hpp"
 
 #include "goingrate/base/random.hpp"
 

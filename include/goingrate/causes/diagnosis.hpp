@@ -1,0 +1,76 @@
+// What a clock's rate suffers from, from its log alone.
+//
+// Each cause makes its own course of rate and amplitude: a step that the amplitude does not follow,
+// a step with a return, an approach, a ramp, a day's wave, an answer to a thermometer or barometer.
+// They are taken one after the other, each time the one that raises the likelihood of both series
+// most above that of a healthy clock, less log(blocks) for each number it brings (Schwarz), until
+// none gains 6. A wander that no course explains is slow drive where the amplitude goes with it,
+// and unknown where the amplitude does not. Facts of the numbering (beats missed, a displaced time,
+// a stop), lines of the spectrum and a rough drive are judged on the same scale.
+//
+// Where this means little: causes with one course, such as a ramp of the pendulum's length and one
+// of the logger's own clock, cannot be told apart by any log; each suspicion lists them as
+// alternatives.
+#pragma once
+
+#include "goingrate/causes/diary.hpp"
+#include "goingrate/drive/drive_split.hpp"
+#include "goingrate/fit/timing_data.hpp"
+#include "goingrate/spectra/lines.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+enum class Cause {
+  slow_drive,
+  drive_step,
+  friction_step,
+  growing_friction, ///< or a drive that fades
+  temperature,      ///< by the log's own thermometer
+  pressure,         ///< by the log's own barometer
+  length_step,      ///< or a change of the regulation
+  wheel,
+  sensor_shift,
+  missed_beats,
+  rough_drive,
+  length_drift,     ///< creep of the suspension, a rod that dries
+  log_clock,        ///< the clock of the logger
+  unlogged_weather, ///< temperature or pressure that the log does not hold
+  knock,
+  magnet,
+  stop,
+  unknown,
+};
+std::string_view name_of(Cause cause);
+
+/// One suspicion.
+struct Suspicion {
+  Cause cause{};
+  double gain = 0.0;    ///< 2 log L over what was known before, less its price; 6 is 20 to 1
+  std::string evidence; ///< what speaks for it, in words with numbers
+  std::vector<Cause> alternatives{}; ///< what this log cannot tell from it
+  std::string advice{};              ///< what would tell, or what to do; may be empty
+};
+
+/// What the causes are judged by.
+struct DiagnosisInput {
+  const TimingData* data = nullptr; ///< with the terms temperature and pressure if the log has them
+  double nominal_period_s = 0.0;
+  std::int64_t missed = 0;                 ///< beats missing one by one or in counted gaps
+  std::vector<Change> changes{};           ///< dated ones, in order of time
+  std::vector<SpectralLine> lines{};       ///< of the rate
+  std::optional<double> relaxation_s{};    ///< T0/(4 pi epsilon), if epsilon is known
+  std::optional<RmsEstimate> fast_drive{}; ///< relative, if the clock's gains are known
+  std::optional<double> stopped_s{};       ///< after the first beat: a stop split the log
+};
+
+/// Suspicions, the greatest gain first; none for a healthy clock, or for a log below 2000 beats.
+/// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
+/// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.
+std::vector<Suspicion> diagnose(const DiagnosisInput& input);
+
+} // namespace goingrate

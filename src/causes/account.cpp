@@ -1,0 +1,140 @@
+#include "account.hpp"
+
+#include "base/scaled_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+constexpr std::size_t first_cosine = 1; // the mean is not looked at
+
+std::vector<std::vector<double>> joined(std::vector<std::vector<double>> taken,
+                                        const std::vector<std::vector<double>>& more) {
+  for (const auto& course : more)
+    taken.push_back(cosines(course, false));
+  return taken;
+}
+
+} // namespace
+
+std::vector<double> CourseMaker::step(double place) const {
+  std::vector<double> s(count_);
+  for (std::size_t i = 0; i < count_; ++i)
+    s[i] = std::clamp(static_cast<double>(i) + 1.0 - place, 0.0, 1.0);
+  return s;
+}
+
+std::vector<double> CourseMaker::alone(std::size_t block) const {
+  std::vector<double> s(count_, 0.0);
+  s[block] = 1.0;
+  return s;
+}
+
+// The mean of exp(-t/T) over a block of length l from t1 to t2 is T/l (exp(-t1/T) - exp(-t2/T)).
+std::vector<double> CourseMaker::dying(double place, double time_s) const {
+  std::vector<double> s(count_);
+  const double ratio = length_s_ / time_s;
+  double before = 1.0; // at the beginning of the block
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double end = std::exp(-ratio * std::max(0.0, static_cast<double>(i) + 1.0 - place));
+    s[i] = (before - end) / ratio;
+    before = end;
+  }
+  return s;
+}
+
+std::vector<double> CourseMaker::approach(double place, double time_s) const {
+  std::vector<double> s = step(place);
+  const std::vector<double> gone = dying(place, time_s);
+  for (std::size_t i = 0; i < count_; ++i)
+    s[i] -= gone[i];
+  return s;
+}
+
+std::vector<double> CourseMaker::power(int exponent) const {
+  std::vector<double> s(count_);
+  for (std::size_t i = 0; i < count_; ++i)
+    s[i] = std::pow((static_cast<double>(i) - 0.5 * static_cast<double>(count_ - 1)) * length_s_ /
+                        seconds_per_day,
+                    exponent);
+  return s;
+}
+
+std::vector<double> CourseMaker::wave(double period_s, double phase) const {
+  std::vector<double> s(count_);
+  for (std::size_t i = 0; i < count_; ++i)
+    s[i] = std::cos(two_pi * (static_cast<double>(i) + 0.5) * length_s_ / period_s - phase);
+  return s;
+}
+
+Account::Account(const RateBlocks& blocks, const NoiseKinds& rate_noise)
+    : rate_(cosines(blocks.rate, false)), rate_noise_(first_cosine, rate_noise),
+      amplitude_noise_(first_cosine, {}),
+      price_(std::log(static_cast<double>(blocks.rate.size()))) {
+  rate_noise_ = of_rate({}).noise;
+  if (blocks.amplitude_rad.empty()) return;
+  amplitude_ = cosines(blocks.amplitude_rad, false);
+  amplitude_noise_ = of_amplitude({}).noise;
+}
+
+RateRegression Account::of_rate(const Series& more) const {
+  return regress(rate_, joined(rate_taken_, more), rate_noise_);
+}
+
+RateRegression Account::of_amplitude(const Series& more) const {
+  return regress(amplitude_, joined(amplitude_taken_, more), amplitude_noise_);
+}
+
+double Account::gain_of(const Courses& courses) const {
+  double gain = -price_ * courses.places;
+  if (!courses.rate.empty())
+    gain += rate_noise_.deviance() - of_rate(courses.rate).deviance -
+            price_ * static_cast<double>(courses.rate.size());
+  return gain + amplitude_gain_of(courses);
+}
+
+double Account::amplitude_gain_of(const Courses& courses) const {
+  if (!sees_amplitude() || courses.amplitude.empty()) return 0.0;
+  return amplitude_noise_.deviance() - of_amplitude(courses.amplitude).deviance -
+         price_ * static_cast<double>(courses.amplitude.size());
+}
+
+double Account::gain_of(const NoiseKinds& kinds, int numbers) const {
+  const RateRegression other = regress(rate_, rate_taken_, RateNoise(first_cosine, kinds));
+  return rate_noise_.deviance() - other.deviance - price_ * numbers;
+}
+
+Sizes Account::sizes_of(const Courses& courses) const {
+  const auto last = [](const std::vector<double>& all, std::size_t count) {
+    return std::vector<double>(all.end() - static_cast<std::ptrdiff_t>(count), all.end());
+  };
+  Sizes sizes;
+  if (!courses.rate.empty()) {
+    const RateRegression found = of_rate(courses.rate);
+    sizes.rate = last(found.coefficients, courses.rate.size());
+    sizes.rate_sigma = last(found.sigmas, courses.rate.size());
+  }
+  if (sees_amplitude() && !courses.amplitude.empty()) {
+    const RateRegression found = of_amplitude(courses.amplitude);
+    sizes.amplitude = last(found.coefficients, courses.amplitude.size());
+    sizes.amplitude_sigma = last(found.sigmas, courses.amplitude.size());
+  }
+  return sizes;
+}
+
+void Account::take(const Courses& courses) {
+  rate_taken_ = joined(std::move(rate_taken_), courses.rate);
+  rate_noise_ = of_rate({}).noise;
+  if (!sees_amplitude()) return;
+  amplitude_taken_ = joined(std::move(amplitude_taken_), courses.amplitude);
+  amplitude_noise_ = of_amplitude({}).noise;
+}
+
+void Account::take(const NoiseKinds& kinds) {
+  rate_noise_ = regress(rate_, rate_taken_, RateNoise(first_cosine, kinds)).noise;
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,82 @@
+// What explains the course of a clock's rate and amplitude, one cause after the other. Private to
+// the causes room.
+//
+// Of a rate r and an amplitude a in n blocks each cause makes courses c_i(t), whose sizes are found
+// by generalised least squares in noise that is sized along with them:
+//   r = sum of b_i c_i + noise,   a = sum of e_i d_i + noise.
+// The gain of a further cause is by how much it raises 2 log L of both series, less log n for each
+// number it brings (Schwarz): sizes, a date, a time constant. That is one scale for all causes.
+#pragma once
+
+#include "rate_blocks.hpp"
+
+#include <vector>
+
+namespace goingrate::timing_model {
+
+/// The gain from which on a cause is believed: odds of exp(3), about 20, to 1.
+inline constexpr double believed = 6.0;
+
+/// The courses of one cause, one value a block each.
+struct Courses {
+  std::vector<std::vector<double>> rate, amplitude;
+  int places = 0; ///< numbers that were searched for beside the sizes: dates, time constants
+};
+
+/// Where something begins, dies away, or drifts. Places are in blocks from the first one's
+/// beginning; a block that something begins in holds its mean, part of it being as before.
+class CourseMaker {
+public:
+  explicit CourseMaker(const RateBlocks& blocks)
+      : count_(blocks.rate.size()), length_s_(blocks.length_s) {}
+  [[nodiscard]] std::vector<double> step(double place) const;
+  [[nodiscard]] std::vector<double> alone(std::size_t block) const;
+  /// 1 at the place, and dies away from there with a time constant.
+  [[nodiscard]] std::vector<double> dying(double place, double time_s) const;
+  /// The step less that: what approaches a new level.
+  [[nodiscard]] std::vector<double> approach(double place, double time_s) const;
+  /// Powers of the time from the middle, in days.
+  [[nodiscard]] std::vector<double> power(int exponent) const;
+  [[nodiscard]] std::vector<double> wave(double period_s, double phase) const;
+
+private:
+  std::size_t count_;
+  double length_s_;
+};
+
+/// The sizes that belong to the courses of one cause.
+struct Sizes {
+  std::vector<double> rate, rate_sigma, amplitude, amplitude_sigma;
+};
+
+/// What has been found so far, and by how much more would explain the log better.
+class Account {
+public:
+  /// `rate_noise` is that of a healthy clock; the amplitude's may always wander, since a drive that
+  /// is white makes it.
+  Account(const RateBlocks& blocks, const NoiseKinds& rate_noise);
+
+  /// 2 log L gained by the courses beside those taken, less their price.
+  [[nodiscard]] double gain_of(const Courses& courses) const;
+  /// What the courses of the amplitude alone gain; 0 without amplitudes.
+  [[nodiscard]] double amplitude_gain_of(const Courses& courses) const;
+  /// As gain_of, for noise of the rate of other kinds that bring `numbers` more sizes.
+  [[nodiscard]] double gain_of(const NoiseKinds& kinds, int numbers) const;
+  /// Sizes of the courses beside those taken.
+  [[nodiscard]] Sizes sizes_of(const Courses& courses) const;
+  void take(const Courses& courses);
+  void take(const NoiseKinds& kinds);
+  [[nodiscard]] bool sees_amplitude() const { return !amplitude_.empty(); }
+
+private:
+  using Series = std::vector<std::vector<double>>;
+  [[nodiscard]] RateRegression of_rate(const Series& more) const;
+  [[nodiscard]] RateRegression of_amplitude(const Series& more) const;
+
+  std::vector<double> rate_, amplitude_; // cosines
+  Series rate_taken_, amplitude_taken_;  // cosines of the courses
+  RateNoise rate_noise_, amplitude_noise_;
+  double price_ = 0.0;
+};
+
+} // namespace goingrate::timing_model

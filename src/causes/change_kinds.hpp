@@ -1,0 +1,32 @@
+// Of which kind a dated change is. Private to the causes room.
+#pragma once
+
+#include "goingrate/causes/diary.hpp"
+#include "goingrate/fit/timing_data.hpp"
+
+namespace goingrate::timing_model {
+
+/// What is looked at of a change: from the one before it to the next.
+struct Stretch {
+  double begin_s = 0.0, end_s = 0.0;
+};
+
+struct Judgement {
+  ChangeKind kind = ChangeKind::unclear;
+  ChangeKind next = ChangeKind::unclear; ///< the second best
+  double gain = 0.0;                     ///< over no change, 2 log L less the price
+  double ahead = 0.0;                    ///< of the second best
+  double at_s = 0.0;
+};
+
+/// The kind of a change at `at_s`, which may be off by `doubt_s`. Looked at in blocks of 4, 16, 64
+/// ... beats, up to 96 on each side, and taken from those that tell most: what dies away in
+/// seconds is not seen in coarse blocks, what takes hours not in fine ones.
+Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s);
+
+/// Fills in kinds, and the rates before and after, of changes in order of time. `data` are those of
+/// the beats, without displacements.
+void judge_changes(std::span<const Beat> beats, const TimingData& data, double nominal_period_s,
+                   std::vector<Change>& changes);
+
+} // namespace goingrate::timing_model

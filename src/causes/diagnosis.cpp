@@ -1,0 +1,489 @@
+#include "goingrate/causes/diagnosis.hpp"
+
+#include "change_kinds.hpp"
+#include "facts.hpp"
+#include "step_search.hpp"
+
+#include "base/scaled_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace goingrate {
+
+namespace {
+
+using namespace timing_model;
+
+std::string daily(double rate) { return fmt::format("{:+.3g} s/day", rate * seconds_per_day); }
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Where a series jumps: the greatest difference of medians over some blocks before and after.
+void add_likely_steps(const std::vector<double>& series, std::vector<std::size_t>& places) {
+  for (const std::size_t reach : {4U, 12U, 40U}) {
+    if (series.size() < 4 * reach) continue;
+    std::size_t best = 0;
+    double most = -1.0;
+    for (std::size_t i = reach; i + reach < series.size(); ++i) {
+      const auto at = series.begin() + static_cast<std::ptrdiff_t>(i);
+      const auto far = static_cast<std::ptrdiff_t>(reach);
+      const double difference = std::abs(median({at, at + far}) - median({at - far, at}));
+      if (difference > most) {
+        most = difference;
+        best = i;
+      }
+    }
+    for (std::size_t near = std::max<std::size_t>(best, 3) - 2; near <= best + 2; ++near)
+      places.push_back(near);
+  }
+}
+
+/// A cause that may be taken: what it makes of rate and amplitude, and what else makes the same.
+struct Candidate {
+  Cause cause{};
+  Courses courses{};
+  std::vector<Cause> alternatives{};
+  double at_s = 0.0, time_s = 0.0;
+  bool is_fault = true; ///< false: how a clock settles after it was started
+  double gain = 0.0;
+};
+
+constexpr NoiseKinds wandering{.wanders = true};
+
+/// Takes causes from a log one after the other.
+class Diagnosis {
+public:
+  Diagnosis(const DiagnosisInput& input, const TimingData& times)
+      : input_(input), times_(times),
+        blocks_(rate_blocks(times, std::min<std::size_t>(384, times.size() / 16))), make_(blocks_),
+        healthy_(healthy(blocks_, input)), account_(blocks_, healthy_) {}
+
+  std::vector<Suspicion> run() {
+    constexpr std::size_t most = 4; // more say that the log is not understood
+    while (taken_.size() < most) {
+      Candidate best = best_candidate();
+      const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
+      if (std::max(best.gain, wander) < believed) break;
+      if (wander > best.gain) {
+        // A wander takes up much of any change: a cause that shows beside it comes first. But a
+        // drive that wanders makes what looks like changes, which are small beside the wander
+        // itself.
+        constexpr double least_share = 0.25;
+        const Account before = account_;
+        account_.take(wandering);
+        best = best_candidate();
+        if (best.gain < std::max(believed, least_share * wander)) {
+          wanders_ = true;
+          continue;
+        }
+        account_ = before;
+      }
+      account_.take(best.courses);
+      taken_.push_back(std::move(best));
+    }
+    return suspicions();
+  }
+
+private:
+  // Noise of a healthy clock: white, and bent where white drive is answered. Where the clock is not
+  // known, the corner that explains the log best.
+  static NoiseKinds healthy(const RateBlocks& blocks, const DiagnosisInput& input) {
+    const auto corner_of = [&](double relaxation_s) { return blocks.length_s / relaxation_s; };
+    if (input.relaxation_s) return {.wanders = false, .corner = corner_of(*input.relaxation_s)};
+    NoiseKinds best{.wanders = false};
+    const Account white(blocks, best);
+    double gain = 0.0;
+    constexpr double least = 10.0,
+                     most = 2e4; // T0/(4 pi epsilon) of clocks people have, in periods
+    for (double periods = least; periods < most; periods *= 2.5) {
+      const NoiseKinds bent{.wanders = false,
+                            .corner = corner_of(periods * input.nominal_period_s)};
+      const double gained = white.gain_of(bent, 2);
+      if (gained <= gain) continue;
+      gain = gained;
+      best = bent;
+    }
+    return best;
+  }
+
+  void consider(Candidate candidate, Candidate& best) const {
+    candidate.gain = account_.gain_of(candidate.courses);
+    if (candidate.gain > best.gain) best = std::move(candidate);
+  }
+
+  [[nodiscard]] Candidate best_candidate() const {
+    Candidate best;
+    consider_weather(best);
+    consider_steps(best);
+    consider_visits(best);
+    consider_drifts(best);
+    consider_settling(best);
+    return best;
+  }
+
+  void consider_weather(Candidate& best) const {
+    for (std::size_t k = 0; k < input_.data->terms.size(); ++k) {
+      const std::string& name = input_.data->terms[k].name;
+      const bool temperature = name == "temperature";
+      if (!temperature && name != "pressure") continue;
+      const auto& values = blocks_.values[k];
+      if (std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e-9; }))
+        continue;
+      consider({temperature ? Cause::temperature : Cause::pressure, {{values}, {}, 0}}, best);
+    }
+    constexpr double day_s = seconds_per_day;
+    if (blocks_.length_s * static_cast<double>(blocks_.rate.size()) < 0.8 * day_s) return;
+    consider({Cause::unlogged_weather,
+              {{make_.wave(day_s, 0.0), make_.wave(day_s, 0.25 * two_pi)}, {}, 0},
+              {Cause::log_clock}},
+             best);
+  }
+
+  [[nodiscard]] std::vector<std::size_t> places() const {
+    std::vector<std::size_t> blocks;
+    add_likely_steps(blocks_.rate, blocks);
+    if (account_.sees_amplitude()) add_likely_steps(blocks_.amplitude_rad, blocks);
+    for (const Change& change : input_.changes)
+      blocks.push_back(static_cast<std::size_t>(change.at_s / blocks_.length_s));
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    std::erase_if(blocks, [&](std::size_t b) { return b < 2 || b + 3 > blocks_.rate.size(); });
+    return blocks;
+  }
+
+  // Those places at which rate and amplitude differ most from before, the first ones first.
+  [[nodiscard]] std::vector<std::size_t> best_places(std::size_t most) const {
+    std::vector<std::pair<double, std::size_t>> ranked;
+    for (const std::size_t block : places()) {
+      const auto step = make_.step(static_cast<double>(block));
+      ranked.emplace_back(account_.gain_of(Courses{{step, make_.alone(block)}, {step}, 0}), block);
+    }
+    std::sort(ranked.rbegin(), ranked.rend());
+    if (ranked.size() > most) ranked.resize(most);
+    std::vector<std::size_t> blocks;
+    for (const auto& [gain, block] : ranked)
+      blocks.push_back(block);
+    std::sort(blocks.begin(), blocks.end());
+    return blocks;
+  }
+
+  static Cause cause_of(ChangeKind kind) {
+    return kind == ChangeKind::regulation ? Cause::length_step
+           : kind == ChangeKind::friction ? Cause::friction_step
+                                          : Cause::drive_step;
+  }
+
+  [[nodiscard]] Candidate step_of(ChangeKind kind, double place) const {
+    FittedStep found = StepSearch(account_, blocks_, place, 1.0).best(kind);
+    std::vector<Cause> others;
+    if (kind == ChangeKind::regulation)
+      others = {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
+    return {cause_of(kind),    std::move(found.courses),
+            std::move(others), blocks_.length_s * found.place,
+            found.time_s,      true,
+            found.gain};
+  }
+
+  void consider_steps(Candidate& best) const {
+    constexpr std::size_t most = 3;
+    for (const std::size_t block : best_places(most))
+      for (const ChangeKind kind :
+           {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
+        Candidate step = step_of(kind, static_cast<double>(block));
+        if (step.gain > best.gain) best = std::move(step);
+      }
+  }
+
+  // Something that is there for a while only.
+  void consider_visits(Candidate& best) const {
+    constexpr std::size_t most = 8;
+    const auto blocks = best_places(most);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      for (std::size_t k = i + 1; k < blocks.size(); ++k) {
+        if (blocks[k] < blocks[i] + 4) continue;
+        auto while_there = make_.step(static_cast<double>(blocks[i]));
+        std::fill(while_there.begin() + static_cast<std::ptrdiff_t>(blocks[k]), while_there.end(),
+                  0.0);
+        consider({Cause::magnet,
+                  {{while_there, make_.alone(blocks[i]), make_.alone(blocks[k])}, {}, 2},
+                  {Cause::length_step, Cause::log_clock, Cause::unlogged_weather},
+                  blocks_.length_s * static_cast<double>(blocks[i]),
+                  blocks_.length_s * static_cast<double>(blocks[k])},
+                 best);
+      }
+  }
+
+  // A ramp that the amplitude follows, and one that it does not.
+  void consider_drifts(Candidate& best) const {
+    const auto t = make_.power(1), t2 = make_.power(2);
+    const bool seen = account_.sees_amplitude();
+    for (const bool bent : {false, true}) {
+      std::vector<std::vector<double>> ramp{t};
+      if (bent) ramp.push_back(t2);
+      consider({seen ? Cause::length_drift : Cause::growing_friction,
+                {ramp, {}, 0},
+                seen ? std::vector{Cause::log_clock, Cause::unlogged_weather}
+                     : std::vector{Cause::length_drift, Cause::log_clock, Cause::unlogged_weather}},
+               best);
+      if (seen) consider({Cause::growing_friction, {ramp, ramp, 0}}, best);
+    }
+  }
+
+  // A clock that was started or wound before the log begins.
+  void consider_settling(Candidate& best) const {
+    const double length_s = blocks_.length_s * static_cast<double>(blocks_.rate.size());
+    for (double time_s = blocks_.length_s; time_s < 0.3 * length_s; time_s *= 2.0) {
+      const auto dying = make_.dying(0.0, time_s);
+      consider({.courses = {{dying}, {dying}, 1}, .time_s = time_s, .is_fault = false}, best);
+    }
+  }
+
+  // Of a step the finer blocks about it tell the kind; what they cannot tell apart are
+  // alternatives.
+  [[nodiscard]] Candidate looked_at_closely(const Candidate& step) const {
+    const double doubt_s = 1.5 * blocks_.length_s;
+    const Judgement found = judge_kind(times_, {0.0, times_.elapsed_s.back()}, step.at_s, doubt_s);
+    if (found.kind == ChangeKind::unclear) return step;
+    Candidate best = step_of(found.kind, found.at_s / blocks_.length_s);
+    if (best.courses.rate.empty()) return step;
+    best.at_s = found.at_s;
+    // A step alone is what a step of the drive or friction with a hidden return looks like, if the
+    // amplitude does not say that there is none.
+    const double least = account_.sees_amplitude() || found.kind != ChangeKind::regulation
+                             ? believed
+                             : std::numeric_limits<double>::infinity();
+    for (const ChangeKind other : {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction})
+      if (other != found.kind && found.ahead < least &&
+          (other == found.next || found.kind == ChangeKind::regulation))
+        best.alternatives.push_back(cause_of(other));
+    return best;
+  }
+
+  // Everything taken but one, so that each is judged by what it alone adds.
+  [[nodiscard]] Account without(const Candidate* left_out, const NoiseKinds& noise) const {
+    Account account(blocks_, noise);
+    for (const Candidate& candidate : taken_)
+      if (&candidate != left_out) account.take(candidate.courses);
+    return account;
+  }
+
+  [[nodiscard]] std::vector<Suspicion> suspicions() {
+    std::vector<Suspicion> all;
+    for (const Candidate& taken : taken_) {
+      if (!taken.is_fault) continue;
+      account_ = without(&taken, wanders_ ? wandering : healthy_);
+      const double gain = account_.gain_of(taken.courses);
+      if (gain < believed) continue;
+      const bool is_step = taken.cause == Cause::length_step || taken.cause == Cause::drive_step ||
+                           taken.cause == Cause::friction_step;
+      const Candidate found = is_step ? looked_at_closely(taken) : taken;
+      all.push_back({found.cause, gain, evidence_of(found, account_.sizes_of(found.courses)),
+                     found.alternatives, advice_on(found.cause)});
+    }
+    add_if_not_understood(all);
+    if (!wanders_) return all;
+    account_ = without(nullptr, healthy_);
+    const double gain = account_.gain_of(wandering, 2);
+    if (gain > believed) all.push_back(wander(gain));
+    return all;
+  }
+
+  // Whether the amplitude explains more of it than is left when it has: then it is the drive that
+  // wanders. (A healthy clock's amplitude and rate go together too, a little.)
+  [[nodiscard]] bool wanders_with_amplitude() const {
+    if (!account_.sees_amplitude()) return false;
+    // The drive is what lambda^2 and its speed say: both, or one if the other adds nothing.
+    const Courses alone{{blocks_.amplitude_rad}, {}, 0};
+    const Courses both{{blocks_.amplitude_rad, speed_of(blocks_.amplitude_rad)}, {}, 0};
+    const Courses& amplitude = account_.gain_of(both) > account_.gain_of(alone) ? both : alone;
+    Account rest = account_;
+    rest.take(amplitude);
+    return account_.gain_of(amplitude) > rest.gain_of(wandering, 2);
+  }
+
+  static std::vector<double> speed_of(const std::vector<double>& series) {
+    std::vector<double> speed(series.size(), 0.0);
+    for (std::size_t i = 1; i + 1 < series.size(); ++i)
+      speed[i] = 0.5 * (series[i + 1] - series[i - 1]);
+    return speed;
+  }
+
+  // Two faults at once are rare, three are a course that nothing in the list makes.
+  void add_if_not_understood(std::vector<Suspicion>& all) const {
+    constexpr std::size_t too_many = 3;
+    if (all.size() < too_many) return;
+    double gain = 0.0;
+    Account account(blocks_, wanders_ ? wandering : healthy_);
+    for (const Candidate& taken : taken_) {
+      gain += account.gain_of(taken.courses);
+      account.take(taken.courses);
+    }
+    all.push_back(
+        {Cause::unknown,
+         gain,
+         "no one or two causes make the course of this rate",
+         {Cause::unlogged_weather, Cause::slow_drive, Cause::length_drift, Cause::log_clock},
+         "a longer log, and what was done to the clock, would tell"});
+  }
+
+  [[nodiscard]] Suspicion wander(double gain) const {
+    const char* what = "the rate wanders more than white noise would";
+    const std::vector<Cause> outside{Cause::unlogged_weather, Cause::length_drift,
+                                     Cause::log_clock};
+    if (!account_.sees_amplitude())
+      return {Cause::slow_drive, gain, what, outside,
+              "amplitudes tell a wandering drive from all others"};
+    if (wanders_with_amplitude())
+      return {Cause::slow_drive,
+              gain,
+              fmt::format("{}, and the amplitude with it", what),
+              {},
+              "look at the train and the oil: what reaches the escapement varies"};
+    return {Cause::unknown, gain, fmt::format("{}, and the amplitude does not", what), outside,
+            "a thermometer, a barometer and a better clock for the logger would tell"};
+  }
+
+  [[nodiscard]] std::string when(double at_s) const {
+    // A dated change says it to the beat.
+    for (const Change& change : input_.changes)
+      if (std::abs(change.at_s - at_s) < 3.0 * blocks_.length_s)
+        return fmt::format("{:.4g} h after the start", change.at_s / 3600.0);
+    return fmt::format("about {:.3g} h after the start", at_s / 3600.0);
+  }
+
+  [[nodiscard]] std::string evidence_of(const Candidate& found, const Sizes& sizes) const {
+    const auto size = [&](std::size_t k) {
+      return fmt::format("{} (+- {:.2g})", daily(sizes.rate[k]),
+                         sizes.rate_sigma[k] * seconds_per_day);
+    };
+    const auto swing = [&](const char* per) {
+      return sizes.amplitude.empty()
+                 ? std::string()
+                 : fmt::format(", the amplitude by {:+.3g} mrad (+- {:.2g}){}",
+                               1e3 * sizes.amplitude[0], 1e3 * sizes.amplitude_sigma[0], per);
+    };
+    switch (found.cause) {
+    case Cause::temperature:
+      return fmt::format("the rate answers by {} per K", size(0));
+    case Cause::pressure:
+      return fmt::format("the rate answers by {} per mbar", size(0));
+    case Cause::unlogged_weather:
+      return fmt::format("the rate swings by {:.3g} s/day with the time of day",
+                         seconds_per_day * std::hypot(sizes.rate[0], sizes.rate[1]));
+    case Cause::length_step:
+      return fmt::format("{} the rate changes by {} and stays{}", when(found.at_s), size(0),
+                         account_.sees_amplitude() ? "; the amplitude does not follow" : "");
+    case Cause::magnet:
+      return fmt::format("from {} to {:.3g} h the rate is different by {}", when(found.at_s),
+                         found.time_s / 3600.0, size(0));
+    case Cause::drive_step:
+      return fmt::format("{} the rate jumps by {}, and changes by {} more as the clock follows{}",
+                         when(found.at_s), size(0), size(1), swing(""));
+    case Cause::friction_step:
+      return fmt::format("{} the rate begins to change, by {} in the end, without a jump{}",
+                         when(found.at_s), size(0), swing(""));
+    default:
+      return fmt::format("the rate drifts by {} each day{}", size(0),
+                         found.courses.amplitude.empty()
+                             ? std::string(account_.sees_amplitude() ? "; the amplitude stays" : "")
+                             : swing(" each day"));
+    }
+  }
+
+  [[nodiscard]] std::string advice_on(Cause cause) const {
+    const bool seen = account_.sees_amplitude();
+    switch (cause) {
+    case Cause::temperature:
+      return "heating also changes the oil and the air: compare two seasons";
+    case Cause::length_step:
+      return seen
+                 ? "was the nut turned, a weight added, or the case moved?"
+                 : "a small step of the drive looks alike if its return is hidden: amplitudes tell";
+    case Cause::drive_step:
+    case Cause::friction_step:
+      return seen ? "was the clock wound, oiled or touched then?"
+                  : "amplitudes would show the swing follow";
+    case Cause::growing_friction:
+      return seen ? "clean and oil, or look for a drive that fades"
+                  : "friction lowers the amplitude, a length does not: amplitudes tell";
+    default:
+      return {};
+    }
+  }
+
+  const DiagnosisInput& input_;
+  const TimingData& times_;
+  RateBlocks blocks_;
+  CourseMaker make_;
+  NoiseKinds healthy_;
+  Account account_;
+  bool wanders_ = false;
+  std::vector<Candidate> taken_;
+};
+
+} // namespace
+
+std::string_view name_of(Cause cause) {
+  switch (cause) {
+  case Cause::slow_drive:
+    return "slow drive";
+  case Cause::drive_step:
+    return "step of the drive";
+  case Cause::friction_step:
+    return "step of the friction";
+  case Cause::growing_friction:
+    return "growing friction";
+  case Cause::temperature:
+    return "temperature";
+  case Cause::pressure:
+    return "pressure";
+  case Cause::length_step:
+    return "step of the length or regulation";
+  case Cause::wheel:
+    return "a wheel";
+  case Cause::sensor_shift:
+    return "shift of the sensor";
+  case Cause::missed_beats:
+    return "missed beats";
+  case Cause::rough_drive:
+    return "rough drive";
+  case Cause::length_drift:
+    return "a drifting length";
+  case Cause::log_clock:
+    return "the logger's own clock";
+  case Cause::unlogged_weather:
+    return "weather that was not logged";
+  case Cause::knock:
+    return "knocks";
+  case Cause::magnet:
+    return "a magnet or weight brought near";
+  case Cause::stop:
+    return "a stop";
+  case Cause::unknown:
+    break;
+  }
+  return "unknown";
+}
+
+std::vector<Suspicion> diagnose(const DiagnosisInput& input) {
+  constexpr std::size_t least = 2000;
+  if (input.data == nullptr || input.data->size() < least) return {};
+  TimingData times = *input.data;
+  constexpr std::size_t most_displaced = 8;
+  const auto displaced = take_displacements(times, most_displaced);
+  std::vector<Suspicion> all = Diagnosis(input, times).run();
+  for (Suspicion& fact : suspicions_of_facts(input, displaced))
+    all.push_back(std::move(fact));
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Suspicion& a, const Suspicion& b) { return a.gain > b.gain; });
+  return all;
+}
+
+} // namespace goingrate

@@ -1,0 +1,232 @@
+#include "facts.hpp"
+
+#include "account.hpp"
+
+#include "base/scaled_time.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <optional>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+double median_size(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  for (double& v : values)
+    v = std::abs(v);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// By how much the times jump after each beat, by means of `reach` beats: those next to it on either
+// side, less how the rate takes the clock from those further out.
+std::vector<double> jumps(const std::vector<double>& late, std::size_t reach) {
+  std::vector<double> sum{0.0};
+  for (const double x : late)
+    sum.push_back(sum.back() + x);
+  const auto mean = [&](std::size_t from) {
+    return (sum[from + reach] - sum[from]) / static_cast<double>(reach);
+  };
+  std::vector<double> jump;
+  for (std::size_t i = 2 * reach; i + 2 * reach <= late.size(); ++i) {
+    const double before = mean(i - reach), after = mean(i);
+    jump.push_back(after - before - 0.5 * (mean(i + reach) - after + before - mean(i - 2 * reach)));
+  }
+  return jump;
+}
+
+// What is left of the times about a beat by lines of one slope that jump there, or of two slopes
+// that meet there.
+double squares_left(const TimingData& data, std::size_t at, std::size_t reach, bool bends) {
+  const auto n = static_cast<Eigen::Index>(4 * reach);
+  Eigen::MatrixXd design(n, 3);
+  Eigen::VectorXd late(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::size_t beat = at - 2 * reach + static_cast<std::size_t>(i);
+    const double t = data.elapsed_s[beat] - data.elapsed_s[at];
+    design.row(i) << 1.0, t, beat < at ? 0.0 : bends ? t : 1.0;
+    late[i] = data.lateness_s[beat] - data.lateness_s[at];
+  }
+  return (late - design * design.colPivHouseholderQr().solve(late)).squaredNorm();
+}
+
+// It must come from one beat to the next, and not as a bend or a walk.
+bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double jump,
+               double at_once) {
+  const std::size_t seen = std::max<std::size_t>(reach, 8);
+  if (at < 2 * seen || at + 2 * seen > data.size()) return false;
+  return at_once / jump > 0.5 &&
+         squares_left(data, at, seen, false) < squares_left(data, at, seen, true);
+}
+
+// Of means over so many beats.
+std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, double price) {
+  if (data.size() < 16 * reach) return {};
+  const std::vector<double> jump = jumps(data.lateness_s, reach);
+  const std::vector<double> at_once = jumps(data.lateness_s, 1);
+  constexpr double normal = 1.4826; // standard deviation over median of the size
+  const double scatter = normal * median_size(jump);
+  const double least = scatter * std::sqrt(price + believed);
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < jump.size(); ++i)
+    if (std::abs(jump[i]) > least) places.push_back(i);
+  constexpr std::size_t most_tried = 200; // a log in which more jump is no case of displacements
+  if (!(scatter > 0.0) || places.size() > most_tried) return {};
+  std::sort(places.begin(), places.end(),
+            [&](std::size_t a, std::size_t b) { return std::abs(jump[a]) > std::abs(jump[b]); });
+  for (const std::size_t place : places) {
+    const std::size_t at = place + 2 * reach;
+    if (is_sudden(data, at, reach, jump[place], at_once[at - 2]))
+      return Displacement{at, jump[place], std::pow(jump[place] / scatter, 2) - price};
+  }
+  return {};
+}
+
+std::optional<Displacement> greatest(const TimingData& data) {
+  constexpr std::array<std::size_t, 3> reaches{1, 4, 16};
+  // Of having looked everywhere, at each reach.
+  const double price = 2.0 * std::log(static_cast<double>(reaches.size() * data.size()));
+  std::optional<Displacement> best;
+  for (const std::size_t reach : reaches)
+    if (const auto found = greatest(data, reach, price);
+        found && (!best || found->gain > best->gain))
+      best = found;
+  return best;
+}
+
+std::string by_chance(double probability) {
+  constexpr double never = 1e-9; // such tails are the model's, not the world's
+  return probability < never ? std::string("which chance does not do")
+                             : fmt::format("by chance once in {:.1g} logs", 1.0 / probability);
+}
+
+void look_at_displacements(const DiagnosisInput& input, const std::vector<Displacement>& found,
+                           std::vector<Suspicion>& all) {
+  if (found.empty()) return;
+  const Displacement& first = found.front();
+  double gain = 0.0;
+  for (const Displacement& d : found)
+    gain += d.gain;
+  std::string evidence =
+      fmt::format("{:.3g} h after the start the times are displaced by {:+.3g} ms, and the clock "
+                  "goes on as before",
+                  input.data->elapsed_s[first.beat] / 3600.0, 1e3 * first.late_s);
+  if (found.size() == 1) {
+    all.push_back({Cause::sensor_shift,
+                   gain,
+                   std::move(evidence),
+                   {Cause::knock},
+                   "a sensor that was moved shows it in the other direction's beats too"});
+    return;
+  }
+  evidence += fmt::format("; {} more such places", found.size() - 1);
+  all.push_back({Cause::knock,
+                 gain,
+                 std::move(evidence),
+                 {Cause::sensor_shift},
+                 "see whether doors, traffic or people go with the hours"});
+}
+
+// Of a healthy sensor at most one beat in a thousand is missing.
+void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
+  constexpr double usual = 1e-3;
+  const auto missed = static_cast<double>(input.missed);
+  const double beats = missed + static_cast<double>(input.data->size());
+  const double share = missed / beats;
+  if (share <= usual) return;
+  const double gain =
+      2.0 * (missed * std::log(share / usual) + (beats - missed) * std::log1p(-share) -
+             (beats - missed) * std::log1p(-usual)) -
+      std::log(beats);
+  if (gain > believed)
+    all.push_back({Cause::missed_beats,
+                   gain,
+                   fmt::format("{:.2g} % of the beats are missing", 100.0 * share),
+                   {},
+                   "the clock itself may be well: clean and aim the sensor"});
+}
+
+// -2 log p of the false alarm is what the line gains, less the price of having looked everywhere.
+void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
+  for (const SpectralLine& line : input.lines) {
+    const double period_s = 1.0 / line.frequency_hz;
+    constexpr double slowest = 4.0 * 3600.0; // of a wheel in the train
+    const double gain = -2.0 * std::log(std::max(line.false_alarm, 1e-300));
+    constexpr double demanded = 18.0; // once in ten thousand logs
+    if (period_s > slowest || gain < demanded) continue;
+    all.push_back(
+        {Cause::wheel,
+         gain,
+         fmt::format("the rate swings by {:+.3g} s/day every {:.5g} s, {}",
+                     line.amplitude * seconds_per_day, period_s, by_chance(line.false_alarm)),
+         {},
+         "the numbers of teeth in the train tell which wheel"});
+    return;
+  }
+}
+
+// A drive that varies by less than 8 % from period to period is that of a healthy clock.
+void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all) {
+  if (!input.fast_drive) return;
+  constexpr double usual = 0.08;
+  const RmsEstimate& fast = *input.fast_drive;
+  const double sigma = fast.rms - fast.low68;
+  if (!(fast.low68 > usual) || !(sigma > 0.0)) return;
+  const double gain =
+      std::pow((fast.rms - usual) / sigma, 2) - std::log(static_cast<double>(input.data->size()));
+  if (gain > believed)
+    all.push_back({Cause::rough_drive,
+                   gain,
+                   fmt::format("the drive varies by {:.2g} % from period to period (rms; {:.2g} to "
+                               "{:.2g})",
+                               100.0 * fast.rms, 100.0 * fast.low68, 100.0 * fast.high68),
+                   {},
+                   "a loose suspension or a worn escapement; a hand on the case tells"});
+}
+
+void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
+  if (!input.stopped_s) return;
+  // That a clock which was not stopped comes back off its beat has the odds of its jitter in a
+  // period.
+  constexpr double odds = 1e3;
+  all.push_back({Cause::stop,
+                 2.0 * std::log(odds),
+                 fmt::format("{:.3g} h after the start the clock stopped, and was started again",
+                             *input.stopped_s / 3600.0),
+                 {},
+                 "only one side of the stop is analysed"});
+}
+
+} // namespace
+
+std::vector<Displacement> take_displacements(TimingData& data, std::size_t most) {
+  std::vector<Displacement> found;
+  while (found.size() < most) {
+    const auto next = greatest(data);
+    if (!next) break;
+    for (std::size_t i = next->beat; i < data.size(); ++i)
+      data.lateness_s[i] -= next->late_s;
+    found.push_back(*next);
+  }
+  return found;
+}
+
+std::vector<Suspicion> suspicions_of_facts(const DiagnosisInput& input,
+                                           const std::vector<Displacement>& displaced) {
+  std::vector<Suspicion> all;
+  look_at_displacements(input, displaced, all);
+  look_at_missed(input, all);
+  look_for_wheel(input, all);
+  look_at_roughness(input, all);
+  look_at_stop(input, all);
+  return all;
+}
+
+} // namespace goingrate::timing_model

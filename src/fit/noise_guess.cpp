@@ -1,0 +1,73 @@
+#include "fit/noise_guess.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// Cycles from beat to beat in most places: more than one in a log that was thinned.
+double usual_spacing(const TimingData& data) {
+  constexpr std::size_t enough = 1001;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < std::min(enough, data.size()); ++i)
+    steps.push_back(data.cycle[i] - data.cycle[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+// Robust mean square of the third differences at a stride of usual spacings: of jitter j and a walk
+// w a spacing it is 20 j^2 + 6 stride w^2, of anything smooth over three strides nearly nothing.
+double third_differences(const TimingData& data, std::span<const double> series,
+                         std::size_t stride) {
+  constexpr std::size_t enough = 20000; // known to a per cent
+  const double spacing = usual_spacing(data);
+  std::vector<double> size;
+  for (std::size_t i = 0; i + 3 * stride < series.size() && size.size() < enough; ++i) {
+    if (data.cycle[i + 3 * stride] - data.cycle[i] != 3.0 * spacing * static_cast<double>(stride))
+      continue;
+    const double d = series[i + 3 * stride] - 3.0 * series[i + 2 * stride] +
+                     3.0 * series[i + stride] - series[i];
+    if (std::isfinite(d)) size.push_back(std::abs(d));
+  }
+  if (size.empty()) return 0.0;
+  const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
+  std::nth_element(size.begin(), middle, size.end());
+  constexpr double normal = 1.4826; // standard deviation over median of the size
+  return std::pow(normal * *middle, 2);
+}
+
+} // namespace
+
+double least_jitter(const TimingData& data) {
+  return 1e-12 * data.reference_period_s + 4e-16 * data.elapsed_s.back();
+}
+
+NoiseGuess guess_noise(const TimingData& data) {
+  NoiseGuess guess;
+  constexpr std::size_t stride = 8;
+  const double near = third_differences(data, data.lateness_s, 1);
+  double far = third_differences(data, data.lateness_s, stride);
+  // Twice the stride doubles what a walk shows, but raises what is smooth 64 times.
+  constexpr double smooth = 8.0;
+  if (third_differences(data, data.lateness_s, 2 * stride) > smooth * far) far = near;
+  const double walk2 = std::clamp((far - near) / (6.0 * (stride - 1)), 0.0, near / 6.0);
+  guess.walk_s = std::sqrt(walk2 / usual_spacing(data));
+  // Relative standard deviation of a mean square from the median of m independent sizes: 2.3/sqrt
+  // m; third differences over 8 beats are independent every 24.
+  const double scatter = 2.3 * std::sqrt(3.0 * stride / static_cast<double>(data.size()));
+  guess.walks = far > near * (1.0 + 4.0 * scatter);
+  guess.jitter_s =
+      std::max(std::sqrt(std::max(0.0, near - 6.0 * walk2) / 20.0), least_jitter(data));
+  constexpr double finest = 1e-8; // rad
+  if (data.has_amplitude())
+    guess.amplitude_rad =
+        std::max(std::sqrt(third_differences(data, data.amplitude_rad, 1) / 20.0), finest);
+  return guess;
+}
+
+} // namespace goingrate::timing_model
