@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(DiagnosisTest, OwnsThatItCannotTell,
                                          Cause::stop));
 
 TEST(DiagnosisTest, NamesTheCause) { // along the whole road, in words, on one scale
-  const auto found = test::diagnosed({{Cause::temperature}, 0.6, 3});
+  const auto found = test::diagnosed({{Cause::temperature}, 0.3, 3});
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found[0].cause, Cause::temperature);
   EXPECT_NE(found[0].evidence.find("per K"), std::string::npos);

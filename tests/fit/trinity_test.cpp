@@ -1,4 +1,5 @@
 // The Trinity College clock, Cambridge: what is known of two of its days.
+#include "goingrate/causes/diagnosis.hpp"
 #include "goingrate/causes/diary.hpp"
 #include "goingrate/drive/drive_history.hpp"
 #include "goingrate/log/amplitude.hpp"
@@ -185,6 +186,35 @@ TEST_F(TrinityTest, EveryThirdBeatIsAlike) {
   };
   EXPECT_GT(correlation(3), 0.3); // jitter alone: -1/2, 0, 0; each +- 0.006
   EXPECT_LT(correlation(2), -0.2);
+}
+
+// The first day with the regulation changed by -20 ppm at some time, as a penny taken off does it.
+TEST_F(TrinityTest, AChangedRegulationIsToldAsOne) {
+  const auto log = day("2013-03-30");
+  NEEDS(log);
+  for (const double part : {0.37, 0.62}) {
+    std::vector<Beat> beats = number_beats(*log).longest_segment();
+    const double at_s = part * (beats.back().time - beats.front().time);
+    const Instant start = beats.front().time;
+    for (Beat& beat : beats)
+      if (beat.time - start > at_s) beat.time = beat.time + 20e-6 * (beat.time - start - at_s);
+    const Diary diary = keep_diary(beats, 3.0);
+    ASSERT_EQ(diary.changes.size(), 1u);
+    const Change& change = diary.changes.front();
+    EXPECT_EQ(change.kind, ChangeKind::regulation);
+    EXPECT_NEAR(change.at_s, at_s, 9.0); // three beats
+    // The day itself wanders: its rate between any two parts of it differs by 1 ppm at most.
+    EXPECT_NEAR(change.rate_after - change.rate_before, -20e-6, 1e-6);
+    EXPECT_LT(std::hypot(change.rate_before_sigma, change.rate_after_sigma), 1e-6);
+    const TimingData data = timing_data(beats);
+    DiagnosisInput input;
+    input.data = &data;
+    input.nominal_period_s = 3.0;
+    input.changes = diary.changes;
+    const auto found = diagnose(input);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.front().cause, Cause::length_step) << found.front().evidence;
+  }
 }
 
 } // namespace

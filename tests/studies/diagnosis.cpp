@@ -48,6 +48,7 @@ int main(int count, char** words) {
   const int each = count > 1 ? std::atoi(words[1]) : 10;
   const auto first_seed = static_cast<std::uint64_t>(count > 2 ? std::atoll(words[2]) : 1);
   const double longest = count > 3 ? std::atof(words[3]) : 3.0;
+  const bool log_alone = count > 4 && std::string(words[4]) == "log";
   std::map<std::string, std::pair<int, int>> shares;
   std::printf("%-34s right  named first\n", "truth");
   std::uint64_t seed = first_seed;
@@ -56,7 +57,8 @@ int main(int count, char** words) {
     const auto half = [&](std::size_t begin) {
       for (std::size_t i = begin; i < found.size(); i += 2) {
         RandomStream chance(seed + i, StreamPurpose::jitter);
-        found[i] = test::diagnosed({kind.faults, std::pow(longest, chance.uniform()), seed + i});
+        const test::SickClock clock{kind.faults, std::pow(longest, chance.uniform()), seed + i};
+        found[i] = log_alone ? test::suspected(clock) : test::diagnosed(clock);
       }
     };
     std::thread other(half, 1);
