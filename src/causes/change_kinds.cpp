@@ -39,8 +39,9 @@ Judgement judged(const RateBlocks& blocks, double at_s, double doubt_s) {
   found.at_s = at_s;
   for (const ChangeKind kind : {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
     FittedStep fitted = search.best(kind);
-    // Friction is a drive without its jump: the jump must be beyond doubt.
-    if (kind == ChangeKind::drive) fitted.gain -= believed;
+    // Friction is a drive without its jump: where amplitudes show the rest, the jump must be beyond
+    // doubt.
+    if (kind == ChangeKind::drive && account.sees_amplitude()) fitted.gain -= believed;
     if (fitted.gain > first) {
       second = std::exchange(first, fitted.gain);
       found.next = std::exchange(found.kind, kind);

@@ -247,7 +247,9 @@ namespace {
 bool contradicts_log(const FitSummary& summary) {
   constexpr double by_chance = 1e-6;
   return summary.quality.p_value < by_chance ||
-         std::max(summary.time_widening, summary.amplitude_widening) > badly;
+         std::any_of(summary.notes.begin(), summary.notes.end(), [](const FitNote& note) {
+           return note.kind == NoteKind::rough_stretch;
+         });
 }
 
 // What timing_data() makes is so; what was put together by hand may not be.

@@ -177,8 +177,7 @@ enum class FitStatus {
   stopped_early,  ///< the search crept along a flat ridge to its end: no parameter is determined
   no_valid_model, ///< no start lies in the domain of the model (amplitude above phi0)
   /// A maximum was found, and the log is not such a clock's: chi-squared is as large by chance in
-  /// less than one log of a million, or correlation left in the innovations widens sigma by more
-  /// than 2.
+  /// less than one log of a million, or a stretch of the log scatters far more than the rest.
   contradicts_log,
 };
 /// "converged", "stopped-early", "no-valid-model" or "contradicts-log".
