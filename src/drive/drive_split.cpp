@@ -346,8 +346,15 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   if (rates.size() < enough) return drive;
   drive.lines = find_lines(rates, nominal_period_s);
   if (!drive.response || is_constant(rates)) return drive;
-  drive.split = split_drive(without_lines(rates, nominal_period_s, drive.lines), nominal_period_s,
-                            *drive.response, split_hz, drive.rate_spectrum->frequency_hz);
+  // The gains are those of the clock after its last change: so are the rates.
+  const auto since =
+      std::min(static_cast<std::size_t>(
+                   fit.events.empty() ? 0 : std::max<std::int64_t>(0, fit.events.back().cycle)),
+               rates.size());
+  if (rates.size() - since < enough) return drive;
+  const std::vector<double> without = without_lines(rates, nominal_period_s, drive.lines);
+  drive.split = split_drive(std::span(without).subspan(since), nominal_period_s, *drive.response,
+                            split_hz, drive.rate_spectrum->frequency_hz);
   // The gains are those of a fit: what it does not know of them, the sizes of the drive share.
   DriveSplit& split = *drive.split;
   const double nyquist_hz = 0.5 / nominal_period_s;

@@ -1,6 +1,6 @@
 // Coverage and bias of the fast and slow rms of the drive. First with the clock known: logs of
 // point B with fast drive of 30 %. Then as users have it: several clocks, each fitted by analyse()
-// from a log with amplitudes in which the drive changes by a fifth, T0 being known. Arguments: logs
+// from a log with amplitudes in which the drive changes by half, T0 being known. Arguments: logs
 // in all of the first kind (200), of the second (40), first seed (1).
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/log/rates.hpp"
@@ -74,9 +74,9 @@ Scenario scene_with(const Clock& own) {
   scenario.periods = 20000;
   ClockEvent event;
   event.at_period = 3000;
-  event.mu = 1.2 * scenario.clock.mu;
+  event.mu = 1.5 * scenario.clock.mu;
   scenario.events = {event};
-  scenario.drive = {0.1, 0.05, 4.0 * own.period_s * own.quality / (2.0 * std::numbers::pi)};
+  scenario.drive = {0.03, 0.02, 4.0 * own.period_s * own.quality / (2.0 * std::numbers::pi)};
   scenario.sensor.jitter_rms_s = 1e-6;
   scenario.sensor.amplitude_rms = 1e-3 * own.amplitude;
   return scenario;

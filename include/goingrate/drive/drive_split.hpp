@@ -92,8 +92,9 @@ struct DriveAnalysis {
 double relative_gain_sigma(const FitSummary& fit, const ClockParameters& clock,
                            double frequency_hz);
 
-/// Spectrum, lines and split of the rate about a fit. The intervals of fast and slow hold what the
-/// fit does not know of the clock's gains (tests/studies/drive_split.txt: with fitted clocks).
+/// Spectrum and lines of the rate about a fit, and the split of the part after the fit's last
+/// event, for which the gains hold. The intervals of fast and slow hold what the fit does not know
+/// of the clock's gains (tests/studies/drive_split.txt: with fitted clocks).
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
                             const FitSummary& fit, double split_hz = 0.0);
 
