@@ -100,6 +100,7 @@ void judge_changes(std::span<const Beat> beats, const TimingData& data, double n
     const Judgement found = judge_kind(data, {data.elapsed_s[from], data.elapsed_s[to]},
                                        data.elapsed_s[at], doubt * data.reference_period_s);
     change.kind = found.kind;
+    change.gain = found.gain;
     change.kind_gain = found.ahead;
     if (found.kind == ChangeKind::friction) { // a bend is dated better by what comes of it
       change.at_s = found.at_s;

@@ -430,6 +430,19 @@ private:
 
 } // namespace
 
+Suspicion suspicion_of(const Change& change) {
+  const bool regulation = change.kind == ChangeKind::regulation;
+  const Cause cause = regulation                            ? Cause::length_step
+                      : change.kind == ChangeKind::friction ? Cause::friction_step
+                                                            : Cause::drive_step;
+  return {cause, change.gain,
+          fmt::format("{:.4g} h after the start the rate changes from {} to {}, as the model says",
+                      change.at_s / 3600.0, daily(change.rate_before), daily(change.rate_after)),
+          regulation ? std::vector{Cause::magnet, Cause::log_clock, Cause::unlogged_weather}
+                     : std::vector<Cause>{},
+          "what was done to the clock then?"};
+}
+
 std::vector<Suspicion> diagnose(const DiagnosisInput& input) {
   constexpr std::size_t least = 2000;
   if (input.data == nullptr || input.data->size() < least) return {};

@@ -68,6 +68,9 @@ struct DiagnosisInput {
   std::optional<double> stopped_s{};       ///< after the first beat: a stop split the log
 };
 
+/// A dated change as a suspicion.
+Suspicion suspicion_of(const Change& change);
+
 /// Suspicions, the greatest gain first; none for a healthy clock, or for a log below 2000 beats.
 /// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
 /// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.

@@ -27,6 +27,7 @@ struct Change {
   double amplitude_slope_change = 0.0; ///< rad/s after minus before; NaN without amplitudes
   double significance = 0.0;           ///< in units of the log's own typical fluctuation
   ChangeKind kind = ChangeKind::unclear;
+  double gain = 0.0;      ///< 2 log L over no change, less its price
   double kind_gain = 0.0; ///< 2 log L by which that kind is ahead of the next, less their prices
   /// The mean from the change before (or the first beat) to this one, and from here to the next (or
   /// the last beat). NaN where fewer than three beats lie between, sigma where fewer than five.
