@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace goingrate {
 
@@ -42,15 +43,15 @@ void level_interruptions(const Diary& diary, TimingData& data) {
   }
 }
 
-// Whether the fit explains the changes of the diary to the last beat; and whether it follows more
-// than a list of causes holds: such changes, which may be large, a free pendulum that comes to
-// rest, or a clock whose drive was interrupted.
+// Whether the fit explains the changes of the diary to the last beat.
 bool follows_changes(const Analysis& data) {
   constexpr double least_p = 1e-3; // of white residuals: the model misses nothing that shows
   return data.fit.status == FitStatus::converged && !data.fit.events.empty() &&
          data.fit.quality.whiteness_p > least_p;
 }
 
+// Whether it follows what no list of causes holds: changes however large, a drive that was
+// interrupted, a free pendulum that comes to rest.
 bool follows_more(const Analysis& data) {
   if (!data.fit.has_result()) return false;
   if (follows_changes(data)) return true;
@@ -71,15 +72,6 @@ TimingData unexplained_times(const TimingData& times, const Analysis& data) {
   }
   level_interruptions(data.diary, unexplained);
   return unexplained;
-}
-
-// What the fit has explained is a cause too.
-void add_changes(Analysis& data) {
-  for (const Change& change : data.diary.changes)
-    if (change.kind != ChangeKind::unclear && data.diary.interruptions.empty())
-      data.suspicions.push_back(suspicion_of(change));
-  std::stable_sort(data.suspicions.begin(), data.suspicions.end(),
-                   [](const Suspicion& a, const Suspicion& b) { return a.gain > b.gain; });
 }
 
 const char* changed_by(ChangeKind kind) {
@@ -190,9 +182,10 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
   tell("likely causes");
   const TimingData unexplained = unexplained_times(times, data);
-  data.suspicions =
-      diagnose(diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit));
-  if (follows_changes(data)) add_changes(data);
+  DiagnosisInput causes = diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit);
+  if (follows_changes(data) && data.diary.interruptions.empty())
+    causes.explained = std::exchange(causes.changes, {});
+  data.suspicions = diagnose(causes);
   tell("stability");
   const PhaseSeries phase = phase_series(loaded);
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,

@@ -19,6 +19,18 @@ using namespace timing_model;
 
 std::string daily(double rate) { return fmt::format("{:+.3g} s/day", rate * seconds_per_day); }
 
+Cause cause_of(ChangeKind kind) {
+  return kind == ChangeKind::regulation ? Cause::length_step
+         : kind == ChangeKind::friction ? Cause::friction_step
+                                        : Cause::drive_step;
+}
+
+// What else makes the course of such a change.
+std::vector<Cause> same_course_as(ChangeKind kind) {
+  if (kind != ChangeKind::regulation) return {};
+  return {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
+}
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -174,20 +186,14 @@ private:
     return blocks;
   }
 
-  static Cause cause_of(ChangeKind kind) {
-    return kind == ChangeKind::regulation ? Cause::length_step
-           : kind == ChangeKind::friction ? Cause::friction_step
-                                          : Cause::drive_step;
-  }
-
   [[nodiscard]] Candidate step_of(ChangeKind kind, double place) const {
     FittedStep found = StepSearch(account_, blocks_, place, 1.0).best(kind);
-    std::vector<Cause> others;
-    if (kind == ChangeKind::regulation)
-      others = {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
-    return {cause_of(kind),    std::move(found.courses),
-            std::move(others), blocks_.length_s * found.place,
-            found.time_s,      true,
+    return {cause_of(kind),
+            std::move(found.courses),
+            same_course_as(kind),
+            blocks_.length_s * found.place,
+            found.time_s,
+            true,
             found.gain};
   }
 
@@ -428,30 +434,34 @@ private:
   std::vector<Candidate> taken_;
 };
 
-} // namespace
-
+// A dated change that the fit explains.
 Suspicion suspicion_of(const Change& change) {
-  const bool regulation = change.kind == ChangeKind::regulation;
-  const Cause cause = regulation                            ? Cause::length_step
-                      : change.kind == ChangeKind::friction ? Cause::friction_step
-                                                            : Cause::drive_step;
-  return {cause, change.gain,
-          fmt::format("{:.4g} h after the start the rate changes from {} to {}, as the model says",
-                      change.at_s / 3600.0, daily(change.rate_before), daily(change.rate_after)),
-          regulation ? std::vector{Cause::magnet, Cause::log_clock, Cause::unlogged_weather}
-                     : std::vector<Cause>{},
-          "what was done to the clock then?"};
+  return {cause_of(change.kind), change.gain,
+          fmt::format("{:.4g} h after the start the rate changes by {}, as the model says",
+                      change.at_s / 3600.0, daily(change.rate_after - change.rate_before)),
+          same_course_as(change.kind), "what was done to the clock then?"};
 }
 
-std::vector<Suspicion> diagnose(const DiagnosisInput& input) {
+// What the course of the rate says, and what can be seen without it.
+void add_suspicions_of_log(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   constexpr std::size_t least = 2000;
-  if (input.data == nullptr || input.data->size() < least) return {};
+  if (input.data == nullptr || input.data->size() < least) return;
   TimingData times = *input.data;
   constexpr std::size_t most_displaced = 8;
   const auto displaced = take_displacements(times, most_displaced);
-  std::vector<Suspicion> all = Diagnosis(input, times).run();
+  for (Suspicion& suspicion : Diagnosis(input, times).run())
+    all.push_back(std::move(suspicion));
   for (Suspicion& fact : suspicions_of_facts(input, displaced))
     all.push_back(std::move(fact));
+}
+
+} // namespace
+
+std::vector<Suspicion> diagnose(const DiagnosisInput& input) {
+  std::vector<Suspicion> all;
+  for (const Change& change : input.explained)
+    if (change.kind != ChangeKind::unclear) all.push_back(suspicion_of(change));
+  add_suspicions_of_log(input, all);
   std::stable_sort(all.begin(), all.end(),
                    [](const Suspicion& a, const Suspicion& b) { return a.gain > b.gain; });
   return all;

@@ -105,6 +105,27 @@ DriveSplit split_of(const Scene& scene, std::uint64_t seed) {
   return split_drive(rates, 2.0, *drive_response(scenario.clock));
 }
 
+// f(i) for i from 0 to n - 1, on two threads.
+template <class Result, class F> std::vector<Result> in_two_halves(std::size_t n, const F& f) {
+  std::vector<Result> results(n);
+  const auto half = [&](std::size_t first) {
+    for (std::size_t i = first; i < n; i += 2)
+      results[i] = f(i);
+  };
+  std::thread other(half, 1);
+  half(0);
+  other.join();
+  return results;
+}
+
+void print_all(int logs, const char* of, const Score& fast, const Score& slow) {
+  std::printf("all %d logs%s:\n", logs, of);
+  fast.print("fast");
+  std::printf("\n");
+  slow.print("slow");
+  std::printf("\n");
+}
+
 } // namespace
 
 int main(int count, char** words) {
@@ -117,14 +138,8 @@ int main(int count, char** words) {
       std::max(1, (logs + static_cast<int>(scenes.size()) - 1) / static_cast<int>(scenes.size())));
   Score all_fast, all_slow;
   for (std::size_t k = 0; k < scenes.size(); ++k) {
-    std::vector<DriveSplit> splits(each);
-    const auto half = [&](std::size_t first) {
-      for (std::size_t i = first; i < each; i += 2)
-        splits[i] = split_of(scenes[k], 1000 * (k + 1) + i);
-    };
-    std::thread other(half, 1);
-    half(0);
-    other.join();
+    const auto splits = in_two_halves<DriveSplit>(
+        each, [&](std::size_t i) { return split_of(scenes[k], 1000 * (k + 1) + i); });
     Score fast, slow;
     for (const DriveSplit& split : splits) {
       fast.add(split.fast, 0.3);
@@ -138,11 +153,7 @@ int main(int count, char** words) {
     all_fast.add(fast);
     all_slow.add(slow);
   }
-  std::printf("all %d logs:\n", all_fast.logs);
-  all_fast.print("fast");
-  std::printf("\n");
-  all_slow.print("slow");
-  std::printf("\n");
+  print_all(all_fast.logs, "", all_fast, all_slow);
 
   std::printf("\nfitted clocks:\n");
   const int fitted = count > 2 ? std::atoi(words[2]) : 40;
@@ -154,14 +165,9 @@ int main(int count, char** words) {
   Score fitted_fast, fitted_slow;
   for (std::size_t k = 0; k < clocks.size(); ++k) {
     const Scenario scenario = scene_with(clocks[k]);
-    std::vector<std::optional<DriveSplit>> splits(static_cast<std::size_t>(fitted) / clocks.size());
-    const auto half = [&](std::size_t first) {
-      for (std::size_t i = first; i < splits.size(); i += 2)
-        splits[i] = split_as_users_get_it(scenario, seed + 1000 * k + i);
-    };
-    std::thread other(half, 1);
-    half(0);
-    other.join();
+    const auto splits = in_two_halves<std::optional<DriveSplit>>(
+        static_cast<std::size_t>(fitted) / clocks.size(),
+        [&](std::size_t i) { return split_as_users_get_it(scenario, seed + 1000 * k + i); });
     Score fast, slow;
     for (const auto& split : splits) {
       if (!split) continue;
@@ -179,9 +185,5 @@ int main(int count, char** words) {
     fitted_fast.add(fast);
     fitted_slow.add(slow);
   }
-  std::printf("all %d logs with fitted clocks:\n", fitted_fast.logs);
-  fitted_fast.print("fast");
-  std::printf("\n");
-  fitted_slow.print("slow");
-  std::printf("\n");
+  print_all(fitted_fast.logs, " with fitted clocks", fitted_fast, fitted_slow);
 }

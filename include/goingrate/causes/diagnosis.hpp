@@ -60,18 +60,19 @@ struct Suspicion {
 struct DiagnosisInput {
   const TimingData* data = nullptr; ///< with the terms temperature and pressure if the log has them
   double nominal_period_s = 0.0;
-  std::int64_t missed = 0;                 ///< beats missing one by one or in counted gaps
-  std::vector<Change> changes{};           ///< dated ones, in order of time
+  std::int64_t missed = 0;       ///< beats missing one by one or in counted gaps
+  std::vector<Change> changes{}; ///< dated ones, in order of time
+  /// Those that the fit follows: `data` is then what the fit leaves, and they are causes as they
+  /// are.
+  std::vector<Change> explained{};
   std::vector<SpectralLine> lines{};       ///< of the rate
   std::optional<double> relaxation_s{};    ///< T0/(4 pi epsilon), if epsilon is known
   std::optional<RmsEstimate> fast_drive{}; ///< relative, if the clock's gains are known
   std::optional<double> stopped_s{};       ///< after the first beat: a stop split the log
 };
 
-/// A dated change as a suspicion.
-Suspicion suspicion_of(const Change& change);
-
-/// Suspicions, the greatest gain first; none for a healthy clock, or for a log below 2000 beats.
+/// Suspicions, the greatest gain first; none for a healthy clock. Of a log below 2000 beats the
+/// explained changes alone.
 /// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
 /// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);

@@ -1,0 +1,45 @@
+#include "goingrate/analysis/analyse.hpp"
+
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+// The drive is doubled after 300 s, which no small change of the rate's course describes: the fit
+// does, and so the change itself is the cause, and the only one.
+TEST(AnalyseTest, AChangeThatTheFitExplainsIsTheCause) {
+  LoadRequest log;
+  log.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv";
+  AnalysisRequest request;
+  request.fit.fixed["T0"] = 2.0;
+  const Analysis analysis = analyse(load(log), request);
+  EXPECT_EQ(analysis.fit.status, FitStatus::converged);
+  ASSERT_EQ(analysis.suspicions.size(), 1u);
+  EXPECT_EQ(analysis.suspicions.front().cause, Cause::drive_step);
+  ASSERT_EQ(analysis.stretches.size(), 2u);
+  const double moved =
+      analysis.stretches[1].rate.rate_excess - analysis.stretches[0].rate.rate_excess;
+  EXPECT_GT(moved, 5e-5); // from 1.13e-4 at point A through 3.2e-4 to 1.96e-4 at B
+  const FittedParameter& epsilon = analysis.fit["epsilon"];
+  EXPECT_NEAR(epsilon.value, 2.5e-4, 3.5 * epsilon.sigma);
+}
+
+// The nut follows the clock as it goes now.
+TEST(AnalyseTest, TheNutIsForTheRateSinceTheLastChange) {
+  LoadRequest log;
+  log.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv";
+  AnalysisRequest request;
+  request.fit.fixed["T0"] = 2.0;
+  request.nut_pitch_m = 1e-3;
+  const Analysis analysis = analyse(load(log), request);
+  ASSERT_TRUE(analysis.nut);
+  const double length_m = mathematical_length(2.0);
+  const NutTurns now =
+      turns_to_zero_rate({1e-3, length_m}, analysis.stretches.back().rate.rate_excess, 0.0);
+  const NutTurns mean = turns_to_zero_rate({1e-3, length_m}, analysis.rate.rate_excess, 0.0);
+  EXPECT_EQ(analysis.nut->turns, now.turns);
+  EXPECT_NE(analysis.nut->turns, mean.turns);
+}
+
+} // namespace
+} // namespace goingrate
