@@ -29,6 +29,10 @@ Valley::Valley(const FitProblem& problem, std::span<const double> start,
   const auto follows = following(start, except);
   const auto late = late_at_end(parameters_, ends_, start);
   if (!follows || !late) return;
+  std::vector<double> x(start.begin(), start.end());
+  const auto slope = slope_of_late(x, *follows, start_ ? start[*start_] : 0.0);
+  if (!slope || *slope == 0.0) return;
+  slope_ = *slope;
   reference_ = start[*follows];
   late_ = *late;
   rate_ = follows;
@@ -161,17 +165,20 @@ Eigen::MatrixXd Valley::slopes(std::span<const double> u) const {
 std::optional<double> Valley::solved(std::vector<double> x, double own) const {
   constexpr int rounds = 20;
   constexpr double longest = 0.3, enough = 1e-13;
-  double slope = 0.0;
+  constexpr double close = 1e-9; // what gains nothing there is rounding
+  double slope = slope_, change = 0.0, missed = 0.0;
   for (int round = 0; round < rounds; ++round) {
     follow_start(x, own);
     const auto late = late_at_end(parameters_, ends_, x);
     if (!late) return {};
-    if (round % 4 == 0) { // the slope changes little; T0's not at all
-      const auto here = slope_of_late(x, *rate_, own);
-      if (!here || *here == 0.0) return {};
-      slope = *here;
+    const double misses = late_ - *late;
+    if (round > 0) { // the slope of the last step: a secant
+      const bool gained = std::abs(misses) < std::abs(missed);
+      if (!gained && std::abs(change) < close) break;
+      if (misses != missed && std::abs(change) > close) slope = (missed - misses) / change;
     }
-    const double change = std::clamp((late_ - *late) / slope, -longest, longest);
+    missed = misses;
+    change = std::clamp(misses / slope, -longest, longest);
     x[*rate_] += change;
     if (std::abs(change) < enough) break;
   }

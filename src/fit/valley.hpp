@@ -53,6 +53,7 @@ private:
   double rest_ = 0.0;                // log lambda_rest at the start
   double reference_ = 0.0;           // of a
   double late_ = 0.0;                // of the last beat at the start, s
+  double slope_ = 0.0;               // of that along a
   double scatter_ = 0.0;             // log(T0 g) there
 };
 

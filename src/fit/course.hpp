@@ -1,0 +1,268 @@
+// The averaged clock while its parameters are constant: laws, and the course of amplitude and
+// phase. Private to the fit room.
+//
+// Equations (Hoyng, eqs. dotl4, dotpsi4, blow5; moments.hpp), x = lambda^2, scaled time, relative
+// drive d:
+//   dx/dt    = f = -2 eps x + (1 + d) D - (8/3pi) k x^(3/2) - (4/pi) c x^(1/2)
+//   psi' - 1 = g = -x/16 + (1 + d) push(x)
+// constant torque:  D = 4 mu phi0/pi,  push = (2 mu/pi) y/x,  y = sqrt(x - phi0^2);
+// single impulse:   D = e/pi,          push = -(e/2pi x) phi1/y,  y = sqrt(x - phi1^2).
+// With constant torque and linear friction both are integrated in closed form
+// (dynamics/averaged.hpp), otherwise by power series in time.
+#pragma once
+
+#include "goingrate/clock/parameters.hpp"
+#include "goingrate/dynamics/averaged.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace goingrate::timing_model {
+
+/// The value of a number that may carry derivatives.
+inline double plain(double value) { return value; }
+template <class T> double plain(const T& value) { return value.a; }
+
+/// The laws of a clock while its parameters are constant, as right sides of the averaged equations.
+template <class T> struct AveragedLaws {
+  Escapement escapement = Escapement::constant_torque;
+  bool linear = true; ///< friction has no other term, not even one that is 0 at present
+  T epsilon{}, mu{}, phi0{}, quadratic{}, dry{};
+
+  [[nodiscard]] bool closed() const { return escapement != Escapement::single_impulse && linear; }
+  [[nodiscard]] T drive() const {
+    return escapement == Escapement::single_impulse ? T(mu * (1.0 / std::numbers::pi))
+                                                    : T(mu * phi0 * (4.0 / std::numbers::pi));
+  }
+  [[nodiscard]] T growth(const T& x) const {
+    using std::sqrt;
+    T f = drive() - epsilon * x * 2.0;
+    if (!linear) {
+      const T lambda = sqrt(x);
+      f -= (quadratic * x * (2.0 / 3.0) + dry) * lambda * (4.0 / std::numbers::pi);
+    }
+    return f;
+  }
+  [[nodiscard]] T growth_slope(const T& x) const {
+    using std::sqrt;
+    T slope = epsilon * -2.0;
+    if (!linear) {
+      const T lambda = sqrt(x);
+      slope -= (quadratic * lambda + dry / lambda * 0.5) * (4.0 / std::numbers::pi);
+    }
+    return slope;
+  }
+  [[nodiscard]] T push(const T& x) const {
+    using std::sqrt;
+    const T y = sqrt(x - phi0 * phi0);
+    return escapement == Escapement::single_impulse
+               ? T(mu * phi0 / (x * y) * (-0.5 / std::numbers::pi))
+               : T(mu * y / x * (2.0 / std::numbers::pi));
+  }
+  [[nodiscard]] T push_slope(const T& x) const {
+    using std::sqrt;
+    const T y2 = x - phi0 * phi0;
+    const T y = sqrt(y2);
+    if (escapement == Escapement::single_impulse)
+      return mu * phi0 / (x * y) * (T(1.0) / x + T(0.5) / y2) * (0.5 / std::numbers::pi);
+    return mu / (x * y) * (T(0.5) - y2 / x) * (2.0 / std::numbers::pi);
+  }
+  [[nodiscard]] T rate(const T& x) const { return push(x) - x * (1.0 / 16.0); }
+  /// Whether the averaged equations hold at x: the swing passes the escapement.
+  [[nodiscard]] bool reaches(const T& x) const {
+    return plain(x) > plain(phi0) * plain(phi0) && plain(x) < 4.0;
+  }
+};
+
+/// Amplitude and phase about one time, as power series of what has passed since.
+///
+/// With v = 1/lambda, a = 1 - phi0^2 v^2 and r = a^(1/2), of the impulse a^(-1/2):
+///   lambda' = (D v - 2 eps lambda - (8/3pi) k lambda^2 - (4/pi) c) / 2,
+///   push    = (2 mu/pi) v r,  of the impulse -(e phi1/2pi) v^3 r,
+/// and the coefficients of v and r follow from v lambda = 1 and a r' = +-1/2 a' r.
+template <class T> class CourseSeries {
+public:
+  CourseSeries(const AveragedLaws<T>& laws, const T& amplitude) : laws_(laws) {
+    amplitude_[0] = amplitude;
+    inverse_[0] = 1.0 / amplitude;
+    for (int n = 0; n < order; ++n)
+      expand(n);
+  }
+
+  /// Amplitude and phase at `since`, at most reach() away.
+  [[nodiscard]] T amplitude(const T& since) const { return sum(amplitude_, since); }
+  [[nodiscard]] T phase_excess(const T& since) const { return sum(phase_, since); }
+
+  /// How far the series hold to rounding, when by `decay` as many e-foldings of the way to rest are
+  /// over. What the amplitude no longer shows its derivatives still may, so the relaxation itself
+  /// limits the step, the less the more of it is over.
+  [[nodiscard]] double reach(double decay) const {
+    constexpr double rounding = 1e-15, relaxations = 0.7; // 0.7^14/14! = 8e-14
+    const double slope = std::abs(plain(laws_.growth_slope(amplitude_[0] * amplitude_[0])));
+    double longest = relaxations * std::exp(std::max(0.0, decay) / order) / slope;
+    for (const int k : {order - 1, order}) {
+      longest = std::min(longest, within(rounding * plain(amplitude_[0]), amplitude_[at(k)], k));
+      // Over a radian of time; the phase is never known as well as its series.
+      longest = std::min(longest, within(rounding, phase_[at(k)], k));
+    }
+    return longest;
+  }
+
+private:
+  static constexpr int order = 14;
+  using Series = std::array<T, order + 1>;
+
+  static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+  static double within(double error, const T& coefficient, int k) {
+    return std::pow(error / std::abs(plain(coefficient)), 1.0 / k);
+  }
+  static T sum(const Series& series, const T& since) {
+    T result = series[order];
+    for (std::size_t k = order; k-- > 0;)
+      result = result * since + series[k];
+    return result;
+  }
+  // The n-th coefficient of a product.
+  static T product(const Series& a, const Series& b, int n) {
+    T result = a[0] * b[at(n)];
+    for (int j = 1; j <= n; ++j)
+      result += a[at(j)] * b[at(n - j)];
+    return result;
+  }
+
+  // Everything of order n, then the amplitude and the phase of order n + 1.
+  void expand(int n) {
+    const bool impulse = laws_.escapement == Escapement::single_impulse;
+    const double over_pi = 1.0 / std::numbers::pi, power = impulse ? -0.5 : 0.5;
+    if (n > 0) {
+      T rest = amplitude_[1] * inverse_[at(n - 1)];
+      for (int j = 2; j <= n; ++j)
+        rest += amplitude_[at(j)] * inverse_[at(n - j)];
+      inverse_[at(n)] = -rest * inverse_[0];
+    }
+    square_[at(n)] = product(amplitude_, amplitude_, n);
+    inverse2_[at(n)] = product(inverse_, inverse_, n);
+    clear_[at(n)] = T(n == 0 ? 1.0 : 0.0) - laws_.phi0 * laws_.phi0 * inverse2_[at(n)];
+    if (n == 0) {
+      using std::sqrt;
+      per_clear_ = 1.0 / clear_[0];
+      root_[0] = impulse ? sqrt(per_clear_) : sqrt(clear_[0]);
+    } else {
+      T rest = T(0.0);
+      for (int j = 1; j <= n; ++j)
+        rest += clear_[at(j)] * root_[at(n - j)] * (power * j - (n - j));
+      root_[at(n)] = rest * per_clear_ * (1.0 / n);
+    }
+    pushed_[at(n)] = product(impulse ? inverse2_ : inverse_, root_, n);
+    const T push = impulse
+                       ? T(product(inverse_, pushed_, n) * laws_.mu * laws_.phi0 * (-0.5 * over_pi))
+                       : T(pushed_[at(n)] * laws_.mu * (2.0 * over_pi));
+    phase_[at(n + 1)] = (push - square_[at(n)] * (1.0 / 16.0)) * (1.0 / (n + 1));
+    T growth = laws_.drive() * inverse_[at(n)] - laws_.epsilon * amplitude_[at(n)] * 2.0;
+    if (!laws_.linear) {
+      growth -= laws_.quadratic * square_[at(n)] * (8.0 / 3.0 * over_pi);
+      if (n == 0) growth -= laws_.dry * (4.0 * over_pi);
+    }
+    amplitude_[at(n + 1)] = growth * (0.5 / (n + 1));
+  }
+
+  AveragedLaws<T> laws_;
+  Series amplitude_{}, phase_{};                                           // lambda, psi - t
+  Series inverse_{}, inverse2_{}, square_{}, clear_{}, root_{}, pushed_{}; // v, v^2, x, a, r
+  T per_clear_{};
+};
+
+/// Amplitude and phase while the laws are constant, from t = 0 on.
+template <class T> class Course {
+public:
+  struct State {
+    T amplitude2{};   ///< x
+    T phase_excess{}; ///< psi - t since the start
+    T rate{};         ///< psi' - 1
+  };
+
+  Course(const AveragedLaws<T>& laws, const T& amplitude2)
+      : laws_(laws), closed_(laws.epsilon, acting_torque(laws), laws.phi0, amplitude2) {
+    using std::sqrt;
+    if (!laws.closed()) go_on_from(0.0, sqrt(amplitude2), T(0.0));
+  }
+
+  /// The state at t; nothing where the model does not hold. Cost beside linear friction: two
+  /// series, and an expansion for each of the steps from where it was asked last, about 25 from any
+  /// start to rest.
+  std::optional<State> at(const T& t) {
+    if (settled()) return settled_at(t);
+    return laws_.closed() ? in_closed_form(t) : by_series(t);
+  }
+  /// Whether amplitude and rate stand still: what is left of the way to rest is below the rounding
+  /// of a double.
+  [[nodiscard]] bool settled() const { return decay_ > 45.0; }
+  [[nodiscard]] const AveragedLaws<T>& laws() const { return laws_; }
+
+private:
+  static T acting_torque(const AveragedLaws<T>& laws) {
+    return laws.escapement == Escapement::single_impulse ? T(0.0) : laws.mu;
+  }
+
+  [[nodiscard]] State settled_at(const T& t) const {
+    return {rest_.amplitude2, rest_.phase_excess + rest_.rate * (t - settled_), rest_.rate};
+  }
+  void settle(const T& t, const State& state) {
+    settled_ = t;
+    rest_ = state;
+  }
+
+  std::optional<State> in_closed_form(const T& t) {
+    const auto there = closed_.at(t);
+    if (!closed_.in_domain(there)) return {};
+    const State state{there.amplitude2, there.phase_excess, there.rate_excess};
+    decay_ = 2.0 * plain(laws_.epsilon) * plain(t);
+    if (settled()) settle(t, state);
+    return state;
+  }
+
+  std::optional<State> by_series(const T& t) {
+    constexpr double shortest = 1e-9;   // of a relaxation: the swing comes down to the escapement
+    constexpr double farthest = -700.0; // what has run away from rest so far is no number
+    for (;;) {
+      const double left = plain(t) - from_;
+      if (std::abs(left) <= reach_) {
+        const T since = t - from_, amplitude = series_->amplitude(since);
+        const T x = amplitude * amplitude;
+        if (!laws_.reaches(x)) return {};
+        return State{x, phase_ + series_->phase_excess(since), laws_.rate(x)};
+      }
+      const double step = std::copysign(reach_, left);
+      const T amplitude = series_->amplitude(T(step)), halfway = series_->amplitude(T(0.5 * step));
+      const double relaxations = -step * plain(laws_.growth_slope(halfway * halfway));
+      if (!laws_.reaches(amplitude * amplitude) || !(std::abs(relaxations) > shortest)) return {};
+      decay_ += relaxations;
+      if (decay_ < farthest) return {};
+      go_on_from(from_ + step, amplitude, phase_ + series_->phase_excess(T(step)));
+      if (settled()) return settled_at(t);
+    }
+  }
+
+  void go_on_from(double t, const T& amplitude, const T& phase) {
+    from_ = t;
+    phase_ = phase;
+    series_.emplace(laws_, amplitude);
+    reach_ = series_->reach(decay_);
+    const T x = amplitude * amplitude;
+    if (settled()) settle(T(t), {x, phase, laws_.rate(x)});
+  }
+
+  AveragedLaws<T> laws_;
+  AveragedMotion<T> closed_;
+  std::optional<CourseSeries<T>> series_; // about from_, where the phase excess was phase_,
+  double from_ = 0.0, reach_ = 0.0;       // and how far they hold
+  T phase_{};
+  double decay_ = 0.0; // e-foldings of the way to rest that are over
+  T settled_{};        // when
+  State rest_{};
+};
+
+} // namespace goingrate::timing_model
