@@ -71,10 +71,12 @@ template <class T> struct AveragedLaws {
     return mu / (x * y) * (T(0.5) - y2 / x) * (2.0 / std::numbers::pi);
   }
   [[nodiscard]] T rate(const T& x) const { return push(x) - x * (1.0 / 16.0); }
-  /// Whether the averaged equations hold at x: the swing passes the escapement.
+  /// Whether the swing passes the escapement, and is one that could be a clock's.
   [[nodiscard]] bool reaches(const T& x) const {
     return plain(x) > plain(phi0) * plain(phi0) && plain(x) < 4.0;
   }
+  /// Whether the averaged equations hold at such a rate: its excess is small beside 1.
+  static bool averages(const T& rate) { return std::abs(plain(rate)) < 0.5; }
 };
 
 /// Amplitude and phase about one time, as power series of what has passed since.
@@ -195,7 +197,8 @@ public:
   /// start to rest.
   std::optional<State> at(const T& t) {
     if (settled()) return settled_at(t);
-    return laws_.closed() ? in_closed_form(t) : by_series(t);
+    if (laws_.closed()) return in_closed_form(t);
+    return series_ ? by_series(t) : std::nullopt;
   }
   /// Whether amplitude and rate stand still: what is left of the way to rest is below the rounding
   /// of a double.
@@ -217,7 +220,7 @@ private:
 
   std::optional<State> in_closed_form(const T& t) {
     const auto there = closed_.at(t);
-    if (!closed_.in_domain(there)) return {};
+    if (!closed_.in_domain(there) || !laws_.averages(there.rate_excess)) return {};
     const State state{there.amplitude2, there.phase_excess, there.rate_excess};
     decay_ = 2.0 * plain(laws_.epsilon) * plain(t);
     if (settled()) settle(t, state);
@@ -238,21 +241,24 @@ private:
       const double step = std::copysign(reach_, left);
       const T amplitude = series_->amplitude(T(step)), halfway = series_->amplitude(T(0.5 * step));
       const double relaxations = -step * plain(laws_.growth_slope(halfway * halfway));
-      if (!laws_.reaches(amplitude * amplitude) || !(std::abs(relaxations) > shortest)) return {};
       decay_ += relaxations;
-      if (decay_ < farthest) return {};
-      go_on_from(from_ + step, amplitude, phase_ + series_->phase_excess(T(step)));
+      if (!(std::abs(relaxations) > shortest) || decay_ < farthest ||
+          !go_on_from(from_ + step, amplitude, phase_ + series_->phase_excess(T(step))))
+        return {};
       if (settled()) return settled_at(t);
     }
   }
 
-  void go_on_from(double t, const T& amplitude, const T& phase) {
+  // Not where the model does not hold; the steps of a clock that turns too fast would never end.
+  bool go_on_from(double t, const T& amplitude, const T& phase) {
+    const T x = amplitude * amplitude, rate = laws_.rate(x);
+    if (!laws_.reaches(x) || !laws_.averages(rate)) return false;
     from_ = t;
     phase_ = phase;
     series_.emplace(laws_, amplitude);
     reach_ = series_->reach(decay_);
-    const T x = amplitude * amplitude;
-    if (settled()) settle(T(t), {x, phase, laws_.rate(x)});
+    if (settled()) settle(T(t), {x, phase, rate});
+    return true;
   }
 
   AveragedLaws<T> laws_;

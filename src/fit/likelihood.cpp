@@ -341,8 +341,10 @@ std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const do
     if (problem.condensed != nullptr) return evaluate_condensed<n>(problem, x);
     return noisy ? evaluate_with<n, true>(problem, x) : evaluate_with<n, false>(problem, x);
   };
-  if (x.size() <= 6) return of_width(std::integral_constant<int, 6>());
-  if (x.size() <= 10) return of_width(std::integral_constant<int, 10>());
+  // Multiples of four are inlined and fill the processor's registers.
+  if (x.size() <= 4) return of_width(std::integral_constant<int, 4>());
+  if (x.size() <= 8) return of_width(std::integral_constant<int, 8>());
+  if (x.size() <= 12) return of_width(std::integral_constant<int, 12>());
   return of_width(std::integral_constant<int, static_cast<int>(most_parameters)>());
 }
 

@@ -84,6 +84,15 @@ TEST(CourseTest, ItEndsWhereTheSwingComesDownToTheEscapement) {
   EXPECT_FALSE(goes(high + 0.1));
 }
 
+TEST(CourseTest, AClockThatTurnsTooFastIsNone) {
+  auto laws = dragging<double>(epsilon, quadratic);
+  laws.phi0 = 1e-9; // a swing of 1e-5 rad, which this torque drives round 2.5 times too fast
+  EXPECT_FALSE(Course<double>(laws, 1e-10).at(relaxation));
+  laws.linear = true;
+  laws.quadratic = laws.dry = 0.0;
+  EXPECT_FALSE(Course<double>(laws, 1e-10).at(1e-3));
+}
+
 TEST(CourseTest, BeatByBeatItComesWhereOneLongWayLeads) {
   const auto laws = dragging<double>(epsilon, quadratic);
   Course<double> walked(laws, start);
