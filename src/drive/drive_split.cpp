@@ -27,11 +27,11 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // The ends moved apart by a relative error beside that of the likelihood.
 RmsEstimate widened(const RmsEstimate& estimate, double relative) {
-  const double more = relative * estimate.rms;
+  const bool is_limit = estimate.low68 == 0.0;
+  const double more = relative * (is_limit ? estimate.high68 : estimate.rms);
   return {estimate.rms,
-          estimate.low68 == 0.0
-              ? 0.0
-              : std::max(0.0, estimate.rms - std::hypot(estimate.rms - estimate.low68, more)),
+          is_limit ? 0.0
+                   : std::max(0.0, estimate.rms - std::hypot(estimate.rms - estimate.low68, more)),
           estimate.rms + std::hypot(estimate.high68 - estimate.rms, more)};
 }
 
@@ -358,12 +358,16 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   // The gains are those of a fit: what it does not know of them, the sizes of the drive share.
   DriveSplit& split = *drive.split;
   const double nyquist_hz = 0.5 / nominal_period_s;
-  split.fast =
-      widened(split.fast,
-              relative_gain_sigma(fit, *clock, std::sqrt(drive.response->corner_hz * nyquist_hz)));
+  const double fast_hz = std::sqrt(drive.response->corner_hz * nyquist_hz);
   const double slow_hz =
       split.slow_time_s > 0.0 ? 1.0 / (two_pi * split.slow_time_s) : drive.response->corner_hz;
-  split.slow = widened(split.slow, relative_gain_sigma(fit, *clock, slow_hz));
+  const double of_fast = relative_gain_sigma(fit, *clock, fast_hz);
+  const double of_slow = relative_gain_sigma(fit, *clock, slow_hz);
+  // A gain that may as well be nothing tells no size.
+  if (!(std::max(of_fast, of_slow) < 1.0)) drive.split.reset();
+  if (!drive.split) return drive;
+  split.fast = widened(split.fast, of_fast);
+  split.slow = widened(split.slow, of_slow);
   return drive;
 }
 

@@ -3,6 +3,7 @@
 #include "goingrate/report/tables.hpp"
 
 #include "markup.hpp"
+#include "rms_words.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -134,13 +135,8 @@ std::string alternatives_table(const FitSummary& fit) {
   return table.empty() ? "" : table.html();
 }
 
-// An interval that begins at 0 is an upper limit.
 std::string rms_text(const RmsEstimate& rms, double factor, std::string_view unit) {
-  if (!std::isfinite(rms.rms)) return "not known";
-  if (rms.low68 == 0.0)
-    return fmt::format("at most {} {}", plain_number(factor * rms.high68), unit);
-  return fmt::format("{} {} ({} to {})", plain_number(factor * rms.rms), unit,
-                     plain_number(factor * rms.low68), plain_number(factor * rms.high68));
+  return rms_words(rms, factor, unit, [](double value) { return plain_number(value); });
 }
 
 std::string cost_table(const DriveAnalysis& drive) {

@@ -1,5 +1,7 @@
 #include "goingrate/report/tables.hpp"
 
+#include "rms_words.hpp"
+
 #include "spectra/noise_type.hpp"
 #include "spectra/stability_reading.hpp"
 
@@ -16,11 +18,8 @@ namespace {
 constexpr std::size_t terminal = 80; // columns
 
 std::string rms_line(const char* name, const RmsEstimate& rms, double factor, const char* unit) {
-  if (std::isnan(rms.rms)) return fmt::format("  {:<22} not determined\n", name);
-  if (rms.low68 == 0.0)
-    return fmt::format("  {:<22} at most {:.3g} {}\n", name, rms.high68 * factor, unit);
-  return fmt::format("  {:<22} {:.3g} {} ({:.3g} to {:.3g})\n", name, rms.rms * factor, unit,
-                     rms.low68 * factor, rms.high68 * factor);
+  const auto number = [](double value) { return fmt::format("{:.3g}", value); };
+  return fmt::format("  {:<22} {}\n", name, rms_words(rms, factor, unit, number));
 }
 
 // A time as a person says it: 90 s, 15 min, 2.5 h, 3 d.

@@ -5,6 +5,8 @@
 #include "base/scaled_time.hpp"
 #include "goingrate/report/tables.hpp"
 
+#include "rms_words.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -221,20 +223,15 @@ std::string drive_lines(const Analysis& data) {
                        "clock's response. What would tell: {}a ring-down, or a change of the "
                        "driving weight.\n",
                        sees_amplitude(data) ? "" : "amplitudes, ");
-  const auto part = [](const RmsEstimate& rms) {
-    if (std::isnan(rms.rms)) return std::string("unknown");
-    if (rms.low68 == 0.0) return fmt::format("at most {:.2g} %", 100.0 * rms.high68);
-    return fmt::format("{:.2g} % ({:.2g} to {:.2g})", 100.0 * rms.rms, 100.0 * rms.low68,
-                       100.0 * rms.high68);
-  };
+  const auto number = [](double value) { return fmt::format("{:.2g}", value); };
+  const auto part = [&](const RmsEstimate& rms) { return rms_words(rms, 100.0, "%", number); };
   std::string text = fmt::format("Drive: fast {}, slow {} (rms).\n", part(data.drive.split->fast),
                                  part(data.drive.split->slow));
   constexpr double week_s = 7.0 * 86400.0;
   for (const DriveCost& week : data.drive.split->costs) {
     if (week.after_s != week_s) continue;
-    const auto cost = [](const RmsEstimate& rms) {
-      return rms.low68 > 0.0 ? fmt::format("{:.2g} s", rms.rms)
-                             : fmt::format("at most {:.2g} s", rms.high68);
+    const auto cost = [&](const RmsEstimate& rms) {
+      return rms.low68 > 0.0 ? number(rms.rms) + " s" : rms_words(rms, 1.0, "s", number);
     };
     text += fmt::format("  What they cost in a week: {} and {} (rms).\n", cost(week.fast_s),
                         cost(week.slow_s));
