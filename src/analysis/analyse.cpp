@@ -43,11 +43,17 @@ void level_interruptions(const Diary& diary, TimingData& data) {
   }
 }
 
-// Whether the fit explains the changes of the diary to the last beat.
+// Whether the fit explains the changes of the diary to the last beat, and knows how large they are:
+// else its noise stands in for them.
 bool follows_changes(const Analysis& data) {
   constexpr double least_p = 1e-3; // of white residuals: the model misses nothing that shows
-  return data.fit.status == FitStatus::converged && !data.fit.events.empty() &&
-         data.fit.quality.whiteness_p > least_p;
+  const FitSummary& fit = data.fit;
+  const bool knows_all =
+      std::all_of(fit.parameters.begin(), fit.parameters.end(), [](const FittedParameter& p) {
+        return p.name.find('@') == std::string::npos || std::isfinite(p.value);
+      });
+  return fit.status == FitStatus::converged && !fit.events.empty() && knows_all &&
+         fit.quality.whiteness_p > least_p;
 }
 
 // Whether it follows what no list of causes holds: changes however large, a drive that was

@@ -328,6 +328,39 @@ double drive_of(const SpectralLine& line, const DriveResponse& response) {
   return line.amplitude / std::abs(response.at(line.frequency_hz));
 }
 
+namespace {
+
+// The cycle from which the clock goes as its gains have it: after the fit's last change has
+// settled, as far as the log is long enough for that.
+std::size_t settled_since(const FitSummary& fit, const ClockParameters& clock, std::size_t cycles) {
+  constexpr double relaxations = 5.0; // of the amplitude's square, T0/(4 pi epsilon)
+  if (fit.events.empty()) return 0;
+  const auto change = std::min(
+      static_cast<std::size_t>(std::max<std::int64_t>(0, fit.events.back().cycle)), cycles);
+  const auto settling = static_cast<std::size_t>(relaxations / (2.0 * two_pi * clock.epsilon));
+  return change + std::min(settling, (cycles - change) / 2);
+}
+
+// The clock driven as it was on average from `since` on: the logged amplitudes tell that better
+// than the fit, for which a slow drive may stand in.
+ClockParameters as_it_went(ClockParameters clock, std::span<const Beat> beats,
+                           const FitSummary& fit, std::size_t since) {
+  if (fit.amplitude_residual_rad.size() != beats.size()) return clock;
+  double modelled = 0.0, more = 0.0;
+  for (std::size_t i = 0; i < beats.size(); ++i) {
+    const double residual = fit.amplitude_residual_rad[i];
+    if (std::isnan(residual) || beats[i].cycle - beats[0].cycle < static_cast<std::int64_t>(since))
+      continue;
+    modelled += beats[i].amplitude_rad - residual;
+    more += residual;
+  }
+  if (modelled > 0.0)
+    clock.mu *= std::pow(1.0 + more / modelled, 2); // lambda^2 = 2 mu phi0/(pi eps)
+  return clock;
+}
+
+} // namespace
+
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
                             const FitSummary& fit, double split_hz) {
   DriveAnalysis drive;
@@ -340,17 +373,16 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   // One segment, for the longest reach; a trend is a slow variation too and stays in.
   drive.rate_spectrum =
       welch_spectrum(rates, nominal_period_s, {.segment = rates.size(), .detrend_linear = false});
-  const auto clock = fitted_clock(fit);
-  if (clock) drive.response = drive_response(*clock);
+  auto clock = fitted_clock(fit);
+  const std::size_t since = clock ? settled_since(fit, *clock, rates.size()) : 0;
+  if (clock) {
+    clock = as_it_went(*clock, beats, fit, since);
+    drive.response = drive_response(*clock);
+  }
   constexpr std::size_t enough = 64;
   if (rates.size() < enough) return drive;
   drive.lines = find_lines(rates, nominal_period_s);
   if (!drive.response || is_constant(rates)) return drive;
-  // The gains are those of the clock after its last change: so are the rates.
-  const auto since =
-      std::min(static_cast<std::size_t>(
-                   fit.events.empty() ? 0 : std::max<std::int64_t>(0, fit.events.back().cycle)),
-               rates.size());
   if (rates.size() - since < enough) return drive;
   const std::vector<double> without = without_lines(rates, nominal_period_s, drive.lines);
   drive.split = split_drive(std::span(without).subspan(since), nominal_period_s, *drive.response,

@@ -247,9 +247,8 @@ namespace {
 bool contradicts_log(const FitSummary& summary) {
   constexpr double by_chance = 1e-6;
   return summary.quality.p_value < by_chance ||
-         std::any_of(summary.notes.begin(), summary.notes.end(), [](const FitNote& note) {
-           return note.kind == NoteKind::rough_stretch;
-         });
+         std::any_of(summary.notes.begin(), summary.notes.end(),
+                     [](const FitNote& note) { return note.kind == NoteKind::rough_stretch; });
 }
 
 // What timing_data() makes is so; what was put together by hand may not be.

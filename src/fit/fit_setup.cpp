@@ -324,10 +324,8 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     if (slot.coordinate == Coordinate::multiple && !may_be_negative(slot)) low = 0.0;
     if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors
-    if (slot.quantity == Quantity::drive_rms)
-      high = std::log(10.0); // a drive that turns round every other beat drives nothing
-    if (slot.quantity == Quantity::slow_rms)
-      high = 0.0; // one that stays turned round stops the clock, and no response is linear there
+    if (slot.quantity == Quantity::drive_rms || slot.quantity == Quantity::slow_rms)
+      high = 0.0; // 1: a drive that turns round drives nothing, and no response is linear there
     if (slot.quantity == Quantity::slow_time) {
       low = std::log(2.0 * data.reference_period_s);
       high = std::log(10.0 * data.elapsed_s.back());

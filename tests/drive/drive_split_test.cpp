@@ -241,5 +241,59 @@ TEST(DriveSplitTest, WhatTheFitDoesNotKnowWidensTheIntervals) {
   }
 }
 
+// A slow drive may stand in for torque that a fit lacks; the amplitudes do not.
+TEST(DriveSplitTest, TheGainsAreThoseOfTheAmplitudesThatWereLogged) {
+  Scenario scenario = test::at_point_b(20000);
+  scenario.drive = {0.03, 0.0, 0.0};
+  scenario.sensor.amplitude_rms = 1e-5;
+  const auto beats = test::simulated_beats(scenario, 7);
+  const ClockParameters& clock = scenario.clock;
+  constexpr double wrong = 0.9; // of the torque
+  FitSummary fit;
+  fit.status = FitStatus::converged;
+  fit.model.escapement = Escapement::constant_torque;
+  for (const auto& [name, value] :
+       {std::pair{"T0", 2.0}, std::pair{"epsilon", clock.epsilon},
+        std::pair{"mu", wrong * clock.mu}, std::pair{"phi0", clock.phi0}}) {
+    FittedParameter parameter;
+    parameter.name = name;
+    parameter.value = value;
+    parameter.sigma = 1e-3 * value;
+    fit.parameters.push_back(parameter);
+  }
+  double amplitude = 0.0;
+  for (const Beat& beat : beats)
+    amplitude += beat.amplitude_rad / static_cast<double>(beats.size());
+  for (const Beat& beat : beats)
+    fit.amplitude_residual_rad.push_back(beat.amplitude_rad - std::sqrt(wrong) * amplitude);
+  const DriveAnalysis drive = analyse_drive(beats, 2.0, fit);
+  ASSERT_TRUE(drive.response && drive.split);
+  // The mean of 20,000 drives of 3 % is off by 2e-4, the gain goes with its root.
+  EXPECT_NEAR(drive.response->fast_gain / drive_response(clock)->fast_gain, 1.0, 1e-3);
+  EXPECT_LT(drive.split->fast.low68, 0.03 * 1.01);
+  EXPECT_GT(drive.split->fast.high68, 0.03 * 0.99);
+}
+
+TEST(DriveSplitTest, GainsThatMayBeNothingTellNoSize) {
+  Scenario scenario = test::at_point_b(2000);
+  scenario.drive = {0.3, 0.0, 0.0};
+  const auto beats = test::simulated_beats(scenario, 7);
+  FitSummary fit;
+  fit.status = FitStatus::converged;
+  fit.model.escapement = Escapement::constant_torque;
+  // Within a sigma of its torque this clock stalls.
+  const ClockParameters clock{2.0, 2.5e-4, 2.0e-5, 0.05};
+  for (const auto& [name, value] :
+       {std::pair{"T0", clock.nominal_period_s}, std::pair{"epsilon", clock.epsilon},
+        std::pair{"mu", clock.mu}, std::pair{"phi0", clock.phi0}}) {
+    FittedParameter parameter;
+    parameter.name = name;
+    parameter.value = value;
+    parameter.sigma = name == std::string_view("mu") ? 0.099 * value : 0.0;
+    fit.parameters.push_back(parameter);
+  }
+  EXPECT_FALSE(analyse_drive(beats, 2.0, fit).split);
+}
+
 } // namespace
 } // namespace goingrate
