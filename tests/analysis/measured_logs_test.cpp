@@ -1,0 +1,88 @@
+// What analyse() must make of logs that others measured.
+#include "goingrate/analysis/analyse.hpp"
+#include "support/real_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+std::optional<Analysis> analysed(const char* name) {
+  const auto path = test::real_data(name);
+  if (!path) return {};
+  LoadRequest request;
+  request.path = path->string();
+  AnalysisRequest road;
+  road.finds_events = true;
+  return analyse(load(request), road);
+}
+
+#define NEEDS(analysis)                                                                            \
+  if (!(analysis)) GTEST_SKIP() << "the measured logs are not beside the project"
+
+bool is_determined(const FitSummary& fit, const char* name) {
+  const FittedParameter* parameter = fit.find(name);
+  return parameter != nullptr && std::isfinite(parameter->sigma);
+}
+
+// A quiet day of a going clock tells its rate and nothing of its pendulum.
+TEST(MeasuredLogs, AQuietDayOfATurretClock) {
+  const auto day = analysed("trinity-clock/clock2013-03-30.txt");
+  NEEDS(day);
+  EXPECT_EQ(day->numbered.missed + day->numbered.spurious, 0);
+  EXPECT_NEAR(day->rate.rate_excess * 86400e3, 91.75, 0.005); // ms a day, the printed digits
+  EXPECT_TRUE(day->diary.changes.empty());
+  EXPECT_TRUE(day->diary.interruptions.empty());
+  for (const char* name : {"T0", "epsilon", "mu", "phi0"})
+    EXPECT_FALSE(is_determined(day->fit, name)) << name;
+  EXPECT_FALSE(day->drive.split);
+  // The escapement has three legs, of which one acts every 9 s.
+  ASSERT_FALSE(day->suspicions.empty());
+  EXPECT_EQ(day->suspicions.front().cause, Cause::wheel);
+  EXPECT_NE(day->suspicions.front().evidence.find("every 9.000"), std::string::npos);
+}
+
+TEST(MeasuredLogs, ADayWhoseDriveWasInterrupted) {
+  const auto day = analysed("trinity-clock/clock2013-03-31.txt");
+  NEEDS(day);
+  EXPECT_EQ(day->diary.changes.size(), 2u); // its begin and its end
+  ASSERT_EQ(day->diary.interruptions.size(), 1u);
+  const Interruption& told = day->diary.interruptions.front();
+  EXPECT_NEAR(told.begin.at_s, 207.0, 9.0); // three beats
+  EXPECT_NEAR(told.end.at_s, 405.0, 15.0);  // the drive came back unevenly
+  EXPECT_NEAR(told.amplitude_before_rad, 46.11e-3, 0.05e-3);
+  EXPECT_NEAR(told.amplitude_after_rad, 44.58e-3, 0.15e-3); // it lies at the edge of the fall
+  ASSERT_TRUE(told.decay && told.recovery);
+  EXPECT_NEAR(told.decay->time_constant_s, 6500.0, 3.0 * told.decay->sigma_s);
+  // The squared amplitude comes back at twice the rate at which the amplitude falls.
+  EXPECT_NEAR(told.recovery->time_constant_s, 0.5 * told.decay->time_constant_s,
+              0.2 * told.decay->time_constant_s);
+  for (const char* name : {"T0", "mu", "phi0"}) // nothing is made of an interruption
+    EXPECT_FALSE(is_determined(day->fit, name)) << name;
+  EXPECT_FALSE(day->drive.split);
+}
+
+// A student's ring-down, tracked on video.
+TEST(MeasuredLogs, AVideoOfARingDown) {
+  const auto video = analysed("video-ringdown/tyler_lab1_data.txt");
+  NEEDS(video);
+  const FitSummary& fit = video->fit;
+  ASSERT_TRUE(fit.has_result());
+  EXPECT_NE(fit.status, FitStatus::contradicts_log);
+  EXPECT_EQ(fit.model.escapement, Escapement::none);
+  EXPECT_TRUE(video->drive.swings_freely);
+  EXPECT_TRUE(video->suspicions.empty());
+  EXPECT_NEAR(video->rate.mean_period_s, 1.64991, 5e-3); // the publisher's, weighted otherwise
+  ASSERT_FALSE(fit.model_amplitude_rad.empty());
+  // The first angle of the log is 0.702 rad, near a turn; the publisher's amplitude is the mean of
+  // a decay that is not exponential.
+  EXPECT_NEAR(fit.model_amplitude_rad.front(), 0.69, 0.03);
+  const double decay_s =
+      114.0 / std::log(fit.model_amplitude_rad.front() / fit.model_amplitude_rad.back());
+  EXPECT_NEAR(decay_s, 87.0, 10.0); // 80.5 s by the publisher's fit, 94 s by the logarithm's slope
+}
+
+} // namespace
+} // namespace goingrate
