@@ -175,7 +175,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
     stretch.rate.nominal_is_known = loaded.nominal_is_known;
   const TimingData times = fit_data(loaded);
   FitOptions asked = request.fit;
-  asked.profiles = true;
+  asked.profiles = request.traces_profiles;
   if (request.finds_events && asked.events.empty())
     asked.events = events_of_diary(data.diary, loaded.good.front().cycle);
   tell("fitting the model");

@@ -91,6 +91,7 @@ std::optional<DriveSplit> split_as_users_get_it(const Scenario& scenario, std::u
   request.path = "split.csv";
   request.reading.nominal_period_s = scenario.clock.nominal_period_s;
   AnalysisRequest asked;
+  asked.traces_profiles = false;
   asked.fit.fixed["T0"] = scenario.clock.nominal_period_s;
   return analyse(load_text(text, request), asked).drive.split;
 }

@@ -233,7 +233,9 @@ inline std::vector<Suspicion> diagnosed(const SickClock& clock) {
   Clinic clinic(clock);
   LoadRequest request;
   request.path = "clinic.csv";
-  return analyse(load_text(clinic.log(), request)).suspicions;
+  AnalysisRequest asked;
+  asked.traces_profiles = false;
+  return analyse(load_text(clinic.log(), request), asked).suspicions;
 }
 
 /// What the log alone says, without a fit: a rough drive is not judged.

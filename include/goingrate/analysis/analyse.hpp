@@ -53,12 +53,13 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
 struct AnalysisRequest {
   FitOptions fit{};
   bool finds_events = true;             ///< where `fit` names none: those of the diary
+  bool traces_profiles = true;          ///< for figures: up to half as long again as all else
   std::optional<double> nut_pitch_m{};  ///< of the rating nut, if its turns are asked for
   std::optional<double> rod_length_m{}; ///< of the mathematical pendulum; that of the period if not
   std::function<void(std::string_view)> now{}; ///< told what is being done
 };
 
-/// All that a report shows of a log, by one fit (profile likelihoods included). Throws
+/// All that a report shows of a log, by one fit. Throws
 /// ArgumentError for options that make no sense, as fit_clock does.
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request = {});
 
