@@ -98,16 +98,16 @@ public:
   [[nodiscard]] T amplitude(const T& since) const { return sum(amplitude_, since); }
   [[nodiscard]] T phase_excess(const T& since) const { return sum(phase_, since); }
 
-  /// How far the series hold to rounding, when by `decay` as many e-foldings of the way to rest are
-  /// over. What the amplitude no longer shows its derivatives still may, so the relaxation itself
-  /// limits the step, the less the more of it is over.
+  /// How far the series hold to rounding, `decay` e-foldings of the way to rest being over. What
+  /// the amplitude no longer shows its derivatives may, so the relaxation limits a step too; near
+  /// rest less so, for its part in them has died away as well.
   [[nodiscard]] double reach(double decay) const {
     constexpr double rounding = 1e-15, relaxations = 0.7; // 0.7^14/14! = 8e-14
     const double slope = std::abs(plain(laws_.growth_slope(amplitude_[0] * amplitude_[0])));
     double longest = relaxations * std::exp(std::max(0.0, decay) / order) / slope;
     for (const int k : {order - 1, order}) {
       longest = std::min(longest, within(rounding * plain(amplitude_[0]), amplitude_[at(k)], k));
-      // Over a radian of time; the phase is never known as well as its series.
+      // rad: far below a nanosecond of any clock.
       longest = std::min(longest, within(rounding, phase_[at(k)], k));
     }
     return longest;
@@ -228,8 +228,9 @@ private:
   }
 
   std::optional<State> by_series(const T& t) {
-    constexpr double shortest = 1e-9;   // of a relaxation: the swing comes down to the escapement
-    constexpr double farthest = -700.0; // what has run away from rest so far is no number
+    // To rest it takes some 25, down to the escapement some 100; where a clock rests at the very
+    // edge of it, or runs away from where it might rest, there would be no end of them.
+    constexpr int most_steps = 200;
     for (;;) {
       const double left = plain(t) - from_;
       if (std::abs(left) <= reach_) {
@@ -240,9 +241,8 @@ private:
       }
       const double step = std::copysign(reach_, left);
       const T amplitude = series_->amplitude(T(step)), halfway = series_->amplitude(T(0.5 * step));
-      const double relaxations = -step * plain(laws_.growth_slope(halfway * halfway));
-      decay_ += relaxations;
-      if (!(std::abs(relaxations) > shortest) || decay_ < farthest ||
+      decay_ -= step * plain(laws_.growth_slope(halfway * halfway));
+      if (++steps_ > most_steps ||
           !go_on_from(from_ + step, amplitude, phase_ + series_->phase_excess(T(step))))
         return {};
       if (settled()) return settled_at(t);
@@ -266,6 +266,7 @@ private:
   std::optional<CourseSeries<T>> series_; // about from_, where the phase excess was phase_,
   double from_ = 0.0, reach_ = 0.0;       // and how far they hold
   T phase_{};
+  int steps_ = 0;      // taken so far
   double decay_ = 0.0; // e-foldings of the way to rest that are over
   T settled_{};        // when
   State rest_{};

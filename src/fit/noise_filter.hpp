@@ -5,7 +5,7 @@
 //   x  of the squared amplitude, rad^2
 //   s  slow part of the relative drive
 // Over a cycle, with the relative drive u = d + s (d white, rms sigma_d), a = 2 pi f_x and
-// E = exp(a), from dx' = f_x x + D u and late' = -(g_x x + push u) (clock_model.hpp):
+// E = exp(a), from dx' = f_x x + D u and late' = -(g_x x + push u) (course.hpp):
 //   x' = E x + D 2pi M u,                 M = (E - 1)/a
 //   t' = t - T0 [g_x M x + (push + g_x D 2pi (M - 1)/a) u] + (walk)
 //   s' = r s + (noise),                   r = exp(-T0/slow_time)

@@ -1,5 +1,6 @@
 #include "page.hpp"
 
+#include "fault_counts.hpp"
 #include "markup.hpp"
 
 #include "base/scaled_time.hpp"
@@ -48,7 +49,7 @@ std::string per_day(double rate_excess, double sigma) {
 
 std::string counts(const Analysis& data) {
   const Beats& numbered = data.numbered;
-  std::string text = fmt::format("{} missed, {} spurious", numbered.missed, numbered.spurious);
+  std::string text = fault_counts(numbered);
   if (numbered.segments > 1)
     return text +
            fmt::format("; the log is in {} segments, the longest was analysed", numbered.segments);

@@ -1,6 +1,8 @@
 // The tables and the text of `goingrate rate`.
 #include "goingrate/report/tables.hpp"
 
+#include "fault_counts.hpp"
+
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
@@ -218,9 +220,9 @@ std::string sensor_lines(const RateSummary& summary, const SensorFindings& senso
 
 std::string rate_text(const Beats& beats, const RateSummary& summary,
                       const SensorFindings& sensor) {
-  std::string text = fmt::format("{} beats over {:.6g} s; {} missed, {} spurious, {} segment{}\n",
-                                 summary.crossings, summary.duration_s, beats.missed,
-                                 beats.spurious, beats.segments, beats.segments == 1 ? "" : "s");
+  std::string text = fmt::format("{} beats over {:.6g} s; {}, {} segment{}\n", summary.crossings,
+                                 summary.duration_s, fault_counts(beats), beats.segments,
+                                 beats.segments == 1 ? "" : "s");
   if (beats.segments > 1) text += segment_lines(beats, summary);
   if (beats.rivals > 0)
     text += fmt::format("{} cycles have a second event that could as well be the crossing\n",

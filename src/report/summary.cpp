@@ -5,6 +5,7 @@
 #include "base/scaled_time.hpp"
 #include "goingrate/report/tables.hpp"
 
+#include "fault_counts.hpp"
 #include "rms_words.hpp"
 
 #include <algorithm>
@@ -39,9 +40,8 @@ std::string plain_rate(double rate_excess) {
 }
 
 std::string beats_line(const Analysis& data) {
-  std::string line =
-      fmt::format("Beats: {} over {}", data.rate.crossings, span_of(data.rate.duration_s));
-  line += fmt::format("; {} missed, {} spurious", data.numbered.missed, data.numbered.spurious);
+  std::string line = fmt::format("Beats: {} over {}; {}", data.rate.crossings,
+                                 span_of(data.rate.duration_s), fault_counts(data.numbered));
   if (data.numbered.segments > 1)
     line +=
         fmt::format("; the log is in {} pieces, the longest is analysed", data.numbered.segments);

@@ -93,6 +93,18 @@ TEST(CourseTest, AClockThatTurnsTooFastIsNone) {
   EXPECT_FALSE(Course<double>(laws, 1e-10).at(1e-3));
 }
 
+TEST(CourseTest, AClockThatRestsAtTheEdgeOfItsEscapementComesToAnEnd) {
+  auto laws = dragging<double>(epsilon, quadratic);
+  laws.quadratic = 0.0;
+  const double pi = std::numbers::pi; // growth is 0 at phi0 itself, but for a part in 1e10
+  laws.mu = (2.0 * laws.epsilon * laws.phi0 + laws.dry * 4.0 / pi) * pi / 4.0 * (1.0 + 1e-10);
+  Course<double> course(laws, start);
+  int asked = 0;
+  while (asked < 1000 && course.at(asked * 100.0))
+    ++asked;
+  EXPECT_GT(asked, 100); // 10 relaxations: from there on the rate has no derivative
+}
+
 TEST(CourseTest, BeatByBeatItComesWhereOneLongWayLeads) {
   const auto laws = dragging<double>(epsilon, quadratic);
   Course<double> walked(laws, start);

@@ -27,6 +27,18 @@ Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uin
   return {Instant::from_seconds(t), cycle, NAN, 0, segment, flag};
 }
 
+TEST(TextTest, BouncesAreCountedWhereThereAreAny) {
+  Beats beats;
+  beats.missed = 3;
+  const auto first_line = [&] {
+    const std::string text = rate_text(beats, RateSummary{}, SensorFindings{});
+    return text.substr(0, text.find('\n'));
+  };
+  EXPECT_NE(first_line().find("; 3 missed, 0 spurious, 1 segment"), std::string::npos);
+  beats.bounces = 2;
+  EXPECT_NE(first_line().find("; 3 missed, 0 spurious, 2 bounces, 1 segment"), std::string::npos);
+}
+
 TEST(TextTest, TheRateTableHasARowForEveryEventAndEveryMissingBeat) {
   Beats beats;
   beats.beats = {beat(0, 0.0),    beat(0, 0.4, BeatFlag::spurious),  beat(1, 2.0), beat(3, 6.0),
