@@ -192,9 +192,9 @@ public:
     if (!laws.closed()) go_on_from(0.0, sqrt(amplitude2), T(0.0));
   }
 
-  /// The state at t; nothing where the model does not hold. Cost beside linear friction: two
-  /// series, and an expansion for each of the steps from where it was asked last, about 25 from any
-  /// start to rest.
+  /// The state at t; nothing where the model does not hold. Cost where there is no closed form: the
+  /// sums of two series, and an expansion for each step from where it was asked last, about 25 from
+  /// any start to rest.
   std::optional<State> at(const T& t) {
     if (settled()) return settled_at(t);
     if (laws_.closed()) return in_closed_form(t);

@@ -398,8 +398,10 @@ Minimum after_one_step(const FitProblem& problem, const std::vector<double>& x) 
 // A date found by a search is moved by steps while that pays. One step of scoring tells what
 // another date would gain: it lies a few beats off, and the clock hardly moves with it.
 void ModelSearch::move_events() {
-  constexpr double pays = 0.05; // of L
-  const FitProblem plain = on_every_beat(best_.problem);
+  constexpr double pays = 0.05;         // of L
+  constexpr std::size_t enough = 30000; // beats; those about the dates are kept
+  const TimingData some = thinned(working_.data, best_.problem.parameters, enough);
+  const FitProblem plain = best_.problem.on(some);
   const auto dated = [&](const FitOptions& options) {
     FitProblem problem = plain;
     problem.parameters.event_cycles =

@@ -63,7 +63,7 @@ TEST(CourseTest, SeriesFollowEvenSteps) {
       const auto [x, excess] = by_even_steps(laws, start, t);
       const auto state = Course<double>(laws, start).at(t);
       ASSERT_TRUE(state);
-      // Rounding of up to 60,000 even steps; a step of the series adds 1e-13 rad.
+      // Rounding of up to 60,000 even steps; a step of the series adds 1e-15 rad.
       EXPECT_NEAR(state->amplitude2, x, 5e-13 * x);
       EXPECT_NEAR(state->phase_excess, excess, 1e-12 * start * relaxation);
       EXPECT_NEAR(state->rate, laws.rate(x), 1e-13);
