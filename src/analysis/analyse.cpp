@@ -149,8 +149,6 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   DiagnosisInput input;
   input.data = &times;
   input.nominal_period_s = loaded.nominal_period_s;
-  input.missed =
-      static_cast<std::int64_t>(times.cycle.back()) + 1 - static_cast<std::int64_t>(times.size());
   input.changes = diary.changes;
   input.lines = drive.lines;
   if (drive.response) // of corner 2 epsilon / T0

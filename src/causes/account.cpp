@@ -2,6 +2,7 @@
 
 #include "base/scaled_time.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -18,18 +19,33 @@ std::vector<std::vector<double>> joined(std::vector<std::vector<double>> taken,
   return taken;
 }
 
+Eigen::MatrixXd whitened(const std::vector<double>& series,
+                         const std::vector<std::vector<double>>& taken, const RateNoise& noise,
+                         const std::vector<std::vector<double>>& courses) {
+  const auto rows = static_cast<Eigen::Index>(series.size());
+  const auto put = [&](const std::vector<double>& all, Eigen::MatrixXd& into, Eigen::Index column) {
+    into.col(column).setZero();
+    for (Eigen::Index k = first_cosine; k < rows; ++k)
+      into(k, column) =
+          all[static_cast<std::size_t>(k)] / std::sqrt(noise.level(static_cast<std::size_t>(k)));
+  };
+  Eigen::MatrixXd result(rows, static_cast<Eigen::Index>(courses.size()) + 1);
+  for (std::size_t i = 0; i < courses.size(); ++i)
+    put(cosines(courses[i], false), result, static_cast<Eigen::Index>(i));
+  put(series, result, result.cols() - 1);
+  if (taken.empty()) return result;
+  Eigen::MatrixXd known(rows, static_cast<Eigen::Index>(taken.size()));
+  for (std::size_t i = 0; i < taken.size(); ++i)
+    put(taken[i], known, static_cast<Eigen::Index>(i));
+  return result - known * known.colPivHouseholderQr().solve(result);
+}
+
 } // namespace
 
 std::vector<double> CourseMaker::step(double place) const {
   std::vector<double> s(count_);
   for (std::size_t i = 0; i < count_; ++i)
     s[i] = std::clamp(static_cast<double>(i) + 1.0 - place, 0.0, 1.0);
-  return s;
-}
-
-std::vector<double> CourseMaker::alone(std::size_t block) const {
-  std::vector<double> s(count_, 0.0);
-  s[block] = 1.0;
   return s;
 }
 
@@ -70,10 +86,18 @@ std::vector<double> CourseMaker::wave(double period_s, double phase) const {
   return s;
 }
 
+// The noise of a single time at either end has no partner to cancel it at low frequencies: the
+// first and the last block are left out.
 Account::Account(const RateBlocks& blocks, const NoiseKinds& rate_noise)
     : rate_(cosines(blocks.rate, false)), rate_noise_(first_cosine, rate_noise),
       amplitude_noise_(first_cosine, {}),
       price_(std::log(static_cast<double>(blocks.rate.size()))) {
+  const std::size_t last = blocks.rate.size() - 1;
+  for (const std::size_t block : {std::size_t{0}, last}) {
+    std::vector<double> alone(blocks.rate.size(), 0.0);
+    alone[block] = 1.0;
+    rate_taken_.push_back(cosines(alone, false));
+  }
   rate_noise_ = of_rate({}).noise;
   if (blocks.amplitude_rad.empty()) return;
   amplitude_ = cosines(blocks.amplitude_rad, false);
@@ -89,7 +113,7 @@ RateRegression Account::of_amplitude(const Series& more) const {
 }
 
 double Account::gain_of(const Courses& courses) const {
-  double gain = -price_ * courses.places;
+  double gain = -price_ * (2 * courses.dates + courses.times);
   if (!courses.rate.empty())
     gain += rate_noise_.deviance() - of_rate(courses.rate).deviance -
             price_ * static_cast<double>(courses.rate.size());
@@ -105,6 +129,14 @@ double Account::amplitude_gain_of(const Courses& courses) const {
 double Account::gain_of(const NoiseKinds& kinds, int numbers) const {
   const RateRegression other = regress(rate_, rate_taken_, RateNoise(first_cosine, kinds));
   return rate_noise_.deviance() - other.deviance - price_ * numbers;
+}
+
+Eigen::MatrixXd Account::whitened_rate(const Series& courses) const {
+  return whitened(rate_, rate_taken_, rate_noise_, courses);
+}
+
+Eigen::MatrixXd Account::whitened_amplitude(const Series& courses) const {
+  return whitened(amplitude_, amplitude_taken_, amplitude_noise_, courses);
 }
 
 Sizes Account::sizes_of(const Courses& courses) const {

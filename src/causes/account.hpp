@@ -5,11 +5,13 @@
 // by generalised least squares in noise that is sized along with them:
 //   r = sum of b_i c_i + noise,   a = sum of e_i d_i + noise.
 // The gain of a further cause is by how much it raises 2 log L of both series, less log n for each
-// number it brings (Schwarz): sizes, a date, a time constant. That is one scale for all causes.
+// size and time constant (Schwarz) and 2 log n for each date, which n blocks tell n times as finely
+// and not sqrt(n) times (Zhang and Siegmund 2007). That is one scale for all causes.
 #pragma once
 
 #include "rate_blocks.hpp"
 
+#include <Eigen/Core>
 #include <vector>
 
 namespace goingrate::timing_model {
@@ -20,7 +22,7 @@ inline constexpr double believed = 6.0;
 /// The courses of one cause, one value a block each.
 struct Courses {
   std::vector<std::vector<double>> rate, amplitude;
-  int places = 0; ///< numbers that were searched for beside the sizes: dates, time constants
+  int dates = 0, times = 0; ///< dates and time constants that were searched for
 };
 
 /// Where something begins, dies away, or drifts. Places are in blocks from the first one's
@@ -30,7 +32,6 @@ public:
   explicit CourseMaker(const RateBlocks& blocks)
       : count_(blocks.rate.size()), length_s_(blocks.length_s) {}
   [[nodiscard]] std::vector<double> step(double place) const;
-  [[nodiscard]] std::vector<double> alone(std::size_t block) const;
   /// 1 at the place, and dies away from there with a time constant.
   [[nodiscard]] std::vector<double> dying(double place, double time_s) const;
   /// The step less that: what approaches a new level.
@@ -66,6 +67,11 @@ public:
   [[nodiscard]] Sizes sizes_of(const Courses& courses) const;
   void take(const Courses& courses);
   void take(const NoiseKinds& kinds);
+  /// Courses, the series last, with a spread of 1 in each cosine, less what those taken explain.
+  [[nodiscard]] Eigen::MatrixXd
+  whitened_rate(const std::vector<std::vector<double>>& courses) const;
+  [[nodiscard]] Eigen::MatrixXd
+  whitened_amplitude(const std::vector<std::vector<double>>& courses) const;
   [[nodiscard]] bool sees_amplitude() const { return !amplitude_.empty(); }
 
 private:

@@ -35,14 +35,13 @@ Judgement judged(const RateBlocks& blocks, double at_s, double doubt_s) {
   const StepSearch search(account, blocks, (at_s - blocks.begin_s) / blocks.length_s,
                           doubt_s / blocks.length_s);
   Judgement found;
+  FittedStep best;
   double first = 0.0, second = -std::numeric_limits<double>::infinity(); // no change gains nothing
   found.at_s = at_s;
   for (const ChangeKind kind : {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
-    FittedStep fitted = search.best(kind);
-    // Friction is a drive without its jump: where amplitudes show the rest, the jump must be beyond
-    // doubt.
-    if (kind == ChangeKind::drive && account.sees_amplitude()) fitted.gain -= believed;
+    const FittedStep fitted = search.best(kind);
     if (fitted.gain > first) {
+      best = fitted;
       second = std::exchange(first, fitted.gain);
       found.next = std::exchange(found.kind, kind);
       found.at_s = blocks.begin_s + fitted.place * blocks.length_s;
@@ -53,6 +52,11 @@ Judgement judged(const RateBlocks& blocks, double at_s, double doubt_s) {
   }
   found.gain = first;
   found.ahead = first - second;
+  if (found.kind == ChangeKind::regulation) {
+    const Sizes sizes = search.sizes_of(found.kind, best);
+    found.jump = sizes.rate.front();
+    found.jump_sigma = sizes.rate_sigma.front();
+  }
   return found;
 }
 
@@ -100,8 +104,14 @@ void judge_changes(std::span<const Beat> beats, const TimingData& data, double n
     const Judgement found = judge_kind(data, {data.elapsed_s[from], data.elapsed_s[to]},
                                        data.elapsed_s[at], doubt * data.reference_period_s);
     change.kind = found.kind;
+    change.next_kind = found.next;
     change.gain = found.gain;
     change.kind_gain = found.ahead;
+    change.rate_change_sigma = unknown;
+    if (found.jump_sigma > 0.0) {
+      change.rate_change = found.jump;
+      change.rate_change_sigma = found.jump_sigma;
+    }
     if (found.kind == ChangeKind::friction) { // a bend is dated better by what comes of it
       change.at_s = found.at_s;
       change.cycle = cycle_at(beats, found.at_s);

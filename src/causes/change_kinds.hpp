@@ -17,6 +17,7 @@ struct Judgement {
   double gain = 0.0;                     ///< over no change, 2 log L less the price
   double ahead = 0.0;                    ///< of the second best
   double at_s = 0.0;
+  double jump = 0.0, jump_sigma = 0.0; ///< of the rate, of a regulation
 };
 
 /// The kind of a change at `at_s`, which may be off by `doubt_s`. Looked at in blocks of 4, 16, 64

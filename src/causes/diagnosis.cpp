@@ -25,36 +25,16 @@ Cause cause_of(ChangeKind kind) {
                                         : Cause::drive_step;
 }
 
+ChangeKind kind_of_cause(Cause step) {
+  return step == Cause::length_step     ? ChangeKind::regulation
+         : step == Cause::friction_step ? ChangeKind::friction
+                                        : ChangeKind::drive;
+}
+
 // What else makes the course of such a change.
 std::vector<Cause> same_course_as(ChangeKind kind) {
   if (kind != ChangeKind::regulation) return {};
   return {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Where a series jumps: the greatest difference of medians over some blocks before and after.
-void add_likely_steps(const std::vector<double>& series, std::vector<std::size_t>& places) {
-  for (const std::size_t reach : {4U, 12U, 40U}) {
-    if (series.size() < 4 * reach) continue;
-    std::size_t best = 0;
-    double most = -1.0;
-    for (std::size_t i = reach; i + reach < series.size(); ++i) {
-      const auto at = series.begin() + static_cast<std::ptrdiff_t>(i);
-      const auto far = static_cast<std::ptrdiff_t>(reach);
-      const double difference = std::abs(median({at, at + far}) - median({at - far, at}));
-      if (difference > most) {
-        most = difference;
-        best = i;
-      }
-    }
-    for (std::size_t near = std::max<std::size_t>(best, 3) - 2; near <= best + 2; ++near)
-      places.push_back(near);
-  }
 }
 
 /// A cause that may be taken: what it makes of rate and amplitude, and what else makes the same.
@@ -133,8 +113,9 @@ private:
   [[nodiscard]] Candidate best_candidate() const {
     Candidate best;
     consider_weather(best);
-    consider_steps(best);
-    consider_visits(best);
+    const StepScan scan(account_, blocks_);
+    consider_steps(scan, best);
+    consider_visits(scan, best);
     consider_drifts(best);
     consider_settling(best);
     return best;
@@ -148,42 +129,28 @@ private:
       const auto& values = blocks_.values[k];
       if (std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e-9; }))
         continue;
-      consider({temperature ? Cause::temperature : Cause::pressure, {{values}, {}, 0}}, best);
+      consider({temperature ? Cause::temperature : Cause::pressure, {{values}, {}}}, best);
     }
     constexpr double day_s = seconds_per_day;
     if (blocks_.length_s * static_cast<double>(blocks_.rate.size()) < 0.8 * day_s) return;
     consider({Cause::unlogged_weather,
-              {{make_.wave(day_s, 0.0), make_.wave(day_s, 0.25 * two_pi)}, {}, 0},
+              {{make_.wave(day_s, 0.0), make_.wave(day_s, 0.25 * two_pi)}, {}},
               {Cause::log_clock}},
              best);
   }
 
-  [[nodiscard]] std::vector<std::size_t> places() const {
-    std::vector<std::size_t> blocks;
-    add_likely_steps(blocks_.rate, blocks);
-    if (account_.sees_amplitude()) add_likely_steps(blocks_.amplitude_rad, blocks);
-    for (const Change& change : input_.changes)
-      blocks.push_back(static_cast<std::size_t>(change.at_s / blocks_.length_s));
-    std::sort(blocks.begin(), blocks.end());
-    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-    std::erase_if(blocks, [&](std::size_t b) { return b < 2 || b + 3 > blocks_.rate.size(); });
-    return blocks;
-  }
-
-  // Those places at which rate and amplitude differ most from before, the first ones first.
-  [[nodiscard]] std::vector<std::size_t> best_places(std::size_t most) const {
-    std::vector<std::pair<double, std::size_t>> ranked;
-    for (const std::size_t block : places()) {
-      const auto step = make_.step(static_cast<double>(block));
-      ranked.emplace_back(account_.gain_of(Courses{{step, make_.alone(block)}, {step}, 0}), block);
+  // Where a step would explain most, and the dated changes.
+  [[nodiscard]] std::vector<double> places(const StepScan& scan) const {
+    constexpr std::size_t most = 3, apart = 4; // blocks
+    std::vector<double> places;
+    for (const std::size_t block : scan.best_steps(most, apart))
+      places.push_back(static_cast<double>(block));
+    for (const Change& change : input_.changes) {
+      const double place = change.at_s / blocks_.length_s;
+      if (place > 2.0 && place + 3.0 < static_cast<double>(blocks_.rate.size()))
+        places.push_back(place);
     }
-    std::sort(ranked.rbegin(), ranked.rend());
-    if (ranked.size() > most) ranked.resize(most);
-    std::vector<std::size_t> blocks;
-    for (const auto& [gain, block] : ranked)
-      blocks.push_back(block);
-    std::sort(blocks.begin(), blocks.end());
-    return blocks;
+    return places;
   }
 
   [[nodiscard]] Candidate step_of(ChangeKind kind, double place) const {
@@ -197,33 +164,25 @@ private:
             found.gain};
   }
 
-  void consider_steps(Candidate& best) const {
-    constexpr std::size_t most = 3;
-    for (const std::size_t block : best_places(most))
+  void consider_steps(const StepScan& scan, Candidate& best) const {
+    for (const double place : places(scan))
       for (const ChangeKind kind :
            {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
-        Candidate step = step_of(kind, static_cast<double>(block));
+        Candidate step = step_of(kind, place);
         if (step.gain > best.gain) best = std::move(step);
       }
   }
 
   // Something that is there for a while only.
-  void consider_visits(Candidate& best) const {
-    constexpr std::size_t most = 8;
-    const auto blocks = best_places(most);
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-      for (std::size_t k = i + 1; k < blocks.size(); ++k) {
-        if (blocks[k] < blocks[i] + 4) continue;
-        auto while_there = make_.step(static_cast<double>(blocks[i]));
-        std::fill(while_there.begin() + static_cast<std::ptrdiff_t>(blocks[k]), while_there.end(),
-                  0.0);
-        consider({Cause::magnet,
-                  {{while_there, make_.alone(blocks[i]), make_.alone(blocks[k])}, {}, 2},
-                  {Cause::length_step, Cause::log_clock, Cause::unlogged_weather},
-                  blocks_.length_s * static_cast<double>(blocks[i]),
-                  blocks_.length_s * static_cast<double>(blocks[k])},
-                 best);
-      }
+  void consider_visits(const StepScan& scan, Candidate& best) const {
+    const auto [from, to] = scan.best_visit();
+    const FittedVisit found = fitted_visit(account_, blocks_, from, to);
+    consider({Cause::magnet,
+              found.courses,
+              {Cause::length_step, Cause::log_clock, Cause::unlogged_weather},
+              blocks_.length_s * found.from,
+              blocks_.length_s * found.to},
+             best);
   }
 
   // A ramp that the amplitude follows, and one that it does not.
@@ -234,11 +193,11 @@ private:
       std::vector<std::vector<double>> ramp{t};
       if (bent) ramp.push_back(t2);
       consider({seen ? Cause::length_drift : Cause::growing_friction,
-                {ramp, {}, 0},
+                {ramp, {}},
                 seen ? std::vector{Cause::log_clock, Cause::unlogged_weather}
                      : std::vector{Cause::length_drift, Cause::log_clock, Cause::unlogged_weather}},
                best);
-      if (seen) consider({Cause::growing_friction, {ramp, ramp, 0}}, best);
+      if (seen) consider({Cause::growing_friction, {ramp, ramp}}, best);
     }
   }
 
@@ -247,15 +206,34 @@ private:
     const double length_s = blocks_.length_s * static_cast<double>(blocks_.rate.size());
     for (double time_s = blocks_.length_s; time_s < 0.3 * length_s; time_s *= 2.0) {
       const auto dying = make_.dying(0.0, time_s);
-      consider({.courses = {{dying}, {dying}, 1}, .time_s = time_s, .is_fault = false}, best);
+      consider({.courses = {.rate = {dying}, .amplitude = {dying}, .times = 1},
+                .time_s = time_s,
+                .is_fault = false},
+               best);
     }
   }
 
-  // Of a step the finer blocks about it tell the kind; what they cannot tell apart are
-  // alternatives.
+  // A dated change is of the kind that the diary says; of another step the finer blocks about it
+  // tell the kind.
+  [[nodiscard]] Judgement kind_of(const Candidate& step) const {
+    if (const Change* dated = dated_at(step.at_s))
+      return {.kind = dated->kind,
+              .next = dated->next_kind,
+              .gain = dated->gain,
+              .ahead = dated->kind_gain,
+              .at_s = dated->at_s};
+    return judge_kind(times_, {0.0, times_.elapsed_s.back()}, step.at_s, 1.5 * blocks_.length_s);
+  }
+
+  [[nodiscard]] const Change* dated_at(double at_s) const {
+    for (const Change& change : input_.changes)
+      if (std::abs(change.at_s - at_s) < 3.0 * blocks_.length_s) return &change;
+    return nullptr;
+  }
+
+  // A step as its kind has it; what the log cannot tell from it are alternatives.
   [[nodiscard]] Candidate looked_at_closely(const Candidate& step) const {
-    const double doubt_s = 1.5 * blocks_.length_s;
-    const Judgement found = judge_kind(times_, {0.0, times_.elapsed_s.back()}, step.at_s, doubt_s);
+    const Judgement found = kind_of(step);
     if (found.kind == ChangeKind::unclear) return step;
     Candidate best = step_of(found.kind, found.at_s / blocks_.length_s);
     if (best.courses.rate.empty()) return step;
@@ -270,6 +248,13 @@ private:
           (other == found.next || found.kind == ChangeKind::regulation))
         best.alternatives.push_back(cause_of(other));
     return best;
+  }
+
+  [[nodiscard]] Sizes sizes_of_step(const Candidate& step) const {
+    const double place = step.at_s / blocks_.length_s;
+    return StepSearch(account_, blocks_, place, 1.0)
+        .sizes_of(kind_of_cause(step.cause),
+                  {.place = place, .time_s = step.time_s, .courses = step.courses});
   }
 
   // Everything taken but one, so that each is judged by what it alone adds.
@@ -290,8 +275,10 @@ private:
       const bool is_step = taken.cause == Cause::length_step || taken.cause == Cause::drive_step ||
                            taken.cause == Cause::friction_step;
       const Candidate found = is_step ? looked_at_closely(taken) : taken;
-      all.push_back({found.cause, gain, evidence_of(found, account_.sizes_of(found.courses)),
-                     found.alternatives, advice_on(found.cause)});
+      all.push_back(
+          {found.cause, gain,
+           evidence_of(found, is_step ? sizes_of_step(found) : account_.sizes_of(found.courses)),
+           found.alternatives, advice_on(found.cause)});
     }
     add_if_not_understood(all);
     if (!wanders_) return all;
@@ -306,8 +293,8 @@ private:
   [[nodiscard]] bool wanders_with_amplitude() const {
     if (!account_.sees_amplitude()) return false;
     // The drive is what lambda^2 and its speed say: both, or one if the other adds nothing.
-    const Courses alone{{blocks_.amplitude_rad}, {}, 0};
-    const Courses both{{blocks_.amplitude_rad, speed_of(blocks_.amplitude_rad)}, {}, 0};
+    const Courses alone{{blocks_.amplitude_rad}, {}};
+    const Courses both{{blocks_.amplitude_rad, speed_of(blocks_.amplitude_rad)}, {}};
     const Courses& amplitude = account_.gain_of(both) > account_.gain_of(alone) ? both : alone;
     Account rest = account_;
     rest.take(amplitude);
@@ -357,10 +344,8 @@ private:
   }
 
   [[nodiscard]] std::string when(double at_s) const {
-    // A dated change says it to the beat.
-    for (const Change& change : input_.changes)
-      if (std::abs(change.at_s - at_s) < 3.0 * blocks_.length_s)
-        return fmt::format("{:.4g} h after the start", change.at_s / 3600.0);
+    if (const Change* change = dated_at(at_s))
+      return fmt::format("{:.4g} h after the start", change->at_s / 3600.0);
     return fmt::format("about {:.3g} h after the start", at_s / 3600.0);
   }
 

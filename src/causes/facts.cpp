@@ -25,19 +25,29 @@ double median_size(std::vector<double> values) {
   return *middle;
 }
 
-// By how much the times jump after each beat, by means of `reach` beats: those next to it on either
-// side, less how the rate takes the clock from those further out.
-std::vector<double> jumps(const std::vector<double>& late, std::size_t reach) {
+// Means of `reach` values from each on.
+std::vector<double> means_of(const std::vector<double>& values, std::size_t reach) {
   std::vector<double> sum{0.0};
-  for (const double x : late)
+  for (const double x : values)
     sum.push_back(sum.back() + x);
-  const auto mean = [&](std::size_t from) {
-    return (sum[from + reach] - sum[from]) / static_cast<double>(reach);
+  std::vector<double> means;
+  for (std::size_t i = 0; i + reach <= values.size(); ++i)
+    means.push_back((sum[i + reach] - sum[i]) / static_cast<double>(reach));
+  return means;
+}
+
+// By how much the times jump after each beat, by means of `reach` beats: those next to it on either
+// side, less how the rate takes the clock from those further out. Beats may be missing among them.
+std::vector<double> jumps(const TimingData& data, std::size_t reach) {
+  const auto late = means_of(data.lateness_s, reach), cycle = means_of(data.cycle, reach);
+  const auto slope = [&](std::size_t from, std::size_t to) {
+    return (late[to] - late[from]) / (cycle[to] - cycle[from]);
   };
   std::vector<double> jump;
-  for (std::size_t i = 2 * reach; i + 2 * reach <= late.size(); ++i) {
-    const double before = mean(i - reach), after = mean(i);
-    jump.push_back(after - before - 0.5 * (mean(i + reach) - after + before - mean(i - 2 * reach)));
+  for (std::size_t i = 2 * reach; i + 2 * reach <= data.size(); ++i) {
+    const std::size_t before = i - reach;
+    const double rate = 0.5 * (slope(i, i + reach) + slope(i - 2 * reach, before));
+    jump.push_back(late[i] - late[before] - rate * (cycle[i] - cycle[before]));
   }
   return jump;
 }
@@ -69,8 +79,8 @@ bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double
 // Of means over so many beats.
 std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, double price) {
   if (data.size() < 16 * reach) return {};
-  const std::vector<double> jump = jumps(data.lateness_s, reach);
-  const std::vector<double> at_once = jumps(data.lateness_s, 1);
+  const std::vector<double> jump = jumps(data, reach);
+  const std::vector<double> at_once = jumps(data, 1);
   constexpr double normal = 1.4826; // standard deviation over median of the size
   const double scatter = normal * median_size(jump);
   const double least = scatter * std::sqrt(price + believed);
@@ -107,6 +117,10 @@ std::string by_chance(double probability) {
                              : fmt::format("by chance once in {:.1g} logs", 1.0 / probability);
 }
 
+bool is_hole(const TimingData& data, std::size_t beat) {
+  return data.cycle[beat] > data.cycle[beat - 1] + 1.5;
+}
+
 void look_at_displacements(const DiagnosisInput& input, const std::vector<Displacement>& found,
                            std::vector<Suspicion>& all) {
   if (found.empty()) return;
@@ -119,10 +133,9 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
                   "goes on as before",
                   input.data->elapsed_s[first.beat] / 3600.0, 1e3 * first.late_s);
   if (found.size() == 1) {
-    all.push_back({Cause::sensor_shift,
-                   gain,
-                   std::move(evidence),
-                   {Cause::knock},
+    std::vector<Cause> alternatives{Cause::knock};
+    if (is_hole(*input.data, first.beat)) alternatives.push_back(Cause::stop);
+    all.push_back({Cause::sensor_shift, gain, std::move(evidence), std::move(alternatives),
                    "a sensor that was moved shows it in the other direction's beats too"});
     return;
   }
@@ -134,10 +147,13 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
                  "see whether doors, traffic or people go with the hours"});
 }
 
-// Of a healthy sensor at most one beat in a thousand is missing.
+// Of a healthy sensor at most one beat in a thousand is missing. What is missing together is
+// missing once: a break of the log is no fault of the sensor.
 void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   constexpr double usual = 1e-3;
-  const auto missed = static_cast<double>(input.missed);
+  double missed = 0.0;
+  for (std::size_t i = 1; i < input.data->size(); ++i)
+    missed += is_hole(*input.data, i) ? 1.0 : 0.0;
   const double beats = missed + static_cast<double>(input.data->size());
   const double share = missed / beats;
   if (share <= usual) return;
@@ -146,11 +162,12 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
              (beats - missed) * std::log1p(-usual)) -
       std::log(beats);
   if (gain > believed)
-    all.push_back({Cause::missed_beats,
-                   gain,
-                   fmt::format("{:.2g} % of the beats are missing", 100.0 * share),
-                   {},
-                   "the clock itself may be well: clean and aim the sensor"});
+    all.push_back(
+        {Cause::missed_beats,
+         gain,
+         fmt::format("beats are missing in {:.0f} places, {:.2g} % of all", missed, 100.0 * share),
+         {},
+         "the clock itself may be well: clean and aim the sensor"});
 }
 
 // -2 log p of the false alarm is what the line gains, less the price of having looked everywhere.

@@ -121,13 +121,18 @@ void RateNoise::fit(std::span<const double> residual) {
     const double bend = kinds_.corner > 0.0 ? 1.0 / (1.0 + std::pow(s / kinds_.corner, 2)) : 0.0;
     shapes[k] = {s * s, 1.0, wander, wander * wander, bend};
   }
-  if (level_.empty()) {
-    double all = 0.0;
+  // A part that has gone to nothing beside an unexplained step would not come back by factors.
+  const double all =
+      std::inner_product(residual.begin() + static_cast<std::ptrdiff_t>(first_), residual.end(),
+                         residual.begin() + static_cast<std::ptrdiff_t>(first_), 0.0);
+  const double least_share = level_.empty() ? 1.0 : 1e-3;
+  for (std::size_t i = 0; i < parts; ++i) {
+    double shape = 0.0;
     for (std::size_t k = first_; k < n; ++k)
-      all += residual[k] * residual[k];
-    sizes_.fill(all / (parts * static_cast<double>(n)));
-    level_.assign(n, 0.0);
+      shape += shapes[k][i];
+    if (shape > 0.0) sizes_[i] = std::max(sizes_[i], least_share * all / (parts * shape));
   }
+  level_.assign(n, 0.0);
   constexpr int rounds = 60;       // the likelihood then stands still to a tenth
   constexpr double settled = 1e-3; // of each size
   constexpr double most_bent = 30.0;

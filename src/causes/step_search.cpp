@@ -15,7 +15,78 @@ template <class Gain> double offset_of_best(const Gain& gain, double reach) {
   return boost::math::tools::brent_find_minima(loss, -reach, reach, bits).first;
 }
 
+Eigen::MatrixXd products_of(const Eigen::MatrixXd& whitened) {
+  return whitened.transpose() * whitened;
+}
+
 } // namespace
+
+StepScan::StepScan(const Account& account, const RateBlocks& blocks) {
+  const CourseMaker make(blocks);
+  std::vector<std::vector<double>> steps;
+  for (std::size_t block = rim; block + rim < blocks.rate.size(); ++block)
+    steps.push_back(make.step(static_cast<double>(block)));
+  const auto add_gains = [&](const Eigen::MatrixXd& products) {
+    const Eigen::Index last = products.cols() - 1;
+    for (Eigen::Index i = 0; i < last; ++i)
+      of_step_[static_cast<std::size_t>(i)] += std::pow(products(i, last), 2) / products(i, i);
+  };
+  of_step_.assign(steps.size(), 0.0);
+  rate_products_ = products_of(account.whitened_rate(steps));
+  add_gains(rate_products_);
+  if (account.sees_amplitude()) add_gains(products_of(account.whitened_amplitude(steps)));
+}
+
+std::vector<std::size_t> StepScan::best_steps(std::size_t most, std::size_t apart) const {
+  std::vector<double> left = of_step_;
+  std::vector<std::size_t> blocks;
+  while (blocks.size() < most) {
+    const auto best = std::max_element(left.begin(), left.end());
+    if (best == left.end() || !(*best > 0.0)) break;
+    const auto at = static_cast<std::size_t>(best - left.begin());
+    blocks.push_back(at + rim);
+    const std::size_t from = at - std::min(at, apart), to = std::min(at + apart, left.size());
+    std::fill(left.begin() + static_cast<std::ptrdiff_t>(from),
+              left.begin() + static_cast<std::ptrdiff_t>(to), 0.0);
+  }
+  return blocks;
+}
+
+std::pair<std::size_t, std::size_t> StepScan::best_visit() const {
+  constexpr Eigen::Index shortest = 4; // blocks
+  const Eigen::Index last = rate_products_.cols() - 1;
+  std::pair<std::size_t, std::size_t> best{rim, rim + shortest};
+  double most = 0.0;
+  for (Eigen::Index i = 0; i < last; ++i)
+    for (Eigen::Index j = i + shortest; j < last; ++j) {
+      const double gain =
+          std::pow(rate_products_(i, last) - rate_products_(j, last), 2) /
+          (rate_products_(i, i) - 2.0 * rate_products_(i, j) + rate_products_(j, j));
+      if (gain <= most) continue;
+      most = gain;
+      best = {static_cast<std::size_t>(i) + rim, static_cast<std::size_t>(j) + rim};
+    }
+  return best;
+}
+
+FittedVisit fitted_visit(const Account& account, const RateBlocks& blocks, std::size_t from,
+                         std::size_t to) {
+  const CourseMaker make(blocks);
+  const auto courses = [&](double begin, double end) {
+    std::vector<double> there = make.step(begin);
+    const std::vector<double> gone = make.step(end);
+    for (std::size_t i = 0; i < there.size(); ++i)
+      there[i] -= gone[i];
+    return Courses{.rate = {there}, .amplitude = {}, .dates = 2};
+  };
+  const auto gain = [&](double begin, double end) { return account.gain_of(courses(begin, end)); };
+  FittedVisit visit{static_cast<double>(from), static_cast<double>(to), {}};
+  constexpr double reach = 1.5; // blocks
+  visit.from += offset_of_best([&](double off) { return gain(visit.from + off, visit.to); }, reach);
+  visit.to += offset_of_best([&](double off) { return gain(visit.from, visit.to + off); }, reach);
+  visit.courses = courses(visit.from, visit.to);
+  return visit;
+}
 
 StepSearch::StepSearch(const Account& account, const RateBlocks& blocks, double place, double doubt)
     : account_(account), make_(blocks), block_s_(blocks.length_s), place_(place),
@@ -48,33 +119,86 @@ FittedStep StepSearch::best(ChangeKind kind) const {
                                    [&](double off) { return at(kind, found, log_time + off).gain; },
                                    octave));
   }
-  return best;
+  return kind == ChangeKind::drive && !jumps(best) ? FittedStep{} : best;
+}
+
+// Friction is a drive without its jump, which must be beyond doubt where the place and the time
+// constant are in doubt as well: a course that is bent otherwise makes a little of one.
+bool StepSearch::jumps(const FittedStep& drive) const {
+  const Sizes sizes = sizes_of(ChangeKind::drive, drive);
+  return std::pow(sizes.rate[0] / sizes.rate_sigma[0], 2) > believed;
 }
 
 // The amplitude and the rate are curved functions of the squared amplitude: they have the powers of
 // its approach in them too, which show if the change is large.
-FittedStep StepSearch::at(ChangeKind kind, double place, double log_time) const {
-  FittedStep step{place, std::exp(log_time), 0.0, {{make_.step(place)}, {}, 1}};
-  if (kind == ChangeKind::regulation) {
-    step.gain = account_.gain_of(step.courses);
-    return step;
-  }
-  step.gain = -std::numeric_limits<double>::infinity();
-  Courses courses{{}, {}, 2};
+Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, int powers) const {
+  if (kind == ChangeKind::regulation)
+    return {.rate = {make_.step(place)}, .amplitude = {}, .dates = 1};
+  Courses courses{.rate = {}, .amplitude = {}, .dates = 1, .times = 1};
   if (kind == ChangeKind::drive) courses.rate.push_back(make_.step(place));
-  constexpr int most_powers = 2; // more would make a jump of their own
-  for (int power = 1; power <= most_powers; ++power) {
-    const auto approach = make_.approach(place, step.time_s / power);
+  for (int power = 1; power <= powers; ++power) {
+    const auto approach = make_.approach(place, std::exp(log_time) / power);
     courses.rate.push_back(approach);
     courses.amplitude.push_back(approach);
+  }
+  return courses;
+}
+
+FittedStep StepSearch::at(ChangeKind kind, double place, double log_time) const {
+  FittedStep step{.place = place, .time_s = std::exp(log_time), .courses = {}};
+  const bool relaxes = kind != ChangeKind::regulation;
+  const int most_powers = relaxes ? 2 : 1; // more would make a jump of their own
+  for (int powers = 1; powers <= most_powers; ++powers) {
+    Courses courses = courses_of(kind, place, log_time, powers);
     const double gain = account_.gain_of(courses);
     if (gain <= step.gain) break;
     // An amplitude that is seen and does not follow speaks against it, whatever the rate does.
-    if (account_.sees_amplitude() && account_.amplitude_gain_of(courses) < 0.0) break;
+    if (relaxes && account_.sees_amplitude() && account_.amplitude_gain_of(courses) < 0.0) break;
     step.gain = gain;
-    step.courses = courses;
+    step.courses = std::move(courses);
   }
   return step;
+}
+
+// The courses' slopes in place and time constant are courses as well, whose sizes are near 0.
+Sizes StepSearch::sizes_of(ChangeKind kind, const FittedStep& step) const {
+  const double log_time = std::log(step.time_s);
+  const int powers = static_cast<int>(step.courses.amplitude.size());
+  Courses with_slopes = courses_of(kind, step.place, log_time, powers);
+  Sizes sizes = account_.sizes_of(with_slopes);
+  const auto sum = [](const std::vector<std::vector<double>>& courses,
+                      const std::vector<double>& size) {
+    std::vector<double> total(courses.empty() ? 0 : courses.front().size(), 0.0);
+    for (std::size_t c = 0; c < size.size(); ++c)
+      for (std::size_t i = 0; i < total.size(); ++i)
+        total[i] += size[c] * courses[c][i];
+    return total;
+  };
+  const auto add_slope = [&](const Courses& up, const Courses& down) {
+    const auto add = [&](auto series, const std::vector<double>& size) {
+      if (size.empty()) return;
+      std::vector<double> slope = sum(up.*series, size);
+      const std::vector<double> low = sum(down.*series, size);
+      for (std::size_t i = 0; i < slope.size(); ++i)
+        slope[i] -= low[i];
+      (with_slopes.*series).push_back(std::move(slope));
+    };
+    add(&Courses::rate, sizes.rate);
+    add(&Courses::amplitude, sizes.amplitude);
+  };
+  constexpr double blocks = 0.25, of_log_time = 0.1;
+  add_slope(courses_of(kind, step.place + blocks, log_time, powers),
+            courses_of(kind, step.place - blocks, log_time, powers));
+  if (kind != ChangeKind::regulation)
+    add_slope(courses_of(kind, step.place, log_time + of_log_time, powers),
+              courses_of(kind, step.place, log_time - of_log_time, powers));
+  const Sizes wide = account_.sizes_of(with_slopes);
+  const auto take_sigmas = [](std::vector<double>& sigma, const std::vector<double>& all) {
+    std::copy_n(all.begin(), sigma.size(), sigma.begin());
+  };
+  take_sigmas(sizes.rate_sigma, wide.rate_sigma);
+  take_sigmas(sizes.amplitude_sigma, wide.amplitude_sigma);
+  return sizes;
 }
 
 } // namespace goingrate::timing_model

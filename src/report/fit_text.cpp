@@ -109,10 +109,13 @@ std::string statistics_lines(const FitSummary& fit) {
   if (std::isfinite(q.amplitude_rms_rad))
     text += fmt::format("  amplitude residual rms {:.3g} mrad\n", q.amplitude_rms_rad * 1e3);
   text += fmt::format("  BIC {:.8g}, AIC {:.8g}\n", q.bic, q.aic);
-  if (fit.thinning.beats > 0)
-    text +=
-        fmt::format("  {} of the beats were used; what that loses of the information: {:.2g} %\n",
-                    fit.thinning.beats, 100.0 * fit.thinning.information_lost);
+  if (fit.thinning.beats > 0) {
+    text += fmt::format("  {} of the beats were used", fit.thinning.beats);
+    text += std::isfinite(fit.thinning.information_lost)
+                ? fmt::format("; what that loses of the information: {:.2g} %\n",
+                              100.0 * fit.thinning.information_lost)
+                : std::string("; what the others would add is not known\n");
+  }
   return text;
 }
 

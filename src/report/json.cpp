@@ -265,6 +265,7 @@ Json change_object(const Change& change) {
           {"kind", name_of(change.kind)},
           {"kind_gain_2logL", json_number(change.kind_gain)},
           {"rate_change", json_number(change.rate_change)},
+          {"rate_change_sigma", json_number(change.rate_change_sigma)},
           {"rate_excess_before", json_number(change.rate_before)},
           {"rate_excess_before_sigma", json_number(change.rate_before_sigma)},
           {"rate_excess_after", json_number(change.rate_after)},

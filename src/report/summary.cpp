@@ -141,13 +141,19 @@ std::string_view words_for(ChangeKind kind) {
   return "the going changed";
 }
 
+std::string jump_of(const Change& change) {
+  return fmt::format("{}{} ppm", change.rate_change > 0.0 ? "+" : "",
+                     with_sigma(1e6 * change.rate_change, 1e6 * change.rate_change_sigma, 3));
+}
+
 // What it was, and the rate from the change before to this one, and from here to the next.
 std::string change_lines(const Change& change, bool nominal_is_known) {
   std::string text =
       fmt::format("  {:.0f} s ({}): {}", change.at_s, span_of(change.at_s), words_for(change.kind));
   text += change.kind == ChangeKind::friction
               ? std::string(", and the rate with the amplitude")
-              : fmt::format(", the rate by {} at once", ppm(change.rate_change));
+              : fmt::format(", the rate by {} at {}", jump_of(change),
+                            change.kind == ChangeKind::regulation ? "once" : "first");
   if (nominal_is_known && std::isfinite(change.rate_before + change.rate_after))
     text += fmt::format(". Rate before {}, after {}",
                         per_day(change.rate_before, change.rate_before_sigma),

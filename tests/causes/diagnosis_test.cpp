@@ -58,6 +58,50 @@ TEST(DiagnosisTest, WithAmplitudesNobodyIsToldToLookAtThem) {
       EXPECT_EQ(suspicion.advice.find("amplitudes"), std::string::npos) << suspicion.advice;
 }
 
+// A log of times in which beats are lost and the regulation changes.
+std::string regulated(double period_s, double ppm, double jitter_s, double lost,
+                      std::uint64_t seed) {
+  RandomStream jitter(seed, StreamPurpose::jitter), missed(seed, StreamPurpose::amplitude_noise);
+  constexpr int beats = 3000, changed = 1800;
+  std::string lines;
+  double t = 12.0;
+  for (int i = 0; i < beats; ++i) {
+    if (!(missed.uniform() < lost))
+      lines += fmt::format("{:.5f}\n", t + jitter_s * jitter.normal());
+    t += period_s * (i < changed ? 1.0 : 1.0 - 1e-6 * ppm);
+  }
+  return lines;
+}
+
+TEST(DiagnosisTest, DiaryAndCausesJudgeAChangeOnce) {
+  for (const std::uint64_t seed : {31U, 32U, 33U, 34U}) {
+    const double ppm = seed % 2 == 0 ? 40.0 : -40.0;
+    LoadRequest request;
+    request.path = "regulated.txt";
+    const Analysis data =
+        analyse(load_text(regulated(1.7321, ppm, 3e-5, 0.01, seed), request), AnalysisRequest{});
+    ASSERT_EQ(data.diary.changes.size(), 1U) << seed;
+    const Change& change = data.diary.changes[0];
+    EXPECT_EQ(change.kind, ChangeKind::regulation) << seed;
+    constexpr double most = 4.0; // sigma, of four logs
+    EXPECT_NEAR(change.rate_change, 1e-6 * ppm, most * change.rate_change_sigma) << seed;
+    EXPECT_LT(change.rate_change_sigma, 2e-8) << seed; // a thousand beats on either side of 3e-5 s
+    ASSERT_EQ(data.suspicions.size(), 2U) << seed;     // what was done to it, and no other
+    EXPECT_EQ(data.suspicions[0].cause, Cause::length_step) << seed;
+    EXPECT_EQ(data.suspicions[1].cause, Cause::missed_beats) << seed;
+  }
+}
+
+TEST(DiagnosisTest, OneBreakOfTheLogIsNoFaultOfTheSensor) {
+  std::string lines;
+  RandomStream jitter(5, StreamPurpose::jitter);
+  for (int i = 0; i < 6000; ++i)
+    if (i < 3000 || i >= 3040) lines += fmt::format("{:.6f}\n", i + 1e-5 * jitter.normal());
+  LoadRequest request;
+  request.path = "broken.txt";
+  EXPECT_TRUE(analyse(load_text(lines, request), AnalysisRequest{}).suspicions.empty());
+}
+
 TEST(DiagnosisTest, AShortLogHasNoDiagnosis) {
   test::SickClock clock;
   clock.days = 0.01;

@@ -3,10 +3,11 @@
 // Each cause makes its own course of rate and amplitude: a step that the amplitude does not follow,
 // a step with a return, an approach, a ramp, a day's wave, an answer to a thermometer or barometer.
 // They are taken one after the other, each time the one that raises the likelihood of both series
-// most above that of a healthy clock, less log(blocks) for each number it brings (Schwarz), until
-// none gains 6. A wander that no course explains is slow drive where the amplitude goes with it,
-// and unknown where the amplitude does not. Facts of the numbering (beats missed, a displaced time,
-// a stop), lines of the spectrum and a rough drive are judged on the same scale.
+// most above that of a healthy clock, less log(blocks) for each number it brings (Schwarz) and as
+// much again for a date, until none gains 6. A wander that no course explains is slow drive where
+// the amplitude goes with it, and unknown where the amplitude does not. Facts of the numbering
+// (beats missed, a displaced time, a stop), lines of the spectrum and a rough drive are judged on
+// the same scale.
 //
 // Where this means little: causes with one course, such as a ramp of the pendulum's length and one
 // of the logger's own clock, cannot be told apart by any log; each suspicion lists them as
@@ -60,7 +61,6 @@ struct Suspicion {
 struct DiagnosisInput {
   const TimingData* data = nullptr; ///< with the terms temperature and pressure if the log has them
   double nominal_period_s = 0.0;
-  std::int64_t missed = 0;       ///< beats missing one by one or in counted gaps
   std::vector<Change> changes{}; ///< dated ones, in order of time
   /// Those that the fit follows: `data` is then what the fit leaves, and they are causes as they
   /// are.

@@ -22,13 +22,17 @@ std::string_view name_of(ChangeKind kind);
 /// A moment at which the rate or the speed of change of the amplitude jumped.
 struct Change {
   std::int64_t cycle = 0;
-  double at_s = 0.0;                   ///< after the first beat
-  double rate_change = 0.0;            ///< rate excess after minus before
+  double at_s = 0.0; ///< after the first beat
+  /// Rate excess after minus before: of a change of the regulation from all beats between the
+  /// changes next to it, of another from the beats about it, on the way to where the amplitude
+  /// takes it; the sigma is then NaN.
+  double rate_change = 0.0, rate_change_sigma = 0.0;
   double amplitude_slope_change = 0.0; ///< rad/s after minus before; NaN without amplitudes
   double significance = 0.0;           ///< in units of the log's own typical fluctuation
   ChangeKind kind = ChangeKind::unclear;
-  double gain = 0.0;      ///< 2 log L over no change, less its price
-  double kind_gain = 0.0; ///< 2 log L by which that kind is ahead of the next, less their prices
+  ChangeKind next_kind = ChangeKind::unclear; ///< the second best
+  double gain = 0.0;                          ///< 2 log L over no change, less its price
+  double kind_gain = 0.0; ///< 2 log L by which that kind is ahead of next_kind, less their prices
   /// The mean from the change before (or the first beat) to this one, and from here to the next (or
   /// the last beat). NaN where fewer than three beats lie between, sigma where fewer than five.
   double rate_before = 0.0, rate_before_sigma = 0.0;
