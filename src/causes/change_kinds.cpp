@@ -5,6 +5,7 @@
 #include "goingrate/log/rates.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -30,34 +31,38 @@ std::optional<RateBlocks> blocks_about(const TimingData& data, const Stretch& st
                      static_cast<std::size_t>(before + after));
 }
 
-Judgement judged(const RateBlocks& blocks, double at_s, double doubt_s) {
+constexpr std::array kinds{ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction};
+
+// Each kind at its best in blocks of one length.
+struct Look {
+  RateBlocks blocks;
+  std::array<FittedStep, kinds.size()> steps;
+  [[nodiscard]] double best_gain() const {
+    return std::max_element(
+               steps.begin(), steps.end(),
+               [](const FittedStep& a, const FittedStep& b) { return a.gain < b.gain; })
+        ->gain;
+  }
+};
+
+Look look_at(RateBlocks blocks, double at_s, double doubt_s) {
   const Account account(blocks, {.wanders = true});
   const StepSearch search(account, blocks, (at_s - blocks.begin_s) / blocks.length_s,
                           doubt_s / blocks.length_s);
-  Judgement found;
-  FittedStep best;
-  double first = 0.0, second = -std::numeric_limits<double>::infinity(); // no change gains nothing
-  found.at_s = at_s;
-  for (const ChangeKind kind : {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
-    const FittedStep fitted = search.best(kind);
-    if (fitted.gain > first) {
-      best = fitted;
-      second = std::exchange(first, fitted.gain);
-      found.next = std::exchange(found.kind, kind);
-      found.at_s = blocks.begin_s + fitted.place * blocks.length_s;
-    } else if (fitted.gain > second) {
-      second = fitted.gain;
-      found.next = kind;
-    }
-  }
-  found.gain = first;
-  found.ahead = first - second;
-  if (found.kind == ChangeKind::regulation) {
-    const Sizes sizes = search.sizes_of(found.kind, best);
-    found.jump = sizes.rate.front();
-    found.jump_sigma = sizes.rate_sigma.front();
-  }
-  return found;
+  Look look{.blocks = std::move(blocks), .steps = {}};
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    look.steps[k] = search.best(kinds[k]);
+  return look;
+}
+
+// The size of a regulation, where most of the log is seen.
+void put_jump(const Look& look, Judgement& judgement) {
+  const FittedStep& step = look.steps[0];
+  const Account account(look.blocks, {.wanders = true});
+  const Sizes sizes =
+      StepSearch(account, look.blocks, step.place, 1.0).sizes_of(ChangeKind::regulation, step);
+  judgement.jump = sizes.rate.front();
+  judgement.jump_sigma = sizes.rate_sigma.front();
 }
 
 void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate, double& sigma) {
@@ -72,17 +77,36 @@ void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate
 } // namespace
 
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s) {
-  Judgement best;
-  best.at_s = at_s;
+  std::vector<Look> looks;
   constexpr double finest = 4.0, coarser = 4.0; // beats a block
   for (double length_s = finest * data.reference_period_s;; length_s *= coarser) {
     if (doubt_s > 0.25 * most_blocks * length_s) continue; // the change may lie outside
-    const auto blocks = blocks_about(data, stretch, at_s, length_s);
+    auto blocks = blocks_about(data, stretch, at_s, length_s);
     if (!blocks) break;
-    const Judgement found = judged(*blocks, at_s, doubt_s);
-    if (found.gain > best.gain) best = found;
+    Look look = look_at(std::move(*blocks), at_s, doubt_s);
+    if (look.best_gain() > believed) looks.push_back(std::move(look));
   }
-  return best;
+  Judgement told{.at_s = at_s};
+  if (looks.empty()) return told;
+  std::array<std::pair<double, std::size_t>, kinds.size()> gains{}; // means over the looks
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    gains[k].second = k;
+    for (const Look& look : looks)
+      gains[k].first += look.steps[k].gain / static_cast<double>(looks.size());
+  }
+  std::sort(gains.rbegin(), gains.rend());
+  const std::size_t kind = gains[0].second;
+  told.kind = kinds[kind];
+  told.next = kinds[gains[1].second];
+  told.ahead = gains[0].first - gains[1].first;
+  const Look& strongest =
+      *std::max_element(looks.begin(), looks.end(), [&](const Look& a, const Look& b) {
+        return a.steps[kind].gain < b.steps[kind].gain;
+      });
+  told.gain = strongest.steps[kind].gain;
+  told.at_s = strongest.blocks.begin_s + strongest.steps[kind].place * strongest.blocks.length_s;
+  if (told.kind == ChangeKind::regulation) put_jump(strongest, told);
+  return told;
 }
 
 void judge_changes(std::span<const Beat> beats, const TimingData& data, double nominal_period_s,

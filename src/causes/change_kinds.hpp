@@ -15,14 +15,15 @@ struct Judgement {
   ChangeKind kind = ChangeKind::unclear;
   ChangeKind next = ChangeKind::unclear; ///< the second best
   double gain = 0.0;                     ///< over no change, 2 log L less the price
-  double ahead = 0.0;                    ///< of the second best
+  double ahead = 0.0;                    ///< of the second best, in the mean over block lengths
   double at_s = 0.0;
   double jump = 0.0, jump_sigma = 0.0; ///< of the rate, of a regulation
 };
 
 /// The kind of a change at `at_s`, which may be off by `doubt_s`. Looked at in blocks of 4, 16, 64
-/// ... beats, up to 96 on each side, and taken from those that tell most: what dies away in
-/// seconds is not seen in coarse blocks, what takes hours not in fine ones.
+/// ... beats, up to 96 on each side: what dies away in seconds is not seen in coarse blocks, what
+/// takes hours not in fine ones. It is the kind that gains most in the mean over these (a composite
+/// likelihood).
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s);
 
 /// Fills in kinds, and the rates before and after, of changes in order of time. `data` are those of

@@ -375,8 +375,8 @@ private:
       return fmt::format("from {} to {:.3g} h the rate is different by {}", when(found.at_s),
                          found.time_s / 3600.0, size(0));
     case Cause::drive_step:
-      return fmt::format("{} the rate jumps by {}, and changes by {} more as the clock follows{}",
-                         when(found.at_s), size(0), size(1), swing(""));
+      return fmt::format("{} the rate jumps, and differs by {} when the clock has followed{}",
+                         when(found.at_s), size(0), swing(""));
     case Cause::friction_step:
       return fmt::format("{} the rate begins to change, by {} in the end, without a jump{}",
                          when(found.at_s), size(0), swing(""));

@@ -15,6 +15,12 @@ template <class Gain> double offset_of_best(const Gain& gain, double reach) {
   return boost::math::tools::brent_find_minima(loss, -reach, reach, bits).first;
 }
 
+std::vector<double> difference(std::vector<double> a, const std::vector<double>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    a[i] -= b[i];
+  return a;
+}
+
 Eigen::MatrixXd products_of(const Eigen::MatrixXd& whitened) {
   return whitened.transpose() * whitened;
 }
@@ -73,11 +79,8 @@ FittedVisit fitted_visit(const Account& account, const RateBlocks& blocks, std::
                          std::size_t to) {
   const CourseMaker make(blocks);
   const auto courses = [&](double begin, double end) {
-    std::vector<double> there = make.step(begin);
-    const std::vector<double> gone = make.step(end);
-    for (std::size_t i = 0; i < there.size(); ++i)
-      there[i] -= gone[i];
-    return Courses{.rate = {there}, .amplitude = {}, .dates = 2};
+    return Courses{
+        .rate = {difference(make.step(begin), make.step(end))}, .amplitude = {}, .dates = 2};
   };
   const auto gain = [&](double begin, double end) { return account.gain_of(courses(begin, end)); };
   FittedVisit visit{static_cast<double>(from), static_cast<double>(to), {}};
@@ -119,14 +122,7 @@ FittedStep StepSearch::best(ChangeKind kind) const {
                                    [&](double off) { return at(kind, found, log_time + off).gain; },
                                    octave));
   }
-  return kind == ChangeKind::drive && !jumps(best) ? FittedStep{} : best;
-}
-
-// Friction is a drive without its jump, which must be beyond doubt where the place and the time
-// constant are in doubt as well: a course that is bent otherwise makes a little of one.
-bool StepSearch::jumps(const FittedStep& drive) const {
-  const Sizes sizes = sizes_of(ChangeKind::drive, drive);
-  return std::pow(sizes.rate[0] / sizes.rate_sigma[0], 2) > believed;
+  return best;
 }
 
 // The amplitude and the rate are curved functions of the squared amplitude: they have the powers of
@@ -135,11 +131,18 @@ Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, i
   if (kind == ChangeKind::regulation)
     return {.rate = {make_.step(place)}, .amplitude = {}, .dates = 1};
   Courses courses{.rate = {}, .amplitude = {}, .dates = 1, .times = 1};
-  if (kind == ChangeKind::drive) courses.rate.push_back(make_.step(place));
-  for (int power = 1; power <= powers; ++power) {
-    const auto approach = make_.approach(place, std::exp(log_time) / power);
-    courses.rate.push_back(approach);
-    courses.amplitude.push_back(approach);
+  const auto first = make_.approach(place, std::exp(log_time));
+  courses.amplitude.push_back(first);
+  if (kind == ChangeKind::drive) {
+    courses.rate.push_back(make_.step(place));
+    courses.rate.push_back(difference(first, courses.rate.front()));
+  } else {
+    courses.rate.push_back(first);
+  }
+  for (int power = 2; power <= powers; ++power) {
+    const auto bend = difference(make_.approach(place, std::exp(log_time) / power), first);
+    courses.rate.push_back(bend);
+    courses.amplitude.push_back(bend);
   }
   return courses;
 }
@@ -147,7 +150,7 @@ Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, i
 FittedStep StepSearch::at(ChangeKind kind, double place, double log_time) const {
   FittedStep step{.place = place, .time_s = std::exp(log_time), .courses = {}};
   const bool relaxes = kind != ChangeKind::regulation;
-  const int most_powers = relaxes ? 2 : 1; // more would make a jump of their own
+  const int most_powers = relaxes ? 3 : 1; // more would make a jump of their own
   for (int powers = 1; powers <= most_powers; ++powers) {
     Courses courses = courses_of(kind, place, log_time, powers);
     const double gain = account_.gain_of(courses);
@@ -177,11 +180,7 @@ Sizes StepSearch::sizes_of(ChangeKind kind, const FittedStep& step) const {
   const auto add_slope = [&](const Courses& up, const Courses& down) {
     const auto add = [&](auto series, const std::vector<double>& size) {
       if (size.empty()) return;
-      std::vector<double> slope = sum(up.*series, size);
-      const std::vector<double> low = sum(down.*series, size);
-      for (std::size_t i = 0; i < slope.size(); ++i)
-        slope[i] -= low[i];
-      (with_slopes.*series).push_back(std::move(slope));
+      (with_slopes.*series).push_back(difference(sum(up.*series, size), sum(down.*series, size)));
     };
     add(&Courses::rate, sizes.rate);
     add(&Courses::amplitude, sizes.amplitude);

@@ -22,7 +22,7 @@ namespace goingrate::timing_model {
 struct FittedStep {
   double place = 0.0, time_s = 0.0;
   double gain = -std::numeric_limits<double>::infinity();
-  Courses courses; ///< the rate's first course is h, or a for friction
+  Courses courses; ///< of sizes that begin with the change in the end
 };
 
 /// Changes about a place that may be off by some blocks, beside what an account has taken.
@@ -35,7 +35,6 @@ public:
   [[nodiscard]] Sizes sizes_of(ChangeKind kind, const FittedStep& step) const;
 
 private:
-  [[nodiscard]] bool jumps(const FittedStep& drive) const;
   [[nodiscard]] FittedStep at(ChangeKind kind, double place, double log_time) const;
   [[nodiscard]] Courses courses_of(ChangeKind kind, double place, double log_time,
                                    int powers) const;
