@@ -62,7 +62,7 @@ public:
     while (taken_.size() < most) {
       Candidate best = best_candidate();
       const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
-      if (std::max(best.gain, wander) < believed) break;
+      if (std::max(best.gain, wander) < least_gain()) break;
       if (wander > best.gain) {
         // A wander takes up much of any change: a cause that shows beside it comes first. But a
         // drive that wanders makes what looks like changes, which are small beside the wander
@@ -71,7 +71,7 @@ public:
         const Account before = account_;
         account_.take(wandering);
         best = best_candidate();
-        if (best.gain < std::max(believed, least_share * wander)) {
+        if (best.gain < std::max(least_gain(), least_share * wander)) {
           wanders_ = true;
           continue;
         }
@@ -84,6 +84,13 @@ public:
   }
 
 private:
+  // One fault is rare, and each further one at the same time as rare again.
+  [[nodiscard]] double least_gain() const {
+    const auto faults = std::count_if(taken_.begin(), taken_.end(),
+                                      [](const Candidate& taken) { return taken.is_fault; });
+    return believed * (1.0 + static_cast<double>(faults));
+  }
+
   // Noise of a healthy clock: white, and bent where white drive is answered. Where the clock is not
   // known, the corner that explains the log best.
   static NoiseKinds healthy(const RateBlocks& blocks, const DiagnosisInput& input) {

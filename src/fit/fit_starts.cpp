@@ -1,5 +1,6 @@
 #include "fit_starts.hpp"
 
+#include "change_starts.hpp"
 #include "inference.hpp"
 
 #include "fit/timing_noise.hpp"
@@ -97,36 +98,14 @@ void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
   places = std::move(kept);
 }
 
-// Whether two starts have come to rest at one place that explains the data as well as anything
-// could: with innovations hardly larger than the noise.
-bool agreed(const FitProblem& problem, std::span<const Minimum> places) {
-  std::vector<Minimum> good;
-  for (const Minimum& place : places) {
-    if (!place.usable) continue;
-    const auto seen = residuals(problem, place.x);
-    constexpr double small = 3.0; // first order may be a little off
-    if (seen && rms(seen->white_time) < small && rms(seen->white_amplitude) < small)
-      good.push_back(place);
-  }
-  const std::size_t found = good.size();
-  drop_duplicates(problem, good);
-  return found > good.size();
-}
-
-// By how much L may still exceed the best for a start that has not come to rest to be followed on;
-// less where two others have agreed on a place that explains the data.
-double hopeless(const FitProblem& problem, bool others_agreed) {
-  const double per_beat = others_agreed ? 1.0 : 100.0;
-  return per_beat * static_cast<double>(problem.data->size());
-}
-
 } // namespace
 
 std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
                                const NoiseGuess& noise) {
   constexpr std::size_t thin = 160; // beats that tell which valley a start lies in
-  constexpr std::size_t to_score = 10, to_finish = 4;
-  const TimingData data = thinned(*problem.data, problem.parameters, thin);
+  constexpr std::size_t to_score = 10;
+  const TimingData& all = *problem.data;
+  const TimingData data = thinned(all, problem.parameters, thin);
   problem.data = &data;
   const auto points = starts_of(options, problem.parameters, data, noise);
   problem = with_noise_held(problem, points.front());
@@ -136,26 +115,26 @@ std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
         point.begin(), point.begin() + static_cast<std::ptrdiff_t>(problem.parameters.free_count));
   std::vector<Minimum> tried = screened(problem, clock_points);
   if (tried.size() > to_score) tried.resize(to_score);
+  if (options.start.empty() && !tried.empty()) {
+    for (Minimum& start :
+         screened(problem, starts_by_change(problem.parameters, all, tried.front().x)))
+      tried.push_back(std::move(start));
+  }
   const auto score = [&](Minimum& start, int iterations) {
     problem.priors = make_priors(options, problem.parameters, start.x);
     start = minimise(problem, start.x, {iterations, 1e-2, 1e4});
   };
-  std::size_t done = 0;
-  bool others_agreed = false;
-  while (done < tried.size() && !others_agreed) {
-    score(tried[done++], 8);
-    others_agreed = agreed(problem, {tried.data(), done});
-  }
-  tried.resize(done);
-  std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
-  std::sort(tried.begin(), tried.end(), by_value);
-  if (tried.size() > to_finish) tried.resize(to_finish);
+  const auto keep_usable = [&] {
+    std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
+    std::sort(tried.begin(), tried.end(), by_value);
+    drop_duplicates(problem, tried);
+  };
   for (Minimum& start : tried)
-    if (!start.converged && start.value < tried.front().value + hopeless(problem, others_agreed))
-      score(start, 60);
-  std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
-  std::sort(tried.begin(), tried.end(), by_value);
-  drop_duplicates(problem, tried);
+    score(start, 8);
+  keep_usable();
+  for (Minimum& start : tried)
+    if (!start.converged) score(start, 60);
+  keep_usable();
   return tried;
 }
 

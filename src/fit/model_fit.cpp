@@ -86,15 +86,20 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
       starts.push_back(std::move(point));
   std::vector<Minimum> found{home};
   Minimum best = home;
+  constexpr double near = 4.5; // of L: three sigma
   for (const auto& start : starts) {
-    found.push_back(minimise(check, start, {60, 1e-3}));
-    if (found.back().usable && found.back().value < best.value) best = found.back();
+    Minimum end = minimise(check, start, {60, 1e-3});
+    // What still creeps may be on its way to the best place.
+    if (end.usable && !end.converged && end.value < best.value + near)
+      end = minimise(check, end.x, {200, 1e-3});
+    if (end.usable && end.value < best.value) best = end;
+    found.push_back(std::move(end));
   }
   constexpr double better = 0.5; // of L
   const bool moved = best.value < home.value - better;
   if (moved) fitted.minimum.x = best.x;
   for (const Minimum& other : found)
-    if (other.usable && other.value - best.value < 4.5) // three sigma
+    if (other.usable && other.converged && other.value < best.value + near)
       fitted.rivals.push_back({other.x, other.value - best.value});
   // What the thinning moves, all of them were moved by.
   for (Rival& rival : fitted.rivals)
