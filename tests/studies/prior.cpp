@@ -3,16 +3,14 @@
 // and whether what could be stated is. Arguments: logs (600), first seed (1), "each" for a line a
 // log.
 #include "goingrate/fit/clock_fit.hpp"
-#include "support/simulated.hpp"
+#include "support/prior_clocks.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fmt/format.h>
-#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,64 +18,6 @@
 namespace {
 
 using namespace goingrate;
-
-struct DrawnClock {
-  Scenario scenario;
-  std::string changed; // mu, phi0 or epsilon
-  FitOptions options;
-  std::map<std::string, double> truth;
-};
-
-class ClockPrior {
-public:
-  explicit ClockPrior(std::uint64_t seed) : seed_(seed), chance_(seed, StreamPurpose::amplitude_noise) {}
-
-  DrawnClock draw() {
-    DrawnClock drawn;
-    constexpr std::array periods_s{1.0, 1.5, 2.0, 3.0};
-    constexpr std::array names{"mu", "phi0", "epsilon"};
-    const double T0 = periods_s[seed_ / 2 % periods_s.size()];
-    drawn.changed = names[seed_ / 8 % names.size()];
-    const double epsilon = geometric(1e-4, 1.6e-3), phi0 = between(0.01, 0.05);
-    const double amplitude = phi0 * between(1.3, 3.0);
-    const double mu = 0.25 * two_pi_ * epsilon * amplitude * amplitude / phi0; // at rest
-    const auto periods = static_cast<std::int64_t>(between(600.0, 3000.0));
-    const auto at = static_cast<std::int64_t>(between(0.15, 0.4) * static_cast<double>(periods));
-    Scenario& scenario = drawn.scenario;
-    scenario.clock = {T0, epsilon, mu, phi0};
-    scenario.periods = periods;
-    scenario.method.method = Method::direct;
-    scenario.sensor.jitter_rms_s = geometric(1e-6, 1e-4);
-    ClockEvent event;
-    event.at_period = at;
-    const double factor = between(1.3, 2.2);
-    double after = 0.0;
-    if (drawn.changed == "mu") event.mu = after = factor * mu;
-    // The amplitude falls with less angle or more friction; it must stay above the angle.
-    if (drawn.changed == "phi0") event.phi0 = after = phi0 / factor;
-    if (drawn.changed == "epsilon") event.epsilon = after = epsilon / factor;
-    scenario.events = {event};
-    drawn.options.events = {{at, {drawn.changed}}};
-    if (seed_ % 2 == 0) drawn.options.fixed["T0"] = T0;
-    drawn.truth = {{"T0", T0},     {"epsilon", epsilon},   {"mu", mu},
-                   {"phi0", phi0}, {"lambda0", amplitude}, {drawn.changed + "@1", after}};
-    return drawn;
-  }
-
-private:
-  static constexpr double two_pi_ = 6.283185307179586;
-  double between(double low, double high) { return low + (high - low) * chance_.uniform(); }
-  double geometric(double low, double high) {
-    return low * std::pow(high / low, chance_.uniform());
-  }
-  std::uint64_t seed_;
-  RandomStream chance_;
-};
-
-double two_log_likelihood(const FitSummary& fit) {
-  const auto k = static_cast<double>(fit.correlated.size());
-  return 2.0 * k - fit.quality.aic;
-}
 
 double processor_s() { // of this thread
   timespec now{};
@@ -98,7 +38,7 @@ struct Outcome {
 };
 
 Outcome outcome_of(std::uint64_t seed) {
-  DrawnClock drawn = ClockPrior(seed).draw();
+  const test::DrawnClock drawn = test::ClockPrior(seed).draw();
   const auto beats = test::simulated_beats(drawn.scenario, seed);
   const TimingData data = timing_data(beats);
   const double period_s = drawn.truth.at("T0");
@@ -106,13 +46,10 @@ Outcome outcome_of(std::uint64_t seed) {
   const double begin = processor_s();
   const FitSummary found = fit_clock(data, period_s, drawn.options);
   outcome.seconds = processor_s() - begin;
-  FitOptions informed = drawn.options;
-  for (const auto& [name, value] : drawn.truth)
-    if (!informed.fixed.contains(name)) informed.start[name] = value;
-  const FitSummary told = fit_clock(data, period_s, informed);
+  const FitSummary told = fit_clock(data, period_s, test::told_the_truth(drawn));
   outcome.failed = !found.has_result() || !told.has_result();
   if (outcome.failed) return outcome;
-  outcome.behind = two_log_likelihood(told) - two_log_likelihood(found);
+  outcome.behind = test::two_log_likelihood(told) - test::two_log_likelihood(found);
   outcome.model = std::string(name_of(found.dynamics)) + " " + found.model.name() + " / " +
                   std::string(name_of(told.dynamics)) + " " + told.model.name();
   outcome.p = found.quality.p_value;
