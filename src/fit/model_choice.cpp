@@ -198,14 +198,14 @@ void ModelSearch::choose_dynamics() {
         "the full equation of motion stops at these parameters; first order is all there is";
   if (options_.dynamics != FitDynamics::automatic) {
     chosen_by_ = "asked for";
-    if (!refine(best_, options_.dynamics)) chosen_by_ = "the dynamics asked for do not run here";
+    if (!refine_every_end(best_, options_.dynamics)) chosen_by_ = "the dynamics asked for do not run here";
     return;
   }
   if (shifts_.empty() || first <= tolerable) return;
   chosen_by_ = fmt::format("averaged1 is off by up to {:.2g} sigma", first);
   tried(best_, fmt::format("off by up to {:.2g} sigma", first));
   double second = std::numeric_limits<double>::infinity();
-  if (refine(best_, FitDynamics::averaged2)) {
+  if (refine_every_end(best_, FitDynamics::averaged2)) {
     second = shift_by(FitDynamics::map);
     if (second > tolerable_of_second) {
       tried(best_, fmt::format("off by up to {:.2g} sigma", second));

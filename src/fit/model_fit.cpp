@@ -65,6 +65,14 @@ bool condensed_well(const FitProblem& problem, std::span<const double> x) {
   return few && all && std::abs(*few - *all) < enough;
 }
 
+// Whether two places differ by more than what a search that ended early may leave.
+bool is_apart(std::span<const double> a, std::span<const double> b, const Certainty& known) {
+  constexpr double sigmas = 1.0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (std::abs(a[k] - b[k]) > sigmas * known.sigma(k)) return true;
+  return false;
+}
+
 // Searches again on at most a few thousand beats, from the other finalists and, where something is
 // known badly, from along the valley; moves to a better minimum if there is one and keeps the
 // others that are nearly as good.
@@ -86,11 +94,12 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
       starts.push_back(std::move(point));
   std::vector<Minimum> found{home};
   Minimum best = home;
-  constexpr double near = 4.5; // of L: three sigma
+  constexpr double near = 4.5;       // of L: three sigma
+  constexpr double farthest = 100.0; // of L: what first order is off by, 14 sigma
   for (const auto& start : starts) {
     Minimum end = minimise(check, start, {60, 1e-3});
     // What still creeps may be on its way to the best place.
-    if (end.usable && !end.converged && end.value < best.value + near)
+    if (end.usable && !end.converged && end.value < best.value + farthest)
       end = minimise(check, end.x, {200, 1e-3});
     if (end.usable && end.value < best.value) best = end;
     found.push_back(std::move(end));
@@ -101,6 +110,10 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   for (const Minimum& other : found)
     if (other.usable && other.converged && other.value < best.value + near)
       fitted.rivals.push_back({other.x, other.value - best.value});
+  for (const Minimum& other : found)
+    if (other.usable && other.converged && other.value < best.value + farthest &&
+        is_apart(other.x, best.x, known))
+      fitted.ends.push_back(other.x);
   // What the thinning moves, all of them were moved by.
   for (Rival& rival : fitted.rivals)
     for (std::size_t k = 0; k < rival.x.size(); ++k)
@@ -384,20 +397,18 @@ std::optional<NoiseShape> noise_shape(const Fitted& fitted) {
 namespace {
 
 // What a step of scoring would change; the noise is left as it is, for the misfit may be large.
-std::optional<Eigen::VectorXd> clock_step(const FitProblem& problem, std::span<const double> x) {
+struct ClockStep {
+  Eigen::VectorXd of_x;
+  double gain = 0.0; ///< of L, that it hopes for
+};
+std::optional<ClockStep> clock_step(const FitProblem& problem, std::span<const double> x) {
   const auto at = evaluate(problem, x);
   if (!at) return {};
   Eigen::VectorXd step = -at->triangle.triangularView<Eigen::Upper>().solve(at->projected);
   for (const Slot& slot : problem.parameters.slots)
     if (slot.free && is_noise(slot.quantity)) step[static_cast<Eigen::Index>(slot.index)] = 0.0;
-  return step;
-}
-
-double largest_in_sigma(const Eigen::VectorXd& step, const Certainty& known) {
-  double largest = 0.0;
-  for (Eigen::Index k = 0; k < step.size(); ++k)
-    largest = std::max(largest, std::abs(step[k]) / known.sigma(static_cast<std::size_t>(k)));
-  return largest;
+  const Eigen::VectorXd seen = at->triangle.triangularView<Eigen::Upper>() * step;
+  return ClockStep{std::move(step), 0.5 * seen.squaredNorm()};
 }
 
 // Whether the innovations show that the place explains nothing.
@@ -414,7 +425,7 @@ bool is_lost(const Fitted& fitted) {
 bool refine(Fitted& fitted, FitDynamics dynamics) {
   if (dynamics == FitDynamics::averaged1) return true;
   constexpr int rounds = 8;      // each gains two or three digits where the averaged model is near
-  constexpr double still = 0.02; // sigma
+  constexpr double still = 2e-4; // of L: 0.02 sigma of the best known combination
   Fitted refined = fitted;
   refined.dynamics = dynamics;
   for (int round = 0; round < rounds; ++round) {
@@ -425,13 +436,14 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     refined.problem.correction = std::move(*correction);
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
-    if (round > 1 && largest_in_sigma(*step, refined.known) < still) break;
+    if (round > 1 && step->gain < still) break;
     std::vector<double> moved = refined.minimum.x;
     constexpr double longest = 0.3; // along a flat ridge a step of scoring may lead anywhere
-    const double part = std::min(1.0, longest / std::max(longest, step->cwiseAbs().maxCoeff()));
+    const double part =
+        std::min(1.0, longest / std::max(longest, step->of_x.cwiseAbs().maxCoeff()));
     for (std::size_t k = 0; k < moved.size(); ++k) {
       const auto [low, high] = refined.problem.bounds[k];
-      moved[k] = std::clamp(moved[k] + part * (*step)[static_cast<Eigen::Index>(k)], low, high);
+      moved[k] = std::clamp(moved[k] + part * step->of_x[static_cast<Eigen::Index>(k)], low, high);
     }
     if (late_at_end(refined.problem.parameters, ends_of(*refined.problem.data), moved))
       refined.minimum.x = moved;
@@ -446,6 +458,35 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   finish(refined);
   if (!refined.minimum.usable || (!is_lost(fitted) && is_lost(refined))) return false;
   fitted = std::move(refined);
+  return true;
+}
+
+bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
+  std::vector<Fitted> refined;
+  const auto consider = [&](Fitted&& end) {
+    end.ends.clear();
+    if (end.minimum.usable && refine(end, dynamics)) refined.push_back(std::move(end));
+  };
+  consider(Fitted(fitted));
+  for (const std::vector<double>& place : fitted.ends) {
+    Fitted end = fitted;
+    end.rivals.clear();
+    end.minimum.x = place;
+    settle(end.problem, end.minimum, {});
+    if (end.minimum.usable) finish(end);
+    consider(std::move(end));
+  }
+  if (refined.empty()) return false;
+  std::stable_sort(refined.begin(), refined.end(),
+                   [](const Fitted& a, const Fitted& b) { return by_value(a.minimum, b.minimum); });
+  fitted = std::move(refined.front());
+  constexpr double near = 4.5; // of L: three sigma
+  for (std::size_t k = 1; k < refined.size(); ++k) {
+    const Minimum& other = refined[k].minimum;
+    if (other.value < fitted.minimum.value + near &&
+        is_apart(other.x, fitted.minimum.x, fitted.known))
+      fitted.rivals.push_back({other.x, other.value - fitted.minimum.value});
+  }
   return true;
 }
 

@@ -16,6 +16,8 @@ struct Fitted {
   Minimum minimum;
   double bic = 0.0;
   Rivals rivals;
+  std::vector<std::vector<double>> ends; ///< where else a search came to rest: other dynamics may
+                                         ///< prefer one of them
   Residuals seen;    ///< at the minimum
   Widening widening; ///< where a test at one in a thousand finds correlation in the innovations,
                      ///< and for few beats by the degrees of freedom that the parameters took
@@ -50,5 +52,9 @@ std::optional<NoiseShape> noise_shape(const Fitted& fitted);
 /// Makes it the fit of other dynamics, by adding what they differ by until that stands still; false
 /// (and nothing changed) if they cannot be run there.
 bool refine(Fitted& fitted, FitDynamics dynamics);
+
+/// The same from every place where the search came to rest: the best of them, the others as rivals
+/// if they are nearly as good.
+bool refine_every_end(Fitted& fitted, FitDynamics dynamics);
 
 } // namespace goingrate::timing_model

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <ceres/ceres.h>
+#include <cmath>
 
 namespace goingrate::timing_model {
 
@@ -51,6 +52,8 @@ public:
     Eigen::Map<RowMajor> slopes(jacobian[0], n + 1, n);
     slopes.setZero();
     slopes.topRows(n) = evaluation->triangle * map_.slopes(u);
+    // Ceres squares them, and would write to stderr if that overflows.
+    if (!std::isfinite(slopes.squaredNorm())) return has_value(x) && stop_here(r, jacobian[0]);
     return true;
   }
 
