@@ -18,7 +18,8 @@ std::vector<Minimum> screened(const FitProblem& problem,
                               const std::vector<std::vector<double>>& points);
 
 /// Where scoring comes to rest on few beats with the noise held, from the best of the log's own
-/// starts (or the options' start), all different, lowest first.
+/// starts and the clocks that a change tells of (or the options' start), all different, lowest
+/// first.
 std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
                                const NoiseGuess& noise);
 
