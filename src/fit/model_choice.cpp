@@ -212,7 +212,7 @@ void ModelSearch::choose_dynamics() {
       chosen_by_ += fmt::format(", averaged2 by {:.2g}", second);
     }
   }
-  if (second > tolerable_of_second && !refine(best_, FitDynamics::map))
+  if (second > tolerable_of_second && !refine_every_end(best_, FitDynamics::map))
     notes_.push_back(
         {NoteKind::dynamics, fmt::format("the full equation of motion found no place near this "
                                          "one; the values are off by up to {:.2g} sigma",

@@ -110,9 +110,10 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   for (const Minimum& other : found)
     if (other.usable && other.converged && other.value < best.value + near)
       fitted.rivals.push_back({other.x, other.value - best.value});
+  // Without a change the ends lie in one flat valley, which first order knows as well.
   for (const Minimum& other : found)
     if (other.usable && other.converged && other.value < best.value + farthest &&
-        is_apart(other.x, best.x, known))
+        is_apart(other.x, best.x, known) && !check.parameters.event_cycles.empty())
       fitted.ends.push_back(other.x);
   // What the thinning moves, all of them were moved by.
   for (Rival& rival : fitted.rivals)
@@ -480,9 +481,11 @@ bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
   std::stable_sort(refined.begin(), refined.end(),
                    [](const Fitted& a, const Fitted& b) { return by_value(a.minimum, b.minimum); });
   fitted = std::move(refined.front());
+  if (refined.size() > 1) fitted.rivals.clear();
   constexpr double near = 4.5; // of L: three sigma
   for (std::size_t k = 1; k < refined.size(); ++k) {
     const Minimum& other = refined[k].minimum;
+    fitted.ends.push_back(other.x);
     if (other.value < fitted.minimum.value + near &&
         is_apart(other.x, fitted.minimum.x, fitted.known))
       fitted.rivals.push_back({other.x, other.value - fitted.minimum.value});
