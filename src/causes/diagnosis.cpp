@@ -180,16 +180,19 @@ private:
       }
   }
 
-  // Something that is there for a while only.
+  // Something that is there for a while only: it came and it went, which is rarer than one change.
   void consider_visits(const StepScan& scan, Candidate& best) const {
     const auto [from, to] = scan.best_visit();
     const FittedVisit found = fitted_visit(account_, blocks_, from, to);
-    consider({Cause::magnet,
-              found.courses,
-              {Cause::length_step, Cause::log_clock, Cause::unlogged_weather},
-              blocks_.length_s * found.from,
-              blocks_.length_s * found.to},
-             best);
+    const double gain = account_.gain_of(found.courses) - believed;
+    if (gain <= best.gain) return;
+    best = {Cause::magnet,
+            found.courses,
+            {Cause::length_step, Cause::log_clock, Cause::unlogged_weather},
+            blocks_.length_s * found.from,
+            blocks_.length_s * found.to,
+            true,
+            gain};
   }
 
   // A ramp that the amplitude follows, and one that it does not.

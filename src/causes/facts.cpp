@@ -16,10 +16,17 @@ namespace goingrate::timing_model {
 
 namespace {
 
-double median_size(std::vector<double> values) {
+// By how much the times jump after each beat, and that in units in which every place scatters as
+// one without a hole does.
+struct Jump {
+  double size = 0.0, scaled = 0.0;
+};
+
+double median_size(const std::vector<Jump>& jumps) {
+  std::vector<double> values;
+  for (const Jump& jump : jumps)
+    values.push_back(std::abs(jump.scaled));
   if (values.empty()) return 0.0;
-  for (double& v : values)
-    v = std::abs(v);
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -36,18 +43,24 @@ std::vector<double> means_of(const std::vector<double>& values, std::size_t reac
   return means;
 }
 
-// By how much the times jump after each beat, by means of `reach` beats: those next to it on either
-// side, less how the rate takes the clock from those further out. Beats may be missing among them.
-std::vector<double> jumps(const TimingData& data, std::size_t reach) {
+// By means of `reach` beats: those next to it on either side, less how the rate takes the clock
+// from those further out. Across beats that are missing the rate is carried further, and its
+// scatter too.
+std::vector<Jump> jumps(const TimingData& data, std::size_t reach) {
   const auto late = means_of(data.lateness_s, reach), cycle = means_of(data.cycle, reach);
-  const auto slope = [&](std::size_t from, std::size_t to) {
-    return (late[to] - late[from]) / (cycle[to] - cycle[from]);
-  };
-  std::vector<double> jump;
+  std::vector<Jump> jump;
   for (std::size_t i = 2 * reach; i + 2 * reach <= data.size(); ++i) {
-    const std::size_t before = i - reach;
-    const double rate = 0.5 * (slope(i, i + reach) + slope(i - 2 * reach, before));
-    jump.push_back(late[i] - late[before] - rate * (cycle[i] - cycle[before]));
+    const std::size_t before = i - reach, first = before - reach, last = i + reach;
+    const double across = cycle[i] - cycle[before];
+    // Half the way by either slope.
+    const double a = 0.5 * across / (cycle[last] - cycle[i]);
+    const double b = 0.5 * across / (cycle[before] - cycle[first]);
+    const double size =
+        late[i] - late[before] - a * (late[last] - late[i]) - b * (late[before] - late[first]);
+    // Of jitter, and of times that walk, over what they are without a hole, where a = b = 1/2.
+    const double jitter = (std::pow(1.0 + a, 2) + a * a + std::pow(1.0 + b, 2) + b * b) / 5.0;
+    const double walk = across / static_cast<double>(reach);
+    jump.push_back({size, size / std::sqrt(std::max(jitter, walk))});
   }
   return jump;
 }
@@ -79,22 +92,23 @@ bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double
 // Of means over so many beats.
 std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, double price) {
   if (data.size() < 16 * reach) return {};
-  const std::vector<double> jump = jumps(data, reach);
-  const std::vector<double> at_once = jumps(data, 1);
+  const std::vector<Jump> jump = jumps(data, reach);
+  const std::vector<Jump> at_once = jumps(data, 1);
   constexpr double normal = 1.4826; // standard deviation over median of the size
   const double scatter = normal * median_size(jump);
   const double least = scatter * std::sqrt(price + believed);
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < jump.size(); ++i)
-    if (std::abs(jump[i]) > least) places.push_back(i);
+    if (std::abs(jump[i].scaled) > least) places.push_back(i);
   constexpr std::size_t most_tried = 200; // a log in which more jump is no case of displacements
   if (!(scatter > 0.0) || places.size() > most_tried) return {};
-  std::sort(places.begin(), places.end(),
-            [&](std::size_t a, std::size_t b) { return std::abs(jump[a]) > std::abs(jump[b]); });
+  std::sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(jump[a].scaled) > std::abs(jump[b].scaled);
+  });
   for (const std::size_t place : places) {
     const std::size_t at = place + 2 * reach;
-    if (is_sudden(data, at, reach, jump[place], at_once[at - 2]))
-      return Displacement{at, jump[place], std::pow(jump[place] / scatter, 2) - price};
+    if (is_sudden(data, at, reach, jump[place].size, at_once[at - 2].size))
+      return Displacement{at, jump[place].size, std::pow(jump[place].scaled / scatter, 2) - price};
   }
   return {};
 }

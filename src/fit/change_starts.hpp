@@ -15,9 +15,9 @@
 
 namespace goingrate::timing_model {
 
-/// Starting points along that valley, each with the noise and the terms of `otherwise`; none where the model has
-/// not exactly one change, of one of these, in a clock of linear friction and constant torque that
-/// is free, or where no clock has such a change.
+/// Starting points along that valley, each with the noise and the terms of `otherwise`; none where
+/// the model has not exactly one change, of one of these, in a clock of linear friction and
+/// constant torque that is free, or where no clock has such a change.
 std::vector<std::vector<double>> starts_by_change(const Parameters& parameters,
                                                   const TimingData& data,
                                                   std::span<const double> otherwise);

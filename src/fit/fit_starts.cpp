@@ -86,14 +86,10 @@ void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
   const auto at = evaluate(problem, places.front().x);
   if (!at) return;
   const Certainty known = certainty(problem, *at, {});
-  const auto same = [&](const Minimum& a, const Minimum& b) {
-    for (std::size_t k = 0; k < a.x.size(); ++k)
-      if (std::abs(a.x[k] - b.x[k]) > known.sigma(k)) return false;
-    return true;
-  };
   std::vector<Minimum> kept;
   for (const Minimum& place : places)
-    if (std::none_of(kept.begin(), kept.end(), [&](const Minimum& k) { return same(k, place); }))
+    if (std::all_of(kept.begin(), kept.end(),
+                    [&](const Minimum& k) { return known.tells_apart(k.x, place.x); }))
       kept.push_back(place);
   places = std::move(kept);
 }

@@ -33,6 +33,13 @@ struct Certainty {
     return unwidened.row(static_cast<Eigen::Index>(i)).norm();
   }
   [[nodiscard]] Eigen::MatrixXd covariance() const { return factor * factor.transpose(); }
+  /// Whether two places differ by more than a sigma in some coordinate: a search that ended early
+  /// may leave as much.
+  [[nodiscard]] bool tells_apart(std::span<const double> a, std::span<const double> b) const {
+    for (std::size_t k = 0; k < a.size(); ++k)
+      if (std::abs(a[k] - b[k]) > sigma(k)) return true;
+    return false;
+  }
 };
 
 Certainty certainty(const FitProblem& problem, const Evaluation& at_minimum,

@@ -198,7 +198,8 @@ void ModelSearch::choose_dynamics() {
         "the full equation of motion stops at these parameters; first order is all there is";
   if (options_.dynamics != FitDynamics::automatic) {
     chosen_by_ = "asked for";
-    if (!refine_every_end(best_, options_.dynamics)) chosen_by_ = "the dynamics asked for do not run here";
+    if (!refine_every_end(best_, options_.dynamics))
+      chosen_by_ = "the dynamics asked for do not run here";
     return;
   }
   if (shifts_.empty() || first <= tolerable) return;

@@ -65,14 +65,6 @@ bool condensed_well(const FitProblem& problem, std::span<const double> x) {
   return few && all && std::abs(*few - *all) < enough;
 }
 
-// Whether two places differ by more than what a search that ended early may leave.
-bool is_apart(std::span<const double> a, std::span<const double> b, const Certainty& known) {
-  constexpr double sigmas = 1.0;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    if (std::abs(a[k] - b[k]) > sigmas * known.sigma(k)) return true;
-  return false;
-}
-
 // Searches again on at most a few thousand beats, from the other finalists and, where something is
 // known badly, from along the valley; moves to a better minimum if there is one and keeps the
 // others that are nearly as good.
@@ -113,7 +105,7 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   // Without a change the ends lie in one flat valley, which first order knows as well.
   for (const Minimum& other : found)
     if (other.usable && other.converged && other.value < best.value + farthest &&
-        is_apart(other.x, best.x, known) && !check.parameters.event_cycles.empty())
+        known.tells_apart(other.x, best.x) && !check.parameters.event_cycles.empty())
       fitted.ends.push_back(other.x);
   // What the thinning moves, all of them were moved by.
   for (Rival& rival : fitted.rivals)
@@ -487,7 +479,7 @@ bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
     const Minimum& other = refined[k].minimum;
     fitted.ends.push_back(other.x);
     if (other.value < fitted.minimum.value + near &&
-        is_apart(other.x, fitted.minimum.x, fitted.known))
+        fitted.known.tells_apart(other.x, fitted.minimum.x))
       fitted.rivals.push_back({other.x, other.value - fitted.minimum.value});
   }
   return true;

@@ -18,7 +18,7 @@ struct Fitted {
   Rivals rivals;
   std::vector<std::vector<double>> ends; ///< where else a search came to rest: other dynamics may
                                          ///< prefer one of them
-  Residuals seen;    ///< at the minimum
+  Residuals seen;                        ///< at the minimum
   Widening widening; ///< where a test at one in a thousand finds correlation in the innovations,
                      ///< and for few beats by the degrees of freedom that the parameters took
   Certainty known;   ///< with that widening

@@ -4,10 +4,10 @@
 // a step with a return, an approach, a ramp, a day's wave, an answer to a thermometer or barometer.
 // They are taken one after the other, each time the one that raises the likelihood of both series
 // most above that of a healthy clock, less log(blocks) for each number it brings (Schwarz) and as
-// much again for a date, until none gains 6. A wander that no course explains is slow drive where
-// the amplitude goes with it, and unknown where the amplitude does not. Facts of the numbering
-// (beats missed, a displaced time, a stop), lines of the spectrum and a rough drive are judged on
-// the same scale.
+// much again for a date, until none gains 6 (the second 12, the third 18). A wander that no course
+// explains is slow drive where the amplitude goes with it, and unknown where the amplitude does
+// not. Facts of the numbering (beats missed, a displaced time, a stop), lines of the spectrum and a
+// rough drive are judged on the same scale.
 //
 // Where this means little: causes with one course, such as a ramp of the pendulum's length and one
 // of the logger's own clock, cannot be told apart by any log; each suspicion lists them as
