@@ -47,7 +47,7 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
 }
 
 std::vector<FitEvent> events_found(const NumberedLog& loaded, const GlobalOptions& global) {
-  const Diary diary = keep_diary(loaded.good, loaded.nominal_period_s);
+  const Diary diary = diary_of(loaded, fit_data(loaded));
   const auto events = events_of_diary(diary, loaded.good.front().cycle);
   tell_events(events, loaded.good, global);
   return events;

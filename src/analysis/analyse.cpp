@@ -135,6 +135,14 @@ TimingData fit_data(const NumberedLog& loaded) {
   return data;
 }
 
+Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
+  Diary diary = keep_diary(loaded.good, loaded.nominal_period_s);
+  TimingData levelled = times;
+  level_interruptions(diary, levelled);
+  add_small_changes(diagnosis_input(levelled, loaded, diary, {}, {}), loaded.good, diary);
+  return diary;
+}
+
 std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle) {
   constexpr std::size_t most = 4; // each costs a parameter
   std::vector<FitEvent> events;
@@ -167,11 +175,11 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   Analysis data;
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
   data.rate.nominal_is_known = loaded.nominal_is_known;
-  data.diary = keep_diary(loaded.good, loaded.nominal_period_s);
+  const TimingData times = fit_data(loaded);
+  data.diary = diary_of(loaded, times);
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
   for (PartRate& stretch : data.stretches)
     stretch.rate.nominal_is_known = loaded.nominal_is_known;
-  const TimingData times = fit_data(loaded);
   FitOptions asked = request.fit;
   asked.profiles = request.traces_profiles;
   if (request.finds_events && asked.events.empty())

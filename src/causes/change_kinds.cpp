@@ -55,14 +55,14 @@ Look look_at(RateBlocks blocks, double at_s, double doubt_s) {
   return look;
 }
 
-// The size of a regulation, where most of the log is seen.
-void put_jump(const Look& look, Judgement& judgement) {
-  const FittedStep& step = look.steps[0];
-  const Account account(look.blocks, {.wanders = true});
-  const Sizes sizes =
-      StepSearch(account, look.blocks, step.place, 1.0).sizes_of(ChangeKind::regulation, step);
-  judgement.jump = sizes.rate.front();
-  judgement.jump_sigma = sizes.rate_sigma.front();
+// By how much the rate changes, where most of the log is seen: at once, of friction in the end.
+void put_jump(ChangeKind kind, const FittedStep& step, const RateBlocks& blocks,
+              Judgement& judgement) {
+  const Account account(blocks, {.wanders = true});
+  const Sizes sizes = StepSearch(account, blocks, step.place, 1.0).sizes_of(kind, step);
+  judgement.jump = sizes.rate[0];
+  if (kind == ChangeKind::regulation) judgement.jump_sigma = sizes.rate_sigma[0];
+  if (kind == ChangeKind::drive) judgement.jump -= sizes.rate[1]; // that of what dies away
 }
 
 void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate, double& sigma) {
@@ -72,6 +72,22 @@ void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate
   const RateSummary summary = summarise_rates(beats, nominal_period_s);
   rate = summary.rate_excess;
   if (beats.size() >= fewest_for_scatter) sigma = summary.rate_excess_sigma;
+}
+
+void put_judgement(const Judgement& found, Change& change) {
+  change.kind = found.kind;
+  change.next_kind = found.next;
+  change.gain = found.gain;
+  change.kind_gain = found.ahead;
+  change.rate_change_sigma = unknown;
+  if (!(found.jump_sigma > 0.0)) return;
+  change.rate_change = found.jump;
+  change.rate_change_sigma = found.jump_sigma;
+}
+
+void put_date(std::span<const Beat> beats, double at_s, Change& change) {
+  change.at_s = at_s;
+  change.cycle = beats.front().cycle + cycle_at(beats, at_s);
 }
 
 } // namespace
@@ -105,41 +121,58 @@ Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s
       });
   told.gain = strongest.steps[kind].gain;
   told.at_s = strongest.blocks.begin_s + strongest.steps[kind].place * strongest.blocks.length_s;
-  if (told.kind == ChangeKind::regulation) put_jump(strongest, told);
+  put_jump(told.kind, strongest.steps[kind], strongest.blocks, told);
   return told;
 }
 
-void judge_changes(std::span<const Beat> beats, const TimingData& data, double nominal_period_s,
+void judge_changes(std::span<const Beat> beats, const TimingData& data,
                    std::vector<Change>& changes) {
+  constexpr double doubt = 30.0; // beats: of a bend
+  double from_s = 0.0;
+  for (std::size_t j = 0; j < changes.size(); ++j) {
+    Change& change = changes[j];
+    const double at_s = change.at_s;
+    const double to_s = j + 1 < changes.size() ? changes[j + 1].at_s : data.elapsed_s.back();
+    const Judgement found = judge_kind(data, {from_s, to_s}, at_s, doubt * data.reference_period_s);
+    put_judgement(found, change);
+    if (found.kind == ChangeKind::friction) // a bend is dated better by what comes of it
+      put_date(beats, found.at_s, change);
+    from_s = at_s;
+  }
+}
+
+void add_change(const TimingData& data, double at_s, double doubt_s, std::span<const Beat> beats,
+                std::vector<Change>& changes) {
+  const auto next = std::find_if(changes.begin(), changes.end(),
+                                 [&](const Change& other) { return other.at_s > at_s; });
+  const Stretch stretch{next == changes.begin() ? 0.0 : std::prev(next)->at_s,
+                        next == changes.end() ? data.elapsed_s.back() : next->at_s};
+  const Judgement found = judge_kind(data, stretch, at_s, doubt_s);
+  if (found.kind == ChangeKind::unclear) return;
+  Change change;
+  put_judgement(found, change);
+  put_date(beats, found.at_s, change);
+  change.rate_change = found.jump;
+  change.amplitude_slope_change = unknown;
+  change.significance = std::sqrt(found.gain);
+  changes.insert(next, change);
+}
+
+void put_rates(std::span<const Beat> beats, double nominal_period_s, std::vector<Change>& changes) {
   std::vector<std::size_t> knots{0};
   for (const Change& change : changes)
     knots.push_back(static_cast<std::size_t>(
-        std::lower_bound(data.elapsed_s.begin(), data.elapsed_s.end(), change.at_s) -
-        data.elapsed_s.begin()));
+        std::partition_point(
+            beats.begin(), beats.end(),
+            [&](const Beat& beat) { return beat.time - beats[0].time < change.at_s; }) -
+        beats.begin()));
   knots.push_back(beats.size() - 1);
-  constexpr double doubt = 30.0; // beats: of a bend
   for (std::size_t j = 0; j < changes.size(); ++j) {
-    Change& change = changes[j];
     const std::size_t from = knots[j], at = knots[j + 1], to = knots[j + 2];
-    put_rate(beats.subspan(from, at - from + 1), nominal_period_s, change.rate_before,
-             change.rate_before_sigma);
-    put_rate(beats.subspan(at, to - at + 1), nominal_period_s, change.rate_after,
-             change.rate_after_sigma);
-    const Judgement found = judge_kind(data, {data.elapsed_s[from], data.elapsed_s[to]},
-                                       data.elapsed_s[at], doubt * data.reference_period_s);
-    change.kind = found.kind;
-    change.next_kind = found.next;
-    change.gain = found.gain;
-    change.kind_gain = found.ahead;
-    change.rate_change_sigma = unknown;
-    if (found.jump_sigma > 0.0) {
-      change.rate_change = found.jump;
-      change.rate_change_sigma = found.jump_sigma;
-    }
-    if (found.kind == ChangeKind::friction) { // a bend is dated better by what comes of it
-      change.at_s = found.at_s;
-      change.cycle = cycle_at(beats, found.at_s);
-    }
+    put_rate(beats.subspan(from, at - from + 1), nominal_period_s, changes[j].rate_before,
+             changes[j].rate_before_sigma);
+    put_rate(beats.subspan(at, to - at + 1), nominal_period_s, changes[j].rate_after,
+             changes[j].rate_after_sigma);
   }
 }
 

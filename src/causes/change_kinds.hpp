@@ -17,7 +17,8 @@ struct Judgement {
   double gain = 0.0;                     ///< over no change, 2 log L less the price
   double ahead = 0.0;                    ///< of the second best, in the mean over block lengths
   double at_s = 0.0;
-  double jump = 0.0, jump_sigma = 0.0; ///< of the rate, of a regulation
+  double jump = 0.0;       ///< of the rate, at once; of friction in the end
+  double jump_sigma = 0.0; ///< of a regulation
 };
 
 /// The kind of a change at `at_s`, which may be off by `doubt_s`. Looked at in blocks of 4, 16, 64
@@ -26,9 +27,16 @@ struct Judgement {
 /// likelihood).
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s);
 
-/// Fills in kinds, and the rates before and after, of changes in order of time. `data` are those of
-/// the beats, without displacements.
-void judge_changes(std::span<const Beat> beats, const TimingData& data, double nominal_period_s,
+/// Fills in the kinds of changes in order of time. `data` are those of the beats, without
+/// displacements.
+void judge_changes(std::span<const Beat> beats, const TimingData& data,
                    std::vector<Change>& changes);
+
+/// Adds the change at about `at_s`, which may be off by `doubt_s`, where the log tells its kind.
+void add_change(const TimingData& data, double at_s, double doubt_s, std::span<const Beat> beats,
+                std::vector<Change>& changes);
+
+/// Fills in the rates before and after changes in order of time.
+void put_rates(std::span<const Beat> beats, double nominal_period_s, std::vector<Change>& changes);
 
 } // namespace goingrate::timing_model

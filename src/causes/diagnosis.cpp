@@ -1,6 +1,7 @@
 #include "goingrate/causes/diagnosis.hpp"
 
 #include "change_kinds.hpp"
+#include "evidence.hpp"
 #include "facts.hpp"
 #include "step_search.hpp"
 
@@ -16,8 +17,6 @@ namespace goingrate {
 namespace {
 
 using namespace timing_model;
-
-std::string daily(double rate) { return fmt::format("{:+.3g} s/day", rate * seconds_per_day); }
 
 Cause cause_of(ChangeKind kind) {
   return kind == ChangeKind::regulation ? Cause::length_step
@@ -37,16 +36,6 @@ std::vector<Cause> same_course_as(ChangeKind kind) {
   return {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
 }
 
-/// A cause that may be taken: what it makes of rate and amplitude, and what else makes the same.
-struct Candidate {
-  Cause cause{};
-  Courses courses{};
-  std::vector<Cause> alternatives{};
-  double at_s = 0.0, time_s = 0.0;
-  bool is_fault = true; ///< false: how a clock settles after it was started
-  double gain = 0.0;
-};
-
 constexpr NoiseKinds wandering{.wanders = true};
 
 /// Takes causes from a log one after the other.
@@ -57,7 +46,41 @@ public:
         blocks_(rate_blocks(times, std::min<std::size_t>(384, times.size() / 16))), make_(blocks_),
         healthy_(healthy(blocks_, input)), account_(blocks_, healthy_) {}
 
-  std::vector<Suspicion> run() {
+  std::vector<Suspicion> suspicions() {
+    take_causes();
+    std::vector<Suspicion> all;
+    for (const Candidate& fault : faults())
+      all.push_back({fault.cause, fault.gain, evidence_of(fault, account_.sees_amplitude()),
+                     fault.alternatives, advice_on(fault.cause, account_.sees_amplitude())});
+    add_if_not_understood(all);
+    if (!wanders_) return all;
+    account_ = without(nullptr, healthy_);
+    const double gain = account_.gain_of(wandering, 2);
+    if (gain > believed) all.push_back(wander(gain));
+    return all;
+  }
+
+  // When something sudden happened that is not dated yet, in order of time.
+  std::vector<double> undated_times() {
+    take_causes();
+    std::vector<double> times;
+    const auto add = [&](double at_s) {
+      if (dated_at(at_s) == nullptr) times.push_back(at_s);
+    };
+    for (const Candidate& fault : faults()) {
+      const bool is_visit = fault.cause == Cause::magnet;
+      if (is_visit || is_step(fault.cause)) add(fault.at_s);
+      if (is_visit) add(fault.time_s);
+    }
+    std::sort(times.begin(), times.end());
+    return times;
+  }
+
+  // By how much these may be off.
+  [[nodiscard]] double doubt_s() const { return 1.5 * blocks_.length_s; }
+
+private:
+  void take_causes() {
     constexpr std::size_t most = 4; // more say that the log is not understood
     while (taken_.size() < most) {
       Candidate best = best_candidate();
@@ -80,10 +103,8 @@ public:
       account_.take(best.courses);
       taken_.push_back(std::move(best));
     }
-    return suspicions();
   }
 
-private:
   // One fault is rare, and each further one at the same time as rare again.
   [[nodiscard]] double least_gain() const {
     const auto faults = std::count_if(taken_.begin(), taken_.end(),
@@ -232,7 +253,7 @@ private:
               .gain = dated->gain,
               .ahead = dated->kind_gain,
               .at_s = dated->at_s};
-    return judge_kind(times_, {0.0, times_.elapsed_s.back()}, step.at_s, 1.5 * blocks_.length_s);
+    return judge_kind(times_, {0.0, times_.elapsed_s.back()}, step.at_s, doubt_s());
   }
 
   [[nodiscard]] const Change* dated_at(double at_s) const {
@@ -248,6 +269,7 @@ private:
     Candidate best = step_of(found.kind, found.at_s / blocks_.length_s);
     if (best.courses.rate.empty()) return step;
     best.at_s = found.at_s;
+    best.is_dated = dated_at(found.at_s) != nullptr;
     // A step alone is what a step of the drive or friction with a hidden return looks like, if the
     // amplitude does not say that there is none.
     const double least = account_.sees_amplitude() || found.kind != ChangeKind::regulation
@@ -260,11 +282,12 @@ private:
     return best;
   }
 
-  [[nodiscard]] Sizes sizes_of_step(const Candidate& step) const {
-    const double place = step.at_s / blocks_.length_s;
+  [[nodiscard]] Sizes sizes_of(const Candidate& found) const {
+    if (!is_step(found.cause)) return account_.sizes_of(found.courses);
+    const double place = found.at_s / blocks_.length_s;
     return StepSearch(account_, blocks_, place, 1.0)
-        .sizes_of(kind_of_cause(step.cause),
-                  {.place = place, .time_s = step.time_s, .courses = step.courses});
+        .sizes_of(kind_of_cause(found.cause),
+                  {.place = place, .time_s = found.time_s, .courses = found.courses});
   }
 
   // Everything taken but one, so that each is judged by what it alone adds.
@@ -275,26 +298,19 @@ private:
     return account;
   }
 
-  [[nodiscard]] std::vector<Suspicion> suspicions() {
-    std::vector<Suspicion> all;
+  // Faults that are believed beside all the others.
+  [[nodiscard]] std::vector<Candidate> faults() {
+    std::vector<Candidate> all;
     for (const Candidate& taken : taken_) {
       if (!taken.is_fault) continue;
       account_ = without(&taken, wanders_ ? wandering : healthy_);
       const double gain = account_.gain_of(taken.courses);
       if (gain < believed) continue;
-      const bool is_step = taken.cause == Cause::length_step || taken.cause == Cause::drive_step ||
-                           taken.cause == Cause::friction_step;
-      const Candidate found = is_step ? looked_at_closely(taken) : taken;
-      all.push_back(
-          {found.cause, gain,
-           evidence_of(found, is_step ? sizes_of_step(found) : account_.sizes_of(found.courses)),
-           found.alternatives, advice_on(found.cause)});
+      Candidate found = is_step(taken.cause) ? looked_at_closely(taken) : taken;
+      found.gain = gain;
+      found.sizes = sizes_of(found);
+      all.push_back(std::move(found));
     }
-    add_if_not_understood(all);
-    if (!wanders_) return all;
-    account_ = without(nullptr, healthy_);
-    const double gain = account_.gain_of(wandering, 2);
-    if (gain > believed) all.push_back(wander(gain));
     return all;
   }
 
@@ -353,72 +369,6 @@ private:
             "a thermometer, a barometer and a better clock for the logger would tell"};
   }
 
-  [[nodiscard]] std::string when(double at_s) const {
-    if (const Change* change = dated_at(at_s))
-      return fmt::format("{:.4g} h after the start", change->at_s / 3600.0);
-    return fmt::format("about {:.3g} h after the start", at_s / 3600.0);
-  }
-
-  [[nodiscard]] std::string evidence_of(const Candidate& found, const Sizes& sizes) const {
-    const auto size = [&](std::size_t k) {
-      return fmt::format("{} (+- {:.2g})", daily(sizes.rate[k]),
-                         sizes.rate_sigma[k] * seconds_per_day);
-    };
-    const auto swing = [&](const char* per) {
-      return sizes.amplitude.empty()
-                 ? std::string()
-                 : fmt::format(", the amplitude by {:+.3g} mrad (+- {:.2g}){}",
-                               1e3 * sizes.amplitude[0], 1e3 * sizes.amplitude_sigma[0], per);
-    };
-    switch (found.cause) {
-    case Cause::temperature:
-      return fmt::format("the rate answers by {} per K", size(0));
-    case Cause::pressure:
-      return fmt::format("the rate answers by {} per mbar", size(0));
-    case Cause::unlogged_weather:
-      return fmt::format("the rate swings by {:.3g} s/day with the time of day",
-                         seconds_per_day * std::hypot(sizes.rate[0], sizes.rate[1]));
-    case Cause::length_step:
-      return fmt::format("{} the rate changes by {} and stays{}", when(found.at_s), size(0),
-                         account_.sees_amplitude() ? "; the amplitude does not follow" : "");
-    case Cause::magnet:
-      return fmt::format("from {} to {:.3g} h the rate is different by {}", when(found.at_s),
-                         found.time_s / 3600.0, size(0));
-    case Cause::drive_step:
-      return fmt::format("{} the rate jumps, and differs by {} when the clock has followed{}",
-                         when(found.at_s), size(0), swing(""));
-    case Cause::friction_step:
-      return fmt::format("{} the rate begins to change, by {} in the end, without a jump{}",
-                         when(found.at_s), size(0), swing(""));
-    default:
-      return fmt::format("the rate drifts by {} each day{}", size(0),
-                         found.courses.amplitude.empty()
-                             ? std::string(account_.sees_amplitude() ? "; the amplitude stays" : "")
-                             : swing(" each day"));
-    }
-  }
-
-  [[nodiscard]] std::string advice_on(Cause cause) const {
-    const bool seen = account_.sees_amplitude();
-    switch (cause) {
-    case Cause::temperature:
-      return "heating also changes the oil and the air: compare two seasons";
-    case Cause::length_step:
-      return seen
-                 ? "was the nut turned, a weight added, or the case moved?"
-                 : "a small step of the drive looks alike if its return is hidden: amplitudes tell";
-    case Cause::drive_step:
-    case Cause::friction_step:
-      return seen ? "was the clock wound, oiled or touched then?"
-                  : "amplitudes would show the swing follow";
-    case Cause::growing_friction:
-      return seen ? "clean and oil, or look for a drive that fades"
-                  : "friction lowers the amplitude, a length does not: amplitudes tell";
-    default:
-      return {};
-    }
-  }
-
   const DiagnosisInput& input_;
   const TimingData& times_;
   RateBlocks blocks_;
@@ -437,14 +387,20 @@ Suspicion suspicion_of(const Change& change) {
           same_course_as(change.kind), "what was done to the clock then?"};
 }
 
+// Of a log long enough to tell the courses of a rate from each other.
+bool is_long_enough(const DiagnosisInput& input) {
+  constexpr std::size_t least = 2000; // beats
+  return input.data != nullptr && input.data->size() >= least;
+}
+
+constexpr std::size_t most_displaced = 8;
+
 // What the course of the rate says, and what can be seen without it.
 void add_suspicions_of_log(const DiagnosisInput& input, std::vector<Suspicion>& all) {
-  constexpr std::size_t least = 2000;
-  if (input.data == nullptr || input.data->size() < least) return;
+  if (!is_long_enough(input)) return;
   TimingData times = *input.data;
-  constexpr std::size_t most_displaced = 8;
   const auto displaced = take_displacements(times, most_displaced);
-  for (Suspicion& suspicion : Diagnosis(input, times).run())
+  for (Suspicion& suspicion : Diagnosis(input, times).suspicions())
     all.push_back(std::move(suspicion));
   for (Suspicion& fact : suspicions_of_facts(input, displaced))
     all.push_back(std::move(fact));
@@ -460,6 +416,16 @@ std::vector<Suspicion> diagnose(const DiagnosisInput& input) {
   std::stable_sort(all.begin(), all.end(),
                    [](const Suspicion& a, const Suspicion& b) { return a.gain > b.gain; });
   return all;
+}
+
+void add_small_changes(const DiagnosisInput& input, std::span<const Beat> beats, Diary& diary) {
+  if (!is_long_enough(input)) return;
+  TimingData times = *input.data;
+  take_displacements(times, most_displaced);
+  Diagnosis diagnosis(input, times);
+  for (const double at_s : diagnosis.undated_times())
+    add_change(times, at_s, diagnosis.doubt_s(), beats, diary.changes);
+  put_rates(beats, input.nominal_period_s, diary.changes);
 }
 
 } // namespace goingrate

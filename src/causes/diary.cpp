@@ -414,7 +414,8 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   }
   if (search.has_amplitude())
     diary.interruptions = interruptions_among(diary.changes, knots, search.amplitude(), options);
-  timing_model::judge_changes(beats, data, nominal_period_s, diary.changes);
+  timing_model::judge_changes(beats, data, diary.changes);
+  timing_model::put_rates(beats, nominal_period_s, diary.changes);
   for (Change& change : diary.changes)
     for (Interruption& event : diary.interruptions)
       for (Change* end : {&event.begin, &event.end})

@@ -111,44 +111,43 @@ std::vector<double> cosines(std::span<const double> series, bool without_line) {
   return result;
 }
 
-void RateNoise::fit(std::span<const double> residual) {
-  const std::size_t n = residual.size();
-  std::vector<std::array<double, parts>> shapes(n);
-  for (std::size_t k = first_; k < n; ++k) {
-    const double s =
-        2.0 * std::sin(0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
+// Densities at the cosines from first_ on, one column a part.
+void RateNoise::put_shapes(std::size_t cosines) {
+  const auto rows = static_cast<Eigen::Index>(cosines - first_);
+  if (shapes_ && shapes_->rows() == rows) return;
+  Shapes shapes(rows, parts);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const double k = static_cast<double>(row) + static_cast<double>(first_);
+    const double s = 2.0 * std::sin(0.5 * std::numbers::pi * k / static_cast<double>(cosines));
     const double wander = kinds_.wanders ? 1.0 / s : 0.0;
     const double bend = kinds_.corner > 0.0 ? 1.0 / (1.0 + std::pow(s / kinds_.corner, 2)) : 0.0;
-    shapes[k] = {s * s, 1.0, wander, wander * wander, bend};
+    shapes.row(row) << s * s, 1.0, wander, wander * wander, bend;
   }
+  shapes_ = std::make_shared<const Shapes>(std::move(shapes));
+}
+
+void RateNoise::fit(std::span<const double> residual) {
+  put_shapes(residual.size());
+  const Shapes& shapes = *shapes_;
+  const Eigen::ArrayXd squares =
+      Eigen::Map<const Eigen::ArrayXd>(residual.data(), static_cast<Eigen::Index>(residual.size()))
+          .tail(shapes.rows())
+          .square();
   // A part that has gone to nothing beside an unexplained step would not come back by factors.
-  const double all =
-      std::inner_product(residual.begin() + static_cast<std::ptrdiff_t>(first_), residual.end(),
-                         residual.begin() + static_cast<std::ptrdiff_t>(first_), 0.0);
-  const double least_share = level_.empty() ? 1.0 : 1e-3;
-  for (std::size_t i = 0; i < parts; ++i) {
-    double shape = 0.0;
-    for (std::size_t k = first_; k < n; ++k)
-      shape += shapes[k][i];
-    if (shape > 0.0) sizes_[i] = std::max(sizes_[i], least_share * all / (parts * shape));
-  }
-  level_.assign(n, 0.0);
+  const double least_share = is_fitted() ? 1e-3 : 1.0;
+  for (Eigen::Index i = 0; i < parts; ++i)
+    if (const double shape = shapes.col(i).sum(); shape > 0.0)
+      sizes_[i] = std::max(sizes_[i], least_share * squares.sum() / (parts * shape));
   constexpr int rounds = 60;       // the likelihood then stands still to a tenth
   constexpr double settled = 1e-3; // of each size
   constexpr double most_bent = 30.0;
   double moved = 1.0;
   for (int round = 0; round < rounds && moved > settled; ++round) {
-    std::array<double, parts> seen{}, expected{};
-    for (std::size_t k = first_; k < n; ++k) {
-      const double level =
-          std::inner_product(shapes[k].begin(), shapes[k].end(), sizes_.begin(), 0.0);
-      for (std::size_t i = 0; i < parts; ++i) {
-        seen[i] += shapes[k][i] * residual[k] * residual[k] / (level * level);
-        expected[i] += shapes[k][i] / level;
-      }
-    }
+    const Eigen::ArrayXd weight = (shapes.matrix() * sizes_.matrix()).array().inverse();
+    const Sizes seen = shapes.matrix().transpose() * (squares * weight.square()).matrix();
+    const Sizes expected = shapes.matrix().transpose() * weight.matrix();
     moved = 0.0;
-    for (std::size_t i = 0; i < parts; ++i) {
+    for (Eigen::Index i = 0; i < parts; ++i) {
       if (!(expected[i] > 0.0)) continue;
       const double factor = seen[i] / expected[i];
       // A size that goes to nothing takes for ever: it counts by what it is beside the others.
@@ -157,11 +156,8 @@ void RateNoise::fit(std::span<const double> residual) {
     }
     sizes_[4] = std::min(sizes_[4], most_bent * sizes_[1]);
   }
-  deviance_ = 0.0;
-  for (std::size_t k = first_; k < n; ++k) {
-    level_[k] = std::inner_product(shapes[k].begin(), shapes[k].end(), sizes_.begin(), 0.0);
-    deviance_ += std::log(level_[k]) + residual[k] * residual[k] / level_[k];
-  }
+  level_ = (shapes.matrix() * sizes_.matrix()).array();
+  deviance_ = (level_.log() + squares / level_).sum();
 }
 
 RateRegression regress(const std::vector<double>& rate,

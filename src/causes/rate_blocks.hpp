@@ -3,7 +3,8 @@
 
 #include "goingrate/fit/timing_data.hpp"
 
-#include <array>
+#include <Eigen/Core>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -42,18 +43,26 @@ class RateNoise {
 public:
   RateNoise(std::size_t first, const NoiseKinds& kinds) : first_(first), kinds_(kinds) {}
   void fit(std::span<const double> residual);
-  [[nodiscard]] double level(std::size_t k) const { return level_[k]; }
+  /// Of cosine k, which is not before the first.
+  [[nodiscard]] double level(std::size_t k) const {
+    return level_[static_cast<Eigen::Index>(k - first_)];
+  }
   /// -2 log L of the residual last fitted, but for a constant.
   [[nodiscard]] double deviance() const { return deviance_; }
-  [[nodiscard]] bool is_fitted() const { return !level_.empty(); }
+  [[nodiscard]] bool is_fitted() const { return level_.size() > 0; }
   [[nodiscard]] std::size_t first() const { return first_; }
 
 private:
-  static constexpr std::size_t parts = 5;
+  static constexpr Eigen::Index parts = 5;
+  using Shapes = Eigen::Array<double, Eigen::Dynamic, parts>;
+  using Sizes = Eigen::Array<double, parts, 1>;
+  void put_shapes(std::size_t cosines);
+
   std::size_t first_;
   NoiseKinds kinds_;
-  std::array<double, parts> sizes_{};
-  std::vector<double> level_;
+  std::shared_ptr<const Shapes> shapes_; // of kinds_: copies share them
+  Sizes sizes_ = Sizes::Zero();
+  Eigen::ArrayXd level_;
   double deviance_ = 0.0;
 };
 

@@ -92,6 +92,24 @@ TEST(DiagnosisTest, DiaryAndCausesJudgeAChangeOnce) {
   }
 }
 
+// Thirty beats on either side of it do not show it, the course of the whole log does.
+TEST(DiagnosisTest, AChangeBelowTheJitterIsInTheDiary) {
+  for (const std::uint64_t seed : {41U, 42U, 43U, 44U}) {
+    LoadRequest request;
+    request.path = "regulated.txt";
+    const NumberedLog log = load_text(regulated(1.0043, 28.0, 4e-4, 0.0, seed), request);
+    EXPECT_TRUE(keep_diary(log.good, log.nominal_period_s).changes.empty()) << seed;
+    const Diary diary = diary_of(log, fit_data(log));
+    ASSERT_EQ(diary.changes.size(), 1U) << seed;
+    const Change& change = diary.changes[0];
+    EXPECT_EQ(change.kind, ChangeKind::regulation) << seed;
+    constexpr double most = 4.0; // sigma, of four logs
+    EXPECT_NEAR(change.rate_change, 28e-6, most * change.rate_change_sigma) << seed;
+    constexpr double sigma = 4e-4 / 28e-6; // beats over which it grows to the jitter
+    EXPECT_NEAR(static_cast<double>(change.cycle), 1800.0, most * sigma) << seed;
+  }
+}
+
 TEST(DiagnosisTest, OneBreakOfTheLogIsNoFaultOfTheSensor) {
   for (const double jitter_s : {1e-5, 4e-4}) {
     std::string lines;

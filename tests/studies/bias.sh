@@ -1,12 +1,8 @@
 #!/usr/bin/env bash
-# Builds with the bench preset and prints by how much the choice of dynamics shifts the parameters of
-# a fit; bias.txt holds one such print with its date and machine. Takes five minutes.
+# Prints by how much the choice of dynamics shifts the parameters of a fit. Arguments: logs of a scene
+# (400), first seed (1). Takes five minutes.
 set -e
-cd "$(dirname "$0")/../.."
-. apps/setup.sh
-goingrate_setup libgtest-dev zlib1g-dev libbenchmark-dev libsundials-dev libgsl-dev
-cmake --preset bench > /dev/null
-cmake --build --preset bench -j2 --target study_bias > /dev/null
-date -u +%Y-%m-%d
-grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
-build/bench/study_bias
+. "$(dirname "$0")/common.sh"
+built study_bias
+head_line "${2:-1}"
+build/bench/study_bias "${1:-400}" "${2:-1}"

@@ -1,12 +1,8 @@
 #!/usr/bin/env bash
-# Builds with the bench preset and prints how often the fit's intervals hold the truth; coverage.txt
-# holds one such print with its date and machine. Takes a quarter of an hour.
+# Prints how often the fit's intervals hold the truth. Arguments: logs of a scene (300), first seed
+# (1000). Takes a quarter of an hour.
 set -e
-cd "$(dirname "$0")/../.."
-. apps/setup.sh
-goingrate_setup libgtest-dev zlib1g-dev libbenchmark-dev libsundials-dev libgsl-dev
-cmake --preset bench > /dev/null
-cmake --build --preset bench -j2 --target study_coverage > /dev/null
-date -u +%Y-%m-%d
-grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
-build/bench/study_coverage
+. "$(dirname "$0")/common.sh"
+built study_coverage
+head_line "${2:-1000}"
+build/bench/study_coverage "${1:-300}" "${2:-1000}"

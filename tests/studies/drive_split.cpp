@@ -131,6 +131,7 @@ void print_all(int logs, const char* of, const Score& fast, const Score& slow) {
 
 int main(int count, char** words) {
   const int logs = count > 1 ? std::atoi(words[1]) : 200;
+  const auto seed = static_cast<std::uint64_t>(count > 3 ? std::atoll(words[3]) : 1);
   std::vector<Scene> scenes;
   for (const double rms : {0.01, 0.03, 0.1, 0.3})
     for (const double relaxations : {0.1, 1.0, 10.0, 100.0})
@@ -140,7 +141,7 @@ int main(int count, char** words) {
   Score all_fast, all_slow;
   for (std::size_t k = 0; k < scenes.size(); ++k) {
     const auto splits = in_two_halves<DriveSplit>(
-        each, [&](std::size_t i) { return split_of(scenes[k], 1000 * (k + 1) + i); });
+        each, [&](std::size_t i) { return split_of(scenes[k], seed + 1000 * k + i); });
     Score fast, slow;
     for (const DriveSplit& split : splits) {
       fast.add(split.fast, 0.3);
@@ -158,7 +159,6 @@ int main(int count, char** words) {
 
   std::printf("\nfitted clocks:\n");
   const int fitted = count > 2 ? std::atoi(words[2]) : 40;
-  const auto seed = static_cast<std::uint64_t>(count > 3 ? std::atoll(words[3]) : 1);
   const std::vector<Clock> clocks{{2.0, 2000.0, 0.055, 1.84},
                                   {0.8, 300.0, 0.08, 1.5},
                                   {1.0, 1000.0, 0.04, 3.0},

@@ -6,9 +6,8 @@
 # last line times goingrate's search alone, which does the same (built with the bench preset). Takes
 # seconds, and minutes for that build.
 set -euo pipefail
-cd "$(dirname "$0")/../.."
-. apps/setup.sh
-goingrate_setup python3-numpy python3-scipy libgtest-dev zlib1g-dev libbenchmark-dev libsundials-dev libgsl-dev
+. "$(dirname "$0")/common.sh"
+goingrate_setup python3-numpy python3-scipy
 goingrate=build/release/goingrate
 [ -x "$goingrate" ] || { echo "$goingrate is missing; build the release preset" >&2; exit 1; }
 folder=$(mktemp -d)
@@ -37,8 +36,7 @@ fit=("$goingrate" fit "$log" --fix T0=2 --event 150:mu)
 "${fit[@]}" --model averaged1 --json "$folder/averaged1.json" -o /dev/null 2> /dev/null
 "${fit[@]}" --model auto --json "$folder/auto.json" -o /dev/null 2> /dev/null
 
-date -u +%Y-%m-%d
-grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
+head_line
 peer=$(/usr/bin/python3 tests/studies/fit_peer.py "$log" "$folder/averaged1.json")
 echo "$peer"
 for model in averaged1 auto; do
@@ -49,8 +47,7 @@ for model in averaged1 auto; do
     END { printf "goingrate fit --model %s (dynamics %s) %.2f ms a process%s\n",
           model, chosen, took, ratios }' <<< "$peer"
 done
-cmake --preset bench > /dev/null
-cmake --build --preset bench -j2 --target study_fit_speed > /dev/null
+built study_fit_speed
 build/bench/study_fit_speed solver "$log" | awk -v peer="$peer" '
   /^search alone/ {
     n = split(peer, line, "\n")

@@ -2,15 +2,12 @@
 # Reads and numbers a year of a seconds pendulum (15.8 million lines) beside numpy.loadtxt on the same
 # file; reading.txt holds two such prints, which differ by the machine's memory. Takes about two minutes once built.
 set -euo pipefail
-cd "$(dirname "$0")/../.."
-. apps/setup.sh
-goingrate_setup libgtest-dev libbenchmark-dev libsundials-dev libgsl-dev python3-numpy
-cmake --preset bench > /dev/null
-cmake --build --preset bench -j2 --target study_reading > /dev/null
+. "$(dirname "$0")/common.sh"
+goingrate_setup python3-numpy
+built study_reading
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-date -u +%Y-%m-%d
-grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
+head_line
 build/bench/study_reading write "$log" 15800000
 build/bench/study_reading read "$log"
 /usr/bin/python3 - "$log" << 'PYTHON'

@@ -1,14 +1,9 @@
 #!/usr/bin/env bash
-# Builds with the bench preset and prints the figures of the solvers; solvers.txt holds one such
-# print with its date and machine. Takes some minutes.
+# Prints the figures of the solvers, and the chart of speed against accuracy. Takes some minutes.
 set -e
-cd "$(dirname "$0")/../.."
-. apps/setup.sh
-goingrate_setup libgtest-dev zlib1g-dev libbenchmark-dev libsundials-dev libgsl-dev
-cmake --preset bench > /dev/null
-cmake --build --preset bench -j2 --target study_solvers goingrate_chart > /dev/null
-date -u +%Y-%m-%d
-grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'
+. "$(dirname "$0")/common.sh"
+built study_solvers goingrate_chart
+head_line
 build/bench/study_solvers
 echo
 build/bench/goingrate_chart

@@ -245,7 +245,7 @@ inline std::vector<Suspicion> suspected(const SickClock& clock) {
   request.path = "clinic.csv";
   const NumberedLog loaded = load_text(clinic.log(), request);
   const TimingData times = fit_data(loaded);
-  return diagnose(diagnosis_input(times, loaded, keep_diary(loaded.good, loaded.nominal_period_s),
+  return diagnose(diagnosis_input(times, loaded, diary_of(loaded, times),
                                   analyse_drive(loaded.good, loaded.nominal_period_s, {}), {}));
 }
 

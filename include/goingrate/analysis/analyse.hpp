@@ -40,6 +40,10 @@ struct Analysis {
 /// pressure and the air's density where the log has them.
 TimingData fit_data(const NumberedLog& loaded);
 
+/// The changes that stand out of the beats next to them, and those that the course of the whole log
+/// tells. `times` are fit_data(loaded).
+Diary diary_of(const NumberedLog& loaded, const TimingData& times);
+
 /// The changes that the diary of the log shows most plainly, at most four, as events of a fit: each
 /// may move, and changes T0 (regulation), epsilon (friction) or mu.
 std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle);

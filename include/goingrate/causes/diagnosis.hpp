@@ -20,6 +20,7 @@
 #include "goingrate/spectra/lines.hpp"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,5 +77,11 @@ struct DiagnosisInput {
 /// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
 /// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);
+
+/// Adds the steps, and the visits' ends, that diagnose() would name and that are not among
+/// `diary.changes`, which are also `input.changes`: those too small to stand out of the beats next
+/// to them. `beats` are those of the data. Nothing for a log below 2000 beats. Cost: that of
+/// diagnose().
+void add_small_changes(const DiagnosisInput& input, std::span<const Beat> beats, Diary& diary);
 
 } // namespace goingrate

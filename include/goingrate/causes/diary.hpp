@@ -25,10 +25,12 @@ struct Change {
   double at_s = 0.0; ///< after the first beat
   /// Rate excess after minus before: of a change of the regulation from all beats between the
   /// changes next to it, of another from the beats about it, on the way to where the amplitude
-  /// takes it; the sigma is then NaN.
+  /// takes it (of friction that add_small_changes() found, in the end); the sigma is then NaN.
   double rate_change = 0.0, rate_change_sigma = 0.0;
   double amplitude_slope_change = 0.0; ///< rad/s after minus before; NaN without amplitudes
-  double significance = 0.0;           ///< in units of the log's own typical fluctuation
+  /// In units of the log's own typical fluctuation; the root of the gain where
+  /// add_small_changes() found it.
+  double significance = 0.0;
   ChangeKind kind = ChangeKind::unclear;
   ChangeKind next_kind = ChangeKind::unclear; ///< the second best
   double gain = 0.0;                          ///< 2 log L over no change, less its price

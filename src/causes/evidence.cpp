@@ -1,0 +1,86 @@
+#include "evidence.hpp"
+
+#include "base/scaled_time.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+std::string when(const Candidate& found) {
+  return found.is_dated ? fmt::format("{:.4g} h after the start", found.at_s / 3600.0)
+                        : fmt::format("about {:.3g} h after the start", found.at_s / 3600.0);
+}
+
+std::string size(const Sizes& sizes) {
+  return fmt::format("{:+.3g} ± {:.2g} s/day", sizes.rate[0] * seconds_per_day,
+                     sizes.rate_sigma[0] * seconds_per_day);
+}
+
+std::string swing(const Sizes& sizes, const char* per) {
+  if (sizes.amplitude.empty()) return {};
+  return fmt::format(", the amplitude by {:+.3g} ± {:.2g} mrad{}", 1e3 * sizes.amplitude[0],
+                     1e3 * sizes.amplitude_sigma[0], per);
+}
+
+} // namespace
+
+bool is_step(Cause cause) {
+  return cause == Cause::length_step || cause == Cause::drive_step || cause == Cause::friction_step;
+}
+
+std::string daily(double rate) { return fmt::format("{:+.3g} s/day", rate * seconds_per_day); }
+
+std::string evidence_of(const Candidate& found, bool sees_amplitude) {
+  const Sizes& sizes = found.sizes;
+  switch (found.cause) {
+  case Cause::temperature:
+    return fmt::format("the rate answers by {} per K", size(sizes));
+  case Cause::pressure:
+    return fmt::format("the rate answers by {} per mbar", size(sizes));
+  case Cause::unlogged_weather:
+    return fmt::format("the rate swings by {:.3g} s/day with the time of day",
+                       seconds_per_day * std::hypot(sizes.rate[0], sizes.rate[1]));
+  case Cause::length_step:
+    return fmt::format("{} the rate changes by {} and stays{}", when(found), size(sizes),
+                       sees_amplitude ? "; the amplitude does not follow" : "");
+  case Cause::magnet:
+    return fmt::format("from {} to {:.3g} h the rate is different by {}", when(found),
+                       found.time_s / 3600.0, size(sizes));
+  case Cause::drive_step:
+    return fmt::format("{} the rate jumps, and differs by {} when the clock has followed{}",
+                       when(found), size(sizes), swing(sizes, ""));
+  case Cause::friction_step:
+    return fmt::format("{} the rate begins to change, by {} in the end, without a jump{}",
+                       when(found), size(sizes), swing(sizes, ""));
+  default: {
+    const char* steady = sees_amplitude ? "; the amplitude stays" : "";
+    return fmt::format("the rate drifts by {} each day{}", size(sizes),
+                       found.courses.amplitude.empty() ? steady : swing(sizes, " each day"));
+  }
+  }
+}
+
+std::string advice_on(Cause cause, bool sees_amplitude) {
+  switch (cause) {
+  case Cause::temperature:
+    return "heating also changes the oil and the air: compare two seasons";
+  case Cause::length_step:
+    return sees_amplitude
+               ? "was the nut turned, a weight added, or the case moved?"
+               : "a small step of the drive looks alike if its return is hidden: amplitudes tell";
+  case Cause::drive_step:
+  case Cause::friction_step:
+    return sees_amplitude ? "was the clock wound, oiled or touched then?"
+                          : "amplitudes would show the swing follow";
+  case Cause::growing_friction:
+    return sees_amplitude ? "clean and oil, or look for a drive that fades"
+                          : "friction lowers the amplitude, a length does not: amplitudes tell";
+  default:
+    return {};
+  }
+}
+
+} // namespace goingrate::timing_model
