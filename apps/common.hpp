@@ -90,13 +90,17 @@ struct ModelOptions {
   std::vector<std::string> fixed;  ///< NAME=VALUE
   std::vector<std::string> freed;  ///< names
   std::vector<std::string> priors; ///< NAME=VALUE+-SIGMA
-  std::vector<std::string> events; ///< CYCLE:NAME[,NAME], TIMEs:NAME or auto
+  std::vector<std::string> events; ///< CYCLE:NAME[,NAME], TIMEs:NAME, auto or none
   std::string model, noise, escapement;
   std::string from; ///< a file of parameters; what is given beside it wins
 };
 
-/// `finds_events`: the command does by itself if none are given.
-void add_model_options(CLI::App& command, ModelOptions& options, bool finds_events = false);
+void add_model_options(CLI::App& command, ModelOptions& options);
+
+/// Whether changes are searched for: neither the command line nor a file names any.
+bool finds_events(const ModelOptions& options);
+/// The same, searching for changes where none are named.
+ModelOptions searching(ModelOptions options);
 
 /// Says which events were found, and what may change at them.
 void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,

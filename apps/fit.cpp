@@ -49,7 +49,7 @@ std::string plot_of(const FitCommand& options, const NumberedLog& loaded, const 
 
 void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitOptions asked = fit_options(options.model, loaded, global);
+  const FitOptions asked = fit_options(searching(options.model), loaded, global);
   const TimingData data = fit_data(loaded);
   FitSummary fit = [&] {
     const StepLine now(global.quiet, "fitting the model");

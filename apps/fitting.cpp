@@ -46,9 +46,10 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   return event;
 }
 
-std::vector<FitEvent> events_found(const NumberedLog& loaded, const GlobalOptions& global) {
+std::vector<FitEvent> events_found(const NumberedLog& loaded, std::optional<Escapement> escapement,
+                                   const GlobalOptions& global) {
   const Diary diary = diary_of(loaded, fit_data(loaded));
-  const auto events = events_of_diary(diary, loaded.good.front().cycle);
+  const auto events = events_of_diary(diary, loaded.good.front().cycle, escapement);
   tell_events(events, loaded.good, global);
   return events;
 }
@@ -84,6 +85,9 @@ FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
 void put_events(const ModelOptions& options, const NumberedLog& loaded, const GlobalOptions& global,
                 FitOptions& result) {
   if (options.events.empty()) return;
+  const auto asks_for = [&](const char* word) {
+    return options.events == std::vector<std::string>{word};
+  };
   const auto of_event = [](const auto& entry) {
     return entry.first.find('@') != std::string::npos;
   };
@@ -92,8 +96,9 @@ void put_events(const ModelOptions& options, const NumberedLog& loaded, const Gl
   std::erase_if(result.priors,
                 [](const Prior& prior) { return prior.name.find('@') != std::string::npos; });
   result.events.clear();
-  if (options.events == std::vector<std::string>{"auto"}) {
-    result.events = events_found(loaded, global);
+  if (asks_for("none")) return;
+  if (asks_for("auto")) {
+    result.events = events_found(loaded, result.escapement, global);
     return;
   }
   for (const std::string& text : options.events)
@@ -147,7 +152,7 @@ void put_priors(const ModelOptions& options, FitOptions& result) {
   result.priors.insert(result.priors.end(), priors.begin(), priors.end());
 }
 
-void add_parameter_options(CLI::App& command, ModelOptions& options, bool finds_events) {
+void add_parameter_options(CLI::App& command, ModelOptions& options) {
   command
       .add_option("--fix", options.fixed,
                   "hold a parameter: NAME=VALUE (T0 in s, epsilon, mu, phi0, lambda0, mu@1 ...)")
@@ -165,17 +170,16 @@ void add_parameter_options(CLI::App& command, ModelOptions& options, bool finds_
   command
       .add_option(
           "--event", options.events,
-          std::string("parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, "
-                      "phi0, T0; or by time 300s:mu, or auto to search; the k-th gives "
-                      "mu@k") +
-              (finds_events ? " [auto]" : ""))
+          "parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, phi0, T0; or by "
+          "time 300s:mu; or auto to search, or none; the k-th gives mu@k [auto, or those of "
+          "--from]")
       ->allow_extra_args(false);
 }
 
 } // namespace
 
-void add_model_options(CLI::App& command, ModelOptions& options, bool finds_events) {
-  add_parameter_options(command, options, finds_events);
+void add_model_options(CLI::App& command, ModelOptions& options) {
+  add_parameter_options(command, options);
   command
       .add_option("--model", options.model,
                   "averaged1 (the paper's first order), averaged2 (second order), map (the full "
@@ -210,6 +214,15 @@ void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
   }
 }
 
+bool finds_events(const ModelOptions& options) {
+  return options.events.empty() && options.from.empty();
+}
+
+ModelOptions searching(ModelOptions options) {
+  if (finds_events(options)) options.events = {"auto"};
+  return options;
+}
+
 FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
                        const GlobalOptions& global) {
   FitOptions result = options.from.empty() ? FitOptions{} : options_of_file(options.from, loaded);
@@ -221,7 +234,7 @@ FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
   put_freed(options, result);
   put_priors(options, result);
   drop_partial_start(result);
-  return result;
+  return with_seen_offset(std::move(result), loaded);
 }
 
 std::vector<double> numbers_in(const std::string& option, const std::string& text) {

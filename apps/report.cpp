@@ -28,7 +28,7 @@ Analysis analysis_of(const ReportCommand& options, const GlobalOptions& global) 
   NumberedLog loaded = load(options.log, global);
   AnalysisRequest request;
   request.fit = fit_options(options.model, loaded, global);
-  request.finds_events = options.model.events.empty() && options.model.from.empty();
+  request.finds_events = finds_events(options.model);
   if (options.nut_pitch_mm > 0.0) request.nut_pitch_m = 1e-3 * options.nut_pitch_mm;
   if (options.pendulum_length_m > 0.0) request.rod_length_m = options.pendulum_length_m;
   StepLine line(global.quiet, "numbering the beats");
@@ -92,7 +92,7 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
       program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
   auto options = std::make_shared<ReportCommand>();
   add_log_options(*command, options->log);
-  add_model_options(*command, options->model, true);
+  add_model_options(*command, options->model);
   command->add_option("-o,--output", options->output,
                       "the HTML page; if not given, the log's name with .html, in this folder");
   add_plot_option(*command, options->plot,

@@ -112,7 +112,7 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitOptions asked = fit_options(options.model, loaded, global);
+  const FitOptions asked = fit_options(searching(options.model), loaded, global);
   const DriveAnalysis drive = [&] {
     StepLine now(global.quiet, "fitting the model");
     const FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s, asked);

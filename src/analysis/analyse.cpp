@@ -1,6 +1,7 @@
 #include "goingrate/analysis/analyse.hpp"
 
 #include "base/scaled_time.hpp"
+#include "fit/fit_setup.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -93,6 +94,27 @@ const char* changed_by(ChangeKind kind) {
   return "mu";
 }
 
+ChangeKind kind_of_change(const std::string& parameter) {
+  if (parameter == "T0") return ChangeKind::regulation;
+  return parameter == "epsilon" ? ChangeKind::friction : ChangeKind::drive;
+}
+
+// What a fit that explains the changes says of those it was told of, in order of time: its whole
+// model tells kinds apart that the course of the rate does not.
+void put_fitted_changes(const std::vector<FitEvent>& asked, const FitSummary& fit,
+                        std::int64_t first_cycle, std::span<const Beat> beats, Diary& diary) {
+  for (Change& change : diary.changes)
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (change.cycle - first_cycle != asked[k].cycle) continue;
+      change.kind = kind_of_change(fit.events[k].names.front());
+      change.cycle = first_cycle + fit.events[k].cycle;
+      const auto at = std::find_if(beats.begin(), beats.end(),
+                                   [&](const Beat& beat) { return beat.cycle >= change.cycle; });
+      if (at != beats.end()) change.at_s = at->time - beats.front().time;
+      break;
+    }
+}
+
 // The rate from one dated change to the next.
 std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& diary,
                                    double nominal_period_s) {
@@ -143,12 +165,26 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   return diary;
 }
 
-std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle) {
+std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle,
+                                      std::optional<Escapement> escapement) {
   constexpr std::size_t most = 4; // each costs a parameter
   std::vector<FitEvent> events;
-  for (const Change& change : strongest_changes(diary, most))
-    events.push_back({change.cycle - first_cycle, {changed_by(change.kind)}, true});
+  for (const Change& change : strongest_changes(diary, most)) {
+    const std::string name = changed_by(change.kind);
+    if (name == "mu" && escapement == Escapement::none) continue;
+    events.push_back({change.cycle - first_cycle, {name}, true});
+  }
   return events;
+}
+
+FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
+  constexpr double surely = 5.0; // sigma
+  const auto& beat_error = loaded.sensor.beat_error_s;
+  const bool is_seen = beat_error && std::abs(beat_error->value) > surely * beat_error->sigma;
+  if (!is_seen || loaded.sensor.at_vertical || timing_model::names(options, "offset"))
+    return options;
+  options.freed.emplace_back("offset");
+  return options;
 }
 
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
@@ -180,12 +216,14 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
   for (PartRate& stretch : data.stretches)
     stretch.rate.nominal_is_known = loaded.nominal_is_known;
-  FitOptions asked = request.fit;
+  FitOptions asked = with_seen_offset(request.fit, loaded);
   asked.profiles = request.traces_profiles;
   if (request.finds_events && asked.events.empty())
-    asked.events = events_of_diary(data.diary, loaded.good.front().cycle);
+    asked.events = events_of_diary(data.diary, loaded.good.front().cycle, asked.escapement);
   tell("fitting the model");
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
+  if (request.finds_events && follows_changes(data))
+    put_fitted_changes(asked.events, data.fit, loaded.good.front().cycle, loaded.good, data.diary);
   tell("looking at temperature and pressure");
   data.covariates = covariate_effects(times);
   tell("spectrum of the rate, fast and slow drive");

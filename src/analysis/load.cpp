@@ -152,17 +152,22 @@ private:
     }
   }
 
-  double found_offset() {
+  std::optional<double> found_offset() {
     auto& found = loaded_.sensor.offset_rad;
     found = sensor_offset(loaded_.beats.beats, loaded_.nominal_period_s);
-    if (!found)
+    if (found) {
+      assume(fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
+                         found->value * 1e3, found->sigma * 1e3));
+      return found->value;
+    }
+    if (!loaded_.sensor.beat_error_s)
       throw NumericsError(
           request_.path +
           ": the log does not tell where the sensor stands: it needs amplitudes and "
           "either both directions or 30 beats");
-    assume(fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
-                       found->value * 1e3, found->sigma * 1e3));
-    return found->value;
+    assume("without amplitudes the beat error does not tell where the sensor stands: times stay "
+           "those of the sensor, whose place is a parameter of the fit");
+    return {};
   }
 
   void use_sensor_offset() {
@@ -170,8 +175,9 @@ private:
     auto& beats = loaded_.beats.beats;
     loaded_.sensor.beat_error_s = beat_error(beats);
     if (!request_.find_sensor_offset && !request_.sensor_offset_rad) return;
-    const double offset =
-        request_.find_sensor_offset ? found_offset() : *request_.sensor_offset_rad;
+    const auto place = request_.find_sensor_offset ? found_offset() : request_.sensor_offset_rad;
+    if (!place) return;
+    const double offset = *place;
     if (!log.has_amplitude) {
       set_amplitudes_from_halves(beats, offset, loaded_.nominal_period_s);
       log.has_amplitude = std::any_of(beats.begin(), beats.end(), [](const Beat& beat) {
@@ -181,6 +187,7 @@ private:
     with_events([&](ClockLog& moved) {
       move_to_vertical(moved, offset, offset, loaded_.nominal_period_s);
     });
+    loaded_.sensor.at_vertical = true;
   }
 
   // The longest segment; no second copy of a log in which every event is good.

@@ -92,7 +92,10 @@ void put_date(std::span<const Beat> beats, double at_s, Change& change) {
 
 } // namespace
 
-Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s) {
+namespace {
+
+Judgement judged_about(const TimingData& data, const Stretch& stretch, double at_s,
+                       double doubt_s) {
   std::vector<Look> looks;
   constexpr double finest = 4.0, coarser = 4.0; // beats a block
   for (double length_s = finest * data.reference_period_s;; length_s *= coarser) {
@@ -125,29 +128,62 @@ Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s
   return told;
 }
 
+} // namespace
+
+Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s) {
+  Judgement told = judged_about(data, stretch, at_s, doubt_s);
+  constexpr int rounds = 2;    // blocks reach as far to both sides of where it is found
+  constexpr double near = 4.0; // beats: the finest block
+  for (int round = 0; round < rounds && told.kind != ChangeKind::unclear; ++round) {
+    const double moved = std::abs(told.at_s - at_s);
+    at_s = told.at_s;
+    if (moved < near * data.reference_period_s) break;
+    const Judgement again = judged_about(data, stretch, at_s, doubt_s);
+    if (again.kind == ChangeKind::unclear) break;
+    told = again;
+  }
+  return told;
+}
+
+namespace {
+
+// From the change before to the next.
+Stretch stretch_about(double at_s, const TimingData& data, const std::vector<Change>& changes) {
+  Stretch stretch{0.0, data.elapsed_s.back()};
+  for (const Change& other : changes) {
+    if (other.at_s < at_s) stretch.begin_s = std::max(stretch.begin_s, other.at_s);
+    if (other.at_s > at_s) stretch.end_s = std::min(stretch.end_s, other.at_s);
+  }
+  return stretch;
+}
+
+constexpr double doubt_of_bend = 60.0; // beats
+
+} // namespace
+
+bool has_kind(const TimingData& data, double at_s, const std::vector<Change>& others) {
+  return judge_kind(data, stretch_about(at_s, data, others), at_s,
+                    doubt_of_bend * data.reference_period_s)
+             .kind != ChangeKind::unclear;
+}
+
 void judge_changes(std::span<const Beat> beats, const TimingData& data,
                    std::vector<Change>& changes) {
-  constexpr double doubt = 30.0; // beats: of a bend
-  double from_s = 0.0;
-  for (std::size_t j = 0; j < changes.size(); ++j) {
-    Change& change = changes[j];
-    const double at_s = change.at_s;
-    const double to_s = j + 1 < changes.size() ? changes[j + 1].at_s : data.elapsed_s.back();
-    const Judgement found = judge_kind(data, {from_s, to_s}, at_s, doubt * data.reference_period_s);
+  const std::vector<Change> dated = changes;
+  for (Change& change : changes) {
+    const Judgement found = judge_kind(data, stretch_about(change.at_s, data, dated), change.at_s,
+                                       doubt_of_bend * data.reference_period_s);
     put_judgement(found, change);
-    if (found.kind == ChangeKind::friction) // a bend is dated better by what comes of it
-      put_date(beats, found.at_s, change);
-    from_s = at_s;
+    // A bend is dated better by what comes of it.
+    constexpr double sharp = 15.0; // beats: of a jump the beats next to it tell more
+    const bool is_sharp = std::abs(found.at_s - change.at_s) < sharp * data.reference_period_s;
+    if (found.kind == ChangeKind::friction || !is_sharp) put_date(beats, found.at_s, change);
   }
 }
 
 void add_change(const TimingData& data, double at_s, double doubt_s, std::span<const Beat> beats,
                 std::vector<Change>& changes) {
-  const auto next = std::find_if(changes.begin(), changes.end(),
-                                 [&](const Change& other) { return other.at_s > at_s; });
-  const Stretch stretch{next == changes.begin() ? 0.0 : std::prev(next)->at_s,
-                        next == changes.end() ? data.elapsed_s.back() : next->at_s};
-  const Judgement found = judge_kind(data, stretch, at_s, doubt_s);
+  const Judgement found = judge_kind(data, stretch_about(at_s, data, changes), at_s, doubt_s);
   if (found.kind == ChangeKind::unclear) return;
   Change change;
   put_judgement(found, change);
@@ -155,7 +191,9 @@ void add_change(const TimingData& data, double at_s, double doubt_s, std::span<c
   change.rate_change = found.jump;
   change.amplitude_slope_change = unknown;
   change.significance = std::sqrt(found.gain);
-  changes.insert(next, change);
+  changes.insert(std::find_if(changes.begin(), changes.end(),
+                              [&](const Change& other) { return other.at_s > change.at_s; }),
+                 change);
 }
 
 void put_rates(std::span<const Beat> beats, double nominal_period_s, std::vector<Change>& changes) {

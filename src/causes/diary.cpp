@@ -20,6 +20,17 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
+constexpr std::size_t wake = 8; // windows after a change in which what relaxes is bent
+
+bool is_before(const Change& a, const Change& b) { return a.cycle < b.cycle; }
+
+std::vector<Change> strongest_first(std::vector<Change> changes) {
+  std::stable_sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
+    return a.significance > b.significance;
+  });
+  return changes;
+}
+
 // A series against time, and the jumps of its slope.
 struct Track {
   std::vector<double> time;
@@ -195,7 +206,7 @@ public:
                                  const std::vector<std::size_t>& found) const {
     return std::any_of(found.begin(), found.end(), [&](std::size_t other) {
       const std::size_t apart = at > other ? at - other : other - at;
-      return apart <= 8 * options_.window && score < 0.2 * significance(other);
+      return apart <= wake * options_.window && score < 0.2 * significance(other);
     });
   }
 
@@ -382,6 +393,27 @@ std::vector<Interruption> interruptions_among(const std::vector<Change>& changes
   return found;
 }
 
+bool is_in(const Interruption& event, const Change& change) {
+  return change.at_s >= event.begin.at_s && change.at_s <= event.end.at_s;
+}
+
+// What follows a change is bent, and may stand out of the beats about it again: where the stronger
+// one is there, such a change has no kind.
+void drop_bends(const TimingData& data, const DiaryOptions& options, Diary& diary) {
+  const double near_s = wake * static_cast<double>(options.window) * data.reference_period_s;
+  std::vector<Change> kept;
+  for (const Change& change : strongest_first(diary.changes)) {
+    const bool told = std::any_of(diary.interruptions.begin(), diary.interruptions.end(),
+                                  [&](const Interruption& event) { return is_in(event, change); });
+    const bool is_near = std::any_of(kept.begin(), kept.end(), [&](const Change& other) {
+      return std::abs(other.at_s - change.at_s) < near_s;
+    });
+    if (told || !is_near || timing_model::has_kind(data, change.at_s, kept))
+      kept.insert(std::upper_bound(kept.begin(), kept.end(), change, is_before), change);
+  }
+  diary.changes = std::move(kept);
+}
+
 } // namespace
 
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
@@ -414,6 +446,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   }
   if (search.has_amplitude())
     diary.interruptions = interruptions_among(diary.changes, knots, search.amplitude(), options);
+  drop_bends(data, options, diary);
   timing_model::judge_changes(beats, data, diary.changes);
   timing_model::put_rates(beats, nominal_period_s, diary.changes);
   for (Change& change : diary.changes)
@@ -430,13 +463,9 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
 }
 
 std::vector<Change> strongest_changes(const Diary& diary, std::size_t most) {
-  std::vector<Change> changes = diary.changes;
-  std::stable_sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
-    return a.significance > b.significance;
-  });
+  std::vector<Change> changes = strongest_first(diary.changes);
   if (changes.size() > most) changes.resize(most);
-  std::sort(changes.begin(), changes.end(),
-            [](const Change& a, const Change& b) { return a.cycle < b.cycle; });
+  std::sort(changes.begin(), changes.end(), is_before);
   return changes;
 }
 

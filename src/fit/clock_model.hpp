@@ -147,8 +147,11 @@ private:
     going_.late_s += cycles * (going_.T0 - data_.reference_period_s) -
                      going_.T0 * state->phase_excess * (1.0 / two_pi);
     going_.cycle += cycles;
+    const T before = going_.T0;
     going_.amplitude2_start = state->amplitude2;
     apply_changes(parameters_, x_, event, going_);
+    const T stretched = going_.T0 / before; // of the speed in rad/s lambda is T0/2 pi times
+    going_.amplitude2_start *= stretched * stretched;
     if (!going_.laws.reaches(going_.amplitude2_start)) return false;
     course = Course<T>(going_.laws, going_.amplitude2_start);
     return true;

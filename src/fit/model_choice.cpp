@@ -1,5 +1,6 @@
 #include "model_choice.hpp"
 
+#include "date_search.hpp"
 #include "reference_run.hpp"
 #include "thinning.hpp"
 
@@ -137,29 +138,91 @@ bool is_as_small_as(double jitter, const Fitted& fitted) {
 
 } // namespace
 
+bool ModelSearch::explains(const Fitted& fitted) const {
+  return fitted.minimum.usable && white(fitted) && is_as_small_as(guess_.jitter_s, fitted);
+}
+
+// On so many beats that an escapement shows, and by the full equation: what first order lacks must
+// not pass for a drive.
+Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice& model,
+                                   TimingData& thin) const {
+  constexpr std::size_t enough = 1000; // beats
+  thin = thinned(working_.data, make_parameters(options, working_.data, model), enough);
+  Fitted fitted = fit_from_scratch(thin, options, model, guess_);
+  FitOptions dated = options;
+  move_dates(fitted, dated);
+  fitted.minimum.usable = fitted.minimum.usable && refine(fitted, FitDynamics::map);
+  move_dates(fitted, dated);
+  return fitted;
+}
+
+// Whether the options speak of a torque: then it is not in question.
+bool ModelSearch::is_told_of_torque() const {
+  const auto speaks = [](const std::string& name) { return name == "mu" || name == "phi0"; };
+  return std::any_of(options_.fixed.begin(), options_.fixed.end(),
+                     [&](const auto& fixed) { return speaks(fixed.first); }) ||
+         std::any_of(options_.priors.begin(), options_.priors.end(),
+                     [&](const Prior& prior) { return speaks(prior.name); });
+}
+
+// Other changes at the dates that were found, and impulses in place of a torque.
+std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEvent>& found) const {
+  std::vector<Laws> all;
+  FitOptions options = options_;
+  options.events = found; // whatever the first laws have made of the dates
+  for (std::size_t event = 0; event < found.size(); ++event)
+    for (const char* name : {"phi0", "epsilon", "mu", "T0"}) {
+      const bool of_drive = std::string_view(name) == "mu" || std::string_view(name) == "phi0";
+      if (!found[event].movable || (of_drive && best_.model.escapement == Escapement::none))
+        continue;
+      if (found[event].names == std::vector<std::string>{name}) continue;
+      all.push_back({options, best_.model});
+      all.back().options.events[event].names = {name};
+    }
+  if (options_.escapement || best_.model.escapement != Escapement::constant_torque ||
+      is_told_of_torque())
+    return all;
+  all.push_back({options, best_.model});
+  all.back().model.escapement = Escapement::single_impulse;
+  return all;
+}
+
+// Where the simplest laws do not explain the log those are taken that do, and best.
+void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
+  if (best_.model.walk || explains(best_)) return;
+  TimingData thin;
+  if (explains(roughly_fitted(options_, best_.model, thin))) return;
+  constexpr double rarer =
+      3.0; // of L: odds of 20 to 1 for impulses, where a torque explains it too
+  std::optional<Laws> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (Laws& laws : other_laws(found)) {
+    const Fitted rough = roughly_fitted(laws.options, laws.model, thin);
+    const bool is_rarer = laws.model.escapement == Escapement::single_impulse;
+    const double value = rough.minimum.value + (is_rarer ? rarer : 0.0);
+    if (!explains(rough) || !(value < least)) continue;
+    least = value;
+    best = std::move(laws);
+  }
+  if (!best) return;
+  Fitted other = fit_from_scratch(working_.data, best->options, best->model, guess_);
+  if (!other.minimum.usable) return;
+  tried(best_, "does not explain the log, and the next does");
+  best_ = std::move(other);
+  options_ = std::move(best->options);
+  move_dates(best_, options_);
+}
+
 // A free pendulum is the simpler model; it is taken where it explains the log as well and its
 // friction shows (a stationary log fits anything and says nothing).
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
-  if (options_.escapement || !options_.events.empty()) return false;
-  const auto speaks_of_escapement = [](const std::string& name) {
-    return name == "mu" || name == "phi0";
-  };
-  for (const auto& [name, value] : options_.fixed)
-    if (speaks_of_escapement(name)) return false;
-  for (const Prior& prior : options_.priors)
-    if (speaks_of_escapement(prior.name)) return false;
-  constexpr std::size_t enough = 1000; // beats: whether a pendulum is driven shows in a few
+  if (options_.escapement || !options_.events.empty() || is_told_of_torque()) return false;
   ModelChoice free = driven;
   free.escapement = Escapement::none;
-  const TimingData thin =
-      thinned(working_.data, make_parameters(options_, working_.data, free), enough);
-  Fitted without = fit_from_scratch(thin, options_, free, guess_);
+  TimingData thin;
+  Fitted without = roughly_fitted(options_, free, thin);
   if (!without.minimum.usable || !determines_friction(without)) return false;
-  refine(without, FitDynamics::map); // what first order lacks must not pass for a drive
-  const auto explains = [&](const Fitted& fitted) {
-    return white(fitted) && is_as_small_as(guess_.jitter_s, fitted);
-  };
-  if (!explains(without)) add_terms(without); // nor must friction that is not linear
+  if (!explains(without)) add_terms(without); // friction that is not linear is no drive either
   const std::string name =
       fmt::format("no escapement, friction {} ({} beats)", without.model.friction(), thin.size());
   chosen = without.model;
@@ -167,8 +230,8 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
     alternatives_.push_back({name, without.bic, "explains the log: no drive was looked for"});
     return true;
   }
-  Fitted with = fit_from_scratch(thin, options_, driven, guess_);
-  if (with.minimum.usable) refine(with, FitDynamics::map);
+  TimingData thin_driven;
+  const Fitted with = roughly_fitted(options_, driven, thin_driven);
   const bool simpler = !with.minimum.usable || without.bic < with.bic;
   alternatives_.push_back(
       {name, without.bic,
@@ -371,73 +434,6 @@ void ModelSearch::thin_by_information() {
   }
 }
 
-namespace {
-
-// The best end of one step of scoring, or where it began.
-Minimum after_one_step(const FitProblem& problem, const std::vector<double>& x) {
-  Minimum there;
-  there.x = x;
-  const auto at = evaluate(problem, x);
-  if (!at) return there;
-  there.usable = true;
-  there.value = at->value;
-  const Eigen::VectorXd step = -at->triangle.triangularView<Eigen::Upper>().solve(at->projected);
-  std::vector<double> moved = x;
-  for (std::size_t k = 0; k < x.size(); ++k)
-    moved[k] = std::clamp(x[k] + step[static_cast<Eigen::Index>(k)], problem.bounds[k][0],
-                          problem.bounds[k][1]);
-  const auto value = minus_log_likelihood(problem, moved);
-  if (value && *value < there.value) {
-    there.x = std::move(moved);
-    there.value = *value;
-  }
-  return there;
-}
-
-} // namespace
-
-// A date found by a search is moved by steps while that pays. One step of scoring tells what
-// another date would gain: it lies a few beats off, and the clock hardly moves with it.
-void ModelSearch::move_events() {
-  constexpr double pays = 0.05;         // of L
-  constexpr std::size_t enough = 30000; // beats; those about the dates are kept
-  const TimingData some = thinned(working_.data, best_.problem.parameters, enough);
-  const FitProblem plain = best_.problem.on(some);
-  const auto dated = [&](const FitOptions& options) {
-    FitProblem problem = plain;
-    problem.parameters.event_cycles =
-        make_parameters(options, *plain.data, best_.model).event_cycles;
-    return problem;
-  };
-  const std::vector<FitEvent> found = options_.events;
-  Minimum here = best_.minimum;
-  for (std::size_t k = 0; k < options_.events.size(); ++k) {
-    if (!options_.events[k].movable) continue;
-    here = after_one_step(dated(options_), here.x);
-    for (std::int64_t step : {8, 4, 2, 1})
-      for (const std::int64_t side : {-1, 1})
-        while (true) {
-          FitOptions moved = options_;
-          moved.events[k].cycle += side * step;
-          const auto cycle = static_cast<double>(moved.events[k].cycle);
-          const double before = k == 0 ? 0.0 : static_cast<double>(moved.events[k - 1].cycle);
-          const double after = k + 1 < moved.events.size()
-                                   ? static_cast<double>(moved.events[k + 1].cycle)
-                                   : working_.data.cycle.back();
-          if (cycle <= before || cycle >= after) break;
-          Minimum there = after_one_step(dated(moved), here.x);
-          if (!there.usable || !(there.value < here.value - pays)) break;
-          here = std::move(there);
-          options_ = std::move(moved);
-        }
-  }
-  const auto same = [](const FitEvent& a, const FitEvent& b) { return a.cycle == b.cycle; };
-  if (std::equal(found.begin(), found.end(), options_.events.begin(), same)) return;
-  best_.minimum.x = here.x;
-  Fitted moved = fit_from(best_, options_, best_.model);
-  if (moved.minimum.usable) best_ = std::move(moved);
-}
-
 // A stated prior that the log by itself rules out is left out: what both would agree on is a number
 // that neither supports. Looked for where the fit with it does not explain the log.
 void ModelSearch::leave_out_contradicted_priors() {
@@ -483,9 +479,13 @@ const Fitted& ModelSearch::run() {
   best_ = fit_from_scratch(working_.data, options_, model, guess_);
   leave_out_contradicted_priors();
   if (!best_.minimum.usable) return best_;
-  move_events();
+  const std::vector<FitEvent> found = options_.events;
+  move_dates(best_, options_);
+  consider_other_laws(found);
   if (!best_.model.walk && !strays_by_noise()) {
     choose_dynamics();
+    if (best_.dynamics != FitDynamics::averaged1)
+      move_dates(best_, options_); // first order dates a little off
     choose_friction();
     choose_noise();
   } else {

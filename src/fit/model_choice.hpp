@@ -35,11 +35,22 @@ public:
   [[nodiscard]] const std::map<std::string, double>& first_order_shifts() const { return shifts_; }
 
 private:
+  /// What is fitted: what changes when, and the escapement.
+  struct Laws {
+    FitOptions options;
+    ModelChoice model;
+  };
+
   void thin_if_long();
   [[nodiscard]] ModelChoice first_model() const;
+  [[nodiscard]] bool explains(const Fitted& fitted) const;
+  [[nodiscard]] Fitted roughly_fitted(const FitOptions& options, const ModelChoice& model,
+                                      TimingData& thin) const;
+  [[nodiscard]] bool is_told_of_torque() const;
+  [[nodiscard]] std::vector<Laws> other_laws(const std::vector<FitEvent>& found) const;
+  void consider_other_laws(const std::vector<FitEvent>& found);
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void leave_out_contradicted_priors();
-  void move_events();
   void choose_dynamics();
   void add_terms(Fitted& fitted);
   void choose_friction();

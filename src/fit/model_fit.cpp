@@ -421,12 +421,19 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   constexpr double still = 2e-4; // of L: 0.02 sigma of the best known combination
   Fitted refined = fitted;
   refined.dynamics = dynamics;
+  Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
+  best.minimum.value = std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
     refined.problem.parameters.start_ratio =
         limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
     auto correction = difference_to(dynamics, refined.problem, refined.minimum.x);
     if (!correction) return false;
     refined.problem.correction = std::move(*correction);
+    const auto here = minus_log_likelihood(refined.problem, refined.minimum.x);
+    if (here && *here < best.minimum.value) {
+      best = refined;
+      best.minimum.value = *here;
+    }
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
     if (round > 1 && step->gain < still) break;
@@ -445,6 +452,8 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     if (refined.minimum.usable) finish(refined); // the sigmas of the wrong model were too wide
     if (!refined.minimum.usable) return false;
   }
+  if (!std::isfinite(best.minimum.value)) return false;
+  refined = std::move(best);
   for (Rival& rival : refined.rivals)
     for (std::size_t k = 0; k < rival.x.size(); ++k)
       rival.x[k] += refined.minimum.x[k] - fitted.minimum.x[k];

@@ -239,7 +239,7 @@ TEST_F(CommandTest, FitTakesTheModelItIsTold) {
   ASSERT_EQ(run(fit + "--free quadratic_drag,drift --free dry_friction").code, 0);
   for (const char* name : {"quadratic_drag", "drift", "dry_friction"})
     value_of(json("fit.json"), name);
-  ASSERT_EQ(run("fit log.csv --json fit.json --escapement single-impulse").code, 0);
+  ASSERT_EQ(run("fit log.csv --json fit.json --escapement single-impulse --event none").code, 0);
   EXPECT_EQ(json("fit.json")["model"]["escapement"], "single-impulse");
   for (const char* wrong : {"--noise pink", "--escapement profile", "--free lambda", "--free mu@2",
                             "--free temperature", "--free T0", "--from log.csv --from log.csv"})

@@ -45,8 +45,14 @@ TimingData fit_data(const NumberedLog& loaded);
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
 /// The changes that the diary of the log shows most plainly, at most four, as events of a fit: each
-/// may move, and changes T0 (regulation), epsilon (friction) or mu.
-std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle);
+/// may move, and changes T0 (regulation), epsilon (friction) or mu, which a free pendulum does not
+/// have.
+std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle,
+                                      std::optional<Escapement> escapement);
+
+/// With the sensor's place among the free parameters where the beat error shows that the times are
+/// not those of the vertical, unless the options speak of it.
+FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
 /// What the causes are judged by. Points to `times`. The fit serves to tell a rough drive.
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,

@@ -53,6 +53,7 @@ struct SensorEstimate {
 struct SensorFindings {
   std::optional<SensorEstimate> beat_error_s{};
   std::optional<SensorEstimate> offset_rad{};
+  bool at_vertical = false; ///< the times were moved there
   std::optional<AmplitudeSummary> amplitude{};
 };
 

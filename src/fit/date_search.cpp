@@ -1,0 +1,128 @@
+#include "date_search.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <optional>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// The best end of one step of scoring, or where it began.
+Minimum after_one_step(const FitProblem& problem, const std::vector<double>& x) {
+  Minimum there;
+  there.x = x;
+  const auto at = evaluate(problem, x);
+  if (!at) return there;
+  there.usable = true;
+  there.value = at->value;
+  const Eigen::VectorXd step = -at->triangle.triangularView<Eigen::Upper>().solve(at->projected);
+  std::vector<double> moved = x;
+  for (std::size_t k = 0; k < x.size(); ++k)
+    moved[k] = std::clamp(x[k] + step[static_cast<Eigen::Index>(k)], problem.bounds[k][0],
+                          problem.bounds[k][1]);
+  const auto value = minus_log_likelihood(problem, moved);
+  if (value && *value < there.value) {
+    there.x = std::move(moved);
+    there.value = *value;
+  }
+  return there;
+}
+
+// The options with one date moved; nothing if it would leave its place among the others.
+std::optional<FitOptions> with_moved_date(const FitOptions& options, std::size_t event,
+                                          std::int64_t by, double last_cycle) {
+  FitOptions moved = options;
+  moved.events[event].cycle += by;
+  const auto cycle = static_cast<double>(moved.events[event].cycle);
+  const double before = event == 0 ? 0.0 : static_cast<double>(moved.events[event - 1].cycle);
+  const double after = event + 1 < moved.events.size()
+                           ? static_cast<double>(moved.events[event + 1].cycle)
+                           : last_cycle;
+  if (cycle <= before || cycle >= after) return {};
+  return moved;
+}
+
+// Dates in the order of time that are moved by steps while that pays.
+class DateSearch {
+public:
+  using Search = Minimum (*)(const FitProblem&, const std::vector<double>&);
+
+  DateSearch(const Fitted& fitted, const FitOptions& options, const TimingData& data)
+      : problem_(fitted.problem.on(data)), model_(fitted.model), options_(options),
+        here_(fitted.minimum) {}
+
+  void move(std::initializer_list<std::int64_t> steps, Search search) {
+    here_ = search(dated(options_), here_.x);
+    for (std::size_t event = 0; event < options_.events.size(); ++event)
+      for (const std::int64_t step : steps)
+        for (const std::int64_t side : {-1, 1})
+          while (options_.events[event].movable && goes(event, side * step, search)) {
+          }
+  }
+
+  [[nodiscard]] const FitOptions& options() const { return options_; }
+  [[nodiscard]] const std::vector<double>& place() const { return here_.x; }
+
+private:
+  [[nodiscard]] FitProblem dated(const FitOptions& options) const {
+    FitProblem problem = problem_;
+    problem.parameters.event_cycles = make_parameters(options, *problem.data, model_).event_cycles;
+    return problem;
+  }
+
+  bool goes(std::size_t event, std::int64_t by, Search search) {
+    constexpr double pays = 0.05; // of L
+    auto moved = with_moved_date(options_, event, by, problem_.data->cycle.back());
+    if (!moved) return false;
+    Minimum there = search(dated(*moved), here_.x);
+    if (!there.usable || !(there.value < here_.value - pays)) return false;
+    here_ = std::move(there);
+    options_ = std::move(*moved);
+    return true;
+  }
+
+  FitProblem problem_;
+  ModelChoice model_;
+  FitOptions options_;
+  Minimum here_;
+};
+
+Minimum after_a_search(const FitProblem& problem, const std::vector<double>& x) {
+  return minimise(problem, x, {60, 1e-2});
+}
+
+} // namespace
+
+// One step of scoring tells what a date some beats off would gain, where the clock hardly moves
+// with it; along a valley it moves far, and the last beat takes a search.
+void move_dates(Fitted& fitted, FitOptions& options) {
+  const auto is_movable = [](const FitEvent& event) { return event.movable; };
+  if (!fitted.minimum.usable ||
+      std::none_of(options.events.begin(), options.events.end(), is_movable))
+    return;
+  const TimingData& data = *fitted.problem.data;
+  constexpr std::size_t many = 30000, few = 3000; // beats; those about the dates are kept
+  const TimingData some = thinned(data, fitted.problem.parameters, many);
+  DateSearch search(fitted, options, some);
+  search.move({8, 4, 2, 1}, after_one_step);
+  Fitted moved = fitted;
+  moved.minimum.x = search.place();
+  moved.problem.parameters.event_cycles =
+      make_parameters(search.options(), data, fitted.model).event_cycles;
+  const TimingData fewer = thinned(data, moved.problem.parameters, few);
+  DateSearch last(moved, search.options(), fewer);
+  last.move({1}, after_a_search);
+  const auto same = [](const FitEvent& a, const FitEvent& b) { return a.cycle == b.cycle; };
+  if (std::equal(options.events.begin(), options.events.end(), last.options().events.begin(), same))
+    return;
+  moved.minimum.x = last.place();
+  moved = fit_from(moved, last.options(), fitted.model);
+  if (!moved.minimum.usable || !refine(moved, fitted.dynamics) ||
+      moved.minimum.value > fitted.minimum.value)
+    return;
+  fitted = std::move(moved);
+  options = last.options();
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,195 @@
+// What the road to a fit notices by itself: the moment of a change and what changed, a sensor off
+// the vertical, impulses in place of a torque. Nothing is named but, where it says so, T0.
+#include "goingrate/analysis/analyse.hpp"
+#include "goingrate/clock/scenario.hpp"
+#include "goingrate/log/writing.hpp"
+#include "support/simulated.hpp"
+
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+Analysis analysed(const std::string& scenario, std::uint64_t seed,
+                  const std::map<std::string, double>& fixed = {}) {
+  const ClockLog log = test::simulated_log(parse_scenario(scenario, "noticed.toml"), seed);
+  constexpr int decimals = 9;
+  LoadRequest request;
+  request.path = "noticed.csv";
+  AnalysisRequest asked;
+  asked.fit.fixed = fixed;
+  asked.traces_profiles = false;
+  return analyse(load_text(native_log_text(log, decimals), request), asked);
+}
+
+// Within four sigma: of a dozen parameters in three logs one in a thousand is beyond.
+void expect_value(const FitSummary& fit, const std::string& name, double truth) {
+  const FittedParameter* p = fit.find(name);
+  ASSERT_NE(p, nullptr) << name;
+  ASSERT_TRUE(std::isfinite(p->value)) << name;
+  EXPECT_NEAR(p->value, truth, 4.0 * p->sigma) << name;
+}
+
+constexpr const char* clock_b = R"(
+[clock]
+nominal_period = 2.0
+epsilon = 2.5e-4
+mu = 4e-5
+phi0 = 0.03
+)";
+
+constexpr const char* change_of_friction = R"(
+[run]
+periods = 3000
+[[event]]
+at_period = 900
+epsilon = 3e-4
+[sensor]
+jitter_rms = 1e-5
+)";
+
+TEST(NoticedTest, AChangeOfFrictionAndItsDate) {
+  for (const std::uint64_t seed : {5U, 6U}) {
+    const FitSummary fit =
+        analysed(std::string(clock_b) + change_of_friction, seed, {{"T0", 2.0}}).fit;
+    ASSERT_EQ(fit.events.size(), 1U);
+    EXPECT_EQ(fit.events[0].cycle, 900);
+    EXPECT_FALSE(fit.model.drive) << "noise in place of a beat's error of the date";
+    expect_value(fit, "epsilon", 2.5e-4);
+    expect_value(fit, "epsilon@1", 3e-4);
+  }
+}
+
+// Impulses then explain the log as well; what is stated must hold.
+TEST(NoticedTest, AChangeOfFrictionWithTheLengthUnknown) {
+  const FitSummary fit = analysed(std::string(clock_b) + change_of_friction, 5).fit;
+  EXPECT_FALSE(fit.model.drive);
+  const std::map<std::string, double> truth{
+      {"T0", 2.0}, {"epsilon", 2.5e-4}, {"mu", 4e-5}, {"phi0", 0.03}, {"epsilon@1", 3e-4}};
+  for (const auto& [name, value] : truth) {
+    const FittedParameter* p = fit.find(name);
+    if (p != nullptr && std::isfinite(p->value)) {
+      EXPECT_NEAR(p->value, value, 4.0 * p->sigma) << name;
+    }
+  }
+}
+
+TEST(NoticedTest, AChangeOfTheEscapementsAngle) {
+  const FitSummary fit = analysed(std::string(clock_b) + R"(
+[run]
+periods = 3000
+[[event]]
+at_period = 900
+phi0 = 0.033
+[sensor]
+jitter_rms = 1e-5
+)",
+                                  5, {{"T0", 2.0}})
+                             .fit;
+  EXPECT_FALSE(fit.model.drive);
+  expect_value(fit, "phi0", 0.03);
+  expect_value(fit, "phi0@1", 0.033);
+}
+
+// The speed in rad/s is what a pendulum keeps when its length changes: lambda goes with T0.
+TEST(NoticedTest, AChangeOfTheRegulation) {
+  const FitSummary fit = analysed(std::string(clock_b) + R"(
+[run]
+periods = 3000
+[[event]]
+at_period = 900
+nominal_period = 2.0001
+[sensor]
+jitter_rms = 1e-5
+)",
+                                  5, {{"T0", 2.0}})
+                             .fit;
+  EXPECT_FALSE(fit.model.drive);
+  EXPECT_FALSE(fit.model.walk);
+  expect_value(fit, "T0@1", 2.0001);
+}
+
+TEST(NoticedTest, TwoChangesOfDifferentKinds) {
+  for (const std::uint64_t seed : {771U, 772U}) {
+    const FitSummary fit = analysed(std::string(clock_b) + R"(
+[run]
+periods = 3000
+[[event]]
+at_period = 600
+mu = 6e-5
+[[event]]
+at_period = 1800
+epsilon = 3e-4
+[sensor]
+jitter_rms = 1e-5
+amplitude_rms = 2e-5
+)",
+                                    seed)
+                               .fit;
+    EXPECT_FALSE(fit.model.drive);
+    expect_value(fit, "epsilon", 2.5e-4);
+    expect_value(fit, "mu", 4e-5);
+    expect_value(fit, "mu@1", 6e-5);
+    expect_value(fit, "epsilon@2", 3e-4);
+  }
+}
+
+constexpr const char* impulses = R"(
+[clock]
+nominal_period = 1.5
+epsilon = 2e-4
+escapement = "single-impulse"
+impulse = 1.5e-6
+angle = 0.01
+[run]
+periods = 2000
+[[event]]
+at_period = 400
+impulse = 2.5e-6
+[sensor]
+jitter_rms = 1e-5
+)";
+
+TEST(NoticedTest, SingleImpulses) {
+  for (const bool knows_T0 : {false, true}) {
+    const auto fixed =
+        knows_T0 ? std::map<std::string, double>{{"T0", 1.5}} : std::map<std::string, double>{};
+    const FitSummary fit = analysed(impulses, 771, fixed).fit;
+    EXPECT_EQ(fit.model.escapement, Escapement::single_impulse);
+    expect_value(fit, "epsilon", 2e-4);
+    expect_value(fit, "impulse", 1.5e-6);
+    expect_value(fit, "impulse@1", 2.5e-6);
+  }
+}
+
+TEST(NoticedTest, ABeamOffTheVertical) {
+  for (const bool knows_T0 : {false, true}) {
+    const auto fixed =
+        knows_T0 ? std::map<std::string, double>{{"T0", 2.0}} : std::map<std::string, double>{};
+    const FitSummary fit = analysed(R"(
+[clock]
+nominal_period = 2.0
+epsilon = 2.5e-4
+mu = 2e-5
+phi0 = 0.03
+[run]
+periods = 1500
+[[event]]
+at_period = 300
+mu = 4e-5
+[sensor]
+edges = "both"
+offset = 0.004
+jitter_rms = 2e-5
+)",
+                                    771, fixed)
+                               .fit;
+    EXPECT_FALSE(fit.model.quadratic);
+    expect_value(fit, "epsilon", 2.5e-4);
+    expect_value(fit, "mu", 2e-5);
+    expect_value(fit, "offset", 0.004);
+  }
+}
+
+} // namespace
+} // namespace goingrate
