@@ -191,6 +191,7 @@ void add_change(const TimingData& data, double at_s, double doubt_s, std::span<c
   change.rate_change = found.jump;
   change.amplitude_slope_change = unknown;
   change.significance = std::sqrt(found.gain);
+  change.stands_out = false;
   changes.insert(std::find_if(changes.begin(), changes.end(),
                               [&](const Change& other) { return other.at_s > change.at_s; }),
                  change);

@@ -464,6 +464,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
 
 std::vector<Change> strongest_changes(const Diary& diary, std::size_t most) {
   std::vector<Change> changes = strongest_first(diary.changes);
+  std::erase_if(changes, [](const Change& change) { return !change.stands_out; });
   if (changes.size() > most) changes.resize(most);
   std::sort(changes.begin(), changes.end(), is_before);
   return changes;

@@ -107,9 +107,6 @@ public:
       if (names(options_, data_.terms[k].name)) add(term_kind, 0, k);
     add_changes();
     add_noise();
-    if (parameters_.free_count > most_parameters)
-      throw ArgumentError("parameters", static_cast<double>(parameters_.free_count),
-                          fmt::format("at most {} free ones", most_parameters));
     return parameters_;
   }
 

@@ -5,6 +5,7 @@
 #include "thinning.hpp"
 
 #include "fit/timing_noise.hpp"
+#include "goingrate/base/errors.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -80,6 +81,10 @@ ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
     : all_(data), options_(options), guess_(guess_noise(data)) {
   check_names(options, data);
   include_named_noise(options_);
+  const std::size_t asked = make_parameters(options_, data, first_model()).free_count;
+  if (asked > most_parameters)
+    throw ArgumentError("parameters", static_cast<double>(asked),
+                        fmt::format("at most {} free ones", most_parameters));
 }
 
 // What the first fit is made with: what the options name, and a walk where neighbouring beats show

@@ -73,8 +73,7 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   if (others.empty() && knows_its_clock(fitted)) return false;
   constexpr std::size_t enough = 3000; // beats: what is thinned away makes the check stricter
   const TimingData data = thinned(*fitted.problem.data, fitted.problem.parameters, enough);
-  FitProblem check = fitted.problem.on(data);
-  check.condensed = fitted.problem.condensed;
+  const FitProblem check = fitted.problem.on(data); // condensed beats hold near one end only
   const Minimum home = minimise(check, fitted.minimum.x, {60, 1e-3});
   if (!home.usable) return false;
   const auto there = evaluate(check, home.x);
@@ -186,6 +185,11 @@ void finish(Fitted& fitted) {
   fitted.known = certainty(fitted.problem, *at, fitted.widening);
 }
 
+// A richer model than can be searched for is not tried.
+bool has_too_many(const FitProblem& problem) {
+  return problem.parameters.free_count > most_parameters;
+}
+
 constexpr std::size_t enough_to_screen = 2500; // beats that tell starts apart,
 constexpr std::size_t enough_to_rank = 1000;   // that say which of many to look at
 
@@ -231,6 +235,7 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
   Fitted fitted;
   fitted.model = model;
   fitted.problem = make_problem(data, options, model);
+  if (has_too_many(fitted.problem)) return fitted;
   auto ends = finalists(fitted.problem, options, noise);
   if (ends.empty()) return fitted;
   const Parameters& parameters = fitted.problem.parameters;
@@ -293,6 +298,7 @@ bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelC
   const TimingData thin = at_one_stride(*simpler.problem.data, enough_to_screen);
   FitProblem plain = simpler.problem.on(thin); // the dynamics change little between noises
   const FitProblem richer = make_problem(thin, options, model);
+  if (has_too_many(richer)) return false;
   plain.priors.clear();
   const auto here = minus_log_likelihood(plain, simpler.minimum.x);
   constexpr double some = 1.0; // of L: below that no search would make it worth two parameters
@@ -341,6 +347,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   Fitted fitted;
   fitted.model = model;
   fitted.problem = make_problem(data != nullptr ? *data : *simpler.problem.data, options, model);
+  if (has_too_many(fitted.problem)) return fitted;
   const auto points = richer_starts(simpler, fitted.problem, model);
   std::vector<Minimum> tried(1);
   tried.front().x = points.front();

@@ -5,6 +5,7 @@
 #include "goingrate/log/writing.hpp"
 #include "support/simulated.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -132,6 +133,27 @@ amplitude_rms = 2e-5
     expect_value(fit, "mu@1", 6e-5);
     expect_value(fit, "epsilon@2", 3e-4);
   }
+}
+
+// All that any model could have is more than a search takes: only what is tried must not be.
+TEST(NoticedTest, FourChangesInALogWithColumns) {
+  std::string scenario = std::string(clock_b) + R"(
+[run]
+periods = 2500
+[temperature]
+sine = [{amplitude = 0.5, period = 2000.0}]
+[sensor]
+jitter_rms = 1e-5
+amplitude_rms = 2e-5
+temperature_rms = 0.01
+)";
+  for (const int change : {1, 2, 3, 4})
+    scenario += fmt::format("[[event]]\nat_period = {}\nmu = {}\n", 500 * change,
+                            change % 2 == 1 ? 6e-5 : 4e-5);
+  const Analysis data = analysed(scenario, 9, {{"T0", 2.0}});
+  ASSERT_EQ(data.fit.events.size(), 4U);
+  EXPECT_FALSE(data.log.columns.temperature_c.empty());
+  expect_value(data.fit, "mu@4", 4e-5);
 }
 
 constexpr const char* impulses = R"(

@@ -44,7 +44,7 @@ TimingData fit_data(const NumberedLog& loaded);
 /// tells. `times` are fit_data(loaded).
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
-/// The changes that the diary of the log shows most plainly, at most four, as events of a fit: each
+/// The changes that stand out of the beats next to them, at most four, as events of a fit: each
 /// may move, and changes T0 (regulation), epsilon (friction) or mu, which a free pendulum does not
 /// have.
 std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle,

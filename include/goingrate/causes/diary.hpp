@@ -31,6 +31,7 @@ struct Change {
   /// In units of the log's own typical fluctuation; the root of the gain where
   /// add_small_changes() found it.
   double significance = 0.0;
+  bool stands_out = true; ///< of the beats next to it; false where add_small_changes() found it
   ChangeKind kind = ChangeKind::unclear;
   ChangeKind next_kind = ChangeKind::unclear; ///< the second best
   double gain = 0.0;                          ///< 2 log L over no change, less its price
@@ -95,7 +96,7 @@ struct DiaryOptions {
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
 
-/// The `most` most significant changes, in order of time.
+/// The `most` most significant changes that stand out, in order of time.
 std::vector<Change> strongest_changes(const Diary& diary, std::size_t most);
 
 } // namespace goingrate
