@@ -98,18 +98,19 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   constexpr double better = 0.5; // of L
   const bool moved = best.value < home.value - better;
   if (moved) fitted.minimum.x = best.x;
+  const std::vector<double>& here = moved ? best.x : home.x;
   for (const Minimum& other : found)
     if (other.usable && other.converged && other.value < best.value + near)
       fitted.rivals.push_back({other.x, other.value - best.value});
   // Without a change the ends lie in one flat valley, which first order knows as well.
   for (const Minimum& other : found)
     if (other.usable && other.converged && other.value < best.value + farthest &&
-        known.tells_apart(other.x, best.x) && !check.parameters.event_cycles.empty())
+        known.tells_apart(other.x, here) && !check.parameters.event_cycles.empty())
       fitted.ends.push_back(other.x);
   // What the thinning moves, all of them were moved by.
   for (Rival& rival : fitted.rivals)
     for (std::size_t k = 0; k < rival.x.size(); ++k)
-      rival.x[k] += fitted.minimum.x[k] - best.x[k];
+      rival.x[k] += fitted.minimum.x[k] - here[k];
   return moved;
 }
 
