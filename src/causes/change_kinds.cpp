@@ -90,10 +90,6 @@ void put_date(std::span<const Beat> beats, double at_s, Change& change) {
   change.cycle = beats.front().cycle + cycle_at(beats, at_s);
 }
 
-} // namespace
-
-namespace {
-
 Judgement judged_about(const TimingData& data, const Stretch& stretch, double at_s,
                        double doubt_s) {
   std::vector<Look> looks;

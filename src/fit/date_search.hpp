@@ -5,7 +5,8 @@
 
 namespace goingrate::timing_model {
 
-/// Moves the dates that may move, and the fit with them, while that pays.
+/// Moves the dates that may move, and the fit with them, while that pays. Looked for with the
+/// averaged clock; taken where the dynamics of the fit prefer it.
 void move_dates(Fitted& fitted, FitOptions& options);
 
 } // namespace goingrate::timing_model

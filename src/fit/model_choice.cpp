@@ -490,7 +490,7 @@ const Fitted& ModelSearch::run() {
   if (!best_.model.walk && !strays_by_noise()) {
     choose_dynamics();
     if (best_.dynamics != FitDynamics::averaged1)
-      move_dates(best_, options_); // first order dates a little off
+      move_dates(best_, options_); // again, from a better place
     choose_friction();
     choose_noise();
   } else {
