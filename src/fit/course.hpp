@@ -32,6 +32,8 @@ template <class T> struct AveragedLaws {
   bool linear = true; ///< friction has no other term, not even one that is 0 at present
   T epsilon{}, mu{}, phi0{}, quadratic{}, dry{};
 
+  friend bool operator==(const AveragedLaws&, const AveragedLaws&) = default;
+
   [[nodiscard]] bool closed() const { return escapement != Escapement::single_impulse && linear; }
   [[nodiscard]] T drive() const {
     return escapement == Escapement::single_impulse ? T(mu * (1.0 / std::numbers::pi))

@@ -125,21 +125,22 @@ private:
   }
 
   template <std::size_t D, class See> bool disturbed(See&& see) {
-    NoiseFilter<T, D> filter(noise_);
+    const auto& responses = problem_.correction.responses;
+    NoiseFilter<T, D> filter(noise_, !responses.empty() && data_.has_amplitude());
+    const CycleResponse averaged;
     double before = 0.0;
     return Follower<T>(problem_.parameters, x_, data_).run([&](std::size_t i, const auto& sight) {
+      const CycleResponse& response = responses.empty() ? averaged : responses[i];
       if (i == 0) {
-        filter.start(sight, late(i, sight));
+        filter.start(sight, response, late(i, sight));
       } else {
-        filter.pass(sight, data_.cycle[i] - before);
+        filter.pass(sight, response, data_.cycle[i] - before);
         const auto seen = filter.see_time(late(i, sight));
         see(i, seen.value, seen.variance, true);
       }
       before = data_.cycle[i];
       if (sees_amplitude(i)) {
-        using std::sqrt;
-        const T slope = scale_ * 0.5 / sqrt(sight.amplitude2);
-        const auto seen = filter.see_amplitude(amplitude_excess(i, sight), slope);
+        const auto seen = filter.see_amplitude(sight, response, amplitude_excess(i, sight), scale_);
         see(i, seen.value, seen.variance, false);
       }
     });

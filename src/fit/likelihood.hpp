@@ -10,6 +10,7 @@
 #pragma once
 
 #include "condensed.hpp"
+#include "cycle_response.hpp"
 #include "parameters.hpp"
 
 #include "goingrate/fit/timing_data.hpp"
@@ -24,8 +25,9 @@ namespace goingrate::timing_model {
 
 /// What other dynamics add to the averaged prediction; empty for nothing.
 struct Correction {
-  std::vector<double> late_s;    ///< when they cross less when the averaged clock does
-  std::vector<double> amplitude; ///< turning angle
+  std::vector<double> late_s;           ///< when they cross less when the averaged clock does
+  std::vector<double> amplitude;        ///< turning angle
+  std::vector<CycleResponse> responses; ///< to noise of the drive, where the model has any
 };
 
 /// A weak or stated prior on one search coordinate.

@@ -2,16 +2,20 @@
 //
 // State at upward crossing n, as departures from the undisturbed course:
 //   t  lateness of the clock, s
-//   x  of the squared amplitude, rad^2
+//   w  of the squared amplitude, rad^2
 //   s  slow part of the relative drive
-// Over a cycle, with the relative drive u = d + s (d white, rms sigma_d), a = 2 pi f_x and
-// E = exp(a), from dx' = f_x x + D u and late' = -(g_x x + push u) (course.hpp):
-//   x' = E x + D 2pi M u,                 M = (E - 1)/a
-//   t' = t - T0 [g_x M x + (push + g_x D 2pi (M - 1)/a) u] + (walk)
+// Over a cycle, with the relative drive u = d + s (d white, rms sigma_d) and the gains of
+// cycle_response.hpp:
+//   w' = kept w + raised u
+//   t' = t + follow w + kick u + (walk)
 //   s' = r s + (noise),                   r = exp(-T0/slow_time)
-// What is observed: t + jitter, and the turning angle, H x + noise. Over k cycles without a
+// What is observed: t + jitter, and the turning angle, H w + noise. Over k cycles without a
 // beat the cycle's matrices are combined by doubling. A beat costs a fixed number of operations,
 // so a log of N beats costs O(N); once the covariance stands still only the state is advanced.
+//
+// Where a log tells the amplitude better than the course does, what is of second order shows: the
+// extended filter takes the gains where the clock is, not on its course, and counts half the second
+// derivatives times the mean squares (second-order extended Kalman filter: Jazwinski 1970, ch. 9).
 // The first time is taken as it comes: its crossing has no known moment (exact diffuse start). The
 // first amplitude scatters about the course like all others: held to the course it would be fitted
 // to absurd precision by clocks whose inverse response grows (slow gain of the other sign), and
@@ -19,6 +23,7 @@
 #pragma once
 
 #include "clock_model.hpp"
+#include "cycle_response.hpp"
 
 #include <array>
 #include <cstddef>
@@ -39,16 +44,18 @@ template <class T> struct Innovation {
 /// The filter with D = 2 (t, x) or 3 (t, x, s) states.
 template <class T, std::size_t D> class NoiseFilter {
 public:
-  explicit NoiseFilter(const NoiseSizes<T>& noise) : noise_(noise) {}
+  /// `extended`: whether what is of second order counts.
+  explicit NoiseFilter(const NoiseSizes<T>& noise, bool extended = false)
+      : noise_(noise), extended_(extended) {}
 
   /// The first beat: nothing is known of its lateness; amplitude and slow drive are anywhere in
   /// their stationary spread about the course, as in a clock that has been going.
-  void start(const Sight<T>& sight, const T& late) {
+  void start(const Sight<T>& sight, const CycleResponse& response, const T& late) {
     state_ = {};
     covariance_ = {};
     state_[0] = late;
     covariance_[0][0] = noise_.jitter * noise_.jitter;
-    const Step step = cycle(sight);
+    const Step step = cycle_on_course(sight, response);
     const T& kept = step.transition[1][1];
     T spread = step.noise[1][1];
     if constexpr (D == 3) {
@@ -63,11 +70,17 @@ public:
     step_ = {};
   }
 
-  /// Lets `cycles` pass; `sight` is that of the beat they end with.
-  void pass(const Sight<T>& sight, double cycles) {
+  /// Lets `cycles` pass; sight and response are those of the beat they end with.
+  void pass(const Sight<T>& sight, const CycleResponse& response, double cycles) {
+    constexpr double few = 8.0; // cycles that are followed one by one; longer gaps are rare
+    if (extended_ && cycles <= few) {
+      for (double passed = 0.0; passed < cycles; ++passed)
+        pass_extended(sight, response);
+      return;
+    }
     const bool known = sight.settled && kept_cycles_ == cycles && kept_settled_;
     if (!known) {
-      step_ = over(sight, cycles);
+      step_ = over(cycle_on_course(sight, response), cycles);
       frozen_ = false;
     }
     kept_cycles_ = cycles;
@@ -99,12 +112,19 @@ public:
     return {value, variance_};
   }
 
-  /// The amplitude of the beat; `excess` is what was seen less the course's, `slope` is H.
-  Innovation<T> see_amplitude(const T& excess, const T& slope) {
+  /// The amplitude of the beat; `excess` is what was seen less the course's, `scale` what the
+  /// column shows over what the pendulum does.
+  Innovation<T> see_amplitude(const Sight<T>& sight, const CycleResponse& response, const T& excess,
+                              const T& scale) {
     frozen_ = false; // its gain is another
     still_ = 0;
+    using std::sqrt;
+    const T there = extended_ ? T(sight.amplitude2 + way(sight, 1.0)) : sight.amplitude2;
+    const T halfway = extended_ ? T(sight.amplitude2 + way(sight, 0.5)) : sight.amplitude2;
+    const T unit = scale * (0.5 * response.angle), slope = unit / sqrt(there);
+    T value = excess - state_[1] * unit / sqrt(halfway);
+    if (extended_) value += slope / there * covariance_[1][1] * 0.25; // of the mean, half of H'
     const T variance = slope * slope * covariance_[1][1] + noise_.amplitude * noise_.amplitude;
-    const T value = excess - slope * state_[1];
     std::array<T, D> gain;
     for (std::size_t i = 0; i < D; ++i)
       gain[i] = covariance_[i][1] * slope / variance;
@@ -164,15 +184,23 @@ private:
         to[i][k] += what[i][k];
   }
 
-  [[nodiscard]] Step cycle(const Sight<T>& sight) const {
+  // So great a part of the way of the squared amplitude from the course to where the clock is. What
+  // is known badly may seem to be at the escapement, where there are no gains.
+  [[nodiscard]] T way(const Sight<T>& sight, double part) const {
+    constexpr double most = 0.9;
+    const T w = state_[1] * part;
+    const T farthest = (sight.laws->phi0 * sight.laws->phi0 - sight.amplitude2) * most;
+    return w < farthest ? farthest : w;
+  }
+
+  static CycleGains<T> gains(const Sight<T>& sight, const CycleResponse& response, const T& w) {
+    return response.at(*sight.laws, T(sight.amplitude2 + w), sight.T0, w);
+  }
+
+  // A cycle of a clock with these gains.
+  [[nodiscard]] Step cycle(const T& T0, const CycleGains<T>& gains) const {
     using std::exp, std::expm1;
-    const AveragedLaws<T>& laws = *sight.laws;
-    const T &x = sight.amplitude2, a = laws.growth_slope(x) * two_pi;
-    const T gone = expm1(a), mean = gone / a;
-    const T drive = laws.drive() * two_pi, slope = laws.push_slope(x) - 1.0 / 16.0;
-    const T follow = sight.T0 * slope * mean * -1.0;
-    const T raised = drive * mean;
-    const T kick = sight.T0 * (laws.push(x) + slope * drive * (mean - 1.0) / a) * -1.0;
+    const T &gone = gains.gone, &raised = gains.raised, &follow = gains.follow, &kick = gains.kick;
     Step step;
     step.transition[0][0] = T(1.0);
     step.transition[0][1] = follow;
@@ -182,7 +210,7 @@ private:
     step.noise[0][1] = step.noise[1][0] = power * kick * raised;
     step.noise[1][1] = power * raised * raised;
     if constexpr (D == 3) {
-      const T lag = sight.T0 / noise_.slow_time * -1.0;
+      const T lag = T0 / noise_.slow_time * -1.0;
       step.transition[0][2] = kick;
       step.transition[1][2] = raised;
       step.transition[2][2] = exp(lag);
@@ -190,9 +218,45 @@ private:
     }
     return step;
   }
+  [[nodiscard]] Step cycle_on_course(const Sight<T>& sight, const CycleResponse& response) const {
+    return cycle(sight.T0, gains(sight, response, T(0.0)));
+  }
 
-  [[nodiscard]] Step over(const Sight<T>& sight, double cycles) const {
-    Step power = cycle(sight);
+  // One cycle. Its mean goes from the course to the amplitude, with the gains half way, and from
+  // there to the drive; the covariance has the gains at the end of that way.
+  void pass_extended(const Sight<T>& sight, const CycleResponse& response) {
+    const CycleGains<T> on_course = gains(sight, response, T(0.0));
+    const CycleGains<T> halfway = gains(sight, response, way(sight, 0.5));
+    CycleGains<T> there = gains(sight, response, way(sight, 1.0));
+    const T w2 = covariance_[1][1];
+    T product = T(0.0), u2 = noise_.drive * noise_.drive;
+    std::array<T, D> next;
+    // Simpson's rule: with a slow drive the amplitude goes a tenth of itself.
+    const T mean_follow = (on_course.follow + halfway.follow * 4.0 + there.follow) * (1.0 / 6.0);
+    next[0] = state_[0] + mean_follow * state_[1];
+    next[1] = (halfway.gone + 1.0) * state_[1];
+    if constexpr (D == 3) {
+      const T& s = state_[2];
+      next[0] += there.kick * s;
+      next[1] += there.raised * s;
+      product = covariance_[1][2];
+      u2 += covariance_[2][2] + s * s;
+      there.gone += s * response.amplitude2.wu;
+      there.raised += s * (2.0 * response.amplitude2.uu);
+      there.follow += s * there.follow_by_drive;
+      there.kick += s * (2.0 * response.late.uu);
+    }
+    next[0] += response.late.of(w2, product, u2);
+    next[1] += response.amplitude2.of(w2, product, u2);
+    const Step step = cycle(sight.T0, there);
+    if constexpr (D == 3) next[2] = step.transition[2][2] * state_[2];
+    state_ = next;
+    covariance_ = spread(step.transition, covariance_);
+    add(covariance_, step.noise);
+  }
+
+  // As many of them.
+  [[nodiscard]] Step over(Step power, double cycles) const {
     if (cycles == 1.0) return power;
     Step total;
     for (std::size_t i = 0; i < D; ++i)
@@ -221,6 +285,7 @@ private:
   }
 
   NoiseSizes<T> noise_;
+  bool extended_;
   std::array<T, D> state_{};
   Matrix covariance_{};
   Step step_;

@@ -1,6 +1,7 @@
 #include "reference_run.hpp"
 
 #include "clock_model.hpp"
+#include "cycle_response.hpp"
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
@@ -13,18 +14,19 @@ namespace goingrate::timing_model {
 namespace {
 
 // A clock's parameters as the dynamics know them.
-ClockParameters clock_of(const Going<double>& going) {
+ClockParameters clock_of(double T0, const AveragedLaws<double>& laws) {
   ClockParameters clock;
-  clock.nominal_period_s = going.T0;
-  clock.epsilon = going.laws.epsilon;
-  clock.escapement = going.laws.escapement;
-  clock.quadratic_drag = going.laws.quadratic;
-  clock.dry_friction = going.laws.dry;
+  clock.nominal_period_s = T0;
+  clock.epsilon = laws.epsilon;
+  clock.escapement = laws.escapement;
+  clock.quadratic_drag = laws.quadratic;
+  clock.dry_friction = laws.dry;
   const bool impulse = clock.escapement == Escapement::single_impulse;
-  (impulse ? clock.impulse : clock.mu) = going.laws.mu;
-  (impulse ? clock.impulse_angle : clock.phi0) = going.laws.phi0;
+  (impulse ? clock.impulse : clock.mu) = laws.mu;
+  (impulse ? clock.impulse_angle : clock.phi0) = laws.phi0;
   return clock;
 }
+ClockParameters clock_of(const Going<double>& going) { return clock_of(going.T0, going.laws); }
 
 ClockEvent change_to(const ClockParameters& clock, double cycle) {
   ClockEvent event;
@@ -87,12 +89,35 @@ public:
     return late + beyond_ * (last.period_s - reference_period_s_);
   }
   [[nodiscard]] double amplitude() const { return run_.last().amplitude_rad; }
+  [[nodiscard]] double speed2() const { return std::pow(run_.last().velocity, 2); }
 
 private:
   ClockRun run_;
   double reference_period_s_;
   double settled_;
   double beyond_ = 0.0;
+};
+
+// The response along a course: a new one where the clock changes or has come to swing otherwise.
+class ResponseAlong {
+public:
+  const CycleResponse& at(double speed2, const Sight<double>& sight) {
+    constexpr double otherwise = 0.01; // the factors are 1 but for some thousandths: 1e-5 of a gain
+    const bool same = sight.T0 == T0_ && *sight.laws == laws_ &&
+                      std::abs(speed2 - speed2_) <= otherwise * speed2_;
+    if (!same) {
+      T0_ = sight.T0;
+      laws_ = *sight.laws;
+      speed2_ = speed2;
+      response_ = cycle_response(clock_of(T0_, laws_), speed2, laws_, sight.amplitude2);
+    }
+    return response_;
+  }
+
+private:
+  double T0_ = 0.0, speed2_ = 0.0;
+  AveragedLaws<double> laws_;
+  CycleResponse response_;
 };
 
 } // namespace
@@ -111,6 +136,7 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
                                         std::span<const double> x) {
   TimingData seen = problem.asked(); // what a perfect sensor would have logged of that clock
   Correction correction;
+  std::vector<double> speed2;
   try {
     SettlingRun run(scenario_of(dynamics, problem, x), seen.reference_period_s);
     for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -118,6 +144,7 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
       seen.lateness_s[i] = run.late_s();
       seen.elapsed_s[i] = seen.cycle[i] * seen.reference_period_s + seen.lateness_s[i];
       correction.amplitude.push_back(run.amplitude());
+      speed2.push_back(run.speed2());
     }
   } catch (const ArgumentError&) { // a start beyond the top, laws that averaged2 does not know
     return {};
@@ -126,9 +153,12 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
   std::erase_if(bare.slots, [](const Slot& slot) {
     return slot.quantity == Quantity::offset || slot.quantity == Quantity::term;
   });
+  const bool disturbed = bare.has(Quantity::drive_rms) || bare.has(Quantity::slow_rms);
+  ResponseAlong responses;
   const bool holds = Follower<double>(bare, x, seen).run([&](std::size_t i, const auto& sight) {
     correction.late_s.push_back(sight.late_s);
     correction.amplitude[i] -= turning_angle(std::sqrt(sight.amplitude2));
+    if (disturbed) correction.responses.push_back(responses.at(speed2[i], sight));
   });
   return holds ? std::optional(std::move(correction)) : std::nullopt;
 }
