@@ -41,7 +41,7 @@ template <class T> struct Innovation {
   T variance{};
 };
 
-/// The filter with D = 2 (t, x) or 3 (t, x, s) states.
+/// The filter with D = 2 (t, w) or 3 (t, w, s) states.
 template <class T, std::size_t D> class NoiseFilter {
 public:
   /// `extended`: whether what is of second order counts.
@@ -222,8 +222,8 @@ private:
     return cycle(sight.T0, gains(sight, response, T(0.0)));
   }
 
-  // One cycle. Its mean goes from the course to the amplitude, with the gains half way, and from
-  // there to the drive; the covariance has the gains at the end of that way.
+  // One cycle. Its mean goes from the course to the amplitude, and from there to the drive; the
+  // covariance has the gains at the end of that way.
   void pass_extended(const Sight<T>& sight, const CycleResponse& response) {
     const CycleGains<T> on_course = gains(sight, response, T(0.0));
     const CycleGains<T> halfway = gains(sight, response, way(sight, 0.5));

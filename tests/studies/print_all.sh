@@ -17,7 +17,7 @@ print prior 600 "$base"
 print bias 400 "$base"
 print coverage 300 "$base"
 print drive_split 208 40 "$base"
-print noisy_drive 300 "$base"
+print noisy_drive 60 "$base"
 for name in solvers fit_speed fit_peer reading stability; do
   print "$name"
 done
