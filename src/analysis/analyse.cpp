@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace goingrate {
@@ -124,9 +125,13 @@ std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& dia
   return rates_between(beats, cuts, nominal_period_s);
 }
 
-// The rms of the fast drive, as far as the log tells it.
+// The rms of the fast drive, as far as the log tells it: without a high end if only its least is
+// known.
 std::optional<RmsEstimate> fast_drive(const DriveAnalysis& drive, const FitSummary& fit) {
   if (drive.split) return drive.split->fast;
+  if (const DerivedQuantity* least = fit.combination("least fast drive"))
+    return RmsEstimate{least->value, least->value - least->sigma,
+                       std::numeric_limits<double>::infinity()};
   const FittedParameter* found = fit.find("drive_rms");
   if (found == nullptr || !std::isfinite(found->value) || !(found->sigma > 0.0)) return {};
   return RmsEstimate{found->value, found->low68, found->high68};

@@ -44,7 +44,7 @@ public:
   Diagnosis(const DiagnosisInput& input, const TimingData& times)
       : input_(input), times_(times),
         blocks_(rate_blocks(times, std::min<std::size_t>(384, times.size() / 16))), make_(blocks_),
-        healthy_(healthy(blocks_, input)), account_(blocks_, healthy_) {}
+        healthy_(with_bend_at(input.relaxation_s)), account_(blocks_, healthy_) {}
 
   std::vector<Suspicion> suspicions() {
     take_causes();
@@ -85,6 +85,13 @@ private:
     while (taken_.size() < most) {
       Candidate best = best_candidate();
       const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
+      // What a healthy clock does comes first, unless a fault explains more than any noise.
+      if (const Bend bend = best_bend();
+          bend.gain > 0.0 && best.gain < std::max(bend.gain, wander)) {
+        healthy_ = bend.noise;
+        account_.take(healthy_);
+        continue;
+      }
       if (std::max(best.gain, wander) < least_gain()) break;
       if (wander > best.gain) {
         // A wander takes up much of any change: a cause that shows beside it comes first. But a
@@ -112,23 +119,26 @@ private:
     return believed * (1.0 + static_cast<double>(faults));
   }
 
-  // Noise of a healthy clock: white, and bent where white drive is answered. Where the clock is not
-  // known, the corner that explains the log best.
-  static NoiseKinds healthy(const RateBlocks& blocks, const DiagnosisInput& input) {
-    const auto corner_of = [&](double relaxation_s) { return blocks.length_s / relaxation_s; };
-    if (input.relaxation_s) return {.wanders = false, .corner = corner_of(*input.relaxation_s)};
-    NoiseKinds best{.wanders = false};
-    const Account white(blocks, best);
+  // Noise of a healthy clock: white, and bent where white drive is answered.
+  [[nodiscard]] NoiseKinds with_bend_at(const std::optional<double>& relaxation_s) const {
+    return {.wanders = false, .corner = relaxation_s ? blocks_.length_s / *relaxation_s : 0.0};
+  }
+
+  struct Bend {
+    NoiseKinds noise;
     double gain = 0.0;
+  };
+
+  // Where the clock is not known and no bend is taken yet: the one that explains most.
+  [[nodiscard]] Bend best_bend() const {
+    Bend best;
+    if (wanders_ || healthy_.corner > 0.0) return best;
     constexpr double least = 10.0,
                      most = 2e4; // T0/(4 pi epsilon) of clocks people have, in periods
     for (double periods = least; periods < most; periods *= 2.5) {
-      const NoiseKinds bent{.wanders = false,
-                            .corner = corner_of(periods * input.nominal_period_s)};
-      const double gained = white.gain_of(bent, 2);
-      if (gained <= gain) continue;
-      gain = gained;
-      best = bent;
+      const NoiseKinds bent = with_bend_at(periods * input_.nominal_period_s);
+      const double gain = account_.gain_of(bent, 2);
+      if (gain > best.gain) best = {bent, gain};
     }
     return best;
   }
@@ -197,8 +207,20 @@ private:
       for (const ChangeKind kind :
            {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
         Candidate step = step_of(kind, place);
-        if (step.gain > best.gain) best = std::move(step);
+        if (step.gain > best.gain && !is_in_a_wake(step)) best = std::move(step);
       }
+  }
+
+  // While a clock settles after a step its rate is not the sum of a few powers of a decay, and what
+  // is left of a great step looks like small ones.
+  [[nodiscard]] bool is_in_a_wake(const Candidate& step) const {
+    constexpr double settled = 5.0; // time constants
+    constexpr double least_share = 0.1;
+    return std::any_of(taken_.begin(), taken_.end(), [&](const Candidate& before) {
+      const double since_s = step.at_s - before.at_s;
+      return is_step(before.cause) && before.cause != Cause::length_step && since_s > 0.0 &&
+             since_s < settled * before.time_s && step.gain < least_share * before.gain;
+    });
   }
 
   // Something that is there for a while only: it came and it went, which is rarer than one change.

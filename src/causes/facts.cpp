@@ -210,16 +210,21 @@ void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all)
   const RmsEstimate& fast = *input.fast_drive;
   const double sigma = fast.rms - fast.low68;
   if (!(fast.low68 > usual) || !(sigma > 0.0)) return;
-  const double gain =
-      std::pow((fast.rms - usual) / sigma, 2) - std::log(static_cast<double>(input.data->size()));
-  if (gain > believed)
-    all.push_back({Cause::rough_drive,
-                   gain,
-                   fmt::format("the drive varies by {:.2g} % from period to period (rms; {:.2g} to "
-                               "{:.2g})",
-                               100.0 * fast.rms, 100.0 * fast.low68, 100.0 * fast.high68),
-                   {},
-                   "a loose suspension or a worn escapement; a hand on the case tells"});
+  // A size is known to a factor.
+  const double gain = std::pow(std::log(fast.rms / usual) * fast.rms / sigma, 2) -
+                      std::log(static_cast<double>(input.data->size()));
+  if (gain < believed) return;
+  const std::string size =
+      std::isfinite(fast.high68)
+          ? fmt::format("{:.2g} % from period to period (rms; {:.2g} to {:.2g})", 100.0 * fast.rms,
+                        100.0 * fast.low68, 100.0 * fast.high68)
+          : fmt::format("at least {:.2g} ± {:.1g} % from period to period (rms)", 100.0 * fast.rms,
+                        100.0 * sigma);
+  all.push_back({Cause::rough_drive,
+                 gain,
+                 fmt::format("the drive varies by {}", size),
+                 {},
+                 "a loose suspension or a worn escapement; a hand on the case tells"});
 }
 
 void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
