@@ -223,18 +223,31 @@ DerivedQuantity mean_period(const FitProblem& problem, std::span<const double> x
           widened};
 }
 
+// What the times wander by is drive_rms times the fast gain, which is ε √((λ/φ0)² - 1) under a
+// constant torque and linear friction: at a known ε the ratio λ/φ0 alone is open.
+double least_drive(const FitProblem& problem, std::span<const double> x) {
+  constexpr double most_ratio = 4.0; // of λ and φ0 in pendulum clocks
+  const Slot* drive = problem.parameters.find(Quantity::drive_rms);
+  const FinalClock clock = final_clock(problem.parameters, x);
+  return drive->value(x) * std::abs(clock.fast_gain()) /
+         (clock.laws.epsilon * std::sqrt(most_ratio * most_ratio - 1.0));
+}
+
 void state_combinations(const FitProblem& problem, std::span<const double> x,
                         const Certainty& known, const Rivals& rivals, double nominal_period_s,
                         double time_widening, FitSummary& summary) {
-  const auto of_clock = [&](std::string name, std::string expression, std::string unit, auto get) {
-    const Quality function = [&, get](std::span<const double> at) {
-      return get(final_clock(problem.parameters, at));
-    };
+  const auto of_place = [&](std::string name, std::string expression, std::string unit,
+                            const Quality& function) {
     auto quantity =
         derive(std::move(name), std::move(expression), std::move(unit), function, x, known);
     if (!rivals_agree(rivals, quantity, function))
       quantity.sigma = std::numeric_limits<double>::infinity();
     return unless_undetermined(std::move(quantity));
+  };
+  const auto of_clock = [&](std::string name, std::string expression, std::string unit, auto get) {
+    return of_place(
+        std::move(name), std::move(expression), std::move(unit),
+        [&, get](std::span<const double> at) { return get(final_clock(problem.parameters, at)); });
   };
   summary.q_factor =
       of_clock("Q", "1/(2 epsilon)", "", [](const FinalClock& c) { return 0.5 / c.laws.epsilon; });
@@ -281,6 +294,12 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
   add_if_known(summary.stationary_amplitude);
   add_if_known(fast);
   add_if_known(slow);
+  const FittedParameter* drive = summary.find("drive_rms");
+  if (drive == nullptr || drive->status != ParameterStatus::undetermined ||
+      summary.model.escapement != Escapement::constant_torque)
+    return;
+  add_if_known(of_place("least fast drive", "if λ is at most 4 φ0", "",
+                        [&](std::span<const double> at) { return least_drive(problem, at); }));
 }
 
 // T0 is the mean period less the circular and escapement errors. Where the escapement error (the
