@@ -236,7 +236,8 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
     return true;
   }
   TimingData thin_driven;
-  const Fitted with = roughly_fitted(options_, driven, thin_driven);
+  Fitted with = roughly_fitted(options_, driven, thin_driven);
+  if (with.minimum.usable && !explains(with)) add_terms(with); // as the other has had them
   const bool simpler = !with.minimum.usable || without.bic < with.bic;
   alternatives_.push_back(
       {name, without.bic,
