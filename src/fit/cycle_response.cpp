@@ -11,13 +11,13 @@ struct Next {
   double late = 0.0;       // of the crossing, in scaled time
 };
 
-// A drive or a follow that is absent has no factor.
+// A drive that is absent has no factor.
 double over(double exact, double averaged) { return averaged == 0.0 ? 1.0 : exact / averaged; }
 
 } // namespace
 
-CycleResponse cycle_response(const ClockParameters& clock, double speed2,
-                             const AveragedLaws<double>& laws, double amplitude2) {
+std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double speed2,
+                                            const AveragedLaws<double>& laws, double amplitude2) {
   // Small enough for a third derivative to show in the sixth digit; far above rounding.
   const double room = std::max(0.0, amplitude2 - laws.phi0 * laws.phi0);
   const double dw = std::min(3e-3 * speed2, 0.1 * room), du = 1e-2;
@@ -35,7 +35,7 @@ CycleResponse cycle_response(const ClockParameters& clock, double speed2,
     const auto at = [&](std::size_t i, std::size_t k) { return next[i][k].*what; };
     struct {
       double w, u;
-      CycleResponse::Bend bend;
+      CycleBend bend;
     } result;
     result.w = (at(2, 1) - at(0, 1)) / (2.0 * dw);
     result.u = (at(1, 2) - at(1, 0)) / (2.0 * du);
@@ -48,27 +48,31 @@ CycleResponse cycle_response(const ClockParameters& clock, double speed2,
   const double second = clock.nominal_period_s / two_pi; // of scaled time
   const auto averaged = averaged_cycle(laws, amplitude2, clock.nominal_period_s);
   CycleResponse response;
-  response.factor = {over(amplitude.w - 1.0, averaged.gone), over(amplitude.u, averaged.raised),
-                     over(late.w * second, averaged.follow), over(late.u * second, averaged.kick),
-                     over(late.bend.wu * second, averaged.follow_by_drive)};
-  const auto above = averaged_cycle(laws, amplitude2 + dw, clock.nominal_period_s);
-  const auto below = averaged_cycle(laws, amplitude2 - dw, clock.nominal_period_s);
-  // So that factor times gain has the derivative of the full equation.
-  const auto slope = [&](double exact, double CycleGains<double>::*gain) {
-    const double of_gain = (above.*gain - below.*gain) / (2.0 * dw);
-    return averaged.*gain == 0.0 ? 0.0
-                                 : (exact - response.factor.*gain * of_gain) / (averaged.*gain);
-  };
-  using Gains = CycleGains<double>;
-  response.slope = {slope(2.0 * amplitude.bend.ww, &Gains::gone),
-                    slope(amplitude.bend.wu, &Gains::raised),
-                    slope(2.0 * late.bend.ww * second, &Gains::follow),
-                    slope(late.bend.wu * second, &Gains::kick), 0.0};
-  // The turning angle is 2 asin(v/2).
-  response.angle = std::sqrt(amplitude2 / (speed2 * (1.0 - 0.25 * speed2)));
+  response.beside = {over(amplitude.w - 1.0, averaged.gone), over(amplitude.u, averaged.raised),
+                     late.w * second - averaged.follow, over(late.u * second, averaged.kick),
+                     late.bend.wu * second - averaged.follow_by_drive};
   response.amplitude2 = amplitude.bend;
   response.late = {late.bend.ww * second, late.bend.wu * second, late.bend.uu * second};
   return response;
+}
+
+CycleResponses::CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
+                               double least_speed2, double greatest_speed2, double offset)
+    : offset_(offset) {
+  // A slow drive of a tenth, three sigma away. What stands beside the gains bends by thousandths
+  // over an amplitude: between neighbours they are straight to some millionths.
+  constexpr double below = 0.5, above = 1.6, fine = 0.01, most = 400.0;
+  const double range = above * greatest_speed2 - below * least_speed2;
+  stride_ = std::max(fine * least_speed2, range / most);
+  first_ = below * least_speed2;
+  for (double at = first_; at < first_ + range + stride_; at += stride_) {
+    const auto response = cycle_response(clock, at, laws, at + offset);
+    if (response) all_.push_back(*response);
+    if (response || at >= least_speed2) continue;
+    all_.clear(); // near the escapement there are none
+    first_ = at + stride_;
+  }
+  all_.resize(std::max<std::size_t>(all_.size(), 2));
 }
 
 } // namespace goingrate::timing_model

@@ -9,12 +9,17 @@
 //   kept = exp a,  raised = 2 pi D M,  follow = -T0 g_x M,
 //   kick = -T0 [push + 2 pi g_x D (M - 1)/a].
 // A log obeys the return map at the crossings, whose derivatives differ from these by parts of
-// epsilon and of mu/lambda. Where they pass for an error of phi0 or T0, they have to be known.
+// epsilon and of mu/lambda. Where they pass for an error of phi0 or T0, they have to be known, and
+// at every amplitude that the drive's noise leads the clock to.
 #pragma once
 
 #include "course.hpp"
 
 #include "base/scaled_time.hpp"
+
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace goingrate::timing_model {
 
@@ -39,41 +44,100 @@ CycleGains<T> averaged_cycle(const AveragedLaws<T>& laws, const T& amplitude2, c
           slope * drive * (mean - 1.0) / a - laws.push(amplitude2) * T0, driven * mean};
 }
 
-/// The full equation beside the averaged one, to second order in w and u.
-struct CycleResponse {
-  CycleGains<double> factor{1.0, 1.0, 1.0, 1.0, 1.0}; ///< of the gains on the course,
-  CycleGains<double> slope{};                         ///< and how they go with w, per rad^2
-  double angle = 1.0; ///< factor of the derivative of the turning angle by lambda^2
-  /// Half the second derivatives by w and by u, and the one by both.
-  struct Bend {
-    double ww = 0.0, wu = 0.0, uu = 0.0;
-    /// Of second order, for departures of these mean squares and products.
-    template <class T> [[nodiscard]] T of(const T& w2, const T& product, const T& u2) const {
-      return w2 * ww + product * wu + u2 * uu;
-    }
-  };
-  Bend amplitude2; ///< rad^2
-  Bend late;       ///< s
-
-  /// The gains where the squared amplitude is w above the course's.
-  template <class T>
-  [[nodiscard]] CycleGains<T> at(const AveragedLaws<T>& laws, const T& amplitude2_there,
-                                 const T& T0, const T& w) const {
-    CycleGains<T> gains = averaged_cycle(laws, amplitude2_there, T0);
-    gains.gone *= w * slope.gone + factor.gone;
-    gains.raised *= w * slope.raised + factor.raised;
-    gains.follow *= w * slope.follow + factor.follow;
-    gains.kick *= w * slope.kick + factor.kick;
-    gains.follow_by_drive *= factor.follow_by_drive;
-    return gains;
+/// Half the second derivatives by w and by u, and the one by both.
+struct CycleBend {
+  double ww = 0.0, wu = 0.0, uu = 0.0;
+  /// What is of second order, for departures of these mean squares and products.
+  template <class T> [[nodiscard]] T of(const T& w2, const T& product, const T& u2) const {
+    return w2 * ww + product * wu + u2 * uu;
   }
 };
 
-/// By differences of the return map about the course of a clock that crosses with phi'^2 = `speed2`
-/// when its averaged amplitude squared is `amplitude2`; without a difference where the map is not
-/// regular there. Gains to 3e-5 (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost:
-/// nine periods.
-CycleResponse cycle_response(const ClockParameters& clock, double speed2,
-                             const AveragedLaws<double>& laws, double amplitude2);
+/// The full equation beside the averaged one, where a clock crosses at one speed.
+struct CycleResponse {
+  /// Factors of the gains; of follow and follow_by_drive, which may be 0, what is to be added.
+  CycleGains<double> beside{1.0, 1.0, 0.0, 1.0, 0.0};
+  CycleBend amplitude2; ///< rad^2
+  CycleBend late;       ///< s
+};
+
+/// By differences of the return map of a clock that crosses with phi'^2 = `speed2` when its
+/// averaged amplitude squared is `amplitude2`; nothing where the map is not regular there. Gains to
+/// 3e-5 (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
+std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double speed2,
+                                            const AveragedLaws<double>& laws, double amplitude2);
+
+/// Those of one clock at all the speeds it may cross with.
+class CycleResponses {
+public:
+  /// For courses between these speeds, and what noise of the drive makes of them; `offset` is by
+  /// how much the averaged amplitude squared is greater than phi'^2.
+  CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
+                 double least_speed2, double greatest_speed2, double offset);
+
+  [[nodiscard]] double offset() const { return offset_; }
+  [[nodiscard]] const CycleResponse& nearest(double speed2) const {
+    return all_[static_cast<std::size_t>(place(speed2) + 0.5)];
+  }
+  /// Makes averaged gains those at a crossing with this speed.
+  template <class T> void correct(const T& speed2, CycleGains<T>& gains) const {
+    const double at = place(plain(speed2));
+    const std::size_t below = std::min(static_cast<std::size_t>(at), all_.size() - 2);
+    T share = (speed2 - first_) * (1.0 / stride_) - static_cast<double>(below);
+    if (plain(share) < 0.0 || plain(share) > 1.0) share = T(plain(share) < 0.0 ? 0.0 : 1.0);
+    const CycleGains<double>&a = all_[below].beside, &b = all_[below + 1].beside;
+    const auto between = [&](double from, double to) { return share * (to - from) + from; };
+    gains.gone *= between(a.gone, b.gone);
+    gains.raised *= between(a.raised, b.raised);
+    gains.follow += between(a.follow, b.follow);
+    gains.kick *= between(a.kick, b.kick);
+    gains.follow_by_drive += between(a.follow_by_drive, b.follow_by_drive);
+  }
+
+private:
+  [[nodiscard]] double place(double speed2) const {
+    return std::clamp((speed2 - first_) / stride_, 0.0, static_cast<double>(all_.size() - 1));
+  }
+
+  double first_ = 0.0, stride_ = 1.0, offset_ = 0.0;
+  std::vector<CycleResponse> all_;
+};
+
+/// The response of the clock at one beat of its course: without `clock`, of the averaged one.
+struct ResponseAt {
+  const CycleResponses* clock = nullptr;
+  double speed2 = 0.0; ///< of the undisturbed crossing
+  double shift = 0.0;  ///< of the averaged amplitude squared to where the responses have it
+
+  /// Where the squared amplitude is w above the course's.
+  template <class T>
+  [[nodiscard]] CycleGains<T> gains(const AveragedLaws<T>& laws, const T& amplitude2, const T& T0,
+                                    const T& w) const {
+    CycleGains<T> gains = averaged_cycle(laws, T(amplitude2 + w + shift), T0);
+    if (clock != nullptr) clock->correct(T(w + speed2), gains);
+    return gains;
+  }
+  /// By how much w has grown after a cycle, and by how much it makes the clock late. Averaged, the
+  /// latter is an integral in closed form; what the full equation adds hardly bends on the way.
+  template <class T>
+  [[nodiscard]] std::pair<T, T> passed(const AveragedLaws<T>& laws, const T& amplitude2,
+                                       const T& T0, const T& w) const {
+    const T on_course = amplitude2 + shift;
+    CycleGains<T> gains = averaged_cycle(laws, T(on_course + w * 0.5), T0);
+    const T mean = gains.gone / (laws.growth_slope(T(on_course + w * 0.5)) * two_pi);
+    gains.follow = T(0.0);
+    if (clock != nullptr) clock->correct(T(w * 0.5 + speed2), gains);
+    const T averaged = mean * T0 * (laws.rate(on_course) - laws.rate(T(on_course + w)));
+    return {gains.gone * w, averaged + gains.follow * w};
+  }
+  /// phi'^2 of the undisturbed crossing, for the averaged amplitude squared.
+  template <class T> [[nodiscard]] T speed2_of(const T& amplitude2) const {
+    return amplitude2 + (clock == nullptr ? 0.0 : shift - clock->offset());
+  }
+  [[nodiscard]] const CycleResponse& nearest(double w) const {
+    static const CycleResponse averaged;
+    return clock == nullptr ? averaged : clock->nearest(speed2 + w);
+  }
+};
 
 } // namespace goingrate::timing_model

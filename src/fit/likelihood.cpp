@@ -127,10 +127,9 @@ private:
   template <std::size_t D, class See> bool disturbed(See&& see) {
     const auto& responses = problem_.correction.responses;
     NoiseFilter<T, D> filter(noise_, !responses.empty() && data_.has_amplitude());
-    const CycleResponse averaged;
     double before = 0.0;
     return Follower<T>(problem_.parameters, x_, data_).run([&](std::size_t i, const auto& sight) {
-      const CycleResponse& response = responses.empty() ? averaged : responses[i];
+      const ResponseAt response = responses.empty() ? ResponseAt{} : responses[i];
       if (i == 0) {
         filter.start(sight, response, late(i, sight));
       } else {

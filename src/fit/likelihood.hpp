@@ -17,6 +17,8 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -25,9 +27,12 @@ namespace goingrate::timing_model {
 
 /// What other dynamics add to the averaged prediction; empty for nothing.
 struct Correction {
-  std::vector<double> late_s;           ///< when they cross less when the averaged clock does
-  std::vector<double> amplitude;        ///< turning angle
-  std::vector<CycleResponse> responses; ///< to noise of the drive, where the model has any
+  std::vector<double> late_s;    ///< when they cross less when the averaged clock does
+  std::vector<double> amplitude; ///< turning angle
+  /// To noise of the drive, where the model has any: of the clocks, and of each beat by one of
+  /// them.
+  std::shared_ptr<const std::deque<CycleResponses>> clocks;
+  std::vector<ResponseAt> responses;
 };
 
 /// A weak or stated prior on one search coordinate.

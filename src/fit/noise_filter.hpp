@@ -50,7 +50,7 @@ public:
 
   /// The first beat: nothing is known of its lateness; amplitude and slow drive are anywhere in
   /// their stationary spread about the course, as in a clock that has been going.
-  void start(const Sight<T>& sight, const CycleResponse& response, const T& late) {
+  void start(const Sight<T>& sight, const ResponseAt& response, const T& late) {
     state_ = {};
     covariance_ = {};
     state_[0] = late;
@@ -71,7 +71,7 @@ public:
   }
 
   /// Lets `cycles` pass; sight and response are those of the beat they end with.
-  void pass(const Sight<T>& sight, const CycleResponse& response, double cycles) {
+  void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
     constexpr double few = 8.0; // cycles that are followed one by one; longer gaps are rare
     if (extended_ && cycles <= few) {
       for (double passed = 0.0; passed < cycles; ++passed)
@@ -114,16 +114,22 @@ public:
 
   /// The amplitude of the beat; `excess` is what was seen less the course's, `scale` what the
   /// column shows over what the pendulum does.
-  Innovation<T> see_amplitude(const Sight<T>& sight, const CycleResponse& response, const T& excess,
+  Innovation<T> see_amplitude(const Sight<T>& sight, const ResponseAt& response, const T& excess,
                               const T& scale) {
     frozen_ = false; // its gain is another
     still_ = 0;
-    using std::sqrt;
-    const T there = extended_ ? T(sight.amplitude2 + way(sight, 1.0)) : sight.amplitude2;
-    const T halfway = extended_ ? T(sight.amplitude2 + way(sight, 0.5)) : sight.amplitude2;
-    const T unit = scale * (0.5 * response.angle), slope = unit / sqrt(there);
-    T value = excess - state_[1] * unit / sqrt(halfway);
-    if (extended_) value += slope / there * covariance_[1][1] * 0.25; // of the mean, half of H'
+    using std::asin, std::sqrt;
+    // The turning angle is 2 asin(v/2): exactly so from the course to where the clock is, and with
+    // its slope and bend there.
+    const T on_course = response.speed2_of(sight.amplitude2);
+    const T there = extended_ ? T(on_course + way(sight, response)) : on_course;
+    const T slope = scale * 0.5 / sqrt(there * (there * -0.25 + 1.0));
+    T value = excess;
+    if (extended_)
+      value += scale * 2.0 * (asin(sqrt(on_course) * 0.5) - asin(sqrt(there) * 0.5)) +
+               slope / there * covariance_[1][1] * 0.25;
+    else
+      value -= slope * state_[1];
     const T variance = slope * slope * covariance_[1][1] + noise_.amplitude * noise_.amplitude;
     std::array<T, D> gain;
     for (std::size_t i = 0; i < D; ++i)
@@ -184,17 +190,18 @@ private:
         to[i][k] += what[i][k];
   }
 
-  // So great a part of the way of the squared amplitude from the course to where the clock is. What
-  // is known badly may seem to be at the escapement, where there are no gains.
-  [[nodiscard]] T way(const Sight<T>& sight, double part) const {
+  // The way of the squared amplitude from the course to where the clock is. What is known badly may
+  // seem to be at the escapement, where there are no gains.
+  [[nodiscard]] T way(const Sight<T>& sight, const ResponseAt& response) const {
     constexpr double most = 0.9;
-    const T w = state_[1] * part;
-    const T farthest = (sight.laws->phi0 * sight.laws->phi0 - sight.amplitude2) * most;
+    const T& w = state_[1];
+    const T farthest =
+        (sight.laws->phi0 * sight.laws->phi0 - sight.amplitude2 - response.shift) * most;
     return w < farthest ? farthest : w;
   }
 
-  static CycleGains<T> gains(const Sight<T>& sight, const CycleResponse& response, const T& w) {
-    return response.at(*sight.laws, T(sight.amplitude2 + w), sight.T0, w);
+  static CycleGains<T> gains(const Sight<T>& sight, const ResponseAt& response, const T& w) {
+    return response.gains(*sight.laws, sight.amplitude2, sight.T0, w);
   }
 
   // A cycle of a clock with these gains.
@@ -218,36 +225,35 @@ private:
     }
     return step;
   }
-  [[nodiscard]] Step cycle_on_course(const Sight<T>& sight, const CycleResponse& response) const {
+  [[nodiscard]] Step cycle_on_course(const Sight<T>& sight, const ResponseAt& response) const {
     return cycle(sight.T0, gains(sight, response, T(0.0)));
   }
 
   // One cycle. Its mean goes from the course to the amplitude, and from there to the drive; the
   // covariance has the gains at the end of that way.
-  void pass_extended(const Sight<T>& sight, const CycleResponse& response) {
-    const CycleGains<T> on_course = gains(sight, response, T(0.0));
-    const CycleGains<T> halfway = gains(sight, response, way(sight, 0.5));
-    CycleGains<T> there = gains(sight, response, way(sight, 1.0));
+  void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
+    const T end = way(sight, response);
+    const auto [grown, late] = response.passed(*sight.laws, sight.amplitude2, sight.T0, end);
+    CycleGains<T> there = gains(sight, response, end);
+    const CycleResponse& bends = response.nearest(plain(end));
     const T w2 = covariance_[1][1];
     T product = T(0.0), u2 = noise_.drive * noise_.drive;
     std::array<T, D> next;
-    // Simpson's rule: with a slow drive the amplitude goes a tenth of itself.
-    const T mean_follow = (on_course.follow + halfway.follow * 4.0 + there.follow) * (1.0 / 6.0);
-    next[0] = state_[0] + mean_follow * state_[1];
-    next[1] = (halfway.gone + 1.0) * state_[1];
+    next[0] = state_[0] + late;
+    next[1] = state_[1] + grown;
     if constexpr (D == 3) {
       const T& s = state_[2];
       next[0] += there.kick * s;
       next[1] += there.raised * s;
       product = covariance_[1][2];
       u2 += covariance_[2][2] + s * s;
-      there.gone += s * response.amplitude2.wu;
-      there.raised += s * (2.0 * response.amplitude2.uu);
+      there.gone += s * bends.amplitude2.wu;
+      there.raised += s * (2.0 * bends.amplitude2.uu);
       there.follow += s * there.follow_by_drive;
-      there.kick += s * (2.0 * response.late.uu);
+      there.kick += s * (2.0 * bends.late.uu);
     }
-    next[0] += response.late.of(w2, product, u2);
-    next[1] += response.amplitude2.of(w2, product, u2);
+    next[0] += bends.late.of(w2, product, u2);
+    next[1] += bends.amplitude2.of(w2, product, u2);
     const Step step = cycle(sight.T0, there);
     if constexpr (D == 3) next[2] = step.transition[2][2] * state_[2];
     state_ = next;

@@ -98,26 +98,34 @@ private:
   double beyond_ = 0.0;
 };
 
-// The response along a course: a new one where the clock changes or has come to swing otherwise.
+// The responses along a course that crosses with these speeds: new ones where the clock changes.
 class ResponseAlong {
 public:
-  const CycleResponse& at(double speed2, const Sight<double>& sight) {
-    constexpr double otherwise = 0.01; // the factors are 1 but for some thousandths: 1e-5 of a gain
-    const bool same = sight.T0 == T0_ && *sight.laws == laws_ &&
-                      std::abs(speed2 - speed2_) <= otherwise * speed2_;
-    if (!same) {
+  explicit ResponseAlong(const std::vector<double>& speed2) : speed2_(speed2) {}
+
+  void add(std::size_t beat, const Sight<double>& sight) {
+    if (clocks_->empty() || sight.T0 != T0_ || *sight.laws != laws_) {
       T0_ = sight.T0;
       laws_ = *sight.laws;
-      speed2_ = speed2;
-      response_ = cycle_response(clock_of(T0_, laws_), speed2, laws_, sight.amplitude2);
+      const auto [least, greatest] = std::minmax_element(speed2_.begin(), speed2_.end());
+      clocks_->emplace_back(clock_of(T0_, laws_), laws_, *least, *greatest,
+                            sight.amplitude2 - speed2_[beat]);
     }
-    return response_;
+    const CycleResponses& clock = clocks_->back();
+    at_.push_back({&clock, speed2_[beat], speed2_[beat] + clock.offset() - sight.amplitude2});
+  }
+  void put_into(Correction& correction) {
+    correction.clocks = clocks_;
+    correction.responses = std::move(at_);
   }
 
 private:
-  double T0_ = 0.0, speed2_ = 0.0;
+  const std::vector<double>& speed2_;
+  double T0_ = 0.0;
   AveragedLaws<double> laws_;
-  CycleResponse response_;
+  std::shared_ptr<std::deque<CycleResponses>> clocks_ =
+      std::make_shared<std::deque<CycleResponses>>();
+  std::vector<ResponseAt> at_;
 };
 
 } // namespace
@@ -154,12 +162,13 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
     return slot.quantity == Quantity::offset || slot.quantity == Quantity::term;
   });
   const bool disturbed = bare.has(Quantity::drive_rms) || bare.has(Quantity::slow_rms);
-  ResponseAlong responses;
+  ResponseAlong responses(speed2);
   const bool holds = Follower<double>(bare, x, seen).run([&](std::size_t i, const auto& sight) {
     correction.late_s.push_back(sight.late_s);
     correction.amplitude[i] -= turning_angle(std::sqrt(sight.amplitude2));
-    if (disturbed) correction.responses.push_back(responses.at(speed2[i], sight));
+    if (disturbed) responses.add(i, sight);
   });
+  if (disturbed) responses.put_into(correction);
   return holds ? std::optional(std::move(correction)) : std::nullopt;
 }
 
