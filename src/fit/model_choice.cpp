@@ -257,11 +257,17 @@ void ModelSearch::choose_dynamics() {
     shifts_ = model_shifts(best_, judge);
     return shifts_.empty() ? 0.0 : largest_shift(best_, shifts_);
   };
-  double first = shift_by(FitDynamics::averaged2);
-  if (first <= tolerable) first = shift_by(FitDynamics::map);
-  const std::map<std::string, double> first_order = shifts_;
+  // Noise that asks for second order has had it: what first order is off by is not known.
+  const bool is_extended = best_.dynamics != FitDynamics::averaged1;
+  const double enough = is_extended ? tolerable_of_second : tolerable;
+  double first = is_extended ? 0.0 : shift_by(FitDynamics::averaged2);
+  if (first <= enough) first = shift_by(FitDynamics::map);
+  const auto first_order = is_extended ? std::map<std::string, double>{} : shifts_;
   chosen_by_ =
-      "first order is good enough: it shifts no determined parameter by more than 0.2 sigma";
+      is_extended
+          ? "amplitudes under this noise ask for second order, and the full equation shifts no "
+            "determined parameter by more than 0.1 sigma"
+          : "first order is good enough: it shifts no determined parameter by more than 0.2 sigma";
   if (shifts_.empty())
     chosen_by_ =
         "the full equation of motion stops at these parameters; first order is all there is";
@@ -271,11 +277,15 @@ void ModelSearch::choose_dynamics() {
       chosen_by_ = "the dynamics asked for do not run here";
     return;
   }
-  if (shifts_.empty() || first <= tolerable) return;
-  chosen_by_ = fmt::format("averaged1 is off by up to {:.2g} sigma", first);
+  const bool suffices = shifts_.empty() || first <= enough;
+  if (is_extended) shifts_.clear();
+  if (suffices) return;
+  chosen_by_ = fmt::format("{} is off by up to {:.2g} sigma", name_of(best_.dynamics), first);
   tried(best_, fmt::format("off by up to {:.2g} sigma", first));
   double second = std::numeric_limits<double>::infinity();
-  if (refine_every_end(best_, FitDynamics::averaged2)) {
+  if (is_extended) {
+    second = first;
+  } else if (refine_every_end(best_, FitDynamics::averaged2)) {
     second = shift_by(FitDynamics::map);
     if (second > tolerable_of_second) {
       tried(best_, fmt::format("off by up to {:.2g} sigma", second));

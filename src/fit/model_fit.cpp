@@ -341,6 +341,21 @@ void look_at_the_twin(Fitted& fitted) {
     fitted.rivals.push_back({std::move(place), std::abs(twin.value - home.value)});
 }
 
+// Amplitudes tell where a noisy drive has led the clock, and there the gains are others: first
+// order would look for such a drive among the wrong clocks.
+bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
+  const bool disturbed =
+      problem.parameters.has(Quantity::drive_rms) || problem.parameters.has(Quantity::slow_rms);
+  return disturbed && problem.data->has_amplitude() && options.dynamics != FitDynamics::averaged1;
+}
+
+// Makes the problem one of second order about a place.
+void extend(FitProblem& problem, std::span<const double> x) {
+  problem.parameters.start_ratio = limit_cycle_ratio(problem.parameters, x);
+  auto correction = difference_to(FitDynamics::averaged2, problem, x);
+  problem.correction = correction ? std::move(*correction) : Correction{};
+}
+
 } // namespace
 
 Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
@@ -349,6 +364,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   fitted.model = model;
   fitted.problem = make_problem(data != nullptr ? *data : *simpler.problem.data, options, model);
   if (has_too_many(fitted.problem)) return fitted;
+  const bool is_extended = sees_second_order(fitted.problem, options);
   const auto points = richer_starts(simpler, fitted.problem, model);
   std::vector<Minimum> tried(1);
   tried.front().x = points.front();
@@ -357,11 +373,15 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     const TimingData thin = at_one_stride(*few.data, enough_to_screen);
     few.data = &thin;
     const TimingData fewer = at_one_stride(thin, enough_to_rank);
-    tried = screened(few.on(fewer), points);
+    FitProblem fewest = few.on(fewer);
+    // The starts differ in their noise alone, or they are of clocks that first order tells apart.
+    if (is_extended && model.slow) extend(fewest, points.front());
+    tried = screened(fewest, points);
     constexpr std::size_t to_score = 4;
     if (tried.size() > to_score) tried.resize(to_score);
     for (Minimum& start : tried) {
       few.priors = make_priors(options, few.parameters, start.x);
+      if (is_extended) extend(few, start.x);
       start = minimise(few, start.x, {40, 1e-2});
     }
     std::sort(tried.begin(), tried.end(), by_value);
@@ -370,7 +390,8 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   fitted.minimum.x = tried.front().x;
   fitted.problem.priors = make_priors(options, fitted.problem.parameters, fitted.minimum.x);
   condense(fitted.problem, fitted.minimum.x);
-  settle(fitted.problem, fitted.minimum, {});
+  if (!is_extended || !refine(fitted, FitDynamics::averaged2))
+    settle(fitted.problem, fitted.minimum, {});
   if (!fitted.minimum.usable) return fitted;
   for (const Minimum& other : tried) {
     constexpr double near = 4.5; // three sigma
