@@ -218,17 +218,19 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.rate.nominal_is_known = loaded.nominal_is_known;
   const TimingData times = fit_data(loaded);
   data.diary = diary_of(loaded, times);
-  data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
-  for (PartRate& stretch : data.stretches)
-    stretch.rate.nominal_is_known = loaded.nominal_is_known;
   FitOptions asked = with_seen_offset(request.fit, loaded);
   asked.profiles = request.traces_profiles;
   if (request.finds_events && asked.events.empty())
     asked.events = events_of_diary(data.diary, loaded.good.front().cycle, asked.escapement);
   tell("fitting the model");
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
-  if (request.finds_events && follows_changes(data))
+  if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(asked.events, data.fit, loaded.good.front().cycle, loaded.good, data.diary);
+    put_rates(loaded.good, loaded.nominal_period_s, data.diary);
+  }
+  data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
+  for (PartRate& stretch : data.stretches)
+    stretch.rate.nominal_is_known = loaded.nominal_is_known;
   tell("looking at temperature and pressure");
   data.covariates = covariate_effects(times);
   tell("spectrum of the rate, fast and slow drive");

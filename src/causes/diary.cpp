@@ -462,6 +462,10 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   return diary;
 }
 
+void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary) {
+  timing_model::put_rates(beats, nominal_period_s, diary.changes);
+}
+
 std::vector<Change> strongest_changes(const Diary& diary, std::size_t most) {
   std::vector<Change> changes = strongest_first(diary.changes);
   std::erase_if(changes, [](const Change& change) { return !change.stands_out; });

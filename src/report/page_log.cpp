@@ -68,13 +68,24 @@ std::string relaxation_text(const Relaxation& relaxation) {
   return text;
 }
 
+std::string rate_change(const Change& change) {
+  const double after_less_before = change.rate_after - change.rate_before;
+  if (!std::isfinite(after_less_before)) return "–";
+  return measured(
+      seconds_gained_per_day(after_less_before),
+      seconds_gained_per_day(std::hypot(change.rate_before_sigma, change.rate_after_sigma)));
+}
+
 std::string change_table(const Diary& diary) {
-  Table table("Changes", {"no.", "cycle", "after the first beat", "change of rate, s/day",
+  Table table("Changes", {"no.", "cycle", "after the first beat", "what changed",
+                          "mean rate after it less that before, s/day",
                           "change of amplitude's slope, mrad/h", "significance"});
   for (std::size_t i = 0; i < diary.changes.size(); ++i) {
     const Change& change = diary.changes[i];
     table.row({fmt::format("{}", i + 1), fmt::format("{}", change.cycle),
-               duration_text(change.at_s), plain_number(seconds_gained_per_day(change.rate_change)),
+               duration_text(change.at_s),
+               change.kind == ChangeKind::unclear ? "–" : std::string(name_of(change.kind)),
+               rate_change(change),
                std::isfinite(change.amplitude_slope_change)
                    ? plain_number(3.6e6 * change.amplitude_slope_change)
                    : "–",

@@ -96,6 +96,9 @@ struct DiaryOptions {
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
 
+/// Fills in the rates before and after the changes, whose dates may have moved.
+void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary);
+
 /// The `most` most significant changes that stand out, in order of time.
 std::vector<Change> strongest_changes(const Diary& diary, std::size_t most);
 
