@@ -341,12 +341,11 @@ void look_at_the_twin(Fitted& fitted) {
     fitted.rivals.push_back({std::move(place), std::abs(twin.value - home.value)});
 }
 
-// Amplitudes tell where a noisy drive has led the clock, and there the gains are others: first
-// order would look for such a drive among the wrong clocks.
+// Amplitudes tell where a slow drive has led the clock, and there the gains are others: first order
+// would look for such a drive among the wrong clocks.
 bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
-  const bool disturbed =
-      problem.parameters.has(Quantity::drive_rms) || problem.parameters.has(Quantity::slow_rms);
-  return disturbed && problem.data->has_amplitude() && options.dynamics != FitDynamics::averaged1;
+  return problem.parameters.has(Quantity::slow_rms) && problem.data->has_amplitude() &&
+         options.dynamics != FitDynamics::averaged1;
 }
 
 // Makes the problem one of second order about a place.
@@ -374,8 +373,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     few.data = &thin;
     const TimingData fewer = at_one_stride(thin, enough_to_rank);
     FitProblem fewest = few.on(fewer);
-    // The starts differ in their noise alone, or they are of clocks that first order tells apart.
-    if (is_extended && model.slow) extend(fewest, points.front());
+    if (is_extended) extend(fewest, points.front()); // they differ in their noise alone
     tried = screened(fewest, points);
     constexpr std::size_t to_score = 4;
     if (tried.size() > to_score) tried.resize(to_score);
