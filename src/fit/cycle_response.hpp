@@ -96,7 +96,8 @@ public:
 
 private:
   [[nodiscard]] double place(double speed2) const {
-    return std::clamp((speed2 - first_) / stride_, 0.0, static_cast<double>(all_.size() - 1));
+    const double at = (speed2 - first_) / stride_; // not a number where a search has gone astray
+    return at > 0.0 ? std::min(at, static_cast<double>(all_.size() - 1)) : 0.0;
   }
 
   double first_ = 0.0, stride_ = 1.0, offset_ = 0.0;

@@ -83,7 +83,8 @@ TEST_P(CycleResponseTest, GainsAreTheDerivativesOfTheReturnMap) {
     EXPECT_NEAR(later, static_cast<double>(here.excess - on_course.excess) / two_pi, off / 16.0)
         << part;
   }
-  // The averaged equations alone are off by epsilon and mu/lambda: what stands beside them does something.
+  // The averaged equations alone are off by epsilon and mu/lambda: what stands beside them does
+  // something.
   EXPECT_GT(std::abs(response.nearest(0.0).beside.kick - 1.0), 1e-3);
 }
 
@@ -106,6 +107,16 @@ TEST_P(CycleResponseTest, SecondDerivativesAreThoseOfTheReturnMap) {
               2e-3 * std::abs(response.late.uu));
   EXPECT_NEAR((late(w, u) - late(w, -u) - late(-w, u) + late(-w, -u)) / (4.0 * w * u),
               response.late.wu, tolerable);
+}
+
+TEST_P(CycleResponseTest, BeyondTheSpeedsThatAreKnownTheLastOneHolds) {
+  const ClockParameters clock = GetParam()();
+  const double speed2 = std::pow(limit_cycle(clock)->velocity, 2);
+  const double offset = std::pow(*stationary_amplitude(clock), 2) - speed2;
+  const CycleResponses responses(clock, laws_of(clock), speed2, speed2, offset);
+  EXPECT_EQ(&responses.nearest(9.0 * speed2), &responses.nearest(99.0 * speed2));
+  EXPECT_EQ(&responses.nearest(0.0), &responses.nearest(-speed2));
+  EXPECT_EQ(&responses.nearest(std::numeric_limits<double>::quiet_NaN()), &responses.nearest(0.0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, CycleResponseTest, testing::Values(low_q, dragged, struck));
