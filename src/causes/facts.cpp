@@ -218,8 +218,10 @@ void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all)
       std::isfinite(fast.high68)
           ? fmt::format("{:.2g} % from period to period (rms; {:.2g} to {:.2g})", 100.0 * fast.rms,
                         100.0 * fast.low68, 100.0 * fast.high68)
-          : fmt::format("at least {:.2g} ± {:.1g} % from period to period (rms)", 100.0 * fast.rms,
-                        100.0 * sigma);
+          : fmt::format(
+                "at least {:.2g} ± {:.1g} % from period to period (rms), if the amplitude is at "
+                "most four times the angle of the escapement",
+                100.0 * fast.rms, 100.0 * sigma);
   all.push_back({Cause::rough_drive,
                  gain,
                  fmt::format("the drive varies by {}", size),
