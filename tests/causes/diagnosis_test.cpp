@@ -130,5 +130,15 @@ TEST(DiagnosisTest, AShortLogHasNoDiagnosis) {
   EXPECT_TRUE(test::diagnosed(clock).empty());
 }
 
+// Seeds with amplitudes (even), whose steady clock a fit must not take for a free pendulum, and
+// without (odd), where the drive's least size tells.
+TEST(DiagnosisTest, ARoughDriveIsToldOfASteadyClock) {
+  for (const std::uint64_t seed : {9700044u, 4200001u}) {
+    const auto found = test::diagnosed({{Cause::rough_drive}, 1.0, seed});
+    ASSERT_FALSE(found.empty()) << seed;
+    EXPECT_EQ(found.front().cause, Cause::rough_drive) << seed;
+  }
+}
+
 } // namespace
 } // namespace goingrate
