@@ -59,20 +59,17 @@ std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double
 CycleResponses::CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
                                double least_speed2, double greatest_speed2, double offset)
     : offset_(offset) {
-  // A slow drive of a tenth, three sigma away. What stands beside the gains bends by thousandths
-  // over an amplitude: between neighbours they are straight to some millionths.
-  constexpr double below = 0.5, above = 1.6, fine = 0.01, most = 400.0;
-  const double range = above * greatest_speed2 - below * least_speed2;
-  stride_ = std::max(fine * least_speed2, range / most);
-  first_ = below * least_speed2;
-  for (double at = first_; at < first_ + range + stride_; at += stride_) {
+  // What stands beside the gains bends by thousandths over an amplitude: between neighbours it is
+  // straight to some millionths.
+  constexpr double ratio = 1.05;
+  double at = least_speed2;
+  for (bool covered = false; !covered; at *= ratio) {
+    covered = at > greatest_speed2;
     const auto response = cycle_response(clock, at, laws, at + offset);
-    if (response) all_.push_back(*response);
-    if (response || at >= least_speed2) continue;
-    all_.clear(); // near the escapement there are none
-    first_ = at + stride_;
+    if (response) all_.push_back({at, *response}); // near the escapement there are none
   }
-  all_.resize(std::max<std::size_t>(all_.size(), 2));
+  for (; all_.size() < 2; at *= ratio)
+    all_.push_back({at, all_.empty() ? CycleResponse{} : all_.back().response});
 }
 
 } // namespace goingrate::timing_model

@@ -17,6 +17,7 @@
 
 #include "base/scaled_time.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -70,23 +71,27 @@ std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double
 /// Those of one clock at all the speeds it may cross with.
 class CycleResponses {
 public:
-  /// For courses between these speeds, and what noise of the drive makes of them; `offset` is by
-  /// how much the averaged amplitude squared is greater than phi'^2.
+  /// For phi'^2 between these; beyond, those at the nearer end. `offset` is by how much the
+  /// averaged amplitude squared is greater than phi'^2.
   CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
                  double least_speed2, double greatest_speed2, double offset);
 
   [[nodiscard]] double offset() const { return offset_; }
   [[nodiscard]] const CycleResponse& nearest(double speed2) const {
-    return all_[static_cast<std::size_t>(place(speed2) + 0.5)];
+    const std::size_t below = before(speed2);
+    const Node &a = all_[below], &b = all_[below + 1];
+    return speed2 - a.speed2 < b.speed2 - speed2 ? a.response : b.response;
   }
   /// Makes averaged gains those at a crossing with this speed.
   template <class T> void correct(const T& speed2, CycleGains<T>& gains) const {
-    const double at = place(plain(speed2));
-    const std::size_t below = std::min(static_cast<std::size_t>(at), all_.size() - 2);
-    T share = (speed2 - first_) * (1.0 / stride_) - static_cast<double>(below);
+    const std::size_t below = before(plain(speed2));
+    const double from = all_[below].speed2, to = all_[below + 1].speed2;
+    T share = (speed2 - from) * (1.0 / (to - from));
     if (plain(share) < 0.0 || plain(share) > 1.0) share = T(plain(share) < 0.0 ? 0.0 : 1.0);
-    const CycleGains<double>&a = all_[below].beside, &b = all_[below + 1].beside;
-    const auto between = [&](double from, double to) { return share * (to - from) + from; };
+    const CycleGains<double>&a = all_[below].response.beside, &b = all_[below + 1].response.beside;
+    const auto between = [&](double at_from, double at_to) {
+      return share * (at_to - at_from) + at_from;
+    };
     gains.gone *= between(a.gone, b.gone);
     gains.raised *= between(a.raised, b.raised);
     gains.follow += between(a.follow, b.follow);
@@ -95,13 +100,20 @@ public:
   }
 
 private:
-  [[nodiscard]] double place(double speed2) const {
-    const double at = (speed2 - first_) / stride_; // not a number where a search has gone astray
-    return at > 0.0 ? std::min(at, static_cast<double>(all_.size() - 1)) : 0.0;
+  struct Node {
+    double speed2;
+    CycleResponse response;
+  };
+  // The node below a speed, which is no number where a search has gone astray; not the last one.
+  [[nodiscard]] std::size_t before(double speed2) const {
+    const auto above =
+        std::upper_bound(all_.begin() + 1, all_.end() - 1, speed2,
+                         [](double speed, const Node& node) { return speed < node.speed2; });
+    return static_cast<std::size_t>(above - all_.begin()) - 1;
   }
 
-  double first_ = 0.0, stride_ = 1.0, offset_ = 0.0;
-  std::vector<CycleResponse> all_;
+  double offset_ = 0.0;
+  std::vector<Node> all_; ///< at least two, in order of speed
 };
 
 /// The response of the clock at one beat of its course: without `clock`, of the averaged one.

@@ -101,14 +101,19 @@ private:
 // The responses along a course that crosses with these speeds: new ones where the clock changes.
 class ResponseAlong {
 public:
-  explicit ResponseAlong(const std::vector<double>& speed2) : speed2_(speed2) {}
+  ResponseAlong(const std::vector<double>& speed2, bool leaves_its_course) : speed2_(speed2) {
+    if (speed2.empty()) return;
+    const auto [least, greatest] = std::minmax_element(speed2.begin(), speed2.end());
+    // As a slow drive of a tenth leads the clock, three sigma away.
+    least_ = *least * (leaves_its_course ? 0.5 : 1.0);
+    greatest_ = *greatest * (leaves_its_course ? 1.6 : 1.0);
+  }
 
   void add(std::size_t beat, const Sight<double>& sight) {
     if (clocks_->empty() || sight.T0 != T0_ || *sight.laws != laws_) {
       T0_ = sight.T0;
       laws_ = *sight.laws;
-      const auto [least, greatest] = std::minmax_element(speed2_.begin(), speed2_.end());
-      clocks_->emplace_back(clock_of(T0_, laws_), laws_, *least, *greatest,
+      clocks_->emplace_back(clock_of(T0_, laws_), laws_, least_, greatest_,
                             sight.amplitude2 - speed2_[beat]);
     }
     const CycleResponses& clock = clocks_->back();
@@ -121,6 +126,7 @@ public:
 
 private:
   const std::vector<double>& speed2_;
+  double least_ = 0.0, greatest_ = 0.0;
   double T0_ = 0.0;
   AveragedLaws<double> laws_;
   std::shared_ptr<std::deque<CycleResponses>> clocks_ =
@@ -162,7 +168,7 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
     return slot.quantity == Quantity::offset || slot.quantity == Quantity::term;
   });
   const bool disturbed = bare.has(Quantity::drive_rms) || bare.has(Quantity::slow_rms);
-  ResponseAlong responses(speed2);
+  ResponseAlong responses(speed2, seen.has_amplitude()); // without, the filter knows of none
   const bool holds = Follower<double>(bare, x, seen).run([&](std::size_t i, const auto& sight) {
     correction.late_s.push_back(sight.late_s);
     correction.amplitude[i] -= turning_angle(std::sqrt(sight.amplitude2));
