@@ -1,5 +1,6 @@
 #include "model_fit.hpp"
 
+#include "amplitude_clock.hpp"
 #include "final_clock.hpp"
 #include "fit_starts.hpp"
 #include "reference_run.hpp"
@@ -288,7 +289,9 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
       points.front()[slot.index] = 0.1;
   const bool drive_is_new = model.drive && !before.has(Quantity::drive_rms);
   const bool slow_is_new = model.slow && !before.has(Quantity::slow_rms);
-  if (drive_is_new && !knows_its_clock(simpler))
+  if (const auto clock = drive_is_new ? amplitude_clock(data, parameters) : std::nullopt)
+    points.push_back(clock->among(parameters, grid.front()));
+  else if (drive_is_new && !knows_its_clock(simpler))
     points.insert(points.end(), grid.begin(), grid.end());
   return drive_is_new || slow_is_new ? noise_variants(points, parameters, data) : points;
 }
@@ -355,6 +358,30 @@ void extend(FitProblem& problem, std::span<const double> x) {
   problem.correction = correction ? std::move(*correction) : Correction{};
 }
 
+// Whether a simpler model explains the beats of a richer one so much better that more beats will
+// not say otherwise.
+bool is_hopeless(const Fitted& richer, const Fitted& simpler) {
+  constexpr double hopeless = 10.0; // of L: odds of 20000 to 1
+  const FitProblem plain = simpler.problem.on(*richer.problem.data);
+  const Minimum there = minimise(plain, simpler.minimum.x, {100});
+  return there.usable && there.value < richer.minimum.value - hopeless;
+}
+
+// On some of the beats first, which tell the place nearly, and whether the model is worth all.
+Fitted fit_in_two_steps(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
+                        const TimingData& data) {
+  const TimingData some = at_one_stride(data, enough_to_screen);
+  Fitted rough = fit_from(simpler, options, model, &some);
+  if (!rough.minimum.usable || is_hopeless(rough, simpler)) return {};
+  Fitted fitted = fit_from(rough, options, model, &data);
+  for (Rival& rival : rough.rivals) { // what the thinning moved, both were moved by
+    for (std::size_t k = 0; k < rival.x.size(); ++k)
+      rival.x[k] += fitted.minimum.x[k] - rough.minimum.x[k];
+    fitted.rivals.push_back(std::move(rival));
+  }
+  return fitted;
+}
+
 } // namespace
 
 Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
@@ -364,6 +391,9 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   fitted.problem = make_problem(data != nullptr ? *data : *simpler.problem.data, options, model);
   if (has_too_many(fitted.problem)) return fitted;
   const bool is_extended = sees_second_order(fitted.problem, options);
+  const bool is_new = model.name() != simpler.model.name();
+  if (is_extended && is_new && fitted.problem.data->size() > 2 * enough_to_screen)
+    return fit_in_two_steps(simpler, options, model, *fitted.problem.data);
   const auto points = richer_starts(simpler, fitted.problem, model);
   std::vector<Minimum> tried(1);
   tried.front().x = points.front();

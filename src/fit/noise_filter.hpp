@@ -71,7 +71,7 @@ public:
   }
 
   /// Lets `cycles` pass; sight and response are those of the beat they end with.
-  void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
+  [[gnu::flatten]] void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
     constexpr double few = 8.0; // cycles that are followed one by one; longer gaps are rare
     if (extended_ && cycles <= few) {
       for (double passed = 0.0; passed < cycles; ++passed)
@@ -92,17 +92,18 @@ public:
   }
 
   /// The time of the beat, as lateness; the state is corrected by it.
-  Innovation<T> see_time(const T& late) {
+  [[gnu::flatten]] Innovation<T> see_time(const T& late) {
     const T value = late - state_[0];
     if (!frozen_) {
       variance_ = covariance_[0][0] + noise_.jitter * noise_.jitter;
-      for (std::size_t i = 0; i < D; ++i)
-        gain_[i] = covariance_[i][0] / variance_;
+      const T precision = T(1.0) / variance_;
+      std::array<T, D> shared;
+      for (std::size_t i = 0; i < D; ++i) {
+        shared[i] = covariance_[i][0];
+        gain_[i] = shared[i] * precision;
+      }
+      take_away(gain_, shared);
       const std::array<double, D> before = last_;
-      for (std::size_t i = 0; i < D; ++i)
-        for (std::size_t k = 0; k <= i; ++k)
-          covariance_[k][i] = covariance_[i][k] =
-              covariance_[i][k] - gain_[i] * gain_[k] * variance_;
       for (std::size_t i = 0; i < D; ++i)
         last_[i] = plain(gain_[i]);
       settle(before);
@@ -114,8 +115,8 @@ public:
 
   /// The amplitude of the beat; `excess` is what was seen less the course's, `scale` what the
   /// column shows over what the pendulum does.
-  Innovation<T> see_amplitude(const Sight<T>& sight, const ResponseAt& response, const T& excess,
-                              const T& scale) {
+  [[gnu::flatten]] Innovation<T> see_amplitude(const Sight<T>& sight, const ResponseAt& response,
+                                               const T& excess, const T& scale) {
     frozen_ = false; // its gain is another
     still_ = 0;
     using std::asin, std::sqrt;
@@ -131,12 +132,13 @@ public:
     else
       value -= slope * state_[1];
     const T variance = slope * slope * covariance_[1][1] + noise_.amplitude * noise_.amplitude;
-    std::array<T, D> gain;
-    for (std::size_t i = 0; i < D; ++i)
-      gain[i] = covariance_[i][1] * slope / variance;
-    for (std::size_t i = 0; i < D; ++i)
-      for (std::size_t k = 0; k <= i; ++k)
-        covariance_[k][i] = covariance_[i][k] = covariance_[i][k] - gain[i] * gain[k] * variance;
+    const T precision = T(1.0) / variance;
+    std::array<T, D> shared, gain;
+    for (std::size_t i = 0; i < D; ++i) {
+      shared[i] = covariance_[i][1] * slope;
+      gain[i] = shared[i] * precision;
+    }
+    take_away(gain, shared);
     for (std::size_t i = 0; i < D; ++i)
       state_[i] += gain[i] * value;
     return {value, variance};
@@ -169,20 +171,29 @@ private:
           result[i][k] += a[i][j] * b[j][k];
     return result;
   }
-  // a p a' for upper triangular a and symmetric p.
+  // a p a' for a transition, upper triangular with 1 for the times, and symmetric p.
   static Matrix spread(const Matrix& a, const Matrix& p) {
-    Matrix half{}, result{};
+    Matrix half, result; // the upper half of a p
     for (std::size_t i = 0; i < D; ++i)
-      for (std::size_t k = 0; k < D; ++k)
-        for (std::size_t j = i; j < D; ++j)
+      for (std::size_t k = i; k < D; ++k) {
+        half[i][k] = i == 0 ? p[i][k] : a[i][i] * p[i][k];
+        for (std::size_t j = i + 1; j < D; ++j)
           half[i][k] += a[i][j] * p[j][k];
+      }
     for (std::size_t i = 0; i < D; ++i)
-      for (std::size_t k = 0; k <= i; ++k) {
-        for (std::size_t j = k; j < D; ++j)
+      for (std::size_t k = i; k < D; ++k) {
+        result[i][k] = k == 0 ? half[i][k] : half[i][k] * a[k][k];
+        for (std::size_t j = k + 1; j < D; ++j)
           result[i][k] += half[i][j] * a[k][j];
         result[k][i] = result[i][k];
       }
     return result;
+  }
+  // What an observation takes from the covariance: gain times what state and observation share.
+  void take_away(const std::array<T, D>& gain, const std::array<T, D>& shared) {
+    for (std::size_t i = 0; i < D; ++i)
+      for (std::size_t k = 0; k <= i; ++k)
+        covariance_[k][i] = covariance_[i][k] = covariance_[i][k] - gain[i] * shared[k];
   }
   static void add(Matrix& to, const Matrix& what) {
     for (std::size_t i = 0; i < D; ++i)
@@ -231,7 +242,7 @@ private:
 
   // One cycle. Its mean goes from the course to the amplitude, and from there to the drive; the
   // covariance has the gains at the end of that way.
-  void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
+  [[gnu::flatten]] void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
     const T end = way(sight, response);
     const auto [grown, late] = response.passed(*sight.laws, sight.amplitude2, sight.T0, end);
     CycleGains<T> there = gains(sight, response, end);

@@ -51,7 +51,7 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
   scenario.clock = clock_of(going);
   scenario.start_amplitude = std::sqrt(going.amplitude2_start);
   scenario.periods = static_cast<std::int64_t>(problem.data->cycle.back());
-  constexpr std::int64_t worth_a_map = 20000; // periods: a map's patches take some milliseconds
+  constexpr std::int64_t worth_a_map = 500; // periods: from there on its patches pay
   scenario.method.method = dynamics == FitDynamics::averaged2 ? Method::averaged2
                            : *scenario.periods > worth_a_map && scenario.clock.is_plain()
                                ? Method::map

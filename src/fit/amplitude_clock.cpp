@@ -1,0 +1,161 @@
+#include "amplitude_clock.hpp"
+
+#include "base/scaled_time.hpp"
+
+#include <Eigen/Dense>
+
+#include <boost/math/tools/minima.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// Beats next to one another as one: their mean amplitude, and the times at their ends.
+struct Block {
+  double cycles = 0.0;
+  double amplitude2 = 0.0;        // mean of lambda^2
+  double cycle = 0.0, late = 0.0; // at the end
+  double end2 = 0.0;              // lambda^2 there
+};
+
+double square_of(double turning_angle) { return std::pow(2.0 * std::sin(turning_angle / 2.0), 2); }
+
+// The amplitudes squared; where one was missed, that of the beat before.
+std::vector<double> squares(const TimingData& data) {
+  std::vector<double> all;
+  std::size_t missed = 0;
+  for (const double a : data.amplitude_rad) {
+    const bool seen = a > 0.0;
+    missed += seen ? 0 : 1;
+    all.push_back(seen ? square_of(a) : all.empty() ? 0.0 : all.back());
+  }
+  constexpr double most = 0.2;
+  const bool enough = static_cast<double>(missed) < most * static_cast<double>(all.size());
+  return enough && all.size() > 100 && all.front() > 0.0 ? all : std::vector<double>{};
+}
+
+std::vector<Block> blocks_of(const TimingData& data, const std::vector<double>& x) {
+  constexpr std::size_t enough = 4000; // blocks
+  const std::size_t length = 1 + x.size() / enough;
+  std::vector<Block> blocks;
+  for (std::size_t from = 0; from + length < x.size(); from += length) {
+    Block block;
+    for (std::size_t i = from; i < from + length; ++i) { // each cycle has the mean of its ends
+      const double cycles = data.cycle[i + 1] - data.cycle[i];
+      block.cycles += cycles;
+      block.amplitude2 += cycles * 0.5 * (x[i] + x[i + 1]);
+    }
+    block.amplitude2 /= block.cycles;
+    block.cycle = data.cycle[from + length] - data.cycle.front();
+    block.late = data.lateness_s[from + length] - data.lateness_s.front();
+    block.end2 = x[from + length];
+    blocks.push_back(block);
+  }
+  return blocks;
+}
+
+struct Line {
+  double stretch = 0.0, epsilon = 0.0; // T0 over the reference period - 1
+  double misfit = std::numeric_limits<double>::infinity();
+};
+
+// The best T0 and epsilon for one phi0; those that are given are held.
+Line line_for(const std::vector<Block>& blocks, double first2, double reference_s, double phi0,
+              std::optional<double> stretch, std::optional<double> epsilon) {
+  const auto steep = [&](double x) { return std::sqrt(std::max(0.0, x / (phi0 * phi0) - 1.0)); };
+  const auto kicked = [&](double x) { return (steep(x) - std::atan(steep(x))) / two_pi; };
+  const auto rows = static_cast<Eigen::Index>(blocks.size());
+  Eigen::MatrixXd design(rows, 3);
+  Eigen::VectorXd seen(rows);
+  double circular = 0.0, pushed = 0.0;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const Block& block = blocks[static_cast<std::size_t>(i)];
+    circular += block.cycles * block.amplitude2 * (1.0 + block.amplitude2 * 11.0 / 192.0) / 16.0;
+    pushed += block.cycles * steep(block.amplitude2);
+    seen[i] = block.late / reference_s - circular + kicked(block.end2) - kicked(first2);
+    design.row(i) << 1.0, block.cycle, -pushed;
+  }
+  Eigen::Index free = 1;
+  for (const auto& [held, column] : {std::pair(stretch, 1), std::pair(epsilon, 2)}) {
+    if (held)
+      seen -= *held * design.col(column);
+    else
+      design.col(free++) = design.col(column);
+  }
+  const Eigen::VectorXd found = design.leftCols(free).colPivHouseholderQr().solve(seen);
+  Line line;
+  Eigen::Index next = 1;
+  line.stretch = stretch ? *stretch : found[next++];
+  line.epsilon = epsilon ? *epsilon : found[next++];
+  line.misfit = (seen - design.leftCols(free) * found).squaredNorm();
+  return line;
+}
+
+std::optional<double> held(const Parameters& parameters, Quantity quantity) {
+  const Slot* slot = parameters.find(quantity);
+  return slot == nullptr || slot->free ? std::nullopt : std::optional(slot->fixed_value);
+}
+
+} // namespace
+
+std::vector<double> AmplitudeClock::among(const Parameters& parameters,
+                                          std::span<const double> otherwise) const {
+  std::vector<double> point(otherwise.begin(), otherwise.end());
+  const double mu = std::numbers::pi * epsilon * amplitude2 / (2.0 * phi0);
+  for (const Slot& slot : parameters.slots) {
+    if (!slot.free || slot.event > 0) continue;
+    std::optional<double> value;
+    if (slot.quantity == Quantity::T0) value = T0;
+    if (slot.quantity == Quantity::epsilon) value = epsilon;
+    if (slot.quantity == Quantity::phi0) value = phi0;
+    if (slot.quantity == Quantity::mu) value = mu;
+    if (slot.quantity == Quantity::lambda0) value = std::sqrt(amplitude2);
+    if (value) point[slot.index] = slot.coordinate_of(*value);
+  }
+  return point;
+}
+
+std::optional<AmplitudeClock> amplitude_clock(const TimingData& data,
+                                              const Parameters& parameters) {
+  if (parameters.escapement != Escapement::constant_torque) return {};
+  const std::vector<double> x = squares(data);
+  if (x.empty()) return {};
+  const std::vector<Block> blocks = blocks_of(data, x);
+  const auto T0 = held(parameters, Quantity::T0), epsilon = held(parameters, Quantity::epsilon);
+  const auto stretch = T0 ? std::optional(*T0 / data.reference_period_s - 1.0) : std::nullopt;
+  const auto line = [&](double phi0) {
+    return line_for(blocks, x.front(), data.reference_period_s, phi0, stretch, epsilon);
+  };
+  const double least = std::sqrt(*std::min_element(x.begin(), x.end()));
+  double phi0 = 0.95 * least;
+  Line best;
+  if (const auto known = held(parameters, Quantity::phi0)) {
+    best = line(phi0 = *known);
+  } else {
+    constexpr double finer = 0.9, smallest = 0.04; // of the amplitude
+    for (double angle = phi0; angle > smallest * least; angle *= finer) {
+      const Line there = line(angle);
+      if (!(there.epsilon > 0.0) || !(there.misfit < best.misfit)) continue;
+      best = there;
+      phi0 = angle;
+    }
+    constexpr int bits = 12; // of the angle
+    phi0 = boost::math::tools::brent_find_minima([&](double angle) { return line(angle).misfit; },
+                                                 phi0 * finer, std::min(phi0 / finer, 0.99 * least),
+                                                 bits)
+               .first;
+    best = line(phi0);
+  }
+  if (!std::isfinite(best.misfit) || !(best.epsilon > 0.0)) return {};
+  double mean2 = 0.0;
+  for (const Block& block : blocks)
+    mean2 += block.cycles * block.amplitude2 / blocks.back().cycle;
+  return AmplitudeClock{(1.0 + best.stretch) * data.reference_period_s, best.epsilon, phi0, mean2};
+}
+
+} // namespace goingrate::timing_model
