@@ -48,7 +48,7 @@ TEST_P(CycleResponseTest, GainsAreTheDerivativesOfTheReturnMap) {
   const double speed2 = std::pow(limit_cycle(clock)->velocity, 2);
   const double amplitude2 = std::pow(*stationary_amplitude(clock), 2);
   const AveragedLaws<double> laws = laws_of(clock);
-  const CycleResponses responses(clock, laws, speed2, speed2, amplitude2 - speed2);
+  const CycleResponses responses(clock, laws, 0.5 * speed2, 1.6 * speed2, amplitude2 - speed2);
   const ResponseAt response{&responses, speed2, 0.0};
   for (const double part : {0.0, 0.05, -0.05, 0.3, -0.3}) {
     const double w = part * speed2;
@@ -116,7 +116,8 @@ TEST_P(CycleResponseTest, BeyondTheSpeedsThatAreKnownTheLastOneHolds) {
   const CycleResponses responses(clock, laws_of(clock), speed2, speed2, offset);
   EXPECT_EQ(&responses.nearest(9.0 * speed2), &responses.nearest(99.0 * speed2));
   EXPECT_EQ(&responses.nearest(0.0), &responses.nearest(-speed2));
-  EXPECT_EQ(&responses.nearest(std::numeric_limits<double>::quiet_NaN()), &responses.nearest(0.0));
+  EXPECT_EQ(&responses.nearest(std::numeric_limits<double>::quiet_NaN()),
+            &responses.nearest(99.0 * speed2));
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, CycleResponseTest, testing::Values(low_q, dragged, struck));

@@ -12,9 +12,8 @@ namespace {
 
 class DrawnFromAPrior : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(DrawnFromAPrior, EndsWhereAFitFromTheTruthEnds) {
-  const test::DrawnClock drawn = test::ClockPrior(GetParam()).draw();
-  const TimingData data = timing_data(test::simulated_beats(drawn.scenario, GetParam()));
+void expect_found(const test::DrawnClock& drawn, std::uint64_t seed) {
+  const TimingData data = timing_data(test::simulated_beats(drawn.scenario, seed));
   const double period_s = drawn.truth.at("T0");
   const FitSummary found = fit_clock(data, period_s, drawn.options);
   const FitSummary told = fit_clock(data, period_s, test::told_the_truth(drawn));
@@ -28,10 +27,22 @@ TEST_P(DrawnFromAPrior, EndsWhereAFitFromTheTruthEnds) {
   }
 }
 
+TEST_P(DrawnFromAPrior, EndsWhereAFitFromTheTruthEnds) {
+  expect_found(test::ClockPrior(GetParam()).draw(), GetParam());
+}
+
 // Each kind of change, with T0 free, where wrong ends are many. The last has a twin 0.4 of L
 // behind, and each of the two by itself seems known to a per cent.
 INSTANTIATE_TEST_SUITE_P(Prior, DrawnFromAPrior,
                          testing::Values(8001U, 8003U, 8009U, 8011U, 8017U, 8019U, 60025U));
+
+class RoughFromAPrior : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(RoughFromAPrior, EndsWhereAFitFromTheTruthEnds) {
+  expect_found(test::ClockPrior(GetParam()).draw_rough(), GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Prior, RoughFromAPrior, testing::Values(7001U, 7003U, 7004U));
 
 // A start before and after its change, by the laws that the fit uses.
 struct Start {

@@ -1,7 +1,7 @@
-// Clocks drawn from a prior, with one jump of mu, phi0 or epsilon at a known cycle: whether the
-// search finds what a fit that is started from the truth finds, whether what is stated is right,
-// and whether what could be stated is. Arguments: logs (600), first seed (1), "each" for a line a
-// log.
+// Clocks drawn from a prior, with one jump of mu, phi0 or epsilon at a known cycle, or with a rough
+// drive and amplitudes: whether the search finds what a fit that is started from the truth finds,
+// whether what is stated is right, and whether what could be stated is. Arguments: logs (600),
+// first seed (1), jump or rough, "each" for a line a log.
 #include "goingrate/fit/clock_fit.hpp"
 #include "support/prior_clocks.hpp"
 
@@ -37,8 +37,9 @@ struct Outcome {
   double p = 0.0;
 };
 
-Outcome outcome_of(std::uint64_t seed) {
-  const test::DrawnClock drawn = test::ClockPrior(seed).draw();
+Outcome outcome_of(std::uint64_t seed, bool rough) {
+  test::ClockPrior prior(seed);
+  const test::DrawnClock drawn = rough ? prior.draw_rough() : prior.draw();
   const auto beats = test::simulated_beats(drawn.scenario, seed);
   const TimingData data = timing_data(beats);
   const double period_s = drawn.truth.at("T0");
@@ -80,11 +81,12 @@ Outcome outcome_of(std::uint64_t seed) {
 int main(int count, char** words) {
   const auto logs = static_cast<std::size_t>(count > 1 ? std::atoi(words[1]) : 600);
   const auto first_seed = static_cast<std::uint64_t>(count > 2 ? std::atoll(words[2]) : 1);
-  const bool each = count > 3 && std::string(words[3]) == "each";
+  const bool rough = count > 3 && std::string(words[3]) == "rough";
+  const bool each = count > 4 && std::string(words[4]) == "each";
   std::vector<Outcome> outcomes(logs);
   const auto half = [&](std::size_t begin) {
     for (std::size_t i = begin; i < logs; i += 2)
-      outcomes[i] = outcome_of(first_seed + i);
+      outcomes[i] = outcome_of(first_seed + i, rough);
   };
   std::thread other(half, 1);
   half(0);

@@ -1,4 +1,5 @@
-// Clocks drawn from a prior, with one change at a known cycle, by the exact simulator.
+// Clocks drawn from a prior, with one change at a known cycle or a rough drive, by the exact
+// simulator.
 #pragma once
 
 #include "goingrate/base/random.hpp"
@@ -57,6 +58,29 @@ public:
     if (seed_ % 2 == 0) drawn.options.fixed["T0"] = T0;
     drawn.truth = {{"T0", T0},     {"epsilon", epsilon},   {"mu", mu},
                    {"phi0", phi0}, {"lambda0", amplitude}, {drawn.changed + "@1", after}};
+    return drawn;
+  }
+
+  /// No change, but a drive that varies by 0.5 to 10 % from period to period and by 2 to 15 % over
+  /// 30 to 500 periods, and amplitudes to 3e-5 to 6e-4 rad; lambda/phi0 1.3 to 5.
+  DrawnClock draw_rough() {
+    DrawnClock drawn;
+    constexpr std::array periods_s{0.9, 1.0, 1.2345, 2.0, 3.0};
+    const double T0 = periods_s[seed_ % periods_s.size()];
+    const double epsilon = geometric(1e-4, 2e-3), amplitude = geometric(0.03, 0.2);
+    const double phi0 = amplitude / between(1.3, 5.0);
+    const double mu = 0.5 * std::numbers::pi * epsilon * amplitude * amplitude / phi0;
+    Scenario& scenario = drawn.scenario;
+    scenario.clock = {T0, epsilon, mu, phi0};
+    scenario.periods = static_cast<std::int64_t>(between(1500.0, 4000.0));
+    scenario.method.method = Method::direct;
+    scenario.drive.fast_rms = geometric(5e-3, 0.1);
+    scenario.drive.slow_rms = geometric(0.02, 0.15);
+    scenario.drive.slow_time_s = T0 * geometric(30.0, 500.0);
+    scenario.sensor.jitter_rms_s = geometric(1e-6, 1e-4);
+    scenario.sensor.amplitude_rms = geometric(3e-5, 6e-4);
+    drawn.truth = {
+        {"T0", T0}, {"epsilon", epsilon}, {"mu", mu}, {"phi0", phi0}, {"lambda0", amplitude}};
     return drawn;
   }
 
