@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace goingrate::timing_model {
 
@@ -102,23 +101,6 @@ std::optional<double> held(const Parameters& parameters, Quantity quantity) {
 }
 
 } // namespace
-
-std::vector<double> AmplitudeClock::among(const Parameters& parameters,
-                                          std::span<const double> otherwise) const {
-  std::vector<double> point(otherwise.begin(), otherwise.end());
-  const double mu = std::numbers::pi * epsilon * amplitude2 / (2.0 * phi0);
-  for (const Slot& slot : parameters.slots) {
-    if (!slot.free || slot.event > 0) continue;
-    std::optional<double> value;
-    if (slot.quantity == Quantity::T0) value = T0;
-    if (slot.quantity == Quantity::epsilon) value = epsilon;
-    if (slot.quantity == Quantity::phi0) value = phi0;
-    if (slot.quantity == Quantity::mu) value = mu;
-    if (slot.quantity == Quantity::lambda0) value = std::sqrt(amplitude2);
-    if (value) point[slot.index] = slot.coordinate_of(*value);
-  }
-  return point;
-}
 
 std::optional<AmplitudeClock> amplitude_clock(const TimingData& data,
                                               const Parameters& parameters) {

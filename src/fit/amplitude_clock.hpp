@@ -15,8 +15,6 @@
 #include "goingrate/fit/timing_data.hpp"
 
 #include <optional>
-#include <span>
-#include <vector>
 
 namespace goingrate::timing_model {
 
@@ -25,10 +23,6 @@ struct AmplitudeClock {
   double epsilon = 0.0;
   double phi0 = 0.0;       ///< rad
   double amplitude2 = 0.0; ///< mean of lambda^2, rad^2
-
-  /// Its coordinates, at rest with that amplitude; those it says nothing of are of `otherwise`.
-  [[nodiscard]] std::vector<double> among(const Parameters& parameters,
-                                          std::span<const double> otherwise) const;
 };
 
 /// By least squares of the times over phi0; what `parameters` hold is held. Nothing without

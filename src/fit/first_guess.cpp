@@ -1,4 +1,5 @@
 // First ideas from the data alone of the clocks a search may start from.
+#include "amplitude_clock.hpp"
 #include "fit_setup.hpp"
 
 #include <algorithm>
@@ -175,6 +176,18 @@ std::vector<std::vector<double>> starting_points(const Parameters& parameters,
               coordinates({epsilon, lambda, ratio, start_ratio}, parameters, data, noise));
     }
   return points;
+}
+
+std::optional<std::vector<double>>
+start_by_amplitudes(const Parameters& parameters, const TimingData& data, const NoiseGuess& noise) {
+  const auto clock = amplitude_clock(data, parameters);
+  if (!clock) return {};
+  const double lambda = std::sqrt(clock->amplitude2);
+  auto start =
+      coordinates({clock->epsilon, lambda, lambda / clock->phi0, 1.0}, parameters, data, noise);
+  const Slot& T0 = *parameters.find(Quantity::T0);
+  if (T0.free) start[T0.index] = T0.coordinate_of(clock->T0);
+  return start;
 }
 
 std::vector<double> carried_over(const Parameters& from, std::span<const double> x,

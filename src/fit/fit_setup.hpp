@@ -46,6 +46,10 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
 std::vector<std::vector<double>> starting_points(const Parameters& parameters,
                                                  const TimingData& data, const NoiseGuess& noise);
 
+/// A start at the clock that amplitudes and times tell together; nothing where they tell none.
+std::optional<std::vector<double>>
+start_by_amplitudes(const Parameters& parameters, const TimingData& data, const NoiseGuess& noise);
+
 /// The coordinates of `to` taken over from a point of `from` where the names are the same; those
 /// that are new come from `otherwise`.
 std::vector<double> carried_over(const Parameters& from, std::span<const double> x,

@@ -51,13 +51,16 @@ std::vector<Minimum> screened(const FitProblem& problem,
                               const std::vector<std::vector<double>>& points) {
   std::vector<Minimum> tried;
   for (const auto& point : points) {
-    Minimum start;
-    start.x = point;
-    match_mean_rate(problem, start.x);
-    const auto value = minus_log_likelihood(problem, start.x);
-    if (!value) continue;
-    start.value = *value;
-    tried.push_back(std::move(start));
+    std::vector<double> matched = point;
+    match_mean_rate(problem, matched);
+    Minimum start; // as it is, or with the mean rate of the log
+    for (const auto& x : {matched, point}) {
+      const auto value = minus_log_likelihood(problem, x);
+      if (!value || (!start.x.empty() && *value >= start.value)) continue;
+      start.value = *value;
+      start.x = x;
+    }
+    if (!start.x.empty()) tried.push_back(std::move(start));
   }
   std::sort(tried.begin(), tried.end(), by_value);
   return tried;

@@ -1,6 +1,5 @@
 #include "model_fit.hpp"
 
-#include "amplitude_clock.hpp"
 #include "final_clock.hpp"
 #include "fit_starts.hpp"
 #include "reference_run.hpp"
@@ -289,8 +288,8 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
       points.front()[slot.index] = 0.1;
   const bool drive_is_new = model.drive && !before.has(Quantity::drive_rms);
   const bool slow_is_new = model.slow && !before.has(Quantity::slow_rms);
-  if (const auto clock = drive_is_new ? amplitude_clock(data, parameters) : std::nullopt)
-    points.push_back(clock->among(parameters, grid.front()));
+  if (auto start = drive_is_new ? start_by_amplitudes(parameters, data, noise) : std::nullopt)
+    points.push_back(std::move(*start));
   else if (drive_is_new && !knows_its_clock(simpler))
     points.insert(points.end(), grid.begin(), grid.end());
   return drive_is_new || slow_is_new ? noise_variants(points, parameters, data) : points;
