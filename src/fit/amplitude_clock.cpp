@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace goingrate::timing_model {
 
@@ -38,21 +39,31 @@ std::vector<double> squares(const TimingData& data) {
   return enough && all.size() > 100 && all.front() > 0.0 ? all : std::vector<double>{};
 }
 
+double mean_about(const std::vector<double>& x, std::size_t middle, std::size_t reach) {
+  reach = std::min({reach, middle, x.size() - 1 - middle});
+  const auto first = x.begin() + static_cast<std::ptrdiff_t>(middle - reach);
+  const auto count = static_cast<std::ptrdiff_t>(2 * reach + 1);
+  return std::accumulate(first, first + count, 0.0) / static_cast<double>(count);
+}
+
+// The amplitudes at the ends are means over a block: noise would look like a push, which is
+// greatest near the escapement.
 std::vector<Block> blocks_of(const TimingData& data, const std::vector<double>& x) {
-  constexpr std::size_t enough = 4000; // blocks
+  constexpr std::size_t enough = 400; // blocks
   const std::size_t length = 1 + x.size() / enough;
   std::vector<Block> blocks;
   for (std::size_t from = 0; from + length < x.size(); from += length) {
+    const std::size_t end = from + length;
     Block block;
-    for (std::size_t i = from; i < from + length; ++i) { // each cycle has the mean of its ends
+    for (std::size_t i = from; i < end; ++i) { // each cycle has the mean of its ends
       const double cycles = data.cycle[i + 1] - data.cycle[i];
       block.cycles += cycles;
       block.amplitude2 += cycles * 0.5 * (x[i] + x[i + 1]);
     }
     block.amplitude2 /= block.cycles;
-    block.cycle = data.cycle[from + length] - data.cycle.front();
-    block.late = data.lateness_s[from + length] - data.lateness_s.front();
-    block.end2 = x[from + length];
+    block.cycle = data.cycle[end] - data.cycle.front();
+    block.late = data.lateness_s[end] - data.lateness_s.front();
+    block.end2 = mean_about(x, end, length / 2);
     blocks.push_back(block);
   }
   return blocks;
@@ -64,7 +75,7 @@ struct Line {
 };
 
 // The best T0 and epsilon for one phi0; those that are given are held.
-Line line_for(const std::vector<Block>& blocks, double first2, double reference_s, double phi0,
+Line line_for(const std::vector<Block>& blocks, double reference_s, double phi0,
               std::optional<double> stretch, std::optional<double> epsilon) {
   const auto steep = [&](double x) { return std::sqrt(std::max(0.0, x / (phi0 * phi0) - 1.0)); };
   const auto kicked = [&](double x) { return (steep(x) - std::atan(steep(x))) / two_pi; };
@@ -76,7 +87,7 @@ Line line_for(const std::vector<Block>& blocks, double first2, double reference_
     const Block& block = blocks[static_cast<std::size_t>(i)];
     circular += block.cycles * block.amplitude2 * (1.0 + block.amplitude2 * 11.0 / 192.0) / 16.0;
     pushed += block.cycles * steep(block.amplitude2);
-    seen[i] = block.late / reference_s - circular + kicked(block.end2) - kicked(first2);
+    seen[i] = block.late / reference_s - circular + kicked(block.end2);
     design.row(i) << 1.0, block.cycle, -pushed;
   }
   Eigen::Index free = 1;
@@ -111,9 +122,10 @@ std::optional<AmplitudeClock> amplitude_clock(const TimingData& data,
   const auto T0 = held(parameters, Quantity::T0), epsilon = held(parameters, Quantity::epsilon);
   const auto stretch = T0 ? std::optional(*T0 / data.reference_period_s - 1.0) : std::nullopt;
   const auto line = [&](double phi0) {
-    return line_for(blocks, x.front(), data.reference_period_s, phi0, stretch, epsilon);
+    return line_for(blocks, data.reference_period_s, phi0, stretch, epsilon);
   };
-  const double least = std::sqrt(*std::min_element(x.begin(), x.end()));
+  const auto narrower = [](const Block& a, const Block& b) { return a.end2 < b.end2; };
+  const double least = std::sqrt(std::min_element(blocks.begin(), blocks.end(), narrower)->end2);
   double phi0 = 0.95 * least;
   Line best;
   if (const auto known = held(parameters, Quantity::phi0)) {

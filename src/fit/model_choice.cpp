@@ -135,6 +135,25 @@ bool ModelSearch::take_if_better(Fitted&& other, const std::string& why) {
 
 namespace {
 
+// Whether the swing has grown anywhere, as no pendulum without a drive does.
+bool swing_grows(const TimingData& data, double noise_rad) {
+  constexpr std::size_t together = 16; // beats, so few that their mean hides no growth
+  constexpr double surely = 8.0;       // sigma, for the greatest of many rises
+  const double sigma = noise_rad / std::sqrt(static_cast<double>(together));
+  double least = std::numeric_limits<double>::infinity(), sum = 0.0;
+  std::size_t seen = 0;
+  for (const double amplitude : data.amplitude_rad) {
+    if (std::isnan(amplitude)) continue;
+    sum += amplitude;
+    if (++seen % together != 0) continue;
+    const double mean = sum / static_cast<double>(together);
+    if (mean > least + surely * sigma) return true;
+    least = std::min(least, mean);
+    sum = 0.0;
+  }
+  return false;
+}
+
 // Whether the residuals are no larger than what neighbouring beats scatter by.
 bool is_as_small_as(double jitter, const Fitted& fitted) {
   constexpr double by_chance = 1.3; // the robust jitter of few beats is known to a tenth or so
@@ -222,6 +241,7 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
 // friction shows (a stationary log fits anything and says nothing).
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
   if (options_.escapement || !options_.events.empty() || is_told_of_torque()) return false;
+  if (swing_grows(all_, guess_.amplitude_rad)) return false;
   ModelChoice free = driven;
   free.escapement = Escapement::none;
   TimingData thin;
@@ -378,7 +398,8 @@ void ModelSearch::choose_noise() {
   if (!drive.minimum.usable) return;
   model.slow = true;
   const bool slowly =
-      wanted == FitNoise::slow || (automatic && worth_trying(drive, options_, model));
+      wanted == FitNoise::slow ||
+      (automatic && (worth_trying(drive, options_, model) || worth_trying(best_, options_, model)));
   Fitted slow = slowly ? fit_from(drive, options_, model) : Fitted{};
   if (slowly) { // without the slow part the drive may have been led far astray
     Fitted past_drive = fit_from(best_, options_, model);

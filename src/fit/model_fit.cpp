@@ -295,17 +295,32 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
   return drive_is_new || slow_is_new ? noise_variants(points, parameters, data) : points;
 }
 
+// Amplitudes tell where a slow drive has led the clock, and there the gains are others: first order
+// would look for such a drive among the wrong clocks.
+bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
+  return problem.parameters.has(Quantity::slow_rms) && problem.data->has_amplitude() &&
+         options.dynamics != FitDynamics::averaged1;
+}
+
+// Makes the problem one of second order about a place.
+void extend(FitProblem& problem, std::span<const double> x) {
+  problem.parameters.start_ratio = limit_cycle_ratio(problem.parameters, x);
+  auto correction = difference_to(FitDynamics::averaged2, problem, x);
+  problem.correction = correction ? std::move(*correction) : Correction{};
+}
+
 } // namespace
 
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
   const TimingData thin = at_one_stride(*simpler.problem.data, enough_to_screen);
   FitProblem plain = simpler.problem.on(thin); // the dynamics change little between noises
-  const FitProblem richer = make_problem(thin, options, model);
+  FitProblem richer = make_problem(thin, options, model);
   if (has_too_many(richer)) return false;
   plain.priors.clear();
   const auto here = minus_log_likelihood(plain, simpler.minimum.x);
   constexpr double some = 1.0; // of L: below that no search would make it worth two parameters
   for (const auto& point : richer_starts(simpler, richer, model)) {
+    if (sees_second_order(richer, options)) extend(richer, point);
     const auto there = minus_log_likelihood(richer, point);
     if (here && there && *there < *here - some) return true;
   }
@@ -341,20 +356,6 @@ void look_at_the_twin(Fitted& fitted) {
   }
   if (twin.value > home.value - near)
     fitted.rivals.push_back({std::move(place), std::abs(twin.value - home.value)});
-}
-
-// Amplitudes tell where a slow drive has led the clock, and there the gains are others: first order
-// would look for such a drive among the wrong clocks.
-bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
-  return problem.parameters.has(Quantity::slow_rms) && problem.data->has_amplitude() &&
-         options.dynamics != FitDynamics::averaged1;
-}
-
-// Makes the problem one of second order about a place.
-void extend(FitProblem& problem, std::span<const double> x) {
-  problem.parameters.start_ratio = limit_cycle_ratio(problem.parameters, x);
-  auto correction = difference_to(FitDynamics::averaged2, problem, x);
-  problem.correction = correction ? std::move(*correction) : Correction{};
 }
 
 // Whether a simpler model explains the beats of a richer one so much better that more beats will
