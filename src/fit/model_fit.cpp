@@ -487,6 +487,8 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     if (!correction) return false;
     refined.problem.correction = std::move(*correction);
     const auto here = minus_log_likelihood(refined.problem, refined.minimum.x);
+    if (round > 1 && !(here && *here < best.minimum.value - still))
+      break; // the last gained nothing
     if (here && *here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
