@@ -480,7 +480,6 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   refined.dynamics = dynamics;
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
-  int idle = 0; // rounds in a row that gain nothing: one may lead to a gain
   for (int round = 0; round < rounds; ++round) {
     refined.problem.parameters.start_ratio =
         limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
@@ -488,9 +487,6 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     if (!correction) return false;
     refined.problem.correction = std::move(*correction);
     const auto here = minus_log_likelihood(refined.problem, refined.minimum.x);
-    const bool gains = here && *here < best.minimum.value - still;
-    idle = gains ? 0 : idle + 1;
-    if (idle > 1) break;
     if (here && *here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
