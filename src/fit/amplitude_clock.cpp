@@ -80,28 +80,26 @@ Line line_for(const std::vector<Block>& blocks, double reference_s, double phi0,
   const auto steep = [&](double x) { return std::sqrt(std::max(0.0, x / (phi0 * phi0) - 1.0)); };
   const auto kicked = [&](double x) { return (steep(x) - std::atan(steep(x))) / two_pi; };
   const auto rows = static_cast<Eigen::Index>(blocks.size());
-  Eigen::MatrixXd design(rows, 3);
+  Eigen::MatrixXd design(rows, 3); // of a constant, of the stretch, of epsilon T0
   Eigen::VectorXd seen(rows);
   double circular = 0.0, pushed = 0.0;
   for (Eigen::Index i = 0; i < rows; ++i) {
     const Block& block = blocks[static_cast<std::size_t>(i)];
-    circular += block.cycles * block.amplitude2 * (1.0 + block.amplitude2 * 11.0 / 192.0) / 16.0;
+    circular += block.cycles * block.amplitude2 * (1.0 + block.amplitude2 * 9.0 / 64.0) / 16.0;
     pushed += block.cycles * steep(block.amplitude2);
-    seen[i] = block.late / reference_s - circular + kicked(block.end2);
-    design.row(i) << 1.0, block.cycle, -pushed;
+    const double late = circular - kicked(block.end2) - epsilon.value_or(0.0) * pushed; // in T0
+    seen[i] = block.late / reference_s - late;
+    design.row(i) << 1.0, block.cycle + late, -pushed;
   }
-  Eigen::Index free = 1;
-  for (const auto& [held, column] : {std::pair(stretch, 1), std::pair(epsilon, 2)}) {
-    if (held)
-      seen -= *held * design.col(column);
-    else
-      design.col(free++) = design.col(column);
+  if (stretch) {
+    seen -= *stretch * design.col(1);
+    design.col(1) = design.col(2);
   }
+  const Eigen::Index free = 3 - (stretch ? 1 : 0) - (epsilon ? 1 : 0);
   const Eigen::VectorXd found = design.leftCols(free).colPivHouseholderQr().solve(seen);
   Line line;
-  Eigen::Index next = 1;
-  line.stretch = stretch ? *stretch : found[next++];
-  line.epsilon = epsilon ? *epsilon : found[next++];
+  line.stretch = stretch ? *stretch : found[1];
+  line.epsilon = epsilon ? *epsilon : found[free - 1] / (1.0 + line.stretch);
   line.misfit = (seen - design.leftCols(free) * found).squaredNorm();
   return line;
 }

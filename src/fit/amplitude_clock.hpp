@@ -2,12 +2,14 @@
 // room.
 //
 // What the drive gives in a cycle shows twice: in the amplitude that it leaves and in the push that
-// it gives the phase. Between the two the drive drops out. With x = lambda^2 and
-// f = sqrt(x/phi0^2 - 1), the averaged equations of a constant torque give for a cycle
+// it gives the phase. Between the two the drive drops out. With x = (2 sin(amplitude/2))^2, to
+// first order lambda^2, and f = sqrt(x/phi0^2 - 1), the averaged equations of a constant torque
+// give for a cycle
 //   period/T0 = 1 + x/16 - f (epsilon + dx/dn / (4 pi x)),
 // and the times, with G = (f - atan f)/(2 pi),
 //   t_n - t_0 = T0 [n + sum x/16 - epsilon sum f - (G(x_n) - G(x_0))]:
-// at a given phi0 linear in T0 and in epsilon.
+// at a given phi0 linear in T0 and in epsilon. The circular error is taken one order further,
+// x/16 + 9 x^2/1024: it alone is large where the swing is.
 #pragma once
 
 #include "parameters.hpp"

@@ -59,8 +59,8 @@ std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double
 CycleResponses::CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
                                double least_speed2, double greatest_speed2, double offset)
     : offset_(offset) {
-  // What stands beside the gains bends by thousandths over an amplitude: between neighbours it is
-  // straight to some millionths.
+  // Between neighbours what stands beside the gains is straight to 3e-5, except close to the
+  // escapement (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap).
   constexpr double ratio = 1.05;
   double at = least_speed2;
   for (bool covered = false; !covered; at *= ratio) {

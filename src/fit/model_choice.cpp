@@ -397,11 +397,11 @@ void ModelSearch::choose_noise() {
   Fitted drive = fit_with(model);
   if (!drive.minimum.usable) return;
   model.slow = true;
-  // With amplitudes a likelihood has so narrow a peak that only a search finds it.
-  const bool is_open = working_.data.has_amplitude() && !white(drive);
-  const bool slowly =
-      wanted == FitNoise::slow || (automatic && (is_open || worth_trying(drive, options_, model) ||
-                                                 worth_trying(best_, options_, model)));
+  // With amplitudes the likelihood has so narrow a peak that only a search tells what it is worth.
+  const bool asks_for_more = working_.data.has_amplitude() && !white(drive);
+  const bool slowly = wanted == FitNoise::slow ||
+                      (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
+                                     worth_trying(best_, options_, model)));
   Fitted slow = slowly ? fit_from(drive, options_, model) : Fitted{};
   if (slowly) { // without the slow part the drive may have been led far astray
     Fitted past_drive = fit_from(best_, options_, model);

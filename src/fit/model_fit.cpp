@@ -14,6 +14,14 @@ namespace goingrate::timing_model {
 
 namespace {
 
+// A place beside one that has moved: what thinned beats or other dynamics move, both are moved by.
+std::vector<double> moved_along(std::vector<double> place, std::span<const double> from,
+                                std::span<const double> to) {
+  for (std::size_t k = 0; k < place.size(); ++k)
+    place[k] += to[k] - from[k];
+  return place;
+}
+
 // Two and five sigma along the direction the data know least, as far as that is sane.
 std::vector<std::vector<double>> along_the_valley(const Certainty& known,
                                                   std::span<const double> x) {
@@ -107,10 +115,8 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
     if (other.usable && other.converged && other.value < best.value + farthest &&
         known.tells_apart(other.x, here) && !check.parameters.event_cycles.empty())
       fitted.ends.push_back(other.x);
-  // What the thinning moves, all of them were moved by.
   for (Rival& rival : fitted.rivals)
-    for (std::size_t k = 0; k < rival.x.size(); ++k)
-      rival.x[k] += fitted.minimum.x[k] - here[k];
+    rival.x = moved_along(rival.x, here, fitted.minimum.x);
   return moved;
 }
 
@@ -347,9 +353,7 @@ void look_at_the_twin(Fitted& fitted) {
   if (!twin.usable || !home.usable) return;
   constexpr double near = 4.5; // three sigma
   if (twin.value > home.value + near) return;
-  std::vector<double> place = twin.x; // what the thinning moved, both were moved by
-  for (std::size_t k = 0; k < place.size(); ++k)
-    place[k] += fitted.minimum.x[k] - home.x[k];
+  std::vector<double> place = moved_along(twin.x, home.x, fitted.minimum.x);
   if (twin.value < home.value) {
     std::swap(place, fitted.minimum.x);
     settle(fitted.problem, fitted.minimum, {});
@@ -374,11 +378,9 @@ Fitted fit_in_two_steps(const Fitted& simpler, const FitOptions& options, const 
   Fitted rough = fit_from(simpler, options, model, &some);
   if (!rough.minimum.usable || is_hopeless(rough, simpler)) return {};
   Fitted fitted = fit_from(rough, options, model, &data);
-  for (Rival& rival : rough.rivals) { // what the thinning moved, both were moved by
-    for (std::size_t k = 0; k < rival.x.size(); ++k)
-      rival.x[k] += fitted.minimum.x[k] - rough.minimum.x[k];
-    fitted.rivals.push_back(std::move(rival));
-  }
+  for (const Rival& rival : rough.rivals)
+    fitted.rivals.push_back(
+        {moved_along(rival.x, rough.minimum.x, fitted.minimum.x), rival.behind});
   return fitted;
 }
 
@@ -424,9 +426,8 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   for (const Minimum& other : tried) {
     constexpr double near = 4.5; // three sigma
     if (!other.usable || other.value > tried.front().value + near) continue;
-    fitted.rivals.push_back({other.x, other.value - tried.front().value});
-    for (std::size_t k = 0; k < other.x.size(); ++k) // what the thinning moved, both were moved by
-      fitted.rivals.back().x[k] += fitted.minimum.x[k] - tried.front().x[k];
+    fitted.rivals.push_back({moved_along(other.x, tried.front().x, fitted.minimum.x),
+                             other.value - tried.front().value});
   }
   look_at_the_twin(fitted);
   finish(fitted);
@@ -512,8 +513,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   if (!std::isfinite(best.minimum.value)) return false;
   refined = std::move(best);
   for (Rival& rival : refined.rivals)
-    for (std::size_t k = 0; k < rival.x.size(); ++k)
-      rival.x[k] += refined.minimum.x[k] - fitted.minimum.x[k];
+    rival.x = moved_along(rival.x, fitted.minimum.x, refined.minimum.x);
   finish(refined);
   if (!refined.minimum.usable || (!is_lost(fitted) && is_lost(refined))) return false;
   fitted = std::move(refined);
