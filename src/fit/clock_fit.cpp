@@ -114,13 +114,13 @@ void attach_shifts(const Parameters& parameters, const std::map<std::string, dou
         p.model_shift = shifts.at(p.name);
 }
 
-void attach_profiles(const Fitted& fitted, const Certainty& known,
+void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
                      const std::vector<Interval>& ends, FitSummary& summary) {
-  const Parameters& parameters = fitted.problem.parameters;
+  const Parameters& parameters = all.problem.parameters;
   for (const Slot& slot : parameters.slots)
     for (FittedParameter& p : summary.parameters)
       if (slot.free && p.name == parameters.name_of(slot) && std::isfinite(p.value))
-        p.profile = profile_points(fitted.problem, fitted.minimum, known, slot, ends[slot.index]);
+        p.profile = profile_points(all, few, slot, ends[slot.index]);
 }
 
 void state_contradictions(const Fitted& fitted, FitSummary& summary) {
@@ -168,6 +168,16 @@ void state_rivals(const Fitted& fitted, const Certainty& known, FitSummary& summ
   }
 }
 
+// Whether the clock is at the edge of where the equations hold: the log is another's.
+bool leaves_the_domain(const Fitted& fitted) {
+  constexpr double near = 1e-6; // of a logarithm
+  const Parameters& parameters = fitted.problem.parameters;
+  return std::any_of(parameters.slots.begin(), parameters.slots.end(), [&](const Slot& slot) {
+    return slot.free && !is_noise(slot.quantity) &&
+           fitted.minimum.x[slot.index] > fitted.problem.bounds[slot.index][1] - near;
+  });
+}
+
 // A stretch whose innovations are far larger than elsewhere, by medians over blocks.
 struct RoughStretch {
   double from_s, to_s, times; ///< how much larger
@@ -198,6 +208,15 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
   return rough;
 }
 
+// The fit on so few beats of a long log that its profile is soon searched; not usable if all are as
+// few.
+Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
+  constexpr std::size_t enough = 3000;
+  if (fitted.problem.condensed != nullptr || fitted.problem.data->size() < 3 * enough) return {};
+  some = few_beats(*fitted.problem.data, fitted.problem.parameters.event_cycles, enough);
+  return on_few_beats(fitted, some);
+}
+
 // Everything that follows from the chosen fit.
 void state(const Fitted& fitted, const ModelSearch& search, double nominal_period_s,
            FitSummary& summary) {
@@ -219,6 +238,12 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
                      "leave that stretch out",
                      rough->from_s, rough->to_s, rough->times)});
   }
+  if (leaves_the_domain(fitted)) {
+    known.distrusted.assign(known.distrusted.size(), true);
+    summary.notes.push_back({NoteKind::domain,
+                             "the best fit swings or loses more than any pendulum of this model: "
+                             "something else rules the times"});
+  }
   summary.dynamics = fitted.dynamics;
   summary.model = fitted.model;
   summary.chosen_by = search.chosen_by();
@@ -227,11 +252,15 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.events = search.options().events;
   summary.time_widening = widening.time;
   summary.amplitude_widening = widening.amplitude;
-  const std::vector<Interval> ends =
-      intervals(fitted.problem, fitted.minimum, known, widening.largest() < badly);
+  FewBeats some;
+  const Fitted fewer = on_beats_to_profile(fitted, some);
+  const ProfiledPlace all{fitted.problem, fitted.minimum, known};
+  const ProfiledPlace of_some{fewer.problem, fewer.minimum, fewer.known};
+  const ProfiledPlace* few = fewer.minimum.usable ? &of_some : nullptr;
+  const std::vector<Interval> ends = intervals(all, few, widening.largest() < badly);
   state_results(fitted.problem, fitted.minimum.x, known, ends, fitted.rivals, search.options(),
                 nominal_period_s, summary);
-  if (search.options().profiles) attach_profiles(fitted, known, ends, summary);
+  if (search.options().profiles) attach_profiles(all, few, ends, summary);
   attach_shifts(fitted.problem.parameters, search.first_order_shifts(), summary);
   summary.jitter_s = value_of(summary, "jitter_rms");
   summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
@@ -247,8 +276,9 @@ namespace {
 bool contradicts_log(const FitSummary& summary) {
   constexpr double by_chance = 1e-6;
   return summary.quality.p_value < by_chance ||
-         std::any_of(summary.notes.begin(), summary.notes.end(),
-                     [](const FitNote& note) { return note.kind == NoteKind::rough_stretch; });
+         std::any_of(summary.notes.begin(), summary.notes.end(), [](const FitNote& note) {
+           return note.kind == NoteKind::rough_stretch || note.kind == NoteKind::domain;
+         });
 }
 
 // What timing_data() makes is so; what was put together by hand may not be.

@@ -312,6 +312,9 @@ double least_visible_jitter(const TimingData& data) {
 
 } // namespace
 
+// Beyond these no averaged equation holds: Q below 5, a swing of 140 degrees.
+constexpr double largest_epsilon = 0.1, largest_lambda = 1.88; // rad; 2 is upside down
+
 std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
                                                const TimingData& data) {
   std::vector<std::array<double, 2>> bounds(parameters.free_count, {-infinite, infinite});
@@ -319,6 +322,8 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     if (!slot.free) continue;
     auto& [low, high] = bounds[slot.index];
     if (slot.coordinate == Coordinate::multiple && !may_be_negative(slot)) low = 0.0;
+    if (slot.quantity == Quantity::epsilon) high = std::log(largest_epsilon);
+    if (slot.quantity == Quantity::lambda0) high = std::log(largest_lambda);
     if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors
     if (slot.quantity == Quantity::drive_rms || slot.quantity == Quantity::slow_rms)

@@ -213,7 +213,7 @@ std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEven
 
 // Where the simplest laws do not explain the log those are taken that do, and best.
 void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
-  if (best_.model.walk || explains(best_)) return;
+  if (best_.model.walk || is_rounding(best_) || explains(best_)) return;
   TimingData thin;
   if (explains(roughly_fitted(options_, best_.model, thin))) return;
   constexpr double rarer =
@@ -402,12 +402,8 @@ void ModelSearch::choose_noise() {
   const bool slowly = wanted == FitNoise::slow ||
                       (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
                                      worth_trying(best_, options_, model)));
-  Fitted slow = slowly ? fit_from(drive, options_, model) : Fitted{};
-  if (slowly) { // without the slow part the drive may have been led far astray
-    Fitted past_drive = fit_from(best_, options_, model);
-    if (past_drive.minimum.usable && past_drive.minimum.value < slow.minimum.value)
-      slow = std::move(past_drive);
-  }
+  // Without the slow part the drive may have been led far astray.
+  Fitted slow = slowly ? fit_from_either(drive, best_, options_, model) : Fitted{};
   if (slow.minimum.usable) refine(slow, dynamics);
   if (!automatic) {
     best_ = wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive);
@@ -463,6 +459,7 @@ void ModelSearch::thin_by_information() {
     stride *= coarser;
   for (;; stride /= coarser) {
     TimingData kept = subset(all_, kept_beats(all_, events, stride, dense));
+    best_.minimum.x = with_jitter_of(kept, best_.problem.parameters, best_.minimum.x);
     Fitted finer = fit_from(best_, options_, best_.model, &kept);
     if (!finer.minimum.usable) return;
     finer_ = std::move(kept);
@@ -529,8 +526,9 @@ const Fitted& ModelSearch::run() {
     choose_noise();
   } else {
     choose_noise();
+    if (best_.dynamics != FitDynamics::averaged1) choose_dynamics(); // once, on few beats
     thin_by_information();
-    choose_dynamics();
+    if (best_.dynamics != FitDynamics::map) choose_dynamics();
   }
   tried(best_, "chosen");
   return best_;

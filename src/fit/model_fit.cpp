@@ -9,6 +9,7 @@
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace goingrate::timing_model {
 
@@ -335,52 +336,109 @@ bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelC
 
 namespace {
 
-// The twin as a rival; takes its place if it is better. Both are compared on some of the beats.
-void look_at_the_twin(Fitted& fitted) {
-  const auto start = twin_of(fitted.problem, fitted.minimum.x);
-  if (!start) return;
-  constexpr std::size_t enough = 30000;
-  const TimingData some = at_one_stride(*fitted.problem.data, enough);
-  FitProblem compared = fitted.problem;
-  compared.data = &some;
-  Minimum twin, home = fitted.minimum;
-  twin.x = *start;
-  settle(compared, home, {});
-  constexpr double far = 12.0; // of L: what only a stated prior brings about, and no search undoes
-  const auto there = minus_log_likelihood(compared, twin.x);
-  if (!there || *there > home.value + far) return;
-  settle(compared, twin, {});
-  if (!twin.usable || !home.usable) return;
-  constexpr double near = 4.5; // three sigma
-  if (twin.value > home.value + near) return;
-  std::vector<double> place = moved_along(twin.x, home.x, fitted.minimum.x);
-  if (twin.value < home.value) {
-    std::swap(place, fitted.minimum.x);
-    settle(fitted.problem, fitted.minimum, {});
+// The noise of single beats that blocks of them stand for, or the reverse.
+std::vector<double> with_noise_of_blocks(const Parameters& parameters, std::vector<double> x,
+                                         double together) {
+  for (const Slot& slot : parameters.slots)
+    if (slot.free &&
+        (slot.quantity == Quantity::jitter_rms || slot.quantity == Quantity::amplitude_rms))
+      x[slot.index] -= 0.5 * std::log(together);
+  return x;
+}
+
+} // namespace
+
+std::vector<double> with_jitter_of(const TimingData& data, const Parameters& parameters,
+                                   std::vector<double> x) {
+  const Slot* jitter = parameters.find(Quantity::jitter_rms);
+  if (jitter != nullptr && jitter->free)
+    x[jitter->index] =
+        std::max(x[jitter->index], jitter->coordinate_of(guess_noise(data).jitter_s));
+  return x;
+}
+
+Fitted on_few_beats(const Fitted& fitted, const FewBeats& few) {
+  Fitted there = fitted;
+  there.problem = fitted.problem.on(few.data);
+  there.rivals.clear();
+  there.ends.clear();
+  const auto start = with_noise_of_blocks(there.problem.parameters, fitted.minimum.x, few.together);
+  if (fitted.dynamics != FitDynamics::averaged1) {
+    auto correction = difference_to(fitted.dynamics, there.problem, start);
+    there.problem.correction = correction ? std::move(*correction) : Correction{};
   }
-  if (twin.value > home.value - near)
-    fitted.rivals.push_back({std::move(place), std::abs(twin.value - home.value)});
+  there.minimum = minimise(there.problem, start, {100});
+  if (there.minimum.usable) finish(there);
+  return there;
 }
 
-// Whether a simpler model explains the beats of a richer one so much better that more beats will
-// not say otherwise.
-bool is_hopeless(const Fitted& richer, const Fitted& simpler) {
-  constexpr double hopeless = 10.0; // of L: odds of 20000 to 1
-  const FitProblem plain = simpler.problem.on(*richer.problem.data);
-  const Minimum there = minimise(plain, simpler.minimum.x, {100});
-  return there.usable && there.value < richer.minimum.value - hopeless;
+namespace {
+
+// The fit brought to rest from the twin of its place, by its own dynamics; not usable if that is no
+// other place, or nothing like as good.
+Fitted twin_fit(const Fitted& home) {
+  const auto start = twin_of(home.problem, home.minimum.x);
+  if (!start) return {};
+  Fitted twin = home;
+  twin.minimum.x = *start;
+  if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, *start);
+  constexpr double far = 12.0; // of L: what only a stated prior brings about, and no search undoes
+  const auto there = minus_log_likelihood(twin.problem, *start);
+  if (!there || *there > home.minimum.value + far) return {};
+  settle(twin.problem, twin.minimum, {});
+  if (!twin.minimum.usable || !refine(twin, home.dynamics)) return {};
+  constexpr double near = 4.5; // of L: three sigma
+  const bool is_near = twin.minimum.value < home.minimum.value + near;
+  const auto at = evaluate(home.problem, home.minimum.x);
+  const bool is_other =
+      at && certainty(home.problem, *at, {}).tells_apart(twin.minimum.x, home.minimum.x);
+  return is_near && is_other ? twin : Fitted{};
 }
 
-// On some of the beats first, which tell the place nearly, and whether the model is worth all.
-Fitted fit_in_two_steps(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
-                        const TimingData& data) {
-  const TimingData some = at_one_stride(data, enough_to_screen);
-  Fitted rough = fit_from(simpler, options, model, &some);
-  if (!rough.minimum.usable || is_hopeless(rough, simpler)) return {};
+// The twin as a rival; takes its place if it is better. A long log is looked at by few beats first:
+// where they tell the two apart so do all.
+void look_at_the_twin(Fitted& fitted) {
+  constexpr std::size_t enough = 3000;
+  const TimingData& data = *fitted.problem.data;
+  if (fitted.problem.condensed == nullptr && data.size() > 3 * enough) {
+    const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, enough);
+    const Fitted home = on_few_beats(fitted, few);
+    if (!home.minimum.usable || !twin_fit(home).minimum.usable) return;
+  }
+  Fitted twin = twin_fit(fitted);
+  if (!twin.minimum.usable) return;
+  if (by_value(twin.minimum, fitted.minimum)) {
+    twin.rivals = fitted.rivals;
+    std::swap(twin, fitted);
+  }
+  fitted.rivals.push_back({twin.minimum.x, twin.minimum.value - fitted.minimum.value});
+}
+
+// On few beats first, which tell the place nearly, which start is the best, and whether the model
+// is worth all beats.
+Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, const FitOptions& options,
+                        const ModelChoice& model, const TimingData& data) {
+  constexpr double hopeless = 10.0; // of L: odds of 20000 to 1, which more beats will not turn
+  const FewBeats few =
+      few_beats(data, simpler.front()->problem.parameters.event_cycles, enough_to_screen);
+  Fitted rough;
+  for (const Fitted* start : simpler) {
+    const Fitted plain = on_few_beats(*start, few);
+    if (!plain.minimum.usable) continue;
+    Fitted end = fit_from(plain, options, model, &few.data);
+    const double best = std::min(plain.minimum.value + hopeless, rough.minimum.value);
+    if (end.minimum.usable && end.minimum.value < best) rough = std::move(end);
+  }
+  if (!rough.minimum.usable) return {};
+  const auto on_all = [&](const std::vector<double>& x) {
+    return with_jitter_of(data, rough.problem.parameters,
+                          with_noise_of_blocks(rough.problem.parameters, x, 1.0 / few.together));
+  };
+  rough.minimum.x = on_all(rough.minimum.x);
   Fitted fitted = fit_from(rough, options, model, &data);
   for (const Rival& rival : rough.rivals)
     fitted.rivals.push_back(
-        {moved_along(rival.x, rough.minimum.x, fitted.minimum.x), rival.behind});
+        {moved_along(on_all(rival.x), rough.minimum.x, fitted.minimum.x), rival.behind});
   return fitted;
 }
 
@@ -395,7 +453,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   const bool is_extended = sees_second_order(fitted.problem, options);
   const bool is_new = model.name() != simpler.model.name();
   if (is_extended && is_new && fitted.problem.data->size() > 2 * enough_to_screen)
-    return fit_in_two_steps(simpler, options, model, *fitted.problem.data);
+    return fit_in_two_steps(std::array{&simpler}, options, model, *fitted.problem.data);
   const auto points = richer_starts(simpler, fitted.problem, model);
   std::vector<Minimum> tried(1);
   tried.front().x = points.front();
@@ -420,7 +478,8 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   fitted.minimum.x = tried.front().x;
   fitted.problem.priors = make_priors(options, fitted.problem.parameters, fitted.minimum.x);
   condense(fitted.problem, fitted.minimum.x);
-  if (!is_extended || !refine(fitted, FitDynamics::averaged2))
+  if (is_extended) finish(fitted); // what the start explains, refinement must not lose
+  if (!is_extended || !refine(fitted, std::max(FitDynamics::averaged2, simpler.dynamics)))
     settle(fitted.problem, fitted.minimum, {});
   if (!fitted.minimum.usable) return fitted;
   for (const Minimum& other : tried) {
@@ -432,6 +491,16 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   look_at_the_twin(fitted);
   finish(fitted);
   return fitted;
+}
+
+Fitted fit_from_either(const Fitted& one, const Fitted& other, const FitOptions& options,
+                       const ModelChoice& model) {
+  const TimingData& data = *one.problem.data;
+  const FitProblem problem = make_problem(data, options, model);
+  if (sees_second_order(problem, options) && data.size() > 2 * enough_to_screen)
+    return fit_in_two_steps(std::array{&one, &other}, options, model, data);
+  Fitted first = fit_from(one, options, model), second = fit_from(other, options, model);
+  return second.minimum.usable && by_value(second.minimum, first.minimum) ? second : first;
 }
 
 std::optional<NoiseShape> noise_shape(const Fitted& fitted) {
@@ -503,8 +572,8 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
       const auto [low, high] = refined.problem.bounds[k];
       moved[k] = std::clamp(moved[k] + part * step->of_x[static_cast<Eigen::Index>(k)], low, high);
     }
-    if (late_at_end(refined.problem.parameters, ends_of(*refined.problem.data), moved))
-      refined.minimum.x = moved;
+    const auto there = minus_log_likelihood(refined.problem, moved);
+    if (there && (!here || *there < *here)) refined.minimum.x = moved;
     if (round == 0) continue; // the difference at the new place is worth more than its minimum here
     settle(refined.problem, refined.minimum, {});
     if (refined.minimum.usable) finish(refined); // the sigmas of the wrong model were too wide

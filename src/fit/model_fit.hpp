@@ -43,6 +43,19 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
 Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
                 const TimingData* data = nullptr);
 
+/// The better of what two simpler fits lead to.
+Fitted fit_from_either(const Fitted& one, const Fitted& other, const FitOptions& options,
+                       const ModelChoice& model);
+
+/// The same fit on beats that stand for its own, brought to their minimum; not usable if there is
+/// none.
+Fitted on_few_beats(const Fitted& fitted, const FewBeats& few);
+
+/// A place with at least the jitter that neighbouring beats show: beats at a stride hide it under
+/// the walk, and a search finds its way back from too little of it but slowly.
+std::vector<double> with_jitter_of(const TimingData& data, const Parameters& parameters,
+                                   std::vector<double> x);
+
 /// Whether any size and memory of a slow drive, put into the fit as it is, raises its likelihood.
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model);
 

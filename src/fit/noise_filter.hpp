@@ -28,6 +28,13 @@
 #include <array>
 #include <cstddef>
 
+// All that a beat calls in one body: a sanitizer's checks in it would take half an hour to compile.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define GOINGRATE_INLINED
+#else
+#define GOINGRATE_INLINED [[gnu::flatten]]
+#endif
+
 namespace goingrate::timing_model {
 
 /// Sizes of the noise; 0 for what is absent.
@@ -71,7 +78,7 @@ public:
   }
 
   /// Lets `cycles` pass; sight and response are those of the beat they end with.
-  [[gnu::flatten]] void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
+  GOINGRATE_INLINED void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
     constexpr double few = 8.0; // cycles that are followed one by one; longer gaps are rare
     if (extended_ && cycles <= few) {
       for (double passed = 0.0; passed < cycles; ++passed)
@@ -92,7 +99,7 @@ public:
   }
 
   /// The time of the beat, as lateness; the state is corrected by it.
-  [[gnu::flatten]] Innovation<T> see_time(const T& late) {
+  GOINGRATE_INLINED Innovation<T> see_time(const T& late) {
     const T value = late - state_[0];
     if (!frozen_) {
       variance_ = covariance_[0][0] + noise_.jitter * noise_.jitter;
@@ -115,8 +122,8 @@ public:
 
   /// The amplitude of the beat; `excess` is what was seen less the course's, `scale` what the
   /// column shows over what the pendulum does.
-  [[gnu::flatten]] Innovation<T> see_amplitude(const Sight<T>& sight, const ResponseAt& response,
-                                               const T& excess, const T& scale) {
+  GOINGRATE_INLINED Innovation<T> see_amplitude(const Sight<T>& sight, const ResponseAt& response,
+                                                const T& excess, const T& scale) {
     frozen_ = false; // its gain is another
     still_ = 0;
     using std::asin, std::sqrt;
@@ -242,7 +249,7 @@ private:
 
   // One cycle. Its mean goes from the course to the amplitude, and from there to the drive; the
   // covariance has the gains at the end of that way.
-  [[gnu::flatten]] void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
+  GOINGRATE_INLINED void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
     const T end = way(sight, response);
     const auto [grown, late] = response.passed(*sight.laws, sight.amplitude2, sight.T0, end);
     CycleGains<T> there = gains(sight, response, end);

@@ -15,20 +15,18 @@ constexpr double q68 = 1.0, q95 = 1.959964;
 // The profile of one coordinate; z counts sigmas of the curvature.
 class Profile {
 public:
-  /// `search`: look for the ends where the likelihood is no parabola; else they stay open.
-  Profile(const FitProblem& problem, const Minimum& minimum, const Certainty& known, std::size_t k,
-          bool search)
-      : problem_(problem), minimum_(minimum), known_(known), k_(k), valley_(problem, minimum.x, k),
-        widening_(known.sigma(k) / known.curvature_sigma(k)), search_(search) {}
+  /// `widening`: sigma over that of the curvature. `search`: look for the ends where the likelihood
+  /// is no parabola; else they stay open.
+  Profile(const ProfiledPlace& place, std::size_t k, double widening, bool search)
+      : problem_(place.problem), minimum_(place.minimum), known_(place.known), k_(k),
+        valley_(problem_, minimum_.x, k), widening_(widening), search_(search) {}
 
+  /// Of the interval, as z.
   Interval ends() {
     const double low = risen(-q95), high = risen(q95);
     Interval found{end(-q68, low), end(q68, high), end(-q95, low), end(q95, high)};
     found.low95 = std::min(found.low95, found.low68); // a search may end a little early
     found.high95 = std::max(found.high95, found.high68);
-    const bool not_negative = !problem_.bounds.empty() && problem_.bounds[k_][0] == 0.0;
-    for (double* at : {&found.low68, &found.high68, &found.low95, &found.high95})
-      if (not_negative) *at = std::max(0.0, *at);
     return found;
   }
 
@@ -43,12 +41,6 @@ public:
     if (!std::isfinite(risen)) return {};
     return 2.0 * std::max(0.0, risen) / (widening_ * widening_);
   }
-
-  /// How many curvature sigmas an end of an interval lies off.
-  [[nodiscard]] double z_of(double end) const {
-    return (end - minimum_.x[k_]) / known_.curvature_sigma(k_);
-  }
-  [[nodiscard]] double widening() const { return widening_; }
 
 private:
   // The shape at q: by a look, and if that shows no parabola by a search.
@@ -133,37 +125,63 @@ private:
       const double b = (std::sqrt(shape) - 1.0) / (std::copysign(q95, q) * widening_);
       reach = (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b);
     }
-    return minimum_.x[k_] + reach * known_.curvature_sigma(k_);
+    return reach;
   }
 
   // Where the others start a search with this one held at z: on the ridge that the curvature
   // promises, or where the last search ended, stretched, whichever is lower.
-  [[nodiscard]] std::vector<double> start_at(double z, const FitProblem& held) {
-    const auto without = [&](std::vector<double> x) {
-      x.erase(x.begin() + static_cast<std::ptrdiff_t>(k_));
-      return x;
-    };
-    std::vector<double> ridge = without(along(z));
+  [[nodiscard]] std::vector<double> start_at(double z) {
+    std::vector<double> ridge = along(z);
+    ridge[k_] = minimum_.x[k_] + z * known_.curvature_sigma(k_); // the bend leaves it nearly there
     if (!last_) return ridge;
-    std::vector<double> stretched = without(minimum_.x);
+    std::vector<double> stretched = minimum_.x;
     for (std::size_t i = 0; i < stretched.size(); ++i)
       stretched[i] += (last_->x[i] - stretched[i]) * z / last_->z;
-    const auto here = minus_log_likelihood(held, ridge);
-    const auto there = minus_log_likelihood(held, stretched);
+    const auto here = minus_log_likelihood(problem_, ridge);
+    const auto there = minus_log_likelihood(problem_, stretched);
     return there && (!here || *there < *here) ? stretched : ridge;
   }
 
-  // The profile itself at z: a search of the others with this coordinate held.
+  [[nodiscard]] bool is_allowed(std::span<const double> x) const {
+    for (std::size_t k = 0; k < problem_.bounds.size(); ++k)
+      if (x[k] < problem_.bounds[k][0] || x[k] > problem_.bounds[k][1]) return false;
+    return true;
+  }
+
+  // The profile itself at z, by steps of scoring in the others while they fall as they promise.
+  std::optional<double> rise_by_steps(double z, std::vector<double> x) {
+    constexpr double little = 0.05; // of L: a step that gains less gains what it promises
+    double before = infinite;
+    for (int steps = 0; steps < 3; ++steps) {
+      const auto step = step_of_others(x);
+      if (!step || !(step->value < before)) return {};
+      for (std::size_t i = 0; i < x.size(); ++i)
+        x[i] += step->change[static_cast<Eigen::Index>(i)];
+      if (!is_allowed(x)) return {};
+      if (step->gain < little) {
+        last_ = Solution{z, std::move(x)};
+        return step->value - step->gain - minimum_.value;
+      }
+      before = step->value;
+    }
+    return {};
+  }
+
+  // The same, by a search if the steps do not tell.
   double rise(double z) {
     const double coordinate = minimum_.x[k_] + z * known_.curvature_sigma(k_);
+    std::vector<double> start = start_at(z);
+    if (const auto risen = rise_by_steps(z, start)) return *risen;
     const FitProblem held = with_held(problem_, k_, coordinate);
+    start.erase(start.begin() + static_cast<std::ptrdiff_t>(k_));
     constexpr SearchLimits limits{30, 0.01}; // of 0.5 or 1.9
-    const Minimum found = minimise(held, start_at(z, held), limits);
+    Minimum found = minimise(held, start, limits);
     if (!found.usable) return infinite;
-    last_ = Solution{z, found.x};
     double own = 0.0; // the priors on the held one
     for (const CoordinatePrior& prior : problem_.priors)
       if (prior.index == k_) own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
+    found.x.insert(found.x.begin() + static_cast<std::ptrdiff_t>(k_), coordinate);
+    last_ = Solution{z, std::move(found.x)};
     return found.value + own - minimum_.value;
   }
 
@@ -194,7 +212,7 @@ private:
 
   struct Solution {
     double z;
-    std::vector<double> x; // of the others
+    std::vector<double> x;
   };
 
   const FitProblem& problem_;
@@ -211,6 +229,20 @@ private:
 // Where every sigma is below this the likelihood is a parabola, as far as anyone could see: the two
 // sides of an interval differ by about as large a part.
 constexpr double tiny = 0.015;
+
+// Where to look at profiles: on few beats if they know every coordinate as well, or so well that it
+// bends nothing.
+const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few) {
+  constexpr double as_well = 0.2; // of sigma: lopsided by that much more or less
+  constexpr double tightly = 0.05;
+  if (few == nullptr) return all;
+  for (std::size_t k = 0; k < all.minimum.x.size(); ++k) {
+    const double sigma = few->known.curvature_sigma(k);
+    const double ratio = sigma / all.known.curvature_sigma(k);
+    if (!(std::abs(ratio - 1.0) < as_well) && !(sigma < tightly && ratio > 1.0)) return all;
+  }
+  return *few;
+}
 
 } // namespace
 
@@ -236,51 +268,57 @@ FitProblem with_held(const FitProblem& problem, std::size_t index, double coordi
   return held;
 }
 
-std::vector<Interval> intervals(const FitProblem& problem, const Minimum& minimum,
-                                const Certainty& known, bool model_holds) {
-  std::vector<Interval> result(minimum.x.size(), {-infinite, infinite, -infinite, infinite});
+std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* few,
+                                bool model_holds) {
+  const FitProblem& problem = all.problem;
+  const Certainty& known = all.known;
+  std::vector<Interval> result(all.minimum.x.size(), {-infinite, infinite, -infinite, infinite});
   double largest = 0.0;
   for (const Slot& slot : problem.parameters.slots)
     if (slot.free && !is_noise(slot.quantity) && slot.coordinate == Coordinate::logarithm)
       largest = std::max(largest, known.sigma(slot.index));
   for (const Slot& slot : problem.parameters.slots) {
     if (!slot.free) continue;
-    const double sigma = known.sigma(slot.index), x = minimum.x[slot.index];
-    const double tolerable = tolerable_sigma(problem, slot, minimum.x);
+    const std::size_t k = slot.index;
+    const double sigma = known.sigma(k), x = all.minimum.x[k];
+    const double tolerable = tolerable_sigma(problem, slot, all.minimum.x);
     const bool lopsided = is_noise(slot.quantity) || may_vanish(slot);
-    if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[slot.index]) continue;
-    if (largest < tiny && !may_vanish(slot))
-      result[slot.index] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
-    else {
-      // Of a clock's parameter known so badly, or of a model that does not hold, a likelihood that
-      // is no parabola leaves nothing to defend.
-      constexpr double badly = 0.4;
-      const bool search = model_holds && (lopsided || sigma <= badly * tolerable);
-      result[slot.index] = Profile(problem, minimum, known, slot.index, search).ends();
+    if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[k]) continue;
+    if (largest < tiny && !may_vanish(slot)) {
+      result[k] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
+      continue;
     }
+    // Of a clock's parameter known so badly, or of a model that does not hold, a likelihood that
+    // is no parabola leaves nothing to defend.
+    constexpr double badly = 0.4;
+    const bool search = model_holds && (lopsided || sigma <= badly * tolerable);
+    const double unit = known.curvature_sigma(k);
+    const Interval z = Profile(seen_for(all, few), k, sigma / unit, search).ends();
+    const double least = !problem.bounds.empty() && problem.bounds[k][0] == 0.0 ? 0.0 : -infinite;
+    const auto at = [&](double end) { return std::max(least, x + end * unit); };
+    result[k] = {at(z.low68), at(z.high68), at(z.low95), at(z.high95)};
   }
   return result;
 }
 
-std::vector<ProfilePoint> profile_points(const FitProblem& problem, const Minimum& minimum,
-                                         const Certainty& known, const Slot& slot,
-                                         const Interval& interval) {
+std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
+                                         const Slot& slot, const Interval& interval) {
   constexpr int points_a_side = 5;
   constexpr double beyond = 1.15, open = 3.0; // of the interval; sigma
-  Profile profile(problem, minimum, known, slot.index, true);
-  std::vector<double> x = minimum.x;
+  const std::size_t k = slot.index;
+  const double unit = all.known.curvature_sigma(k), widening = all.known.sigma(k) / unit;
+  Profile profile(seen_for(all, few), k, widening, true);
+  std::vector<double> x = all.minimum.x;
   std::vector<ProfilePoint> found{{slot.value(std::span<const double>(x)), 0.0}};
   for (const double end : {interval.low95, interval.high95}) {
     const bool low = end == interval.low95;
-    const double reach =
-        std::isfinite(end) ? beyond * profile.z_of(end) : (low ? -open : open) * profile.widening();
+    const double reach = std::isfinite(end) ? beyond * (end - all.minimum.x[k]) / unit
+                                            : (low ? -open : open) * widening;
     for (int i = 1; i <= points_a_side; ++i) {
       const double z = reach * i / points_a_side;
-      x[slot.index] = minimum.x[slot.index] + z * known.curvature_sigma(slot.index);
-      const bool allowed =
-          problem.bounds.empty() || (x[slot.index] >= problem.bounds[slot.index][0] &&
-                                     x[slot.index] <= problem.bounds[slot.index][1]);
-      if (!allowed) break;
+      x[k] = all.minimum.x[k] + z * unit;
+      const auto& bounds = all.problem.bounds;
+      if (!bounds.empty() && (x[k] < bounds[k][0] || x[k] > bounds[k][1])) break;
       if (const auto fall = profile.fall(z))
         found.push_back({slot.value(std::span<const double>(x)), *fall});
     }

@@ -1,9 +1,14 @@
 #include "thinning.hpp"
 
+#include "fit_setup.hpp"
+
 #include "base/scaled_time.hpp"
+#include "fit/noise_guess.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace goingrate::timing_model {
@@ -94,6 +99,58 @@ std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<do
     if (since < dense || on_grid || i + 1 == data.size()) kept.push_back(i);
   }
   return kept;
+}
+
+namespace {
+
+// Puts the mean of beats [first, first + together) in as their middle one.
+void add_mean(const TimingData& data, std::size_t first, std::size_t together, TimingData& means) {
+  const auto mean = [&](const std::vector<double>& values) {
+    double sum = 0.0, seen = 0.0;
+    for (std::size_t i = first; i < first + together; ++i) {
+      if (std::isnan(values[i])) continue;
+      sum += values[i];
+      ++seen;
+    }
+    return seen > 0.0 ? sum / seen : std::numeric_limits<double>::quiet_NaN();
+  };
+  means.cycle.push_back(data.cycle[first + together / 2]);
+  means.lateness_s.push_back(mean(data.lateness_s));
+  means.elapsed_s.push_back(means.cycle.back() * data.reference_period_s + means.lateness_s.back());
+  if (data.has_amplitude()) means.amplitude_rad.push_back(mean(data.amplitude_rad));
+  for (std::size_t k = 0; k < data.terms.size(); ++k)
+    means.terms[k].advance_s.push_back(mean(data.terms[k].advance_s));
+}
+
+TimingData block_means(const TimingData& data, const std::vector<double>& event_cycles,
+                       std::size_t together) {
+  const std::array<std::size_t, 1> beginning{0}; // all cycles count from it
+  TimingData means = subset(data, beginning);
+  const double step = data.cycle[2] - data.cycle[1];
+  for (std::size_t first = 1; first + together <= data.size();) {
+    const double from = data.cycle[first], to = data.cycle[first + together - 1];
+    const auto event = std::lower_bound(event_cycles.begin(), event_cycles.end(), from);
+    const bool is_whole = to - from == step * static_cast<double>(together - 1) &&
+                          (event == event_cycles.end() || *event >= to);
+    if (is_whole) add_mean(data, first, together, means);
+    first += is_whole ? together : 1;
+  }
+  return means;
+}
+
+} // namespace
+
+FewBeats few_beats(const TimingData& data, const std::vector<double>& event_cycles,
+                   std::size_t count) {
+  const std::size_t together = (data.size() / count - 1) | 1U; // odd: the middle is a beat
+  if (data.size() < 3 * count) return {at_one_stride(data, count), 1.0};
+  if (!guess_noise(data).walks) {
+    TimingData means = block_means(data, event_cycles, together);
+    constexpr double gappy = 0.5; // of the blocks that could be
+    if (static_cast<double>(means.size() * together) > gappy * static_cast<double>(data.size()))
+      return {std::move(means), static_cast<double>(together)};
+  }
+  return {at_one_stride(data, count), 1.0};
 }
 
 } // namespace goingrate::timing_model

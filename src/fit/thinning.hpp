@@ -31,4 +31,16 @@ std::size_t longest_stride(const NoiseShape& shape, double allowed);
 std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
                                     std::size_t stride, std::size_t dense);
 
+/// Beats that stand for more of them.
+struct FewBeats {
+  TimingData data;
+  double together = 1.0; ///< beats whose mean each is
+};
+
+/// About `count` beats that tell nearly what all tell: under jitter the means of blocks of
+/// neighbours, as their middle beats, which lose what bends within a block; where neighbours show
+/// that the times walk, beats at one stride. Blocks with a gap or an event in them are left out.
+FewBeats few_beats(const TimingData& data, const std::vector<double>& event_cycles,
+                   std::size_t count);
+
 } // namespace goingrate::timing_model

@@ -133,7 +133,7 @@ TEST(DiagnosisTest, AShortLogHasNoDiagnosis) {
 // Seeds with amplitudes (even), whose steady clock a fit must not take for a free pendulum, and
 // without (odd), where the drive's least size tells.
 TEST(DiagnosisTest, ARoughDriveIsToldOfASteadyClock) {
-  for (const std::uint64_t seed : {9700044u, 4200001u}) {
+  for (const std::uint64_t seed : {9700044u, 9700047u}) {
     const auto found = test::diagnosed({{Cause::rough_drive}, 1.0, seed});
     ASSERT_FALSE(found.empty()) << seed;
     EXPECT_EQ(found.front().cause, Cause::rough_drive) << seed;

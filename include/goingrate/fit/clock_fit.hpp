@@ -177,7 +177,8 @@ enum class FitStatus {
   stopped_early,  ///< the search crept along a flat ridge to its end: no parameter is determined
   no_valid_model, ///< no start lies in the domain of the model (amplitude above phi0)
   /// A maximum was found, and the log is not such a clock's: chi-squared is as large by chance in
-  /// less than one log of a million, or a stretch of the log scatters far more than the rest.
+  /// less than one log of a million, a stretch of the log scatters far more than the rest, or the
+  /// best place is at the edge of where the equations hold (Q of 5, a swing of 140 degrees).
   contradicts_log,
 };
 /// "converged", "stopped-early", "no-valid-model" or "contradicts-log".
@@ -189,6 +190,7 @@ enum class NoteKind {
   twin,          ///< another clock explains the log as well
   rough_stretch, ///< a part of the log scatters far more than the rest
   dynamics,      ///< what equations could not be used
+  domain,        ///< the best place is at the edge of where the equations hold
 };
 
 /// Something beside the numbers that must be said.
