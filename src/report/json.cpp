@@ -116,6 +116,13 @@ Json experiment_object(const Experiment& experiment) {
   return {{"what", experiment.what}, {"relative_sigma", sigmas}};
 }
 
+Json twin_object(const ClockTwin& twin) {
+  Json parameters = Json::object();
+  for (const auto& [name, value] : twin.parameters)
+    parameters[name] = json_number(value);
+  return {{"parameters", parameters}, {"delta_2logL", json_number(twin.delta_2logL)}};
+}
+
 Json derived_object(const DerivedQuantity& quantity) {
   return {{"value", json_number(quantity.value)}, {"sigma", json_number(quantity.sigma)}};
 }
@@ -165,6 +172,9 @@ Json fit_object(const FitSummary& fit) {
   json["events"] = Json::array();
   for (const FitEvent& event : fit.events)
     json["events"].push_back({{"cycle", event.cycle}, {"names", event.names}});
+  json["twins"] = Json::array();
+  for (const ClockTwin& twin : fit.twins)
+    json["twins"].push_back(twin_object(twin));
   json["experiments"] = Json::array();
   for (const Experiment& experiment : fit.experiments)
     json["experiments"].push_back(experiment_object(experiment));

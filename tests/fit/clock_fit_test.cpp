@@ -297,6 +297,10 @@ TEST(ClockFitTest, TwoClocksFitAStationaryLogUnderDriveNoise) {
   EXPECT_EQ(blind["mu"].status, ParameterStatus::undetermined);
   ASSERT_FALSE(blind.notes.empty());
   EXPECT_EQ(blind.notes.front().kind, NoteKind::twin);
+  ASSERT_FALSE(blind.twins.empty());
+  EXPECT_LT(blind.twins.front().delta_2logL, 2.0); // one of the two is the true clock
+  EXPECT_GE(blind.twins.front().delta_2logL, 0.0);
+  EXPECT_EQ(blind.twins.front().parameters.front().first, "epsilon"); // T0 is known
   const FitSummary seen = test::fit_scene(test::noisy_scene(100000, true), 1001);
   expect_within(seen, "mu", 4e-5, 4.0);
   EXPECT_NEAR(seen["epsilon"].value, blind["epsilon"].value, 0.5 * blind["epsilon"].sigma);

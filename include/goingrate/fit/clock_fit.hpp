@@ -33,6 +33,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace goingrate {
@@ -199,6 +200,12 @@ struct FitNote {
   std::string text;
 };
 
+/// Another clock that explains the log about as well: its parameters that were free, without noise.
+struct ClockTwin {
+  std::vector<std::pair<std::string, double>> parameters;
+  double delta_2logL = 0.0; ///< by how much its 2 log L is below that of the fit
+};
+
 /// The result of a fit.
 struct FitSummary {
   FitStatus status = FitStatus::converged;
@@ -217,6 +224,7 @@ struct FitSummary {
   double amplitude_widening = 1.0; ///< likewise for the amplitudes
   FitQuality quality;
   std::vector<FitAlternative> alternatives;
+  std::vector<ClockTwin> twins;        ///< those more than 3.5 sigma away, the likeliest first
   std::vector<Experiment> experiments; ///< where something is undetermined
   Thinning thinning;
   std::vector<FitEvent> events; ///< as they were fitted
