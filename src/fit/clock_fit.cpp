@@ -226,6 +226,30 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
   return rough;
 }
 
+// What shows that the log is not of the clock that fits it best; nothing if nothing does.
+std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality) {
+  std::vector<FitNote> found;
+  if (const auto rough = rough_stretch(fitted); rough && fitted.widening.largest() > badly)
+    found.push_back(
+        {NoteKind::rough_stretch,
+         fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
+                     "elsewhere, and the model does not follow: no one clock explains this log; "
+                     "leave that stretch out",
+                     rough->from_s, rough->to_s, rough->times)});
+  if (leaves_the_domain(fitted))
+    found.push_back({NoteKind::domain,
+                     "the best fit swings or loses more than any pendulum of this model: "
+                     "something else rules the times"});
+  constexpr double by_chance = 1e-6;
+  if (found.empty() && quality.p_value < by_chance)
+    found.push_back({NoteKind::misfit,
+                     fmt::format("the times stray from the best fit by {:.3g} times what "
+                                 "neighbouring beats scatter by: no clock of this model explains "
+                                 "this log",
+                                 std::sqrt(quality.chi2 / quality.dof))});
+  return found;
+}
+
 // The fit on so few beats of a long log that its profile is soon searched; not usable if all are as
 // few.
 Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
@@ -247,20 +271,11 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
     summary.status = FitStatus::stopped_early;
     summary.termination = "stopped on a flat ridge: the log does not determine the parameters";
   }
-  if (const auto rough = rough_stretch(fitted); rough && widening.largest() > badly) {
+  const std::vector<FitNote> faults = contradictions(fitted, summary.quality);
+  if (!faults.empty()) {
     known.distrusted.assign(known.distrusted.size(), true);
-    summary.notes.push_back(
-        {NoteKind::rough_stretch,
-         fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
-                     "elsewhere, and the model does not follow: no one clock explains this log; "
-                     "leave that stretch out",
-                     rough->from_s, rough->to_s, rough->times)});
-  }
-  if (leaves_the_domain(fitted)) {
-    known.distrusted.assign(known.distrusted.size(), true);
-    summary.notes.push_back({NoteKind::domain,
-                             "the best fit swings or loses more than any pendulum of this model: "
-                             "something else rules the times"});
+    if (summary.status == FitStatus::converged) summary.status = FitStatus::contradicts_log;
+    summary.notes.insert(summary.notes.end(), faults.begin(), faults.end());
   }
   summary.dynamics = fitted.dynamics;
   summary.model = fitted.model;
@@ -285,18 +300,6 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
   state_twins(fitted, fitted.known, summary);
-}
-
-} // namespace
-
-namespace {
-
-bool contradicts_log(const FitSummary& summary) {
-  constexpr double by_chance = 1e-6;
-  return summary.quality.p_value < by_chance ||
-         std::any_of(summary.notes.begin(), summary.notes.end(), [](const FitNote& note) {
-           return note.kind == NoteKind::rough_stretch || note.kind == NoteKind::domain;
-         });
 }
 
 // What timing_data() makes is so; what was put together by hand may not be.
@@ -339,12 +342,10 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
     summary.termination = "no start lies in the domain of the model (amplitude above phi0)";
     return summary;
   }
+  state_quality(fitted, data, summary);
   state(fitted, search, nominal_period_s, summary);
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, search.options());
-  state_quality(fitted, data, summary);
-  if (summary.status == FitStatus::converged && contradicts_log(summary))
-    summary.status = FitStatus::contradicts_log;
   return summary;
 }
 

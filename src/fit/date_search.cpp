@@ -1,5 +1,8 @@
 #include "date_search.hpp"
 
+#include "model_fit.hpp"
+#include "refinement.hpp"
+
 #include <algorithm>
 #include <initializer_list>
 #include <optional>

@@ -1,7 +1,7 @@
 // Moves the dates of a fit. Private to the fit room.
 #pragma once
 
-#include "model_fit.hpp"
+#include "fitted.hpp"
 
 namespace goingrate::timing_model {
 

@@ -1,7 +1,7 @@
 // What would determine more. Private to the fit room.
 #pragma once
 
-#include "model_fit.hpp"
+#include "fitted.hpp"
 
 namespace goingrate::timing_model {
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "model_fit.hpp"
+#include "refinement.hpp"
+#include "rivals.hpp"
 
 #include <map>
 

@@ -234,7 +234,7 @@ constexpr double tiny = 0.015;
 // bends nothing.
 const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few) {
   constexpr double as_well = 0.2; // of sigma: lopsided by that much more or less
-  constexpr double tightly = 0.05;
+  constexpr double tightly = 0.05; // of a logarithm: bends by a twentieth of the interval
   if (few == nullptr) return all;
   for (std::size_t k = 0; k < all.minimum.x.size(); ++k) {
     const double sigma = few->known.curvature_sigma(k);

@@ -179,7 +179,8 @@ enum class FitStatus {
   no_valid_model, ///< no start lies in the domain of the model (amplitude above phi0)
   /// A maximum was found, and the log is not such a clock's: chi-squared is as large by chance in
   /// less than one log of a million, a stretch of the log scatters far more than the rest, or the
-  /// best place is at the edge of where the equations hold (Q of 5, a swing of 140 degrees).
+  /// best place is at the edge of where the equations hold (Q of 5, a swing of 140 degrees). No
+  /// parameter is determined, and a note says why.
   contradicts_log,
 };
 /// "converged", "stopped-early", "no-valid-model" or "contradicts-log".
@@ -192,6 +193,7 @@ enum class NoteKind {
   rough_stretch, ///< a part of the log scatters far more than the rest
   dynamics,      ///< what equations could not be used
   domain,        ///< the best place is at the edge of where the equations hold
+  misfit,        ///< the times stray from the best place by more than they scatter
 };
 
 /// Something beside the numbers that must be said.

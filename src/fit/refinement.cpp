@@ -1,0 +1,123 @@
+#include "refinement.hpp"
+
+#include "reference_run.hpp"
+
+#include "fit/timing_noise.hpp"
+
+#include <algorithm>
+
+namespace goingrate::timing_model {
+
+void extend(FitProblem& problem, std::span<const double> x) {
+  problem.parameters.start_ratio = limit_cycle_ratio(problem.parameters, x);
+  auto correction = difference_to(FitDynamics::averaged2, problem, x);
+  problem.correction = correction ? std::move(*correction) : Correction{};
+}
+
+namespace {
+
+// What a step of scoring would change; the noise is left as it is, for the misfit may be large.
+struct ClockStep {
+  Eigen::VectorXd of_x;
+  double gain = 0.0; ///< of L, that it hopes for
+};
+std::optional<ClockStep> clock_step(const FitProblem& problem, std::span<const double> x) {
+  const auto at = evaluate(problem, x);
+  if (!at) return {};
+  Eigen::VectorXd step = -at->triangle.triangularView<Eigen::Upper>().solve(at->projected);
+  for (const Slot& slot : problem.parameters.slots)
+    if (slot.free && is_noise(slot.quantity)) step[static_cast<Eigen::Index>(slot.index)] = 0.0;
+  const Eigen::VectorXd seen = at->triangle.triangularView<Eigen::Upper>() * step;
+  return ClockStep{std::move(step), 0.5 * seen.squaredNorm()};
+}
+
+// Whether the innovations show that the place explains nothing.
+bool is_lost(const Fitted& fitted) {
+  constexpr double beyond_chance = 1e-6;
+  const auto coloured = [&](const std::vector<double>& innovations) {
+    return innovations.size() >= 8 && whiteness_p(innovations) < beyond_chance;
+  };
+  return coloured(fitted.seen.white_time) || coloured(fitted.seen.white_amplitude);
+}
+
+} // namespace
+
+bool refine(Fitted& fitted, FitDynamics dynamics) {
+  if (dynamics == FitDynamics::averaged1) return true;
+  constexpr int rounds = 8;      // each gains two or three digits where the averaged model is near
+  constexpr double still = 2e-4; // of L: 0.02 sigma of the best known combination
+  Fitted refined = fitted;
+  refined.dynamics = dynamics;
+  Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
+  best.minimum.value = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < rounds; ++round) {
+    refined.problem.parameters.start_ratio =
+        limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
+    auto correction = difference_to(dynamics, refined.problem, refined.minimum.x);
+    if (!correction) return false;
+    refined.problem.correction = std::move(*correction);
+    const auto here = minus_log_likelihood(refined.problem, refined.minimum.x);
+    if (here && *here < best.minimum.value) {
+      best = refined;
+      best.minimum.value = *here;
+    }
+    const auto step = clock_step(refined.problem, refined.minimum.x);
+    if (!step) return false;
+    if (round > 1 && step->gain < still) break;
+    std::vector<double> moved = refined.minimum.x;
+    constexpr double longest = 0.3; // along a flat ridge a step of scoring may lead anywhere
+    const double part =
+        std::min(1.0, longest / std::max(longest, step->of_x.cwiseAbs().maxCoeff()));
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const auto [low, high] = refined.problem.bounds[k];
+      moved[k] = std::clamp(moved[k] + part * step->of_x[static_cast<Eigen::Index>(k)], low, high);
+    }
+    const auto there = minus_log_likelihood(refined.problem, moved);
+    if (there && (!here || *there < *here)) refined.minimum.x = moved;
+    if (round == 0) continue; // the difference at the new place is worth more than its minimum here
+    settle(refined.problem, refined.minimum, {});
+    if (refined.minimum.usable) finish(refined); // the sigmas of the wrong model were too wide
+    if (!refined.minimum.usable) return false;
+  }
+  if (!std::isfinite(best.minimum.value)) return false;
+  refined = std::move(best);
+  for (Rival& rival : refined.rivals)
+    rival.x = moved_along(rival.x, fitted.minimum.x, refined.minimum.x);
+  finish(refined);
+  if (!refined.minimum.usable || (!is_lost(fitted) && is_lost(refined))) return false;
+  fitted = std::move(refined);
+  return true;
+}
+
+bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
+  std::vector<Fitted> refined;
+  const auto consider = [&](Fitted&& end) {
+    end.ends.clear();
+    if (end.minimum.usable && refine(end, dynamics)) refined.push_back(std::move(end));
+  };
+  consider(Fitted(fitted));
+  for (const std::vector<double>& place : fitted.ends) {
+    Fitted end = fitted;
+    end.rivals.clear();
+    end.minimum.x = place;
+    settle(end.problem, end.minimum, {});
+    if (end.minimum.usable) finish(end);
+    consider(std::move(end));
+  }
+  if (refined.empty()) return false;
+  std::stable_sort(refined.begin(), refined.end(),
+                   [](const Fitted& a, const Fitted& b) { return by_value(a.minimum, b.minimum); });
+  fitted = std::move(refined.front());
+  if (refined.size() > 1) fitted.rivals.clear();
+  constexpr double near = 4.5; // of L: three sigma
+  for (std::size_t k = 1; k < refined.size(); ++k) {
+    const Minimum& other = refined[k].minimum;
+    fitted.ends.push_back(other.x);
+    if (other.value < fitted.minimum.value + near &&
+        fitted.known.tells_apart(other.x, fitted.minimum.x))
+      fitted.rivals.push_back({other.x, other.value - fitted.minimum.value});
+  }
+  return true;
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,131 @@
+#include "rivals.hpp"
+
+#include "reference_run.hpp"
+#include "refinement.hpp"
+#include "twin.hpp"
+
+#include <algorithm>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// Two and five sigma along the direction the data know least, as far as that is sane.
+std::vector<std::vector<double>> along_the_valley(const Certainty& known,
+                                                  std::span<const double> x) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(known.unwidened, Eigen::ComputeThinU);
+  const Eigen::VectorXd weakest = svd.matrixU().col(0) * svd.singularValues()[0];
+  const double longest = 3.0 / std::max(weakest.cwiseAbs().maxCoeff(), 1e-300); // a factor e^3
+  std::vector<std::vector<double>> points;
+  for (const double sigmas : {-5.0, -2.0, 2.0, 5.0}) {
+    points.emplace_back(x.begin(), x.end());
+    const double step = std::clamp(sigmas, -longest, longest);
+    for (std::size_t k = 0; k < x.size(); ++k)
+      points.back()[k] += step * weakest[static_cast<Eigen::Index>(k)];
+  }
+  return points;
+}
+
+} // namespace
+
+bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others) {
+  if (others.empty() && knows_its_clock(fitted)) return false;
+  constexpr std::size_t enough = 3000; // beats: what is thinned away makes the check stricter
+  const TimingData data = thinned(*fitted.problem.data, fitted.problem.parameters, enough);
+  const FitProblem check = fitted.problem.on(data); // condensed beats hold near one end only
+  const Minimum home = minimise(check, fitted.minimum.x, {60, 1e-3});
+  if (!home.usable) return false;
+  const auto there = evaluate(check, home.x);
+  if (!there) return false;
+  const Certainty known = certainty(check, *there, {});
+  std::vector<std::vector<double>> starts = others;
+  if (!all_but_known(check, known, home.x))
+    for (auto& point : along_the_valley(known, home.x))
+      starts.push_back(std::move(point));
+  std::vector<Minimum> found{home};
+  Minimum best = home;
+  constexpr double near = 4.5;       // of L: three sigma
+  constexpr double farthest = 100.0; // of L: what first order is off by, 14 sigma
+  for (const auto& start : starts) {
+    Minimum end = minimise(check, start, {60, 1e-3});
+    // What still creeps may be on its way to the best place.
+    if (end.usable && !end.converged && end.value < best.value + farthest)
+      end = minimise(check, end.x, {200, 1e-3});
+    if (end.usable && end.value < best.value) best = end;
+    found.push_back(std::move(end));
+  }
+  constexpr double better = 0.5; // of L
+  const bool moved = best.value < home.value - better;
+  if (moved) fitted.minimum.x = best.x;
+  const std::vector<double>& here = moved ? best.x : home.x;
+  for (const Minimum& other : found)
+    if (other.usable && other.converged && other.value < best.value + near)
+      fitted.rivals.push_back({other.x, other.value - best.value});
+  // Without a change the ends lie in one flat valley, which first order knows as well.
+  for (const Minimum& other : found)
+    if (other.usable && other.converged && other.value < best.value + farthest &&
+        known.tells_apart(other.x, here) && !check.parameters.event_cycles.empty())
+      fitted.ends.push_back(other.x);
+  for (Rival& rival : fitted.rivals)
+    rival.x = moved_along(rival.x, here, fitted.minimum.x);
+  return moved;
+}
+
+Fitted on_few_beats(const Fitted& fitted, const FewBeats& few) {
+  Fitted there = fitted;
+  there.problem = fitted.problem.on(few.data);
+  there.rivals.clear();
+  there.ends.clear();
+  const auto start = with_noise_of_blocks(there.problem.parameters, fitted.minimum.x, few.together);
+  if (fitted.dynamics != FitDynamics::averaged1) {
+    auto correction = difference_to(fitted.dynamics, there.problem, start);
+    there.problem.correction = correction ? std::move(*correction) : Correction{};
+  }
+  there.minimum = minimise(there.problem, start, {100});
+  if (there.minimum.usable) finish(there);
+  return there;
+}
+
+namespace {
+
+// The fit brought to rest from the twin of its place, by its own dynamics; not usable if that is no
+// other place, or nothing like as good.
+Fitted twin_fit(const Fitted& home) {
+  const auto start = twin_of(home.problem, home.minimum.x);
+  if (!start) return {};
+  Fitted twin = home;
+  twin.minimum.x = *start;
+  if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, *start);
+  constexpr double far = 12.0; // of L: what only a stated prior brings about, and no search undoes
+  const auto there = minus_log_likelihood(twin.problem, *start);
+  if (!there || *there > home.minimum.value + far) return {};
+  settle(twin.problem, twin.minimum, {});
+  if (!twin.minimum.usable || !refine(twin, home.dynamics)) return {};
+  constexpr double near = 4.5; // of L: three sigma
+  const bool is_near = twin.minimum.value < home.minimum.value + near;
+  const auto at = evaluate(home.problem, home.minimum.x);
+  const bool is_other =
+      at && certainty(home.problem, *at, {}).tells_apart(twin.minimum.x, home.minimum.x);
+  return is_near && is_other ? twin : Fitted{};
+}
+
+} // namespace
+
+void look_at_the_twin(Fitted& fitted) {
+  constexpr std::size_t enough = 3000;
+  const TimingData& data = *fitted.problem.data;
+  if (fitted.problem.condensed == nullptr && data.size() > 3 * enough) {
+    const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, enough);
+    const Fitted home = on_few_beats(fitted, few);
+    if (!home.minimum.usable || !twin_fit(home).minimum.usable) return;
+  }
+  Fitted twin = twin_fit(fitted);
+  if (!twin.minimum.usable) return;
+  if (by_value(twin.minimum, fitted.minimum)) {
+    twin.rivals = fitted.rivals;
+    std::swap(twin, fitted);
+  }
+  fitted.rivals.push_back({twin.minimum.x, twin.minimum.value - fitted.minimum.value});
+}
+
+} // namespace goingrate::timing_model
