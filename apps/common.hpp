@@ -97,7 +97,7 @@ struct ModelOptions {
 
 void add_model_options(CLI::App& command, ModelOptions& options);
 
-/// Whether changes are searched for: neither the command line nor a file names any.
+/// Whether changes are searched for: neither the command line nor a file names any, or `auto`.
 bool finds_events(const ModelOptions& options);
 /// The same, searching for changes where none are named.
 ModelOptions searching(ModelOptions options);
@@ -106,10 +106,9 @@ ModelOptions searching(ModelOptions options);
 void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
                  const GlobalOptions& global);
 
-/// The options of the fit; `auto` events are those of the diary, said on standard error. Throws
-/// InputError if the file of parameters is unusable or does not suit the log.
-FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
-                       const GlobalOptions& global);
+/// The options of the fit; `auto` events are those of the diary. Throws InputError if the file of
+/// parameters is unusable or does not suit the log.
+FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded);
 
 /// Sets the help of the program and of the subcommands that are added later in 80 columns.
 void narrow_help(CLI::App& program);

@@ -46,14 +46,6 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   return event;
 }
 
-std::vector<FitEvent> events_found(const NumberedLog& loaded, std::optional<Escapement> escapement,
-                                   const GlobalOptions& global) {
-  const Diary diary = diary_of(loaded, fit_data(loaded));
-  const auto events = events_of_diary(diary, loaded.good.front().cycle, escapement);
-  tell_events(events, loaded.good, global);
-  return events;
-}
-
 // A file that asks for what this log cannot give is the file's fault; said where it asks.
 void check_against(const ParFile& file, const NumberedLog& loaded) {
   const std::int64_t first = loaded.good.front().cycle, last = loaded.good.back().cycle;
@@ -82,8 +74,7 @@ FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
 }
 
 // The events of the command line, or those that are found; what a file says of its own goes.
-void put_events(const ModelOptions& options, const NumberedLog& loaded, const GlobalOptions& global,
-                FitOptions& result) {
+void put_events(const ModelOptions& options, const NumberedLog& loaded, FitOptions& result) {
   if (options.events.empty()) return;
   const auto asks_for = [&](const char* word) {
     return options.events == std::vector<std::string>{word};
@@ -98,7 +89,7 @@ void put_events(const ModelOptions& options, const NumberedLog& loaded, const Gl
   result.events.clear();
   if (asks_for("none")) return;
   if (asks_for("auto")) {
-    result.events = events_found(loaded, result.escapement, global);
+    ask_for_changes(diary_of(loaded, fit_data(loaded)), loaded.good.front().cycle, result);
     return;
   }
   for (const std::string& text : options.events)
@@ -215,7 +206,8 @@ void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
 }
 
 bool finds_events(const ModelOptions& options) {
-  return options.events.empty() && options.from.empty();
+  const bool names_none = options.events.empty() && options.from.empty();
+  return names_none || options.events == std::vector<std::string>{"auto"};
 }
 
 ModelOptions searching(ModelOptions options) {
@@ -223,13 +215,12 @@ ModelOptions searching(ModelOptions options) {
   return options;
 }
 
-FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded,
-                       const GlobalOptions& global) {
+FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded) {
   FitOptions result = options.from.empty() ? FitOptions{} : options_of_file(options.from, loaded);
   if (!options.model.empty()) set_dynamics(result, options.model);
   if (!options.noise.empty()) set_noise(result, options.noise);
   if (!options.escapement.empty()) set_escapement(result, options.escapement);
-  put_events(options, loaded, global, result);
+  put_events(options, loaded, result);
   put_fixed(options, result);
   put_freed(options, result);
   put_priors(options, result);

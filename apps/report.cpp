@@ -27,7 +27,7 @@ struct ReportCommand {
 Analysis analysis_of(const ReportCommand& options, const GlobalOptions& global) {
   NumberedLog loaded = load(options.log, global);
   AnalysisRequest request;
-  request.fit = fit_options(options.model, loaded, global);
+  request.fit = fit_options(options.model, loaded);
   request.finds_events = finds_events(options.model);
   if (options.nut_pitch_mm > 0.0) request.nut_pitch_m = 1e-3 * options.nut_pitch_mm;
   if (options.pendulum_length_m > 0.0) request.rod_length_m = options.pendulum_length_m;

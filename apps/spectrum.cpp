@@ -112,13 +112,15 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitOptions asked = fit_options(searching(options.model), loaded, global);
+  const FitOptions asked = fit_options(searching(options.model), loaded);
+  FitSummary fit;
   const DriveAnalysis drive = [&] {
     StepLine now(global.quiet, "fitting the model");
-    const FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s, asked);
+    fit = fit_clock(fit_data(loaded), loaded.nominal_period_s, asked);
     now("spectrum of the rate, fast and slow drive");
     return analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   }();
+  if (finds_events(options.model)) tell_events(fit.events, loaded.good, global);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
   std::string text = drive_text(drive, expected_periods(options, loaded));

@@ -50,10 +50,11 @@ void level_interruptions(const Diary& diary, TimingData& data) {
 bool follows_changes(const Analysis& data) {
   constexpr double least_p = 1e-3; // of white residuals: the model misses nothing that shows
   const FitSummary& fit = data.fit;
-  const bool knows_all =
-      std::all_of(fit.parameters.begin(), fit.parameters.end(), [](const FittedParameter& p) {
-        return p.name.find('@') == std::string::npos || std::isfinite(p.value);
-      });
+  const auto is_known = [&](const FittedParameter& p) { // a step of T0 may be, though T0 is not
+    return p.name.find('@') == std::string::npos || std::isfinite(p.value) ||
+           fit.combination(p.name + "/T0 - 1") != nullptr;
+  };
+  const bool knows_all = std::all_of(fit.parameters.begin(), fit.parameters.end(), is_known);
   return fit.status == FitStatus::converged && !fit.events.empty() && knows_all &&
          fit.quality.whiteness_p > least_p;
 }
@@ -102,18 +103,20 @@ ChangeKind kind_of_change(const std::string& parameter) {
 
 // What a fit that explains the changes says of those it was told of, in order of time: its whole
 // model tells kinds apart that the course of the rate does not.
-void put_fitted_changes(const std::vector<FitEvent>& asked, const FitSummary& fit,
-                        std::int64_t first_cycle, std::span<const Beat> beats, Diary& diary) {
-  for (Change& change : diary.changes)
-    for (std::size_t k = 0; k < asked.size(); ++k) {
-      if (change.cycle - first_cycle != asked[k].cycle) continue;
-      change.kind = kind_of_change(fit.events[k].names.front());
-      change.cycle = first_cycle + fit.events[k].cycle;
-      const auto at = std::find_if(beats.begin(), beats.end(),
-                                   [&](const Beat& beat) { return beat.cycle >= change.cycle; });
-      if (at != beats.end()) change.at_s = at->time - beats.front().time;
-      break;
-    }
+void put_fitted_changes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary) {
+  for (const FitEvent& event : fit.events) {
+    const std::int64_t cycle = beats.front().cycle + event.cycle;
+    const auto nearest = std::min_element(
+        diary.changes.begin(), diary.changes.end(), [&](const Change& a, const Change& b) {
+          return std::abs(a.cycle - cycle) < std::abs(b.cycle - cycle);
+        });
+    if (nearest == diary.changes.end()) return;
+    nearest->kind = kind_of_change(event.names.front());
+    nearest->cycle = cycle;
+    const auto at = std::find_if(beats.begin(), beats.end(),
+                                 [&](const Beat& beat) { return beat.cycle >= cycle; });
+    if (at != beats.end()) nearest->at_s = at->time - beats.front().time;
+  }
 }
 
 // The rate from one dated change to the next.
@@ -170,16 +173,19 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   return diary;
 }
 
-std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle,
-                                      std::optional<Escapement> escapement) {
+void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options) {
   constexpr std::size_t most = 4; // each costs a parameter
-  std::vector<FitEvent> events;
-  for (const Change& change : strongest_changes(diary, most)) {
-    const std::string name = changed_by(change.kind);
-    if (name == "mu" && escapement == Escapement::none) continue;
-    events.push_back({change.cycle - first_cycle, {name}, true});
-  }
-  return events;
+  const auto events = [&](bool stand_out) {
+    std::vector<FitEvent> found;
+    for (const Change& change : strongest_changes(diary, most, stand_out)) {
+      const std::string name = changed_by(change.kind);
+      if (name == "mu" && options.escapement == Escapement::none) continue;
+      found.push_back({change.cycle - first_cycle, {name}, true});
+    }
+    return found;
+  };
+  options.events = events(true);
+  options.possible_events = events(false);
 }
 
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
@@ -221,11 +227,11 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   FitOptions asked = with_seen_offset(request.fit, loaded);
   asked.profiles = request.traces_profiles;
   if (request.finds_events && asked.events.empty())
-    asked.events = events_of_diary(data.diary, loaded.good.front().cycle, asked.escapement);
+    ask_for_changes(data.diary, loaded.good.front().cycle, asked);
   tell("fitting the model");
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
   if (request.finds_events && follows_changes(data)) {
-    put_fitted_changes(asked.events, data.fit, loaded.good.front().cycle, loaded.good, data.diary);
+    put_fitted_changes(data.fit, loaded.good, data.diary);
     put_rates(loaded.good, loaded.nominal_period_s, data.diary);
   }
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);

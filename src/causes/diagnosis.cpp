@@ -43,7 +43,7 @@ class Diagnosis {
 public:
   Diagnosis(const DiagnosisInput& input, const TimingData& times)
       : input_(input), times_(times),
-        blocks_(rate_blocks(times, std::min<std::size_t>(384, times.size() / 16))), make_(blocks_),
+        blocks_(rate_blocks(times, std::min<std::size_t>(384, times.size() / 8))), make_(blocks_),
         healthy_(with_bend_at(input.relaxation_s)), account_(blocks_, healthy_) {}
 
   std::vector<Suspicion> suspicions() {
@@ -411,7 +411,7 @@ Suspicion suspicion_of(const Change& change) {
 
 // Of a log long enough to tell the courses of a rate from each other.
 bool is_long_enough(const DiagnosisInput& input) {
-  constexpr std::size_t least = 2000; // beats
+  constexpr std::size_t least = 400; // beats
   return input.data != nullptr && input.data->size() >= least;
 }
 

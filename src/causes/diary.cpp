@@ -466,9 +466,9 @@ void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diar
   timing_model::put_rates(beats, nominal_period_s, diary.changes);
 }
 
-std::vector<Change> strongest_changes(const Diary& diary, std::size_t most) {
+std::vector<Change> strongest_changes(const Diary& diary, std::size_t most, bool stand_out) {
   std::vector<Change> changes = strongest_first(diary.changes);
-  std::erase_if(changes, [](const Change& change) { return !change.stands_out; });
+  std::erase_if(changes, [&](const Change& change) { return change.stands_out != stand_out; });
   if (changes.size() > most) changes.resize(most);
   std::sort(changes.begin(), changes.end(), is_before);
   return changes;

@@ -2,6 +2,7 @@
 
 #include "experiments.hpp"
 #include "model_choice.hpp"
+#include "possible_changes.hpp"
 #include "profile.hpp"
 #include "reference_run.hpp"
 
@@ -12,6 +13,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 #include <limits>
+#include <memory>
 
 namespace goingrate {
 
@@ -302,6 +304,34 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   state_twins(fitted, fitted.known, summary);
 }
 
+// A search and where it came to rest, which lies in it.
+struct Searched {
+  std::unique_ptr<ModelSearch> search;
+  const Fitted* fitted = nullptr;
+};
+
+Searched searched(const TimingData& data, const FitOptions& options) {
+  Searched end{std::make_unique<ModelSearch>(data, options), nullptr};
+  end.fitted = &end.search->run();
+  return end;
+}
+
+// Without the changes that may have been, or with them where the log asks for them.
+Searched searched_with_changes(const TimingData& data, const FitOptions& options) {
+  Searched plain = searched(data, options);
+  if (options.possible_events.empty() || !plain.fitted->minimum.usable) return plain;
+  FitOptions wider = options;
+  wider.events = joined(plain.search->options().events, options.possible_events);
+  const auto added = static_cast<double>(wider.events.size() - options.events.size());
+  const double dates = added * std::log(static_cast<double>(data.size())); // BIC counts sizes only
+  if (promised_gain(*plain.fitted, wider) < dates) return plain;
+  Searched changed = searched(data, wider);
+  if (!changed.fitted->minimum.usable) return plain;
+  const Fitted beside = on_few_beats(*plain.fitted, {*changed.fitted->problem.data, 1.0});
+  const bool better = beside.minimum.usable && changed.fitted->bic + dates < beside.bic;
+  return better ? std::move(changed) : std::move(plain);
+}
+
 // What timing_data() makes is so; what was put together by hand may not be.
 void check(const TimingData& data) {
   constexpr std::size_t fewest = 3;
@@ -335,17 +365,17 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
     throw ArgumentError("nominal_period", nominal_period_s, "a positive number of seconds");
   check(data);
   FitSummary summary;
-  ModelSearch search(data, options);
-  const Fitted& fitted = search.run();
+  const Searched end = searched_with_changes(data, options);
+  const Fitted& fitted = *end.fitted;
   if (!fitted.minimum.usable) {
     summary.status = FitStatus::no_valid_model;
     summary.termination = "no start lies in the domain of the model (amplitude above phi0)";
     return summary;
   }
   state_quality(fitted, data, summary);
-  state(fitted, search, nominal_period_s, summary);
+  state(fitted, *end.search, nominal_period_s, summary);
   if (something_is_undetermined(summary))
-    summary.experiments = suggest_experiments(fitted, search.options());
+    summary.experiments = suggest_experiments(fitted, end.search->options());
   return summary;
 }
 

@@ -288,6 +288,14 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
   const auto add_if_known = [&](const DerivedQuantity& quantity) {
     if (std::isfinite(quantity.value)) summary.combinations.push_back(quantity);
   };
+  for (const Slot& slot : problem.parameters.slots)
+    if (slot.quantity == Quantity::T0 && slot.event > 0)
+      add_if_known(
+          of_place(problem.parameters.name_of(slot) + "/T0 - 1",
+                   "relative, of the period of small swings", "", [&](std::span<const double> at) {
+                     const double before = problem.parameters.find(Quantity::T0)->value(at);
+                     return slot.value(at) / before - 1.0;
+                   }));
   add_if_known(summary.decay_time);
   if (!driven) return;
   add_if_known(relaxation);

@@ -110,6 +110,61 @@ jitter_rms = 1e-5
   expect_value(fit, "T0@1", 2.0001);
 }
 
+// Seven sigma of the jitter over the beats next to it, and hundreds over the log.
+TEST(NoticedTest, AChangeThatOnlyTheWholeOfAShortLogShows) {
+  constexpr const char* scenario = R"(
+[clock]
+nominal_period = 1.4142
+epsilon = 3e-4
+mu = 3e-5
+phi0 = 0.03
+[run]
+periods = 1400
+[[event]]
+at_period = 800
+nominal_period = 1.41424243
+[sensor]
+jitter_rms = 2e-4
+missed = 0.01
+)";
+  for (const std::uint64_t seed : {2U, 4U}) {
+    const Analysis found = analysed(scenario, seed);
+    ASSERT_EQ(found.diary.changes.size(), 1U) << seed;
+    const Change& change = found.diary.changes.front();
+    EXPECT_EQ(change.kind, ChangeKind::regulation) << seed;
+    EXPECT_NEAR(static_cast<double>(change.cycle), 800.0, 3.0); // 2e-4 s of 4e-5 s a beat
+    EXPECT_NEAR(change.rate_change, -3e-5, 4.0 * change.rate_change_sigma) << seed;
+    ASSERT_EQ(found.fit.events.size(), 1U) << seed;
+    EXPECT_EQ(found.fit.model.noise(), "jitter") << seed;
+    const DerivedQuantity* step = found.fit.combination("T0@1/T0 - 1");
+    ASSERT_NE(step, nullptr) << seed;
+    EXPECT_NEAR(step->value, 3e-5, 4.0 * step->sigma) << seed;
+    ASSERT_FALSE(found.suspicions.empty());
+    EXPECT_EQ(found.suspicions.front().cause, Cause::length_step) << seed;
+  }
+}
+
+// Its courses look like changes here and there; none of them is worth its date to the fit.
+TEST(NoticedTest, AWanderingDriveIsNoListOfChanges) {
+  for (const std::uint64_t seed : {8000U, 8001U}) {
+    const FitSummary fit = analysed(std::string(clock_b) + R"(
+[run]
+periods = 5000
+[drive]
+fast_rms = 0.02
+slow_rms = 0.05
+slow_time = 1200.0
+[sensor]
+jitter_rms = 2e-5
+amplitude_rms = 5e-5
+)",
+                                    seed)
+                               .fit;
+    EXPECT_TRUE(fit.events.empty()) << seed;
+    EXPECT_TRUE(fit.model.slow) << fit.model.noise();
+  }
+}
+
 TEST(NoticedTest, TwoChangesOfDifferentKinds) {
   for (const std::uint64_t seed : {771U, 772U}) {
     const FitSummary fit = analysed(std::string(clock_b) + R"(

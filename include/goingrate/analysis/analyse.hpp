@@ -44,11 +44,10 @@ TimingData fit_data(const NumberedLog& loaded);
 /// tells. `times` are fit_data(loaded).
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
-/// The changes that stand out of the beats next to them, at most four, as events of a fit: each
-/// may move, and changes T0 (regulation), epsilon (friction) or mu, which a free pendulum does not
-/// have.
-std::vector<FitEvent> events_of_diary(const Diary& diary, std::int64_t first_cycle,
-                                      std::optional<Escapement> escapement);
+/// Has a fit look for the changes of a diary, each of which may move, and changes T0 (regulation),
+/// epsilon (friction) or mu, which a free pendulum does not have: those that stand out, at most
+/// four, as events; as many of the others as possible ones.
+void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// With the sensor's place among the free parameters where the beat error shows that the times are
 /// not those of the vertical, unless the options speak of it.

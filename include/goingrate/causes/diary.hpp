@@ -99,7 +99,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
 /// Fills in the rates before and after the changes, whose dates may have moved.
 void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary);
 
-/// The `most` most significant changes that stand out, in order of time.
-std::vector<Change> strongest_changes(const Diary& diary, std::size_t most);
+/// The `most` most significant changes of those that stand out, or of the others, in order of time.
+std::vector<Change> strongest_changes(const Diary& diary, std::size_t most, bool stand_out);
 
 } // namespace goingrate

@@ -90,7 +90,9 @@ struct FitOptions {
   FitNoise noise = FitNoise::automatic;
   std::optional<Escapement> escapement; ///< none: constant torque, or no escapement if that does
   std::vector<FitEvent> events;         ///< in order of cycle
-  std::map<std::string, double> fixed;  ///< by name: T0 (s), epsilon, mu, phi0, lambda0, mu@1 ...
+  /// Taken, all or none, where BIC gains by them and by what their dates cost.
+  std::vector<FitEvent> possible_events{};
+  std::map<std::string, double> fixed; ///< by name: T0 (s), epsilon, mu, phi0, lambda0, mu@1 ...
   std::vector<Prior> priors;
   /// Parameters that are fitted only if named: quadratic_drag, dry_friction, offset, and the names
   /// of the data's terms; a name that is always fitted is taken out of `fixed`.
