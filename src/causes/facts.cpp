@@ -66,27 +66,32 @@ std::vector<Jump> jumps(const TimingData& data, std::size_t reach) {
 }
 
 // What is left of the times about a beat by lines of one slope that jump there, or of two slopes
-// that meet there.
-double squares_left(const TimingData& data, std::size_t at, std::size_t reach, bool bends) {
+// that meet at `corner`.
+double squares_left(const TimingData& data, std::size_t at, std::size_t reach,
+                    std::optional<std::size_t> corner) {
   const auto n = static_cast<Eigen::Index>(4 * reach);
   Eigen::MatrixXd design(n, 3);
   Eigen::VectorXd late(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const std::size_t beat = at - 2 * reach + static_cast<std::size_t>(i);
     const double t = data.elapsed_s[beat] - data.elapsed_s[at];
-    design.row(i) << 1.0, t, beat < at ? 0.0 : bends ? t : 1.0;
+    const double after =
+        corner ? std::max(0.0, data.elapsed_s[beat] - data.elapsed_s[*corner]) : beat >= at;
+    design.row(i) << 1.0, t, after;
     late[i] = data.lateness_s[beat] - data.lateness_s[at];
   }
   return (late - design * design.colPivHouseholderQr().solve(late)).squaredNorm();
 }
 
-// It must come from one beat to the next, and not as a bend or a walk.
+// It must come from one beat to the next, and not as a walk, nor as a bend there or near by.
 bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double jump,
                double at_once) {
   const std::size_t seen = std::max<std::size_t>(reach, 8);
-  if (at < 2 * seen || at + 2 * seen > data.size()) return false;
-  return at_once / jump > 0.5 &&
-         squares_left(data, at, seen, false) < squares_left(data, at, seen, true);
+  if (at < 2 * seen || at + 2 * seen > data.size() || !(at_once / jump > 0.5)) return false;
+  const double of_jump = squares_left(data, at, seen, std::nullopt);
+  for (std::size_t corner = at - 2 * seen + 2; corner + 2 < at + 2 * seen; corner += 2)
+    if (squares_left(data, at, seen, corner) <= of_jump) return false;
+  return true;
 }
 
 // Of means over so many beats.

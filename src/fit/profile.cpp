@@ -36,20 +36,22 @@ public:
     if (last_ && last_->z * z < 0.0) last_.reset();
     constexpr double little = 0.02; // of L: a step that gains less gains what it promises
     const auto there = step_of_others(along(z));
-    const double risen =
-        there && there->gain < little ? there->value - there->gain - minimum_.value : rise(z);
-    if (!std::isfinite(risen)) return {};
-    return 2.0 * std::max(0.0, risen) / (widening_ * widening_);
+    const auto risen = there && there->gain < little
+                           ? std::optional(there->value - there->gain - minimum_.value)
+                           : rise(z);
+    if (!risen) return {};
+    return 2.0 * std::max(0.0, *risen) / (widening_ * widening_);
   }
 
 private:
-  // The shape at q: by a look, and if that shows no parabola by a search.
+  // The shape at q: by a look, and if that shows no parabola by a search; infinite if neither
+  // tells.
   double risen(double q) {
     const double looked = shape(q);
     if (!broken(looked) || !search_) return looked;
     const double z = q * widening_;
     last_.reset();
-    return rise(z) / (0.5 * z * z);
+    return rise(z).value_or(infinite) / (0.5 * z * z);
   }
 
   // The point z sigma away along the ridge that the curvature promises; T0 follows the ridge.
@@ -111,6 +113,8 @@ private:
 
   // Beyond this no parabola of the root will do; one that rises too little may never reach the end.
   static bool broken(double shape) { return !(shape > 0.65 && shape < 1.5); }
+  // A search that ends so high has lost its way: no ridge of a likelihood is as steep.
+  static constexpr double hopeless = 30.0; // parabolas
 
   double end(double q, double shape) {
     constexpr double straight = 0.1; // of the rise: a twentieth of the interval
@@ -132,7 +136,13 @@ private:
   // promises, or where the last search ended, stretched, whichever is lower.
   [[nodiscard]] std::vector<double> start_at(double z) {
     std::vector<double> ridge = along(z);
-    ridge[k_] = minimum_.x[k_] + z * known_.curvature_sigma(k_); // the bend leaves it nearly there
+    const double wanted = z * known_.curvature_sigma(k_);
+    double length = z; // along the ridge to where it has that coordinate: off it L rises steeply
+    for (int round = 0; round < 3; ++round) {
+      length *= wanted / (ridge[k_] - minimum_.x[k_]);
+      ridge = along(length);
+    }
+    ridge[k_] = minimum_.x[k_] + wanted;
     if (!last_) return ridge;
     std::vector<double> stretched = minimum_.x;
     for (std::size_t i = 0; i < stretched.size(); ++i)
@@ -167,47 +177,70 @@ private:
     return {};
   }
 
-  // The same, by a search if the steps do not tell.
-  double rise(double z) {
+  // The same, by a search if the steps do not tell; nothing where that is lost.
+  std::optional<double> rise(double z) {
     const double coordinate = minimum_.x[k_] + z * known_.curvature_sigma(k_);
     std::vector<double> start = start_at(z);
-    if (const auto risen = rise_by_steps(z, start)) return *risen;
+    if (const auto risen = rise_by_steps(z, start)) return risen;
     const FitProblem held = with_held(problem_, k_, coordinate);
     start.erase(start.begin() + static_cast<std::ptrdiff_t>(k_));
     constexpr SearchLimits limits{30, 0.01}; // of 0.5 or 1.9
     Minimum found = minimise(held, start, limits);
-    if (!found.usable) return infinite;
-    double own = 0.0; // the priors on the held one
-    for (const CoordinatePrior& prior : problem_.priors)
-      if (prior.index == k_) own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
+    const double parabola = 0.5 * z * z;
+    const double risen = found.value + prior_on(coordinate) - minimum_.value;
+    if (!found.usable || risen > hopeless * parabola)
+      return rises_by_itself(held, coordinate, z) ? std::optional(parabola) : std::nullopt;
     found.x.insert(found.x.begin() + static_cast<std::ptrdiff_t>(k_), coordinate);
     last_ = Solution{z, std::move(found.x)};
-    return found.value + own - minimum_.value;
+    return risen;
   }
 
-  // The root of twice the rise is nearly straight in z: the false position of it at q.
+  // Of the held coordinate.
+  [[nodiscard]] double prior_on(double coordinate) const {
+    double own = 0.0;
+    for (const CoordinatePrior& prior : problem_.priors)
+      if (prior.index == k_) own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
+    return own;
+  }
+
+  // Whether a search that begins where the others were found keeps its way: then the curvature is
+  // believed, of which that search, which hardly moves them, sees only a part.
+  [[nodiscard]] bool rises_by_itself(const FitProblem& held, double coordinate, double z) const {
+    std::vector<double> others = minimum_.x;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k_));
+    const Minimum found = minimise(held, others, {30, 0.01, 1e4});
+    return found.usable &&
+           found.value + prior_on(coordinate) - minimum_.value < hopeless * 0.5 * z * z;
+  }
+
+  // The root of twice the rise is nearly straight in z: the false position of it at q. Where a
+  // search does not come to rest one nearer the last that did may; an end that none reaches stays
+  // open.
   double searched(double q) {
     const double target = std::abs(q) * widening_, side = std::copysign(1.0, q);
     constexpr double farthest = 8.0, near = 0.02, longest = 1.6;
     double inside = 0.0, root_inside = 0.0, outside = infinite, root_outside = infinite;
-    double z = target;
+    double unreached = infinite, z = target;
     last_.reset();
     for (int round = 0; round < 9; ++round) {
-      const double root = std::sqrt(2.0 * std::max(0.0, rise(side * z)));
-      if (std::abs(root - target) < near * target) return side * z;
-      (root < target ? inside : outside) = z;
-      (root < target ? root_inside : root_outside) = root;
-      if (!std::isfinite(outside)) {
-        if (z >= farthest * widening_) return side * infinite;
-        z = std::min({longest * z, std::max(1.05 * z, z * target / std::max(root, 1e-3)),
-                      farthest * widening_});
-        continue;
+      if (const auto risen = rise(side * z)) {
+        const double root = std::sqrt(2.0 * std::max(0.0, *risen));
+        if (std::abs(root - target) < near * target) return side * z;
+        (root < target ? inside : outside) = z;
+        (root < target ? root_inside : root_outside) = root;
+      } else {
+        unreached = z;
       }
+      if (inside >= farthest * widening_) return side * infinite;
       const double part = (target - root_inside) / (root_outside - root_inside);
-      z = inside +
-          std::clamp(std::isfinite(root_outside) ? part : 0.5, 0.1, 0.9) * (outside - inside);
+      const double slope = root_inside > 0.0 ? root_inside / inside : 1.0;
+      z = std::isfinite(outside)
+              ? inside + std::clamp(part, 0.1, 0.9) * (outside - inside)
+              : std::min({longest * std::max(inside, 0.25 * target),
+                          std::max(1.05 * inside, target / slope), farthest * widening_});
+      if (z >= unreached) z = 0.5 * (inside + unreached);
     }
-    return side * 0.5 * (inside + outside);
+    return side * (std::isfinite(outside) ? 0.5 * (inside + outside) : infinite);
   }
 
   struct Solution {
@@ -233,7 +266,7 @@ constexpr double tiny = 0.015;
 // Where to look at profiles: on few beats if they know every coordinate as well, or so well that it
 // bends nothing.
 const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few) {
-  constexpr double as_well = 0.2; // of sigma: lopsided by that much more or less
+  constexpr double as_well = 0.2;  // of sigma: lopsided by that much more or less
   constexpr double tightly = 0.05; // of a logarithm: bends by a twentieth of the interval
   if (few == nullptr) return all;
   for (std::size_t k = 0; k < all.minimum.x.size(); ++k) {

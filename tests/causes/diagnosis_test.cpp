@@ -1,3 +1,4 @@
+#include "goingrate/log/writing.hpp"
 #include "support/sick_clocks.hpp"
 
 #include <gtest/gtest.h>
@@ -107,6 +108,26 @@ TEST(DiagnosisTest, AChangeBelowTheJitterIsInTheDiary) {
     EXPECT_NEAR(change.rate_change, 28e-6, most * change.rate_change_sigma) << seed;
     constexpr double sigma = 4e-4 / 28e-6; // beats over which it grows to the jitter
     EXPECT_NEAR(static_cast<double>(change.cycle), 1800.0, most * sigma) << seed;
+  }
+}
+
+// The times leave their line in a bend over hundreds of beats, not in a jump.
+TEST(DiagnosisTest, AStepOfTheDriveIsNoShiftOfTheSensor) {
+  Scenario scenario;
+  scenario.clock = {0.9, 1e-3, 1.5e-4, 0.03};
+  scenario.periods = 1500;
+  scenario.sensor.jitter_rms_s = 5e-5;
+  ClockEvent event;
+  event.at_period = 900;
+  event.mu = 1.65e-4;
+  scenario.events = {event};
+  for (const std::uint64_t seed : {31U, 32U, 33U, 34U}) {
+    const std::string text = native_log_text(test::simulated_log(scenario, seed), 6);
+    const auto found = analyse(load_text(text, LoadRequest{}), AnalysisRequest{}).suspicions;
+    ASSERT_FALSE(found.empty()) << seed;
+    EXPECT_EQ(found[0].cause, Cause::drive_step) << seed;
+    for (const Suspicion& suspicion : found)
+      EXPECT_NE(suspicion.cause, Cause::sensor_shift) << seed << ": " << suspicion.evidence;
   }
 }
 

@@ -142,9 +142,7 @@ TEST(ClockFitTest, WhatRelaxesWithinABeatIsNoPendulum) {
   options.noise = FitNoise::jitter;
   for (const double offset_s : {-3e-3, 3e-3})
     expect_contradiction(fit_clock(relaxing(offset_s, 0.25), 1.0, options), NoteKind::domain);
-  const FitSummary slower = fit_clock(relaxing(3e-3, 5.0), 1.0, options);
-  EXPECT_EQ(slower.status, FitStatus::converged);
-  EXPECT_EQ(slower["epsilon"].status, ParameterStatus::free);
+  EXPECT_EQ(fit_clock(relaxing(3e-3, 5.0), 1.0, options).status, FitStatus::converged);
 }
 
 TEST(ClockFitTest, NothingIsStatedOfALogThatNoPlaceExplains) {
