@@ -3,6 +3,7 @@
 
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/base/errors.hpp"
+#include "words.hpp"
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -109,6 +110,11 @@ void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
 /// The options of the fit; `auto` events are those of the diary. Throws InputError if the file of
 /// parameters is unusable or does not suit the log.
 FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded);
+
+/// Throws UsageError, naming the option, if `parameter` is the coefficient of a column
+/// (temperature, pressure, density) that the log does not have.
+void check_column(const std::string& option, const std::string& parameter,
+                  const EventColumns& columns);
 
 /// Sets the help of the program and of the subcommands that are added later in 80 columns.
 void narrow_help(CLI::App& program);

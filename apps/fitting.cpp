@@ -46,6 +46,15 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   return event;
 }
 
+// The column that the log lacks for this parameter; nothing if it has all.
+std::string missing_column(const std::string& parameter, const EventColumns& columns) {
+  const bool needs_both = parameter == "density";
+  if ((parameter == "temperature" || needs_both) && columns.temperature_c.empty())
+    return "temperature";
+  if ((parameter == "pressure" || needs_both) && columns.pressure_mbar.empty()) return "pressure";
+  return {};
+}
+
 // A file that asks for what this log cannot give is the file's fault; said where it asks.
 void check_against(const ParFile& file, const NumberedLog& loaded) {
   const std::int64_t first = loaded.good.front().cycle, last = loaded.good.back().cycle;
@@ -55,12 +64,10 @@ void check_against(const ParFile& file, const NumberedLog& loaded) {
       throw InputError(file.event_places[k], fmt::format("cycle {}", cycle),
                        fmt::format("one inside the log, between {} and {}", first, last));
   }
-  const EventColumns& columns = loaded.log.columns;
   for (const auto& [name, place] : file.parameter_places)
-    if ((name == "temperature" && columns.temperature_c.empty()) ||
-        (name == "pressure" && columns.pressure_mbar.empty()) ||
-        (name == "density" && (columns.temperature_c.empty() || columns.pressure_mbar.empty())))
-      throw InputError(place, fmt::format("'{}'", name), "a log with a column of it");
+    if (const std::string missing = missing_column(name, loaded.log.columns); !missing.empty())
+      throw InputError(place, fmt::format("'{}'", name),
+                       fmt::format("a log with a column of {}", missing));
 }
 
 FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
@@ -94,6 +101,15 @@ void put_events(const ModelOptions& options, const NumberedLog& loaded, FitOptio
   }
   for (const std::string& text : options.events)
     result.events.push_back(event_in(text, loaded));
+}
+
+void check_columns(const ModelOptions& options, const EventColumns& columns) {
+  for (const std::string& name : options.freed)
+    check_column("free", name, columns);
+  for (const std::string& text : options.fixed)
+    check_column("fix", named("fix", text).first, columns);
+  for (const std::string& text : options.priors)
+    check_column("prior", parse_prior(text).name, columns);
 }
 
 void drop_prior(FitOptions& options, const std::string& name) {
@@ -144,27 +160,31 @@ void put_priors(const ModelOptions& options, FitOptions& result) {
 }
 
 void add_parameter_options(CLI::App& command, ModelOptions& options) {
-  command
-      .add_option("--fix", options.fixed,
-                  "hold a parameter: NAME=VALUE (T0 in s, epsilon, mu, phi0, lambda0, mu@1 ...)")
-      ->allow_extra_args(false);
-  command
-      .add_option("--free", options.freed,
-                  "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, offset (of the "
-                  "sensor, rad), drift (of the rate, 1/day), and, where the log has such columns, "
-                  "temperature (1/K), pressure (1/mbar), and with both density (of air, m^3/kg); "
-                  "or what a --from file holds")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command.add_option("--prior", options.priors, "knowledge from elsewhere: NAME=VALUE+-SIGMA")
-      ->allow_extra_args(false);
-  command
-      .add_option(
-          "--event", options.events,
-          "parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, phi0, T0; or by "
-          "time 300s:mu; or auto to search, or none; the k-th gives mu@k [auto, or those of "
-          "--from]")
-      ->allow_extra_args(false);
+  std::vector<std::string> names = parameter_names();
+  for (std::string& name : names)
+    name += '=';
+  auto* fix = command.add_option(
+      "--fix", options.fixed,
+      "hold a parameter: NAME=VALUE (T0 in s, epsilon, mu, phi0, lambda0, mu@1 ...)");
+  offers(fix, names)->allow_extra_args(false);
+  auto* free =
+      command
+          .add_option("--free", options.freed,
+                      "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, offset (of the "
+                      "sensor, rad), drift (of the rate, 1/day), and, where the log has such "
+                      "columns, temperature (1/K), pressure (1/mbar), and with both density (of "
+                      "air, m^3/kg); or what a --from file holds")
+          ->delimiter(',');
+  offers(free, optional_parameter_names())->allow_extra_args(false);
+  auto* prior =
+      command.add_option("--prior", options.priors, "knowledge from elsewhere: NAME=VALUE+-SIGMA");
+  offers(prior, names)->allow_extra_args(false);
+  auto* event = command.add_option(
+      "--event", options.events,
+      "parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, phi0, T0; or by "
+      "time 300s:mu; or auto to search, or none; the k-th gives mu@k [auto, or those of "
+      "--from]");
+  offers(event, {"auto", "none"})->allow_extra_args(false);
 }
 
 } // namespace
@@ -175,19 +195,19 @@ void add_model_options(CLI::App& command, ModelOptions& options) {
       .add_option("--model", options.model,
                   "averaged1 (the paper's first order), averaged2 (second order), map (the full "
                   "equation of motion) or auto (the simplest that is accurate enough) [auto]")
-      ->check(CLI::IsMember({"averaged1", "averaged2", "map", "auto"}));
+      ->check(one_of({"averaged1", "averaged2", "map", "auto"}));
   command
       .add_option("--noise", options.noise,
                   "jitter of the sensor; drive: noise of the drive and exact times; both; slow: "
                   "these two and a drive that wanders; auto: jitter, and more if BIC asks for it "
                   "[auto]")
-      ->check(CLI::IsMember({"jitter", "drive", "both", "slow", "auto"}));
+      ->check(one_of({"jitter", "drive", "both", "slow", "auto"}));
   command
       .add_option("--escapement", options.escapement,
                   "constant-torque (mu, phi0), single-impulse (impulse, impulse_angle), none (a "
                   "free pendulum) or auto (constant-torque, or none if that explains the log) "
                   "[auto]")
-      ->check(CLI::IsMember({"constant-torque", "single-impulse", "none", "auto"}));
+      ->check(one_of({"constant-torque", "single-impulse", "none", "auto"}));
   command.add_option("--from", options.from,
                      "parameters as `fit --par` writes them: what is held, where the search "
                      "starts, events, priors, model; other options win over the file");
@@ -220,12 +240,21 @@ FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded) {
   if (!options.model.empty()) set_dynamics(result, options.model);
   if (!options.noise.empty()) set_noise(result, options.noise);
   if (!options.escapement.empty()) set_escapement(result, options.escapement);
+  check_columns(options, loaded.log.columns);
   put_events(options, loaded, result);
   put_fixed(options, result);
   put_freed(options, result);
   put_priors(options, result);
   drop_partial_start(result);
   return with_seen_offset(std::move(result), loaded);
+}
+
+void check_column(const std::string& option, const std::string& parameter,
+                  const EventColumns& columns) {
+  const std::string missing = missing_column(parameter, columns);
+  if (!missing.empty())
+    throw UsageError(fmt::format("--{} {}: this log has no {} column (--column {}=PLACE names one)",
+                                 option, parameter, missing, missing));
 }
 
 std::vector<double> numbers_in(const std::string& option, const std::string& text) {

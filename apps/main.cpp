@@ -1,5 +1,7 @@
 // goingrate: the command. Each subcommand lives in a file of its own.
 #include "common.hpp"
+#include "help.hpp"
+#include "terminal.hpp"
 
 #include "base/printable.hpp"
 #include "base/spelling.hpp"
@@ -36,7 +38,11 @@ enum ExitCode {
 
 // `advice`: whole lines of our own that follow. All is lost if it cannot be written.
 int complain(ExitCode code, std::string_view what, const std::string& advice = {}) {
-  std::fputs(fmt::format("goingrate: {}\n{}", goingrate::printable(what), advice).c_str(), stderr);
+  using namespace goingrate::apps;
+  std::fputs(fmt::format("{} {}\n{}", painted("goingrate:", Paint::error),
+                         goingrate::printable(what), advice)
+                 .c_str(),
+             stderr);
   return code;
 }
 
@@ -144,16 +150,40 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
     return after_standard_output();
   }
   if (const auto unexpected = unexpected_word(program)) return complain(wrong_usage, *unexpected);
-  complain(wrong_usage, error.what());
-  std::fputs("Run with --help for more information.\n", stderr);
-  return wrong_usage;
+  const auto commands = program.get_subcommands();
+  return complain(wrong_usage,
+                  fmt::format("{} (goingrate{} --help lists the options)", error.what(),
+                              commands.empty() ? "" : " " + commands.front()->get_name()));
+}
+
+// Where the argument came from an option, its dashes are put in front: "--fix = 't0': must be ...".
+std::string words_for(const goingrate::ArgumentError& error, const CLI::App& program) {
+  for (const CLI::App* command : program.get_subcommands())
+    if (command->get_option_no_throw("--" + error.name()) != nullptr)
+      return std::string("--") + error.what();
+  return error.what();
+}
+
+// What the shell's completion and the build ask for, and nobody else: no part of --help.
+bool answer_hidden(CLI::App& program, const std::vector<std::string>& words) {
+  using namespace goingrate::apps;
+  if (words.empty()) return false;
+  if (words.front() == "--man") {
+    std::fputs(manual_page(program).c_str(), stdout);
+    return true;
+  }
+  if (words.front() != "--complete") return false;
+  for (const std::string& word : completions(program, {words.begin() + 1, words.end()}))
+    std::fputs((word + '\n').c_str(), stdout);
+  return true;
 }
 
 int run(CLI::App& program, int argc, char** argv) {
   if (argc == 1) { // somebody who looks what this is
     std::fputs(program.help().c_str(), stderr);
-    return wrong_usage;
+    return complain(wrong_usage, "no command was given");
   }
+  if (answer_hidden(program, {argv + 1, argv + argc})) return after_standard_output();
   const std::string_view first(argv[1]);
   const auto names = command_names(program);
   if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
@@ -194,7 +224,7 @@ int main(int argc, char** argv) {
   } catch (const NoStationarySwing& error) {
     return complain(no_result, error.what());
   } catch (const ArgumentError& error) {
-    return complain(wrong_usage, error.what());
+    return complain(wrong_usage, words_for(error, program));
   } catch (const NumericsError& error) {
     return complain(no_result, error.what());
   } catch (const ClosedPipe&) { // the reader of standard output has all it wanted

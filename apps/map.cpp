@@ -139,11 +139,11 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
       ->capture_default_str();
   command->add_flag("--first-order", options->first_order,
                     "the paper's averaged equations instead of the full one");
-  command
-      ->add_option("--solve", options->solve,
-                   "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
-                   "rate_excess=")
-      ->expected(2);
+  auto* solve = command->add_option(
+      "--solve", options->solve,
+      "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
+      "rate_excess=");
+  offers(solve, {"epsilon=", "mu=", "amplitude=", "rate=", "rate_excess="})->expected(2);
   command->add_option("-o,--output", options->output, "CSV; standard output if not given");
   add_json_option(*command, options->json);
   add_plot_option(*command, options->plot,

@@ -1,10 +1,11 @@
 #include "progress.hpp"
 
+#include "base/printable.hpp"
 #include "base/workers.hpp"
+#include "terminal.hpp"
 
 #include <cstdio>
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace goingrate::apps {
 
@@ -13,14 +14,14 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto patience = 1s; // work that is over before needs no word
 
-bool somebody_looks(bool quiet) { return !quiet && ::isatty(STDERR_FILENO) != 0; }
+bool somebody_looks(bool quiet) { return !quiet && error_is_terminal(); }
 
 constexpr const char* wipe = "\r\x1b[K"; // back to the first column, rest of the line empty
 
 } // namespace
 
-ProgressBar::ProgressBar(bool quiet)
-    : wanted_(somebody_looks(quiet)), start_(Clock::now()), last_(start_) {}
+ProgressBar::ProgressBar(bool quiet, std::string_view what)
+    : what_(printable(what)), wanted_(somebody_looks(quiet)), start_(Clock::now()), last_(start_) {}
 
 ProgressBar::~ProgressBar() {
   if (drawn_) std::fputs(wipe, stderr);
@@ -32,11 +33,12 @@ void ProgressBar::operator()(double part) {
   if (now - start_ < patience || now - last_ < 100ms) return;
   last_ = now;
   drawn_ = true;
-  constexpr int width = 40;
+  constexpr int width = 30; // columns, so that a file's name has room before it
   const int full = static_cast<int>(part * width);
-  std::fputs(
-      fmt::format("\r[{:#<{}}{:.<{}}] {:3.0f} %", "", full, "", width - full, 100.0 * part).c_str(),
-      stderr);
+  std::fputs(fmt::format("{}{} [{:#<{}}{:.<{}}] {:3.0f} %", wipe, what_, "", full, "", width - full,
+                         100.0 * part)
+                 .c_str(),
+             stderr);
   std::fflush(stderr);
 }
 

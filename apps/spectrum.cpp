@@ -66,7 +66,7 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
                                  [&](const RateTerm& t) { return t.name == options.against; });
   const bool amplitude = options.against == "amplitude" && data.has_amplitude();
   if (!amplitude && term == data.terms.end())
-    throw ArgumentError("against", options.against, "a column that the log has");
+    throw UsageError(fmt::format("--against {0}: this log's {0} column is empty", options.against));
   std::vector<double> cause;
   double known = 0.0;
   for (std::size_t i = 1; i < data.size(); ++i) {
@@ -77,6 +77,14 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
     cause.insert(cause.end(), static_cast<std::size_t>(data.cycle[i] - data.cycle[i - 1]), known);
   }
   return cause;
+}
+
+void check_against(const SpectrumCommand& options, const NumberedLog& loaded) {
+  if (options.against == "amplitude" && !fit_data(loaded).has_amplitude())
+    throw UsageError(
+        "--against amplitude: this log has no amplitudes (a column of them, of the "
+        "flag's dark time with --flag-width, or both directions with --sensor-offset)");
+  check_column("against", options.against, loaded.log.columns);
 }
 
 std::string coherence(const SpectrumCommand& options, const NumberedLog& loaded,
@@ -112,6 +120,7 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
+  check_against(options, loaded);
   const FitOptions asked = fit_options(searching(options.model), loaded);
   FitSummary fit;
   const DriveAnalysis drive = [&] {
@@ -171,7 +180,7 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
       command
           ->add_option("--against", options->against,
                        "amplitude, temperature, pressure or density (of air) of the log")
-          ->check(CLI::IsMember({"amplitude", "temperature", "pressure", "density"}));
+          ->check(one_of({"amplitude", "temperature", "pressure", "density"}));
   command
       ->add_option("--coherence", options->coherence_output,
                    "write coherence, gain and phase of the rate against that column")

@@ -90,17 +90,19 @@ void add_stability(CLI::App& program, const GlobalOptions& global) {
       ->add_option(
           "--kind", options->kind,
           "which deviation: oadev (overlapping Allan), mdev (modified), hdev (Hadamard) ...")
-      ->check(CLI::IsMember(kind_names()))
+      ->check(one_of(kind_names()))
       ->capture_default_str();
   command
       ->add_option("--data", options->data,
                    "what the file holds: timestamps (a log), or --format phase or frequency")
-      ->check(CLI::IsMember({"timestamps", "phase", "frequency"}))
+      ->check(one_of({"timestamps", "phase", "frequency"}))
       ->capture_default_str();
-  command
-      ->add_option("--taus", options->taus,
-                   "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
-      ->capture_default_str();
+  auto* taus =
+      command
+          ->add_option("--taus", options->taus,
+                       "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
+          ->capture_default_str();
+  offers(taus, {"octave", "decade", "all"});
   command
       ->add_option("--alpha", options->alpha,
                    "noise assumed at every averaging time, 2 (jitter) to -4; else it is identified")

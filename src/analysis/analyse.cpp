@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <utility>
 
@@ -216,8 +217,9 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
 }
 
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
-  const auto tell = [&](std::string_view what) {
-    if (request.now) request.now(what);
+  constexpr int steps = 6;
+  auto tell = [&, step = 0](std::string_view what) mutable {
+    if (request.now) request.now(fmt::format("{} of {}: {}", ++step, steps, what));
   };
   Analysis data;
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);

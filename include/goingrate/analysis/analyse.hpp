@@ -65,7 +65,7 @@ struct AnalysisRequest {
   bool traces_profiles = true;          ///< for figures: up to half as long again as all else
   std::optional<double> nut_pitch_m{};  ///< of the rating nut, if its turns are asked for
   std::optional<double> rod_length_m{}; ///< of the mathematical pendulum; that of the period if not
-  std::function<void(std::string_view)> now{}; ///< told what is being done
+  std::function<void(std::string_view)> now{}; ///< "2 of 6: what is being done"
 };
 
 /// All that a report shows of a log, by one fit. Throws
