@@ -112,7 +112,8 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitOptions asked = fit_options(searching(options.model), loaded);
+  const FitRequest request = fit_request(options.model);
+  const FitOptions asked = fit_options(searching(request), loaded);
   FitSummary fit;
   const DriveAnalysis drive = [&] {
     StepLine now(global.quiet, "fitting the model");
@@ -120,7 +121,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
     now("spectrum of the rate, fast and slow drive");
     return analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   }();
-  if (finds_events(options.model)) tell_events(fit.events, loaded.good, global);
+  if (finds_events(request)) tell_events(fit.events, loaded.good, global);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
   std::string text = drive_text(drive, expected_periods(options, loaded));
