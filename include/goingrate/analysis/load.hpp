@@ -29,9 +29,9 @@ struct LoadRequest {
 /// A log read, corrected and numbered.
 struct NumberedLog {
   NumberedLog() = default;
-  NumberedLog(NumberedLog&&) = default;
-  NumberedLog& operator=(NumberedLog&&) = default;
-  NumberedLog(const NumberedLog&) = delete; // `good` would point into the other
+  NumberedLog(NumberedLog&&) = default;            ///< leaves an empty log
+  NumberedLog& operator=(NumberedLog&&) = default; ///< the same
+  NumberedLog(const NumberedLog&) = delete;        // `good` would point into the other
   NumberedLog& operator=(const NumberedLog&) = delete;
 
   ClockLog log; ///< its events are in `beats`

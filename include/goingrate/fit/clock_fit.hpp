@@ -80,8 +80,8 @@ struct ModelChoice {
 
   /// "constant-torque, linear, jitter + drive"
   [[nodiscard]] std::string name() const;
-  [[nodiscard]] std::string friction() const;
-  [[nodiscard]] std::string noise() const;
+  [[nodiscard]] std::string friction() const; ///< "linear + dry"
+  [[nodiscard]] std::string noise() const;    ///< "jitter + drive"
 };
 
 /// What is asked of a fit; what is left empty it finds out.
