@@ -65,8 +65,6 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
   const auto term = std::find_if(data.terms.begin(), data.terms.end(),
                                  [&](const RateTerm& t) { return t.name == options.against; });
   const bool amplitude = options.against == "amplitude" && data.has_amplitude();
-  if (!amplitude && term == data.terms.end())
-    throw UsageError(fmt::format("--against {0}: this log's {0} column is empty", options.against));
   std::vector<double> cause;
   double known = 0.0;
   for (std::size_t i = 1; i < data.size(); ++i) {
@@ -79,12 +77,17 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
   return cause;
 }
 
+// Before the work, so that a misspelt column costs no time.
 void check_against(const SpectrumCommand& options, const NumberedLog& loaded) {
-  if (options.against == "amplitude" && !fit_data(loaded).has_amplitude())
-    throw UsageError(
-        "--against amplitude: this log has no amplitudes (a column of them, of the "
-        "flag's dark time with --flag-width, or both directions with --sensor-offset)");
-  check_column("against", options.against, loaded.log.columns);
+  if (options.against.empty()) return;
+  const TimingData data = fit_data(loaded);
+  const auto is_it = [&](const RateTerm& term) { return term.name == options.against; };
+  const bool amplitude = options.against == "amplitude";
+  if (amplitude ? data.has_amplitude() : std::any_of(data.terms.begin(), data.terms.end(), is_it))
+    return;
+  const bool both = options.against == "density";
+  throw UsageError(fmt::format("--against {}: this log has no {} column", options.against,
+                               both ? "temperature and pressure" : options.against));
 }
 
 std::string coherence(const SpectrumCommand& options, const NumberedLog& loaded,
@@ -121,7 +124,8 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   check_against(options, loaded);
-  const FitOptions asked = fit_options(searching(options.model), loaded);
+  const FitRequest request = fit_request(options.model);
+  const FitOptions asked = fit_options(searching(request), loaded);
   FitSummary fit;
   const DriveAnalysis drive = [&] {
     StepLine now(global.quiet, "fitting the model");
@@ -129,7 +133,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
     now("spectrum of the rate, fast and slow drive");
     return analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   }();
-  if (finds_events(options.model)) tell_events(fit.events, loaded.good, global);
+  if (finds_events(request)) tell_events(fit.events, loaded.good, global);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
   std::string text = drive_text(drive, expected_periods(options, loaded));

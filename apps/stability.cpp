@@ -41,9 +41,7 @@ PhaseSeries phase_of(StabilityCommand options, const GlobalOptions& global) {
 
 std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points, double tau0_s,
                                     DeviationKind kind) {
-  if (taus == "octave") return octave_factors(points, kind);
-  if (taus == "decade") return decade_factors(points, kind);
-  if (taus == "all") return all_factors(points, kind);
+  if (auto factors = factors_named(taus, points, kind)) return std::move(*factors);
   return factors_for(numbers_in("taus", taus), points, tau0_s, kind);
 }
 
@@ -52,11 +50,6 @@ std::vector<std::string> kind_names() {
   for (const DeviationKind kind : deviation_kinds)
     names.emplace_back(name_of(kind));
   return names;
-}
-
-DeviationKind kind_of(const std::string& name) {
-  return *std::find_if(deviation_kinds.begin(), deviation_kinds.end(),
-                       [&](DeviationKind kind) { return name_of(kind) == name; });
 }
 
 std::string plot_of(const StabilityCommand& options, const DeviationTable& table) {
@@ -68,7 +61,7 @@ std::string plot_of(const StabilityCommand& options, const DeviationTable& table
 
 void run(const StabilityCommand& options, const GlobalOptions& global) {
   const PhaseSeries phase = phase_of(options, global);
-  const DeviationKind kind = kind_of(options.kind);
+  const DeviationKind kind = *deviation_named(options.kind);
   const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s, kind);
   const DeviationTable table =
       stability_table(kind, phase.phase_s, phase.tau0_s, factors,

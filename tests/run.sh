@@ -2,15 +2,17 @@
 # Sets up, builds and runs all tests; ends with ctest's summary. Arguments go to ctest.
 # With --sanitize first: the suite under AddressSanitizer and UndefinedBehaviorSanitizer, then what
 # starts threads, and the fits, under ThreadSanitizer. Takes about an hour on two cores.
+# With --notebooks first: those of data/course/notebooks alone, executed; their pages come to
+# build/release/notebooks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh
-goingrate_setup libgtest-dev dpkg-dev file
+goingrate_setup libgtest-dev dpkg-dev file pybind11-dev python3-dev python3-numpy python3-pytest
 command -v gnuplot > /dev/null || goingrate_setup gnuplot-nox # for figures as PDF and PNG
 if [ "${1:-}" = --sanitize ]; then
   shift
   for preset in dev threads; do
-    cmake --preset "$preset" -DBUILD_TESTING=ON > /dev/null
+    cmake --preset "$preset" -DBUILD_TESTING=ON -DGOINGRATE_PYTHON=ON > /dev/null
   done
   cmake --build --preset dev -j2
   ctest --preset dev "$@"
@@ -18,6 +20,14 @@ if [ "${1:-}" = --sanitize ]; then
   # the programs to list their tests.
   setarch -R cmake --build --preset threads -j2 --target test_base test_dynamics test_spectra test_fit test_drive
   exec setarch -R ctest --preset threads "$@"
+fi
+# For the notebooks, and for what of Python is skipped without.
+goingrate_setup python3-pandas python3-matplotlib python3-pip mypy jupyter-nbconvert python3-ipykernel \
+  python3-lmfit python3-iminuit python3-distributed
+if [ "${1:-}" = --notebooks ]; then
+  cmake --preset release -DBUILD_TESTING=ON -DGOINGRATE_PYTHON=ON > /dev/null
+  cmake --build --preset release -j2 --target goingrate_command goingrate_python
+  exec tests/python/notebooks.sh /usr/bin/python3 . build/release
 fi
 command -v doxygen > /dev/null || goingrate_setup doxygen # for the library's documentation
 goingrate_setup clang libclang-rt-dev # for the fuzzers alone, which are skipped without
@@ -27,7 +37,7 @@ if [ -n "${CI:-}" ] && [ ! -e build ]; then
   tail -c 8 build/interruption.html | grep -q '</html>'
 fi
 # A newer compiler may warn of more; only the project's own checks insist.
-cmake --preset release -DBUILD_TESTING=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null
+cmake --preset release -DBUILD_TESTING=ON -DGOINGRATE_PYTHON=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null
 cmake --build --preset release -j2
 [ -d ../shared/real ] \
   || echo "There is no ../shared/real with public measurements: the tests that need them are skipped."

@@ -3,10 +3,12 @@
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"
+#include "goingrate/analysis/fit_request.hpp"
 #include "goingrate/analysis/load.hpp"
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/instant.hpp"
+#include "goingrate/base/pulse.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/base/sums.hpp"
 #include "goingrate/causes/covariates.hpp"
@@ -33,6 +35,7 @@
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
 #include "goingrate/dynamics/period_step.hpp"
+#include "goingrate/dynamics/rate_map.hpp"
 #include "goingrate/dynamics/rk4.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "goingrate/dynamics/swing_profile.hpp"

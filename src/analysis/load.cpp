@@ -214,6 +214,17 @@ NumberedLog load_text(std::string_view text, const LoadRequest& request) {
   return Loading(read_log(text, request.path, request.reading), request).run();
 }
 
+NumberedLog load_events(ClockLog log, const LoadRequest& request) {
+  constexpr std::size_t fewest = 3; // as of a text
+  if (log.events.size() < fewest)
+    throw InputError({log.source, 0, 0}, fmt::format("{} events", log.events.size()),
+                     fmt::format("at least {}", fewest));
+  if (!log.nominal_period_s) log.nominal_period_s = request.reading.nominal_period_s;
+  LoadRequest named = request;
+  named.path = log.source;
+  return Loading(std::move(log), named).run();
+}
+
 PhaseSeries phase_series(const NumberedLog& loaded) {
   if (loaded.log.grid) return {loaded.log.grid->phase_s, loaded.log.grid->tau0_s};
   const auto error = clock_error(loaded.good, loaded.nominal_period_s);

@@ -6,6 +6,7 @@
 #include "step_search.hpp"
 
 #include "base/scaled_time.hpp"
+#include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -83,6 +84,7 @@ private:
   void take_causes() {
     constexpr std::size_t most = 4; // more say that the log is not understood
     while (taken_.size() < most) {
+      pulse();
       Candidate best = best_candidate();
       const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
       // What a healthy clock does comes first, unless a fault explains more than any noise.
@@ -206,6 +208,7 @@ private:
     for (const double place : places(scan))
       for (const ChangeKind kind :
            {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
+        pulse();
         Candidate step = step_of(kind, place);
         if (step.gain > best.gain && !is_in_a_wake(step)) best = std::move(step);
       }

@@ -55,6 +55,11 @@ NumberedLog load(const LoadRequest& request);
 /// The same for a text in memory; `path` names it in messages.
 NumberedLog load_text(std::string_view text, const LoadRequest& request);
 
+/// The same for events that were had otherwise; `log.source` names them in messages. Of the
+/// request's reading only the nominal period counts, and not that if the log states one. Throws
+/// InputError as well for fewer than three events.
+NumberedLog load_events(ClockLog log, const LoadRequest& request);
+
 /// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on
 /// a grid as they were read, also where they are no clock's; else of the longest segment.
 struct PhaseSeries {
