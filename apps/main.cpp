@@ -36,7 +36,7 @@ enum ExitCode {
   no_output = 5
 };
 
-// `advice`: whole lines of our own that follow. All is lost if it cannot be written.
+// Prints an error. `advice` follows as whole lines. A message that cannot be written is dropped.
 int complain(ExitCode code, std::string_view what, const std::string& advice = {}) {
   using namespace goingrate::apps;
   std::fputs(fmt::format("{} {}\n{}", painted("goingrate:", Paint::error),
@@ -50,7 +50,8 @@ constexpr std::string_view out_of_memory =
     "this needs more memory than there is: take a part of the log (split it, or leave out every "
     "other line), or fewer periods or realisations at a time";
 
-// Ctrl-C and its like leave no half file behind; the signal then does what it does.
+// On Ctrl-C and similar signals temporary files are removed, then the signal takes its usual
+// effect.
 extern "C" void end_by_signal(int number) {
   goingrate::discard_drafts();
   std::signal(number, SIG_DFL);
@@ -58,7 +59,7 @@ extern "C" void end_by_signal(int number) {
 }
 
 void heed_signals() {
-  // A closed pipe, or a file beyond its limit, is an output that cannot be written and no crash.
+  // Writing to a closed pipe or beyond a size limit is to fail as an output error, not to kill.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU})
@@ -66,7 +67,7 @@ void heed_signals() {
       std::signal(number, SIG_IGN); // as nohup asks
 }
 
-// Many realisations keep many files open, and the usual limit is lower than it must be.
+// Many realisations need many open files; the soft limit is often lower than the system allows.
 void allow_many_files() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -74,7 +75,7 @@ void allow_many_files() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// What --help and --version print. A reader that went away has all it wanted.
+// Flushes standard output after --help and --version. A reader that closed the pipe is no error.
 int after_standard_output() {
   errno = 0;
   std::cout.flush();
@@ -101,8 +102,7 @@ void add_option_names(const CLI::App& command, std::vector<std::string>& names) 
       names.push_back("--" + name);
 }
 
-// An option that nobody knows, or a word too many: it is told before what else may be wrong, which
-// is often its consequence.
+// An unknown option or a word too many. Reported before other errors, which often follow from it.
 std::optional<std::string> unexpected_word(const CLI::App& program) {
   const std::vector<std::string> words = program.remaining(true);
   if (words.empty()) return {};
@@ -121,7 +121,7 @@ std::optional<std::string> unexpected_word(const CLI::App& program) {
                      did_you_mean(name, known, fmt::format("goingrate{} --help", command)));
 }
 
-// By which options the likeliest other readings are had.
+// The options that give the likeliest other readings of the log.
 std::string other_readings(const goingrate::ImpossibleReading& error) {
   std::string text;
   for (const goingrate::OtherReading& other : error.others())
@@ -143,7 +143,7 @@ void add_commands(CLI::App& program, const goingrate::apps::GlobalOptions& globa
   apps::add_help(program);
 }
 
-// What is wrong with the words of the command line; or it was asked for help, which is printed.
+// Reports a usage error, or prints the help that was asked for.
 int explain(const CLI::App& program, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) {
     program.exit(error);
@@ -156,7 +156,7 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
                               commands.empty() ? "" : " " + commands.front()->get_name()));
 }
 
-// Where the argument came from an option, its dashes are put in front: "--fix = 't0': must be ...".
+// The message of an ArgumentError; an argument that came from an option gets its dashes.
 std::string words_for(const goingrate::ArgumentError& error, const CLI::App& program) {
   for (const CLI::App* command : program.get_subcommands())
     if (command->get_option_no_throw("--" + error.name()) != nullptr)
@@ -164,7 +164,7 @@ std::string words_for(const goingrate::ArgumentError& error, const CLI::App& pro
   return error.what();
 }
 
-// What the shell's completion and the build ask for, and nobody else: no part of --help.
+// Answers --complete (for the shell) and --man (for the build), which --help does not list.
 bool answer_hidden(CLI::App& program, const std::vector<std::string>& words) {
   using namespace goingrate::apps;
   if (words.empty()) return false;
@@ -179,7 +179,7 @@ bool answer_hidden(CLI::App& program, const std::vector<std::string>& words) {
 }
 
 int run(CLI::App& program, int argc, char** argv) {
-  if (argc == 1) { // somebody who looks what this is
+  if (argc == 1) { // called without any word: show the help
     std::fputs(program.help().c_str(), stderr);
     return complain(wrong_usage, "no command was given");
   }
@@ -227,13 +227,13 @@ int main(int argc, char** argv) {
     return complain(wrong_usage, words_for(error, program));
   } catch (const NumericsError& error) {
     return complain(no_result, error.what());
-  } catch (const ClosedPipe&) { // the reader of standard output has all it wanted
+  } catch (const ClosedPipe&) { // the reader of standard output closed the pipe: no error
     return done;
   } catch (const OutputError& error) {
     return complain(no_output, error.what());
   } catch (const std::bad_alloc&) {
     return complain(bad_input, out_of_memory);
-  } catch (const std::length_error&) { // more than any memory holds
+  } catch (const std::length_error&) { // a size beyond any memory
     return complain(bad_input, out_of_memory);
   } catch (const std::exception& error) {
     return complain(our_fault, error.what());

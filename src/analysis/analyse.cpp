@@ -66,10 +66,10 @@ bool follows_more(const Analysis& data) {
   if (!data.fit.has_result()) return false;
   if (follows_changes(data)) return true;
   if (!data.diary.interruptions.empty()) return true;
-  constexpr double rest = 0.8; // of the amplitude: no clock's falls so far
+  constexpr double decayed_share = 0.8; // of the amplitude: no clock's falls so far
   const auto& amplitude = data.fit.model_amplitude_rad;
   return data.fit.model.escapement == Escapement::none && !amplitude.empty() &&
-         amplitude.back() < rest * amplitude.front();
+         amplitude.back() < decayed_share * amplitude.front();
 }
 
 // The times that must be accounted for: what the fit leaves of them, where it follows more than
@@ -175,10 +175,10 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
 }
 
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options) {
-  constexpr std::size_t most = 4; // each costs a parameter
+  constexpr std::size_t most_events = 4; // each costs a parameter
   const auto events = [&](bool stand_out) {
     std::vector<FitEvent> found;
-    for (const Change& change : strongest_changes(diary, most, stand_out)) {
+    for (const Change& change : strongest_changes(diary, most_events, stand_out)) {
       const std::string name = changed_by(change.kind);
       if (name == "mu" && options.escapement == Escapement::none) continue;
       found.push_back({change.cycle - first_cycle, {name}, true});
@@ -190,9 +190,10 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 }
 
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
-  constexpr double surely = 5.0; // sigma
+  constexpr double least_significance = 5.0; // sigma
   const auto& beat_error = loaded.sensor.beat_error_s;
-  const bool is_seen = beat_error && std::abs(beat_error->value) > surely * beat_error->sigma;
+  const bool is_seen =
+      beat_error && std::abs(beat_error->value) > least_significance * beat_error->sigma;
   if (!is_seen || loaded.sensor.at_vertical || timing_model::names(options, "offset"))
     return options;
   options.freed.emplace_back("offset");

@@ -82,8 +82,8 @@ public:
 
 private:
   void take_causes() {
-    constexpr std::size_t most = 4; // more say that the log is not understood
-    while (taken_.size() < most) {
+    constexpr std::size_t most_causes = 4; // more say that the log is not understood
+    while (taken_.size() < most_causes) {
       pulse();
       Candidate best = best_candidate();
       const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
@@ -135,9 +135,9 @@ private:
   [[nodiscard]] Bend best_bend() const {
     Bend best;
     if (wanders_ || healthy_.corner > 0.0) return best;
-    constexpr double least = 10.0,
-                     most = 2e4; // T0/(4 pi epsilon) of clocks people have, in periods
-    for (double periods = least; periods < most; periods *= 2.5) {
+    constexpr double shortest_periods = 10.0,
+                     longest_periods = 2e4; // T0/(4 pi epsilon) of clocks people have, in periods
+    for (double periods = shortest_periods; periods < longest_periods; periods *= 2.5) {
       const NoiseKinds bent = with_bend_at(periods * input_.nominal_period_s);
       const double gain = account_.gain_of(bent, 2);
       if (gain > best.gain) best = {bent, gain};
@@ -181,9 +181,9 @@ private:
 
   // Where a step would explain most, and the dated changes.
   [[nodiscard]] std::vector<double> places(const StepScan& scan) const {
-    constexpr std::size_t most = 3, apart = 4; // blocks
+    constexpr std::size_t most_places = 3, blocks_apart = 4; // blocks
     std::vector<double> places;
-    for (const std::size_t block : scan.best_steps(most, apart))
+    for (const std::size_t block : scan.best_steps(most_places, blocks_apart))
       places.push_back(static_cast<double>(block));
     for (const Change& change : input_.changes) {
       const double place = change.at_s / blocks_.length_s;
@@ -217,12 +217,12 @@ private:
   // While a clock settles after a step its rate is not the sum of a few powers of a decay, and what
   // is left of a great step looks like small ones.
   [[nodiscard]] bool is_in_a_wake(const Candidate& step) const {
-    constexpr double settled = 5.0; // time constants
+    constexpr double settling_times = 5.0; // time constants
     constexpr double least_share = 0.1;
     return std::any_of(taken_.begin(), taken_.end(), [&](const Candidate& before) {
       const double since_s = step.at_s - before.at_s;
       return is_step(before.cause) && before.cause != Cause::length_step && since_s > 0.0 &&
-             since_s < settled * before.time_s && step.gain < least_share * before.gain;
+             since_s < settling_times * before.time_s && step.gain < least_share * before.gain;
     });
   }
 
@@ -361,8 +361,8 @@ private:
 
   // Two faults at once are rare, three are a course that nothing in the list makes.
   void add_if_not_understood(std::vector<Suspicion>& all) const {
-    constexpr std::size_t too_many = 3;
-    if (all.size() < too_many) return;
+    constexpr std::size_t implausible_causes = 3;
+    if (all.size() < implausible_causes) return;
     double gain = 0.0;
     Account account(blocks_, wanders_ ? wandering : healthy_);
     for (const Candidate& taken : taken_) {
@@ -414,8 +414,8 @@ Suspicion suspicion_of(const Change& change) {
 
 // Of a log long enough to tell the courses of a rate from each other.
 bool is_long_enough(const DiagnosisInput& input) {
-  constexpr std::size_t least = 400; // beats
-  return input.data != nullptr && input.data->size() >= least;
+  constexpr std::size_t least_beats = 400; // beats
+  return input.data != nullptr && input.data->size() >= least_beats;
 }
 
 constexpr std::size_t most_displaced = 8;

@@ -184,12 +184,14 @@ bool is_constant(std::span<const double> rates) {
 std::string why_rough(const RateComponents& found, const DriveResponse& response) {
   const double spread = timing_model::amplitude_spread(found, response);
   const double phi2 = std::pow(response.switching_angle, 2);
-  constexpr double bends = 0.05; // beyond, the gains vary by more than a slow drive is known
-  constexpr double often = 3.5;  // standard deviations to a stall: once in some thousand memories
-  if (spread > bends && !timing_model::forgets_its_start(response))
+  constexpr double largest_gain_spread =
+      0.05; // beyond, the gains vary by more than a slow drive is known
+  constexpr double stall_distance_sigma =
+      3.5; // standard deviations to a stall: once in some thousand memories
+  if (spread > largest_gain_spread && !timing_model::forgets_its_start(response))
     return "the rate hardly answers a slow change of the drive, and that out of proportion: the "
            "slow rms is rough";
-  if (spread > (1.0 - phi2 / response.amplitude2) / often)
+  if (spread > (1.0 - phi2 / response.amplitude2) / stall_distance_sigma)
     return "a slow drive of this size takes the clock near a stall, where the rate does not answer "
            "in proportion: its rms is rough";
   return {};
@@ -379,11 +381,11 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
     clock = as_it_went(*clock, beats, fit, since);
     drive.response = drive_response(*clock);
   }
-  constexpr std::size_t enough = 64;
-  if (rates.size() < enough) return drive;
+  constexpr std::size_t fewest_rates = 64;
+  if (rates.size() < fewest_rates) return drive;
   drive.lines = find_lines(rates, nominal_period_s);
   if (!drive.response || is_constant(rates)) return drive;
-  if (rates.size() - since < enough) return drive;
+  if (rates.size() - since < fewest_rates) return drive;
   const std::vector<double> without = without_lines(rates, nominal_period_s, drive.lines);
   drive.split = split_drive(std::span(without).subspan(since), nominal_period_s, *drive.response,
                             split_hz, drive.rate_spectrum->frequency_hz);

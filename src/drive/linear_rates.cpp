@@ -17,18 +17,18 @@ double mean_of(std::span<const double> values) {
 
 // Whether the last beats scatter as those of a clock that misses the switching angle do.
 bool comes_to_a_stand(std::span<const double> rates) {
-  constexpr std::size_t last = 30;
-  constexpr double far = 4.0;        // standard deviations of the differences before
-  constexpr std::size_t several = 3; // one or two may be a bad beat
-  if (rates.size() < 2 * last) return false;
-  const std::size_t tail = rates.size() - last;
+  constexpr std::size_t tail_beats = 30;
+  constexpr double outlier_sigma = 4.0;           // standard deviations of the differences before
+  constexpr std::size_t outliers_of_a_change = 3; // one or two may be a bad beat
+  if (rates.size() < 2 * tail_beats) return false;
+  const std::size_t tail = rates.size() - tail_beats;
   double before = 0.0;
   std::size_t large = 0;
   for (std::size_t i = 1; i < tail; ++i)
     before += std::pow(rates[i] - rates[i - 1], 2) / static_cast<double>(tail - 1);
   for (std::size_t i = tail; i < rates.size(); ++i)
-    large += std::pow(rates[i] - rates[i - 1], 2) > far * far * before ? 1 : 0;
-  return large >= several;
+    large += std::pow(rates[i] - rates[i - 1], 2) > outlier_sigma * outlier_sigma * before ? 1 : 0;
+  return large >= outliers_of_a_change;
 }
 
 // The best prediction of the slow part of each drive from those before, and how well it does: the
@@ -100,9 +100,10 @@ public:
   }
 
   [[nodiscard]] bool holds() const {
-    constexpr double seldom = 1e-3; // of the beats: a clock that nearly stalls and goes on
+    constexpr double largest_held_share =
+        1e-3; // of the beats: a clock that nearly stalls and goes on
     return std::isfinite(mean_drive_) &&
-           static_cast<double>(held_) <= seldom * static_cast<double>(rates_.size());
+           static_cast<double>(held_) <= largest_held_share * static_cast<double>(rates_.size());
   }
   [[nodiscard]] LinearRates result() const {
     LinearRates result{linear_, mean_drive_rms_};
@@ -120,7 +121,8 @@ private:
     constexpr double near_stall = 1.01, far_out = 4.0; // of phi0^2 and of x0
     const double direction = response_.slow_gain > 0.0 ? 1.0 : -1.0;
     const std::size_t n = rates_.size();
-    constexpr std::size_t together = 32; // slopes, each about 1, whose logarithm is taken at once
+    constexpr std::size_t slopes_a_logarithm =
+        32; // slopes, each about 1, whose logarithm is taken at once
     double x = x0_, sum = 0.0, squares = 0.0, slopes = 1.0, log_slopes = 0.0;
     Prediction prediction = prediction_;
     held_ = 0;
@@ -141,7 +143,8 @@ private:
       const double bend =
           (1.0 + d) * gain * (0.5 / (middle - phi2_) - 1.0 / middle) - 1.0 / 16.0; // d(rate)/dx
       slopes *= (gain + 0.5 * direction * relaxing_ * x0_ * bend) / response_.fast_gain;
-      if (k % together == 0 || k + 1 == n) log_slopes += std::log(std::abs(slopes)), slopes = 1.0;
+      if (k % slopes_a_logarithm == 0 || k + 1 == n)
+        log_slopes += std::log(std::abs(slopes)), slopes = 1.0;
       squares += prediction.take(d);
       sum += d;
       linear_[i] = response_.fast_gain * d +
@@ -194,15 +197,16 @@ private:
 } // namespace
 
 bool forgets_its_start(const DriveResponse& response) {
-  constexpr double least = 0.02; // an amplitude is forgotten in fifty relaxations
-  return std::abs(response.slow_gain) > least * std::abs(response.fast_gain);
+  constexpr double least_gain_ratio = 0.02; // an amplitude is forgotten in fifty relaxations
+  return std::abs(response.slow_gain) > least_gain_ratio * std::abs(response.fast_gain);
 }
 
 std::optional<LinearRates> linear_rates(std::span<const double> rates, double period_s,
                                         const DriveResponse& response,
                                         const RateComponents& drive) {
-  constexpr double bends = 0.01; // of spread: below, the gains vary by less than they are known
-  if (!(amplitude_spread(drive, response) > bends) || !(drive.fast2 > 0.0)) return {};
+  constexpr double least_spread =
+      0.01; // of spread: below, the gains vary by less than they are known
+  if (!(amplitude_spread(drive, response) > least_spread) || !(drive.fast2 > 0.0)) return {};
   if (!forgets_its_start(response)) return {};
   if (comes_to_a_stand(rates)) return {};
   LinearRates result;

@@ -151,7 +151,8 @@ std::vector<std::vector<double>> starting_points(const Parameters& parameters,
   const bool by_rate = !T0.free && driven && seen_last == 0.0;
   const std::vector<double> lambdas =
       seen_last > 0.0 ? std::vector{seen_last} : std::vector{0.025, 0.05, 0.1, 0.2};
-  // A change speaks of itself; without one all is in the way from the start to rest.
+  // With a change in the log, ε and μ show in the response to it. Without one they show only in how
+  // the amplitude goes from its start to its stationary value, so more start values are tried.
   const bool changes = !parameters.event_cycles.empty();
   const std::vector<double> start_ratios = seen_first > 0.0 ? std::vector{seen_first / seen_last}
                                            : changes        ? std::vector{1.0, 0.6, 1.5}

@@ -17,12 +17,12 @@ std::vector<double> moved_along(std::vector<double> place, std::span<const doubl
 }
 
 bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<const double> x) {
-  constexpr double well = 0.1; // of what would be too vague
-  return std::all_of(problem.parameters.slots.begin(), problem.parameters.slots.end(),
-                     [&](const Slot& slot) {
-                       return !slot.free || is_noise(slot.quantity) ||
-                              known.sigma(slot.index) < well * tolerable_sigma(problem, slot, x);
-                     });
+  constexpr double determined_share = 0.1; // of what would be too vague
+  return std::all_of(
+      problem.parameters.slots.begin(), problem.parameters.slots.end(), [&](const Slot& slot) {
+        return !slot.free || is_noise(slot.quantity) ||
+               known.sigma(slot.index) < determined_share * tolerable_sigma(problem, slot, x);
+      });
 }
 
 bool knows_its_clock(const Fitted& fitted) {
@@ -45,10 +45,10 @@ namespace {
 
 // Whether the few beats say what all say.
 bool condensed_well(const FitProblem& problem, std::span<const double> x) {
-  constexpr double enough = 1e-3; // of L: 0.05 sigma
+  constexpr double largest_difference = 1e-3; // of L: 0.05 sigma
   const auto few = minus_log_likelihood(problem, x);
   const auto all = minus_log_likelihood(on_every_beat(problem), x);
-  return few && all && std::abs(*few - *all) < enough;
+  return few && all && std::abs(*few - *all) < largest_difference;
 }
 
 // Makes the noise as large as the innovations say it is.
@@ -69,8 +69,8 @@ void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
 void settle_clock(const FitProblem& problem, std::vector<double>& x, const SearchLimits& limits) {
   const auto seen = residuals(problem, x);
   if (!seen) return;
-  constexpr double far = 2.0;
-  if (rms(seen->white_time) < far && rms(seen->white_amplitude) < far) return;
+  constexpr double largest_rms = 2.0;
+  if (rms(seen->white_time) < largest_rms && rms(seen->white_amplitude) < largest_rms) return;
   FitProblem held = with_noise_held(problem, x);
   const std::size_t clock = held.parameters.free_count;
   std::erase_if(held.priors, [&](const CoordinatePrior& p) { return p.index >= clock; });
@@ -97,9 +97,9 @@ namespace {
 Widening widening_of(const Fitted& fitted) {
   Widening widening;
   if (is_rounding(fitted)) return widening;
-  constexpr double surely = 1e-3;
+  constexpr double least_p_value = 1e-3;
   const auto of = [&](const std::vector<double>& innovations) {
-    const bool doubtful = innovations.size() >= 8 && whiteness_p(innovations) < surely;
+    const bool doubtful = innovations.size() >= 8 && whiteness_p(innovations) < least_p_value;
     return doubtful ? std::sqrt(correlation_time(innovations)) : 1.0;
   };
   widening.time = of(fitted.seen.white_time);

@@ -86,9 +86,9 @@ bool has_prior(const FitOptions& options, const std::string& name) {
 
 // The weak prior about the start is all there is.
 bool tells_nothing(const FitProblem& problem, const Slot& slot, double sigma) {
-  constexpr double hardly = 0.5; // of the prior's
+  constexpr double largest_prior_share = 0.5; // of the prior's
   return std::any_of(problem.priors.begin(), problem.priors.end(), [&](const auto& prior) {
-    return prior.index == slot.index && !prior.stated && sigma > hardly * prior.sigma;
+    return prior.index == slot.index && !prior.stated && sigma > largest_prior_share * prior.sigma;
   });
 }
 
@@ -179,8 +179,8 @@ double walk_per_cycle(const FitProblem& problem, std::span<const double> x, cons
 
 // Scatter of the mean rates of eight parts of the log; infinite if it is too short to have them.
 double scatter_of_parts(const TimingData& data) {
-  constexpr std::size_t parts = 8, least = 4; // beats in each
-  if (data.size() < parts * least) return std::numeric_limits<double>::infinity();
+  constexpr std::size_t parts = 8, least_beats = 4; // beats in each
+  if (data.size() < parts * least_beats) return std::numeric_limits<double>::infinity();
   std::array<double, parts> rates{};
   for (std::size_t k = 0; k < parts; ++k) {
     const std::size_t from = k * (data.size() - 1) / parts,

@@ -51,8 +51,8 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
   std::vector<std::vector<double>> starts;
   const double best = ends.front().value;
   for (const Minimum& end : ends) {
-    constexpr double hopeless = 30.0; // of L on few beats
-    if (end.value > best + hopeless) break;
+    constexpr double largest_deficit = 30.0; // of L on few beats
+    if (end.value > best + largest_deficit) break;
     std::vector<double> start = points.front(); // for the noise
     std::copy(end.x.begin(), end.x.end(), start.begin());
     starts.push_back(std::move(start));
@@ -79,12 +79,12 @@ namespace {
 // which noise explains it better is asked of these alone.
 std::vector<std::vector<double>> likeliest(std::vector<std::vector<double>> clocks,
                                            const FitProblem& problem) {
-  constexpr std::size_t enough =
+  constexpr std::size_t most_clocks =
       60; // of some 500; neighbours on the grid are a factor of two apart
-  if (clocks.size() <= enough) return clocks;
+  if (clocks.size() <= most_clocks) return clocks;
   const TimingData few = at_one_stride(*problem.data, enough_to_rank);
   std::vector<Minimum> ranked = screened(problem.on(few), clocks);
-  ranked.resize(std::min(ranked.size(), enough));
+  ranked.resize(std::min(ranked.size(), most_clocks));
   clocks.resize(1);
   for (Minimum& clock : ranked)
     clocks.push_back(std::move(clock.x));
@@ -135,11 +135,12 @@ bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelC
   if (has_too_many(richer)) return false;
   plain.priors.clear();
   const auto here = minus_log_likelihood(plain, simpler.minimum.x);
-  constexpr double some = 1.0; // of L: below that no search would make it worth two parameters
+  constexpr double least_gain =
+      1.0; // of L: below that no search would make it worth two parameters
   for (const auto& point : richer_starts(simpler, richer, model)) {
     if (sees_second_order(richer, options)) extend(richer, point);
     const auto there = minus_log_likelihood(richer, point);
-    if (here && there && *there < *here - some) return true;
+    if (here && there && *there < *here - least_gain) return true;
   }
   return false;
 }
@@ -150,7 +151,8 @@ namespace {
 // is worth all beats.
 Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, const FitOptions& options,
                         const ModelChoice& model, const TimingData& data) {
-  constexpr double hopeless = 10.0; // of L: odds of 20000 to 1, which more beats will not turn
+  constexpr double largest_deficit =
+      10.0; // of L: odds of 20000 to 1, which more beats will not turn
   const FewBeats few =
       few_beats(data, simpler.front()->problem.parameters.event_cycles, enough_to_screen);
   Fitted rough;
@@ -158,7 +160,7 @@ Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, const FitOptions
     const Fitted plain = on_few_beats(*start, few);
     if (!plain.minimum.usable) continue;
     Fitted end = fit_from(plain, options, model, &few.data);
-    const double best = std::min(plain.minimum.value + hopeless, rough.minimum.value);
+    const double best = std::min(plain.minimum.value + largest_deficit, rough.minimum.value);
     if (end.minimum.usable && end.minimum.value < best) rough = std::move(end);
   }
   if (!rough.minimum.usable) return {};
@@ -215,8 +217,8 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     settle(fitted.problem, fitted.minimum, {});
   if (!fitted.minimum.usable) return fitted;
   for (const Minimum& other : tried) {
-    constexpr double near = 4.5; // three sigma
-    if (!other.usable || other.value > tried.front().value + near) continue;
+    constexpr double largest_deficit = 4.5; // three sigma
+    if (!other.usable || other.value > tried.front().value + largest_deficit) continue;
     fitted.rivals.push_back({moved_along(other.x, tried.front().x, fitted.minimum.x),
                              other.value - tried.front().value});
   }

@@ -36,9 +36,9 @@ public:
   /// hold. To be called at growing distances on one side, then on the other.
   std::optional<double> fall(double z) {
     if (last_ && last_->z * z < 0.0) last_.reset();
-    constexpr double little = 0.02; // of L: a step that gains less gains what it promises
+    constexpr double least_gain = 0.02; // of L: a step that gains less gains what it promises
     const auto there = step_of_others(along(z));
-    const auto risen = there && there->gain < little
+    const auto risen = there && there->gain < least_gain
                            ? std::optional(there->value - there->gain - minimum_.value)
                            : rise(z);
     if (!risen) return {};
@@ -116,7 +116,7 @@ private:
   // Beyond this no parabola of the root will do; one that rises too little may never reach the end.
   static bool broken(double shape) { return !(shape > 0.65 && shape < 1.5); }
   // A search that ends so high has lost its way: no ridge of a likelihood is as steep.
-  static constexpr double hopeless = 30.0; // parabolas
+  static constexpr double largest_rise = 30.0; // parabolas
 
   double end(double q, double shape) {
     constexpr double straight = 0.1; // of the rise: a twentieth of the interval
@@ -162,7 +162,7 @@ private:
 
   // The profile itself at z, by steps of scoring in the others while they fall as they promise.
   std::optional<double> rise_by_steps(double z, std::vector<double> x) {
-    constexpr double little = 0.05; // of L: a step that gains less gains what it promises
+    constexpr double least_gain = 0.05; // of L: a step that gains less gains what it promises
     double before = infinite;
     for (int steps = 0; steps < 3; ++steps) {
       const auto step = step_of_others(x);
@@ -170,7 +170,7 @@ private:
       for (std::size_t i = 0; i < x.size(); ++i)
         x[i] += step->change[static_cast<Eigen::Index>(i)];
       if (!is_allowed(x)) return {};
-      if (step->gain < little) {
+      if (step->gain < least_gain) {
         last_ = Solution{z, std::move(x)};
         return step->value - step->gain - minimum_.value;
       }
@@ -190,7 +190,7 @@ private:
     Minimum found = minimise(held, start, limits);
     const double parabola = 0.5 * z * z;
     const double risen = found.value + prior_on(coordinate) - minimum_.value;
-    if (!found.usable || risen > hopeless * parabola)
+    if (!found.usable || risen > largest_rise * parabola)
       return rises_by_itself(held, coordinate, z) ? std::optional(parabola) : std::nullopt;
     found.x.insert(found.x.begin() + static_cast<std::ptrdiff_t>(k_), coordinate);
     last_ = Solution{z, std::move(found.x)};
@@ -212,7 +212,7 @@ private:
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k_));
     const Minimum found = minimise(held, others, {30, 0.01, 1e4});
     return found.usable &&
-           found.value + prior_on(coordinate) - minimum_.value < hopeless * 0.5 * z * z;
+           found.value + prior_on(coordinate) - minimum_.value < largest_rise * 0.5 * z * z;
   }
 
   // The root of twice the rise is nearly straight in z: the false position of it at q. Where a
@@ -220,7 +220,7 @@ private:
   // open.
   double searched(double q) {
     const double target = std::abs(q) * widening_, side = std::copysign(1.0, q);
-    constexpr double farthest = 8.0, near = 0.02, longest = 1.6;
+    constexpr double farthest_root = 8.0, root_tolerance = 0.02, longest_step = 1.6;
     double inside = 0.0, root_inside = 0.0, outside = infinite, root_outside = infinite;
     double unreached = infinite, z = target;
     last_.reset();
@@ -228,19 +228,19 @@ private:
       pulse();
       if (const auto risen = rise(side * z)) {
         const double root = std::sqrt(2.0 * std::max(0.0, *risen));
-        if (std::abs(root - target) < near * target) return side * z;
+        if (std::abs(root - target) < root_tolerance * target) return side * z;
         (root < target ? inside : outside) = z;
         (root < target ? root_inside : root_outside) = root;
       } else {
         unreached = z;
       }
-      if (inside >= farthest * widening_) return side * infinite;
+      if (inside >= farthest_root * widening_) return side * infinite;
       const double part = (target - root_inside) / (root_outside - root_inside);
       const double slope = root_inside > 0.0 ? root_inside / inside : 1.0;
       z = std::isfinite(outside)
               ? inside + std::clamp(part, 0.1, 0.9) * (outside - inside)
-              : std::min({longest * std::max(inside, 0.25 * target),
-                          std::max(1.05 * inside, target / slope), farthest * widening_});
+              : std::min({longest_step * std::max(inside, 0.25 * target),
+                          std::max(1.05 * inside, target / slope), farthest_root * widening_});
       if (z >= unreached) z = 0.5 * (inside + unreached);
     }
     return side * (std::isfinite(outside) ? 0.5 * (inside + outside) : infinite);
@@ -264,18 +264,19 @@ private:
 
 // Where every sigma is below this the likelihood is a parabola, as far as anyone could see: the two
 // sides of an interval differ by about as large a part.
-constexpr double tiny = 0.015;
+constexpr double small_relative_sigma = 0.015;
 
 // Where to look at profiles: on few beats if they know every coordinate as well, or so well that it
 // bends nothing.
 const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few) {
-  constexpr double as_well = 0.2;  // of sigma: lopsided by that much more or less
-  constexpr double tightly = 0.05; // of a logarithm: bends by a twentieth of the interval
+  constexpr double largest_lopsidedness = 0.2; // of sigma: lopsided by that much more or less
+  constexpr double tight_sigma = 0.05; // of a logarithm: bends by a twentieth of the interval
   if (few == nullptr) return all;
   for (std::size_t k = 0; k < all.minimum.x.size(); ++k) {
     const double sigma = few->known.curvature_sigma(k);
     const double ratio = sigma / all.known.curvature_sigma(k);
-    if (!(std::abs(ratio - 1.0) < as_well) && !(sigma < tightly && ratio > 1.0)) return all;
+    if (!(std::abs(ratio - 1.0) < largest_lopsidedness) && !(sigma < tight_sigma && ratio > 1.0))
+      return all;
   }
   return *few;
 }
@@ -320,14 +321,14 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
     const double tolerable = tolerable_sigma(problem, slot, all.minimum.x);
     const bool lopsided = is_noise(slot.quantity) || may_vanish(slot);
     if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[k]) continue;
-    if (largest < tiny && !may_vanish(slot)) {
+    if (largest < small_relative_sigma && !may_vanish(slot)) {
       result[k] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
       continue;
     }
     // Of a clock's parameter known so badly, or of a model that does not hold, a likelihood that
     // is no parabola leaves nothing to defend.
-    constexpr double badly = 0.4;
-    const bool search = model_holds && (lopsided || sigma <= badly * tolerable);
+    constexpr double searched_share = 0.4;
+    const bool search = model_holds && (lopsided || sigma <= searched_share * tolerable);
     const double unit = known.curvature_sigma(k);
     const Interval z = Profile(seen_for(all, few), k, sigma / unit, search).ends();
     const double least = !problem.bounds.empty() && problem.bounds[k][0] == 0.0 ? 0.0 : -infinite;
@@ -340,7 +341,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
 std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
                                          const Slot& slot, const Interval& interval) {
   constexpr int points_a_side = 5;
-  constexpr double beyond = 1.15, open = 3.0; // of the interval; sigma
+  constexpr double reach_factor = 1.15, open_reach = 3.0; // of the interval; sigma
   const std::size_t k = slot.index;
   const double unit = all.known.curvature_sigma(k), widening = all.known.sigma(k) / unit;
   Profile profile(seen_for(all, few), k, widening, true);
@@ -348,8 +349,8 @@ std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const Profile
   std::vector<ProfilePoint> found{{slot.value(std::span<const double>(x)), 0.0}};
   for (const double end : {interval.low95, interval.high95}) {
     const bool low = end == interval.low95;
-    const double reach = std::isfinite(end) ? beyond * (end - all.minimum.x[k]) / unit
-                                            : (low ? -open : open) * widening;
+    const double reach = std::isfinite(end) ? reach_factor * (end - all.minimum.x[k]) / unit
+                                            : (low ? -open_reach : open_reach) * widening;
     for (int i = 1; i <= points_a_side; ++i) {
       pulse();
       const double z = reach * i / points_a_side;

@@ -36,8 +36,8 @@ bool GapJudge::beyond_belief(double cycles) const {
 }
 
 double GapJudge::probability(double misfit, double sigma, double share) const {
-  constexpr double hopeless = 3.0; // periods: no count reaches 0.14
-  if (!(sigma < hopeless)) return 0.0;
+  constexpr double largest_sigma_periods = 3.0; // periods: no count reaches 0.14
+  if (!(sigma < largest_sigma_periods)) return 0.0;
   // Likelihoods over that of the nearest count, so that a misfit of many sigmas is no 0 / 0.
   double counts = 0.0;
   const double reach = std::ceil(8.0 * sigma) + 2.0; // beyond, nothing adds 1e-14

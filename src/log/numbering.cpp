@@ -204,9 +204,9 @@ std::size_t Numbering::resume(std::size_t i, std::size_t seen, bool few_will_do)
     mark_spurious(k);
   if (!found) return seen;
   const double elapsed = beats_[start].time - beats_[last_].time;
-  constexpr double most = 1e15; // cycles, which a double still counts
+  constexpr double most_cycles = 1e15; // cycles, which a double still counts
   const double periods = (elapsed - filter_.offset()) / period;
-  const double cycles = std::clamp(std::round(periods), 1.0, most);
+  const double cycles = std::clamp(std::round(periods), 1.0, most_cycles);
   const auto foreseen = filter_.after(cycles);
   if (cycles <= search_.absence &&
       fits(filter_.error(elapsed, cycles), filter_.error_variance(foreseen)))
@@ -226,7 +226,7 @@ void Numbering::strike_lone_outliers() {
 // Whether the beat's own error against the straight line through its neighbours is large and theirs
 // are minus half of it, unlike at a change of the rate, where the neighbours lie on their lines.
 bool Numbering::stands_alone(std::size_t i) const {
-  constexpr std::size_t reach = 20, most = 2 * reach + 1;
+  constexpr std::size_t reach = 20, most_neighbours = 2 * reach + 1;
   const auto good = [&](std::size_t k) { return beats_[k].flag == BeatFlag::good; };
   std::vector<std::size_t> near;
   std::size_t place = 0;
@@ -239,7 +239,7 @@ bool Numbering::stands_alone(std::size_t i) const {
     if (good(k)) near.push_back(k);
   if (place < 2 || place + 2 >= near.size()) return false;
   if (beats_[near[place + 2]].cycle - beats_[near[place - 2]].cycle != 4) return false;
-  std::array<double, most> sizes{};
+  std::array<double, most_neighbours> sizes{};
   const auto error_at = [&](std::size_t k) {
     const Beat &a = beats_[near[k - 1]], &b = beats_[near[k]], &c = beats_[near[k + 1]];
     if (c.cycle - a.cycle != 2) return 0.0;

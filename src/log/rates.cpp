@@ -98,8 +98,8 @@ double jitter_variance(std::span<const Beat> beats, const ClockError& error) {
   for (std::size_t i = 0; i + 3 < beats.size(); ++i)
     if (beats[i + 3].cycle - beats[i].cycle == 3)
       differences.push_back(error[i + 3] - error[i] - 3.0 * (error[i + 2] - error[i + 1]));
-  constexpr std::size_t enough = 16;
-  return differences.size() < enough ? 0.0 : trimmed_mean_square(differences) / 20.0;
+  constexpr std::size_t fewest_differences = 16;
+  return differences.size() < fewest_differences ? 0.0 : trimmed_mean_square(differences) / 20.0;
 }
 
 // The jitter of the two ends, and the largest s^2/k over block counts k beyond what it makes of the
@@ -107,7 +107,7 @@ double jitter_variance(std::span<const Beat> beats, const ClockError& error) {
 // Elapsed times weigh as nothing since blocks are equal.
 double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   double largest = 0.0;
-  constexpr std::size_t few = 8;
+  constexpr std::size_t few_blocks = 8;
   const std::size_t last = beats.size() - 1;
   const double ends =
       2.0 * jitter_variance(beats, error) / std::pow(beats[last].time - beats[0].time, 2);
@@ -126,7 +126,7 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
     const double variance = std::max(0.0, (sum2 - sum * sum / count) / (count - 1.0));
     const double jitter = ends * count * count;
     const bool stands_out = variance > jitter * (1.0 + 3.0 * std::sqrt(2.0 / (count - 1.0)));
-    if (k <= few || stands_out) largest = std::max(largest, (variance - jitter) / count);
+    if (k <= few_blocks || stands_out) largest = std::max(largest, (variance - jitter) / count);
   }
   return std::sqrt(ends + largest);
 }

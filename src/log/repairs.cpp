@@ -72,14 +72,14 @@ private:
   // Three events at least follow each other until the time where the log stood is passed in an
   // ordinary step; or, from far back, until the log ends or goes back once more, however soon.
   [[nodiscard]] bool goes_on(std::size_t i, std::size_t latest, bool far_back) const {
-    constexpr std::size_t fewest = 3, enough = 16;
+    constexpr std::size_t fewest_rows = 3, sufficient_rows = 16;
     std::size_t end = i + 1;
-    while (end < events_.size() && end - i < enough && !earlier(events_[end], events_[end - 1]) &&
-           earlier(events_[end], events_[latest]))
+    while (end < events_.size() && end - i < sufficient_rows &&
+           !earlier(events_[end], events_[end - 1]) && earlier(events_[end], events_[latest]))
       ++end;
     const bool goes_back = end < events_.size() && earlier(events_[end], events_[end - 1]);
     if (goes_back && far_back) return true;
-    if (end - i < fewest) return false;
+    if (end - i < fewest_rows) return false;
     const bool passes = end < events_.size() && !earlier(events_[end], events_[latest]);
     if (!passes) return far_back;
     return events_[end].time - events_[end - 1].time < 1.5 * usual_step_;
