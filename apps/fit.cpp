@@ -44,7 +44,8 @@ std::string plot_of(const FitCommand& options, const NumberedLog& loaded, const 
   Analysis data = drawn_data(loaded);
   data.fit = fit;
   return plotted(options.plot,
-                 figures_named(data, {"rate", "amplitude", "time-residual", "amplitude-residual"}));
+                 figures_named(data, {"rate", "amplitude", "time-residual", "amplitude-residual",
+                                      "period-amplitude", "q-amplitude"}));
 }
 
 void run(const FitCommand& options, const GlobalOptions& global) {

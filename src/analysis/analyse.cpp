@@ -24,6 +24,30 @@ std::vector<double> at_good_beats(const std::vector<double>& column, const Numbe
   return values;
 }
 
+// The standard deviation of amplitudes that come from a flag's dark time, which jitters alike at
+// every beat, in units of that jitter: of the median amplitude of neighbours, for noise must not
+// weigh itself.
+std::vector<double> width_noise(const TimingData& data, const std::vector<double>& width_s) {
+  constexpr std::size_t reach = 10; // beats either way
+  std::vector<double> sigmas;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    std::vector<double> near;
+    for (std::size_t k = i > reach ? i - reach : 0; k < std::min(data.size(), i + reach + 1); ++k) {
+      const double sigma = amplitude_sigma_from_width(width_s[k], 1.0, data.amplitude_rad[k],
+                                                      data.reference_period_s);
+      if (std::isfinite(sigma)) near.push_back(sigma);
+    }
+    if (near.empty()) {
+      sigmas.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
+    std::nth_element(near.begin(), middle, near.end());
+    sigmas.push_back(*middle);
+  }
+  return sigmas;
+}
+
 // Through an interruption, and as long again after it, the lateness stands still: what shook the
 // clock then is told by the diary.
 void level_interruptions(const Diary& diary, TimingData& data) {
@@ -159,6 +183,10 @@ TimingData fit_data(const NumberedLog& loaded) {
       data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
   };
   const EventColumns& columns = loaded.log.columns;
+  if (!columns.sigma_s.empty())
+    data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
+  if (!columns.width_s.empty() && data.has_amplitude())
+    data.amplitude_noise = relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
   add("temperature", "1/K", columns.temperature_c);
   add("pressure", "1/mbar", columns.pressure_mbar);
   if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
@@ -196,7 +224,15 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
       beat_error && std::abs(beat_error->value) > least_significance * beat_error->sigma;
   if (!is_seen || loaded.sensor.at_vertical || timing_model::names(options, "offset"))
     return options;
-  options.freed.emplace_back("offset");
+  // With amplitudes the two directions tell the place far better than times of one direction, which
+  // would trade it for friction.
+  const auto place = loaded.log.has_amplitude
+                         ? sensor_offset(loaded.beats.beats, loaded.nominal_period_s)
+                         : std::nullopt;
+  if (place)
+    options.priors.push_back({"offset", place->value, place->sigma});
+  else
+    options.freed.emplace_back("offset");
   return options;
 }
 

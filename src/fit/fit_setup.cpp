@@ -337,7 +337,7 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     if (!slot.free) continue;
     auto& [low, high] = bounds[slot.index];
     if (slot.coordinate == Coordinate::multiple && !may_be_negative(slot)) low = 0.0;
-    if (slot.quantity == Quantity::epsilon) high = std::log(largest_epsilon);
+    if (slot.quantity == Quantity::epsilon) high = slot.coordinate_of(largest_epsilon);
     if (slot.quantity == Quantity::lambda0) high = std::log(largest_lambda);
     if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors

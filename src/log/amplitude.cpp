@@ -4,6 +4,7 @@
 #include "typical_period.hpp"
 
 #include "base/scaled_time.hpp"
+#include "goingrate/dynamics/swing_loss.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -49,6 +50,28 @@ double amplitude_from_width(double width_s, double flag_width_rad, double period
     if (std::abs(step) < 1e-14 * amplitude) return amplitude;
   }
   return unknown;
+}
+
+double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s) {
+  double found = period_s;
+  constexpr int rounds = 4; // each leaves an eighth of the squared amplitude of the error before
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<double> periods;
+    const Beat* before = nullptr;
+    for (std::size_t i = 0; i < log.events.size(); ++i) {
+      const Beat& beat = log.events[i];
+      if (beat.flag != BeatFlag::good) continue;
+      const double amplitude = amplitude_from_width(log.columns.width_s[i], flag_width_rad, found);
+      if (before != nullptr && before->segment == beat.segment && before->cycle < beat.cycle &&
+          std::isfinite(amplitude))
+        periods.push_back((beat.time - before->time) /
+                          static_cast<double>(beat.cycle - before->cycle) /
+                          circular_period_ratio(amplitude));
+      before = &beat;
+    }
+    if (!periods.empty()) found = median(periods);
+  }
+  return found;
 }
 
 double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitude_rad,

@@ -163,6 +163,7 @@ std::string fit_text(const FitSummary& fit) {
   for (const DerivedQuantity& quantity : fit.combinations)
     text += derived_line(quantity);
   if (std::isfinite(fit.q_factor.value)) text += derived_line(fit.q_factor);
+  if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
   text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

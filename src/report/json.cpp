@@ -154,6 +154,7 @@ Json fit_object(const FitSummary& fit) {
                      {"stationary_amplitude", derived_object(fit.stationary_amplitude)},
                      {"rate_s_per_day", derived_object(fit.rate_s_per_day)},
                      {"decay_time_s", derived_object(fit.decay_time)}};
+  if (fit.decay) json["decay"] = decay_object(*fit.decay);
   const FitQuality& q = fit.quality;
   json["quality"] = {{"chi2", json_number(q.chi2)},
                      {"dof", json_number(q.dof)},
@@ -365,6 +366,7 @@ std::string report_json(const Analysis& data) {
   json["diary"] = diary_object(data.diary);
   json["causes"] = causes_object(data.suspicions);
   json["fit"] = fit_object(data.fit);
+  if (data.fit.decay) json["decay"] = decay_object(*data.fit.decay);
   json["spectrum"] = spectrum_object(data.drive);
   json["stability"] = stability_object(data.deviation);
   if (data.nut)

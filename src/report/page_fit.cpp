@@ -105,6 +105,23 @@ std::string probability(double p) {
   return p < 1e-4 ? "below 0.0001" : fmt::format("{:.2g}", p);
 }
 
+std::string decay_part(const FitSummary& fit) {
+  if (!fit.decay) return "";
+  Table table("Quality factor of the swing, whichever law the friction has",
+              {"amplitude, rad", "Q ± σ", "68 %", "95 %"});
+  const auto range = [](double low, double high) {
+    return plain_number(low, 4) +
+           (std::isfinite(high) ? " to " + plain_number(high, 4) : std::string(" or more"));
+  };
+  const auto& all = fit.decay->q_at_amplitude;
+  for (auto at = all.rbegin(); at != all.rend(); ++at) {
+    if (!std::isfinite(at->q.value)) continue;
+    table.row({plain_number(at->amplitude_rad, 4), measured(at->q.value, at->q.sigma),
+               range(at->q.low68, at->q.high68), range(at->q.low95, at->q.high95)});
+  }
+  return paragraph(escape_markup(decay_sentences(*fit.decay))) + (table.empty() ? "" : table.html());
+}
+
 std::string quality_table(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
   Table table("How good the fit is", {"measure", "value", "how to read it"});
@@ -182,7 +199,7 @@ std::string fit(const Analysis& data) {
   body = paragraph(fmt::format("Equations: {}; escapement: {}; noise: {}. Chosen because: {}.",
                                name_of(fit.dynamics), name_of(fit.model.escapement),
                                fit.model.noise(), fit.chosen_by));
-  body += parameter_table(fit) + combination_table(fit) + correlation_table(fit) +
+  body += decay_part(fit) + parameter_table(fit) + combination_table(fit) + correlation_table(fit) +
           quality_table(fit) + alternatives_table(fit);
   return section("fit", "Fit of the pendulum model", body);
 }

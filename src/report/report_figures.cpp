@@ -150,9 +150,18 @@ Figure TimeFigures::amplitude() const {
       "How far the pendulum swings from the vertical at each beat, with the fitted model: "
       "where the two part, something acted on the pendulum that the model does not know.",
       time_axis(),
-      {"amplitude", "mrad"},
-      {against_time(Series::Style::points, "measured", std::move(amplitude), blue)},
+      {"amplitude", "mrad", data_.fit.decay.has_value()},
+      {},
       markers_};
+  if (data_.log.has_amplitude)
+    figure.series.push_back(
+        against_time(Series::Style::points, "measured", std::move(amplitude), blue));
+  else
+    figure.caption = "How far the pendulum swings from the vertical by the fitted model: the log "
+                     "has no amplitudes, and the times tell them by the circular error.";
+  if (data_.fit.decay)
+    figure.caption += " On this scale linear friction gives a straight line; drag bends it up, dry "
+                      "friction down.";
   const auto& model = data_.fit.model_amplitude_rad;
   if (data_.fit.has_result() && model.size() == time_.size())
     figure.series.push_back(
@@ -317,7 +326,7 @@ void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
 void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& figures) {
   const TimeFigures of_time(data);
   figures.push_back(of_time.rate());
-  if (data.log.has_amplitude) figures.push_back(of_time.amplitude());
+  if (data.log.has_amplitude || data.fit.decay) figures.push_back(of_time.amplitude());
   if (fitted && data.fit.residual_s.size() == data.beats.size())
     figures.push_back(of_time.time_residual());
   if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
@@ -326,6 +335,8 @@ void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& fi
     figure.group = "course";
   figures.push_back(of_time.error());
   add(figures, rate_amplitude_figure(data));
+  add(figures, period_amplitude_figure(data));
+  add(figures, q_figure(data.fit));
   if (fitted) add(figures, of_time.drive());
 }
 

@@ -209,6 +209,7 @@ std::string fit_lines(const FitSummary& fit, const Diary& diary) {
   if (std::isfinite(fit.q_factor.value))
     text += fmt::format("  {:<{}} {}\n", "Q", longest,
                         with_sigma(fit.q_factor.value, fit.q_factor.sigma));
+  if (fit.decay) text += "  " + decay_sentences(*fit.decay) + "\n";
   if (!unknown.empty()) text += fmt::format("  not determined by this log: {}\n", unknown);
   text += disagreement(fit, diary);
   if (fit.quality.whiteness_p < 1e-3)

@@ -51,7 +51,8 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// The options with the sensor's place (`offset`) free, where the beat error shows that the sensor
-/// is off the vertical and the options do not mention the offset.
+/// is off the vertical and the options do not mention the offset. Where the log has amplitudes and
+/// both directions, `offset` gets the place that they give as its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
 /// The evidence on which causes are judged. It points to `times`. Of the fit only the size of the

@@ -84,6 +84,12 @@ std::string rate_text(const Beats& beats, const RateSummary& summary,
 /// 0.1, what is undetermined, the models that were tried.
 std::string fit_text(const FitSummary& fit);
 
+/// How the swing of a free pendulum dies away, in a few plain sentences.
+std::string decay_sentences(const Decay& decay);
+
+/// The same with Q at each amplitude as a table.
+std::string decay_text(const Decay& decay);
+
 /// The parameters as a LaTeX table (tabular of booktabs): value and sigma rounded to two digits of
 /// sigma, the ends of the 95 % interval where sigma alone would mislead, undetermined as a word.
 std::string fit_latex(const FitSummary& fit);
