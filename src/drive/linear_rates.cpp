@@ -15,7 +15,7 @@ double mean_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// Whether the last beats scatter as those of a clock that misses the switching angle do.
+// Whether the last beats scatter as if the pendulum no longer reached the switching angle.
 bool comes_to_a_stand(std::span<const double> rates) {
   constexpr std::size_t tail_beats = 30;
   constexpr double outlier_sigma = 4.0;           // standard deviations of the differences before
@@ -31,9 +31,8 @@ bool comes_to_a_stand(std::span<const double> rates) {
   return large >= outliers_of_a_change;
 }
 
-// The best prediction of the slow part of each drive from those before, and how well it does: the
-// Kalman filter from the first beat on. (Any other is correlated with the amplitude and would shift
-// the constant.)
+// The Kalman prediction of the slow part of each drive value from those before, and its variance.
+// (Any other prediction would be correlated with the amplitude and shift the constant.)
 class Prediction {
 public:
   Prediction(const RateComponents& drive, double period_s)
@@ -41,8 +40,7 @@ public:
         fresh_(-std::expm1(-2.0 * period_s / drive.memory_s) * drive.slow2),
         variance_(drive.slow2) {}
 
-  // The square of a drive's distance from what was expected, in units of the white variance that
-  // explain it.
+  // Squared difference of a drive value from its prediction, in units of the variance.
   double take(double d) {
     const double off = d - expected_, all = variance_ + white_;
     expected_ = memory_ * (expected_ + variance_ / all * off);
@@ -54,7 +52,7 @@ private:
   double memory_, white_, fresh_, variance_, expected_ = 0.0;
 };
 
-// Of the variance that the rate has from beat to beat, the share that is jitter.
+// The share of jitter in the variance of the rate from beat to beat.
 double share_of_jitter(const RateComponents& drive, const DriveResponse& response,
                        double period_s) {
   const double jitter = 2.0 * drive.jitter2 / (period_s * period_s);
@@ -74,7 +72,7 @@ public:
     asks_white_part_ = equations_error() < mean_drive_rms_;
   }
 
-  // Finds the constant, and how well it is known.
+  // Finds the constant and its uncertainty.
   void run() {
     const double middle = escapement_ * std::sqrt(x0_ - phi2_) / x0_ - x0_ / 16.0 - mean_of(rates_);
     const double sigma = std::abs(response_.slow_gain) * mean_drive_rms_;
@@ -101,7 +99,7 @@ public:
 
   [[nodiscard]] bool holds() const {
     constexpr double largest_held_share =
-        1e-3; // of the beats: a clock that nearly stalls and goes on
+        1e-3; // of the beats, for a clock that nearly stalls and recovers
     return std::isfinite(mean_drive_) &&
            static_cast<double>(held_) <= largest_held_share * static_cast<double>(rates_.size());
   }
@@ -134,7 +132,8 @@ private:
         return mean_drive_;
       }
       double half = 0.0, gain = 0.0, d = 0.0, middle = x;
-      for (int pass = 0; pass < 2; ++pass) { // the amplitude in mid period, and what it asks for
+      for (int pass = 0; pass < 2;
+           ++pass) { // the amplitude in mid period, and the drive it requires
         middle = std::max(x + half, near_stall * phi2_);
         gain = escapement_ * std::sqrt(middle - phi2_) / middle;
         d = (rates_[i] + constant + middle / 16.0) / gain - 1.0;
@@ -186,12 +185,13 @@ private:
   std::vector<double> linear_;
   const DriveResponse& response_;
   double x0_, phi2_, escapement_;
-  double relaxing_;       // the share of its distance from rest that the amplitude goes in a period
+  double relaxing_; // share of its distance from the stationary value that the amplitude covers in
+                    // a period
   Prediction prediction_; // as it is before the first beat
   double jitter_share_;   // of the variance from beat to beat
   double mean_drive_rms_, mean_drive_ = 0.0;
   bool asks_white_part_ = false;
-  std::size_t held_ = 0; // how often the amplitude was kept from a stall
+  std::size_t held_ = 0; // how often the amplitude was limited to avoid a stall
 };
 
 } // namespace

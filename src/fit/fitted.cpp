@@ -17,7 +17,7 @@ std::vector<double> moved_along(std::vector<double> place, std::span<const doubl
 }
 
 bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<const double> x) {
-  constexpr double determined_share = 0.1; // of what would be too vague
+  constexpr double determined_share = 0.1; // of the largest sigma that counts as determined
   return std::all_of(
       problem.parameters.slots.begin(), problem.parameters.slots.end(), [&](const Slot& slot) {
         return !slot.free || is_noise(slot.quantity) ||
@@ -34,7 +34,7 @@ void condense(FitProblem& problem, std::span<const double> x) {
   for (const Quantity quantity : {Quantity::walk_rms, Quantity::drive_rms, Quantity::term})
     if (parameters.has(quantity)) return;
   if (problem.data->has_amplitude() || !problem.data->time_noise.empty()) return;
-  double epsilon = 0.0; // the largest
+  double epsilon = 0.0; // the largest of those found
   for (const Slot& slot : parameters.slots)
     if (slot.quantity == Quantity::epsilon) epsilon = std::max(epsilon, slot.value(x));
   problem.condensed =
@@ -43,7 +43,7 @@ void condense(FitProblem& problem, std::span<const double> x) {
 
 namespace {
 
-// Whether the few beats say what all say.
+// Whether a few beats give the same likelihood as all of them.
 bool condensed_well(const FitProblem& problem, std::span<const double> x) {
   constexpr double largest_difference = 1e-3; // of L: 0.05 sigma
   const auto few = minus_log_likelihood(problem, x);
@@ -51,7 +51,7 @@ bool condensed_well(const FitProblem& problem, std::span<const double> x) {
   return few && all && std::abs(*few - *all) < largest_difference;
 }
 
-// Makes the noise as large as the innovations say it is.
+// Rescales the noise to the size of the innovations.
 void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
   const auto seen = residuals(problem, x);
   if (!seen) return;
@@ -65,7 +65,8 @@ void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
   }
 }
 
-// Where the misfit says nothing of the noise yet, the clock is moved first, with the noise held.
+// Where the misfit is still due to the clock and not to the noise, the clock is fitted first, with
+// the noise held.
 void settle_clock(const FitProblem& problem, std::vector<double>& x, const SearchLimits& limits) {
   const auto seen = residuals(problem, x);
   if (!seen) return;
@@ -85,7 +86,8 @@ void settle_clock(const FitProblem& problem, std::vector<double>& x, const Searc
 void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits) {
   settle_clock(problem, minimum.x, limits);
   minimum = minimise(problem, minimum.x, limits);
-  // The first search counts from a bad start, whose misfit may drown what is left to gain.
+  // Convergence of the first search is relative to its bad start, which may hide what is left to
+  // gain.
   if (minimum.usable && !minimum.converged) minimum = minimise(problem, minimum.x, limits);
   if (!minimum.usable || problem.condensed == nullptr || condensed_well(problem, minimum.x)) return;
   problem = on_every_beat(problem);

@@ -92,7 +92,8 @@ private:
   double nominal_period_s_;
 };
 
-// Of one beat, from third differences of four that follow each other: 20 j^2, whatever the rate.
+// Jitter variance of a beat, from third differences of four successive beats: their variance is 20
+// j^2 whatever the rate.
 double jitter_variance(std::span<const Beat> beats, const ClockError& error) {
   std::vector<double> differences;
   for (std::size_t i = 0; i + 3 < beats.size(); ++i)
@@ -102,9 +103,9 @@ double jitter_variance(std::span<const Beat> beats, const ClockError& error) {
   return differences.size() < fewest_differences ? 0.0 : trimmed_mean_square(differences) / 20.0;
 }
 
-// The jitter of the two ends, and the largest s^2/k over block counts k beyond what it makes of the
-// scatter. Many blocks, whose scatter is mostly jitter, count only where they stand out of it.
-// Elapsed times weigh as nothing since blocks are equal.
+// The jitter of the two ends, plus the largest excess of s^2/k over block counts k beyond the
+// scatter that jitter explains. Many short blocks, whose scatter is mostly jitter, count only if
+// their scatter clearly exceeds it. Blocks are equally long, so they have equal weights.
 double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   double largest = 0.0;
   constexpr std::size_t few_blocks = 8;
@@ -147,9 +148,9 @@ double slope(std::span<const Beat> beats, const ClockError& error) {
   return stx / stt;
 }
 
-// Hands each run of good beats with one mark to `take`: the log itself where it holds nothing else,
-// so that long logs are not copied. A part begins with the last beat of the one before, so that no
-// period falls between them, unless the log is split there.
+// Calls `take` with each run of good beats of one mark; with the log itself, uncopied, if it has
+// nothing else. A part begins with the last beat of the one before, so that no period falls between
+// them, unless the log is split there.
 template <class Mark, class Take>
 void for_each_part(std::span<const Beat> beats, Mark mark, Take take) {
   constexpr std::size_t nowhere = static_cast<std::size_t>(-1);

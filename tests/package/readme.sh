@@ -90,7 +90,7 @@ mend_page() {
   cmp -s "$here/mended" "$source/$page" || { cp "$here/mended" "$source/$page"; echo "$page: mended"; }
 }
 
-prose() { awk '/^```/ { inside = !inside; next } !inside' "$source/$page"; }
+prose() { awk '/^ *```/ { inside = !inside; next } !inside' "$source/$page"; }
 
 # What stands between backticks, outside of blocks.
 spans() { prose | grep -oE '`[^`]+`' | tr -d '`' | sort -u; }
@@ -162,6 +162,11 @@ page=data/guide/formats.md
 for format in $(goingrate rate --help | tr -d '\n ' | grep -oE -- '--formatTEXT:\{[^}]*' | cut -d'{' -f2 | tr , ' '); do
   grep -qF "| \`$format\` |" "$source/$page" || fault "has no line on the format $format"
 done
+# Whoever adds a friction law is told of every place where one that is there stands.
+page=CONTRIBUTING.md
+while IFS= read -r name; do
+  grep -qF "$name" "$source/$page" || fault "the recipe for a friction law leaves out $name"
+done < <(cd "$source" && grep -rlE '\bquadratic(_drag)?\b' include src --include='*.cpp' --include='*.hpp' | grep -v '^src/report/')
 [ "$blocks" -ge 8 ] && [ "$examples" -ge 12 ] || fault "only $blocks blocks and $examples examples"
 
 [ "$faults" -eq 0 ] || exit 1
