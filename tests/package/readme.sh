@@ -158,6 +158,11 @@ while IFS= read -r name; do
   compgen -G "$source/include/goingrate/$name.hpp" > /dev/null || compgen -G "$source/src/$name*" > /dev/null \
     || compgen -G "$source/$name*" > /dev/null || fault "there is no $name"
 done < <(grep -E '^\| [a-z]' "$source/$page" | grep -oE '`[a-z]+/[a-z0-9_.]+`' | tr -d '`' | sort -u)
+page=data/guide/json.md
+cat rate.json fit.json spectrum.json deviation.json > "$here/keys"
+while IFS= read -r key; do
+  grep -qF "\"$key\"" "$here/keys" || fault "no result has the key $key"
+done < <(grep -oE '^\| (`[A-Za-z0-9_]+`(, )?)+' "$source/$page" | grep -oE '`[A-Za-z0-9_]+`' | tr -d '`' | grep -vx decay)
 page=data/guide/formats.md
 for format in $(goingrate rate --help | tr -d '\n ' | grep -oE -- '--formatTEXT:\{[^}]*' | cut -d'{' -f2 | tr , ' '); do
   grep -qF "| \`$format\` |" "$source/$page" || fault "has no line on the format $format"
