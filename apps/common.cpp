@@ -24,7 +24,7 @@ CLI::Validator number_that(bool (*holds)(double), const char* words) {
             const bool whole = !text.empty() && *end == '\0';
             return whole && std::isfinite(value) && holds(value)
                        ? std::string()
-                       : fmt::format("{} is no number {}", text, words);
+                       : fmt::format("{} is not a number {}", text, words);
           },
           ""};
 }

@@ -187,7 +187,7 @@ int run(CLI::App& program, int argc, char** argv) {
   const std::string_view first(argv[1]);
   const auto names = command_names(program);
   if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
-    return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
+    return complain(wrong_usage, fmt::format("'{}' is not a command ({})", first,
                                              did_you_mean(first, names, "goingrate --help")));
   try {
     program.parse(argc, argv);

@@ -48,7 +48,7 @@ toml::table parsed(std::string_view text, const std::string& source, bool has_li
     return toml::parse(text, source);
   } catch (const toml::parse_error& error) {
     throw InputError(has_lines ? place_of(error.source(), source) : TextPlace{source},
-                     fmt::format("text that is no TOML ({})", error.description()),
+                     fmt::format("text that is not TOML ({})", error.description()),
                      "a scenario in TOML");
   }
 }

@@ -191,11 +191,12 @@ std::string why_rough(const RateComponents& found, const DriveResponse& response
   constexpr double stall_distance_sigma =
       3.5; // standard deviations to a stall: once in some thousand memories
   if (spread > largest_gain_spread && !timing_model::forgets_its_start(response))
-    return "the rate hardly answers a slow change of the drive, and that out of proportion: the "
-           "slow rms is rough";
+    return "the rate hardly responds to slow changes of the drive, and not in proportion: the slow "
+           "rms is approximate";
   if (spread > (1.0 - phi2 / response.amplitude2) / stall_distance_sigma)
-    return "a slow drive of this size takes the clock near a stall, where the rate does not answer "
-           "in proportion: its rms is rough";
+    return "a slow drive of this size takes the clock near a stall, where the rate does not "
+           "respond "
+           "in proportion: its rms is approximate";
   return {};
 }
 

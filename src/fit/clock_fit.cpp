@@ -189,7 +189,7 @@ void state_twins(const Fitted& fitted, const Certainty& known, FitSummary& summa
                    words_for(summary.twins.front()),
                    fitted.problem.data->has_amplitude()
                        ? "A ring-down, or T0 from elsewhere, would tell which"
-                       : "One look at the amplitude tells which: a prior on lambda0")});
+                       : "A rough measurement of the amplitude decides which: a prior on lambda0")});
 }
 
 // Whether the clock is at the edge of where the equations hold: the log is another's.

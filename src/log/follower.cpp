@@ -119,7 +119,7 @@ struct LogFollower::Parts {
     const auto before = static_cast<std::uint32_t>(start.lines);
     if (before > 0)
       IssueList(log, options.strict)
-          .add(1, 1, IssueKind::header, fmt::format("{} lines that are no log", before),
+          .add(1, 1, IssueKind::header, fmt::format("{} lines that do not belong to a log", before),
                "left out");
     if (layout && is_same(start.layout, *layout))
       return rows->begin_anew(before + start.layout.first_line);

@@ -301,7 +301,8 @@ void Detection::check_needed_columns() {
     if (use_time)
       assume("times are read, the column of periods is not", Setting::columns, "period=N");
     else
-      assume("periods are added up; the column of times, in whole numbers, tells pauses alone",
+      assume("periods are added up; the column of times, in whole numbers, is used only to find "
+             "pauses",
              Setting::columns, "time=N");
     layout_.columns[use_time ? *period : *time].role = ColumnRole::ignored;
     if (!use_time) layout_.coarse_time = time;
