@@ -168,6 +168,7 @@ class Correlation:
 
     @property
     def shape(self) -> tuple[int, ...]:
+        """(k, k), for k free parameters."""
         return self.matrix.shape
 
     def _index(self, key: str | int) -> int:
@@ -305,9 +306,8 @@ class Fit(Report, Mapping[str, Parameter]):
         Returns
         -------
         ndarray, shape (k,)
-            s after the first beat: the undisturbed course of the model. How far a real beat may be
-            from it: `residual_s`, within the log; beyond it the drive's noise and the parameters'
-            own sigmas add up.
+            s after the first beat: the undisturbed course of the model. `predict_sigma` says how
+            well it is known; a real beat has its jitter besides, and the noise of its drive.
 
         Raises
         ------
@@ -318,6 +318,15 @@ class Fit(Report, Mapping[str, Parameter]):
             something that only the log knows, or the clock stalls.
         """
         return self._core.predict(_arrays.cycles("cycles", cycles))[0]
+
+    def predict_sigma(self, cycles: Any) -> Array:
+        """How well the fit knows these times: their standard deviation, s, shape (k,).
+
+        That of the parameters with their correlations, and of the origin of time, to first order
+        (``test_predictions_have_honest_sigmas``). `NumericsError` where a parameter is undetermined,
+        and where the fit has noise of the drive, which makes the times wander besides.
+        """
+        return self._core.predict_sigma(_arrays.cycles("cycles", cycles))
 
     def predict_amplitude(self, cycles: Any) -> Array:
         """Turning angle of the fitted clock at these cycles, rad, shape (k,); as `predict`."""
