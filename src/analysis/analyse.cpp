@@ -221,7 +221,11 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
   constexpr double surely = 5.0; // sigma
   const auto& beat_error = loaded.sensor.beat_error_s;
   const bool is_seen = beat_error && std::abs(beat_error->value) > surely * beat_error->sigma;
-  if (!is_seen || loaded.sensor.at_vertical || timing_model::names(options, "offset"))
+  // The rest angle of samples is an estimate: what it is off by moves the times of a ring-down more
+  // and more, though no beat shows it.
+  const bool is_estimate = beat_error && loaded.log.format == LogFormat::angle;
+  if ((!is_seen && !is_estimate) || loaded.sensor.at_vertical ||
+      timing_model::names(options, "offset"))
     return options;
   // With amplitudes the two directions tell the place far better than times of one direction, which
   // would trade it for friction.
@@ -230,7 +234,7 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
                          : std::nullopt;
   if (place)
     options.priors.push_back({"offset", place->value, place->sigma});
-  else
+  else if (is_seen)
     options.freed.emplace_back("offset");
   return options;
 }

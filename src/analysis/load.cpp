@@ -144,6 +144,7 @@ private:
           log.nominal_period_s ? *log.nominal_period_s
                                : small_swing_period(log, width, loaded_.nominal_period_s);
       set_amplitudes_from_widths(log, width, period_s);
+      move_middles_to_vertical(log, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {
       assume("the times are those of a flag's leading edge, and without amplitudes cannot be moved "

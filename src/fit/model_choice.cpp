@@ -258,7 +258,8 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   TimingData thin_driven;
   Fitted with = roughly_fitted(options_, driven, thin_driven);
   if (with.minimum.usable && !explains(with)) add_terms(with); // as the other has had them
-  const bool simpler = !with.minimum.usable || without.bic < with.bic;
+  constexpr double decisive = 6.0; // odds of 20 to 1: what a torque that is not seen must gain
+  const bool simpler = !with.minimum.usable || without.bic < with.bic + decisive;
   alternatives_.push_back(
       {name, without.bic,
        simpler ? "explains the log with fewer parameters, or better" : "does not explain the log"});
