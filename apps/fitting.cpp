@@ -24,12 +24,14 @@ std::pair<std::string, std::string> named(const std::string& option, const std::
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+// The sign is "+-", or "±" as results print it.
 Prior parse_prior(const std::string& text) {
   const auto [name, rest] = named("prior", text);
-  const std::size_t sign = rest.find("+-");
-  if (sign == std::string::npos) throw ArgumentError("prior", text, "NAME=VALUE+-SIGMA");
-  return {name, number_in("prior", rest.substr(0, sign)),
-          number_in("prior", rest.substr(sign + 2))};
+  for (const std::string_view sign : {"+-", "±"})
+    if (const std::size_t at = rest.find(sign); at != std::string::npos)
+      return {name, number_in("prior", rest.substr(0, at)),
+              number_in("prior", rest.substr(at + sign.size()))};
+  throw ArgumentError("prior", text, "NAME=VALUE+-SIGMA");
 }
 
 // "300s:mu" is an event by time; otherwise the cycle is the one `rate` prints.
