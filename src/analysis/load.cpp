@@ -160,7 +160,7 @@ private:
     auto& found = loaded_.sensor.offset_rad;
     found = sensor_offset(loaded_.beats.beats, loaded_.nominal_period_s);
     if (found) {
-      assume(fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
+      assume(fmt::format("the sensor stands at {:.4g} ± {:.2g} mrad, estimated from the log",
                          found->value * 1e3, found->sigma * 1e3));
       return found->value;
     }

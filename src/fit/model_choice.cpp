@@ -500,7 +500,7 @@ void ModelSearch::leave_out_contradicted_priors() {
     else
       notes_.push_back({NoteKind::prior,
                         fmt::format("the log contradicts the prior on {0}: alone it says {1:.6g} "
-                                    "+- {2:.2g}, {3:.3g} sigma away; that prior is left out",
+                                    "± {2:.2g}, {3:.3g} σ away; that prior is left out",
                                     prior.name, value, sigma, off)});
   }
   if (kept.size() == options_.priors.size()) return;
