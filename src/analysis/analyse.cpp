@@ -153,6 +153,40 @@ std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& dia
   return rates_between(beats, cuts, nominal_period_s);
 }
 
+// What the clock does in the end: the mean of the last stretch, unless its last quarter contradicts
+// it, as after a change that the clock still follows, or where the rate drifts.
+PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nominal_period_s) {
+  constexpr double surely = 3.0; // sigma of the quarter
+  const Instant begin = last.start + 0.75 * last.rate.duration_s;
+  const auto at = std::find_if(beats.begin(), beats.end(),
+                               [&](const Beat& beat) { return beat.time >= begin; });
+  const auto quarter = rates_between({at, beats.end()}, {}, nominal_period_s);
+  if (quarter.empty()) return last;
+  const RateSummary& rate = quarter.back().rate;
+  const double apart = std::abs(rate.rate_excess - last.rate.rate_excess);
+  return apart > surely * rate.rate_excess_sigma ? quarter.back() : last;
+}
+
+// While the drive comes back after an interruption the rate moves: what stands out of its course
+// there, and not of its beats, is no change of its own if a fit explains the log without it.
+void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary) {
+  const auto is_fitted = [&](const Change& change) {
+    return std::any_of(fit.events.begin(), fit.events.end(), [&](const FitEvent& event) {
+      return beats.front().cycle + event.cycle == change.cycle;
+    });
+  };
+  const auto is_in_a_wake = [&](const Change& change) {
+    return std::any_of(diary.interruptions.begin(), diary.interruptions.end(),
+                       [&](const Interruption& event) {
+                         return event.recovery && change.at_s > event.end.at_s &&
+                                change.at_s < event.end.at_s + event.recovery->window_s;
+                       });
+  };
+  std::erase_if(diary.changes, [&](const Change& change) {
+    return !change.stands_out && !is_fitted(change) && is_in_a_wake(change);
+  });
+}
+
 // The rms of the fast drive, as far as the log tells it: without a high end if only its least is
 // known.
 std::optional<RmsEstimate> fast_drive(const DriveAnalysis& drive, const FitSummary& fit) {
@@ -186,7 +220,8 @@ TimingData fit_data(const NumberedLog& loaded) {
   if (!columns.sigma_s.empty())
     data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
   if (!columns.width_s.empty() && data.has_amplitude())
-    data.amplitude_noise = relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
+    data.amplitude_noise =
+        relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
   add("temperature", "1/K", columns.temperature_c);
   add("pressure", "1/mbar", columns.pressure_mbar);
   if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
@@ -222,7 +257,11 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
   const auto& beat_error = loaded.sensor.beat_error_s;
   const bool is_seen =
       beat_error && std::abs(beat_error->value) > least_significance * beat_error->sigma;
-  if (!is_seen || loaded.sensor.at_vertical || timing_model::names(options, "offset"))
+  // The rest angle of samples is an estimate. Its error shifts the times of a ring-down
+  // increasingly, even if the beat error is too small to show.
+  const bool is_estimate = beat_error && loaded.log.format == LogFormat::angle;
+  if ((!is_seen && !is_estimate) || loaded.sensor.at_vertical ||
+      timing_model::names(options, "offset"))
     return options;
   // With amplitudes the two directions tell the place far better than times of one direction, which
   // would trade it for friction.
@@ -231,7 +270,7 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
                          : std::nullopt;
   if (place)
     options.priors.push_back({"offset", place->value, place->sigma});
-  else
+  else if (is_seen)
     options.freed.emplace_back("offset");
   return options;
 }
@@ -271,11 +310,14 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
   if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(data.fit, loaded.good, data.diary);
+    drop_wakes(data.fit, loaded.good, data.diary);
     put_rates(loaded.good, loaded.nominal_period_s, data.diary);
   }
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
   for (PartRate& stretch : data.stretches)
     stretch.rate.nominal_is_known = loaded.nominal_is_known;
+  data.now = rate_now(loaded.good, data.stretches.back(), loaded.nominal_period_s);
+  data.now.rate.nominal_is_known = loaded.nominal_is_known;
   tell("looking at temperature and pressure");
   data.covariates = covariate_effects(times);
   tell("spectrum of the rate, fast and slow drive");
@@ -292,7 +334,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   const PhaseSeries phase = phase_series(loaded);
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,
                                    octave_factors(phase.phase_s.size()));
-  data.nut = nut_turns(request, data.stretches.back().rate);
+  data.nut = nut_turns(request, data.now.rate);
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);

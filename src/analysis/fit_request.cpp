@@ -187,10 +187,11 @@ std::pair<std::string, double> parse_fixed(const std::string& text) {
 
 Prior parse_prior(const std::string& text) {
   const auto [name, rest] = named("prior", text);
-  const std::size_t sign = rest.find("+-");
-  if (sign == std::string::npos) throw ArgumentError("prior", text, "NAME=VALUE+-SIGMA");
-  return {name, number_in("prior", rest.substr(0, sign)),
-          number_in("prior", rest.substr(sign + 2))};
+  for (const std::string_view sign : {"+-", "±"})
+    if (const std::size_t at = rest.find(sign); at != std::string::npos)
+      return {name, number_in("prior", rest.substr(0, at)),
+              number_in("prior", rest.substr(at + sign.size()))};
+  throw ArgumentError("prior", text, "NAME=VALUE+-SIGMA");
 }
 
 double number_in(std::string_view name, std::string_view text) {

@@ -144,6 +144,7 @@ private:
           log.nominal_period_s ? *log.nominal_period_s
                                : small_swing_period(log, width, loaded_.nominal_period_s);
       set_amplitudes_from_widths(log, width, period_s);
+      move_middles_to_vertical(log, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {
       assume("the times are those of a flag's leading edge, and without amplitudes cannot be moved "
@@ -159,7 +160,7 @@ private:
     auto& found = loaded_.sensor.offset_rad;
     found = sensor_offset(loaded_.beats.beats, loaded_.nominal_period_s);
     if (found) {
-      assume(fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
+      assume(fmt::format("the sensor stands at {:.4g} ± {:.2g} mrad, estimated from the log",
                          found->value * 1e3, found->sigma * 1e3));
       return found->value;
     }

@@ -6,15 +6,16 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace goingrate {
 
 namespace {
 
-// Less takes longer to show than any clock has gone; what is too much the clock itself refuses.
+// Less takes longer to show than any clock has gone; more does not swing.
 void check_axis(const char* name, const std::vector<double>& values) {
   for (const double value : values)
-    if (!(value >= 1e-15)) throw ArgumentError(name, value, "1e-15 or more");
+    if (!(value >= 1e-15 && value <= 1.0)) throw ArgumentError(name, value, "from 1e-15 to 1");
 }
 
 double stationary_rate(const ClockParameters& clock, Equations equations) {
@@ -31,6 +32,8 @@ RateMap rate_map(double phi0, std::vector<double> epsilon, std::vector<double> m
                  Equations equations) {
   check_axis("epsilon", epsilon);
   check_axis("mu", mu);
+  if (!(phi0 > 0.0 && phi0 < std::numbers::pi))
+    throw ArgumentError("phi0", phi0, "above 0 and below pi rad");
   RateMap map{phi0, std::move(epsilon), std::move(mu), {}};
   for (const double torque : map.mu) {
     pulse();
@@ -49,6 +52,7 @@ std::vector<double> log_grid(double low, double high, std::size_t points) {
   for (std::size_t i = 0; i < points; ++i)
     grid.push_back(low *
                    std::pow(high / low, static_cast<double>(i) / static_cast<double>(points - 1)));
+  grid.back() = high; // not a rounding beside it
   return grid;
 }
 

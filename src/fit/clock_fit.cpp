@@ -310,13 +310,29 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   state_twins(fitted, fitted.known, summary);
 }
 
-// A free pendulum has one Q and one decay time: those that suppose no law of friction.
-void state_decay(const Decay& decay, FitSummary& summary) {
+// A free pendulum has one Q and one decay time: those that suppose no law of friction. Where the law
+// is open so is what the fit's own makes of T0.
+void state_decay(const RingDown& told, FitSummary& summary) {
+  const Decay& decay = told.decay;
+  for (FittedParameter& p : summary.parameters)
+    if (p.name == "T0" && p.status != ParameterStatus::fixed && decay.law_is_open()) {
+      const DecayEstimate& T0 = told.T0_s;
+      const bool known = std::isfinite(T0.value);
+      if (known && p.status == ParameterStatus::undetermined) p.status = ParameterStatus::free;
+      if (!known) p.status = ParameterStatus::undetermined;
+      p.value = T0.value;
+      p.sigma = T0.sigma;
+      p.low68 = T0.low68;
+      p.high68 = T0.high68;
+      p.low95 = T0.low95;
+      p.high95 = T0.high95;
+    }
   const std::string where = fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
   summary.q_factor = {"Q", where, "", decay.q.value, decay.q.sigma};
   summary.decay_time = {"decay time", where, "s", decay.time_s.value, decay.time_s.sigma};
   std::erase_if(summary.combinations, [](const auto& known) { return known.name == "decay time"; });
   if (std::isfinite(decay.time_s.value)) summary.combinations.push_back(summary.decay_time);
+  summary.decay = decay;
 }
 
 // A search and where it came to rest, which lies in it.
@@ -390,8 +406,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   state_quality(fitted, data, summary);
   state(fitted, *end.search, nominal_period_s, summary);
   if (summary.status != FitStatus::contradicts_log)
-    summary.decay = decay_of(fitted, end.search->options());
-  if (summary.decay) state_decay(*summary.decay, summary);
+    if (const auto told = ring_down_of(fitted, end.search->options())) state_decay(*told, summary);
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, end.search->options());
   return summary;

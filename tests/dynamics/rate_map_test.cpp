@@ -32,6 +32,7 @@ TEST(RateMapTest, AGridHasEqualRatios) {
   const auto grid = log_grid(1e-5, 1e-3, 5);
   ASSERT_EQ(grid.size(), 5u);
   EXPECT_EQ(grid.front(), 1e-5);
+  EXPECT_EQ(grid.back(), 1e-3);
   for (std::size_t i = 1; i < grid.size(); ++i)
     EXPECT_NEAR(grid[i] / grid[i - 1], std::sqrt(10.0), 1e-14); // rounding of pow
   EXPECT_THROW((void)log_grid(1.0, 1.0, 5), ArgumentError);

@@ -41,7 +41,7 @@ TEST(RingDownTest, IntervalsOnTheBoundsCover) {
       int in68 = 0, in95 = 0;
       for (int k = 0; k < draws; ++k) {
         const Eigen::Vector3d noise(chance.normal(), chance.normal(), chance.normal());
-        const FrictionCone cone(truth + root * noise, information);
+        const FrictionCone cone(truth + root * noise, information, {true, true, true});
         const double v = h.dot(truth);
         const auto near = cone.interval(h, 1.0), wide = cone.interval(h, 1.959964);
         in68 += v >= near[0] && v <= near[1];

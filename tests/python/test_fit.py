@@ -93,7 +93,7 @@ def test_the_texts(jump_fit):
     page = jump_fit._repr_html_()
     assert page.count("<tr>") == len(jump_fit) + 1 and "±" in page
     assert "epsilon" in repr(jump_fit)
-    assert jump_fit.to_latex().startswith("\\begin{tabular}")
+    assert "\\begin{tabular}" in jump_fit.to_latex()
 
 
 def test_derived_quantities(jump_fit):
@@ -149,12 +149,54 @@ def test_predictions_are_kept(model):
     # The undisturbed course against the truth: what 2000 beats of 1 us fix, 5 parameters at work.
     assert np.abs(within - truth.time_s[:2000]).max() < 1e-6
     beyond = fit.predict(truth.cycle[2000:])
-    # The parameters' sigmas carry the phase off by some us over the next 2000 beats; first order
-    # lacks 1e-9 of the rate besides.
-    assert np.abs(beyond - truth.time_s[2000:]).max() < 2e-5
+    # The parameters' sigmas carry the phase off by some us over the next 2000 beats. First order
+    # lacks up to 7.1e-8 of the rate (stationary.hpp), 0.28 ms over 4000 s.
+    assert np.abs(beyond - truth.time_s[2000:]).max() < (2.8e-4 if model == "averaged1" else 2e-5)
     assert abs(beyond[0] - within[-1] - 2.0) < 1e-3
     amplitude = fit.predict_amplitude(truth.cycle)
     assert np.abs(amplitude / truth.amplitude_rad - 1).max() < 2e-3  # to first order in epsilon
+
+
+def test_a_prediction_is_the_course_of_the_fitted_clock(jump, jump_fit):
+    """Run independently from the first beat, with the fitted parameters."""
+    value = {p.name: p.value for p in jump_fit.parameters}
+    method = jump_fit.to_dict()["model"]["dynamics"]
+    _, course = gr.simulate({
+        "clock": {"nominal_period": 2.0, **{k: value[k] for k in ("epsilon", "mu", "phi0")}},
+        "start": {"amplitude": value["lambda0"]},
+        "run": {"periods": 3000, "method": method},
+        "event": [{"at_period": 150, "mu": value["mu@1"]}]})
+    late = jump_fit.predict(course.cycle) - course.time_s
+    # The origin of time is the fit's; 1e-8 s are a thousandth of this log's jitter.
+    assert np.ptp(late) < 1e-8
+
+
+def test_predictions_have_honest_sigmas():
+    """Of forty clocks, foretold for as long again as they were seen."""
+    pulls = []
+    for seed in range(40):
+        log, truth = gr.simulate({**SCENARIO, "run": {"periods": 2000}}, seed=100 + seed)
+        fit = gr.fit(gr.Log(time_s=log.time_s[:1001], nominal_period_s=2), fix={"T0": 2},
+                     events=["150:mu"], noise="jitter")
+        cycles = np.array([1, 500, 1500, 1999])
+        # The true time of the first beat is 0, and the log's first stamp has its own jitter.
+        off = fit.predict(cycles) + log.time_s[0] - truth.time_s[cycles - 1]
+        pulls.append(off / fit.predict_sigma(cycles))
+    pulls = np.array(pulls)
+    # The rms of 40 unit normals is 1 +- 0.11; four of its sigmas.
+    assert (np.abs(np.sqrt(np.mean(pulls**2, axis=0)) - 1) < 0.45).all(), pulls.std(axis=0)
+    assert (np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(40)).all()
+
+
+def test_sigmas_of_predictions_that_cannot_be_had(jump):
+    rng = np.random.default_rng(5)
+    vague = gr.fit(gr.Log(time_s=2 * np.arange(400) + rng.normal(scale=1e-4, size=400)), events="none")
+    with pytest.raises(gr.NumericsError, match="does not determine"):
+        vague.predict_sigma([10])
+    noisy = gr.fit(jump, fix={"T0": 2}, events=["150:mu"], noise="both")
+    if "drive" in noisy.to_dict()["model"]["noise"]:
+        with pytest.raises(gr.NumericsError, match="wander"):
+            noisy.predict_sigma([10])
 
 
 def test_predictions_of_a_ring_down():
@@ -251,10 +293,11 @@ def test_a_law_of_ones_own_is_that_of_the_library():
 
 def test_a_torque_of_ones_own():
     free = gr.integrate(lambda phi, v: 0.0, amplitude_rad=0.3, periods=3)
-    # 4 K(sin(A/2)) in scaled time, by its series: A^2/16 + 11 A^4/3072 + 173 A^6/737280.
-    a2 = 0.09
-    exact = 1 + a2 / 16 + 11 * a2**2 / 3072 + 173 * a2**3 / 737280 + 22931 * a2**4 / 1321205760
-    np.testing.assert_allclose(free.period_s, 2 * exact, rtol=1e-12)
+    # T0 / agm(1, cos(A/2)) is the period of a free pendulum.
+    a, b = 1.0, np.cos(0.15)
+    for _ in range(6):
+        a, b = 0.5 * (a + b), np.sqrt(a * b)
+    np.testing.assert_allclose(free.period_s, 2 / a, rtol=1e-13)  # rounding of some hundred steps
     pushed = gr.integrate(lambda phi, v: 0.0, torque=lambda phi, v: 1e-3 * (1 if v > 0 else -1),
                           amplitude_rad=0.1, periods=3)
     assert (np.diff(pushed.amplitude_rad) > 0).all()
@@ -265,7 +308,7 @@ def test_simulations_are_unpacked():
     log, truth = simulation
     assert log is simulation.log and len(truth) == 60 and len(log) == 61
     again = gr.simulate({**SCENARIO, "run": {"periods": np.int64(60)}}, seed=np.int64(3))
-    np.testing.assert_array_equal(again.log.events, log.events)
+    assert again.log.events.tobytes() == log.events.tobytes()
     other = gr.simulate(SCENARIO, seed=4, set={"run.periods": 60}).log
     assert (other.time_s != log.time_s).any()
 
@@ -275,4 +318,4 @@ def test_a_scenario_may_be_a_file_a_text_or_a_dict(tmp_path):
     text = file.read_text()
     logs = [gr.simulate(s, seed=2, set={"run.periods": 200}).log for s in (file, str(file), text)]
     for log in logs[1:]:
-        np.testing.assert_array_equal(log.events, logs[0].events)
+        assert log.events.tobytes() == logs[0].events.tobytes()

@@ -94,6 +94,7 @@ int main(int count, char** words) {
   std::uint64_t seed = first_seed;
   for (const WatchedBy watched_by :
        {WatchedBy::samples, WatchedBy::crossings, WatchedBy::photogate}) {
+    if (count > 4 && words[4][0] != name_of(watched_by)[0]) { seed += logs * laws.size(); continue; }
     fmt::print("\n{}\n", name_of(watched_by));
     Score all;
     for (const char* law : laws) {

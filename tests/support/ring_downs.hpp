@@ -88,8 +88,8 @@ private:
     f = {f.epsilon * too_long, f.quadratic * too_long, f.dry * too_long};
   }
 
-  // The equation of motion by the classical Runge-Kutta method, 400 steps a period: far below what
-  // a sample shows. In scaled time.
+  // The equation of motion by the classical Runge-Kutta method, in steps far below what a sample
+  // shows. In scaled time.
   struct Motion {
     double angle, speed;
   };
@@ -115,7 +115,9 @@ private:
     const double length_s =
         drawn.swings * drawn.T0 * circular_period_ratio(drawn.first_rad * 0.7);
     RandomStream noise(seed_, StreamPurpose::jitter);
-    const auto parts = static_cast<int>(std::ceil(400.0 / (drawn.T0 * rate_hz)));
+    // Dry friction jumps where the pendulum turns, which no step meets exactly.
+    const double steps = drawn.friction.dry > 0.0 ? 2000.0 : 400.0; // a period
+    const auto parts = static_cast<int>(std::ceil(steps / (drawn.T0 * rate_hz)));
     const double dt = 2.0 * std::numbers::pi / (drawn.T0 * rate_hz * parts);
     Motion motion{drawn.first_rad, 0.0};
     drawn.text = "time_s,angle_rad\n";
@@ -127,7 +129,7 @@ private:
     }
   }
 
-  // Jitter of 1e-5 to 1e-3 s of the crossings, of 1e-6 to 1e-4 s of a photogate's edges.
+  // Jitter of 1e-5 to 1e-3 s of the crossings, of 1e-5 to 2e-4 s of a photogate's edges.
   void time_crossings(RingDown& drawn) {
     const bool gate = drawn.watched_by == WatchedBy::photogate;
     Scenario scenario;
@@ -137,7 +139,7 @@ private:
     scenario.start_amplitude = 2.0 * std::sin(0.5 * drawn.first_rad);
     scenario.periods = static_cast<std::int64_t>(drawn.swings);
     scenario.method.method = Method::direct;
-    drawn.noise = gate ? geometric(1e-6, 1e-4) : geometric(1e-5, 1e-3);
+    drawn.noise = gate ? geometric(1e-5, 2e-4) : geometric(1e-5, 1e-3);
     scenario.sensor.jitter_rms_s = drawn.noise;
     scenario.sensor.edges = gate ? SensorEdges::gate : SensorEdges::up;
     if (gate) scenario.sensor.flag_width_rad = drawn.last_rad * between(0.1, 0.5);

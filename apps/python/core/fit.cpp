@@ -143,6 +143,16 @@ py::tuple predicted(const Fitted& self, const Array<std::int64_t>& cycles) {
                         array_of(std::move(prediction.amplitude_rad)));
 }
 
+py::array sigma_of_predicted(const Fitted& self, const Array<std::int64_t>& cycles) {
+  const auto asked = span_of(cycles);
+  const std::vector<std::int64_t> list(asked.begin(), asked.end());
+  std::vector<double> sigma = [&] {
+    const Waiting waiting{py::none()};
+    return predict_sigma(self, list);
+  }();
+  return array_of(std::move(sigma));
+}
+
 } // namespace
 
 void bind_fit(py::module_& module) {
@@ -172,9 +182,8 @@ void bind_fit(py::module_& module) {
                              [](const Fitted& self) { return self.summary.has_result(); })
       .def_property_readonly("notes", &notes_of)
       .def_readonly("first_cycle", &Fitted::first_cycle)
-      .def_property_readonly("n_free",
-                             [](const Fitted& self) { return self.summary.correlated.size(); })
       .def("predict", &predicted, py::arg("cycles").noconvert())
+      .def("predict_sigma", &sigma_of_predicted, py::arg("cycles").noconvert())
       .def(py::pickle(
           [](const Fitted& self) {
             return py::bytes(archived("fit", self.summary, self.asked, self.data, self.first_cycle,

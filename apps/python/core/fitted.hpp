@@ -2,6 +2,7 @@
 #pragma once
 
 #include "goingrate/analysis/fit_request.hpp"
+#include "goingrate/clock/scenario.hpp"
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/timing_data.hpp"
 
@@ -32,5 +33,20 @@ struct Prediction {
   std::vector<double> time_s, amplitude_rad;
 };
 Prediction predict(const Fitted& fit, const std::vector<std::int64_t>& cycles);
+
+/// The standard deviation of these times, s: that of the parameters, with their correlations, and
+/// of the origin; to first order in them. Throws as predict() does, and NumericsError where a
+/// parameter is undetermined or the drive is noisy.
+std::vector<double> predict_sigma(const Fitted& fit, const std::vector<std::int64_t>& cycles);
+
+/// Throws ArgumentError for a cycle before the first.
+void check_cycles(const Fitted& fit, const std::vector<std::int64_t>& cycles);
+
+/// Rates that follow something outside the clock, and sensors off the vertical or off in scale, are
+/// known within the log only: throws NumericsError for a fit that has such terms.
+void refuse_what_lies_outside(const Fitted& fit);
+
+/// The method of a run by which the fit's equations are solved.
+Method method_of(FitDynamics dynamics);
 
 } // namespace goingrate::python

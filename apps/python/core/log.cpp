@@ -121,7 +121,8 @@ SharedLog from_arrays(const Array<std::int64_t>& seconds, const Array<double>& f
 
 // The memory of beats as a structured array: each field is a strided view of it.
 py::array beats_view(std::span<const Beat> beats, py::handle owner) {
-  static const py::dtype layout = [] {
+  // Never destroyed: at the end of the process the interpreter is gone before it.
+  static const py::dtype& layout = *new py::dtype([] {
     const auto field = [](const char* name, const char* type, std::size_t at) {
       return py::make_tuple(name, type, at);
     };
@@ -141,7 +142,7 @@ py::array beats_view(std::span<const Beat> beats, py::handle owner) {
       places.append(f[2]);
     }
     return py::dtype(names, types, places, sizeof(Beat));
-  }();
+  }());
   py::array view(layout, {beats.size()}, {sizeof(Beat)}, beats.data(), owner);
   view.attr("setflags")(py::arg("write") = false);
   return view;

@@ -38,30 +38,6 @@ double last_value(const Fitted& fit, const std::string& name, double absent) {
   return absent;
 }
 
-// Rates that follow something outside the clock, and sensors off the vertical or off in scale, are
-// known within the log only.
-void refuse_what_lies_outside(const Fitted& fit) {
-  for (const FittedParameter& parameter : fit.summary.parameters)
-    for (const char* name :
-         {"temperature", "pressure", "density", "drift", "offset", "amplitude_scale"})
-      if (parameter.name == name)
-        throw NumericsError(
-            fmt::format("the fit has the term {}: it tells no times beyond the log", name));
-}
-
-Method method_of(FitDynamics dynamics) {
-  switch (dynamics) {
-  case FitDynamics::averaged1:
-    return Method::averaged1;
-  case FitDynamics::averaged2:
-    return Method::averaged2;
-  case FitDynamics::map:
-  case FitDynamics::automatic:
-    break;
-  }
-  return Method::automatic;
-}
-
 // The fitted clock from the last beat of the log on.
 Scenario clock_going_on(const Fitted& fit, std::int64_t periods) {
   refuse_what_lies_outside(fit);
@@ -116,17 +92,43 @@ void add_within(const Fitted& fit, double cycle, Prediction& result) {
 
 } // namespace
 
+void refuse_what_lies_outside(const Fitted& fit) {
+  for (const FittedParameter& parameter : fit.summary.parameters)
+    for (const char* name :
+         {"temperature", "pressure", "density", "drift", "offset", "amplitude_scale"})
+      if (parameter.name == name)
+        throw NumericsError(
+            fmt::format("the fit has the term {}: it tells no times beyond the log", name));
+}
+
+Method method_of(FitDynamics dynamics) {
+  switch (dynamics) {
+  case FitDynamics::averaged1:
+    return Method::averaged1;
+  case FitDynamics::averaged2:
+    return Method::averaged2;
+  case FitDynamics::map:
+  case FitDynamics::automatic:
+    break;
+  }
+  return Method::automatic;
+}
+
+void check_cycles(const Fitted& fit, const std::vector<std::int64_t>& cycles) {
+  for (const std::int64_t cycle : cycles)
+    if (cycle < fit.first_cycle)
+      throw ArgumentError("cycles", static_cast<double>(cycle),
+                          fmt::format("{} or more, the first of the log", fit.first_cycle));
+}
+
 Prediction predict(const Fitted& fit, const std::vector<std::int64_t>& cycles) {
   if (fit.summary.residual_s.size() != fit.data.size() || fit.data.size() == 0)
     throw NumericsError("the fit has no course to predict from: " + fit.summary.termination);
   const auto last = static_cast<std::int64_t>(fit.data.cycle.back());
   std::int64_t furthest = last;
-  for (const std::int64_t cycle : cycles) {
-    if (cycle < fit.first_cycle)
-      throw ArgumentError("cycles", static_cast<double>(cycle),
-                          fmt::format("{} or more, the first of the log", fit.first_cycle));
+  check_cycles(fit, cycles);
+  for (const std::int64_t cycle : cycles)
     furthest = std::max(furthest, cycle - fit.first_cycle);
-  }
   const Prediction ahead = furthest > last ? run_on(fit, furthest - last) : Prediction{};
   Prediction result;
   for (const std::int64_t cycle : cycles) {

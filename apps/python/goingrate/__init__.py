@@ -24,9 +24,11 @@ from ._clock import (
 )
 from ._core import version as __version__
 from ._deviation import DEVIATION_KINDS, Deviation, deviation
-from ._fit import Correlation, Fit, Parameter, Quantity, fit
-from ._log import Flag, Gap, Issue, Log, read
+from ._fit import Fit, fit
+from ._log import Flag, Gap, Issue, Log
+from ._parameters import Correlation, Parameter, Quantity
 from ._rate import Rate, rate
+from ._reading import read
 from ._simulation import Simulation, Truth, simulate
 from ._spectrum import Line, Rms, Spectrum, spectrum
 from .errors import ImpossibleReading, InputError, InputNotFoundError, NumericsError

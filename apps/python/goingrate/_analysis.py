@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 from typing import Any, Iterable
 
-import numpy as np
-
 from . import _core
 from ._arrays import Array
 from ._deviation import Deviation
-from ._fit import Fit, Fixed, Priors, Progress, request
+from ._fit import Fit, Progress
 from ._log import Log
 from ._rate import Rate
+from ._request import Fixed, Priors, request
 from ._spectrum import Spectrum
 from ._tables import Report
 

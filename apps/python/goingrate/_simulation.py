@@ -10,6 +10,7 @@ import numpy as np
 from . import _core
 from ._arrays import Array
 from ._log import Log
+from ._reading import read
 from ._tables import frame
 from ._toml import toml_of
 from .errors import InputError, InputNotFoundError
@@ -129,8 +130,6 @@ def simulate(
     NumericsError
         The clock stops.
     """
-    from ._log import read
-
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or not 0 <= seed < 2**64:
         raise ValueError(f"seed: found {seed!r}, expected a whole number from 0 to 2^64 - 1")
     text, name = _text_of(scenario)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from . import _core
 from ._arrays import Array
-from ._fit import Fit, Fixed, Priors, Progress, fit as fit_log
+from ._fit import Fit, Progress, fit as fit_log
 from ._log import Log
+from ._request import Fixed, Priors
 from ._tables import Report, frame, new_axes
 
 

@@ -26,6 +26,7 @@ struct Analysis {
   std::vector<Beat> beats;         ///< the segment that was analysed
   RateSummary rate;                ///< of all of `beats`
   std::vector<PartRate> stretches; ///< of these, from one dated change to the next
+  PartRate now; ///< as it goes in the end: the last stretch, or its last quarter if that differs
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;

@@ -35,7 +35,7 @@ FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded);
 
 /// "NAME=VALUE"; throws ArgumentError, as the two below do.
 std::pair<std::string, double> parse_fixed(const std::string& text);
-/// "NAME=VALUE+-SIGMA"
+/// "NAME=VALUE+-SIGMA"; the sign may be "±", as results print it.
 Prior parse_prior(const std::string& text);
 /// A decimal number and nothing else; `name` is what messages call it.
 double number_in(std::string_view name, std::string_view text);

@@ -15,7 +15,7 @@ struct RateMap {
   std::vector<std::vector<double>> rate_excess; ///< [mu][epsilon]; NaN where the clock stalls
 };
 
-/// The rate excess at every pair of `epsilon` and `mu`, each 1e-15 or more and below 1, for the
+/// The rate excess at every pair of `epsilon` and `mu`, each from 1e-15 to 1, for the
 /// escapement angle `phi0` (0 to pi rad): stationary_rate_first_order, or that of limit_cycle at
 /// some 0.1 ms a point. Throws ArgumentError for values outside these ranges.
 RateMap rate_map(double phi0, std::vector<double> epsilon, std::vector<double> mu,

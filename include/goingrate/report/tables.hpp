@@ -18,7 +18,8 @@
 
 namespace goingrate {
 
-/// A value with its uncertainty, rounded to two digits of the latter: "2.00031 +- 0.00012".
+/// A value with its uncertainty, rounded to two digits of the latter: "2.00031 ± 0.00012",
+/// "(2.49995 ± 0.00021)×10⁻⁴".
 /// A sigma of 0 or NaN gives the value with `digits` digits and no sigma.
 std::string with_sigma(double value, double sigma, int digits = 6);
 
