@@ -156,7 +156,7 @@ std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& dia
 // What the clock does in the end: the mean of the last stretch, unless its last quarter contradicts
 // it, as after a change that the clock still follows, or where the rate drifts.
 PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nominal_period_s) {
-  constexpr double surely = 3.0; // sigma of the quarter
+  constexpr double least_difference_sigma = 3.0; // sigma of the quarter
   const Instant begin = last.start + 0.75 * last.rate.duration_s;
   const auto at = std::find_if(beats.begin(), beats.end(),
                                [&](const Beat& beat) { return beat.time >= begin; });
@@ -164,7 +164,7 @@ PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nomi
   if (quarter.empty()) return last;
   const RateSummary& rate = quarter.back().rate;
   const double apart = std::abs(rate.rate_excess - last.rate.rate_excess);
-  return apart > surely * rate.rate_excess_sigma ? quarter.back() : last;
+  return apart > least_difference_sigma * rate.rate_excess_sigma ? quarter.back() : last;
 }
 
 // While the drive comes back after an interruption the rate moves: what stands out of its course
