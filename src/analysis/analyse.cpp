@@ -220,7 +220,8 @@ TimingData fit_data(const NumberedLog& loaded) {
   if (!columns.sigma_s.empty())
     data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
   if (!columns.width_s.empty() && data.has_amplitude())
-    data.amplitude_noise = relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
+    data.amplitude_noise =
+        relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
   add("temperature", "1/K", columns.temperature_c);
   add("pressure", "1/mbar", columns.pressure_mbar);
   if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())

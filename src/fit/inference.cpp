@@ -254,9 +254,9 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
                       !problem.parameters.has(Quantity::dry_friction);
   summary.q_factor = of_clock("Q", linear ? "1/(2 epsilon)" : "at the stationary amplitude", "",
                               [](const FinalClock& c) { return c.q_factor(); });
-  summary.decay_time = of_clock(
-      "decay time", linear ? "T0/(2 pi epsilon)" : "T0 Q/pi at the stationary amplitude", "s",
-      [](const FinalClock& c) { return c.T0 * c.q_factor() / std::numbers::pi; });
+  summary.decay_time =
+      of_clock("decay time", linear ? "T0/(2 pi epsilon)" : "T0 Q/pi at the stationary amplitude",
+               "s", [](const FinalClock& c) { return c.T0 * c.q_factor() / std::numbers::pi; });
   summary.stationary_amplitude =
       of_clock("stationary amplitude", "where drive and friction balance", "rad",
                [](const FinalClock& c) { return std::sqrt(c.amplitude2); });

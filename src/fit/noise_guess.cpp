@@ -31,8 +31,8 @@ double third_differences(const TimingData& data, std::span<const double> series,
   for (std::size_t i = 0; i + 3 * stride < series.size() && size.size() < enough; ++i) {
     if (data.cycle[i + 3 * stride] - data.cycle[i] != 3.0 * spacing * static_cast<double>(stride))
       continue;
-    double d = series[i + 3 * stride] - 3.0 * series[i + 2 * stride] +
-               3.0 * series[i + stride] - series[i];
+    double d = series[i + 3 * stride] - 3.0 * series[i + 2 * stride] + 3.0 * series[i + stride] -
+               series[i];
     if (!relative.empty()) d /= 0.5 * (relative[i + stride] + relative[i + 2 * stride]);
     if (std::isfinite(d)) size.push_back(std::abs(d));
   }
@@ -56,7 +56,8 @@ NoiseGuess guess_noise(const TimingData& data) {
   double far = third_differences(data, data.lateness_s, data.time_noise, stride);
   // Twice the stride doubles what a walk shows, but raises what is smooth 64 times.
   constexpr double smooth = 8.0;
-  if (third_differences(data, data.lateness_s, data.time_noise, 2 * stride) > smooth * far) far = near;
+  if (third_differences(data, data.lateness_s, data.time_noise, 2 * stride) > smooth * far)
+    far = near;
   const double walk2 = std::clamp((far - near) / (6.0 * (stride - 1)), 0.0, near / 6.0);
   guess.walk_s = std::sqrt(walk2 / usual_spacing(data));
   // Relative standard deviation of a mean square from the median of m independent sizes: 2.3/sqrt
@@ -67,8 +68,7 @@ NoiseGuess guess_noise(const TimingData& data) {
       std::max(std::sqrt(std::max(0.0, near - 6.0 * walk2) / 20.0), least_jitter(data));
   constexpr double finest = 1e-8; // rad
   if (data.has_amplitude())
-    guess.amplitude_rad =
-        std::max(
+    guess.amplitude_rad = std::max(
         std::sqrt(third_differences(data, data.amplitude_rad, data.amplitude_noise, 1) / 20.0),
         finest);
   return guess;

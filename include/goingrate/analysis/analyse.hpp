@@ -51,8 +51,8 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// With the sensor's place among the free parameters where the beat error shows that the times are
-/// not those of the vertical, unless the options speak of it; as amplitudes and both directions tell
-/// it, where the log has them.
+/// not those of the vertical, unless the options speak of it; as amplitudes and both directions
+/// tell it, where the log has them.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
 /// What the causes are judged by. Points to `times`. The fit serves to tell a rough drive.
