@@ -10,8 +10,8 @@
 
 namespace goingrate::apps {
 
-/// Draws itself on standard error while that is a terminal, from the second second on, and wipes
-/// itself out at the end.
+/// How much is done and how long the rest may take. Draws itself on standard error while that is a
+/// terminal, from the second second on, and wipes itself out at the end.
 class ProgressBar {
 public:
   explicit ProgressBar(bool quiet);
