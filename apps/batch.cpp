@@ -275,7 +275,7 @@ void tell(const BatchOutcome& outcome, const GlobalOptions& global) {
 
 void run_jobs(BatchRequest request, const GlobalOptions& global) {
   const BatchOutcome outcome = [&] {
-    ProgressBar bar(global.quiet);
+    ProgressBar bar(global.quiet, "jobs");
     request.progress = std::ref(bar);
     return run_batch(request);
   }();

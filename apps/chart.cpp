@@ -1,5 +1,6 @@
 // goingrate chart: speed against accuracy of every method, measured here and now.
 #include "plot.hpp"
+#include "progress.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/dynamics/chart.hpp"
@@ -25,15 +26,20 @@ struct ChartCommand {
 void run_limits(const ChartCommand& options, const GlobalOptions& global) {
   constexpr int periods = 50; // enough to see a rate error of 1e-12
   say(global, fmt::format("{} periods at every point", periods));
-  const auto rows = measure_limits(periods);
+  const auto rows = [&] {
+    const StepLine now(global.quiet, "looking for where each method fails");
+    return measure_limits(periods);
+  }();
   write_whole_files({{options.json, limits_json(rows)},
                      {table_output(options.output, options.json), limits_text(rows)}});
 }
 
 void run(const ChartCommand& options, const GlobalOptions& global) {
   if (options.limits) return run_limits(options, global);
-  const auto rows =
-      measure_chart(chart_scenes(options.periods), chart_methods(), options.repetitions);
+  const auto rows = [&] {
+    const StepLine now(global.quiet, "timing every method");
+    return measure_chart(chart_scenes(options.periods), chart_methods(), options.repetitions);
+  }();
   write_whole_files(
       {{options.plot,
         plotted(options.plot,
@@ -62,8 +68,7 @@ void add_chart(CLI::App& program, const GlobalOptions& global) {
       ->capture_default_str();
   add_plot_option(*command, options->plot, "one scene")->excludes(limits);
   command->add_option("--scene", options->scene, "the scene of the figure")
-      ->check(CLI::IsMember(
-          {"C steady", "C noisy", "jump", "ring-down", "near stall", "large amplitude"}))
+      ->check(one_of({"C steady", "C noisy", "jump", "ring-down", "near stall", "large amplitude"}))
       ->capture_default_str();
   command->add_option("--jitter", options->jitter_s, "of the sensor, s: a line in the figure")
       ->check(not_negative())

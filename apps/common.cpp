@@ -3,6 +3,7 @@
 #include "base/printable.hpp"
 #include "goingrate/report/tables.hpp"
 #include "progress.hpp"
+#include "terminal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
-#include <unistd.h>
 
 namespace goingrate::apps {
 
@@ -45,9 +45,20 @@ void say(const GlobalOptions& global, std::string_view line) {
   if (global.quiet) return;
   // In a file or a pipe a note stays on its line, where a program finds it.
   constexpr std::size_t terminal = 80;
-  const bool is_read = ::isatty(STDERR_FILENO) != 0;
   const std::string shown = printable(line);
-  std::fputs(fmt::format("{}\n", is_read ? wrapped(shown, terminal, 2) : shown).c_str(), stderr);
+  if (!error_is_terminal()) {
+    std::fputs((shown + '\n').c_str(), stderr);
+    return;
+  }
+  const std::string lines = wrapped(shown, terminal, 2);
+  const std::size_t colon = lines.find(": ");
+  const bool has_kind = colon < lines.find(' '); // "assumed: ...", "warning: ..."
+  const std::string kind = has_kind ? lines.substr(0, colon + 1) : "";
+  const Paint paint = kind == "warning:" ? Paint::warning : Paint::note;
+  std::fputs(
+      fmt::format("{}{}\n", kind.empty() ? "" : painted(kind, paint), lines.substr(kind.size()))
+          .c_str(),
+      stderr);
 }
 
 void add_log_options(CLI::App& command, LogOptions& options) {
@@ -71,9 +82,11 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
                   "it gives the amplitudes; without, the times are those of its leading edge and "
                   "are moved to the vertical with each beat's amplitude")
       ->check(CLI::Range(0.0, 1.0) & not_negative());
-  command.add_option("--sensor-offset", options.sensor_offset,
-                     "angle (rad) at which the sensor stands: times are moved to the vertical, and "
-                     "amplitudes had from the two half-periods; auto: estimated from the log");
+  auto* place = command.add_option(
+      "--sensor-offset", options.sensor_offset,
+      "angle (rad) at which the sensor stands: times are moved to the vertical, and amplitudes had "
+      "from the two half-periods; auto: estimated from the log");
+  offers(place, {"auto"});
   command
       .add_option("--gap-probability", options.gap_probability,
                   "split the log at a gap whose count is right with less than this probability")
@@ -91,17 +104,19 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
 void add_reading_options(CLI::App& command, LogOptions& options) {
   constexpr const char* group = "How the log is read (found out and said if not given)";
   command.add_option("--format", options.format, "what kind of log it is")
-      ->check(CLI::IsMember(format_names()))
+      ->check(one_of(format_names()))
       ->group(group);
-  command
-      .add_option("--column", options.columns,
-                  "what a column holds: ROLE=PLACE[:UNIT], the place counted from 1 or a name of "
-                  "the header; time=2, period=3:us, amplitude=5:mrad, angle=2:deg, error, width, "
-                  "edge, temperature, pressure, ignored")
-      ->allow_extra_args(false)
-      ->group(group);
+  std::vector<std::string> roles = role_names();
+  for (std::string& role : roles)
+    role += '=';
+  auto* column = command.add_option(
+      "--column", options.columns,
+      "what a column holds: ROLE=PLACE[:UNIT], the place counted from 1 or a name of the header; "
+      "time=2, period=3:us, amplitude=5:mrad, angle=2:deg, error, width, edge, temperature, "
+      "pressure, ignored");
+  offers(column, roles)->allow_extra_args(false)->group(group);
   command.add_option("--unit", options.unit, "of the times: s, ms, us, ns, min, h, d, mjd")
-      ->check(CLI::IsMember({"s", "ms", "us", "ns", "min", "h", "d", "mjd"}))
+      ->check(one_of({"s", "ms", "us", "ns", "min", "h", "d", "mjd"}))
       ->group(group);
   command
       .add_option("--wrap", options.wrap_s,
@@ -114,7 +129,8 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       ->group(group);
   command.add_flag("--decimal-comma", options.decimal_comma, "12,5 is twelve and a half")
       ->group(group);
-  command.add_option("--channel", options.channel, "of a TICC: chA, chB")->group(group);
+  offers(command.add_option("--channel", options.channel, "of a TICC: chA, chB"), {"chA", "chB"})
+      ->group(group);
   command
       .add_option("--rest-angle", options.rest_angle_rad,
                   "of angle samples: the angle (rad) at which the pendulum hangs")
@@ -221,7 +237,7 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   LoadRequest request = load_request(options);
   NumberedLog loaded;
   {
-    ProgressBar bar(global.quiet);
+    ProgressBar bar(global.quiet, "reading " + options.path);
     request.reading.progress = std::ref(bar);
     loaded = goingrate::load(request);
   }

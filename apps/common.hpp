@@ -2,7 +2,9 @@
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"
+#include "goingrate/analysis/fit_request.hpp"
 #include "goingrate/base/errors.hpp"
+#include "words.hpp"
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -102,18 +104,12 @@ struct ModelOptions {
 
 void add_model_options(CLI::App& command, ModelOptions& options);
 
-/// Whether changes are searched for: neither the command line nor a file names any, or `auto`.
-bool finds_events(const ModelOptions& options);
-/// The same, searching for changes where none are named.
-ModelOptions searching(ModelOptions options);
-
 /// Says which events were found, and what may change at them.
 void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
                  const GlobalOptions& global);
 
-/// The options of the fit; `auto` events are those of the diary. Throws InputError if the file of
-/// parameters is unusable or does not suit the log.
-FitOptions fit_options(const ModelOptions& options, const NumberedLog& loaded);
+/// The same as the library takes it.
+FitRequest fit_request(const ModelOptions& options);
 
 /// Sets the help of the program and of the subcommands that are added later in 80 columns.
 void narrow_help(CLI::App& program);

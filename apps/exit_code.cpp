@@ -27,9 +27,17 @@ std::string other_readings(const ImpossibleReading& error) {
   return text;
 }
 
+std::string words_for(const ArgumentError& error, const CLI::App* program) {
+  if (program == nullptr) return error.what();
+  for (const CLI::App* command : program->get_subcommands())
+    if (command->get_option_no_throw("--" + error.name()) != nullptr)
+      return std::string("--") + error.what();
+  return error.what();
+}
+
 } // namespace
 
-Failure current_failure() {
+Failure current_failure(const CLI::App* program) {
   try {
     throw;
   } catch (const ImpossibleReading& error) {
@@ -45,7 +53,7 @@ Failure current_failure() {
   } catch (const NoStationarySwing& error) {
     return {no_result, error.what()};
   } catch (const ArgumentError& error) {
-    return {wrong_usage, error.what()};
+    return {wrong_usage, words_for(error, program)};
   } catch (const NumericsError& error) {
     return {no_result, error.what()};
   } catch (const OutputError& error) {

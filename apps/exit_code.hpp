@@ -1,6 +1,7 @@
 // How the command ends, and why: one table for a command alone and for a job of a batch.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 
 namespace goingrate::apps {
@@ -22,7 +23,8 @@ struct Failure {
   std::string advice{}; ///< whole lines of our own that follow
 };
 
-/// What the exception that is being handled means; to be called from a catch block.
-Failure current_failure();
+/// What the exception that is being handled means; to be called from a catch block. An argument
+/// that is an option of the program's command is named by it: "--fix = 't0': must be ...".
+Failure current_failure(const CLI::App* program = nullptr);
 
 } // namespace goingrate::apps

@@ -46,12 +46,13 @@ std::string plot_of(const FitCommand& options, const NumberedLog& loaded, const 
   Analysis data = drawn_data(loaded);
   data.fit = fit;
   return plotted(options.plot,
-                 figures_named(data, {"rate", "amplitude", "time-residual", "amplitude-residual"}));
+                 figures_named(data, {"rate", "amplitude", "time-residual", "amplitude-residual",
+                                      "period-amplitude", "q-amplitude"}));
 }
 
 JobOutcome job_result(const FitCommand& options, const NumberedLog& loaded) {
   FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
-                             fit_options(searching(options.model), loaded));
+                             fit_options(searching(fit_request(options.model)), loaded));
   if (!fit.has_result()) throw NumericsError("no fit: " + fit.termination);
   name_options(fit);
   JobOutcome outcome;
@@ -64,13 +65,14 @@ JobOutcome job_result(const FitCommand& options, const NumberedLog& loaded) {
 
 void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitOptions asked = fit_options(searching(options.model), loaded);
+  const FitRequest request = fit_request(options.model);
+  const FitOptions asked = fit_options(searching(request), loaded);
   const TimingData data = fit_data(loaded);
   FitSummary fit = [&] {
     const StepLine now(global.quiet, "fitting the model");
     return fit_clock(data, loaded.nominal_period_s, asked);
   }();
-  if (finds_events(options.model)) tell_events(fit.events, loaded.good, global);
+  if (finds_events(request)) tell_events(fit.events, loaded.good, global);
   if (!fit.has_result()) throw NumericsError("no fit: " + fit.termination);
   name_options(fit);
   write_whole_files({{options.json, fit_json(fit)},

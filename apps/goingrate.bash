@@ -1,19 +1,14 @@
-# Completion of goingrate for bash: commands, their options, files.
+# Completion of goingrate for bash. The command itself says which commands, options and words may come next;
+# where it says nothing, files are completed.
 _goingrate() {
-  local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]}
-  local commands="simulate rate fit spectrum stability report map chart paper help"
-  if ((COMP_CWORD == 1)); then
-    mapfile -t COMPREPLY < <(compgen -W "$commands --help --version" -- "$word")
-  elif [[ $command == help ]]; then
-    mapfile -t COMPREPLY < <(compgen -W "formats scenario noise identifiability" -- "$word")
-  elif [[ ${COMP_WORDS[COMP_CWORD - 1]} == --plot && $word == *. ]]; then
-    mapfile -t COMPREPLY < <(compgen -W "${word}svg ${word}pdf ${word}png ${word}gp" -- "$word")
-  elif [[ $word == -* ]]; then
-    local options
-    options=$("${COMP_WORDS[0]}" "$command" --help 2> /dev/null | grep -oE -- '--[a-z][a-z0-9-]*')
-    mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
-  else
-    mapfile -t COMPREPLY < <(compgen -f -- "$word")
-  fi
+  local words typed kept
+  read -ra words <<< "${COMP_LINE:0:COMP_POINT}"
+  [[ ${COMP_LINE:0:COMP_POINT} != *[[:blank:]] ]] || words+=("")
+  mapfile -t COMPREPLY < <("${words[0]/#\~/$HOME}" --complete "${words[@]:1}" 2> /dev/null)
+  # Bash replaces only what stands behind the last '=' of a word.
+  typed=${words[-1]} kept=${typed%"${typed##*=}"}
+  [[ $COMP_WORDBREAKS != *=* || -z $kept ]] || COMPREPLY=("${COMPREPLY[@]#"$kept"}")
+  # NAME= goes on.
+  [[ ${COMPREPLY[0]-} != *= ]] || compopt -o nospace 2> /dev/null
 }
-complete -o filenames -F _goingrate goingrate
+complete -o bashdefault -o default -F _goingrate goingrate

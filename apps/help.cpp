@@ -1,5 +1,8 @@
 // goingrate help TOPIC: what a page of the manual would say.
+#include "help.hpp"
+
 #include "common.hpp"
+#include "words.hpp"
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/report/tables.hpp"
@@ -8,15 +11,12 @@
 #include <array>
 #include <cstdio>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <memory>
 
 namespace goingrate::apps {
 
 namespace {
-
-struct Topic {
-  std::string_view name, about, text;
-};
 
 constexpr std::array topics{
     Topic{"formats", "logs that are read",
@@ -97,6 +97,20 @@ slow gain of either sign, and one look at the amplitude (--prior
 lambda0=0.05+-0.005) tells which. fit names the combinations that are
 determined, and says what experiment would tell more and with what sigma.
 )"},
+    Topic{"exit-codes", "what the command says to a script, and where it says it",
+          R"(0  done; also where the reader of standard output goes away, as head does
+1  a fault of the program
+2  wrong usage; what an option says, --set too, is usage
+3  the input cannot be used (the message gives file, line, column, what was
+   found and what was expected), or needs more memory than there is
+4  the numbers did not work out
+5  the output could not be written
+report exits 0 where the fit alone has no result and says so in its place; fit
+exits 4. Results go to standard output or the named file, notes and errors to
+standard error. Every error begins with 'goingrate:'. On a terminal notes and
+errors are coloured; NO_COLOR=1 in the environment stops that, and --quiet stops
+the notes. A file is written whole or not at all; of several, all or none.
+)"},
 };
 
 // CLI11's own lines are as long as the descriptions.
@@ -133,18 +147,23 @@ void run(const std::string& name) {
   std::string list;
   for (const Topic& t : topics)
     list += fmt::format("  {:<16} {}\n", t.name, t.about);
-  if (!name.empty()) throw ArgumentError("topic", name, "one of those that help lists");
   std::fputs(("goingrate help TOPIC, of\n" + list).c_str(), stdout);
 }
 
 } // namespace
 
+std::span<const Topic> help_topics() { return topics; }
+
 void narrow_help(CLI::App& program) { program.formatter(std::make_shared<NarrowFormatter>()); }
 
 void add_help(CLI::App& program) {
-  auto* command = program.add_subcommand("help", "formats, scenario keys, noise, identifiability");
+  std::vector<std::string> names;
+  for (const Topic& t : topics)
+    names.emplace_back(t.name);
+  auto* command =
+      program.add_subcommand("help", fmt::format("explains a topic: {}", fmt::join(names, ", ")));
   auto topic = std::make_shared<std::string>();
-  command->add_option("topic", *topic, "what to explain");
+  command->add_option("topic", *topic, "what to explain")->check(one_of(names));
   command->footer("Example:\n  goingrate help formats");
   command->callback([topic] { run(*topic); });
 }

@@ -1,6 +1,8 @@
 // goingrate: the command. Each subcommand lives in a file of its own.
 #include "common.hpp"
 #include "exit_code.hpp"
+#include "help.hpp"
+#include "terminal.hpp"
 #include "usage.hpp"
 
 #include "base/printable.hpp"
@@ -21,11 +23,14 @@
 
 namespace {
 
-using namespace goingrate::apps; // exit codes
+using namespace goingrate::apps; // exit codes, words
 
 // `advice`: whole lines of our own that follow. All is lost if it cannot be written.
 int complain(ExitCode code, std::string_view what, const std::string& advice = {}) {
-  std::fputs(fmt::format("goingrate: {}\n{}", goingrate::printable(what), advice).c_str(), stderr);
+  std::fputs(fmt::format("{} {}\n{}", painted("goingrate:", Paint::error),
+                         goingrate::printable(what), advice)
+                 .c_str(),
+             stderr);
   return code;
 }
 
@@ -94,14 +99,25 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
   if (!commands.empty()) name += " " + commands.front()->get_name();
   if (const auto unexpected = unexpected_word(program, name))
     return complain(wrong_usage, *unexpected);
-  complain(wrong_usage, error.what());
-  std::fputs("Run with --help for more information.\n", stderr);
-  return wrong_usage;
+  return complain(wrong_usage, fmt::format("{} ({} --help lists the options)", error.what(), name));
+}
+
+// What the shell's completion and the build ask for, and nobody else: no part of --help.
+bool answer_hidden(CLI::App& program, const std::vector<std::string>& words) {
+  if (words.empty()) return false;
+  if (words.front() == "--man") {
+    std::fputs(manual_page(program).c_str(), stdout);
+    return true;
+  }
+  if (words.front() != "--complete") return false;
+  for (const std::string& word : completions(program, {words.begin() + 1, words.end()}))
+    std::fputs((word + '\n').c_str(), stdout);
+  return true;
 }
 
 // The words of the command line, the last first, as CLI11 takes them. The "--" that parts a batch's
 // options from those of its jobs is for people: each is known by its name.
-std::vector<std::string> words_of(int argc, char** argv) {
+std::vector<std::string> parser_words(int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   const auto is_word = [](const std::string& word) { return !word.starts_with('-'); };
   const auto command = std::find_if(words.begin(), words.end(), is_word);
@@ -116,15 +132,16 @@ std::vector<std::string> words_of(int argc, char** argv) {
 int run(CLI::App& program, int argc, char** argv) {
   if (argc == 1) { // somebody who looks what this is
     std::fputs(program.help().c_str(), stderr);
-    return wrong_usage;
+    return complain(wrong_usage, "no command was given");
   }
+  if (answer_hidden(program, {argv + 1, argv + argc})) return after_standard_output();
   const std::string_view first(argv[1]);
   const auto names = command_names(program);
   if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
     return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
                                              did_you_mean(first, names, "goingrate --help")));
   try {
-    program.parse(words_of(argc, argv));
+    program.parse(parser_words(argc, argv));
   } catch (const CLI::ParseError& error) {
     return explain(program, error);
   }
@@ -152,7 +169,7 @@ int main(int argc, char** argv) {
   } catch (const ClosedPipe&) { // the reader of standard output has all it wanted
     return done;
   } catch (const std::exception&) {
-    const apps::Failure failure = apps::current_failure();
+    const apps::Failure failure = apps::current_failure(&program);
     return complain(failure.code, failure.message, failure.advice);
   }
 }

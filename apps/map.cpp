@@ -3,14 +3,11 @@
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
-#include "goingrate/dynamics/operating_point.hpp"
-#include "goingrate/dynamics/stationary.hpp"
+#include "goingrate/dynamics/rate_map.hpp"
 #include "goingrate/report/chart_report.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <memory>
 
 namespace goingrate::apps {
@@ -27,32 +24,10 @@ struct MapCommand {
   std::string output, json, plot;
 };
 
-std::vector<double> log_grid(const std::vector<double>& ends, std::size_t points) {
-  std::vector<double> grid;
-  for (std::size_t i = 0; i < points; ++i)
-    grid.push_back(ends[0] * std::pow(ends[1] / ends[0],
-                                      static_cast<double>(i) / static_cast<double>(points - 1)));
-  return grid;
-}
-
-RateMap rate_map(const MapCommand& options) {
-  RateMap map{options.phi0,
-              log_grid(options.epsilon, options.points),
-              log_grid(options.mu, options.points),
-              {}};
-  for (const double mu : map.mu) {
-    map.rate_excess.emplace_back();
-    for (const double epsilon : map.epsilon) {
-      const ClockParameters clock{2.0, epsilon, mu, options.phi0};
-      std::optional<double> rate;
-      if (options.first_order)
-        rate = stationary_rate_first_order(clock);
-      else if (const auto cycle = limit_cycle(clock))
-        rate = cycle->rate_excess;
-      map.rate_excess.back().push_back(rate.value_or(std::numeric_limits<double>::quiet_NaN()));
-    }
-  }
-  return map;
+RateMap map_of(const MapCommand& options) {
+  return rate_map(options.phi0, log_grid(options.epsilon[0], options.epsilon[1], options.points),
+                  log_grid(options.mu[0], options.mu[1], options.points),
+                  options.first_order ? Equations::first_order : Equations::exact);
 }
 
 KnownPair known_pair(const std::vector<std::string>& words) {
@@ -92,7 +67,7 @@ std::string plot_of(const MapCommand& options, const std::vector<OperatingPoint>
     reach(around.epsilon, point.epsilon);
     reach(around.mu, point.mu);
   }
-  return plotted(options.plot, rate_map_figures(rate_map(around), points));
+  return plotted(options.plot, rate_map_figures(map_of(around), points));
 }
 
 void check_ranges(const MapCommand& options) {
@@ -118,7 +93,7 @@ void solve(const MapCommand& options) {
 void run(const MapCommand& options) {
   check_ranges(options);
   if (!options.solve.empty()) return solve(options);
-  const RateMap map = rate_map(options);
+  const RateMap map = map_of(options);
   write_whole_files({{options.json, rate_map_json(map)},
                      {options.plot, plotted(options.plot, rate_map_figures(map))},
                      {table_output(options.output, options.json), rate_map_table(map)}});
@@ -139,11 +114,11 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
       ->capture_default_str();
   command->add_flag("--first-order", options->first_order,
                     "the paper's averaged equations instead of the full one");
-  command
-      ->add_option("--solve", options->solve,
-                   "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
-                   "rate_excess=")
-      ->expected(2);
+  auto* solve = command->add_option(
+      "--solve", options->solve,
+      "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
+      "rate_excess=");
+  offers(solve, {"epsilon=", "mu=", "amplitude=", "rate=", "rate_excess="})->expected(2);
   command->add_option("-o,--output", options->output, "CSV; standard output if not given");
   add_json_option(*command, options->json);
   add_plot_option(*command, options->plot,

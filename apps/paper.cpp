@@ -1,5 +1,6 @@
 // goingrate paper: the paper's figures and numbers, computed again.
 #include "plot.hpp"
+#include "progress.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -20,7 +21,10 @@ struct PaperCommand {
 };
 
 void run(const PaperCommand& options, const GlobalOptions& global) {
-  const PaperResults results = recompute_paper(options.paper);
+  const PaperResults results = [&] {
+    const StepLine now(global.quiet, "computing the paper's figures and numbers");
+    return recompute_paper(options.paper);
+  }();
   Files files{{options.json, paper_json(results)}};
   if (!options.folder.empty()) {
     bool found = options.figure.empty();
@@ -46,9 +50,9 @@ void add_paper(CLI::App& program, const GlobalOptions& global) {
   auto* folder =
       command->add_option("-o,--output", options->folder,
                           "folder for paper.md and the figures (SVG, PDF, PNG, gnuplot, CSV)");
-  command
-      ->add_option("--figure", options->figure, "only this one: rate, jump_zoom, jump, quasistat")
-      ->needs(folder);
+  auto* figure = command->add_option("--figure", options->figure,
+                                     "only this one: rate, jump_zoom, jump, quasistat");
+  offers(figure, {"rate", "jump_zoom", "jump", "quasistat"})->needs(folder);
   command->add_option("--periods", options->paper.periods,
                       "length of the noisy run, at least 10000; the paper's is 4774648");
   command->add_option("--seed", options->paper.seed, "of the driving noise")->check(seed_range());

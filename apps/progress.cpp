@@ -1,12 +1,13 @@
 #include "progress.hpp"
 
+#include "base/printable.hpp"
 #include "base/workers.hpp"
+#include "terminal.hpp"
 
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace goingrate::apps {
 
@@ -15,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto patience = 1s; // work that is over before needs no word
 
-bool somebody_looks(bool quiet) { return !quiet && ::isatty(STDERR_FILENO) != 0; }
+bool somebody_looks(bool quiet) { return !quiet && error_is_terminal(); }
 
 // If the rest goes as the work did so far: ", 1:23:20 left"; nothing before a hundredth is done.
 std::string time_left(double passed_s, double part) {
@@ -28,8 +29,8 @@ constexpr const char* wipe = "\r\x1b[K"; // back to the first column, rest of th
 
 } // namespace
 
-ProgressBar::ProgressBar(bool quiet)
-    : wanted_(somebody_looks(quiet)), start_(Clock::now()), last_(start_) {}
+ProgressBar::ProgressBar(bool quiet, std::string_view what)
+    : what_(printable(what)), wanted_(somebody_looks(quiet)), start_(Clock::now()), last_(start_) {}
 
 ProgressBar::~ProgressBar() {
   if (drawn_) std::fputs(wipe, stderr);
@@ -41,9 +42,10 @@ void ProgressBar::operator()(double part) {
   if (now - start_ < patience || now - last_ < 100ms) return;
   last_ = now;
   drawn_ = true;
-  constexpr int width = 40;
+  constexpr int width = 30; // columns, so that a file's name has room before it
   const int full = static_cast<int>(part * width);
-  std::fputs(fmt::format("\r[{:#<{}}{:.<{}}] {:3.0f} %{}", "", full, "", width - full, 100.0 * part,
+  std::fputs(fmt::format("{}{} [{:#<{}}{:.<{}}] {:3.0f} %{}", wipe, what_, "", full, "",
+                         width - full, 100.0 * part,
                          time_left(std::chrono::duration<double>(now - start_).count(), part))
                  .c_str(),
              stderr);

@@ -10,11 +10,12 @@
 
 namespace goingrate::apps {
 
-/// How much is done and how long the rest may take. Draws itself on standard error while that is a
-/// terminal, from the second second on, and wipes itself out at the end.
+/// Says what is being done, which share of it is, and how long the rest may take:
+/// "reading my.log [####......] 42 %, 0:01:23 left", on standard error while that is a terminal,
+/// from the second second on; wipes itself out at the end.
 class ProgressBar {
 public:
-  explicit ProgressBar(bool quiet);
+  ProgressBar(bool quiet, std::string_view what);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -24,6 +25,7 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
+  std::string what_;
   bool wanted_;
   bool drawn_ = false;
   Clock::time_point start_, last_;

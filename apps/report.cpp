@@ -27,8 +27,9 @@ struct ReportCommand {
 
 AnalysisRequest request_of(const ReportCommand& options, const NumberedLog& loaded) {
   AnalysisRequest request;
-  request.fit = fit_options(options.model, loaded);
-  request.finds_events = finds_events(options.model);
+  const FitRequest fit = fit_request(options.model);
+  request.fit = fit_options(fit, loaded);
+  request.finds_events = finds_events(fit);
   if (options.nut_pitch_mm > 0.0) request.nut_pitch_m = 1e-3 * options.nut_pitch_mm;
   if (options.pendulum_length_m > 0.0) request.rod_length_m = options.pendulum_length_m;
   return request;

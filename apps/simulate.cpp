@@ -1,5 +1,6 @@
 // goingrate simulate: a scenario becomes a log.
 #include "plot.hpp"
+#include "progress.hpp"
 #include "scenario.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
@@ -135,6 +136,14 @@ private:
   Analysis data_;
 };
 
+constexpr std::int64_t periods_between_looks = 65536; // some milliseconds of the fastest method
+
+double share_done(const Scenario& scenario, const Period& period) {
+  if (scenario.periods)
+    return static_cast<double>(period.cycle) / static_cast<double>(*scenario.periods);
+  return scenario.duration_s ? instant_of(period.time_s).to_double() / *scenario.duration_s : 0.0;
+}
+
 void run_single(const Scenario& scenario, const SimulateOptions& options,
                 const GlobalOptions& global) {
   ClockRun run(scenario, options.seed);
@@ -142,9 +151,13 @@ void run_single(const Scenario& scenario, const SimulateOptions& options,
   StreamedFile plot(options.plot);
   TrueCourse course;
   if (plot.wanted()) course.see(run.last());
-  while (const auto period = run.next()) {
-    writer.see(*period);
-    if (plot.wanted()) course.see(*period);
+  {
+    ProgressBar bar(global.quiet, "simulating");
+    while (const auto period = run.next()) {
+      writer.see(*period);
+      if (plot.wanted()) course.see(*period);
+      if (period->cycle % periods_between_looks == 0) bar(share_done(scenario, *period));
+    }
   }
   check_going(run.status(), run.last());
   writer.finish();
@@ -166,6 +179,7 @@ void run_many(const Scenario& scenario, const SimulateOptions& options,
   std::vector<Writer> writers;
   writers.reserve(options.realisations);
   constexpr std::size_t at_once = 64; // files that are open at a time
+  ProgressBar bar(global.quiet, "simulating");
   for (std::size_t from = 0; from < options.realisations; from += at_once) {
     const std::size_t count = std::min(at_once, options.realisations - from);
     for (std::size_t k = from; k < from + count; ++k)
@@ -182,6 +196,7 @@ void run_many(const Scenario& scenario, const SimulateOptions& options,
       check_going(status[k], last[k]);
       writers[from + k].finish();
     }
+    bar(static_cast<double>(from + count) / static_cast<double>(options.realisations));
   }
   std::vector<StreamedFile*> files;
   for (Writer& writer : writers)

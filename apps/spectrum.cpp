@@ -65,8 +65,6 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
   const auto term = std::find_if(data.terms.begin(), data.terms.end(),
                                  [&](const RateTerm& t) { return t.name == options.against; });
   const bool amplitude = options.against == "amplitude" && data.has_amplitude();
-  if (!amplitude && term == data.terms.end())
-    throw ArgumentError("against", options.against, "a column that the log has");
   std::vector<double> cause;
   double known = 0.0;
   for (std::size_t i = 1; i < data.size(); ++i) {
@@ -77,6 +75,19 @@ std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& 
     cause.insert(cause.end(), static_cast<std::size_t>(data.cycle[i] - data.cycle[i - 1]), known);
   }
   return cause;
+}
+
+// Before the work, so that a misspelt column costs no time.
+void check_against(const SpectrumCommand& options, const NumberedLog& loaded) {
+  if (options.against.empty()) return;
+  const TimingData data = fit_data(loaded);
+  const auto is_it = [&](const RateTerm& term) { return term.name == options.against; };
+  const bool amplitude = options.against == "amplitude";
+  if (amplitude ? data.has_amplitude() : std::any_of(data.terms.begin(), data.terms.end(), is_it))
+    return;
+  const bool both = options.against == "density";
+  throw UsageError(fmt::format("--against {}: this log has no {} column", options.against,
+                               both ? "temperature and pressure" : options.against));
 }
 
 std::string coherence(const SpectrumCommand& options, const NumberedLog& loaded,
@@ -112,7 +123,9 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
-  const FitOptions asked = fit_options(searching(options.model), loaded);
+  check_against(options, loaded);
+  const FitRequest request = fit_request(options.model);
+  const FitOptions asked = fit_options(searching(request), loaded);
   FitSummary fit;
   const DriveAnalysis drive = [&] {
     StepLine now(global.quiet, "fitting the model");
@@ -120,7 +133,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
     now("spectrum of the rate, fast and slow drive");
     return analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   }();
-  if (finds_events(options.model)) tell_events(fit.events, loaded.good, global);
+  if (finds_events(request)) tell_events(fit.events, loaded.good, global);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
   std::string text = drive_text(drive, expected_periods(options, loaded));
@@ -171,7 +184,7 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
       command
           ->add_option("--against", options->against,
                        "amplitude, temperature, pressure or density (of air) of the log")
-          ->check(CLI::IsMember({"amplitude", "temperature", "pressure", "density"}));
+          ->check(one_of({"amplitude", "temperature", "pressure", "density"}));
   command
       ->add_option("--coherence", options->coherence_output,
                    "write coherence, gain and phase of the rate against that column")

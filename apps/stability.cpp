@@ -45,9 +45,7 @@ PhaseSeries phase_of(const StabilityCommand& options, const NumberedLog& loaded)
 
 std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points, double tau0_s,
                                     DeviationKind kind) {
-  if (taus == "octave") return octave_factors(points, kind);
-  if (taus == "decade") return decade_factors(points, kind);
-  if (taus == "all") return all_factors(points, kind);
+  if (auto factors = factors_named(taus, points, kind)) return std::move(*factors);
   return factors_for(numbers_in("taus", taus), points, tau0_s, kind);
 }
 
@@ -56,11 +54,6 @@ std::vector<std::string> kind_names() {
   for (const DeviationKind kind : deviation_kinds)
     names.emplace_back(name_of(kind));
   return names;
-}
-
-DeviationKind kind_of(const std::string& name) {
-  return *std::find_if(deviation_kinds.begin(), deviation_kinds.end(),
-                       [&](DeviationKind kind) { return name_of(kind) == name; });
 }
 
 std::string plot_of(const StabilityCommand& options, const DeviationTable& table) {
@@ -72,7 +65,7 @@ std::string plot_of(const StabilityCommand& options, const DeviationTable& table
 
 DeviationTable table_of(const StabilityCommand& options, const NumberedLog& loaded) {
   const PhaseSeries phase = phase_of(options, loaded);
-  const DeviationKind kind = kind_of(options.kind);
+  const DeviationKind kind = *deviation_named(options.kind);
   const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s, kind);
   return stability_table(kind, phase.phase_s, phase.tau0_s, factors,
                          {.alpha = options.alpha, .remove_bias = !options.keep_bias});
@@ -92,17 +85,19 @@ void add_settings(CLI::App& command, StabilityCommand& options) {
       .add_option(
           "--kind", options.kind,
           "which deviation: oadev (overlapping Allan), mdev (modified), hdev (Hadamard) ...")
-      ->check(CLI::IsMember(kind_names()))
+      ->check(one_of(kind_names()))
       ->capture_default_str();
   command
       .add_option("--data", options.data,
                   "what the file holds: timestamps (a log), or --format phase or frequency")
-      ->check(CLI::IsMember({"timestamps", "phase", "frequency"}))
+      ->check(one_of({"timestamps", "phase", "frequency"}))
       ->capture_default_str();
-  command
-      .add_option("--taus", options.taus,
-                  "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
-      ->capture_default_str();
+  auto* taus = command
+                   .add_option("--taus", options.taus,
+                               "averaging times: octave, decade, all, or a list in seconds "
+                               "(3,30,300)")
+                   ->capture_default_str();
+  offers(taus, {"octave", "decade", "all"});
   command
       .add_option("--alpha", options.alpha,
                   "noise assumed at every averaging time, 2 (jitter) to -4; else it is identified")

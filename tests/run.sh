@@ -4,15 +4,17 @@
 # starts threads, and the fits, under ThreadSanitizer. Takes about an hour on two cores.
 # With --cluster: batches in shares on a Slurm of one node, under GNU parallel and under Snakemake, one share
 # being killed at work, against one process. Takes two minutes.
+# With --notebooks first: those of data/course/notebooks alone, executed; their pages come to
+# build/release/notebooks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh
-goingrate_setup libgtest-dev dpkg-dev file
+goingrate_setup libgtest-dev dpkg-dev file pybind11-dev python3-dev python3-numpy python3-pytest
 command -v gnuplot > /dev/null || goingrate_setup gnuplot-nox # for figures as PDF and PNG
 if [ "${1:-}" = --sanitize ]; then
   shift
   for preset in dev threads; do
-    cmake --preset "$preset" -DBUILD_TESTING=ON > /dev/null
+    cmake --preset "$preset" -DBUILD_TESTING=ON -DGOINGRATE_PYTHON=ON > /dev/null
   done
   cmake --build --preset dev -j2
   ctest --preset dev "$@"
@@ -29,6 +31,14 @@ if [ "${1:-}" = --cluster ]; then
 fi
 # Without them the test of a batch's shares leaves Slurm and GNU parallel out.
 [ -z "${CI:-}" ] || goingrate_setup slurm-wlm parallel
+# For the notebooks, and for what of Python is skipped without.
+goingrate_setup python3-pandas python3-matplotlib python3-pip mypy jupyter-nbconvert python3-ipykernel \
+  python3-lmfit python3-iminuit python3-distributed
+if [ "${1:-}" = --notebooks ]; then
+  cmake --preset release -DBUILD_TESTING=ON -DGOINGRATE_PYTHON=ON > /dev/null
+  cmake --build --preset release -j2 --target goingrate_command goingrate_python
+  exec tests/python/notebooks.sh /usr/bin/python3 . build/release
+fi
 command -v doxygen > /dev/null || goingrate_setup doxygen # for the library's documentation
 goingrate_setup clang libclang-rt-dev # for the fuzzers alone, which are skipped without
 if [ -n "${CI:-}" ] && [ ! -e build ]; then
@@ -37,7 +47,7 @@ if [ -n "${CI:-}" ] && [ ! -e build ]; then
   tail -c 8 build/interruption.html | grep -q '</html>'
 fi
 # A newer compiler may warn of more; only the project's own checks insist.
-cmake --preset release -DBUILD_TESTING=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null
+cmake --preset release -DBUILD_TESTING=ON -DGOINGRATE_PYTHON=ON ${CI:+-DGOINGRATE_WARNINGS_AS_ERRORS=ON} > /dev/null
 cmake --build --preset release -j2
 [ -d ../shared/real ] \
   || echo "There is no ../shared/real with public measurements: the tests that need them are skipped."

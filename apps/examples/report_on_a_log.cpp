@@ -16,7 +16,7 @@ int main(int count, char** words) {
     const Analysis analysis = analyse(load(request));
     std::cout << report_text(analysis);
     if (const FittedParameter* epsilon = analysis.fit.find("epsilon"))
-      std::cout << "epsilon = " << epsilon->value << " +- " << epsilon->sigma << "\n";
+      std::cout << "epsilon = " << epsilon->value << " ± " << epsilon->sigma << "\n";
     std::ofstream(words[2]) << report_html(analysis);
   } catch (const InputError& error) { // file, line, column, what was found and what was expected
     std::cerr << error.what() << "\n";

@@ -71,7 +71,7 @@ first_log() {
   T=$(truth $name nominal_period)
   naive=$(awk '/^[0-9]/ {if (!n++) first = $1; last = $1} END {printf "%.9f", (last - first) / (n - 1)}' "$log")
   s=$(awk -f "$course/periods.awk" "$work/1-rates.csv" | sed -nE 's/.*scatter ([0-9.]+) ms/\1/p')
-  slope=$(sed -nE 's/^ *mean period +([0-9.]+) \+- ([0-9.]+) s.*/\1 \2/p' "$work/1.txt")
+  slope=$(sed -nE 's/^ *mean period +([0-9.]+) ± ([0-9.]+) s.*/\1 \2/p' "$work/1.txt")
   true_period=$(run map --phi0 "$(truth $name phi0)" --solve epsilon="$(truth $name epsilon)" mu="$(truth $name mu)" \
     | awk -v T="$T" 'END {printf "%.9f", T / (1 + $5)}')
   table
@@ -96,7 +96,7 @@ first_log() {
   say "- Q7. Change something: let it ring down, change the weight, measure the amplitude. (A known T0 helps too.)"
   say "- Q8. −1 (√3 σ/τ: $(calc %.2g "sqrt(3) * $sigma / 2") at 2 s). With independent periods −1/2."
   say "- Q9. √2 σ/t = 1/86400: $(calc %.0f "86400 * sqrt(2) * $sigma") s. A minute! But a minute says nothing of the next hour."
-  say "- Q10. For a clock whose own rate wanders: its stamps do not scatter independently about a line."
+  say "- Q10. That of the ends. For a clock whose own rate wanders: its stamps do not scatter independently about a line."
 }
 
 ring_down() {

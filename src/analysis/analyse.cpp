@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <utility>
 
@@ -21,6 +22,30 @@ std::vector<double> at_good_beats(const std::vector<double>& column, const Numbe
     if (events[i].flag == BeatFlag::good && events[i].segment == loaded.good.front().segment)
       values.push_back(column[i]);
   return values;
+}
+
+// The standard deviation of amplitudes that come from a flag's dark time, which jitters alike at
+// every beat, in units of that jitter: of the median amplitude of neighbours, for noise must not
+// weigh itself.
+std::vector<double> width_noise(const TimingData& data, const std::vector<double>& width_s) {
+  constexpr std::size_t reach = 10; // beats either way
+  std::vector<double> sigmas;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    std::vector<double> near;
+    for (std::size_t k = i > reach ? i - reach : 0; k < std::min(data.size(), i + reach + 1); ++k) {
+      const double sigma = amplitude_sigma_from_width(width_s[k], 1.0, data.amplitude_rad[k],
+                                                      data.reference_period_s);
+      if (std::isfinite(sigma)) near.push_back(sigma);
+    }
+    if (near.empty()) {
+      sigmas.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
+    std::nth_element(near.begin(), middle, near.end());
+    sigmas.push_back(*middle);
+  }
+  return sigmas;
 }
 
 // Through an interruption, and as long again after it, the lateness stands still: what shook the
@@ -128,6 +153,40 @@ std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& dia
   return rates_between(beats, cuts, nominal_period_s);
 }
 
+// What the clock does in the end: the mean of the last stretch, unless its last quarter contradicts
+// it, as after a change that the clock still follows, or where the rate drifts.
+PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nominal_period_s) {
+  constexpr double surely = 3.0; // sigma of the quarter
+  const Instant begin = last.start + 0.75 * last.rate.duration_s;
+  const auto at = std::find_if(beats.begin(), beats.end(),
+                               [&](const Beat& beat) { return beat.time >= begin; });
+  const auto quarter = rates_between({at, beats.end()}, {}, nominal_period_s);
+  if (quarter.empty()) return last;
+  const RateSummary& rate = quarter.back().rate;
+  const double apart = std::abs(rate.rate_excess - last.rate.rate_excess);
+  return apart > surely * rate.rate_excess_sigma ? quarter.back() : last;
+}
+
+// While the drive comes back after an interruption the rate moves: what stands out of its course
+// there, and not of its beats, is no change of its own if a fit explains the log without it.
+void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary) {
+  const auto is_fitted = [&](const Change& change) {
+    return std::any_of(fit.events.begin(), fit.events.end(), [&](const FitEvent& event) {
+      return beats.front().cycle + event.cycle == change.cycle;
+    });
+  };
+  const auto is_in_a_wake = [&](const Change& change) {
+    return std::any_of(diary.interruptions.begin(), diary.interruptions.end(),
+                       [&](const Interruption& event) {
+                         return event.recovery && change.at_s > event.end.at_s &&
+                                change.at_s < event.end.at_s + event.recovery->window_s;
+                       });
+  };
+  std::erase_if(diary.changes, [&](const Change& change) {
+    return !change.stands_out && !is_fitted(change) && is_in_a_wake(change);
+  });
+}
+
 // The rms of the fast drive, as far as the log tells it: without a high end if only its least is
 // known.
 std::optional<RmsEstimate> fast_drive(const DriveAnalysis& drive, const FitSummary& fit) {
@@ -158,6 +217,10 @@ TimingData fit_data(const NumberedLog& loaded) {
       data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
   };
   const EventColumns& columns = loaded.log.columns;
+  if (!columns.sigma_s.empty())
+    data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
+  if (!columns.width_s.empty() && data.has_amplitude())
+    data.amplitude_noise = relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
   add("temperature", "1/K", columns.temperature_c);
   add("pressure", "1/mbar", columns.pressure_mbar);
   if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
@@ -192,9 +255,21 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
   constexpr double surely = 5.0; // sigma
   const auto& beat_error = loaded.sensor.beat_error_s;
   const bool is_seen = beat_error && std::abs(beat_error->value) > surely * beat_error->sigma;
-  if (!is_seen || loaded.sensor.at_vertical || timing_model::names(options, "offset"))
+  // The rest angle of samples is an estimate: what it is off by moves the times of a ring-down more
+  // and more, though no beat shows it.
+  const bool is_estimate = beat_error && loaded.log.format == LogFormat::angle;
+  if ((!is_seen && !is_estimate) || loaded.sensor.at_vertical ||
+      timing_model::names(options, "offset"))
     return options;
-  options.freed.emplace_back("offset");
+  // With amplitudes the two directions tell the place far better than times of one direction, which
+  // would trade it for friction.
+  const auto place = loaded.log.has_amplitude
+                         ? sensor_offset(loaded.beats.beats, loaded.nominal_period_s)
+                         : std::nullopt;
+  if (place)
+    options.priors.push_back({"offset", place->value, place->sigma});
+  else if (is_seen)
+    options.freed.emplace_back("offset");
   return options;
 }
 
@@ -216,8 +291,9 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
 }
 
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
-  const auto tell = [&](std::string_view what) {
-    if (request.now) request.now(what);
+  constexpr int steps = 6;
+  auto tell = [&, step = 0](std::string_view what) mutable {
+    if (request.now) request.now(fmt::format("{} of {}: {}", ++step, steps, what));
   };
   Analysis data;
   data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
@@ -232,11 +308,14 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
   if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(data.fit, loaded.good, data.diary);
+    drop_wakes(data.fit, loaded.good, data.diary);
     put_rates(loaded.good, loaded.nominal_period_s, data.diary);
   }
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
   for (PartRate& stretch : data.stretches)
     stretch.rate.nominal_is_known = loaded.nominal_is_known;
+  data.now = rate_now(loaded.good, data.stretches.back(), loaded.nominal_period_s);
+  data.now.rate.nominal_is_known = loaded.nominal_is_known;
   tell("looking at temperature and pressure");
   data.covariates = covariate_effects(times);
   tell("spectrum of the rate, fast and slow drive");
@@ -253,7 +332,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   const PhaseSeries phase = phase_series(loaded);
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,
                                    octave_factors(phase.phase_s.size()));
-  data.nut = nut_turns(request, data.stretches.back().rate);
+  data.nut = nut_turns(request, data.now.rate);
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);

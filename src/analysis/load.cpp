@@ -140,7 +140,11 @@ private:
              Setting::flag_width);
     if (widths && width > 0.0) {
       log.events = std::move(loaded_.beats.beats);
-      set_amplitudes_from_widths(log, width, loaded_.nominal_period_s);
+      const double period_s =
+          log.nominal_period_s ? *log.nominal_period_s
+                               : small_swing_period(log, width, loaded_.nominal_period_s);
+      set_amplitudes_from_widths(log, width, period_s);
+      move_middles_to_vertical(log, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {
       assume("the times are those of a flag's leading edge, and without amplitudes cannot be moved "
@@ -156,7 +160,7 @@ private:
     auto& found = loaded_.sensor.offset_rad;
     found = sensor_offset(loaded_.beats.beats, loaded_.nominal_period_s);
     if (found) {
-      assume(fmt::format("the sensor stands at {:.4g} +- {:.2g} mrad, estimated from the log",
+      assume(fmt::format("the sensor stands at {:.4g} ± {:.2g} mrad, estimated from the log",
                          found->value * 1e3, found->sigma * 1e3));
       return found->value;
     }
@@ -212,6 +216,17 @@ NumberedLog load(const LoadRequest& request) {
 
 NumberedLog load_text(std::string_view text, const LoadRequest& request) {
   return Loading(read_log(text, request.path, request.reading), request).run();
+}
+
+NumberedLog load_events(ClockLog log, const LoadRequest& request) {
+  constexpr std::size_t fewest = 3; // as of a text
+  if (log.events.size() < fewest)
+    throw InputError({log.source, 0, 0}, fmt::format("{} events", log.events.size()),
+                     fmt::format("at least {}", fewest));
+  if (!log.nominal_period_s) log.nominal_period_s = request.reading.nominal_period_s;
+  LoadRequest named = request;
+  named.path = log.source;
+  return Loading(std::move(log), named).run();
 }
 
 PhaseSeries phase_series(const NumberedLog& loaded) {

@@ -27,21 +27,36 @@ std::size_t slips_between(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+std::string in_small_letters(std::string_view word) {
+  std::string small(word);
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return small;
+}
+
 } // namespace
 
-std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> known) {
+std::optional<std::string> nearest_word(std::string_view typed,
+                                        std::span<const std::string> known) {
+  const std::string word = in_small_letters(typed);
   constexpr std::size_t letters_a_slip = 3, most = 3;
   const std::size_t allowed = std::min(word.size() / letters_a_slip, most);
   std::optional<std::string> nearest;
   std::size_t fewest = allowed + 1;
   for (const std::string& candidate : known) {
-    const bool begun = word.size() >= letters_a_slip && candidate.starts_with(word);
-    const std::size_t slips = begun ? allowed : slips_between(word, candidate);
+    const std::string small = in_small_letters(candidate);
+    const bool begun = word.size() >= letters_a_slip && small.starts_with(word);
+    const std::size_t slips = begun ? allowed : slips_between(word, small);
     if (slips >= fewest) continue;
     fewest = slips;
     nearest = candidate;
   }
   return nearest;
+}
+
+std::string meant_instead(std::string_view word, std::span<const std::string> known) {
+  const auto meant = nearest_word(word, known);
+  return meant ? " (did you mean " + *meant + "?)" : "";
 }
 
 } // namespace goingrate

@@ -10,10 +10,13 @@ namespace goingrate {
 
 /// The word of `known` that `word` was probably meant to be; nothing if none is near.
 ///
-/// Near: one slip of the pen for every three letters, three at most (a letter too many, too few or
-/// wrong, or two neighbours exchanged), or the beginning of the word, of three letters or more. Of
-/// several the nearest, of equally near ones the first. Cost: the product of the lengths a word.
-/// (SpellingTest.FindsTheWordThatWasMeant)
+/// Capitals count as small letters. Near: one slip of the pen for every three letters, three at
+/// most (a letter too many, too few or wrong, or two neighbours exchanged), or the beginning of the
+/// word, of three letters or more. Of several the nearest, of equally near ones the first. Cost:
+/// the product of the lengths a word. (SpellingTest.FindsTheWordThatWasMeant)
 std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> known);
+
+/// " (did you mean X?)" with that word, to end a message with; nothing if none is near.
+std::string meant_instead(std::string_view word, std::span<const std::string> known);
 
 } // namespace goingrate

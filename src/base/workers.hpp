@@ -1,6 +1,8 @@
 // Work that is shared among threads: as many as can be had, and one if there are no others.
 #pragma once
 
+#include "goingrate/base/pulse.hpp"
+
 #include <atomic>
 #include <cstddef>
 #include <functional>
@@ -27,8 +29,10 @@ void share_out(std::size_t count, std::size_t threads, MakeWorker make_worker) {
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     auto worker = make_worker();
-    for (std::size_t i = next++; i < count; i = next++)
+    for (std::size_t i = next++; i < count; i = next++) {
+      pulse();
       worker(i);
+    }
   };
   run_together(threads < count ? threads : count, work, [&] { next = count; });
 }

@@ -130,7 +130,7 @@ std::string covariate_text(const CovariateEffect& effect) {
                           : effect.unit.starts_with("1/") ? effect.unit.substr(2)
                                                           : effect.unit;
   std::string text =
-      fmt::format("{}: the rate answers by {:.3g} +- {:.2g} s/day per {}", effect.name,
+      fmt::format("{}: the rate answers by {:.3g} ± {:.2g} s/day per {}", effect.name,
                   daily * effect.coefficient, daily * effect.sigma, per);
   if (effect.lag_s > 0.0) text += fmt::format(", with a lag of {:.3g} s", effect.lag_s);
   if (!effect.significant()) return text + ": nothing that stands out of the noise";

@@ -6,6 +6,7 @@
 #include "step_search.hpp"
 
 #include "base/scaled_time.hpp"
+#include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,8 @@ public:
     std::vector<Suspicion> all;
     for (const Candidate& fault : faults())
       all.push_back({fault.cause, fault.gain, evidence_of(fault, account_.sees_amplitude()),
-                     fault.alternatives, advice_on(fault.cause, account_.sees_amplitude())});
+                     fault.alternatives, advice_on(fault.cause, account_.sees_amplitude()),
+                     numbers_of(fault)});
     add_if_not_understood(all);
     if (!wanders_) return all;
     account_ = without(nullptr, healthy_);
@@ -83,6 +85,7 @@ private:
   void take_causes() {
     constexpr std::size_t most = 4; // more say that the log is not understood
     while (taken_.size() < most) {
+      pulse();
       Candidate best = best_candidate();
       const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
       // What a healthy clock does comes first, unless a fault explains more than any noise.
@@ -206,6 +209,7 @@ private:
     for (const double place : places(scan))
       for (const ChangeKind kind :
            {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
+        pulse();
         Candidate step = step_of(kind, place);
         if (step.gain > best.gain && !is_in_a_wake(step)) best = std::move(step);
       }
@@ -371,7 +375,7 @@ private:
          gain,
          "no one or two causes make the course of this rate",
          {Cause::unlogged_weather, Cause::slow_drive, Cause::length_drift, Cause::log_clock},
-         "a longer log, and what was done to the clock, would tell"});
+         "A longer log, and a note of what was done to the clock, would tell."});
   }
 
   [[nodiscard]] Suspicion wander(double gain) const {
@@ -380,15 +384,15 @@ private:
                                      Cause::log_clock};
     if (!account_.sees_amplitude())
       return {Cause::slow_drive, gain, what, outside,
-              "amplitudes tell a wandering drive from all others"};
+              "Log the amplitude: it tells a drive that wanders from all other causes."};
     if (wanders_with_amplitude())
       return {Cause::slow_drive,
               gain,
               fmt::format("{}, and the amplitude with it", what),
               {},
-              "look at the train and the oil: what reaches the escapement varies"};
+              "Look at the train and its oil: the force that reaches the escapement varies."};
     return {Cause::unknown, gain, fmt::format("{}, and the amplitude does not", what), outside,
-            "a thermometer, a barometer and a better clock for the logger would tell"};
+            "Log temperature and air pressure too, and check the clock of the logger."};
   }
 
   const DiagnosisInput& input_;
@@ -403,16 +407,22 @@ private:
 
 // A dated change that the fit explains.
 Suspicion suspicion_of(const Change& change) {
-  return {cause_of(change.kind), change.gain,
+  CauseNumbers numbers;
+  numbers.at_s = change.at_s;
+  numbers.size = change.rate_after - change.rate_before;
+  numbers.sigma = std::hypot(change.rate_before_sigma, change.rate_after_sigma);
+  return {cause_of(change.kind),
+          change.gain,
           fmt::format("{:.4g} h after the start the rate changes by {}, as the model says",
                       change.at_s / 3600.0, daily(change.rate_after - change.rate_before)),
-          same_course_as(change.kind), "what was done to the clock then?"};
+          same_course_as(change.kind),
+          "What was done to the clock then?",
+          numbers};
 }
 
 // Of a log long enough to tell the courses of a rate from each other.
 bool is_long_enough(const DiagnosisInput& input) {
-  constexpr std::size_t least = 400; // beats
-  return input.data != nullptr && input.data->size() >= least;
+  return input.data != nullptr && input.data->size() >= least_diagnosed_beats;
 }
 
 constexpr std::size_t most_displaced = 8;

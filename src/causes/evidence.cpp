@@ -33,6 +33,23 @@ bool is_step(Cause cause) {
 
 std::string daily(double rate) { return fmt::format("{:+.3g} s/day", rate * seconds_per_day); }
 
+CauseNumbers numbers_of(const Candidate& found) {
+  CauseNumbers numbers;
+  const Sizes& sizes = found.sizes;
+  if (is_step(found.cause) || found.cause == Cause::magnet) numbers.at_s = found.at_s;
+  if (found.cause == Cause::magnet) numbers.until_s = found.time_s;
+  if (!sizes.rate.empty()) {
+    const bool wave = found.cause == Cause::unlogged_weather;
+    numbers.size = wave ? std::hypot(sizes.rate[0], sizes.rate[1]) : sizes.rate[0];
+    numbers.sigma = sizes.rate_sigma[0];
+  }
+  if (!sizes.amplitude.empty()) {
+    numbers.amplitude_rad = sizes.amplitude[0];
+    numbers.amplitude_sigma_rad = sizes.amplitude_sigma[0];
+  }
+  return numbers;
+}
+
 std::string evidence_of(const Candidate& found, bool sees_amplitude) {
   const Sizes& sizes = found.sizes;
   switch (found.cause) {
@@ -66,18 +83,21 @@ std::string evidence_of(const Candidate& found, bool sees_amplitude) {
 std::string advice_on(Cause cause, bool sees_amplitude) {
   switch (cause) {
   case Cause::temperature:
-    return "heating also changes the oil and the air: compare two seasons";
+    return "Heating also changes the oil and the air: compare two seasons before compensating.";
   case Cause::length_step:
     return sees_amplitude
-               ? "was the nut turned, a weight added, or the case moved?"
-               : "a small step of the drive looks alike if its return is hidden: amplitudes tell";
+               ? "Was the rating nut turned, a weight added, or the case moved?"
+               : "Was the rating nut turned, a weight added, or the case moved? A small change of "
+                 "the drive can look the same; a log of the amplitude would tell them apart.";
   case Cause::drive_step:
   case Cause::friction_step:
-    return sees_amplitude ? "was the clock wound, oiled or touched then?"
-                          : "amplitudes would show the swing follow";
+    return sees_amplitude ? "Was the clock wound, oiled or touched then?"
+                          : "Was the clock wound, oiled or touched then? A log of the amplitude "
+                            "would show whether the swing followed.";
   case Cause::growing_friction:
-    return sees_amplitude ? "clean and oil, or look for a drive that fades"
-                          : "friction lowers the amplitude, a length does not: amplitudes tell";
+    return sees_amplitude ? "Clean and oil the clock, or look for what weakens its drive."
+                          : "Log the amplitude: growing friction lowers it, a change of the "
+                            "pendulum's length does not.";
   default:
     return {};
   }

@@ -27,6 +27,9 @@ bool is_step(Cause cause);
 
 std::string daily(double rate);
 
+/// The sizes of what was found, and when.
+CauseNumbers numbers_of(const Candidate& found);
+
 /// What speaks for it. `sees_amplitude`: the log has amplitudes.
 std::string evidence_of(const Candidate& found, bool sees_amplitude);
 /// What would tell, or what to do.

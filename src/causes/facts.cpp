@@ -151,11 +151,17 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
       fmt::format("{:.3g} h after the start the times are displaced by {:+.3g} ms, and the clock "
                   "goes on as before",
                   input.data->elapsed_s[first.beat] / 3600.0, 1e3 * first.late_s);
+  CauseNumbers numbers;
+  numbers.at_s = input.data->elapsed_s[first.beat];
+  numbers.size = first.late_s;
+  numbers.places = found.size();
   if (found.size() == 1) {
     std::vector<Cause> alternatives{Cause::knock};
     if (is_hole(*input.data, first.beat)) alternatives.push_back(Cause::stop);
     all.push_back({Cause::sensor_shift, gain, std::move(evidence), std::move(alternatives),
-                   "a sensor that was moved shows it in the other direction's beats too"});
+                   "Was the sensor moved? If so, the beats of the other direction are displaced "
+                   "as well.",
+                   numbers});
     return;
   }
   evidence += fmt::format("; {} more such places", found.size() - 1);
@@ -163,7 +169,8 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
                  gain,
                  std::move(evidence),
                  {Cause::sensor_shift},
-                 "see whether doors, traffic or people go with the hours"});
+                 "See whether doors, traffic or people come at those hours.",
+                 numbers});
 }
 
 // Of a healthy sensor at most one beat in a thousand is missing. What is missing together is
@@ -180,13 +187,17 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
       2.0 * (missed * std::log(share / usual) + (beats - missed) * std::log1p(-share) -
              (beats - missed) * std::log1p(-usual)) -
       std::log(beats);
+  CauseNumbers numbers;
+  numbers.size = share;
+  numbers.places = static_cast<std::size_t>(missed);
   if (gain > believed)
     all.push_back(
         {Cause::missed_beats,
          gain,
          fmt::format("beats are missing in {:.0f} places, {:.2g} % of all", missed, 100.0 * share),
          {},
-         "the clock itself may be well: clean and aim the sensor"});
+         "Clean and aim the sensor; the clock itself may be well.",
+         numbers});
 }
 
 // -2 log p of the false alarm is what the line gains, less the price of having looked everywhere.
@@ -197,13 +208,18 @@ void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
     const double gain = -2.0 * std::log(std::max(line.false_alarm, 1e-300));
     constexpr double demanded = 18.0; // once in ten thousand logs
     if (period_s > slowest || gain < demanded) continue;
+    CauseNumbers numbers;
+    numbers.size = line.amplitude;
+    numbers.sigma = line.amplitude_sigma;
+    numbers.period_s = period_s;
     all.push_back(
         {Cause::wheel,
          gain,
          fmt::format("the rate swings by {:+.3g} s/day every {:.5g} s, {}",
                      line.amplitude * seconds_per_day, period_s, by_chance(line.false_alarm)),
          {},
-         "the numbers of teeth in the train tell which wheel"});
+         "The numbers of teeth in the train tell which wheel comes round in that time.",
+         numbers});
     return;
   }
 }
@@ -231,7 +247,7 @@ void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all)
                  gain,
                  fmt::format("the drive varies by {}", size),
                  {},
-                 "a loose suspension or a worn escapement; a hand on the case tells"});
+                 "Look for a loose suspension or a worn escapement; a hand on the case tells."});
 }
 
 void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
@@ -239,12 +255,15 @@ void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   // That a clock which was not stopped comes back off its beat has the odds of its jitter in a
   // period.
   constexpr double odds = 1e3;
+  CauseNumbers numbers;
+  numbers.at_s = *input.stopped_s;
   all.push_back({Cause::stop,
                  2.0 * std::log(odds),
                  fmt::format("{:.3g} h after the start the clock stopped, and was started again",
                              *input.stopped_s / 3600.0),
                  {},
-                 "only one side of the stop is analysed"});
+                 "Analyse the other side of the stop as a log of its own.",
+                 numbers});
 }
 
 } // namespace

@@ -22,9 +22,7 @@ namespace {
 
 // What was expected where `found` is none of the `known`.
 std::string one_of(std::string_view found, const std::vector<std::string>& known) {
-  const auto meant = nearest_word(found, known);
-  return fmt::format("one of {}{}", fmt::join(known, ", "),
-                     meant ? fmt::format(" (did you mean {}?)", *meant) : "");
+  return fmt::format("one of {}{}", fmt::join(known, ", "), meant_instead(found, known));
 }
 
 // One [section] of the file: hands out values by key and complains about keys nobody asked for.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace goingrate {
@@ -23,7 +24,23 @@ double CustomPendulum::acceleration(const State& state) const {
   const double w = !laws_.jumps_with_direction ? state[1]
                    : rightwards_               ? std::max(state[1], hardly)
                                                : std::min(state[1], -hardly);
-  return laws_.torque(phi, w) - laws_.friction(phi, w) - std::sin(phi);
+  // A stage at the end of a step may lie a rounding beyond the jump that ends it.
+  const double at = std::clamp(phi, low_, high_);
+  return laws_.torque(at, w) - laws_.friction(at, w) - std::sin(phi);
+}
+
+// The stretch between two jumps that the pendulum is in, or enters.
+void CustomPendulum::enter_stretch(bool rightwards) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  low_ = -infinite;
+  high_ = infinite;
+  for (const double jump : laws_.jumps) {
+    const bool is_behind = state_[0] > jump || (state_[0] == jump && rightwards);
+    if (is_behind)
+      low_ = std::max(low_, std::nextafter(jump, infinite));
+    else
+      high_ = std::min(high_, std::nextafter(jump, -infinite));
+  }
 }
 
 CustomPendulum::State CustomPendulum::step(const State& from, double h) const {
@@ -60,7 +77,8 @@ SwingStatus CustomPendulum::to_vertical(bool upward, double& excess) {
   double duration = 0.0;
   rightwards_ = upward;
   for (bool turned = false; duration < 200.0;) {
-    const State ahead = step(state_, h);
+    enter_stretch(rightwards_);
+    State ahead = step(state_, h);
     if (!std::isfinite(ahead[0] + ahead[1])) return SwingStatus::not_finite;
     if (std::abs(ahead[0]) >= std::numbers::pi) return SwingStatus::overturned;
     double t = h;
@@ -77,7 +95,10 @@ SwingStatus CustomPendulum::to_vertical(bool upward, double& excess) {
     const auto passes = [&](double angle) {
       return (state_[0] - angle) * (ahead[0] - angle) < 0.0;
     };
-    if (!turned && laws_.jumps_with_direction && state_[1] * ahead[1] < 0.0) ends_at(0.0, 1);
+    if (!turned && laws_.jumps_with_direction && state_[1] * ahead[1] < 0.0) {
+      ends_at(0.0, 1);
+      ahead = step(state_, t); // a jump may lie before the apex and not before the step's end
+    }
     for (const double jump : laws_.jumps)
       if (jump != 0.0 && passes(jump)) ends_at(jump, 0);
     const bool back = sign * ahead[0] <= 0.0 && (turned || sign * ahead[1] < 0.0);
@@ -95,8 +116,6 @@ SwingStatus CustomPendulum::to_vertical(bool upward, double& excess) {
     } else if (turned && sign * state_[1] > 0.0) {
       return SwingStatus::stalled;
     }
-    // Beside a jump the law is taken on its far side: a rounding of the angle decides which.
-    if (of == 0) state_[0] += 4e-17 * (state_[1] > 0.0 ? 1.0 : -1.0);
   }
   return SwingStatus::stalled;
 }

@@ -5,6 +5,7 @@
 #include "possible_changes.hpp"
 #include "profile.hpp"
 #include "reference_run.hpp"
+#include "ring_down.hpp"
 
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
@@ -79,11 +80,14 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   summary.residual_s = seen->late_s;
   summary.model_amplitude_rad = seen->amplitude_model;
   const auto n = static_cast<double>(data.size());
-  double sum = 0.0;
-  for (const double r : summary.residual_s)
+  double sum = 0.0, weighed = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double r = summary.residual_s[i];
     sum += r * r;
+    weighed += r * r / (data.time_noise.empty() ? 1.0 : std::pow(data.time_noise[i], 2));
+  }
   quality.rms_s = std::sqrt(sum / n);
-  judge_size(fitted, data, sum, quality);
+  judge_size(fitted, data, weighed, quality);
   // What rounding leaves is no noise, and may look like anything.
   quality.whiteness_p = is_rounding(fitted) ? unknown : whiteness_p(fitted.seen.white_time);
   quality.bic = fitted.bic;
@@ -304,6 +308,31 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   state_twins(fitted, fitted.known, summary);
 }
 
+// A free pendulum has one Q and one decay time: those that suppose no law of friction. Where the law
+// is open so is what the fit's own makes of T0.
+void state_decay(const RingDown& told, FitSummary& summary) {
+  const Decay& decay = told.decay;
+  for (FittedParameter& p : summary.parameters)
+    if (p.name == "T0" && p.status != ParameterStatus::fixed && decay.law_is_open()) {
+      const DecayEstimate& T0 = told.T0_s;
+      const bool known = std::isfinite(T0.value);
+      if (known && p.status == ParameterStatus::undetermined) p.status = ParameterStatus::free;
+      if (!known) p.status = ParameterStatus::undetermined;
+      p.value = T0.value;
+      p.sigma = T0.sigma;
+      p.low68 = T0.low68;
+      p.high68 = T0.high68;
+      p.low95 = T0.low95;
+      p.high95 = T0.high95;
+    }
+  const std::string where = fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
+  summary.q_factor = {"Q", where, "", decay.q.value, decay.q.sigma};
+  summary.decay_time = {"decay time", where, "s", decay.time_s.value, decay.time_s.sigma};
+  std::erase_if(summary.combinations, [](const auto& known) { return known.name == "decay time"; });
+  if (std::isfinite(decay.time_s.value)) summary.combinations.push_back(summary.decay_time);
+  summary.decay = decay;
+}
+
 // A search and where it came to rest, which lies in it.
 struct Searched {
   std::unique_ptr<ModelSearch> search;
@@ -374,6 +403,8 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   }
   state_quality(fitted, data, summary);
   state(fitted, *end.search, nominal_period_s, summary);
+  if (summary.status != FitStatus::contradicts_log)
+    if (const auto told = ring_down_of(fitted, end.search->options())) state_decay(*told, summary);
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, end.search->options());
   return summary;

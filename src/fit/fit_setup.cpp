@@ -1,11 +1,13 @@
 #include "fit_setup.hpp"
 
+#include "base/spelling.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -54,7 +56,9 @@ Kind changing_kind(const std::string& name, const TimingData& data) {
   if (name == "phi0") return {Quantity::phi0, Coordinate::logarithm, 1.0};
   if (name == "impulse_angle") return {Quantity::phi0, Coordinate::multiple, 0.01};
   if (name == "T0") return {Quantity::T0, Coordinate::stretch, data.reference_period_s};
-  throw ArgumentError("event", name, "a change of mu, epsilon, phi0 or T0");
+  static const std::vector<std::string> known{"mu", "epsilon", "phi0", "T0"};
+  throw ArgumentError("event", name,
+                      "a change of mu, epsilon, phi0 or T0" + meant_instead(name, known));
 }
 
 bool may_be_zero(Quantity quantity) {
@@ -196,11 +200,22 @@ std::vector<std::string> names_without_start(const FitOptions& options) {
   return needed;
 }
 
+namespace {
+
+void check_known(std::string_view role, const std::string& name,
+                 const std::vector<std::string>& known) {
+  if (contains(known, name)) return;
+  throw ArgumentError(role, name,
+                      fmt::format("{}{}", fmt::join(known, ", "), meant_instead(name, known)));
+}
+
+} // namespace
+
 void check_names(const FitOptions& options, const TimingData& data) {
   if (const auto missing = names_without_start(options); !options.start.empty() && !missing.empty())
     throw ArgumentError("start", fmt::format("none of {}", fmt::join(missing, ", ")),
                         "a place for every parameter of the clock, or none");
-  std::set<std::string> known;
+  std::vector<std::string> known;
   ModelChoice everything;
   everything.amplitude_scale = everything.quadratic = everything.dry = everything.walk =
       everything.drive = everything.slow = true;
@@ -213,14 +228,13 @@ void check_names(const FitOptions& options, const TimingData& data) {
   all.priors.clear();
   const Parameters parameters = make_parameters(all, data, everything);
   for (const Slot& slot : parameters.slots)
-    known.insert(parameters.name_of(slot));
-  const std::string legal = fmt::format("{}", fmt::join(known, ", "));
+    known.push_back(parameters.name_of(slot));
   for (const auto& [name, value] : options.fixed)
-    if (!known.contains(name)) throw ArgumentError("fix", name, legal);
+    check_known("fix", name, known);
   for (const std::string& name : options.freed)
-    if (!known.contains(name)) throw ArgumentError("free", name, legal);
+    check_known("free", name, known);
   for (const Prior& prior : options.priors) {
-    if (!known.contains(prior.name)) throw ArgumentError("prior", prior.name, legal);
+    check_known("prior", prior.name, known);
     if (options.fixed.contains(prior.name))
       throw ArgumentError("prior", prior.name, "a parameter that is not fixed");
     const auto slot =
@@ -322,7 +336,7 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     if (!slot.free) continue;
     auto& [low, high] = bounds[slot.index];
     if (slot.coordinate == Coordinate::multiple && !may_be_negative(slot)) low = 0.0;
-    if (slot.quantity == Quantity::epsilon) high = std::log(largest_epsilon);
+    if (slot.quantity == Quantity::epsilon) high = slot.coordinate_of(largest_epsilon);
     if (slot.quantity == Quantity::lambda0) high = std::log(largest_lambda);
     if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors

@@ -33,7 +33,7 @@ void condense(FitProblem& problem, std::span<const double> x) {
   const Parameters& parameters = problem.parameters;
   for (const Quantity quantity : {Quantity::walk_rms, Quantity::drive_rms, Quantity::term})
     if (parameters.has(quantity)) return;
-  if (problem.data->has_amplitude()) return;
+  if (problem.data->has_amplitude() || !problem.data->time_noise.empty()) return;
   double epsilon = 0.0; // the largest
   for (const Slot& slot : parameters.slots)
     if (slot.quantity == Quantity::epsilon) epsilon = std::max(epsilon, slot.value(x));

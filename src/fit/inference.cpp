@@ -249,12 +249,14 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
         std::move(name), std::move(expression), std::move(unit),
         [&, get](std::span<const double> at) { return get(final_clock(problem.parameters, at)); });
   };
-  summary.q_factor =
-      of_clock("Q", "1/(2 epsilon)", "", [](const FinalClock& c) { return 0.5 / c.laws.epsilon; });
-  summary.decay_time = of_clock("decay time", "T0/(2 pi epsilon)", "s", [](const FinalClock& c) {
-    return c.T0 / (two_pi * c.laws.epsilon);
-  });
   const bool driven = problem.parameters.escapement != Escapement::none;
+  const bool linear = !problem.parameters.has(Quantity::quadratic_drag) &&
+                      !problem.parameters.has(Quantity::dry_friction);
+  summary.q_factor = of_clock("Q", linear ? "1/(2 epsilon)" : "at the stationary amplitude", "",
+                              [](const FinalClock& c) { return c.q_factor(); });
+  summary.decay_time = of_clock(
+      "decay time", linear ? "T0/(2 pi epsilon)" : "T0 Q/pi at the stationary amplitude", "s",
+      [](const FinalClock& c) { return c.T0 * c.q_factor() / std::numbers::pi; });
   summary.stationary_amplitude =
       of_clock("stationary amplitude", "where drive and friction balance", "rad",
                [](const FinalClock& c) { return std::sqrt(c.amplitude2); });
@@ -265,7 +267,9 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
   const auto slow = of_clock("slow gain", "rate per relative drive, amplitude settled", "",
                              [](const FinalClock& c) { return c.slow_gain(); });
   // What a relaxation that was not seen would lead to is not known either.
-  if (!std::isfinite(summary.decay_time.value) || !friction_known(problem, known))
+  // Without a drive no amplitude is the clock's own, and Q depends on it unless friction is linear.
+  if (!std::isfinite(summary.decay_time.value) || !friction_known(problem, known) ||
+      (!driven && !linear))
     for (DerivedQuantity* quantity :
          {&summary.q_factor, &summary.decay_time, &summary.stationary_amplitude})
       quantity->value = quantity->sigma = unknown;

@@ -40,18 +40,21 @@ public:
       : jitter2_(noise.jitter * noise.jitter), walk2_(noise.walk * noise.walk),
         walks_(plain(noise.walk) > 0.0) {}
 
-  template <class T> void start(const T& late, T& state) {
+  /// `relative2`: square of the noise of this time over that of all.
+  template <class T> void start(const T& late, double relative2, T& state) {
     state = late;
-    covariance_ = jitter2_;
+    covariance_ = jitter2_ * relative2;
   }
   /// The innovation of the next time, `cycles` later; `state` moves by it.
-  template <class T> void see(const T& late, double cycles, T& state, T& value, N& variance) {
+  template <class T>
+  void see(const T& late, double relative2, double cycles, T& state, T& value, N& variance) {
     if (walks_) covariance_ += walk2_ * cycles;
-    variance = covariance_ + jitter2_;
+    const N own = jitter2_ * relative2;
+    variance = covariance_ + own;
     const N gain = covariance_ / variance;
     value = late - state;
     state += gain * value;
-    covariance_ = gain * jitter2_;
+    covariance_ = gain * own;
   }
 
 private:
@@ -62,6 +65,10 @@ private:
 
 double beat_correction(const std::vector<double>& correction, std::size_t i) {
   return correction.empty() ? 0.0 : correction[i];
+}
+
+double squared_at(const std::vector<double>& relative, std::size_t i) {
+  return relative.empty() ? 1.0 : relative[i] * relative[i];
 }
 
 template <class T> T amplitude_scale(const FitProblem& problem, std::span<const T> x) {
@@ -112,15 +119,18 @@ private:
     const N amplitude_variance = noise_.amplitude * noise_.amplitude;
     return Follower<T>(problem_.parameters, x_, data_).run([&](std::size_t i, const auto& sight) {
       if (i == 0) {
-        filter.start(late(i, sight), state);
+        filter.start(late(i, sight), squared_at(data_.time_noise, i), state);
       } else {
         T value;
         N variance;
-        filter.see(late(i, sight), data_.cycle[i] - before, state, value, variance);
+        filter.see(late(i, sight), squared_at(data_.time_noise, i), data_.cycle[i] - before, state,
+                   value, variance);
         see(i, value, variance, true);
       }
       before = data_.cycle[i];
-      if (sees_amplitude(i)) see(i, amplitude_excess(i, sight), amplitude_variance, false);
+      if (sees_amplitude(i))
+        see(i, amplitude_excess(i, sight), amplitude_variance * squared_at(data_.amplitude_noise, i),
+            false);
     });
   }
 

@@ -258,7 +258,8 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   TimingData thin_driven;
   Fitted with = roughly_fitted(options_, driven, thin_driven);
   if (with.minimum.usable && !explains(with)) add_terms(with); // as the other has had them
-  const bool simpler = !with.minimum.usable || without.bic < with.bic;
+  constexpr double decisive = 6.0; // odds of 20 to 1: what a torque that is not seen must gain
+  const bool simpler = !with.minimum.usable || without.bic < with.bic + decisive;
   alternatives_.push_back(
       {name, without.bic,
        simpler ? "explains the log with fewer parameters, or better" : "does not explain the log"});
@@ -499,7 +500,7 @@ void ModelSearch::leave_out_contradicted_priors() {
     else
       notes_.push_back({NoteKind::prior,
                         fmt::format("the log contradicts the prior on {0}: alone it says {1:.6g} "
-                                    "+- {2:.2g}, {3:.3g} sigma away; that prior is left out",
+                                    "± {2:.2g}, {3:.3g} σ away; that prior is left out",
                                     prior.name, value, sigma, off)});
   }
   if (kept.size() == options_.priors.size()) return;

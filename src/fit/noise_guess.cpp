@@ -22,16 +22,18 @@ double usual_spacing(const TimingData& data) {
 
 // Robust mean square of the third differences at a stride of usual spacings: of jitter j and a walk
 // w a spacing it is 20 j^2 + 6 stride w^2, of anything smooth over three strides nearly nothing.
+// `relative`: the noise of each value over that of all, or nothing.
 double third_differences(const TimingData& data, std::span<const double> series,
-                         std::size_t stride) {
+                         std::span<const double> relative, std::size_t stride) {
   constexpr std::size_t enough = 20000; // known to a per cent
   const double spacing = usual_spacing(data);
   std::vector<double> size;
   for (std::size_t i = 0; i + 3 * stride < series.size() && size.size() < enough; ++i) {
     if (data.cycle[i + 3 * stride] - data.cycle[i] != 3.0 * spacing * static_cast<double>(stride))
       continue;
-    const double d = series[i + 3 * stride] - 3.0 * series[i + 2 * stride] +
-                     3.0 * series[i + stride] - series[i];
+    double d = series[i + 3 * stride] - 3.0 * series[i + 2 * stride] +
+               3.0 * series[i + stride] - series[i];
+    if (!relative.empty()) d /= 0.5 * (relative[i + stride] + relative[i + 2 * stride]);
     if (std::isfinite(d)) size.push_back(std::abs(d));
   }
   if (size.empty()) return 0.0;
@@ -50,11 +52,11 @@ double least_jitter(const TimingData& data) {
 NoiseGuess guess_noise(const TimingData& data) {
   NoiseGuess guess;
   constexpr std::size_t stride = 8;
-  const double near = third_differences(data, data.lateness_s, 1);
-  double far = third_differences(data, data.lateness_s, stride);
+  const double near = third_differences(data, data.lateness_s, data.time_noise, 1);
+  double far = third_differences(data, data.lateness_s, data.time_noise, stride);
   // Twice the stride doubles what a walk shows, but raises what is smooth 64 times.
   constexpr double smooth = 8.0;
-  if (third_differences(data, data.lateness_s, 2 * stride) > smooth * far) far = near;
+  if (third_differences(data, data.lateness_s, data.time_noise, 2 * stride) > smooth * far) far = near;
   const double walk2 = std::clamp((far - near) / (6.0 * (stride - 1)), 0.0, near / 6.0);
   guess.walk_s = std::sqrt(walk2 / usual_spacing(data));
   // Relative standard deviation of a mean square from the median of m independent sizes: 2.3/sqrt
@@ -66,7 +68,9 @@ NoiseGuess guess_noise(const TimingData& data) {
   constexpr double finest = 1e-8; // rad
   if (data.has_amplitude())
     guess.amplitude_rad =
-        std::max(std::sqrt(third_differences(data, data.amplitude_rad, 1) / 20.0), finest);
+        std::max(
+        std::sqrt(third_differences(data, data.amplitude_rad, data.amplitude_noise, 1) / 20.0),
+        finest);
   return guess;
 }
 

@@ -347,4 +347,18 @@ void drop_partial_start(FitOptions& options) {
   if (!timing_model::names_without_start(options).empty()) options.start.clear();
 }
 
+std::vector<std::string> parameter_names() {
+  std::vector<std::string> names;
+  for (const Known& known : known_parameters)
+    names.emplace_back(known.name);
+  return names;
+}
+
+std::vector<std::string> optional_parameter_names() {
+  std::vector<std::string> names;
+  for (const Known& known : known_parameters)
+    if (known.only_if_named) names.emplace_back(known.name);
+  return names;
+}
+
 } // namespace goingrate

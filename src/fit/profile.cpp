@@ -2,6 +2,8 @@
 
 #include "valley.hpp"
 
+#include "goingrate/base/pulse.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -223,6 +225,7 @@ private:
     double unreached = infinite, z = target;
     last_.reset();
     for (int round = 0; round < 9; ++round) {
+      pulse();
       if (const auto risen = rise(side * z)) {
         const double root = std::sqrt(2.0 * std::max(0.0, *risen));
         if (std::abs(root - target) < near * target) return side * z;
@@ -348,6 +351,7 @@ std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const Profile
     const double reach = std::isfinite(end) ? beyond * (end - all.minimum.x[k]) / unit
                                             : (low ? -open : open) * widening;
     for (int i = 1; i <= points_a_side; ++i) {
+      pulse();
       const double z = reach * i / points_a_side;
       x[k] = all.minimum.x[k] + z * unit;
       const auto& bounds = all.problem.bounds;

@@ -2,9 +2,12 @@
 
 #include "valley.hpp"
 
+#include "goingrate/base/pulse.hpp"
+
 #include <algorithm>
 #include <ceres/ceres.h>
 #include <cmath>
+#include <exception>
 
 namespace goingrate::timing_model {
 
@@ -97,6 +100,26 @@ private:
   double least_;
 };
 
+// Nothing may be thrown through Ceres: it is told to stop, and what was thrown goes on behind it.
+class WayOut : public ceres::IterationCallback {
+public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    try {
+      pulse();
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return ceres::SOLVER_ABORT;
+    }
+    return ceres::SOLVER_CONTINUE;
+  }
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+private:
+  std::exception_ptr thrown_;
+};
+
 std::string words_for(const ceres::Solver::Summary& summary) {
   switch (summary.termination_type) {
   case ceres::USER_SUCCESS:
@@ -157,9 +180,11 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   options.num_threads = 1;
   // Under bounds Ceres looks along each step first; a cubic would ask for derivatives every time.
   options.line_search_interpolation_type = ceres::QUADRATIC;
-  options.callbacks.push_back(&enough);
+  WayOut way_out;
+  options.callbacks = {&way_out, &enough};
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
+  way_out.rethrow();
   minimum.termination = words_for(summary);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE ||
                       summary.termination_type == ceres::USER_SUCCESS;

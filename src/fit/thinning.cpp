@@ -118,6 +118,8 @@ void add_mean(const TimingData& data, std::size_t first, std::size_t together, T
   means.lateness_s.push_back(mean(data.lateness_s));
   means.elapsed_s.push_back(means.cycle.back() * data.reference_period_s + means.lateness_s.back());
   if (data.has_amplitude()) means.amplitude_rad.push_back(mean(data.amplitude_rad));
+  if (!data.time_noise.empty()) means.time_noise.push_back(mean(data.time_noise));
+  if (!data.amplitude_noise.empty()) means.amplitude_noise.push_back(mean(data.amplitude_noise));
   for (std::size_t k = 0; k < data.terms.size(); ++k)
     means.terms[k].advance_s.push_back(mean(data.terms[k].advance_s));
 }

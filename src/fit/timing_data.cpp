@@ -62,6 +62,25 @@ std::vector<double> air_density(std::span<const double> temperature_c,
   return density;
 }
 
+std::vector<double> relative_noise(std::span<const double> sigmas) {
+  constexpr double alike = 0.1;
+  double sum2 = 0.0, known = 0.0;
+  for (const double sigma : sigmas) {
+    if (!(sigma > 0.0) || !std::isfinite(sigma)) continue;
+    sum2 += sigma * sigma;
+    ++known;
+  }
+  if (known == 0.0) return {};
+  const double rms = std::sqrt(sum2 / known);
+  std::vector<double> relative;
+  bool differ = false;
+  for (const double sigma : sigmas) {
+    relative.push_back(sigma > 0.0 && std::isfinite(sigma) ? sigma / rms : 1.0);
+    differ = differ || std::abs(relative.back() - 1.0) > alike;
+  }
+  return differ ? relative : std::vector<double>{};
+}
+
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen) {
   TimingData part;
   part.reference_period_s = data.reference_period_s;
@@ -72,6 +91,8 @@ TimingData subset(const TimingData& data, std::span<const std::size_t> chosen) {
     part.elapsed_s.push_back(data.elapsed_s[i]);
     part.lateness_s.push_back(data.lateness_s[i]);
     if (data.has_amplitude()) part.amplitude_rad.push_back(data.amplitude_rad[i]);
+    if (!data.time_noise.empty()) part.time_noise.push_back(data.time_noise[i]);
+    if (!data.amplitude_noise.empty()) part.amplitude_noise.push_back(data.amplitude_noise[i]);
     for (std::size_t k = 0; k < data.terms.size(); ++k)
       part.terms[k].advance_s.push_back(data.terms[k].advance_s[i]);
   }

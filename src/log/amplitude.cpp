@@ -4,6 +4,7 @@
 #include "typical_period.hpp"
 
 #include "base/scaled_time.hpp"
+#include "goingrate/dynamics/swing_loss.hpp"
 
 #include <algorithm>
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -49,6 +50,54 @@ double amplitude_from_width(double width_s, double flag_width_rad, double period
     if (std::abs(step) < 1e-14 * amplitude) return amplitude;
   }
   return unknown;
+}
+
+double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s) {
+  double found = period_s;
+  constexpr int rounds = 4; // each leaves an eighth of the squared amplitude of the error before
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<double> periods;
+    const Beat* before = nullptr;
+    for (std::size_t i = 0; i < log.events.size(); ++i) {
+      const Beat& beat = log.events[i];
+      if (beat.flag != BeatFlag::good) continue;
+      const double amplitude = amplitude_from_width(log.columns.width_s[i], flag_width_rad, found);
+      if (before != nullptr && before->segment == beat.segment && before->cycle < beat.cycle &&
+          std::isfinite(amplitude))
+        periods.push_back((beat.time - before->time) /
+                          static_cast<double>(beat.cycle - before->cycle) /
+                          circular_period_ratio(amplitude));
+      before = &beat;
+    }
+    if (!periods.empty()) found = median(periods);
+  }
+  return found;
+}
+
+void move_middles_to_vertical(ClockLog& log, double period_s) {
+  constexpr std::size_t reach = 20; // events either way
+  std::vector<std::size_t> known;
+  for (std::size_t i = 0; i < log.events.size(); ++i)
+    if (!std::isnan(log.events[i].amplitude_rad) && log.events[i].flag != BeatFlag::spurious)
+      known.push_back(i);
+  std::vector<double> late(log.events.size(), 0.0);
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    const Beat& here = log.events[known[k]];
+    for (std::size_t j = k > reach ? k - reach : 0; j < std::min(known.size(), k + reach + 1); ++j) {
+      const Beat& beat = log.events[known[j]];
+      if (beat.segment != here.segment) continue;
+      const double cycles = (beat.time - here.time) / period_s, log_a = std::log(beat.amplitude_rad);
+      ++n, x += cycles, y += log_a, xx += cycles * cycles, xy += cycles * log_a;
+    }
+    const double spread = n * xx - x * x;
+    if (!(n > 2.0 && spread > 0.0)) continue;
+    const double inverse_q = -(n * xy - x * y) / spread / std::numbers::pi;
+    const double width_s = log.columns.width_s[known[k]];
+    late[known[k]] = std::numbers::pi * width_s * width_s * inverse_q / (4.0 * period_s);
+  }
+  for (std::size_t i = 0; i < log.events.size(); ++i)
+    log.events[i].time = log.events[i].time + -late[i];
 }
 
 double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitude_rad,

@@ -146,8 +146,9 @@ double root_of(const Cubic& fit) {
 class SwingFinder {
 public:
   SwingFinder(std::span<const AngleSample> samples, std::vector<Passage> found, double period_s,
-              double rest)
-      : samples_(samples), passages_(std::move(found)), period_s_(period_s), rest_(rest) {}
+              double rest, bool in_rad)
+      : samples_(samples), passages_(std::move(found)), period_s_(period_s), rest_(rest),
+        in_rad_(in_rad) {}
 
   SampledSwings find() {
     SampledSwings swings;
@@ -223,7 +224,11 @@ private:
     const auto& c = fit.coefficients;
     if (!(c[2] * side < 0.0)) return extreme->angle;
     const double u = std::clamp(-0.5 * c[1] / c[2], -1.0, 1.0);
-    return rest_ + fit.value(u);
+    // The fourth derivative of a pendulum that turns at A is sin A cos A in scaled time; a parabola
+    // fitted over +-W lies 3 W^4/35 of the fourth-order term too low in the middle.
+    const double reach = 2.0 * std::numbers::pi * width / period_s_, turn = fit.value(u);
+    const double fourth = in_rad_ ? std::sin(turn) * std::cos(turn) : turn;
+    return rest_ + turn + 3.0 / 35.0 * std::pow(reach, 4) / 24.0 * fourth;
   }
 
   [[nodiscard]] std::vector<double> turning_angles() const {
@@ -237,27 +242,24 @@ private:
   }
 
   [[nodiscard]] double swing_at(const std::vector<double>& turns, std::size_t k) const {
-    double sum = 0.0, count = 0.0;
-    for (const std::size_t i : {k - 1, k}) {
-      if (i >= turns.size() || std::isnan(turns[i])) continue; // k - 1 of 0 is beyond all
-      sum += std::abs(turns[i] - rest_);
-      ++count;
-    }
-    return count > 0.0 ? sum / count : unknown;
+    if (k == 0 || k >= turns.size()) return unknown; // one turn alone is half a swing early or late
+    return 0.5 * (std::abs(turns[k - 1] - rest_) + std::abs(turns[k] - rest_));
   }
 
   std::span<const AngleSample> samples_;
   std::vector<Passage> passages_;
   double period_s_;
   double rest_;
+  bool in_rad_;
   Instant centre_{};
 };
 
 // Few samples a period: sines through several of them.
 class SineFinder {
 public:
-  SineFinder(std::span<const AngleSample> samples, std::vector<Passage> found, double period_s)
-      : samples_(samples), passages_(std::move(found)), period_s_(period_s),
+  SineFinder(std::span<const AngleSample> samples, std::vector<Passage> found, double period_s,
+             bool in_rad)
+      : samples_(samples), passages_(std::move(found)), period_s_(period_s), in_rad_(in_rad),
         decay_(passages_.size(), 0.0) {}
 
   // `rest` is where the pendulum hangs, if that is known.
@@ -269,6 +271,7 @@ public:
       decay_[k] = decay_near(k);
     if (!rest) rest = middle();
     fit_all(rest);
+    fit_all(rest); // with the harmonic of the amplitudes just found
     SampledSwings swings;
     swings.period_s = period_s_;
     swings.rest_angle = rest.value_or(0.0);
@@ -299,9 +302,19 @@ private:
   };
 
   void fit_all(std::optional<double> rest) {
+    const std::vector<std::optional<Sine>> before = std::move(fits_);
     fits_.clear();
     for (std::size_t k = 0; k < passages_.size(); ++k)
-      fits_.push_back(fit(passages_[k], decay_[k], rest));
+      fits_.push_back(
+          fit(passages_[k], decay_[k], rest, k < before.size() ? before[k] : std::nullopt));
+  }
+
+  // What a pendulum's swing has beside its sine: A^2/192 of it at three times the frequency (next
+  // order of Lindstedt's expansion; Landau and Lifshitz, Mechanics, 28), so that the turning angle
+  // is A. Only of an angle in rad, as amplitudes are.
+  static double harmonic(const Sine& sine, double from_root, double w, double side) {
+    const double A = sine.amplitude, share = A * A / 192.0;
+    return side * A * share * (std::sin(w * from_root) + std::sin(3.0 * w * from_root));
   }
 
   // The period of the fitted crossings: that of the passages is known to a sample only.
@@ -315,7 +328,9 @@ private:
   }
 
   // exp(-decay t) (a cos wt + b sin wt) + middle, the middle free unless `rest` is known.
-  std::optional<Sine> fit(const Passage& passage, double decay, std::optional<double> rest) const {
+  // `before`: the last fit, whose harmonic is taken off.
+  std::optional<Sine> fit(const Passage& passage, double decay, std::optional<double> rest,
+                          const std::optional<Sine>& before) const {
     const AngleSample &a = samples_[passage.before], &b = samples_[passage.after];
     const double wait = b.time - a.time;
     if (wait > 0.95 * period_s_) return {}; // there may be three crossings between the two
@@ -335,6 +350,9 @@ private:
       rows(i, 1) = size * std::sin(w * t);
       if (!rest) rows(i, 2) = 1.0;
       values(i) = sample.angle - rest.value_or(0.0);
+      if (before && in_rad_)
+        values(i) -= size * harmonic(*before, t - before->root_s, w,
+                                     passage.edge == Edge::up ? 1.0 : -1.0);
     }
     const Eigen::MatrixXd inverse = (rows.transpose() * rows).inverse();
     const Eigen::VectorXd c = inverse * (rows.transpose() * values);
@@ -378,6 +396,7 @@ private:
   std::span<const AngleSample> samples_;
   std::vector<Passage> passages_;
   double period_s_;
+  bool in_rad_;
   std::vector<double> decay_; // one a passage
   std::vector<std::optional<Sine>> fits_;
 };
@@ -393,7 +412,7 @@ double usual_step(std::span<const AngleSample> samples) {
 } // namespace
 
 SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
-                                   std::optional<double> rest_angle) {
+                                   std::optional<double> rest_angle, bool in_rad) {
   SampledSwings none;
   constexpr std::size_t fewest = 8; // three swings of the fewest samples
   if (samples.size() < fewest) return none;
@@ -419,14 +438,14 @@ SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
     found = passages(samples, rest, 0.0, fade);
     period_s = period_between(samples, found);
     if (!(period_s > 0.0) || rest_angle || coarse) break;
-    rest = SwingFinder(samples, found, period_s, rest).middle();
+    rest = SwingFinder(samples, found, period_s, rest, in_rad).middle();
   }
   if (!(period_s > 0.0)) return none;
   SampledSwings swings;
   if (!coarse)
-    swings = SwingFinder(samples, std::move(found), period_s, rest).find();
+    swings = SwingFinder(samples, std::move(found), period_s, rest, in_rad).find();
   else if (samples_per_period >= fewest_samples_per_period)
-    swings = SineFinder(samples, std::move(found), period_s).find(rest_angle);
+    swings = SineFinder(samples, std::move(found), period_s, in_rad).find(rest_angle);
   swings.samples_per_period =
       swings.period_s > 0.0 ? swings.period_s / step_between : samples_per_period;
   return swings;

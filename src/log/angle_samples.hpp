@@ -53,11 +53,13 @@ inline constexpr double fewest_samples_per_period = 2.5;
 ///
 /// Where there are fewer than 32 samples a period, a fading sine of the mean period is fitted
 /// instead to the samples within 0.6 periods of each crossing; its root, its amplitude and its
-/// middle are those of the swing. Sigma holds as a coverage and the error is without bias:
+/// middle are those of the swing. Of samples in rad the third harmonic of a pendulum's swing is
+/// taken into account, so that the amplitudes are turning angles to 2e-4 at 1 rad. An amplitude
+/// takes a turn on either side. Sigma holds as a coverage and the error is without bias:
 /// AngleSamplesTest.SigmasCover, AngleSamplesTest.AFewSamplesAPeriodWillDo. Cost O(N). No crossing
 /// is found with fewer than three swings; samples fewer than `fewest_samples_per_period` give their
 /// number alone.
 SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
-                                   std::optional<double> rest_angle = {});
+                                   std::optional<double> rest_angle = {}, bool in_rad = true);
 
 } // namespace goingrate

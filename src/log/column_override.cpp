@@ -2,6 +2,7 @@
 #include "column_names.hpp"
 #include "layout_detection.hpp"
 
+#include "base/spelling.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -34,6 +35,13 @@ std::size_t place_of(std::string_view place, const LogHead& head, const std::str
                                   ", ")));
 }
 
+[[noreturn]] void refuse_role(const std::string& word, std::string_view role) {
+  const std::vector<std::string> known = role_names();
+  throw ArgumentError("column", word,
+                      fmt::format("ROLE=PLACE[:UNIT], role one of {}{}", fmt::join(known, ", "),
+                                  meant_instead(role, known)));
+}
+
 } // namespace
 
 void apply_columns(const std::vector<std::string>& columns, const LogHead& head, Layout& layout) {
@@ -41,10 +49,7 @@ void apply_columns(const std::vector<std::string>& columns, const LogHead& head,
     const std::size_t equals = word.find('=');
     const auto role = role_named(std::string_view(word).substr(0, equals));
     if (equals == std::string::npos || !role)
-      throw ArgumentError("column", word,
-                          "ROLE=PLACE[:UNIT], role one of time, period, half-period, error, phase, "
-                          "frequency, amplitude, angle, position, width, edge, temperature, "
-                          "pressure, channel, ignored");
+      refuse_role(word, std::string_view(word).substr(0, equals));
     std::string_view place = std::string_view(word).substr(equals + 1);
     const std::size_t colon = place.rfind(':');
     const std::string_view unit =

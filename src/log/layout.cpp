@@ -100,4 +100,11 @@ std::vector<std::string> format_names() {
   return names;
 }
 
+std::vector<std::string> role_names() {
+  std::vector<std::string> names;
+  for (const auto& [role, name] : roles)
+    names.emplace_back(name);
+  return names;
+}
+
 } // namespace goingrate

@@ -152,11 +152,11 @@ void Detection::leave_out(std::size_t column) {
 }
 
 LogFormat Detection::format_of_names() const {
+  if (layout_.find(ColumnRole::angle) || layout_.find(ColumnRole::position))
+    return LogFormat::angle; // of no native log
   if (!head_.names.empty() && layout_.separator == ',' &&
       std::find(head_.names.begin(), head_.names.end(), "time_s") != head_.names.end())
     return LogFormat::native;
-  if (layout_.find(ColumnRole::angle) || layout_.find(ColumnRole::position))
-    return LogFormat::angle;
   if (layout_.find(ColumnRole::phase)) return LogFormat::phase;
   if (layout_.find(ColumnRole::frequency)) return LogFormat::frequency;
   return LogFormat::table;

@@ -92,13 +92,13 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
   if (layout.newest_first) std::reverse(samples.begin(), samples.end());
   std::stable_sort(samples.begin(), samples.end(),
                    [](const AngleSample& a, const AngleSample& b) { return a.time < b.time; });
-  const auto swings = crossings_of_samples(samples, options.rest_angle_rad);
+  const bool in_rad = layout.find(ColumnRole::angle).has_value();
+  const auto swings = crossings_of_samples(samples, options.rest_angle_rad, in_rad);
   if (swings.samples_per_period > 0.0 && swings.samples_per_period < fewest_samples_per_period)
     throw InputError(
         {log.source, layout.first_line, 1},
         fmt::format("sampled too coarsely: {:.2g} samples a period", swings.samples_per_period),
         fmt::format("at least {}", fewest_samples_per_period));
-  const bool in_rad = layout.find(ColumnRole::angle).has_value();
   for (const SampledCrossing& crossing : swings.crossings) {
     const bool known = in_rad && crossing.amplitude > 0.0 && crossing.amplitude < 3.14;
     const double amplitude = known ? crossing.amplitude : std::numeric_limits<double>::quiet_NaN();

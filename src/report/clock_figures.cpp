@@ -1,6 +1,8 @@
 // Figures of the clock itself: its rate against its amplitude, and the drive as it went.
 #include "report_figures.hpp"
 
+#include "wording.hpp"
+
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
@@ -15,7 +17,7 @@ constexpr int blue = 0;
 constexpr int vermilion = 1;
 
 // Means over stretches of beats: of a single period the jitter hides what is looked for.
-Series stretch_means(const Analysis& data) {
+Series stretch_means(const Analysis& data, const Wording& words) {
   constexpr std::size_t wanted = 300;
   constexpr std::size_t shortest = 10; // beats
   const std::size_t length = std::max(shortest, data.beats.size() / wanted);
@@ -31,8 +33,8 @@ Series stretch_means(const Analysis& data) {
     }
     const double elapsed = data.beats[from + length].time - data.beats[from].time;
     if (seen == 0.0 || !(elapsed > 0.0)) continue;
-    means.x.push_back(1e3 * sum / seen);
-    means.y.push_back(seconds_gained_per_day((error[from + length] - error[from]) / elapsed));
+    means.x.push_back(words.angle_unit().factor * sum / seen);
+    means.y.push_back(words.rate_unit().factor * (error[from + length] - error[from]) / elapsed);
   }
   return means;
 }
@@ -44,10 +46,12 @@ double median(std::vector<double> values) {
 }
 
 // -A^2/16 over the range of amplitudes, laid through the middle of the points.
-Series circular_error(const Series& means) {
+Series circular_error(const Series& means, const Wording& words) {
   constexpr int steps = 40;
   Series curve{Series::Style::line, "circular error", {}, {}, {}, {}, vermilion};
-  const auto of = [](double mrad) { return seconds_gained_per_day(-1e-6 * mrad * mrad / 16.0); };
+  const auto of = [&](double amplitude) {
+    return -words.rate_unit().factor * std::pow(amplitude / words.angle_unit().factor, 2) / 16.0;
+  };
   const auto [low, high] = std::minmax_element(means.x.begin(), means.x.end());
   const double level = median(means.y) - of(median(means.x));
   for (int i = 0; i <= steps; ++i) {
@@ -62,17 +66,18 @@ Series circular_error(const Series& means) {
 
 std::optional<Figure> rate_amplitude_figure(const Analysis& data) {
   if (!data.log.has_amplitude) return std::nullopt;
-  Series means = stretch_means(data);
+  const Wording words(data);
+  Series means = stretch_means(data, words);
   if (means.x.size() < 2) return std::nullopt;
-  Series curve = circular_error(means);
+  Series curve = circular_error(means, words);
   return Figure{"rate-amplitude",
                 "Rate against amplitude",
                 "Points along the curve −A²/16 are a clock whose rate follows its amplitude by the "
                 "circular error alone; off it something else moves the rate, such as the "
                 "escapement. The curve is laid through the middle of the points: only its slope "
                 "counts.",
-                {"amplitude", "mrad"},
-                {"rate", "s/day"},
+                {"amplitude", std::string(words.angle_unit().name)},
+                {"rate", std::string(words.rate_unit().name)},
                 {std::move(means), std::move(curve)}};
 }
 

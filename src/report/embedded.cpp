@@ -13,6 +13,7 @@
   extern "C" const char goingrate_##name##_end[]
 
 EMBED(plotly, GOINGRATE_PLOTLY_SCRIPT);
+EMBED(series, GOINGRATE_SERIES_SCRIPT);
 EMBED(page, GOINGRATE_PAGE_SCRIPT);
 
 namespace goingrate {
@@ -26,6 +27,8 @@ std::string_view between(const char* begin, const char* end) {
 } // namespace
 
 std::string_view plotly_script() { return between(goingrate_plotly_begin, goingrate_plotly_end); }
+
+std::string_view series_script() { return between(goingrate_series_begin, goingrate_series_end); }
 
 std::string_view page_script() { return between(goingrate_page_begin, goingrate_page_end); }
 

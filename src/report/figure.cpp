@@ -50,6 +50,8 @@ public:
     x_ = axes.x;
     y_ = axes.y;
     empty_ = axes.empty;
+    for (const Series& series : figure.series)
+      series_.push_back(within(series, axes));
     std::size_t longest = 0;
     for (const Tick& tick : y_.ticks)
       longest = std::max(longest, characters(tick.label));
@@ -81,6 +83,7 @@ private:
   void draw_markers();
   void draw_series(std::size_t index);
   void draw_marks(const Series& series, const Look& look);
+  void draw_rim(const std::vector<RimMark>& marks, const Look& look);
   void draw_frame();
   void draw_legend();
   void draw_sample(const Series& series, const Look& look, const LegendEntry& at);
@@ -107,6 +110,7 @@ private:
   double bottom_ = 0.0;
   std::vector<LegendEntry> legend_;
   std::vector<Look> looks_;
+  std::vector<SeriesWithin> series_; // as they are drawn
   std::vector<PlacedMarker> markers_;
 };
 
@@ -229,10 +233,20 @@ void Drawing::draw_marks(const Series& series, const Look& look) {
   if (!path.empty()) write("<path class=\"mark c{}\" d=\"{}\"/>\n", look.colour, path);
 }
 
+// Triangles that point outwards.
+void Drawing::draw_rim(const std::vector<RimMark>& marks, const Look& look) {
+  std::string path;
+  for (const RimMark& mark : marks)
+    fmt::format_to(std::back_inserter(path), "M{} {}l4.5 {}h-9z", coordinate(across(mark.x)),
+                   coordinate(mark.above ? top_ : bottom_), mark.above ? 8 : -8);
+  if (!path.empty()) write("<path class=\"mark rim c{}\" d=\"{}\"/>\n", look.colour, path);
+}
+
 void Drawing::draw_series(std::size_t index) {
   if (empty_) return;
-  const Series& series = figure_.series[index];
+  const Series& series = series_[index].inside;
   const Look& look = looks_[index];
+  draw_rim(series_[index].beyond, look);
   const auto path = [&](std::string_view kind, const std::string& data) {
     if (!data.empty()) write("<path class=\"{} c{}\" d=\"{}\"/>\n", kind, look.colour, data);
   };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace goingrate {
@@ -23,6 +24,10 @@ void check(const Series& series) {
       (series.style == Series::Style::cells && series.low.size() != series.x.size()))
     throw ArgumentError("series", series.label, "vectors of one length");
 }
+
+struct Interval {
+  double low = 0.0, high = 0.0;
+};
 
 // The smallest and largest value that can be shown.
 class Range {
@@ -44,15 +49,52 @@ private:
   double highest_ = -std::numeric_limits<double>::infinity();
 };
 
-void include(const Figure& figure, Range& x, Range& y) {
+bool sets_bulk(const Series& series) {
+  return series.style == Series::Style::points || series.style == Series::Style::line;
+}
+
+// Whether the y axis is set by the bulk of the values.
+bool is_of_bulk(const Figure& figure) {
+  return !figure.y.logarithmic && figure.y.names.empty() &&
+         std::any_of(figure.series.begin(), figure.series.end(),
+                     [](const Series& series) { return series.style == Series::Style::points; });
+}
+
+// The values that are not far beyond the middle 98 %, as a box plot has it; all of a few.
+Interval bulk_of(const Series& series) {
+  std::vector<double> values;
+  for (const double value : series.y)
+    if (can_be_shown(value, false)) values.push_back(value);
+  constexpr std::size_t few = 20;
+  constexpr Interval all{-std::numeric_limits<double>::infinity(),
+                         std::numeric_limits<double>::infinity()};
+  if (values.size() < few) return all;
+  const std::size_t left_out = std::max<std::size_t>(1, values.size() / 100);
+  const auto at = [&](std::size_t place) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(place);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const double low = at(left_out), high = at(values.size() - 1 - left_out);
+  const double span = high - low;
+  return span > 0.0 ? Interval{low - span, high + span} : all;
+}
+
+void include(const Figure& figure, Range& x, Range& y, bool& clipped) {
   for (const Series& series : figure.series) {
     check(series);
+    const bool by_bulk = is_of_bulk(figure) && sets_bulk(series);
+    const Interval bulk = by_bulk ? bulk_of(series) : Interval{};
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       if (!can_be_shown(series.x[i], figure.x.logarithmic)) continue;
       const bool band = series.style == Series::Style::band;
       const double value = band ? 0.5 * (series.low[i] + series.high[i]) : series.y[i];
       if (!can_be_shown(value, figure.y.logarithmic)) continue;
       x.include(series.x[i]);
+      if (by_bulk && (value < bulk.low || value > bulk.high)) {
+        clipped = true;
+        continue;
+      }
       y.include(value);
       if (band || series.style == Series::Style::bars) {
         y.include(series.low[i]);
@@ -67,18 +109,41 @@ void include(const Figure& figure, Range& x, Range& y) {
 FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside) {
   Range x(figure.x.logarithmic);
   Range y(figure.y.logarithmic);
-  include(figure, x, y);
   FigureAxes axes;
+  include(figure, x, y, axes.clipped);
   axes.empty = x.empty();
   for (const Figure& other : beside) {
     Range unused(other.y.logarithmic);
-    include(other, x, unused);
+    bool also_unused = false;
+    include(other, x, unused, also_unused);
   }
   constexpr double sideways = 0.01; // room so that dots at the edge are not cut
   constexpr double upwards = 0.05;
   axes.x = x.scale(figure.x, sideways);
   axes.y = y.scale(figure.y, upwards);
   return axes;
+}
+
+SeriesWithin within(const Series& series, const FigureAxes& axes) {
+  SeriesWithin result{series, {}};
+  if (!axes.clipped || !sets_bulk(series)) return result;
+  constexpr double marks = 150.0; // along the axis
+  std::array<double, 2> last{-1.0, -1.0};
+  for (std::size_t i = 0; i < series.y.size(); ++i) {
+    double& value = result.inside.y[i];
+    if (!can_be_shown(value, false) || (value >= axes.y.from && value <= axes.y.to)) continue;
+    const bool above = value > axes.y.to;
+    if (series.style == Series::Style::line) {
+      value = above ? axes.y.to : axes.y.from;
+      continue;
+    }
+    value = std::numeric_limits<double>::quiet_NaN();
+    const double place = std::floor(marks * axes.x.place(series.x[i]));
+    if (std::isnan(place) || place == last.at(above ? 1 : 0)) continue;
+    last.at(above ? 1 : 0) = place;
+    result.beyond.push_back({series.x[i], above});
+  }
+  return result;
 }
 
 std::vector<Look> series_looks(const Figure& figure) {

@@ -13,13 +13,30 @@ namespace goingrate {
 /// Both axes of a figure.
 struct FigureAxes {
   AxisScale x, y;
-  bool empty = false; ///< there is no value that can be shown
+  bool empty = false;   ///< there is no value that can be shown
+  bool clipped = false; ///< some values of clouds lie beyond the y axis
 };
 
 /// The axes that show all values of `figure`, with room at the edges; x shows those of `beside`
-/// too, figures that have the same x axis. Throws ArgumentError if the vectors of a series differ
-/// in length.
+/// too, figures that have the same x axis. Where there is a cloud of points and y is linear, the
+/// values of points and lines set the y axis by their bulk: one that lies farther beyond the middle
+/// 98 % of its series than these are wide is left outside, so that a single bad period does not
+/// hide all others. Throws ArgumentError if the vectors of a series differ in length.
 FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside = {});
+
+/// A value of a cloud that lies beyond the y axis.
+struct RimMark {
+  double x = 0.0;
+  bool above = false; ///< beyond the upper end
+};
+
+/// A series inside the axes: points beyond the y axis are missing and stand in `beyond`, at most
+/// one for each side and 150th part of the x axis; a line runs along the rim there.
+struct SeriesWithin {
+  Series inside;
+  std::vector<RimMark> beyond;
+};
+SeriesWithin within(const Series& series, const FigureAxes& axes);
 
 /// How one series is told from the others without its colour.
 struct Look {

@@ -1,6 +1,8 @@
 // The fitted parameters as tables for other programs.
 #include "goingrate/report/tables.hpp"
 
+#include "rounded.hpp"
+
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -10,14 +12,17 @@ namespace goingrate {
 
 namespace {
 
-// Number text as C writes it, "(2.5 +- 0.2)e-4" or "+3.1e-05", in LaTeX's mathematics.
-std::string in_mathematics(std::string text) {
-  if (const std::size_t sign = text.find(" +- "); sign != text.npos)
-    text.replace(sign, 4, " \\pm ");
-  const std::size_t power = text.find('e');
-  if (power == text.npos) return "$" + text + "$";
-  return fmt::format("${} \\times 10^{{{}}}$", text.substr(0, power),
-                     std::stoi(text.substr(power + 1)));
+// In LaTeX's mathematics.
+std::string in_mathematics(const Rounded& number, std::string_view sign = "") {
+  std::string text = std::string(sign) + number.value;
+  if (!number.sigma.empty()) text += " \\pm " + number.sigma;
+  if (number.power == 0) return "$" + text + "$";
+  if (!number.sigma.empty()) text = "(" + text + ")";
+  return fmt::format("${} \\times 10^{{{}}}$", text, number.power);
+}
+
+std::string in_mathematics(double value, int digits, std::string_view sign = "") {
+  return in_mathematics(rounded(value, 0.0, digits), sign);
 }
 
 std::string symbol(const std::string& name) {
@@ -40,15 +45,14 @@ std::string symbol(const std::string& name) {
 
 std::string latex_value(const FittedParameter& p) {
   if (p.status == ParameterStatus::undetermined) return "undetermined";
-  if (p.status == ParameterStatus::fixed)
-    return in_mathematics(fmt::format("{:.10g}", p.value)) + " (fixed)";
-  return in_mathematics(with_sigma(p.value, p.sigma));
+  if (p.status == ParameterStatus::fixed) return in_mathematics(p.value, 10) + " (fixed)";
+  return in_mathematics(rounded(p.value, p.sigma, 6));
 }
 
 std::string latex_interval(const FittedParameter& p) {
   if (!std::isfinite(p.sigma) || !is_lopsided(p)) return "";
   const auto end = [&](double at) {
-    return std::isfinite(at) ? in_mathematics(fmt::format("{:+.2g}", at - p.value))
+    return std::isfinite(at) ? in_mathematics(at - p.value, 2, at < p.value ? "" : "+")
                              : std::string("open");
   };
   return fmt::format("{} to {}", end(p.low95), end(p.high95));

@@ -1,5 +1,8 @@
 #include "goingrate/report/tables.hpp"
 
+#include "figure_axes.hpp"
+#include "parameter_words.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -46,19 +49,19 @@ std::string remarks_on(const FittedParameter& p) {
   if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
   const std::string all = fmt::format("{}", fmt::join(remarks, "; "));
   if (!(std::abs(p.model_shift) >= 0.1)) return all;
-  return all + fmt::format("{}[first order: {:+.2g} sigma]", all.empty() ? "" : " ", p.model_shift);
+  return all + fmt::format("{}[first order: {:+.2g} σ]", all.empty() ? "" : " ", p.model_shift);
 }
 
 std::string parameter_lines(const std::vector<FittedParameter>& parameters) {
   std::size_t name_width = 14, value_width = 0;
   for (const FittedParameter& p : parameters) {
-    name_width = std::max(name_width, p.name.size());
-    if (!remarks_on(p).empty()) value_width = std::max(value_width, value_text(p).size());
+    name_width = std::max(name_width, characters(symbol_and_name(p.name)));
+    if (!remarks_on(p).empty()) value_width = std::max(value_width, characters(value_text(p)));
   }
   std::string text;
   for (const FittedParameter& p : parameters) {
     const std::string remarks = remarks_on(p);
-    text += fmt::format("  {:<{}} ", p.name, name_width);
+    text += fmt::format("  {:<{}} ", symbol_and_name(p.name), name_width);
     text += remarks.empty() ? value_text(p)
                             : fmt::format("{:<{}}  {}", value_text(p), value_width, remarks);
     text += "\n";
@@ -67,9 +70,10 @@ std::string parameter_lines(const std::vector<FittedParameter>& parameters) {
 }
 
 std::string derived_line(const DerivedQuantity& quantity) {
-  return fmt::format("  {:<22} {}{}{}\n    {}\n", quantity.name,
+  return fmt::format("  {:<22} {}{}{}\n    {}\n", in_symbols(quantity.name),
                      with_sigma(quantity.value, quantity.sigma, 10),
-                     quantity.unit.empty() ? "" : " ", quantity.unit, quantity.expression);
+                     quantity.unit.empty() ? "" : " ", quantity.unit,
+                     in_symbols(quantity.expression));
 }
 
 bool has_value(const FitSummary& fit, const std::string& name) {
@@ -84,20 +88,19 @@ std::string correlation_lines(const FitSummary& fit) {
     for (std::size_t k = i + 1; k < fit.correlated.size(); ++k) {
       if (!has_value(fit, fit.correlated[i]) || !has_value(fit, fit.correlated[k])) continue;
       if (std::abs(fit.correlation[i][k]) >= least_correlation)
-        text += fmt::format("  {:<14} {:<14} {:+.3f}\n", fit.correlated[i], fit.correlated[k],
-                            fit.correlation[i][k]);
+        text += fmt::format("  {:<14} {:<14} {:+.3f}\n", symbol_of(fit.correlated[i]),
+                            symbol_of(fit.correlated[k]), fit.correlation[i][k]);
     }
   return text;
 }
 
 std::string chi2_lines(const FitQuality& q) {
   if (!std::isfinite(q.p_value)) return "  too few beats to test it\n";
-  return fmt::format("  chi-squared {:.5g} for {:.0f} degrees of freedom (p = {:.2g}) {}\n", q.chi2,
-                     q.dof, q.p_value,
-                     q.of_innovations
-                         ? "of the innovations"
-                         : "against the jitter of neighbouring beats; p allows for that "
-                           "being known to some per cent only");
+  return fmt::format(
+      "  χ² {:.5g} for {:.0f} degrees of freedom (p = {:.2g}) {}\n", q.chi2, q.dof, q.p_value,
+      q.of_innovations ? "of the innovations"
+                       : "against the jitter of neighbouring beats; p allows for that "
+                         "being known to some per cent only");
 }
 
 std::string statistics_lines(const FitSummary& fit) {
@@ -128,8 +131,7 @@ std::string test_lines(const FitSummary& fit) {
               : "  the times are met to rounding: there is no noise to test\n";
   const double widest = std::max(fit.time_widening, fit.amplitude_widening);
   if (widest > 1.05)
-    text +=
-        fmt::format("  sigmas are widened by up to {:.3g} for correlation that is left\n", widest);
+    text += fmt::format("  σ is widened by up to {:.3g} for correlation that is left\n", widest);
   if (fit.quality.whiteness_p < 1e-3)
     text += "  they are not white: the model misses something, take the values with care "
             "(`spectrum` finds lines)\n";
@@ -138,11 +140,11 @@ std::string test_lines(const FitSummary& fit) {
 
 std::string experiment_lines(const FitSummary& fit) {
   if (fit.experiments.empty()) return "";
-  std::string text = "[what would tell more, and the sigma to expect]\n";
+  std::string text = "[what would tell more, and the σ to expect]\n";
   for (const Experiment& experiment : fit.experiments) {
     text += fmt::format("  {}:", experiment.what);
     for (const auto& [name, sigma] : experiment.relative_sigma)
-      text += fmt::format(" {} {:.2g} %", name, 100.0 * sigma);
+      text += fmt::format(" {} {:.2g} %", symbol_of(name), 100.0 * sigma);
     text += "\n";
   }
   return text;
@@ -163,6 +165,7 @@ std::string fit_text(const FitSummary& fit) {
   for (const DerivedQuantity& quantity : fit.combinations)
     text += derived_line(quantity);
   if (std::isfinite(fit.q_factor.value)) text += derived_line(fit.q_factor);
+  if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
   text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

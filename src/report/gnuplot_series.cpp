@@ -25,7 +25,8 @@ class Writer {
 public:
   Writer(const Series& series, const Look& look, const FigureAxes& axes,
          const CurveOptions& options)
-      : series_(series), look_(look), axes_(axes), options_(options) {}
+      : within_(within(series, axes)), series_(within_.inside), look_(look), axes_(axes),
+        options_(options) {}
 
   Curves curves() {
     switch (series_.style) {
@@ -43,6 +44,7 @@ public:
       break;
     case Series::Style::points:
       look_.dense ? add_cloud() : add_marks(series_.x, series_.y);
+      add_rim();
       break;
     }
     return std::move(curves_);
@@ -54,6 +56,7 @@ private:
   void add_bars();
   void add_cells();
   void add_cloud();
+  void add_rim();
   void add_marks(const std::vector<double>& x, const std::vector<double>& y);
   void add_strokes(const std::vector<Extent>& strokes);
 
@@ -85,7 +88,8 @@ private:
                                                            : std::string("notitle"));
   }
 
-  const Series& series_;
+  const SeriesWithin within_;
+  const Series& series_; // inside the axes
   const Look& look_;
   const FigureAxes& axes_;
   const CurveOptions& options_;
@@ -201,6 +205,19 @@ void Writer::add_cloud() {
   add(data, fmt::format("with points pointtype 7 pointsize 0.1 {}", colour()), false);
   // The dots themselves would be too small in the key.
   if (options_.titled) add_plot("NaN", "with points pointtype 7 pointsize 0.3 " + colour(), true);
+}
+
+// Triangles for what lies beyond the axis, pointing there.
+void Writer::add_rim() {
+  for (const bool above : {false, true}) {
+    std::string data;
+    for (const RimMark& mark : within_.beyond)
+      if (mark.above == above)
+        data += number(mark.x) + ' ' + number(value_at(axes_.y, above ? 0.98 : 0.02)) + '\n';
+    if (!data.empty())
+      add(data, fmt::format("with points pointtype {} pointsize 0.5 {}", above ? 9 : 11, colour()),
+          false);
+  }
 }
 
 } // namespace

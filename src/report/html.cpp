@@ -1,4 +1,5 @@
 // The page: its frame, its style, and the order of its parts.
+#include "goingrate/report/json.hpp"
 #include "goingrate/report/report.hpp"
 
 #include "embedded.hpp"
@@ -6,6 +7,7 @@
 #include "page.hpp"
 #include "page_data.hpp"
 #include "report_figures.hpp"
+#include "wording.hpp"
 
 #include <fmt/format.h>
 #include <utility>
@@ -15,14 +17,20 @@ namespace goingrate {
 namespace page {
 
 Table::Table(std::string caption, std::vector<std::string> headings)
-    : caption_(std::move(caption)), headings_(std::move(headings)) {}
+    : caption_(escape_markup(caption)) {
+  for (const std::string& heading : headings)
+    headings_.push_back(escape_markup(heading));
+}
 
 void Table::row(const std::vector<std::string>& cells) {
   constexpr std::size_t longest_value = 36; // bytes: a number with its sigma stays on one line
   rows_ += "<tr>";
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const bool value = cells[i].size() <= longest_value;
-    rows_ += i == 0 ? "<th scope=\"row\">" : value ? "<td class=\"value\">" : "<td>";
+    // On a narrow screen every cell stands below the one before, with its heading.
+    const std::string label =
+        i > 0 && i < headings_.size() ? " data-label=\"" + headings_[i] + "\"" : "";
+    rows_ += i == 0 ? "<th scope=\"row\">" : (value ? "<td class=\"value\"" : "<td") + label + ">";
     rows_ += escape_markup(cells[i]) + (i == 0 ? "</th>" : "</td>");
   }
   rows_ += "</tr>\n";
@@ -31,12 +39,11 @@ void Table::row(const std::vector<std::string>& cells) {
 std::string Table::html() const {
   std::string head;
   for (const std::string& heading : headings_)
-    head += "<th scope=\"col\">" + escape_markup(heading) + "</th>";
-  const std::string caption = escape_markup(caption_);
+    head += "<th scope=\"col\">" + heading + "</th>";
   return fmt::format("<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{0}\">\n"
                      "<table>\n<caption>{0}</caption>\n<thead><tr>{1}</tr></thead>\n"
                      "<tbody>\n{2}</tbody>\n</table>\n</div>\n",
-                     caption, head, rows_);
+                     caption_, head, rows_);
 }
 
 std::string section(std::string_view id, std::string_view title, std::string_view body) {
@@ -64,14 +71,15 @@ h2{font-size:1.25rem;margin:2rem 0 .5rem;border-bottom:1px solid var(--grid)}
 h3{font-size:1.05rem;margin:1.2rem 0 .3rem}
 a{color:inherit}
 nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;margin:0;padding:0;list-style:none}
-pre{margin:0;padding:.8rem;overflow-x:auto;background:var(--panel);font-size:.85rem;line-height:1.45}
+.says p{max-width:44rem;margin:.5rem 0}
+.says p:first-child{font-size:1.2rem;line-height:1.4;font-weight:600}
 .cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(15rem,1fr));gap:.6rem;margin:.5rem 0}
 .cards div{padding:.6rem .8rem;background:var(--panel)}
 .cards dt{color:var(--soft);font-size:.85rem}
 .cards dd{margin:0;font-size:.85rem;color:var(--soft)}
 .cards strong{font-size:1.15rem;color:var(--text)}
 .scroll{overflow-x:auto;margin:.8rem 0}
-.scroll:focus-visible,pre:focus-visible{outline:2px solid currentColor;outline-offset:2px}
+.scroll:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums}
 caption{text-align:left;font-weight:600;padding-bottom:.2rem}
 th,td{padding:.25rem .9rem .25rem 0;text-align:left;vertical-align:top;border-bottom:1px solid var(--grid)}
@@ -85,10 +93,25 @@ figcaption{color:var(--soft);font-size:.88rem}
 .live:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 .hint{display:none;color:var(--soft);font-size:.88rem}
 @media screen{.drawn .live,.drawn .hint{display:block}.drawn .still{display:none}}
-li{overflow-wrap:anywhere}
+.save{display:none;margin:.2rem 0;font-size:.88rem;color:var(--soft)}
+button{font:inherit;color:var(--text);background:var(--panel);border:1px solid var(--grid);border-radius:3px;padding:.1rem .6rem}
+button:hover{border-color:currentColor}
+button:focus-visible,a:focus-visible{outline:2px solid currentColor;outline-offset:2px}
+@media screen{.drawn .save{display:block}}
+li,td,th{overflow-wrap:anywhere}
+@media screen and (max-width:50rem){
+table,thead,tbody,tr,th,td,caption{display:block}
+thead{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}
+tr{padding:.5rem 0;border-bottom:1px solid var(--grid)}
+th,td{padding:.05rem 0;border:0}
+tbody th{font-weight:600}
+td[data-label]::before{content:attr(data-label) ": ";color:var(--soft)}
+.value{white-space:normal}}
 .warning{padding:.6rem .8rem;border-left:4px solid var(--warn);background:var(--panel);font-weight:600}
-@media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}figure,tr,.cards div{break-inside:avoid}
-h2,h3,caption{break-after:avoid}.scroll,pre{overflow:visible}pre{white-space:pre-wrap}}
+@page{size:A4;margin:16mm}
+@media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}
+figure,tr,.cards div,.says p{break-inside:avoid}figure svg{max-height:15cm}
+h2,h3,caption{break-after:avoid}.scroll{overflow:visible}.value{white-space:normal}}
 )";
 
 std::string figure_html(const Figure& figure, std::string_view live) {
@@ -102,14 +125,19 @@ std::string live_place(const std::vector<Figure>& figures, std::size_t from, std
   std::string titles;
   for (std::size_t i = from; i < to; ++i)
     titles += (i == from ? "" : "; ") + figures[i].title;
-  return fmt::format("<div class=\"live\" tabindex=\"0\" role=\"group\" aria-label=\"{}\"></div>\n",
+  return fmt::format("<div class=\"live\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"></div>\n"
+                     "<p class=\"save\" role=\"group\" aria-label=\"Save: {0}\">Save as "
+                     "<button type=\"button\" data-format=\"svg\">SVG</button> "
+                     "<button type=\"button\" data-format=\"png\">PNG</button> "
+                     "<button type=\"button\" data-format=\"csv\">CSV</button></p>\n",
                      escape_markup(titles));
 }
 
 constexpr std::string_view hint =
     "<p class=\"hint\">Drag across a figure to zoom (on a telephone: the buttons above it) and "
     "double-click to see all again. A figure with the focus also takes the keys + and −, ← and →, "
-    "and 0. What is against time zooms together.</p>\n";
+    "and 0. What is against time zooms together. The ranges are those of the bulk of the values: a "
+    "triangle at the rim stands for one beyond, and tells it when pointed at.</p>\n";
 
 std::string figures_section(const std::vector<Figure>& figures) {
   if (figures.empty())
@@ -127,12 +155,26 @@ std::string figures_section(const std::vector<Figure>& figures) {
   return page::section("figures", "Figures", body);
 }
 
+// Three to six paragraphs.
+std::string sentences(const Analysis& data) {
+  std::string html = "<div class=\"says\">\n";
+  for (const std::string& sentence : report_sentences(data))
+    html += page::paragraph(sentence);
+  return html + "</div>\n";
+}
+
+// Everything in numbers, for programs that read the page.
+std::string json_element(const Analysis& data) {
+  return fmt::format("<script type=\"application/json\" id=\"goingrate\">{}</script>\n",
+                     report_json_for_script(data));
+}
+
 // Last in the page, so that everything can be read while a slow reader still takes them in.
 std::string scripts(const std::vector<Figure>& figures) {
   if (plotly_script().empty() || figures.empty()) return {};
   return fmt::format("<script type=\"application/json\" id=\"figure-data\">{}</script>\n"
-                     "<script>{}</script>\n<script>{}</script>\n",
-                     page_data(figures), plotly_script(), page_script());
+                     "<script>{}</script>\n<script>{}</script>\n<script>{}</script>\n",
+                     page_data(figures), plotly_script(), series_script(), page_script());
 }
 
 // Nothing is fetched from anywhere, whatever a log may have smuggled into the page. Its own scripts
@@ -155,7 +197,7 @@ constexpr std::string_view contents = R"(<nav aria-label="Contents"><ul>
 } // namespace
 
 std::string report_html(const Analysis& data) {
-  const std::string name = escape_markup(data.log.source);
+  const std::string name = escape_markup(file_name(data.log.source));
   std::string html =
       fmt::format("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
                   "<meta http-equiv=\"Content-Security-Policy\" content=\"{4}\">\n"
@@ -164,11 +206,10 @@ std::string report_html(const Analysis& data) {
                   "<header>\n<h1>The going of {0}</h1>\n{3}</header>\n<main>\n",
                   name, page_style, figure_style(), contents, content_policy);
   const std::vector<Figure> figures = report_figures(data);
-  html += page::section("summary", "What it says",
-                        "<pre tabindex=\"0\">" + escape_markup(report_text(data)) + "</pre>\n");
+  html += page::section("summary", "What the log says", sentences(data));
   html += page::key_figures(data) + page::diary(data) + figures_section(figures) + page::fit(data) +
           page::drive(data) + page::stability(data) + page::reading(data);
-  return html + "</main>\n" + scripts(figures) + "</body>\n</html>\n";
+  return html + "</main>\n" + json_element(data) + scripts(figures) + "</body>\n</html>\n";
 }
 
 } // namespace goingrate

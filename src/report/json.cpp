@@ -22,6 +22,8 @@ Json rate_or_null(double rate, bool nominal_is_known) {
   return nominal_is_known ? json_number(rate) : Json(nullptr);
 }
 
+} // namespace
+
 Json part_object(const PartRate& part, bool nominal_is_known) {
   const auto rate = [&](double value) { return rate_or_null(value, nominal_is_known); };
   return {{"segment", part.segment},
@@ -94,6 +96,8 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   return json;
 }
 
+namespace {
+
 // An undetermined parameter has neither value nor interval; an end that is open is null.
 Json parameter_object(const FittedParameter& p) {
   return {{"name", p.name},
@@ -127,6 +131,8 @@ Json derived_object(const DerivedQuantity& quantity) {
   return {{"value", json_number(quantity.value)}, {"sigma", json_number(quantity.sigma)}};
 }
 
+} // namespace
+
 Json fit_object(const FitSummary& fit) {
   Json json = json_with_schema("goingrate.fit");
   json["termination"] = fit.termination;
@@ -154,6 +160,7 @@ Json fit_object(const FitSummary& fit) {
                      {"stationary_amplitude", derived_object(fit.stationary_amplitude)},
                      {"rate_s_per_day", derived_object(fit.rate_s_per_day)},
                      {"decay_time_s", derived_object(fit.decay_time)}};
+  if (fit.decay) json["decay"] = decay_object(*fit.decay);
   const FitQuality& q = fit.quality;
   json["quality"] = {{"chi2", json_number(q.chi2)},
                      {"dof", json_number(q.dof)},
@@ -185,6 +192,8 @@ Json fit_object(const FitSummary& fit) {
     json["notes"].push_back(note.text);
   return json;
 }
+
+namespace {
 
 Json rms_object(const RmsEstimate& rms) {
   return {{"rms", json_number(rms.rms)},
@@ -229,6 +238,8 @@ Json split_object(const std::optional<DriveSplit>& split) {
   return json;
 }
 
+} // namespace
+
 Json spectrum_object(const DriveAnalysis& drive) {
   const auto& response = drive.response;
   Json json = json_with_schema("goingrate.spectrum");
@@ -269,109 +280,21 @@ Json stability_object(const DeviationTable& table) {
   return json;
 }
 
-Json change_object(const Change& change) {
-  return {{"cycle", change.cycle},
-          {"at_s", json_number(change.at_s)},
-          {"kind", name_of(change.kind)},
-          {"kind_gain_2logL", json_number(change.kind_gain)},
-          {"rate_change", json_number(change.rate_change)},
-          {"rate_change_sigma", json_number(change.rate_change_sigma)},
-          {"rate_excess_before", json_number(change.rate_before)},
-          {"rate_excess_before_sigma", json_number(change.rate_before_sigma)},
-          {"rate_excess_after", json_number(change.rate_after)},
-          {"rate_excess_after_sigma", json_number(change.rate_after_sigma)},
-          {"amplitude_slope_change_rad_per_s", json_number(change.amplitude_slope_change)}};
-}
-
-Json relaxation_object(const std::optional<Relaxation>& relaxation) {
-  if (!relaxation) return nullptr;
-  return {{"time_constant_s", json_number(relaxation->time_constant_s)},
-          {"sigma_s", json_number(relaxation->sigma_s)},
-          {"window_s", json_number(relaxation->window_s)},
-          {"limit_rad", json_number(relaxation->limit_rad)},
-          {"rms_rad", json_number(relaxation->rms_rad)},
-          {"exponential", relaxation->exponential},
-          {"three_quarter_window_s", json_number(relaxation->shorter_window_s)},
-          {"five_quarter_window_s", json_number(relaxation->longer_window_s)}};
-}
-
-Json diary_object(const Diary& diary) {
-  Json json;
-  json["changes"] = Json::array();
-  for (const Change& change : diary.changes)
-    json["changes"].push_back(change_object(change));
-  json["interruptions"] = Json::array();
-  for (const Interruption& event : diary.interruptions)
-    json["interruptions"].push_back(
-        {{"from_s", json_number(event.begin.at_s)},
-         {"to_s", json_number(event.end.at_s)},
-         {"rate_change", json_number(event.rate_change)},
-         {"amplitude_before_rad", json_number(event.amplitude_before_rad)},
-         {"amplitude_after_rad", json_number(event.amplitude_after_rad)},
-         {"decay", relaxation_object(event.decay)},
-         {"recovery", relaxation_object(event.recovery)}});
-  return json;
-}
-
-Json stretches_object(const Analysis& data) {
-  Json json = Json::array();
-  for (const PartRate& stretch : data.stretches) {
-    Json part = part_object(stretch, data.rate.nominal_is_known);
-    part["from_s"] = json_number(stretch.start - data.beats.front().time);
-    part["to_s"] = json_number(stretch.start - data.beats.front().time + stretch.rate.duration_s);
-    part["sigma"] = part["rate_sigma_s_per_day"];
-    json.push_back(std::move(part));
-  }
-  return json;
-}
-
-Json causes_object(const std::vector<Suspicion>& suspicions) {
-  Json json = Json::array();
-  for (const Suspicion& suspicion : suspicions) {
-    Json alternatives = Json::array();
-    for (const Cause cause : suspicion.alternatives)
-      alternatives.push_back(name_of(cause));
-    json.push_back({{"cause", name_of(suspicion.cause)},
-                    {"gain_2logL", json_number(suspicion.gain)},
-                    {"for", suspicion.evidence},
-                    {"against", std::move(alternatives)},
-                    {"advice", suspicion.advice}});
-  }
-  return json;
-}
-
-// A file name in some other encoding than UTF-8 is written with replacement characters.
-std::string text_of(const Json& json) {
+std::string json_text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-} // namespace
-
 std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                       const SensorFindings& sensor) {
-  return text_of(rate_object(log, beats, summary, sensor));
+  return json_text(rate_object(log, beats, summary, sensor));
 }
 
-std::string fit_json(const FitSummary& fit) { return text_of(fit_object(fit)); }
+std::string fit_json(const FitSummary& fit) { return json_text(fit_object(fit)); }
 
-std::string spectrum_json(const DriveAnalysis& drive) { return text_of(spectrum_object(drive)); }
+std::string spectrum_json(const DriveAnalysis& drive) { return json_text(spectrum_object(drive)); }
 
-std::string stability_json(const DeviationTable& table) { return text_of(stability_object(table)); }
-
-std::string report_json(const Analysis& data) {
-  Json json = json_with_schema("goingrate.report");
-  json["rate"] = rate_object(data.log, data.numbered, data.rate, {});
-  json["segment_rates"] = stretches_object(data);
-  json["diary"] = diary_object(data.diary);
-  json["causes"] = causes_object(data.suspicions);
-  json["fit"] = fit_object(data.fit);
-  json["spectrum"] = spectrum_object(data.drive);
-  json["stability"] = stability_object(data.deviation);
-  if (data.nut)
-    json["rating_nut"] = {{"turns_up", json_number(data.nut->turns)},
-                          {"sigma", json_number(data.nut->sigma)},
-                          {"raise_mm", json_number(1e3 * data.nut->raise_m)}};
-  return text_of(json);
+std::string stability_json(const DeviationTable& table) {
+  return json_text(stability_object(table));
 }
 
 } // namespace goingrate

@@ -79,10 +79,7 @@ std::string superscript(int number) {
 std::string typeset(std::string_view number) {
   std::string out;
   for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number.substr(i, 2) == "+-") {
-      out += "±";
-      ++i;
-    } else if (number[i] == '-') {
+    if (number[i] == '-') {
       out += "−";
     } else if (number[i] == 'e') {
       int exponent = 0;

@@ -15,7 +15,7 @@ std::string shortened(std::string_view text, std::size_t bytes);
 /// An integer as superscript digits.
 std::string superscript(int number);
 
-/// A number as C prints it ("-1.5e-07 +- 2") with minus signs and powers of ten as in print.
+/// A number as C prints it ("-1.5e-07") with minus signs and powers of ten as in print.
 std::string typeset(std::string_view number);
 
 /// `with_sigma`, typeset; "not known" for a value that is not finite.

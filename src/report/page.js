@@ -4,110 +4,20 @@
 // highest value stay, and a zoom draws what it shows anew from all the values there are.
 "use strict";
 (() => {
+  const { unpack, lowerBound, forColumns, extremes, visible, strokes, cloud, csvOf } = goingrateSeries;
   const data = JSON.parse(document.getElementById("figure-data").textContent);
-  const packedBlock = 1024; // as in packed.hpp
   const margin = { l: 62, r: 12, t: 30, b: 46 }; // px; the buttons stand above
   const panelHeight = 250, titleRow = 24; // px
   const legendHeight = (rows) => (rows > 1 ? 30 : 22) * rows; // px
 
   // ---- the numbers
 
-  // Least value and step of a block (two doubles), then 16 bits a value, 65535 for none.
-  function unpack({ count, packed }) {
-    const text = atob(packed);
-    const view = new DataView(Uint8Array.from(text, (c) => c.charCodeAt(0)).buffer);
-    const values = new Float64Array(count);
-    let at = 0;
-    for (let begin = 0; begin < count; begin += packedBlock) {
-      const least = view.getFloat64(at, true), step = view.getFloat64(at + 8, true);
-      at += 16;
-      for (let i = begin; i < Math.min(count, begin + packedBlock); ++i, at += 2) {
-        const number = view.getUint16(at, true);
-        values[i] = number === 65535 ? NaN : least + step * number;
-      }
-    }
-    return values;
-  }
-
   const arrays = data.arrays.map((a) => (Array.isArray(a) ? a.map((v) => v ?? NaN) : unpack(a)));
   const isLong = (series) => series.style !== "cells" && arrays[series.x].length > 1000;
-
-  // The first place that is not below `value`.
-  function lowerBound(x, value) {
-    let from = 0, to = x.length;
-    while (from < to) {
-      const middle = (from + to) >> 1;
-      if (x[middle] < value) from = middle + 1;
-      else to = middle;
-    }
-    return from;
-  }
-
-  // Calls see(indices, column) for each column of pixels of [low, high], with one neighbour either
-  // side so that a line runs on to the edge.
-  function forColumns(x, [low, high], columns, see) {
-    const begin = Math.max(0, lowerBound(x, low) - 1);
-    const end = Math.min(x.length, lowerBound(x, high) + 1);
-    const column = (i) => Math.floor(((x[i] - low) / (high - low)) * columns);
-    for (let i = begin; i < end;) {
-      const first = i, here = column(i);
-      while (i < end && column(i) === here) ++i;
-      see(first, i);
-    }
-  }
-
-  // Lowest and highest of each column, in the order they come in.
-  function extremes(x, y, range, columns) {
-    const out = { x: [], y: [] };
-    forColumns(x, range, columns, (from, to) => {
-      let low = from, high = from;
-      for (let i = from + 1; i < to; ++i) {
-        if (Number.isNaN(y[low]) || y[i] < y[low]) low = i;
-        if (Number.isNaN(y[high]) || y[i] > y[high]) high = i;
-      }
-      for (const i of low === high ? [low] : [Math.min(low, high), Math.max(low, high)]) {
-        out.x.push(x[i]);
-        out.y.push(y[i]);
-      }
-    });
-    return out;
-  }
-
-  const visible = (x, [low, high]) => lowerBound(x, high) - lowerBound(x, low);
 
   // Whether a zoom shows the stretches of which the page holds but the lowest and the highest.
   const isCoarse = (series, range, columns) => series.style === "points" && series.stretch > 1
     && visible(arrays[series.x], range) < 4 * columns;
-
-  // Each stretch as a stroke: its two values alone would look like two series.
-  function strokes(x, y, range) {
-    const body = { x: [], y: [] };
-    const end = Math.min(x.length, lowerBound(x, range[1]) + 2);
-    for (let i = Math.max(0, lowerBound(x, range[0]) - 2) & ~1; i + 1 < end; i += 2) {
-      const middle = 0.5 * (x[i] + x[i + 1]);
-      body.x.push(middle, middle, null);
-      body.y.push(y[i], y[i + 1], null);
-    }
-    return body;
-  }
-
-  // A cloud: all dots where there is room, else the extremes of each column as dots and a stroke
-  // over its middle.
-  function cloud(x, y, range, columns) {
-    if (visible(x, range) <= 6 * columns) {
-      const from = Math.max(0, lowerBound(x, range[0]) - 1), to = lowerBound(x, range[1]) + 1;
-      return { dots: { x: x.slice(from, to), y: y.slice(from, to) }, body: { x: [], y: [] } };
-    }
-    const dots = extremes(x, y, range, columns), body = { x: [], y: [] };
-    forColumns(x, range, columns, (from, to) => {
-      const values = y.slice(from, to).filter(Number.isFinite).sort();
-      if (values.length < 3) return;
-      const last = values.length - 1, tenth = Math.floor(last / 10);
-      body.x.push(x[from], x[from], null);
-      body.y.push(values[tenth], values[last - tenth], null);
-    });
-    return { dots, body };
-  }
 
   // ---- colours
 
@@ -198,6 +108,44 @@
     return travel > 30 * (high - low) ? 1 : 1.8;
   }
 
+  // Triangles at the rim for the values beyond it, one for each side and dozen of pixels; each tells
+  // the farthest of the values it stands for.
+  function rimTraces(series, base, colour, panel, plot) {
+    if (!panel.bulk || series.style !== "points") return [];
+    const x = arrays[series.x], y = arrays[series.y], [low, high] = panel.shown;
+    const range = plot.range ?? [x[0], x[x.length - 1]], farthest = new Map();
+    for (let i = lowerBound(x, range[0]); i < x.length && x[i] <= range[1]; ++i) {
+      if (!(y[i] > high || y[i] < low)) continue;
+      const key = `${y[i] > high}${Math.floor(((x[i] - range[0]) / (range[1] - range[0])) * plot.width / 12)}`;
+      const before = farthest.get(key);
+      if (before === undefined || Math.abs(y[i]) > Math.abs(y[before])) farthest.set(key, i);
+    }
+    return [true, false].map((above) => {
+      const marks = [...farthest.values()].filter((i) => (y[i] > high) === above);
+      return { ...base, mode: "markers", showlegend: false, cliponaxis: false,
+        x: marks.map((i) => x[i]), y: marks.map(() => (above ? high : low)),
+        text: marks.map((i) => `${y[i].toPrecision(4)} at ${x[i].toPrecision(6)}`), hoverinfo: "text",
+        marker: { color: colour, size: 9, symbol: above ? "triangle-up" : "triangle-down" } };
+    });
+  }
+
+  // The range of a panel that is set by the bulk: that of what a zoom shows of it.
+  function shownRange(panel, plot) {
+    const [least, greatest] = panel.bulk;
+    let low = Infinity, high = -Infinity;
+    for (const { x: xs, y: ys } of panel.series) {
+      const x = arrays[xs], y = arrays[ys], [from, to] = plot.range ?? [-Infinity, Infinity];
+      for (let i = lowerBound(x, from); i < x.length && x[i] <= to; ++i) {
+        if (!(y[i] >= least && y[i] <= greatest)) continue;
+        low = Math.min(low, y[i]);
+        high = Math.max(high, y[i]);
+      }
+    }
+    if (!(low < high)) return [least, greatest];
+    const room = 0.05 * (high - low);
+    return [low - room, high + room];
+  }
+
   function tracesOf(series, panel, plot, look) {
     const k = panel.number;
     const base = { type: "scatter", name: series.label, xaxis: "x", yaxis: `y${k || ""}`,
@@ -207,7 +155,9 @@
     if (series.style === "band") return bandTraces(series, base, colour, plot.range, columns);
     if (series.style === "bars") return [barTrace(series, base, colour)];
     if (series.style === "cells") return [cellTrace(series, base, plot.width)];
-    if (series.style === "points") return pointTraces(series, base, colour, plot.range, columns);
+    if (series.style === "points")
+      return [...pointTraces(series, base, colour, plot.range, columns),
+        ...rimTraces(series, base, colour, panel, plot)];
     const x = arrays[series.x], y = arrays[series.y];
     const drawn = isLong(series) ? extremes(x, y, plot.range, columns) : { x, y };
     const lines = panel.series.filter((s) => s.style === "line");
@@ -292,7 +242,8 @@
     plot.panels.forEach((panel, i) => {
       const k = panel.number, top = 1 - (i * (panelHeight + gap)) / inner;
       layout[`yaxis${k || ""}`] = { ...axisLook(panel.y, look), fixedrange: Boolean(plot.range),
-        domain: [Math.max(0, top - panelHeight / inner), top] };
+        domain: [Math.max(0, top - panelHeight / inner), top],
+        ...(panel.bulk ? { range: [...panel.shown] } : {}) };
       layout[`legend${k || ""}`] = { orientation: "h", x: 0, xanchor: "left", y: top, yanchor: "bottom",
         bgcolor: "transparent", font: { size: 12 } };
       const above = 4 + legendHeight(legendRows(panel, plot.width));
@@ -310,11 +261,12 @@
 
   const config = { displaylogo: false, doubleClick: "reset", displayModeBar: true,
     // Named one by one: plotly would also offer to send the figure to its makers' server.
-    modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]] };
+    modeBarButtons: [["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]] };
 
   function draw(plot) {
     const look = theme();
     plot.width = plot.place.clientWidth;
+    for (const panel of plot.panels) if (panel.bulk) panel.shown = shownRange(panel, plot);
     const traces = plot.panels.flatMap((panel) =>
       panel.series.flatMap((series) => tracesOf(series, panel, plot, look)));
     return Plotly.react(plot.place, traces, layoutOf(plot, look), config);
@@ -368,6 +320,24 @@
     zoom(to);
   }
 
+  // ---- saving
+
+  const fileName = (plot) => plot.panels[0].title.toLowerCase().replace(/[^a-z0-9]+/g, "-");
+
+  function download(name, text, type) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type }));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  }
+
+  function save(plot, format) {
+    if (format === "csv") return download(`${fileName(plot)}.csv`, csvOf(plot.panels, arrays), "text/csv");
+    return Plotly.downloadImage(plot.place, { format, filename: fileName(plot), width: plot.width,
+      height: plot.place.clientHeight, scale: format === "png" ? 2 : 1 });
+  }
+
   async function start() {
     document.documentElement.classList.add("drawn"); // first, so that the places have a width
     timed = plots.filter((plot) => (plot.range = wholeRange(plot)));
@@ -379,6 +349,8 @@
       plot.panels.forEach((panel, i) => { panel.number = i === 0 ? 0 : i + 1; });
       if (plot.range) plot.range = whole;
       await draw(plot);
+      for (const button of plot.place.nextElementSibling.querySelectorAll("button"))
+        button.addEventListener("click", () => save(plot, button.dataset.format));
       if (!plot.range) continue;
       plot.place.on("plotly_relayout", (event) => onRelayout(plot, event));
       plot.place.addEventListener("keydown", (event) => onKey(plot, event));

@@ -1,15 +1,14 @@
 #include "page_data.hpp"
 
+#include "figure_axes.hpp"
+#include "json_parts.hpp"
 #include "packed.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 namespace goingrate {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t budget = 800'000;     // numbers: two megabytes as text
 constexpr std::size_t line_length = 20'000; // as many as a wide screen shows at a zoom of five
@@ -110,6 +109,8 @@ Json panel_json(const Figure& figure, std::size_t longest, Arrays& arrays) {
              {"y", axis_json(figure.y)},
              {"markers", Json::array()},
              {"series", Json::array()}};
+  if (const FigureAxes axes = figure_axes(figure); axes.clipped)
+    panel["bulk"] = {axes.y.from, axes.y.to};
   for (const Marker& marker : figure.markers)
     panel["markers"].push_back({{"x", marker.x}, {"label", marker.label}});
   for (const Series& series : figure.series)
@@ -141,15 +142,7 @@ std::string page_data(const std::vector<Figure>& figures) {
   }
   const std::string text = Json{{"arrays", arrays.json()}, {"plots", plots}}.dump(
       -1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<')
-      safe += "\\u003c"; // it can only stand in a string; "</script" must not
-    else
-      safe += c;
-  }
-  return safe;
+  return safe_in_script(text);
 }
 
 } // namespace goingrate

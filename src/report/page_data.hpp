@@ -12,7 +12,8 @@ namespace goingrate {
 /// figures of one group, whose panels share an x axis. A series names its arrays by number, so that
 /// those that are the same are held once; an array is a list, or {"count", "packed"} (packed.hpp).
 /// Lines and bands of more than 20,000 values, and all series that together hold more than 800,000
-/// numbers, are thinned to the extremes of stretches; each says of how many values ("stretch"). The
+/// numbers, are thinned to the extremes of stretches; each says of how many values ("stretch").
+/// A panel whose y axis is set by the bulk of its values has its ends ("bulk"). The
 /// text may stand inside <script>: it has no "<".
 std::string page_data(const std::vector<Figure>& figures);
 

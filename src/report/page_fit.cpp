@@ -3,7 +3,9 @@
 #include "goingrate/report/tables.hpp"
 
 #include "markup.hpp"
+#include "parameter_words.hpp"
 #include "rms_words.hpp"
+#include "wording.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,21 +15,9 @@ namespace goingrate::page {
 
 namespace {
 
-// What a parameter means, for somebody who has not read the paper.
-std::string meaning_of(const std::string& name) {
+std::string meaning_in_table(const std::string& name) {
+  std::string meaning(meaning_of(name));
   const std::size_t at = name.find('@');
-  const std::string base = name.substr(0, at);
-  std::string meaning;
-  if (base == "T0")
-    meaning = "period of small swings without drive and friction";
-  else if (base == "epsilon")
-    meaning = "friction";
-  else if (base == "mu")
-    meaning = "driving torque";
-  else if (base == "phi0")
-    meaning = "angle at which the torque changes its sign";
-  else if (base == "lambda0")
-    meaning = "amplitude at the first beat";
   if (at != std::string::npos) meaning += ", from change " + name.substr(at + 1) + " on";
   return meaning;
 }
@@ -56,8 +46,9 @@ std::string parameter_table(const FitSummary& fit) {
   for (const FittedParameter& p : fit.parameters) {
     const bool known = has_value(p);
     constexpr int digits_of_fixed = 10;
-    table.row({p.name, known ? measured(p.value, p.sigma, digits_of_fixed) : "undetermined",
-               p.unit.empty() ? "–" : p.unit, status_text(p.status), meaning_of(p.name),
+    table.row({symbol_and_name(p.name),
+               known ? measured(p.value, p.sigma, digits_of_fixed) : "undetermined",
+               p.unit.empty() ? "–" : p.unit, status_text(p.status), meaning_in_table(p.name),
                known && std::isfinite(p.model_shift)
                    ? typeset(fmt::format("{:+.2g}", p.model_shift))
                    : "–"});
@@ -69,8 +60,8 @@ std::string combination_table(const FitSummary& fit) {
   Table table("What the log determines", {"quantity", "value ± σ", "unit", "from"});
   const auto add = [&](const DerivedQuantity& quantity) {
     if (!std::isfinite(quantity.value)) return;
-    table.row({quantity.name, measured(quantity.value, quantity.sigma, 10),
-               quantity.unit.empty() ? "–" : quantity.unit, quantity.expression});
+    table.row({in_symbols(quantity.name), measured(quantity.value, quantity.sigma, 10),
+               quantity.unit.empty() ? "–" : quantity.unit, in_symbols(quantity.expression)});
   };
   for (const DerivedQuantity& quantity : fit.combinations)
     add(quantity);
@@ -94,7 +85,8 @@ std::string correlation_table(const FitSummary& fit) {
       if (!(std::abs(row[k]) > least)) continue;
       if (is_undetermined(fit, fit.correlated[i]) || is_undetermined(fit, fit.correlated[k]))
         continue;
-      table.row({fit.correlated[i], fit.correlated[k], typeset(fmt::format("{:+.3f}", row[k]))});
+      table.row({symbol_of(fit.correlated[i]), symbol_of(fit.correlated[k]),
+                 typeset(fmt::format("{:+.3f}", row[k]))});
     }
   }
   return table.empty() ? "" : table.html();
@@ -103,6 +95,23 @@ std::string correlation_table(const FitSummary& fit) {
 std::string probability(double p) {
   if (!std::isfinite(p)) return "not known";
   return p < 1e-4 ? "below 0.0001" : fmt::format("{:.2g}", p);
+}
+
+std::string decay_part(const FitSummary& fit) {
+  if (!fit.decay) return "";
+  Table table("Quality factor of the swing, whichever law the friction has",
+              {"amplitude, rad", "Q ± σ", "68 %", "95 %"});
+  const auto range = [](double low, double high) {
+    return plain_number(low, 4) +
+           (std::isfinite(high) ? " to " + plain_number(high, 4) : std::string(" or more"));
+  };
+  const auto& all = fit.decay->q_at_amplitude;
+  for (auto at = all.rbegin(); at != all.rend(); ++at) {
+    if (!std::isfinite(at->q.value)) continue;
+    table.row({plain_number(at->amplitude_rad, 4), measured(at->q.value, at->q.sigma),
+               range(at->q.low68, at->q.high68), range(at->q.low95, at->q.high95)});
+  }
+  return paragraph(escape_markup(decay_sentences(*fit.decay))) + (table.empty() ? "" : table.html());
 }
 
 std::string quality_table(const FitSummary& fit) {
@@ -165,6 +174,24 @@ std::string line_table(const DriveAnalysis& drive) {
   return table.empty() ? "" : table.html();
 }
 
+// What temperature and pressure do, judged on the half of the log that was not used to find it.
+std::string covariate_table(const Analysis& data) {
+  const Wording words(data);
+  Table table("Temperature and air pressure",
+              {"of the rate on", "coefficient", "lag", "time error without and with it, rms",
+               "compensating would"});
+  for (const CovariateEffect& effect : data.covariates)
+    table.row(
+        {effect.name,
+         typeset(words.rate(effect.coefficient, effect.sigma)) + "/" + unit_of_covariate(effect),
+         effect.lag_s > 0.0 ? plain_number(effect.lag_s) + " s" : "none",
+         fmt::format("{} and {} s", plain_number(effect.without_s), plain_number(effect.with_s)),
+         !effect.significant() ? "do nothing that stands out of the noise"
+         : effect.helps()      ? "have helped"
+                               : "not have helped"});
+  return table.empty() ? "" : table.html();
+}
+
 } // namespace
 
 std::string fit(const Analysis& data) {
@@ -182,7 +209,7 @@ std::string fit(const Analysis& data) {
   body = paragraph(fmt::format("Equations: {}; escapement: {}; noise: {}. Chosen because: {}.",
                                name_of(fit.dynamics), name_of(fit.model.escapement),
                                fit.model.noise(), fit.chosen_by));
-  body += parameter_table(fit) + combination_table(fit) + correlation_table(fit) +
+  body += decay_part(fit) + parameter_table(fit) + combination_table(fit) + correlation_table(fit) +
           quality_table(fit) + alternatives_table(fit);
   return section("fit", "Fit of the pendulum model", body);
 }
@@ -216,8 +243,7 @@ std::string drive(const Analysis& data) {
   }
   if (!table.empty()) body += table.html();
   body += cost_table(data.drive) + line_table(data.drive);
-  for (const CovariateEffect& effect : data.covariates)
-    body += paragraph(escape_markup(covariate_text(effect)) + ".");
+  body += covariate_table(data);
   if (data.drive.split && !data.drive.split->note.empty())
     body += paragraph("Note: " + data.drive.split->note + ".");
   return section("drive", "Drive, fast and slow", body);

@@ -2,6 +2,8 @@
 
 #include "fault_counts.hpp"
 #include "markup.hpp"
+#include "mean_amplitude.hpp"
+#include "wording.hpp"
 
 #include "base/scaled_time.hpp"
 #include "spectra/noise_type.hpp"
@@ -25,28 +27,6 @@ std::string card(std::string_view name, const std::string& value, std::string_vi
                      note.empty() ? "" : fmt::format("<br>{}", escape_markup(note)));
 }
 
-// Mean of the first or last twenty amplitudes, with the standard error of that mean.
-std::pair<double, double> amplitude_at(const std::vector<Beat>& beats, bool end) {
-  constexpr std::size_t taken = 20;
-  double sum = 0.0, sum2 = 0.0, count = 0.0;
-  for (std::size_t i = 0; i < beats.size() && count < static_cast<double>(taken); ++i) {
-    const double amplitude = beats[end ? beats.size() - 1 - i : i].amplitude_rad;
-    if (!std::isfinite(amplitude)) continue;
-    sum += amplitude;
-    sum2 += amplitude * amplitude;
-    ++count;
-  }
-  if (count == 0.0) return {unknown, unknown};
-  const double mean = sum / count;
-  if (count < 2.0) return {mean, unknown};
-  const double variance = std::max(0.0, sum2 - count * mean * mean) / (count - 1.0);
-  return {mean, std::sqrt(variance / count)};
-}
-
-std::string per_day(double rate_excess, double sigma) {
-  return measured(seconds_gained_per_day(rate_excess), seconds_gained_per_day(sigma), 5) + " s/day";
-}
-
 std::string counts(const Analysis& data) {
   const Beats& numbered = data.numbered;
   std::string text = fault_counts(numbered);
@@ -68,48 +48,44 @@ std::string relaxation_text(const Relaxation& relaxation) {
   return text;
 }
 
-std::string rate_change(const Change& change) {
-  const double after_less_before = change.rate_after - change.rate_before;
-  if (!std::isfinite(after_less_before)) return "–";
-  return measured(
-      seconds_gained_per_day(after_less_before),
-      seconds_gained_per_day(std::hypot(change.rate_before_sigma, change.rate_after_sigma)));
+std::string rate_or_dash(double rate, double sigma, const Wording& words) {
+  return std::isfinite(rate) ? typeset(words.rate(rate, sigma)) : "–";
 }
 
-std::string change_table(const Diary& diary) {
-  Table table("Changes", {"no.", "cycle", "after the first beat", "what changed",
-                          "mean rate after it less that before, s/day",
-                          "change of amplitude's slope, mrad/h", "significance"});
+// Rates on both sides where there is a rate.
+std::string change_table(const Analysis& data, const Wording& words) {
+  const Diary& diary = data.diary;
+  Table table("Changes, numbered as in the figures",
+              {"no.", "when", "cycle", "what changed", "mean rate before", "mean rate after"});
   for (std::size_t i = 0; i < diary.changes.size(); ++i) {
     const Change& change = diary.changes[i];
-    table.row({fmt::format("{}", i + 1), fmt::format("{}", change.cycle),
-               duration_text(change.at_s),
+    const bool known = data.rate.nominal_is_known;
+    table.row({fmt::format("{}", i + 1), words.moment(change.at_s), fmt::format("{}", change.cycle),
                change.kind == ChangeKind::unclear ? "–" : std::string(name_of(change.kind)),
-               rate_change(change),
-               std::isfinite(change.amplitude_slope_change)
-                   ? plain_number(3.6e6 * change.amplitude_slope_change)
-                   : "–",
-               plain_number(change.significance, 2)});
+               known ? rate_or_dash(change.rate_before, change.rate_before_sigma, words) : "–",
+               known ? rate_or_dash(change.rate_after, change.rate_after_sigma, words) : "–"});
   }
   return table.html();
 }
 
-std::string interruption_table(const Interruption& event, std::size_t number) {
+std::string interruption_table(const Interruption& event, std::size_t number,
+                               const Wording& words) {
   Table table(fmt::format("Interruption {} of the drive", number), {"what", "value"});
   table.row(
-      {"from", fmt::format("{} (cycle {})", duration_text(event.begin.at_s), event.begin.cycle)});
-  table.row({"to", fmt::format("{} (cycle {})", duration_text(event.end.at_s), event.end.cycle)});
-  table.row({"lasted", duration_text(event.end.at_s - event.begin.at_s)});
-  table.row({"change of rate meanwhile",
-             plain_number(seconds_gained_per_day(event.rate_change)) + " s/day"});
+      {"from", fmt::format("{} (cycle {})", words.moment(event.begin.at_s), event.begin.cycle)});
+  table.row({"to", fmt::format("{} (cycle {})", words.moment(event.end.at_s), event.end.cycle)});
+  table.row({"change of rate at once", typeset(words.rate(event.rate_change, unknown))});
   if (std::isfinite(event.amplitude_before_rad) && std::isfinite(event.amplitude_after_rad))
     table.row({"amplitude before and at the end",
-               fmt::format("{} and {} mrad", plain_number(1e3 * event.amplitude_before_rad, 4),
-                           plain_number(1e3 * event.amplitude_after_rad, 4))});
+               fmt::format("{} and {}", words.angle(event.amplitude_before_rad, unknown),
+                           words.angle(event.amplitude_after_rad, unknown))});
   if (event.decay)
     table.row({"decay of the amplitude, time constant", relaxation_text(*event.decay)});
   if (event.recovery)
     table.row({"recovery after it, time constant", relaxation_text(*event.recovery)});
+  if (event.decay)
+    table.row({"recovery that theory asks for, half the decay time",
+               measured(0.5 * event.decay->time_constant_s, 0.5 * event.decay->sigma_s) + " s"});
   return table.html();
 }
 
@@ -163,14 +139,16 @@ std::string duration_text(double seconds) {
 
 std::string key_figures(const Analysis& data) {
   const RateSummary& rate = data.rate;
+  const Wording words(data);
   std::string cards;
   if (rate.nominal_is_known) {
-    cards += card("Rate, end to end", per_day(rate.rate_excess, rate.rate_excess_sigma),
-                  "time gained from the first beat to the last, over the time between: what "
-                  "the hands show");
-    cards += card("Rate, straight line",
-                  plain_number(seconds_gained_per_day(rate.slope_rate_excess), 4) + " s/day",
-                  "slope of a line fitted to the clock's error");
+    if (data.stretches.size() > 1 || data.now.rate.rate_excess != rate.rate_excess)
+      cards += card("Rate now",
+                    typeset(words.rate(data.now.rate.rate_excess, data.now.rate.rate_excess_sigma)),
+                    "from " + words.moment(data.now.start - data.beats.front().time) + " on");
+    cards += card("Rate over the whole log",
+                  typeset(words.rate(rate.rate_excess, rate.rate_excess_sigma)),
+                  "time gained from the first beat to the last, over the time between");
   } else {
     cards +=
         card("Rate", "not known", "no nominal period is known to hold the mean period against");
@@ -179,15 +157,15 @@ std::string key_figures(const Analysis& data) {
                 rate.nominal_is_known
                     ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
                     : std::string("from the first beat to the last"));
-  const auto [start, start_sigma] = amplitude_at(data.beats, false);
-  const auto [end, end_sigma] = amplitude_at(data.beats, true);
-  if (std::isfinite(start)) {
-    cards += card("Amplitude at the start", measured(1e3 * start, 1e3 * start_sigma, 4) + " mrad",
-                  "mean of the first twenty");
-    cards += card("Amplitude at the end", measured(1e3 * end, 1e3 * end_sigma, 4) + " mrad",
-                  "mean of the last twenty");
+  for (const bool end : {false, true}) {
+    const MeanAmplitude mean = amplitude_at(data.beats, end);
+    if (std::isfinite(mean.rad))
+      cards +=
+          card(end ? "Amplitude at the end" : "Amplitude at the start",
+               words.angle(mean.rad, mean.sigma_rad),
+               fmt::format("mean of {} beats; {:.3g}°", mean.beats, mean.rad * 360.0 / two_pi));
   }
-  cards += card("Beats", fmt::format("{} over {}", rate.crossings, duration_text(rate.duration_s)),
+  cards += card("Beats", fmt::format("{} in {}", rate.crossings, words.duration(rate.duration_s)),
                 counts(data));
   return section("key-figures", "Key figures", "<dl class=\"cards\">\n" + cards + "</dl>\n");
 }
@@ -196,22 +174,24 @@ std::string diary(const Analysis& data) {
   if (data.diary.changes.empty() && data.diary.interruptions.empty())
     return section("diary", "Diary",
                    paragraph("No sudden change of rate or amplitude stands out."));
+  const Wording words(data);
   std::string body;
-  if (!data.diary.changes.empty()) body += change_table(data.diary);
+  if (!data.diary.changes.empty()) body += change_table(data, words);
   for (std::size_t i = 0; i < data.diary.interruptions.size(); ++i)
-    body += interruption_table(data.diary.interruptions[i], i + 1);
+    body += interruption_table(data.diary.interruptions[i], i + 1, words);
   return section("diary", "Diary", body);
 }
 
 std::string stability(const Analysis& data) {
+  const Wording words(data);
   const bool overlapping = data.deviation.kind == DeviationKind::oadev;
   Table table(overlapping ? "Overlapping Allan deviation" : "Allan deviation",
-              {"τ", "τ, s", "differences", "deviation", "68 % interval", "s/day", "noise"});
+              {"τ, s", "differences", "deviation", "68 % interval",
+               std::string(words.rate_unit().name), "noise"});
   for (const DeviationRow& row : data.deviation.rows)
-    table.row({duration_text(row.tau_s), plain_number(row.tau_s, 6), fmt::format("{}", row.n),
-               plain_number(row.value, 4),
+    table.row({plain_number(row.tau_s, 6), fmt::format("{}", row.n), plain_number(row.value, 4),
                row.interval ? plain_number(row.low) + " to " + plain_number(row.high) : "–",
-               plain_number(seconds_gained_per_day(row.value)),
+               plain_number(words.rate_unit().factor * row.value),
                row.interval ? std::string(noise_name(row.alpha)) : "–"});
   return section("stability", "Stability",
                  table.empty() ? paragraph("The log is too short for it.") : table.html());

@@ -168,8 +168,8 @@ std::string rate_sentence(const RateSummary& summary) {
     return mean + "; what it gains or loses is not known, as no nominal period is";
   const double rate = seconds_gained_per_day(summary.rate_excess);
   const double sigma = seconds_gained_per_day(summary.rate_excess_sigma);
-  return mean + fmt::format(" against {} s: {} by {} s a day (end to end); "
-                            "a straight line fitted to the clock's error gives {:+.4g} s a day",
+  return mean + fmt::format(" against {} s: {} {} s/day (end to end); "
+                            "a straight line fitted to the clock's error gives {:+.4g} s/day",
                             summary.nominal_period_s, rate < 0 ? "losing" : "gaining",
                             with_sigma(std::abs(rate), sigma),
                             seconds_gained_per_day(summary.slope_rate_excess));
@@ -181,7 +181,7 @@ std::string part_rate_text(const PartRate& part, bool nominal_is_known) {
                        with_sigma(part.rate.mean_period_s, part.rate.mean_period_sigma_s, 12));
   return with_sigma(seconds_gained_per_day(part.rate.rate_excess),
                     seconds_gained_per_day(part.rate.rate_excess_sigma)) +
-         " s a day";
+         " s/day";
 }
 
 std::string segment_lines(const Beats& beats, const RateSummary& summary) {
@@ -208,7 +208,7 @@ std::string sensor_lines(const RateSummary& summary, const SensorFindings& senso
     text += fmt::format("amplitude {:.6g} mrad in the mean, each known to {:.2g} mrad",
                         1e3 * amplitude->mean_rad, 1e3 * amplitude->sigma_rad);
     if (summary.nominal_is_known)
-      text += fmt::format("; without the circular error {:+.5g} s a day",
+      text += fmt::format("; without the circular error {:+.5g} s/day",
                           seconds_gained_per_day(rate_without_circular_error(summary.rate_excess,
                                                                              amplitude->rms_rad)));
     text += '\n';

@@ -1,5 +1,7 @@
 #include "report_figures.hpp"
 
+#include "wording.hpp"
+
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
@@ -19,17 +21,11 @@ constexpr int vermilion = 1;
 constexpr int green = 2;
 constexpr int purple = 3;
 
-// A unit of display: value in it = value in SI times `factor`.
+// A unit with a prefix: value in it = value in SI times `factor`.
 struct Unit {
   std::string name;
   double factor = 1.0;
 };
-
-Unit time_unit(double duration_s) {
-  if (duration_s < 2.0 * 3600.0) return {"s", 1.0};
-  if (duration_s < 5.0 * seconds_per_day) return {"h", 1.0 / 3600.0};
-  return {"days", 1.0 / seconds_per_day};
-}
 
 double largest_size(std::span<const double> values) {
   double largest = 0.0;
@@ -55,7 +51,8 @@ std::vector<double> scaled(std::span<const double> values, double factor) {
 
 class TimeFigures {
 public:
-  explicit TimeFigures(const Analysis& data) : data_(data), unit_(time_unit(data.rate.duration_s)) {
+  explicit TimeFigures(const Analysis& data)
+      : data_(data), words_(data), unit_(time_unit(data.rate.duration_s)) {
     for (const Beat& beat : data.beats)
       time_.push_back((beat.time - data.beats.front().time) * unit_.factor);
     for (const Change& change : data.diary.changes)
@@ -72,7 +69,9 @@ public:
   }
 
 private:
-  [[nodiscard]] Axis time_axis() const { return {"time since the first beat", unit_.name}; }
+  [[nodiscard]] Axis time_axis() const {
+    return {"time since the first beat", std::string(unit_.name)};
+  }
   [[nodiscard]] Series running_mean(std::span<const double> error) const;
   [[nodiscard]] Series against_time(Series::Style style, std::string label, std::vector<double> y,
                                     int colour) const {
@@ -80,7 +79,8 @@ private:
   }
 
   const Analysis& data_;
-  Unit unit_;
+  Wording words_;
+  DisplayUnit unit_;
   std::vector<double> time_;
   std::vector<Marker> markers_;
 };
@@ -99,7 +99,7 @@ Series TimeFigures::running_mean(std::span<const double> error) const {
     const double elapsed = data_.beats[to].time - data_.beats[from].time;
     longest = std::max(longest, elapsed);
     mean.x.push_back(time_[i]);
-    mean.y.push_back(seconds_gained_per_day((error[to] - error[from]) / elapsed));
+    mean.y.push_back(words_.rate_unit().factor * (error[to] - error[from]) / elapsed);
   }
   mean.label = fmt::format("mean over {} beats", 2 * reach);
   return mean;
@@ -108,8 +108,13 @@ Series TimeFigures::running_mean(std::span<const double> error) const {
 Figure TimeFigures::rate() const {
   const double nominal = data_.rate.nominal_period_s;
   const auto rates = rate_per_period(data_.beats, nominal);
-  Series points{
-      Series::Style::points, "each period", {}, scaled(rates, seconds_per_day), {}, {}, blue};
+  Series points{Series::Style::points,
+                "each period",
+                {},
+                scaled(rates, words_.rate_unit().factor),
+                {},
+                {},
+                blue};
   for (std::size_t i = 1; i < time_.size(); ++i)
     points.x.push_back(0.5 * (time_[i - 1] + time_[i]));
   Figure figure{
@@ -119,7 +124,7 @@ Figure TimeFigures::rate() const {
       "dense, a stroke holds most of it and dots the extremes), the line its running "
       "mean, and a numbered vertical line marks a change in the diary.",
       time_axis(),
-      {"rate", "s/day"},
+      {"rate", std::string(words_.rate_unit().name)},
       {std::move(points)},
       markers_};
   Series mean = running_mean(clock_error(data_.beats, nominal));
@@ -143,20 +148,29 @@ Figure TimeFigures::error() const {
 Figure TimeFigures::amplitude() const {
   std::vector<double> amplitude;
   for (const Beat& beat : data_.beats)
-    amplitude.push_back(1e3 * beat.amplitude_rad);
+    amplitude.push_back(words_.angle_unit().factor * beat.amplitude_rad);
   Figure figure{
       "amplitude",
       "Amplitude against time",
       "How far the pendulum swings from the vertical at each beat, with the fitted model: "
       "where the two part, something acted on the pendulum that the model does not know.",
       time_axis(),
-      {"amplitude", "mrad"},
-      {against_time(Series::Style::points, "measured", std::move(amplitude), blue)},
+      {"amplitude", std::string(words_.angle_unit().name), data_.fit.decay.has_value()},
+      {},
       markers_};
+  if (data_.log.has_amplitude)
+    figure.series.push_back(
+        against_time(Series::Style::points, "measured", std::move(amplitude), blue));
+  else
+    figure.caption = "How far the pendulum swings from the vertical by the fitted model: the log "
+                     "has no amplitudes, and the times tell them by the circular error.";
+  if (data_.fit.decay)
+    figure.caption += " On this scale linear friction gives a straight line; drag bends it up, dry "
+                      "friction down.";
   const auto& model = data_.fit.model_amplitude_rad;
   if (data_.fit.has_result() && model.size() == time_.size())
-    figure.series.push_back(
-        against_time(Series::Style::line, "model", scaled(model, 1e3), vermilion));
+    figure.series.push_back(against_time(Series::Style::line, "model",
+                                         scaled(model, words_.angle_unit().factor), vermilion));
   else
     figure.caption = "How far the pendulum swings from the vertical at each beat.";
   return figure;
@@ -317,7 +331,7 @@ void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
 void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& figures) {
   const TimeFigures of_time(data);
   figures.push_back(of_time.rate());
-  if (data.log.has_amplitude) figures.push_back(of_time.amplitude());
+  if (data.log.has_amplitude || data.fit.decay) figures.push_back(of_time.amplitude());
   if (fitted && data.fit.residual_s.size() == data.beats.size())
     figures.push_back(of_time.time_residual());
   if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
@@ -326,6 +340,8 @@ void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& fi
     figure.group = "course";
   figures.push_back(of_time.error());
   add(figures, rate_amplitude_figure(data));
+  add(figures, period_amplitude_figure(data));
+  add(figures, q_figure(data.fit));
   if (fitted) add(figures, of_time.drive());
 }
 

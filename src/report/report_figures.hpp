@@ -18,6 +18,13 @@ std::optional<Figure> rate_amplitude_figure(const Analysis& data);
 std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, double time_factor,
                                    std::vector<Marker> markers);
 
+/// Of a free pendulum: the period against the squared amplitude, with the period of a free swing as
+/// a line. The amplitudes are the log's, or those of the fit where the log has none.
+std::optional<Figure> period_amplitude_figure(const Analysis& data);
+
+/// Q against the amplitude with its intervals; nothing where fewer than two are determined.
+std::optional<Figure> q_figure(const FitSummary& fit);
+
 /// The matrix of those parameters that the log determines; nothing for fewer than two.
 std::optional<Figure> correlation_figure(const FitSummary& fit);
 

@@ -33,8 +33,7 @@ std::string time_in_words(double seconds) {
 const char* what_noise_means(int alpha) {
   if (alpha >= 2) return "the jitter of the readings rules; a longer average tells the rate better";
   if (alpha == 1) return "the readings err slowly, or the clock returns to its course";
-  if (alpha == 0)
-    return "the rate is random from one moment to the next: averaging helps as 1/sqrt(tau)";
+  if (alpha == 0) return "the rate is random from one moment to the next: averaging helps as 1/√τ";
   if (alpha == -1) return "averaging longer does not tell the rate any better";
   if (alpha == -2)
     return "the clock wanders like a random walk of rate: look for slow causes such as temperature";
@@ -63,15 +62,15 @@ std::string floor_line(const DeviationTable& table) {
                                  time_in_words(table.rows.front().tau_s), *jitter);
   if (table.kind == DeviationKind::adev || table.kind == DeviationKind::oadev)
     text += fmt::format(
-        " Alone it would make {:.3g}/tau (tau in s): {:.2g} at {}.", std::sqrt(3.0) * *jitter,
+        " Alone it would make {:.3g}/τ (τ in s): {:.2g} at {}.", std::sqrt(3.0) * *jitter,
         std::sqrt(3.0) * *jitter / table.rows.back().tau_s, time_in_words(table.rows.back().tau_s));
   return text + "\n";
 }
 
 std::string prediction_line(const TimePrediction& p, const char* name) {
-  std::string text = fmt::format(
-      "Expected time error a {} after it was set: {:.2g} s (k tau sigma, k = {:.2g} for {})", name,
-      p.error_s, p.k, noise_name(p.alpha));
+  std::string text =
+      fmt::format("Expected time error a {} after it was set: {:.2g} s (k τ σ, k = {:.2g} for {})",
+                  name, p.error_s, p.k, noise_name(p.alpha));
   if (p.extrapolated)
     text +=
         fmt::format("; extrapolated from {}, as if the noise went on as it is there and nothing "
@@ -106,7 +105,7 @@ std::string deviation_text(const DeviationTable& table) {
   std::string text = fmt::format("{}, {}\n", name_of(table.kind),
                                  seconds ? "a time error in seconds"
                                          : "of the relative rate (1e-5 is 0.864 s a day)");
-  text += fmt::format("{:>12} {:>9} {:>10} {:>14} {:>12} {:>12}  noise\n", "tau/s", "m", "n",
+  text += fmt::format("{:>12} {:>9} {:>10} {:>14} {:>12} {:>12}  noise\n", "τ/s", "m", "n",
                       name_of(table.kind), "low 68 %", "high 68 %");
   for (const DeviationRow& row : table.rows) {
     text += fmt::format("{:>12.6g} {:>9} {:>10} {:>14}", row.tau_s, row.m, row.n,
@@ -160,7 +159,7 @@ std::string split_lines(const DriveSplit& split) {
   if (std::isfinite(split.slow_time_s))
     text += fmt::format("  {:<22} {:.3g} s (log L greater by {:.3g} than without)\n",
                         "memory of the slow part", split.slow_time_s, split.slow_gain);
-  text += rms_line("jitter of the sensor", split.jitter_s, 1e6, "us");
+  text += rms_line("jitter of the sensor", split.jitter_s, 1e6, "µs");
   if (!split.costs.empty()) text += cost_lines(split);
   if (!split.note.empty()) text += split.note + "\n";
   return text;

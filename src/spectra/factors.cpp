@@ -80,6 +80,14 @@ std::vector<std::size_t> all_factors(std::size_t phase_points, DeviationKind kin
   return factors;
 }
 
+std::optional<std::vector<std::size_t>>
+factors_named(std::string_view name, std::size_t phase_points, DeviationKind kind) {
+  if (name == "octave") return octave_factors(phase_points, kind);
+  if (name == "decade") return decade_factors(phase_points, kind);
+  if (name == "all") return all_factors(phase_points, kind);
+  return {};
+}
+
 std::vector<std::size_t> factors_for(std::span<const double> taus_s, std::size_t phase_points,
                                      double tau0_s, DeviationKind kind) {
   const bool theo1 = kind == DeviationKind::theo1;

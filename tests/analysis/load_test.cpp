@@ -231,5 +231,27 @@ TEST_P(FaultyTexts, AreNumberedRight) {
 INSTANTIATE_TEST_SUITE_P(OfLoggers, FaultyTexts,
                          testing::Range<std::size_t>(0, test::all_text_faults.size()));
 
+// Events that somebody else made are numbered as those of a file are.
+TEST(LoadTest, EventsInMemoryTravelTheSameRoad) {
+  const std::string text = seconds(300, 2.0001);
+  const NumberedLog read = loaded(text);
+  ClockLog log = read_log(text, "log");
+  log.assumptions.clear();
+  const NumberedLog made = load_events(std::move(log), {});
+  ASSERT_EQ(made.beats.beats.size(), read.beats.beats.size());
+  for (std::size_t i = 0; i < made.good.size(); ++i) {
+    EXPECT_EQ(made.good[i].time, read.good[i].time);
+    EXPECT_EQ(made.good[i].cycle, read.good[i].cycle);
+  }
+  EXPECT_EQ(made.nominal_period_s, read.nominal_period_s);
+  LoadRequest request;
+  request.reading.nominal_period_s = 1.999;
+  EXPECT_EQ(load_events(read_log(text, "log"), request).nominal_period_s, 1.999);
+  ClockLog few;
+  few.source = "few";
+  few.events = {event_at({0, 0.0}), event_at({2, 0.0})};
+  EXPECT_THROW((void)load_events(std::move(few), {}), InputError);
+}
+
 } // namespace
 } // namespace goingrate

@@ -19,6 +19,8 @@ TEST(SpellingTest, FindsTheWordThatWasMeant) {
   EXPECT_EQ(meant("fic"), "fix");
   EXPECT_EQ(meant("fig"), "figures") << "the first of two that are a slip away";
   EXPECT_EQ(meant("figs"), "nothing") << "two slips in four letters";
+  EXPECT_EQ(meant("MU"), "mu") << "capitals are no slip";
+  EXPECT_EQ(meant("Phi0"), "phi0");
   EXPECT_EQ(meant("no"), "nothing");
   EXPECT_EQ(meant("lambda"), "nothing");
   EXPECT_EQ(meant(""), "nothing");

@@ -469,8 +469,8 @@ TEST_F(CommandTest, AKnockWhileTheDriveWasOffIsNotSuspectedAgain) {
     return outcome.out;
   };
   const std::string within = suspicions(1980.0), later = suspicions(7000.0);
-  EXPECT_EQ(within.find("shift of the sensor"), std::string::npos) << within;
-  EXPECT_NE(later.find("Most likely cause: shift of the sensor"), std::string::npos) << later;
+  EXPECT_EQ(within.find("most likely the sensor was moved"), std::string::npos) << within;
+  EXPECT_NE(later.find("most likely the sensor was moved"), std::string::npos) << later;
 }
 
 // What a command writes to a terminal that is its standard error.

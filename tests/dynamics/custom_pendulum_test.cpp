@@ -37,6 +37,33 @@ TEST(CustomPendulumTest, AgreesWithDirectIntegration) {
   }
 }
 
+// The paper's escapement, whose torque jumps: the direction of the motion stands for its memory.
+TEST(CustomPendulumTest, JumpsAreSteppedToNotOver) {
+  for (const double phi0 : {0.03, 0.3}) {
+    ClockParameters clock;
+    clock.epsilon = 2.5e-3;
+    clock.mu = 4e-4;
+    clock.phi0 = phi0;
+    CustomLaws laws;
+    laws.torque = [&](double phi, double w) {
+      const bool helps_right = w > 0.0 ? phi < phi0 : phi < -phi0;
+      return helps_right ? clock.mu : -clock.mu;
+    };
+    laws.friction = [&](double, double w) { return 2.0 * clock.epsilon * w; };
+    laws.jumps = {-phi0, phi0};
+    laws.jumps_with_direction = true;
+    const double velocity = 1.2 * phi0;
+    DirectPendulum direct(clock, velocity);
+    CustomPendulum custom(laws, velocity);
+    for (int i = 0; i < 10; ++i) {
+      const auto exact = direct.advance(), written = custom.advance();
+      ASSERT_EQ(written.status, SwingStatus::crossed);
+      EXPECT_NEAR(written.excess, exact.excess, 1e-12); // some hundred steps' rounding
+      EXPECT_NEAR(custom.velocity(), direct.velocity(), 1e-14 * i + 1e-14); // likewise, adding up
+    }
+  }
+}
+
 TEST(CustomPendulumTest, WithoutForcesItIsTheFreePendulum) {
   const ForceLaw nothing = [](double, double) { return 0.0; };
   CustomPendulum custom({nothing, nothing}, 1.0);

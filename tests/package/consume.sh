@@ -12,9 +12,9 @@ printed=$("$scratch/build/consumer")
 echo "printed $printed"
 [ "$printed" = "1.133264e-04" ] # the exact rate at A
 "$scratch/prefix/bin/goingrate" --version
-# The README's lines for a project of one's own, with no more than a main around them.
-block() { awk -v begin="\`\`\`$1" '$0 == begin { inside = 1; next } /^```/ { inside = 0 } inside' "$readme"; }
-readme=$source/../../README.md
+# The guide's lines for a project of one's own, with no more than a main around them.
+block() { awk -v begin="\`\`\`$1" '$0 == begin { inside = 1; next } /^```/ { inside = 0 } inside' "$guide"; }
+guide=$source/../../data/guide/library.md
 mkdir "$scratch/mine"
 {
   echo 'cmake_minimum_required(VERSION 3.25)'

@@ -7,10 +7,11 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$build"
 "$cpack" -G DEB -B "$scratch" > "$scratch/cpack.log" || { cat "$scratch/cpack.log"; exit 1; }
-depends=$(dpkg-deb -f "$scratch"/*.deb Depends)
+deb=$(ls "$scratch"/goingrate_*.deb)
+depends=$(dpkg-deb -f "$deb" Depends)
 echo "Depends: $depends"
 for library in libc6 libfftw3 libfmt libtomlplusplus; do
   grep -q "$library" <<< "$depends"
 done
-dpkg-deb -c "$scratch"/*.deb > "$scratch/list"
+dpkg-deb -c "$deb" > "$scratch/list"
 grep -q ' ./usr/bin/goingrate$' "$scratch/list"

@@ -7,7 +7,7 @@ trap 'rm -rf "$scratch"' EXIT
 expect() { grep -qE "$1" "$scratch/out" || { echo "expected $1, found:"; cat "$scratch/out"; exit 1; }; }
 
 "$examples/report_on_a_log" "$source/data/logs/jump.csv" "$scratch/page.html" > "$scratch/out"
-expect '^Rate: '
+expect '^  rate over the whole log'
 expect '^epsilon = '
 tail -c 8 "$scratch/page.html" | grep -q '</html>'
 code=0

@@ -1,52 +1,168 @@
 #!/usr/bin/env bash
-# What the README shows is run as it stands: the examples of its table, its scenario, its file of
-# parameters; the scripts it names exist. (Its C++ and CMake are built by consume.sh.)
-# readme.sh SOURCE GOINGRATE
+# What README.md and the guide print is so. Every `sh` block and every `goingrate ...` between backticks is run
+# as printed, in a folder with my.log and the project's data; an `output` block must be what the block before
+# it prints on standard output, a line of three dots standing for any lines. Scenarios (`toml`) and files of
+# parameters (`par`) are read by the command. Options, files, links and tests that are named exist. (The C++
+# and CMake of the guide are built by consume.sh.)
+# readme.sh SOURCE GOINGRATE [--mend]: with --mend, output blocks without dots are replaced by what is printed.
 set -uo pipefail
-source=$(realpath "$1") goingrate=$(realpath "$2")
+source=$(realpath "$1") goingrate=$(realpath "$2") mend=${3:-}
 here=$(mktemp -d)
 trap 'rm -rf "$here"' EXIT
-mkdir "$here/bin"
+mkdir "$here/bin" "$here/blocks" "$here/root"
 ln -s "$goingrate" "$here/bin/goingrate"
-ln -s "$source/data" "$here/data"
-cp "$source/data/logs/jump.csv" "$here/my.log"
-cd "$here" || exit 1
-export PATH="$here/bin:$PATH"
-faults=0
+ln -s "$source/data" "$source/apps" "$here/root"
+cp "$source/data/logs/jump.csv" "$here/root/my.log"
+cd "$here/root" || exit 1
+export PATH="$here/bin:$PATH" LC_ALL=C.UTF-8
+faults=0 page=
 
 fault() {
-  echo "README.md: $*"
+  echo "$page: $*"
   faults=$((faults + 1))
 }
 
 run() { # COMMAND ...: as printed
-  "$@" > out.txt 2>&1 || { fault "$*: exit $?"; tail -n 5 out.txt; }
+  "$@" > "$here/out" 2> "$here/err" < my.log || { fault "$*: exit $?"; tail -n 5 "$here/err"; }
 }
 
-block() { awk -v begin="\`\`\`$1" '$0 == begin { inside = 1; next } /^```/ { inside = 0 } inside' "$source/README.md"; }
+# blocks/LINE.KIND, LINE being where the block begins; an `output` block has the line of its `sh` block.
+split_blocks() {
+  awk -v to="$here/blocks/" '
+    /^```/ {
+      if (inside) { inside = 0; close(file); next }
+      inside = 1
+      kind = substr($0, 4)
+      if (kind == "sh") before = NR
+      file = to sprintf("%04d", kind == "output" ? before : NR) "." (kind == "" ? "text" : kind)
+      printf "" > file
+      next
+    }
+    inside { print > file }' "$source/$page"
+}
 
-scripts=0
-while read -r script _; do
-  [ -x "$source/$script" ] || fault "there is no $script"
-  scripts=$((scripts + 1))
-done < <(block sh)
-[ "$scripts" -ge 2 ] || fault "only $scripts commands to begin with"
+# compare EXPECTED FOUND: says where they part.
+compare() {
+  awk '
+    { sub(/[ \t]+$/, "") }
+    NR == FNR { found[++n] = $0; next }
+    $0 == "..." { free = 1; next }
+    {
+      if (free) while (at < n && found[at + 1] != $0) ++at
+      if (found[++at] != $0) { print "expected: " $0; if (!free) print "found:    " found[at]; bad = 1; exit 1 }
+      free = 0
+    }
+    END { if (!bad && !free && at < n) { print "also printed: " found[at + 1]; exit 1 } }' "$2" "$1"
+}
 
-examples=0
-while IFS= read -r example; do
-  # shellcheck disable=SC2086
-  run $example
-  examples=$((examples + 1))
-done < <(grep -E '^\| `' "$source/README.md" | grep -oE '`goingrate [^`]+` \|$' | tr -d '`' | sed 's/ |$//')
-[ "$examples" -ge 9 ] || fault "only $examples examples in the table of commands"
+run_blocks() {
+  local block expected
+  for block in "$here"/blocks/*.sh; do
+    [ -e "$block" ] || return
+    bash -euo pipefail "$block" > "${block%.sh}.found" 2> "$here/err" \
+      || { fault "line $((10#$(basename "$block" .sh))): the command failed"; tail -n 5 "$here/err"; }
+    blocks=$((blocks + 1))
+    expected=${block%.sh}.output
+    [ -e "$expected" ] || continue
+    if [ "$mend" = --mend ] && ! grep -qx '\.\.\.' "$expected"; then
+      sed -i 's/[[:blank:]]*$//' "${block%.sh}.found"
+    else
+      compare "$expected" "${block%.sh}.found" > "$here/parts" \
+        || { fault "line $((10#$(basename "$block" .sh))): what the command prints is other"; cat "$here/parts"; }
+    fi
+  done
+}
 
-block toml > all.toml
-[ -s all.toml ] || fault "no scenario"
-run goingrate simulate all.toml --set run.periods=300 -o all.csv
+# Puts what was printed where the page has an output block without dots.
+mend_page() {
+  awk -v from="$here/blocks/" '
+    function shown(file,   line) { while ((getline line < file) > 0) print line; close(file) }
+    function dotted(file,   line, dots) { while ((getline line < file) > 0) if (line == "...") dots = 1; close(file); return dots }
+    /^```/ {
+      if (inside) { inside = 0; skip = 0 }
+      else {
+        inside = 1
+        if ($0 == "```sh") before = from sprintf("%04d", NR)
+        if ($0 == "```output" && !dotted(before ".output")) { print; shown(before ".found"); skip = 1; next }
+      }
+    }
+    !skip' "$source/$page" > "$here/mended"
+  cmp -s "$here/mended" "$source/$page" || { cp "$here/mended" "$source/$page"; echo "$page: mended"; }
+}
 
-awk '/^# goingrate par/ { inside = 1 } /^```/ { inside = 0 } inside' "$source/README.md" > clock.par
-[ -s clock.par ] || fault "no file of parameters"
-run goingrate fit my.log --from clock.par
+prose() { awk '/^```/ { inside = !inside; next } !inside' "$source/$page"; }
+
+# What stands between backticks, outside of blocks.
+spans() { prose | grep -oE '`[^`]+`' | tr -d '`' | sort -u; }
+
+# A word in capitals stands for something: such a line is no command to run.
+run_spans() {
+  local line
+  while IFS= read -r line; do
+    grep -qxF -- "$line" "$here/ran" && continue
+    echo "$line" >> "$here/ran"
+    # shellcheck disable=SC2086
+    run $line
+    examples=$((examples + 1))
+  done < <(spans | grep '^goingrate ' | grep -vE '\b[A-Z]{3,}\b')
+}
+
+check_names() {
+  local option name target folder
+  folder=$(dirname "$source/$page")
+  while IFS= read -r option; do
+    grep -qwF -- "$option" "$here/options" || fault "no command has the option $option"
+  done < <(spans | grep -E '^(goingrate |--)' | grep -oE -- '--[a-z][a-z0-9-]*' | sort -u)
+  while IFS= read -r name; do
+    compgen -G "$source/$name" > /dev/null || compgen -G "$source/$name.*" > /dev/null \
+      || fault "there is no $name"
+  done < <(spans | grep -oE '^(tests|data|apps|src|include)/[A-Za-z0-9_./*-]+' | grep -vE '[A-Z]{3,}(/|\.|$)' | sort -u)
+  while IFS= read -r target; do
+    [ -e "$folder/$target" ] || fault "the link $target leads nowhere"
+  done < <(prose | grep -oE '\]\([^)#]+' | cut -c3- | grep -vE '^https?:' | sort -u)
+  while IFS= read -r name; do
+    [ -x "$source/$name" ] || fault "there is no script $name"
+  done < <(cat "$here"/blocks/*.console 2> /dev/null | grep -oE '^\./[a-z./]+' | sort -u)
+  while IFS= read -r name; do
+    grep -rqE "TEST(_F|_P)?\($name|NAME $name" "$source/tests" || fault "there is no test $name"
+  done < <(grep -oE '`ctest`( and| `[A-Za-z.]+`,?)+' "$source/$page" | grep -oE '`[A-Z][A-Za-z.]+`' | tr -d '`' | sed 's/\./, /' | cut -d, -f1 | sort -u)
+}
+
+: > "$here/ran"
+for command in simulate rate fit spectrum stability report map chart paper batch help; do
+  goingrate "$command" --help
+done | grep -oE -- '--[a-z][a-z0-9-]*' | sort -u > "$here/options"
+printf '%s\n' --help --version --quiet >> "$here/options"
+
+blocks=0 examples=0 pages=0
+for page in README.md CONTRIBUTING.md CHANGELOG.md $(cd "$source" && ls data/guide/*.md); do
+  rm -f "$here"/blocks/*
+  split_blocks
+  run_blocks
+  [ "$mend" != --mend ] || mend_page
+  run_spans
+  for file in "$here"/blocks/*.toml; do
+    [ ! -e "$file" ] || run goingrate simulate "$file" --set run.periods=300 -o all.csv
+  done
+  for file in "$here"/blocks/*.par; do
+    [ ! -e "$file" ] || run goingrate fit my.log --from "$file"
+  done
+  check_names
+  pages=$((pages + 1))
+done
+
+page=README.md
+[ "$(wc -l < "$source/README.md")" -le 150 ] || fault "longer than 150 lines: it is the door"
+page=data/guide/architecture.md
+while IFS= read -r name; do
+  compgen -G "$source/include/goingrate/$name.hpp" > /dev/null || compgen -G "$source/src/$name*" > /dev/null \
+    || compgen -G "$source/$name*" > /dev/null || fault "there is no $name"
+done < <(grep -E '^\| [a-z]' "$source/$page" | grep -oE '`[a-z]+/[a-z0-9_.]+`' | tr -d '`' | sort -u)
+page=data/guide/formats.md
+for format in $(goingrate rate --help | tr -d '\n ' | grep -oE -- '--formatTEXT:\{[^}]*' | cut -d'{' -f2 | tr , ' '); do
+  grep -qF "| \`$format\` |" "$source/$page" || fault "has no line on the format $format"
+done
+[ "$blocks" -ge 8 ] && [ "$examples" -ge 12 ] || fault "only $blocks blocks and $examples examples"
 
 [ "$faults" -eq 0 ] || exit 1
-echo "$examples examples, the scenario and the parameters of the README run as printed."
+echo "$blocks blocks and $examples examples of $pages pages run as printed."

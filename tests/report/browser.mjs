@@ -2,7 +2,7 @@
 // Arguments: CHROMIUM PAGE FOLDER-FOR-PICTURES. Speaks the DevTools protocol over a pipe (messages
 // end with a zero byte), so that node needs no packages.
 import { spawn } from "node:child_process";
-import { writeFileSync, mkdtempSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -59,11 +59,14 @@ async function value(expression) {
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
-async function picture(name, width) {
+async function setWidth(width) {
   await send("Emulation.setDeviceMetricsOverride", { width, height: 900, deviceScaleFactor: 1, mobile: width < 600 });
   await pause(1200); // plotly answers a change of width after a while
-  const [top, bottom] = await value(`(() => { const r = document.getElementById("figures").getBoundingClientRect();
-    return [r.top + scrollY, r.bottom + scrollY]; })()`);
+}
+
+async function picture(name, width) {
+  await setWidth(width);
+  const top = 0, bottom = await value("document.documentElement.scrollHeight");
   let bytes = 0, number = 0;
   for (let y = top; y < bottom; y += 1500) { // in sheets that a viewer shows without shrinking them
     const clip = { x: 0, y, width, height: Math.min(1500, bottom - y), scale: 1 };
@@ -125,31 +128,113 @@ async function checkZoom() {
   check(Math.abs(await value(density) / before - 1) < 0.05, "the key 0 shows all again");
 }
 
+// What is cut off or scrolls sideways, in words; figures may do as they like inside their place, but
+// their texts must stay in it.
+const misfits = `(() => {
+  const found = [], room = document.documentElement.clientWidth, name = (e) => e.tagName + "." + e.className + " " + e.textContent.trim().slice(0, 40);
+  const hidden = (e) => e.closest("thead") && getComputedStyle(e.closest("thead")).position === "absolute";
+  if (document.documentElement.scrollWidth > room) found.push("the page scrolls sideways");
+  for (const e of document.body.querySelectorAll("*")) {
+    const box = e.getBoundingClientRect(), place = e.closest(".live, .still");
+    if (!box.width || !box.height || hidden(e) || e.tagName === "SCRIPT") continue;
+    if (!place && (box.right > room + 0.5 || box.left < -0.5)) found.push(name(e) + " reaches beyond the page");
+    if (!place && e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== "inline") found.push(name(e) + " scrolls sideways");
+    if (place && e.tagName === "text" && getComputedStyle(e).visibility !== "hidden") {
+      const outer = place.getBoundingClientRect();
+      if (box.right > outer.right + 1 || box.left < outer.left - 1 || box.bottom > outer.bottom + 1 || box.top < outer.top - 1)
+        found.push("the text '" + e.textContent + "' leaves its figure");
+    }
+  }
+  return [...new Set(found)].slice(0, 5);
+})()`;
+
+async function checkFit(what) {
+  const found = await value(misfits);
+  check(found.length === 0, `${what}: nothing is cut and nothing scrolls sideways ${found.join("; ")}`);
+}
+
 async function checkLooks() {
-  await picture("light", 1000);
-  const light = await value(`document.querySelector(".live")._fullLayout.paper_bgcolor`);
-  await send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: "dark" }] });
-  await picture("dark", 1000);
-  check(await value(`document.querySelector(".live")._fullLayout.paper_bgcolor`) !== light, "the dark has colours of its own");
+  const paper = () => value(`document.querySelector(".live")._fullLayout.paper_bgcolor`);
+  const papers = {};
+  for (const scheme of ["light", "dark"]) {
+    await send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: scheme }] });
+    for (const width of [390, 768, 1280]) {
+      await picture(`${scheme}-${width}`, width);
+      await checkFit(`${scheme}, ${width} px`);
+    }
+    papers[scheme] = await paper();
+  }
+  check(papers.light !== papers.dark, "the dark has colours of its own");
   await send("Emulation.setEmulatedMedia", { features: [] });
-  await picture("phone", 400);
-  check(await value("document.documentElement.scrollWidth") <= 400, "nothing is wider than a telephone");
-  await send("Emulation.setEmulatedMedia", { media: "print" });
-  check(await value(shown(".still")) > 0 && await value(shown(".live")) === 0, "on paper the figures are the still ones");
-  await send("Emulation.setEmulatedMedia", { media: "" });
   check(complaints.length === 0, `no complaint on the console ${complaints.join("; ")}`);
+}
+
+// A4 less the margins of the style sheet, in px.
+async function checkPrint() {
+  await send("Emulation.setEmulatedMedia", { media: "print" });
+  await setWidth(673);
+  check(await value(shown(".still")) > 0 && await value(shown(".live")) === 0, "on paper the figures are the still ones");
+  check(await value(`[...document.querySelectorAll("figure")].every((e) =>
+    getComputedStyle(e).breakInside === "avoid" && e.getBoundingClientRect().height < 1001)`), "no figure is cut in two on A4");
+  await checkFit("on paper");
+  await send("Emulation.setEmulatedMedia", { media: "" });
+  const { data } = await send("Page.printToPDF", { preferCSSPageSize: true, printBackground: true });
+  writeFileSync(join(folder, "page.pdf"), Buffer.from(data, "base64"));
+  await setWidth(1000);
+}
+
+async function checkNames() {
+  const { nodes } = await send("Accessibility.getFullAXTree");
+  const roles = ["button", "link", "img", "image", "region", "group", "navigation", "heading"];
+  const seen = nodes.filter((n) => !n.ignored && roles.includes(n.role?.value));
+  const nameless = seen.filter((n) => !n.name?.value);
+  check(seen.length > 20 && nameless.length === 0,
+    `${seen.length} things that a screen reader announces have names ${nameless.map((n) => n.role.value).join(" ")}`);
+}
+
+const begins = { svg: "<svg", png: "\x89PNG", csv: "panel,series,x,y,low,high\nRate" };
+
+async function checkSaving() {
+  const saved = mkdtempSync(join(tmpdir(), "goingrate-saved-"));
+  await send("Page.setDownloadBehavior", { behavior: "allow", downloadPath: saved });
+  for (const [format, begin] of Object.entries(begins)) {
+    await value(`document.querySelector("button[data-format=${format}]").focus()`);
+    await send("Input.dispatchKeyEvent", { type: "keyDown", key: "Enter", code: "Enter", text: "\r", windowsVirtualKeyCode: 13 });
+    await send("Input.dispatchKeyEvent", { type: "keyUp", key: "Enter", code: "Enter", windowsVirtualKeyCode: 13 });
+    let file;
+    for (let i = 0; i < 100 && !file; ++i) {
+      await pause(100);
+      file = readdirSync(saved).find((name) => name.endsWith(`.${format}`));
+    }
+    const text = file && existsSync(join(saved, file)) ? readFileSync(join(saved, file), "latin1") : "";
+    check(text.startsWith(begin) && text.length > 1000, `a figure is saved as ${format} (${text.length} bytes) by the keyboard`);
+    if (file) writeFileSync(join(folder, `saved.${format}`), readFileSync(join(saved, file)));
+  }
+  rmSync(saved, { recursive: true });
+}
+
+async function checkWords() {
+  const held = await value(`JSON.parse(document.getElementById("goingrate").textContent).summary`);
+  const read = await value(`[...document.querySelectorAll(".says p")].map((p) => p.textContent)`);
+  check(held.length >= 3 && held.length <= 6 && JSON.stringify(held) === JSON.stringify(read), "the page says what its JSON holds");
 }
 
 try {
   const { targetId } = await send("Target.createTarget", { url: "about:blank" });
   ({ sessionId: session } = await send("Target.attachToTarget", { targetId, flatten: true }));
-  for (const domain of ["Page", "Runtime", "Log"]) await send(`${domain}.enable`);
+  for (const domain of ["Page", "Runtime", "Log", "Accessibility"]) await send(`${domain}.enable`);
   await send("Emulation.setDeviceMetricsOverride", { width: 1000, height: 900, deviceScaleFactor: 1, mobile: false });
   console.log(`      drawn ${await load(true)} ms after the call`);
   await checkFigures();
   await checkZoom();
+  await checkWords();
+  await checkNames();
+  await checkSaving();
   await checkLooks();
+  await checkPrint();
   await load(false);
+  await setWidth(390);
+  await checkFit("without scripts, 390 px");
   check(await value(shown(".still")) > 0 && await value(shown(".live")) === 0, "without scripts there are the still figures");
 } catch (error) {
   check(false, error.message);

@@ -2,7 +2,9 @@
 #include "goingrate/report/figure.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/report/gnuplot.hpp"
 #include "markup_checks.hpp"
+#include "report/figure_axes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -302,6 +304,51 @@ TEST(FigureTest, RefusesVectorsOfDifferentLength) {
   Series bars = series_of(Style::bars, {1, 2});
   bars.low.pop_back();
   EXPECT_THROW(svg(figure_of({bars})), ArgumentError);
+}
+
+// A thousand rates that scatter by one, the last tenth two higher, and one bad period.
+Figure cloud_with_an_outlier(double outlier) {
+  Figure figure{"rate", "Rate", "", {"time", "s"}, {"rate", "s/day"}, {}};
+  Series points{Series::Style::points, "each period", {}, {}, {}, {}, 0};
+  for (int i = 0; i < 1000; ++i) {
+    points.x.push_back(i);
+    points.y.push_back(std::sin(7.0 * i * i) + (i >= 900 ? 2.0 : 0.0));
+  }
+  points.y[300] = outlier;
+  figure.series = {points};
+  return figure;
+}
+
+TEST(FigureTest, TheBulkOfACloudSetsTheAxis) {
+  const FigureAxes axes = figure_axes(cloud_with_an_outlier(600.0));
+  EXPECT_TRUE(axes.clipped);
+  EXPECT_GT(axes.y.to, 3.0) << "the step is seen";
+  EXPECT_LT(axes.y.to, 5.0) << "and not hidden by the outlier";
+  EXPECT_LT(axes.y.from, -1.0);
+  EXPECT_GT(axes.y.from, -2.0);
+  const FigureAxes plain = figure_axes(cloud_with_an_outlier(4.0));
+  EXPECT_FALSE(plain.clipped) << "what is not far off has its place";
+  EXPECT_GT(plain.y.to, 4.0);
+}
+
+TEST(FigureTest, WhatLiesBeyondStandsAtTheRim) {
+  const Figure figure = cloud_with_an_outlier(-600.0);
+  const SeriesWithin inside = within(figure.series.front(), figure_axes(figure));
+  ASSERT_EQ(inside.beyond.size(), 1U);
+  EXPECT_EQ(inside.beyond[0].x, 300.0);
+  EXPECT_FALSE(inside.beyond[0].above);
+  EXPECT_TRUE(std::isnan(inside.inside.y[300]));
+  EXPECT_EQ(test::count_of(svg(figure), "class=\"mark rim c0\""), 1U);
+  EXPECT_EQ(test::count_of(svg(cloud_with_an_outlier(0.0)), "rim"), 0U);
+  EXPECT_NE(gnuplot_script({figure}, "rate").find("pointtype 11"), std::string::npos);
+}
+
+TEST(FigureTest, ALineAloneIsShownInFull) {
+  Figure figure = cloud_with_an_outlier(600.0);
+  figure.series[0].style = Series::Style::line;
+  const FigureAxes axes = figure_axes(figure);
+  EXPECT_FALSE(axes.clipped);
+  EXPECT_GT(axes.y.to, 600.0);
 }
 
 } // namespace

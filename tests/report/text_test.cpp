@@ -1,5 +1,7 @@
 #include "goingrate/report/tables.hpp"
 
+#include "report/figure_axes.hpp"
+
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -11,16 +13,17 @@ namespace goingrate {
 namespace {
 
 TEST(TextTest, AValueIsRoundedToTwoDigitsOfItsSigma) {
-  EXPECT_EQ(with_sigma(2.00031234, 0.000123), "2.00031 +- 0.00012");
-  EXPECT_EQ(with_sigma(1273.262, 13.4), "1273 +- 13");
-  EXPECT_EQ(with_sigma(-0.5, 0.25), "-0.50 +- 0.25");
-  EXPECT_EQ(with_sigma(2.49995e-4, 2.1e-8), "(2.49995 +- 0.00021)e-4");
-  EXPECT_EQ(with_sigma(0.0, 3e-9), "(0.0 +- 3.0)e-9");
+  EXPECT_EQ(with_sigma(2.00031234, 0.000123), "2.00031 ± 0.00012");
+  EXPECT_EQ(with_sigma(1273.262, 13.4), "1273 ± 13");
+  EXPECT_EQ(with_sigma(-0.5, 0.25), "-0.50 ± 0.25");
+  EXPECT_EQ(with_sigma(2.49995e-4, 2.1e-8), "(2.49995 ± 0.00021)×10⁻⁴");
+  EXPECT_EQ(with_sigma(0.0, 3e-9), "(0.0 ± 3.0)×10⁻⁹");
 }
 
 TEST(TextTest, WithoutASigmaThereIsNone) {
   EXPECT_EQ(with_sigma(1.5, 0.0), "1.5");
   EXPECT_EQ(with_sigma(1.5, NAN), "1.5");
+  EXPECT_EQ(with_sigma(-2.5e-7, NAN, 2), "-2.5×10⁻⁷");
 }
 
 Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uint16_t segment = 0) {
@@ -70,7 +73,7 @@ TEST(TextTest, AnUndeterminedParameterIsAWord) {
   FitSummary fit;
   fit.parameters = {{"epsilon", "", ParameterStatus::undetermined, NAN, NAN, NAN}};
   const std::string text = fit_text(fit);
-  EXPECT_NE(text.find("epsilon        undetermined"), std::string::npos);
+  EXPECT_NE(text.find("ε (epsilon)    undetermined"), std::string::npos);
   EXPECT_EQ(text.find("nan"), std::string::npos) << text;
 }
 
@@ -95,11 +98,12 @@ TEST(TextTest, TheParametersStandInColumns) {
   const std::string text = fit_text(fit);
   std::istringstream lines(text);
   std::set<std::size_t> values, remarks;
+  constexpr std::size_t value_from = 22; // behind the longest name
   for (std::string line; std::getline(lines, line);) {
-    EXPECT_LE(line.size(), 80u) << line;
-    if (line.find(" +- ") == std::string::npos) continue;
-    values.insert(line.find_first_not_of(' ', line.find(' ', 2)));
-    remarks.insert(line.rfind("  ") + 2);
+    EXPECT_LE(characters(line), 80u) << line;
+    if (line.find(" ± ") == std::string::npos) continue;
+    values.insert(characters(line.substr(0, line.find_first_of("(0123456789", value_from))));
+    remarks.insert(characters(line.substr(0, line.rfind("  ") + 2)));
   }
   EXPECT_EQ(values.size(), 1u) << text;
   EXPECT_EQ(remarks.size(), 1u) << text;
@@ -150,7 +154,7 @@ TEST(TextTest, ASlopeThatIsNoNoisesIsCalledByNoName) {
   for (const std::string& text : {noise, jump}) {
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)
-      EXPECT_LE(line.size(), 80u) << line;
+      EXPECT_LE(characters(line), 80u) << line;
   }
 }
 

@@ -272,6 +272,17 @@ TEST(Stability, RefusesArgumentsOutsideTheirDomain) {
   EXPECT_TRUE(std::isnan(values(DeviationKind::oadev, std::vector<double>(5, nan), 1.0, {1})[0]));
 }
 
+TEST(AveragingFactors, AreHadByTheirNames) {
+  EXPECT_EQ(factors_named("octave", 100), octave_factors(100));
+  EXPECT_EQ(factors_named("decade", 100, DeviationKind::mdev),
+            decade_factors(100, DeviationKind::mdev));
+  EXPECT_EQ(factors_named("all", 30), all_factors(30));
+  EXPECT_FALSE(factors_named("century", 100));
+  for (const DeviationKind kind : deviation_kinds)
+    EXPECT_EQ(deviation_named(name_of(kind)), kind);
+  EXPECT_FALSE(deviation_named("nodev"));
+}
+
 TEST(AveragingFactors, StopWhereOneSecondDifferenceIsLeft) {
   using Factors = std::vector<std::size_t>;
   EXPECT_EQ(octave_factors(3), Factors({1}));

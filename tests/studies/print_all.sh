@@ -18,7 +18,7 @@ print bias 400 "$base"
 print coverage 300 "$base"
 print drive_split 208 40 "$base"
 print noisy_drive 60 "$base"
-for name in solvers fit_speed fit_peer reading stability; do
+for name in solvers fit_speed fit_peer reading stability python; do
   print "$name"
 done
 print diagnosis "${2:-10}" "$base" "${3:-3}"

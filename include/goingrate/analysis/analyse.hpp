@@ -26,6 +26,7 @@ struct Analysis {
   std::vector<Beat> beats;         ///< the segment that was analysed
   RateSummary rate;                ///< of all of `beats`
   std::vector<PartRate> stretches; ///< of these, from one dated change to the next
+  PartRate now; ///< as it goes in the end: the last stretch, or its last quarter if that differs
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
@@ -50,7 +51,8 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// With the sensor's place among the free parameters where the beat error shows that the times are
-/// not those of the vertical, unless the options speak of it.
+/// not those of the vertical, unless the options speak of it; as amplitudes and both directions tell
+/// it, where the log has them.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
 /// What the causes are judged by. Points to `times`. The fit serves to tell a rough drive.
@@ -65,7 +67,7 @@ struct AnalysisRequest {
   bool traces_profiles = true;          ///< for figures: up to half as long again as all else
   std::optional<double> nut_pitch_m{};  ///< of the rating nut, if its turns are asked for
   std::optional<double> rod_length_m{}; ///< of the mathematical pendulum; that of the period if not
-  std::function<void(std::string_view)> now{}; ///< told what is being done
+  std::function<void(std::string_view)> now{}; ///< "2 of 6: what is being done"
 };
 
 /// All that a report shows of a log, by one fit. Throws

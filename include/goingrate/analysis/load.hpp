@@ -29,9 +29,9 @@ struct LoadRequest {
 /// A log read, corrected and numbered.
 struct NumberedLog {
   NumberedLog() = default;
-  NumberedLog(NumberedLog&&) = default;
-  NumberedLog& operator=(NumberedLog&&) = default;
-  NumberedLog(const NumberedLog&) = delete; // `good` would point into the other
+  NumberedLog(NumberedLog&&) = default;            ///< leaves an empty log
+  NumberedLog& operator=(NumberedLog&&) = default; ///< the same
+  NumberedLog(const NumberedLog&) = delete;        // `good` would point into the other
   NumberedLog& operator=(const NumberedLog&) = delete;
 
   ClockLog log; ///< its events are in `beats`
@@ -54,6 +54,11 @@ NumberedLog load(const LoadRequest& request);
 
 /// The same for a text in memory; `path` names it in messages.
 NumberedLog load_text(std::string_view text, const LoadRequest& request);
+
+/// The same for events that were had otherwise; `log.source` names them in messages. Of the
+/// request's reading only the nominal period counts, and not that if the log states one. Throws
+/// InputError as well for fewer than three events.
+NumberedLog load_events(ClockLog log, const LoadRequest& request);
 
 /// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on
 /// a grid as they were read, also where they are no clock's; else of the longest segment.

@@ -19,6 +19,8 @@
 #include "goingrate/fit/timing_data.hpp"
 #include "goingrate/spectra/lines.hpp"
 
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -49,13 +51,28 @@ enum class Cause {
 };
 std::string_view name_of(Cause cause);
 
+/// The numbers of a suspicion, in SI units; NaN where it has none.
+struct CauseNumbers {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  double at_s = unknown;    ///< after the first beat: when it came, if it was sudden
+  double until_s = unknown; ///< when it went, if it was a visit
+  /// What it does. Of a step, a visit, a wheel or the day: relative rate; of temperature or
+  /// pressure that per K or mbar, of a drift that per day; of a displaced time: s; of missed beats
+  /// the share of all.
+  double size = unknown, sigma = unknown;
+  double amplitude_rad = unknown, amplitude_sigma_rad = unknown; ///< the same of the amplitude
+  double period_s = unknown;                                     ///< of a wheel
+  std::size_t places = 0; ///< where times are displaced or beats are missing
+};
+
 /// One suspicion.
 struct Suspicion {
   Cause cause{};
   double gain = 0.0;    ///< 2 log L over what was known before, less its price; 6 is 20 to 1
   std::string evidence; ///< what speaks for it, in words with numbers
   std::vector<Cause> alternatives{}; ///< what this log cannot tell from it
-  std::string advice{};              ///< what would tell, or what to do; may be empty
+  std::string advice{};              ///< what would tell, or what to do: a sentence; may be empty
+  CauseNumbers numbers{};
 };
 
 /// What the causes are judged by.
@@ -72,16 +89,19 @@ struct DiagnosisInput {
   std::optional<double> stopped_s{};       ///< after the first beat: a stop split the log
 };
 
-/// Suspicions, the greatest gain first; none for a healthy clock. Of a log below 2000 beats the
-/// explained changes alone.
+/// In a log of fewer beats the courses of a rate cannot be told from each other.
+inline constexpr std::size_t least_diagnosed_beats = 400;
+
+/// Suspicions, the greatest gain first; none for a healthy clock. Of a log of fewer than
+/// least_diagnosed_beats the explained changes alone.
 /// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
 /// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);
 
 /// Adds the steps, and the visits' ends, that diagnose() would name and that are not among
 /// `diary.changes`, which are also `input.changes`: those too small to stand out of the beats next
-/// to them. `beats` are those of the data. Nothing for a log below 2000 beats. Cost: that of
-/// diagnose().
+/// to them. `beats` are those of the data. Nothing for a log of fewer than
+/// least_diagnosed_beats. Cost: that of diagnose().
 void add_small_changes(const DiagnosisInput& input, std::span<const Beat> beats, Diary& diary);
 
 } // namespace goingrate

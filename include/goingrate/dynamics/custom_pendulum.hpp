@@ -27,7 +27,8 @@ struct CustomLaws {
 /// The pendulum between upward crossings.
 ///
 /// Velocity and period to 1e-12 of direct integration for the laws that it knows too
-/// (CustomPendulumTest.AgreesWithDirectIntegration); about 20 us a period.
+/// (CustomPendulumTest.AgreesWithDirectIntegration, CustomPendulumTest.JumpsAreSteppedToNotOver);
+/// about 20 us a period.
 class CustomPendulum {
 public:
   /// Starts at an upward crossing with phi' = `velocity` in (0, 2); throws ArgumentError otherwise.
@@ -44,10 +45,12 @@ private:
   [[nodiscard]] double acceleration(const State& state) const;
   [[nodiscard]] double time_to(double target, std::size_t of, double h) const;
   SwingStatus to_vertical(bool upward, double& excess);
+  void enter_stretch(bool rightwards);
 
   CustomLaws laws_;
   State state_;
   bool rightwards_ = true;
+  double low_ = 0.0, high_ = 0.0; // between which the laws do not jump
 };
 
 } // namespace goingrate

@@ -27,6 +27,7 @@
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
+#include "goingrate/fit/decay.hpp"
 #include "goingrate/fit/timing_data.hpp"
 
 #include <cstdint>
@@ -80,8 +81,8 @@ struct ModelChoice {
 
   /// "constant-torque, linear, jitter + drive"
   [[nodiscard]] std::string name() const;
-  [[nodiscard]] std::string friction() const;
-  [[nodiscard]] std::string noise() const;
+  [[nodiscard]] std::string friction() const; ///< "linear + dry"
+  [[nodiscard]] std::string noise() const;    ///< "jitter + drive"
 };
 
 /// What is asked of a fit; what is left empty it finds out.
@@ -221,7 +222,10 @@ struct FitSummary {
   std::vector<std::string> correlated;          ///< names of the free parameters, in order
   std::vector<std::vector<double>> correlation; ///< of those
   std::vector<DerivedQuantity> combinations;    ///< those that are determined
+  /// Q and decay time are those of linear friction; with other friction beside it they depend on the
+  /// amplitude and are NaN, and `decay` has them.
   DerivedQuantity q_factor, stationary_amplitude, rate_s_per_day, decay_time;
+  std::optional<Decay> decay{};     ///< of a pendulum that swings freely
   double jitter_s = 0.0;            ///< NaN where the log does not determine it
   double amplitude_noise_rad = 0.0; ///< NaN without amplitudes
   double time_widening = 1.0; ///< sigma was multiplied by this for correlation left in the times

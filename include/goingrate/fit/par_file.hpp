@@ -47,6 +47,12 @@ ParFile parse_par(std::string_view text, const std::string& file);
 /// may be zero, are guessed from the log where they are missing.
 void drop_partial_start(FitOptions& options);
 
+/// The names that a parameter may have from the start on; one that may change at the k-th event has
+/// @k behind it there.
+std::vector<std::string> parameter_names();
+/// Of these, the ones that are fitted only where they are named.
+std::vector<std::string> optional_parameter_names();
+
 /// Set by the word for it, `auto` included; false for any other word.
 bool set_dynamics(FitOptions& options, std::string_view word);
 bool set_noise(FitOptions& options, std::string_view word);

@@ -27,6 +27,9 @@ struct TimingData {
   std::vector<double> lateness_s;    ///< t_i - t_0 - n_i * reference period, no digits lost
   std::vector<double> amplitude_rad; ///< NaN where unknown; empty if the log has none
   std::vector<RateTerm> terms;       ///< what the fit may be asked to answer to
+  /// Standard deviations of the times and of the amplitudes, one a beat, over the rms of all; empty
+  /// where all are alike. Under noise of the drive those of the times are taken for alike.
+  std::vector<double> time_noise{}, amplitude_noise{};
 
   /// Number of beats.
   [[nodiscard]] std::size_t size() const { return cycle.size(); }
@@ -49,6 +52,10 @@ RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
 /// (CovariateTest.DensityIsThatOfTheStandardAtmosphere)
 std::vector<double> air_density(std::span<const double> temperature_c,
                                 std::span<const double> pressure_mbar);
+
+/// Standard deviations as TimingData has them: over their rms. Those that are not known are taken
+/// for the rms. Empty if all lie within a tenth of it: nothing would be gained.
+std::vector<double> relative_noise(std::span<const double> sigmas);
 
 /// The entries with the given indices (increasing).
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen);

@@ -19,6 +19,17 @@ namespace goingrate {
 /// part in the motion, 1e-4 of lambda and less. NaN if no swing takes so long or so little.
 double amplitude_from_width(double width_s, double flag_width_rad, double period_s);
 
+/// Period of small swings, s: the median over neighbouring good beats of their period less its
+/// circular error, with amplitudes from the widths; `period_s`, near it, where no beat tells. The
+/// mean period of a ring-down from 1 rad is 5 % longer, and so would the amplitudes be.
+double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s);
+
+/// Moves times that are the middle of a flag's dark time to the vertical: a pendulum that is slowed
+/// down takes longer over the second half of the flag. With the local fall of the amplitudes,
+/// 1/Q = -(d log A/d cycle)/pi, the middle of a dark time w is late by pi w^2/(4 T Q); of dry friction
+/// and quadratic drag that is right to a fifth.
+void move_middles_to_vertical(ClockLog& log, double period_s);
+
 /// Standard deviation of that amplitude for a width known to `sigma_s`:
 /// lambda / tan(tau/2) * pi sigma / T0.
 double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitude_rad,

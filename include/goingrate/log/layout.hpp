@@ -81,6 +81,7 @@ std::string_view name_of(ColumnRole role); ///< as --column takes it
 std::optional<LogFormat> format_named(std::string_view name);
 std::optional<ColumnRole> role_named(std::string_view name);
 std::vector<std::string> format_names();
+std::vector<std::string> role_names();
 /// The unit of time of that name: s, ms, us, ns, min, h, d, mjd and what else headers say.
 std::optional<TimeUnit> unit_named(std::string_view name);
 

@@ -48,9 +48,11 @@ struct OtherReading {
 /// found; `others` are the likeliest readings, best first.
 class ImpossibleReading : public InputError {
 public:
+  /// `place`, `found` and `expected` as for InputError.
   ImpossibleReading(TextPlace place, std::string_view found, std::string_view expected,
                     std::vector<OtherReading> others)
       : InputError(std::move(place), found, expected), others_(std::move(others)) {}
+  /// Likeliest first.
   [[nodiscard]] const std::vector<OtherReading>& others() const noexcept { return others_; }
 
 private:

@@ -3,6 +3,7 @@
 
 #include "goingrate/dynamics/chart.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
+#include "goingrate/dynamics/rate_map.hpp"
 #include "goingrate/report/figure.hpp"
 
 #include <string>
@@ -27,12 +28,6 @@ Figure chart_figure(const std::vector<ChartRow>& rows, const std::string& scene,
 std::string limits_text(const std::vector<LimitRow>& rows);
 std::string limits_json(const std::vector<LimitRow>& rows);
 
-/// Stationary rate over a grid of epsilon and mu.
-struct RateMap {
-  double phi0 = 0.0;
-  std::vector<double> epsilon, mu;
-  std::vector<std::vector<double>> rate_excess; ///< [mu][epsilon]; NaN where the clock stalls
-};
 std::string rate_map_table(const RateMap& map); ///< CSV: epsilon,mu,rate_excess,rate_s_per_day
 std::string rate_map_json(const RateMap& map);
 /// The rate against friction, a curve for each of some torques; and, where some rates are so far

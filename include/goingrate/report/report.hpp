@@ -9,7 +9,24 @@
 
 namespace goingrate {
 
-/// The summary for the terminal: at most 40 lines or so, of at most 80 characters, in plain words.
+/// What the log says, three to six sentences, each true by itself: how the clock goes now, whether
+/// it is getting worse and since when, what most likely explains it, what to do, and whether the
+/// model of the pendulum explains the log.
+std::vector<std::string> report_sentences(const Analysis& data);
+
+/// One number of the summary, in words: "rate over the whole log", "+18.42 ± 0.85 s/day".
+struct SummaryNumber {
+  std::string quantity; ///< with its symbol, if it has one
+  std::string value;    ///< with its uncertainty and its unit
+};
+
+/// The numbers of the summary: rates before and after each dated change, period, amplitude, the
+/// parameters that the log determines, the drive, what temperature and pressure do, the deviation.
+/// A quantity has one unit throughout, chosen by its size.
+std::vector<SummaryNumber> summary_numbers(const Analysis& data);
+
+/// The summary for the terminal: the name of the log's file, the sentences, and the numbers as one
+/// table; at most 50 lines or so, of at most 80 characters, UTF-8.
 std::string report_text(const Analysis& data);
 
 /// Those figures for which there are data, in the order of the page: rate, amplitude and residuals
@@ -20,9 +37,9 @@ std::vector<Figure> report_figures(const Analysis& data);
 
 /// One self-contained HTML page: summary, tables and figures; opens from disk without a network.
 /// plotly.js, if the build had it, draws the figures so that they can be zoomed; without scripts
-/// and on paper they are the still ones. Below 4 MB for any log: what a long log has beyond the
-/// 800,000 numbers kept for zooming is thinned to the extremes of stretches
-/// (HtmlReportTest.AMonthOfBeats).
+/// and on paper they are the still ones. Holds the result of report_json. Below 5 MB for a log of a
+/// month: what a long log has beyond the 800,000 numbers kept for zooming is thinned to the
+/// extremes of stretches (HtmlReportTest.AMonthOfBeats).
 std::string report_html(const Analysis& data);
 
 } // namespace goingrate

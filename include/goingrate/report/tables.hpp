@@ -18,7 +18,8 @@
 
 namespace goingrate {
 
-/// A value with its uncertainty, rounded to two digits of the latter: "2.00031 +- 0.00012".
+/// A value with its uncertainty, rounded to two digits of the latter: "2.00031 ± 0.00012",
+/// "(2.49995 ± 0.00021)×10⁻⁴".
 /// A sigma of 0 or NaN gives the value with `digits` digits and no sigma.
 std::string with_sigma(double value, double sigma, int digits = 6);
 
@@ -83,6 +84,12 @@ std::string rate_text(const Beats& beats, const RateSummary& summary,
 /// The fit as people know it from other fitting programs: statistics, variables, correlations above
 /// 0.1, what is undetermined, the models that were tried.
 std::string fit_text(const FitSummary& fit);
+
+/// How the swing of a free pendulum dies away, in a few plain sentences.
+std::string decay_sentences(const Decay& decay);
+
+/// The same with Q at each amplitude as a table.
+std::string decay_text(const Decay& decay);
 
 /// The parameters as a LaTeX table (tabular of booktabs): value and sigma rounded to two digits of
 /// sigma, the ends of the 95 % interval where sigma alone would mislead, undetermined as a word.

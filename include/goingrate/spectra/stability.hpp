@@ -56,6 +56,13 @@ inline constexpr std::array deviation_kinds = {
   return names[static_cast<std::size_t>(kind)];
 }
 
+/// The deviation of that name; nothing for any other word.
+[[nodiscard]] constexpr std::optional<DeviationKind> deviation_named(std::string_view name) {
+  for (const DeviationKind kind : deviation_kinds)
+    if (name_of(kind) == name) return kind;
+  return {};
+}
+
 /// Whether the deviation is one of time, in s; if not it is one of fractional frequency.
 [[nodiscard]] constexpr bool is_in_seconds(DeviationKind kind) {
   return kind == DeviationKind::tdev || kind == DeviationKind::ttotdev ||
@@ -164,6 +171,11 @@ struct DeviationOptions {
 /// table of all of them costs O(N^2): tests/studies/stability.txt has times.
 [[nodiscard]] std::vector<std::size_t> all_factors(std::size_t phase_points,
                                                    DeviationKind kind = DeviationKind::oadev);
+
+/// The factors of that name: octave, decade or all; nothing for any other word.
+[[nodiscard]] std::optional<std::vector<std::size_t>>
+factors_named(std::string_view name, std::size_t phase_points,
+              DeviationKind kind = DeviationKind::oadev);
 
 /// The factors for averaging times `taus_s`, sorted and without repetition.
 ///

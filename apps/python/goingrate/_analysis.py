@@ -1,0 +1,131 @@
+"""Everything about one log."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Iterable
+
+from . import _core
+from ._arrays import Array
+from ._deviation import Deviation
+from ._fit import Fit, Progress
+from ._log import Log
+from ._rate import Rate
+from ._request import Fixed, Priors, request
+from ._spectrum import Spectrum
+from ._tables import Report
+
+
+class Analysis(Report):
+    """What ``goingrate report`` finds out; ``print(analysis)`` is its summary."""
+
+    def __init__(self, log: Log, core: _core.Analysis) -> None:
+        self.log = log
+        self._core = core
+
+    @property
+    def rate(self) -> Rate:
+        """The mean rate."""
+        return Rate(self.log, self._core.rate)
+
+    @property
+    def fit(self) -> Fit:
+        """The fit; its status says whether it has a result."""
+        return Fit(self._core.fit)
+
+    @property
+    def spectrum(self) -> Spectrum | None:
+        """The spectrum of the rate; None of a log too short for one."""
+        drive = self._core.drive
+        return Spectrum(drive, self.fit) if drive.has_spectrum else None
+
+    @property
+    def deviation(self) -> Deviation:
+        """Overlapping Allan deviation."""
+        return Deviation(self._core.deviation)
+
+    @property
+    def causes(self) -> list[dict[str, Any]]:
+        """Likely causes, the likeliest first: cause, gain_2logL, for, against, advice."""
+        return self.to_dict()["causes"]
+
+    @property
+    def diary(self) -> dict[str, Any]:
+        """What happened when: changes and interruptions."""
+        return self.to_dict()["diary"]
+
+    @property
+    def covariates(self) -> list[dict[str, Any]]:
+        """How the rate answers to temperature and pressure, where the log has them."""
+        return self._core.covariates
+
+    @property
+    def drive_history(self) -> dict[str, Array] | None:
+        """The drive as it went: time_s, relative_drive, sigma, each of shape (blocks,)."""
+        return self._core.history
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
+        """The page of the report; written to `path` as well if that is given."""
+        page = self._core.html()
+        if path is not None:
+            beside = f"{os.fspath(path)}.{os.getpid()}.part"
+            with open(beside, "w", encoding="utf-8") as file:
+                file.write(page)
+            os.replace(beside, path)  # a failure leaves no half page
+        return page
+
+    def _json(self) -> str:
+        return self._core.json()
+
+    def __str__(self) -> str:
+        return self._core.text()
+
+    def __repr__(self) -> str:
+        return f"<goingrate.Analysis of {self.log.source!r}>"
+
+
+def analyse(
+    log: Log,
+    *,
+    fix: Fixed | None = None,
+    free: str | Iterable[str] | None = None,
+    prior: Priors | None = None,
+    events: str | Iterable[str] | None = None,
+    model: str | None = None,
+    noise: str | None = None,
+    escapement: str | None = None,
+    par: str | os.PathLike[str] | None = None,
+    nut_pitch_m: float | None = None,
+    pendulum_length_m: float | None = None,
+    profiles: bool = True,
+    progress: Progress | None = None,
+) -> Analysis:
+    """All that can be told of a log: rate, changes, fit, drive, causes, stability.
+
+    Parameters
+    ----------
+    log : Log
+    fix, free, prior, events, model, noise, escapement, par
+        As for `fit`.
+    nut_pitch_m : float, optional
+        By how much a turn of the rating nut moves the bob, m: gives the turns to zero rate.
+    pendulum_length_m : float, optional
+        For the nut; that of a mathematical pendulum if not given.
+    profiles : bool
+        Trace profile likelihoods, for the figures of the page; a third of the time.
+    progress : callable, optional
+        Told what is being done, in words.
+
+    Returns
+    -------
+    Analysis
+    """
+    if not isinstance(log, Log):
+        raise ValueError(f"log: found {type(log).__name__}, expected a Log (of read() or Log())")
+    for name, value in (("nut_pitch_m", nut_pitch_m), ("pendulum_length_m", pendulum_length_m)):
+        if value is not None and not value > 0:
+            raise ValueError(f"{name}: found {value}, expected above 0")
+    asked = request(fix, free, prior, events, model, noise, escapement, par)
+    return Analysis(
+        log, _core.analyse(log._core, asked, nut_pitch_m, pendulum_length_m, profiles, progress)
+    )

@@ -1,0 +1,171 @@
+"""Reading logs from files, open files and bytes."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+from typing import IO, Any, Callable, Sequence, Union
+
+from . import _core
+from ._log import Log
+from ._options import options_of
+from .errors import InputError, InputNotFoundError
+
+Source = Union[str, "os.PathLike[str]", bytes, bytearray, memoryview, IO[Any]]
+Progress = Callable[[float], object]
+_UNPACKED_LIMIT = 4 << 30  # bytes, as for files
+
+
+def _unpacked(data: bytes, name: str, limit: int) -> bytes:
+    if data[:2] != b"\x1f\x8b":
+        return data
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as packed:
+            text = packed.read(limit + 1)
+    except (OSError, EOFError) as error:
+        raise InputError(f"{name}: found damaged gzip data, expected a whole .gz file", name) from error
+    if len(text) > limit:
+        raise InputError(f"{name}: found gzip data that unpack to more than {limit} bytes", name)
+    return text
+
+
+def _content(source: Any) -> bytes | None:
+    """The bytes of what is no path."""
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        return bytes(source)
+    if hasattr(source, "read"):
+        text = source.read()
+        return text.encode() if isinstance(text, str) else bytes(text)
+    return None
+
+
+def _path(source: Any) -> str:
+    try:
+        path = os.fspath(source)
+    except TypeError:
+        raise ValueError(
+            f"source: found {type(source).__name__}, expected a path, a file object or bytes"
+        ) from None
+    path = os.fsdecode(path)
+    if path != "-":
+        try:
+            os.stat(path)
+        except FileNotFoundError:
+            raise InputNotFoundError(f"{path}: there is no such file", path) from None
+        except (OSError, ValueError) as error:
+            raise InputError(f"{path}: cannot be opened: {error}", path) from error
+    return path
+
+
+def read(
+    source: Source,
+    *,
+    format: str | None = None,
+    nominal_period_s: float | None = None,
+    columns: Sequence[str] | None = None,
+    unit: str | None = None,
+    wrap_s: float | None = None,
+    tau0_s: float | None = None,
+    decimal_comma: bool = False,
+    channel: str | None = None,
+    rest_angle_rad: float | None = None,
+    strict: bool = False,
+    both_edges: bool = False,
+    dead_time_s: float | None = None,
+    flag_width_rad: float | None = None,
+    sensor_offset_rad: float | str | None = None,
+    gap_probability: float | None = None,
+    only_phases: bool = False,
+    unpacked_limit: int | None = None,
+    name: str | None = None,
+    progress: Progress | None = None,
+) -> Log:
+    """Read a log and number its beats.
+
+    Parameters
+    ----------
+    source : path, file object or bytes
+        A file of any format that the command reads (plain or gzip; '-' is standard input), an open
+        file, or its content.
+    format : str, optional
+        timestamps, periods, clock-error, phase, frequency, ticc, ticc-interval, table, angle,
+        native. This and the following are found out if not given, and said in `Log.assumptions`.
+    nominal_period_s : float, optional
+        T0, s, the period to compare with. It is believed.
+    columns : sequence of str, optional
+        What columns hold: "ROLE=PLACE[:UNIT]", as "time=2", "amplitude=5:mrad".
+    unit : str, optional
+        Of the times: s, ms, us, ns, min, h, d, mjd.
+    wrap_s : float, optional
+        The times begin again every so many s; 0: they never do.
+    tau0_s : float, optional
+        Between values of phase, frequency or intervals, s.
+    decimal_comma : bool
+        12,5 is twelve and a half.
+    channel : str, optional
+        Of a TICC: chA, chB.
+    rest_angle_rad : float, optional
+        Of samples of an angle: where the pendulum hangs.
+    strict : bool
+        The first line at fault is an error.
+    both_edges : bool
+        The log holds both directions without labels.
+    dead_time_s : float, optional
+        Events within so many s after an edge are part of it; 0: none are.
+    flag_width_rad : float, optional
+        Angle of a centred flag as seen from the pivot.
+    sensor_offset_rad : float or 'auto', optional
+        Where the sensor stands; 'auto': estimated from the log.
+    gap_probability : float, optional
+        Split the log at a gap whose count is right with less than this probability, 0.5 to 1.
+    only_phases : bool
+        Data on a grid may be those of anything: they are taken as they are, for `deviation`.
+    unpacked_limit : int, optional
+        Bytes that a packed log may have unpacked.
+    name : str, optional
+        What messages call a log that is no file.
+    progress : callable, optional
+        Told now and then which share has been read, 0 to 1.
+
+    Returns
+    -------
+    Log
+
+    Raises
+    ------
+    InputError
+        The log cannot be used; file, line and column say where. `ImpossibleReading`: it was read,
+        and no clock is so far off; `others` has likelier readings. `InputNotFoundError`.
+    NumericsError
+        No three beats could be numbered together.
+    ValueError
+        An option makes no sense.
+    """
+    options = options_of(
+        format=format,
+        nominal_period_s=nominal_period_s,
+        columns=None if columns is None else [str(column) for column in columns],
+        unit=unit,
+        wrap_s=wrap_s,
+        tau0_s=tau0_s,
+        decimal_comma=decimal_comma,
+        channel=channel,
+        rest_angle_rad=rest_angle_rad,
+        strict=strict,
+        both_edges=both_edges,
+        dead_time_s=dead_time_s,
+        flag_width_rad=flag_width_rad,
+        sensor_offset_rad=sensor_offset_rad,
+        gap_probability=gap_probability,
+        only_phases=only_phases,
+        unpacked_limit=unpacked_limit,
+    )
+    if isinstance(columns, str):
+        raise ValueError(f"columns: found {columns!r}, expected a list of such words")
+    content = _content(source)
+    if content is None:
+        return Log._of(_core.read(_path(source), options, progress))
+    called = name or str(getattr(source, "name", "log"))
+    text = _unpacked(content, called, unpacked_limit or _UNPACKED_LIMIT)
+    return Log._of(_core.read_text(text, called, options, progress))

@@ -1,0 +1,50 @@
+// What a ring-down tells: how the swing of a free pendulum dies away.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// A value with the ends of its intervals; a high end is infinite where the log sets none. NaN
+/// throughout where the log does not determine it: sigma would be above a third of the value.
+struct DecayEstimate {
+  double value = 0.0;
+  double sigma = 0.0; ///< half the 68 % interval
+  double low68 = 0.0, high68 = 0.0, low95 = 0.0, high95 = 0.0;
+};
+
+/// Q of swings of one amplitude.
+struct QAtAmplitude {
+  double amplitude_rad = 0.0; ///< turning angle
+  DecayEstimate q{};
+};
+
+/// A law of friction and how well it explains the log.
+struct FrictionLaw {
+  std::string friction; ///< "linear", "quadratic + dry" ...
+  double bic = 0.0;
+  double behind = 0.0; ///< its BIC less that of the best; 0 for the best
+};
+
+/// The decay of a free swing.
+///
+/// Q(A) = 2 pi times the energy over what a period takes of it (dynamics/swing_loss.hpp):
+///   1/Q = 2 epsilon + (8/3 pi) k A + (4/pi) c/A   for small swings,
+/// with linear friction epsilon, quadratic drag k and dry friction c, none below 0. It supposes no
+/// one of the laws: all three terms are fitted, and the intervals are those of the likelihood with
+/// the terms left free on their side of 0, so what a term takes from another does not narrow them.
+/// Coverage at five amplitudes: tests/studies/ring_down.txt (RingDownStudy.ShortForm).
+struct Decay {
+  double amplitude_rad = 0.0; ///< the geometric mean of the first and the last, where `q` holds
+  DecayEstimate q{};
+  DecayEstimate time_s{};                       ///< A/(-dA/dt) at that amplitude
+  std::vector<QAtAmplitude> q_at_amplitude{};   ///< from the last amplitude of the log to the first
+  std::vector<FrictionLaw> laws{};              ///< those that were tried, the best first
+
+  /// Whether a second law explains the log about as well: BIC tells them apart by less than 6 (odds
+  /// of 20 to 1).
+  [[nodiscard]] bool law_is_open() const;
+};
+
+} // namespace goingrate

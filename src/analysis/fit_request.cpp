@@ -1,0 +1,203 @@
+#include "goingrate/analysis/fit_request.hpp"
+
+#include "goingrate/analysis/analyse.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/fit/par_file.hpp"
+#include "goingrate/log/reading.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+// "NAME=REST"
+std::pair<std::string, std::string> named(const std::string& option, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw ArgumentError(option, text, "NAME=VALUE");
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+// "300s:mu" is an event by time; otherwise the cycle is the one `rate` prints.
+FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos || colon == 0 || text[colon - 1] != 's') {
+    FitEvent event = parse_fit_event(text);
+    event.cycle -= loaded.good.front().cycle;
+    return event;
+  }
+  FitEvent event = parse_fit_event(std::string("0").append(text, colon));
+  event.cycle = cycle_at(loaded.good, number_in("event", text.substr(0, colon - 1)));
+  event.movable = true; // who gives a time means the beat next to it, one way or the other
+  return event;
+}
+
+// The column that the log lacks for this parameter; nothing if it has all.
+std::string missing_column(const std::string& parameter, const EventColumns& columns) {
+  const bool needs_both = parameter == "density";
+  if ((parameter == "temperature" || needs_both) && columns.temperature_c.empty())
+    return "temperature";
+  if ((parameter == "pressure" || needs_both) && columns.pressure_mbar.empty()) return "pressure";
+  return {};
+}
+
+void check_column(const char* role, const std::string& parameter, const EventColumns& columns) {
+  if (const std::string missing = missing_column(parameter, columns); !missing.empty())
+    throw ArgumentError(role, parameter,
+                        fmt::format("left out: this log has no {} column", missing));
+}
+
+void check_columns(const FitRequest& request, const EventColumns& columns) {
+  for (const std::string& name : request.freed)
+    check_column("free", name, columns);
+  for (const auto& [name, value] : request.fixed)
+    check_column("fix", name, columns);
+  for (const Prior& prior : request.priors)
+    check_column("prior", prior.name, columns);
+}
+
+// A file that asks for what this log cannot give is the file's fault; said where it asks.
+void check_against(const ParFile& file, const NumberedLog& loaded) {
+  const std::int64_t first = loaded.good.front().cycle, last = loaded.good.back().cycle;
+  for (std::size_t k = 0; k < file.event_places.size(); ++k) {
+    const std::int64_t cycle = file.options.events[k].cycle;
+    if (cycle <= first || cycle >= last)
+      throw InputError(file.event_places[k], fmt::format("cycle {}", cycle),
+                       fmt::format("one inside the log, between {} and {}", first, last));
+  }
+  for (const auto& [name, place] : file.parameter_places)
+    if (const std::string missing = missing_column(name, loaded.log.columns); !missing.empty())
+      throw InputError(place, fmt::format("'{}'", name),
+                       fmt::format("a log with a column of {}", missing));
+}
+
+FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
+  if (path == "-" && loaded.log.source == "-")
+    throw ArgumentError("from", path, "a file: standard input is the log");
+  ParFile file = parse_par(read_text(path), path);
+  check_against(file, loaded);
+  for (FitEvent& event : file.options.events)
+    event.cycle -= loaded.good.front().cycle;
+  return std::move(file.options);
+}
+
+// The events that are named, or those that are found; what a file says of its own goes.
+void put_events(const FitRequest& request, const NumberedLog& loaded, FitOptions& result) {
+  if (request.events.empty()) return;
+  const auto asks_for = [&](const char* word) {
+    return request.events == std::vector<std::string>{word};
+  };
+  const auto of_event = [](const auto& entry) {
+    return entry.first.find('@') != std::string::npos;
+  };
+  std::erase_if(result.fixed, of_event);
+  std::erase_if(result.start, of_event);
+  std::erase_if(result.priors,
+                [](const Prior& prior) { return prior.name.find('@') != std::string::npos; });
+  result.events.clear();
+  if (asks_for("none")) return;
+  if (asks_for("auto")) {
+    ask_for_changes(diary_of(loaded, fit_data(loaded)), loaded.good.front().cycle, result);
+    return;
+  }
+  for (const std::string& text : request.events)
+    result.events.push_back(event_in(text, loaded));
+}
+
+void drop_prior(FitOptions& options, const std::string& name) {
+  std::erase_if(options.priors, [&](const Prior& prior) { return prior.name == name; });
+}
+
+// What is held no longer; the search starts where it was held.
+void set_free(FitOptions& options, const std::string& name) {
+  if (const auto held = options.fixed.extract(name))
+    options.start.insert_or_assign(name, held.mapped());
+}
+
+bool is_fixed(const FitRequest& request, const std::string& name) {
+  return std::any_of(request.fixed.begin(), request.fixed.end(),
+                     [&](const auto& fixed) { return fixed.first == name; });
+}
+
+void put_fixed(const FitRequest& request, FitOptions& result) {
+  for (const auto& [name, value] : request.fixed) {
+    result.fixed[name] = value;
+    result.start.erase(name);
+    std::erase(result.freed, name);
+    drop_prior(result, name);
+  }
+}
+
+void put_freed(const FitRequest& request, FitOptions& result) {
+  for (const std::string& name : request.freed) {
+    if (is_fixed(request, name)) throw ArgumentError("free", name, "a parameter that is not fixed");
+    set_free(result, name);
+    result.freed.push_back(name);
+  }
+}
+
+// After what is fixed, so that a prior on that is refused by the fit; a prior on what the file
+// holds frees it.
+void put_priors(const FitRequest& request, FitOptions& result) {
+  for (const Prior& prior : request.priors) {
+    if (!is_fixed(request, prior.name)) set_free(result, prior.name);
+    drop_prior(result, prior.name);
+  }
+  result.priors.insert(result.priors.end(), request.priors.begin(), request.priors.end());
+}
+
+// The word is one that the option knows.
+void put_word(const char* name, const std::string& word, const char* legal,
+              bool (*set)(FitOptions&, std::string_view), FitOptions& result) {
+  if (!word.empty() && !set(result, word)) throw ArgumentError(name, word, legal);
+}
+
+} // namespace
+
+bool finds_events(const FitRequest& request) {
+  const bool names_none = request.events.empty() && request.from.empty();
+  return names_none || request.events == std::vector<std::string>{"auto"};
+}
+
+FitRequest searching(FitRequest request) {
+  if (finds_events(request)) request.events = {"auto"};
+  return request;
+}
+
+FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded) {
+  FitOptions result = request.from.empty() ? FitOptions{} : options_of_file(request.from, loaded);
+  put_word("model", request.model, "averaged1, averaged2, map or auto", set_dynamics, result);
+  put_word("noise", request.noise, "jitter, drive, both, slow or auto", set_noise, result);
+  put_word("escapement", request.escapement, "constant-torque, single-impulse, none or auto",
+           set_escapement, result);
+  check_columns(request, loaded.log.columns);
+  put_events(request, loaded, result);
+  put_fixed(request, result);
+  put_freed(request, result);
+  put_priors(request, result);
+  drop_partial_start(result);
+  return with_seen_offset(std::move(result), loaded);
+}
+
+std::pair<std::string, double> parse_fixed(const std::string& text) {
+  const auto [name, value] = named("fix", text);
+  return {name, number_in("fix", value)};
+}
+
+Prior parse_prior(const std::string& text) {
+  const auto [name, rest] = named("prior", text);
+  for (const std::string_view sign : {"+-", "±"})
+    if (const std::size_t at = rest.find(sign); at != std::string::npos)
+      return {name, number_in("prior", rest.substr(0, at)),
+              number_in("prior", rest.substr(at + sign.size()))};
+  throw ArgumentError("prior", text, "NAME=VALUE+-SIGMA");
+}
+
+double number_in(std::string_view name, std::string_view text) {
+  const auto value = parse_instant(text); // the one reader of decimal text; nothing is left over
+  if (!value) throw ArgumentError(name, text, "a number");
+  return value->to_double();
+}
+
+} // namespace goingrate

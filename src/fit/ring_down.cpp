@@ -1,0 +1,389 @@
+#include "ring_down.hpp"
+
+#include "final_clock.hpp"
+#include "friction_cone.hpp"
+#include "model_fit.hpp"
+#include "profile.hpp"
+#include "reference_run.hpp"
+
+#include "goingrate/dynamics/swing_loss.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <numbers>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::array friction_terms{Quantity::epsilon, Quantity::quadratic_drag,
+                                    Quantity::dry_friction}; // in the order of swing_loss.hpp
+constexpr std::array<const char*, 3> friction_words{"linear", "quadratic", "dry"};
+
+// The amplitudes between which the fit has the pendulum swing: turning angles, the last and the
+// first.
+struct Span {
+  double last = 0.0, first = 0.0;
+  [[nodiscard]] double at(double part) const { return last * std::pow(first / last, part); }
+};
+
+Span amplitudes_of(const Fitted& fitted) {
+  const auto& course = fitted.seen.amplitude_model;
+  const Slot* scale = fitted.problem.parameters.find(Quantity::amplitude_scale);
+  const double shown = scale != nullptr ? scale->value(std::span(fitted.minimum.x)) : 1.0;
+  return {course.back() / shown, course.front() / shown};
+}
+
+// The problem with every term of friction as a size from 0 on, in units of what would by itself
+// lose what the fit loses at `amplitude`.
+FitProblem with_all_friction(const Fitted& fitted, const FitOptions& options, double amplitude) {
+  ModelChoice model = fitted.model;
+  model.quadratic = model.dry = true;
+  FitProblem problem = fitted.problem.on(*fitted.problem.data);
+  problem.parameters = make_parameters(options, *problem.data, model);
+  problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
+  const FinalClock clock = final_clock(fitted.problem.parameters, fitted.minimum.x);
+  const auto share = inverse_q_per_friction(amplitude);
+  const double loss = share[0] * clock.laws.epsilon + share[1] * clock.laws.quadratic +
+                      share[2] * clock.laws.dry;
+  for (Slot& slot : problem.parameters.slots)
+    for (std::size_t term = 0; term < friction_terms.size(); ++term)
+      if (slot.quantity == friction_terms[term] && slot.free) {
+        slot.coordinate = Coordinate::multiple;
+        slot.scale = loss / share[term];
+      }
+  problem.bounds = make_bounds(problem.parameters, *problem.data);
+  return problem;
+}
+
+std::vector<std::size_t> free_terms(const Parameters& parameters) {
+  std::vector<std::size_t> terms;
+  for (std::size_t term = 0; term < friction_terms.size(); ++term)
+    if (parameters.is_free(friction_terms[term])) terms.push_back(term);
+  return terms;
+}
+
+// The fit brought to rest with those terms alone, each from an equal part of the loss, along the
+// course that the correction is for.
+Fitted with_terms(const Fitted& all, unsigned chosen) {
+  Fitted fitted = all;
+  for (const std::size_t term : free_terms(all.problem.parameters)) {
+    const std::size_t index = fitted.problem.parameters.find(friction_terms[term])->index;
+    const bool is_in = (chosen >> term & 1U) != 0;
+    if (is_in) {
+      fitted.minimum.x[index] = 1.0 / std::popcount(chosen);
+    } else {
+      fitted.problem = with_held(fitted.problem, index, 0.0);
+      fitted.minimum.x.erase(fitted.minimum.x.begin() + static_cast<std::ptrdiff_t>(index));
+    }
+  }
+  settle(fitted.problem, fitted.minimum, {100});
+  if (fitted.minimum.usable) fitted.bic = bayes_criterion(fitted.problem, fitted.minimum);
+  return fitted;
+}
+
+std::string name_of_law(unsigned chosen) {
+  std::string name;
+  for (std::size_t term = 0; term < friction_terms.size(); ++term)
+    if ((chosen >> term & 1U) != 0)
+      name += (name.empty() ? "" : " + ") + std::string(friction_words[term]);
+  return name;
+}
+
+// Brought to rest by the dynamics of the fit: what they add is found where the fit stands, until
+// that stands still.
+bool settle_by_dynamics(Fitted& fitted) {
+  constexpr int rounds = 4;
+  constexpr double still = 1e-2; // of L: a tenth of a sigma
+  double before = infinite;
+  for (int round = 0; round < rounds; ++round) {
+    if (fitted.dynamics != FitDynamics::averaged1) {
+      // Second order does not know friction that is not linear.
+      auto correction = difference_to(FitDynamics::map, fitted.problem, fitted.minimum.x);
+      if (!correction) return false;
+      fitted.problem.correction = std::move(*correction);
+    }
+    settle(fitted.problem, fitted.minimum, {100});
+    if (!fitted.minimum.usable) return false;
+    if (fitted.dynamics == FitDynamics::averaged1) break;
+    if (std::abs(fitted.minimum.value - before) < still) break;
+    before = fitted.minimum.value;
+  }
+  finish(fitted);
+  return fitted.minimum.usable;
+}
+
+// All terms at once.
+std::optional<Fitted> with_every_law(const Fitted& fitted, const FitOptions& options) {
+  const Span span = amplitudes_of(fitted);
+  if (!(span.last > 0.0) || !(span.first < std::numbers::pi)) return {};
+  Fitted all = fitted;
+  all.rivals.clear();
+  all.ends.clear();
+  all.problem = with_all_friction(fitted, options, span.at(0.5));
+  const Parameters& parameters = all.problem.parameters;
+  std::vector<double> start(parameters.free_count, 0.0);
+  const auto terms = free_terms(parameters);
+  for (const std::size_t term : terms)
+    start[parameters.find(friction_terms[term])->index] = 1.0 / static_cast<double>(terms.size());
+  all.minimum.x = carried_over(fitted.problem.parameters, fitted.minimum.x, parameters, start);
+  for (const std::size_t term : terms) { // as the fit has them
+    const Slot& slot = *parameters.find(friction_terms[term]);
+    const Slot* own = fitted.problem.parameters.find(friction_terms[term]);
+    const double value = own == nullptr ? 0.0 : own->value(std::span(fitted.minimum.x));
+    all.minimum.x[slot.index] = slot.coordinate_of(value);
+  }
+  all.problem.priors = make_priors(options, parameters, all.minimum.x);
+  condense(all.problem, all.minimum.x);
+  if (!settle_by_dynamics(all)) return {};
+  return all;
+}
+
+Eigen::VectorXd vector_of(const std::vector<double>& x) {
+  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+}
+
+std::vector<bool> bounded_coordinates(const Fitted& all) {
+  std::vector<bool> bounded(all.minimum.x.size(), false);
+  for (const std::size_t term : free_terms(all.problem.parameters))
+    bounded[all.problem.parameters.find(friction_terms[term])->index] = true;
+  return bounded;
+}
+
+// All coordinates as the likelihood curves about x, with friction on its side of 0; the top of the
+// parabola may lie on the other.
+FrictionCone cone_about(const Fitted& all, const Eigen::VectorXd& x, const Evaluation& at) {
+  const Eigen::VectorXd to_top = -at.triangle.triangularView<Eigen::Upper>().solve(at.projected);
+  return {x + to_top, at.triangle.transpose() * at.triangle, bounded_coordinates(all)};
+}
+
+// The same about the fit, as wide as its sigmas are.
+FrictionCone cone_of(const Fitted& all, const Evaluation& at) {
+  const Eigen::VectorXd to_top = -at.triangle.triangularView<Eigen::Upper>().solve(at.projected);
+  return {vector_of(all.minimum.x) + to_top, all.known.covariance().inverse(),
+          bounded_coordinates(all)};
+}
+
+DecayEstimate nothing_known() {
+  return {unknown, unknown, unknown, unknown, unknown, unknown};
+}
+
+// A sum of the coordinates and what the log says of it.
+class KnownSum {
+public:
+  KnownSum(const Fitted& all, const FrictionCone& cone, Eigen::VectorXd weights)
+      : all_(all), cone_(cone), h_(std::move(weights)) {
+    const Eigen::VectorXd wide = all.known.factor.transpose() * h_;
+    const Eigen::VectorXd narrow = all.known.unwidened.transpose() * h_;
+    widening_ = wide.norm() / narrow.norm();
+    sigma_ = wide.norm();
+  }
+
+  [[nodiscard]] double best() const { return h_.dot(cone_.likeliest()); }
+  /// Ends at z sigma, by the parabola.
+  [[nodiscard]] std::array<double, 2> interval(double z) const { return cone_.interval(h_, z); }
+  /// The same by searches with the sum held, from the ends of the parabola.
+  [[nodiscard]] std::array<double, 2> searched(double z) const {
+    std::array<double, 2> ends = interval(z);
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}})
+      ends[side] = searched_end(z, ends[side], side == 0 ? -1.0 : 1.0);
+    return ends;
+  }
+
+private:
+  // The root of the fall of 2 log L, in sigmas, with the sum held at v: each step goes to the lowest
+  // place of the parabola about the last, or half as far where L does not fall. Nothing where the
+  // model does not hold.
+  [[nodiscard]] std::optional<double> root_at(double v) const {
+    constexpr int most_steps = 12;
+    constexpr double enough = 5e-3; // of L, where half or two are looked for
+    Eigen::VectorXd x = cone_.likeliest_at(h_, v);
+    const auto value_at = [&](const Eigen::VectorXd& place) {
+      return minus_log_likelihood(all_.problem, std::span(place.data(), all_.minimum.x.size()));
+    };
+    auto value = value_at(x);
+    for (int step = 0; value && step < most_steps; ++step) {
+      const auto here = evaluate(all_.problem, std::span(x.data(), all_.minimum.x.size()));
+      if (!here) return {};
+      const Eigen::VectorXd towards = cone_about(all_, x, *here).likeliest_at(h_, v);
+      double part = 1.0;
+      auto next = value_at(towards);
+      while (!(next && *next < *value) && part > 0.05) {
+        part *= 0.5;
+        next = value_at(x + part * (towards - x));
+      }
+      if (!(next && *next < *value)) break;
+      x += part * (towards - x);
+      const bool done = *value - *next < enough;
+      value = next;
+      if (done) break;
+    }
+    if (!value) return {};
+    return std::sqrt(2.0 * std::max(0.0, *value - all_.minimum.value)) / widening_;
+  }
+
+  // The root goes nearly straight from 0 at the best: by false position from the parabola's end.
+  [[nodiscard]] double searched_end(double z, double end, double side) const {
+    constexpr double close = 0.05, farthest = 4.0; // of z; of the parabola's distance
+    const double from = best();
+    double v = std::isfinite(end) ? end : from + side * z * sigma_;
+    double inside = from, root_inside = 0.0;
+    std::optional<double> outside, root_outside;
+    for (int round = 0; round < 8; ++round) {
+      const auto root = root_at(v);
+      if (root && std::abs(*root - z) < close * z) return v;
+      if (root && *root < z) {
+        inside = v;
+        root_inside = *root;
+      } else {
+        outside = v;
+        root_outside = root;
+      }
+      double next = 0.5 * (inside + outside.value_or(inside));
+      if (outside && root_outside)
+        next = inside + (*outside - inside) * (z - root_inside) / (*root_outside - root_inside);
+      else if (!outside)
+        next = from + (inside - from) * std::min(2.0, z / std::max(0.3 * z, root_inside));
+      if (std::abs(next - from) > farthest * z * sigma_) return side * infinite;
+      v = next;
+    }
+    return outside && root_outside ? v : side * infinite;
+  }
+
+  const Fitted& all_;
+  const FrictionCone& cone_;
+  Eigen::VectorXd h_;
+  double widening_ = 1.0, sigma_ = 0.0;
+};
+
+// From 1/Q, with its intervals, to `factor` Q.
+DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
+                       const std::array<double, 2>& in95, double factor) {
+  constexpr double largest_relative_sigma = 1.0 / 3.0; // as of every parameter
+  const auto of = [&](double end) { return end > 0.0 ? factor / end : infinite; };
+  DecayEstimate q{of(inverse), 0.0, of(in68[1]), of(in68[0]), of(in95[1]), of(in95[0])};
+  q.sigma = 0.5 * (q.high68 - q.low68);
+  return q.sigma <= largest_relative_sigma * q.value ? q : nothing_known();
+}
+
+// Q at the amplitudes of the log, by the friction of any law, and T0.
+class QualityCurve {
+public:
+  QualityCurve(const Fitted& all, const Evaluation& at) : all_(all), cone_(cone_of(all, at)) {}
+
+  /// `factor` times Q.
+  [[nodiscard]] DecayEstimate at(double amplitude, double factor = 1.0) const {
+    const auto share = inverse_q_per_friction(amplitude);
+    double held = 0.0; // of the terms that are not free
+    Eigen::VectorXd h = Eigen::VectorXd::Zero(cone_.likeliest().size());
+    for (std::size_t term = 0; term < friction_terms.size(); ++term) {
+      const Slot* slot = all_.problem.parameters.find(friction_terms[term]);
+      if (slot->free)
+        h[static_cast<Eigen::Index>(slot->index)] = share[term] * slot->scale;
+      else
+        held += share[term] * slot->fixed_value;
+    }
+    const KnownSum sum(all_, cone_, h);
+    auto in68 = sum.interval(1.0), in95 = sum.interval(z95);
+    if (!is_straight(in68, sum.best())) {
+      in68 = sum.searched(1.0);
+      in95 = sum.searched(z95);
+    }
+    for (double* end : {&in68[0], &in68[1], &in95[0], &in95[1]})
+      *end += held;
+    return estimate(sum.best() + held, in68, in95, factor);
+  }
+
+  /// `straight`: whether the parabola will do.
+  [[nodiscard]] DecayEstimate T0(bool straight) const {
+    const Slot& slot = *all_.problem.parameters.find(Quantity::T0);
+    if (!slot.free) return {slot.fixed_value, unknown, unknown, unknown, unknown, unknown};
+    Eigen::VectorXd h = Eigen::VectorXd::Zero(cone_.likeliest().size());
+    h[static_cast<Eigen::Index>(slot.index)] = 1.0;
+    const KnownSum sum(all_, cone_, h);
+    const auto in68 = straight ? sum.interval(1.0) : sum.searched(1.0);
+    const auto in95 = straight ? sum.interval(z95) : sum.searched(z95);
+    const auto value = [&](double x) { return (1.0 + x) * slot.scale; };
+    DecayEstimate T0{value(sum.best()), 0.0, value(in68[0]), value(in68[1]), value(in95[0]),
+                     value(in95[1])};
+    T0.sigma = 0.5 * (T0.high68 - T0.low68);
+    return std::isfinite(T0.sigma) ? T0 : nothing_known();
+  }
+
+private:
+  static constexpr double z95 = 1.959964;
+  static bool is_straight(const std::array<double, 2>& in68, double best) {
+    constexpr double surely = 0.02; // relative sigma: no bend of the ridge shows
+    return in68[1] - in68[0] < 2.0 * surely * best;
+  }
+  const Fitted& all_;
+  FrictionCone cone_;
+};
+
+std::vector<FrictionLaw> laws_of(const Fitted& all) {
+  std::vector<FrictionLaw> laws;
+  const auto terms = free_terms(all.problem.parameters);
+  if (terms.size() < friction_terms.size()) return laws; // some are given
+  constexpr unsigned every = 7;
+  for (unsigned chosen = 1; chosen <= every; ++chosen)
+    if (const Fitted law = with_terms(all, chosen); law.minimum.usable)
+      laws.push_back({name_of_law(chosen), law.bic});
+  std::sort(laws.begin(), laws.end(),
+            [](const FrictionLaw& a, const FrictionLaw& b) { return a.bic < b.bic; });
+  for (FrictionLaw& law : laws)
+    law.behind = law.bic - laws.front().bic;
+  return laws;
+}
+
+bool amplitude_is_known(const Fitted& all) {
+  constexpr double well_enough = 1.0 / 3.0; // of itself
+  const Slot& lambda0 = *all.problem.parameters.find(Quantity::lambda0);
+  return !lambda0.free || all.known.sigma(lambda0.index) < well_enough;
+}
+
+} // namespace
+
+std::optional<RingDown> ring_down_of(const Fitted& fitted, const FitOptions& options) {
+  const Parameters& parameters = fitted.problem.parameters;
+  const bool changes = std::any_of(parameters.slots.begin(), parameters.slots.end(),
+                                   [](const Slot& slot) { return slot.event > 0; });
+  if (parameters.escapement != Escapement::none || changes) return {};
+  const auto all = with_every_law(fitted, options);
+  if (!all || free_terms(all->problem.parameters).empty()) return {};
+  const auto at = evaluate(all->problem, all->minimum.x);
+  if (!at) return {};
+  const Span span = amplitudes_of(*all);
+  RingDown told{{}, nothing_known()};
+  Decay& decay = told.decay;
+  decay.amplitude_rad = span.at(0.5);
+  decay.q = decay.time_s = nothing_known();
+  decay.laws = laws_of(*all);
+  if (!amplitude_is_known(*all)) return told;
+  const QualityCurve curve(*all, *at);
+  const double T0 = parameters.find(Quantity::T0)->value(std::span(all->minimum.x));
+  decay.q = curve.at(decay.amplitude_rad);
+  constexpr double well = 0.02; // relative sigma: as for Q
+  told.T0_s = curve.T0(decay.q.sigma < well * decay.q.value);
+  decay.time_s = curve.at(decay.amplitude_rad, T0 * decay_periods_per_q(decay.amplitude_rad));
+  constexpr int steps = 8; // so many that a curve through them is smooth
+  for (int k = 0; k <= steps; ++k) {
+    const double amplitude = span.at(static_cast<double>(k) / steps);
+    decay.q_at_amplitude.push_back({amplitude, curve.at(amplitude)});
+  }
+  return told;
+}
+
+} // namespace goingrate::timing_model
+
+namespace goingrate {
+
+bool Decay::law_is_open() const {
+  constexpr double decisive = 6.0; // odds of 20 to 1
+  return laws.size() > 1 && laws[1].behind < decisive;
+}
+
+} // namespace goingrate

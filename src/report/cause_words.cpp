@@ -1,0 +1,202 @@
+#include "cause_words.hpp"
+
+#include "goingrate/report/tables.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <vector>
+
+namespace goingrate {
+
+namespace {
+
+// "a, b or c"
+std::string one_of(const std::vector<Cause>& causes) {
+  std::string text;
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    if (i > 0) text += i + 1 == causes.size() ? " or " : ", ";
+    text += owners_name(causes[i]);
+  }
+  return text;
+}
+
+/// Speaks of one suspicion.
+class Explanation {
+public:
+  Explanation(const Suspicion& suspicion, const Wording& words, bool sees_amplitude,
+              std::string_view when)
+      : suspicion_(suspicion), numbers_(suspicion.numbers), words_(words),
+        sees_amplitude_(sees_amplitude), when_(when) {}
+
+  [[nodiscard]] std::string text() const {
+    std::string sentence = seen_and_meant();
+    if (!suspicion_.alternatives.empty())
+      sentence += fmt::format("; {} {}",
+                              suspicion_.cause == Cause::unknown ? "it may be"
+                                                                 : "this log cannot tell that from",
+                              one_of(suspicion_.alternatives));
+    return capitalised(sentence) + ".";
+  }
+
+private:
+  [[nodiscard]] std::string seen_and_meant() const {
+    switch (suspicion_.cause) {
+    case Cause::drive_step:
+    case Cause::friction_step:
+    case Cause::length_step:
+      return step();
+    case Cause::slow_drive:
+    case Cause::unknown:
+      return wander();
+    case Cause::growing_friction:
+      return fmt::format("the rate drifts by {} each day{}: most likely friction grows, or the "
+                         "drive fades",
+                         size(), swing(" each day"));
+    case Cause::length_drift:
+      return fmt::format("the rate drifts by {} each day{}: most likely the pendulum's length "
+                         "drifts, as it does while a suspension stretches or a rod dries",
+                         size(), sees_amplitude_ ? " and the swing does not follow" : "");
+    case Cause::temperature:
+      return fmt::format("the rate follows the temperature: it {} by {} per kelvin",
+                         numbers_.size < 0.0 ? "falls" : "rises", size());
+    case Cause::pressure:
+      return fmt::format("the rate follows the air pressure: it {} by {} per millibar",
+                         numbers_.size < 0.0 ? "falls" : "rises", size());
+    case Cause::unlogged_weather:
+      return fmt::format(
+          "the rate swings by {} either way with the time of day: most likely it "
+          "follows the temperature or the air pressure, which this log does not hold",
+          size());
+    case Cause::magnet:
+      return fmt::format("from {} to {} the rate is another by {}: most likely something was "
+                         "brought near the pendulum, or laid on it, and taken away again",
+                         words_.short_moment(numbers_.at_s), words_.moment(numbers_.until_s),
+                         size());
+    default:
+      return fact();
+    }
+  }
+
+  [[nodiscard]] std::string step() const {
+    const std::string moment = when_.empty() ? words_.moment(numbers_.at_s) : std::string(when_);
+    const std::string by = when_.empty() ? fmt::format(", by {} in the end", size()) : "";
+    switch (suspicion_.cause) {
+    case Cause::drive_step:
+      return fmt::format("most likely the force that drives the pendulum changed {}: the rate "
+                         "jumped at once and then moved on{}",
+                         moment, by);
+    case Cause::friction_step:
+      return fmt::format("most likely the friction changed {}: the rate did not jump, it moved as "
+                         "the swing did{}",
+                         moment, by);
+    default:
+      return fmt::format("most likely the regulation changed {} (the rating nut, a weight on the "
+                         "bob, the suspension): the rate changed at once{} and stayed{}",
+                         moment, when_.empty() ? fmt::format(" by {}", size()) : "",
+                         sees_amplitude_ ? ", and the swing did not follow" : "");
+    }
+  }
+
+  [[nodiscard]] std::string wander() const {
+    if (suspicion_.cause == Cause::unknown)
+      return "what makes it is not known: " + suspicion_.evidence;
+    return sees_amplitude_ ? "rate and swing wander together: most likely the drive is not steady"
+                           : "the rate wanders: most likely the drive is not steady";
+  }
+
+  // What the numbering and the spectrum show.
+  [[nodiscard]] std::string fact() const {
+    switch (suspicion_.cause) {
+    case Cause::wheel:
+      return fmt::format("the rate swings by {} either way every {:.5g} s: most likely a wheel of "
+                         "the train, or something that goes with one, comes round in that time",
+                         size(), numbers_.period_s);
+    case Cause::sensor_shift:
+      return fmt::format("{} the times are displaced by {:+.3g} ms, and the clock goes on as "
+                         "before: most likely the sensor was moved",
+                         words_.moment(numbers_.at_s), 1e3 * numbers_.size);
+    case Cause::knock:
+      return fmt::format(
+          "{} times in the log the clock is displaced at once and goes on as before, "
+          "by {:+.3g} ms {}: most likely it was knocked",
+          numbers_.places, 1e3 * numbers_.size, words_.moment(numbers_.at_s));
+    case Cause::missed_beats:
+      return fmt::format("the sensor missed {:.2g} % of the beats, in {} places",
+                         100.0 * numbers_.size, numbers_.places);
+    case Cause::stop:
+      return fmt::format(
+          "{} the clock stopped, and was started again; only one side of the stop is "
+          "analysed",
+          words_.moment(numbers_.at_s));
+    default:
+      return suspicion_.evidence;
+    }
+  }
+
+  [[nodiscard]] std::string size() const {
+    return words_.size_of_rate(numbers_.size, numbers_.sigma);
+  }
+
+  [[nodiscard]] std::string swing(const char* per) const {
+    if (!std::isfinite(numbers_.amplitude_rad)) return {};
+    return fmt::format(", the swing by {}{}",
+                       words_.angle(numbers_.amplitude_rad, numbers_.amplitude_sigma_rad), per);
+  }
+
+  const Suspicion& suspicion_;
+  const CauseNumbers& numbers_;
+  const Wording& words_;
+  bool sees_amplitude_;
+  std::string_view when_;
+};
+
+} // namespace
+
+std::string_view owners_name(Cause cause) {
+  switch (cause) {
+  case Cause::slow_drive:
+    return "a drive that is not steady";
+  case Cause::drive_step:
+    return "a change of the drive";
+  case Cause::friction_step:
+    return "a change of the friction";
+  case Cause::growing_friction:
+    return "growing friction";
+  case Cause::temperature:
+    return "the temperature";
+  case Cause::pressure:
+    return "the air pressure";
+  case Cause::length_step:
+    return "a change of the regulation";
+  case Cause::wheel:
+    return "a wheel of the train";
+  case Cause::sensor_shift:
+    return "a sensor that was moved";
+  case Cause::missed_beats:
+    return "missed beats";
+  case Cause::rough_drive:
+    return "a rough drive";
+  case Cause::length_drift:
+    return "a pendulum whose length drifts";
+  case Cause::log_clock:
+    return "a fault of the logger's own clock";
+  case Cause::unlogged_weather:
+    return "weather that was not logged";
+  case Cause::knock:
+    return "a knock";
+  case Cause::magnet:
+    return "a magnet or a weight brought near";
+  case Cause::stop:
+    return "a stop";
+  case Cause::unknown:
+    break;
+  }
+  return "something else";
+}
+
+std::string explanation(const Suspicion& suspicion, const Wording& words, bool sees_amplitude,
+                        std::string_view when) {
+  return Explanation(suspicion, words, sees_amplitude, when).text();
+}
+
+} // namespace goingrate

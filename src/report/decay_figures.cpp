@@ -1,0 +1,145 @@
+// Figures of a ring-down: the period against the squared amplitude, and Q against the amplitude.
+#include "report_figures.hpp"
+
+#include "goingrate/dynamics/swing_loss.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace goingrate {
+
+namespace {
+
+constexpr int blue = 0;
+constexpr int vermilion = 1;
+constexpr int green = 2;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Periods and squared amplitudes, as means over stretches of beats.
+struct Stretches {
+  std::vector<double> squared_rad2, period_s;
+  std::size_t beats = 1; ///< in each
+};
+
+Stretches stretches_of(const Analysis& data, const std::vector<double>& amplitude_rad) {
+  constexpr std::size_t wanted = 200;
+  Stretches stretches;
+  stretches.beats = std::max<std::size_t>(1, data.beats.size() / wanted);
+  const std::size_t length = stretches.beats;
+  for (std::size_t from = 0; from + length < data.beats.size(); from += length) {
+    double sum = 0.0, seen = 0.0;
+    for (std::size_t i = from; i <= from + length; ++i) {
+      if (!std::isfinite(amplitude_rad[i])) continue;
+      sum += amplitude_rad[i] * amplitude_rad[i];
+      ++seen;
+    }
+    const Beat &first = data.beats[from], &last = data.beats[from + length];
+    if (seen == 0.0 || last.cycle <= first.cycle) continue;
+    stretches.squared_rad2.push_back(sum / seen);
+    stretches.period_s.push_back((last.time - first.time) /
+                                 static_cast<double>(last.cycle - first.cycle));
+  }
+  return stretches;
+}
+
+// T0 of the fit, or where it has none of the points.
+double T0_of(const FitSummary& fit, const Stretches& points) {
+  const FittedParameter* T0 = fit.find("T0");
+  if (T0 != nullptr && std::isfinite(T0->value)) return T0->value;
+  std::vector<double> each;
+  for (std::size_t i = 0; i < points.period_s.size(); ++i)
+    each.push_back(points.period_s[i] / circular_period_ratio(std::sqrt(points.squared_rad2[i])));
+  return median(std::move(each));
+}
+
+Series theory(double T0, double largest_rad2) {
+  constexpr int steps = 40;
+  Series curve{Series::Style::line, fmt::format("theory, T0 = {:.6g} s", T0), {}, {}, {}, {},
+               vermilion};
+  for (int i = 0; i <= steps; ++i) {
+    const double squared = largest_rad2 * i / steps;
+    curve.x.push_back(squared);
+    curve.y.push_back(i == 0 ? T0 : T0 * circular_period_ratio(std::sqrt(squared)));
+  }
+  return curve;
+}
+
+Series band(const Decay& decay, const char* label, double DecayEstimate::*low,
+            double DecayEstimate::*high, int colour) {
+  Series series{Series::Style::band, label, {}, {}, {}, {}, colour};
+  for (const QAtAmplitude& at : decay.q_at_amplitude) {
+    series.x.push_back(at.amplitude_rad);
+    series.low.push_back(at.q.*low);
+    series.high.push_back(at.q.*high);
+  }
+  return series;
+}
+
+} // namespace
+
+std::optional<Figure> period_amplitude_figure(const Analysis& data) {
+  const bool measured = data.log.has_amplitude;
+  const std::vector<double>& course = data.fit.model_amplitude_rad;
+  if (!data.fit.decay || course.size() != data.beats.size()) return std::nullopt;
+  std::vector<double> amplitude = course;
+  for (std::size_t i = 0; measured && i < amplitude.size(); ++i)
+    amplitude[i] = data.beats[i].amplitude_rad;
+  Stretches points = stretches_of(data, amplitude);
+  if (points.period_s.size() < 2) return std::nullopt;
+  const double largest = *std::max_element(points.squared_rad2.begin(), points.squared_rad2.end());
+  Series curve = theory(T0_of(data.fit, points), largest);
+  Series seen{Series::Style::points,
+              points.beats == 1 ? "each period" : fmt::format("means over {} periods", points.beats),
+              std::move(points.squared_rad2),
+              std::move(points.period_s),
+              {},
+              {},
+              blue};
+  return Figure{
+      "period-amplitude",
+      "Period against squared amplitude",
+      std::string("The circular error: a wide swing takes longer, T = T0 (1 + A²/16 + …). The line "
+                  "is the period of a free pendulum to all orders, with the T0 of the fit; it meets "
+                  "the axis at T0, the period of small swings. ") +
+          (measured ? "Points that leave the line point to amplitudes with a wrong scale, to times "
+                      "taken off the vertical, or to a pendulum that is more than a rigid body on a "
+                      "fixed axis."
+                    : "The log has no amplitudes: those of the fit, which come from the times, stand "
+                      "in for them, so that the slope is no test here, only the scatter."),
+      {"squared amplitude", "rad²"},
+      {"period", "s"},
+      {std::move(seen), std::move(curve)}};
+}
+
+std::optional<Figure> q_figure(const FitSummary& fit) {
+  if (!fit.decay) return std::nullopt;
+  const Decay& decay = *fit.decay;
+  const auto known = std::count_if(decay.q_at_amplitude.begin(), decay.q_at_amplitude.end(),
+                                   [](const auto& at) { return std::isfinite(at.q.value); });
+  if (known < 2) return std::nullopt;
+  Series line{Series::Style::line, "Q", {}, {}, {}, {}, vermilion};
+  for (const QAtAmplitude& at : decay.q_at_amplitude) {
+    line.x.push_back(at.amplitude_rad);
+    line.y.push_back(at.q.value);
+  }
+  return Figure{"q-amplitude",
+                "Quality factor against amplitude",
+                "2π times the energy of the swing over what a period takes of it, with its 68 % and "
+                "95 % intervals, whichever law the friction has. Level: linear friction. Falling to "
+                "the right: drag that grows with the square of the speed. Falling to the left: dry "
+                "friction.",
+                {"amplitude", "rad"},
+                {"Q", ""},
+                {band(decay, "95 %", &DecayEstimate::low95, &DecayEstimate::high95, green),
+                 band(decay, "68 %", &DecayEstimate::low68, &DecayEstimate::high68, blue),
+                 std::move(line)}};
+}
+
+} // namespace goingrate

@@ -1,0 +1,43 @@
+#include "json_parts.hpp"
+
+#include "goingrate/fit/decay.hpp"
+
+namespace goingrate {
+
+namespace {
+
+// An end that is open, or a value that is not determined, is null. Keys begin with `prefix`.
+void put_estimate(const std::string& prefix, const DecayEstimate& estimate, Json& json) {
+  json[prefix + "sigma"] = json_number(estimate.sigma);
+  json[prefix + "low68"] = json_number(estimate.low68);
+  json[prefix + "high68"] = json_number(estimate.high68);
+  json[prefix + "low95"] = json_number(estimate.low95);
+  json[prefix + "high95"] = json_number(estimate.high95);
+}
+
+} // namespace
+
+Json decay_object(const Decay& decay) {
+  Json json;
+  json["amplitude_rad"] = json_number(decay.amplitude_rad);
+  json["time_s"] = json_number(decay.time_s.value);
+  put_estimate("time_s_", decay.time_s, json);
+  json["q"] = json_number(decay.q.value);
+  put_estimate("q_", decay.q, json);
+  json["q_at_amplitude"] = Json::array();
+  for (const QAtAmplitude& at : decay.q_at_amplitude) {
+    Json row{{"amplitude_rad", json_number(at.amplitude_rad)}, {"q", json_number(at.q.value)}};
+    put_estimate("", at.q, row);
+    json["q_at_amplitude"].push_back(std::move(row));
+  }
+  json["friction"] = decay.laws.empty() ? Json(nullptr) : Json(decay.laws.front().friction);
+  json["friction_is_open"] = decay.law_is_open();
+  json["friction_laws"] = Json::array();
+  for (const FrictionLaw& law : decay.laws)
+    json["friction_laws"].push_back({{"friction", law.friction},
+                                     {"bic", json_number(law.bic)},
+                                     {"behind", json_number(law.behind)}});
+  return json;
+}
+
+} // namespace goingrate

@@ -1,0 +1,21 @@
+// The amplitude at either end of a log. Private to the report.
+#pragma once
+
+#include "goingrate/log/beats.hpp"
+
+#include <limits>
+#include <vector>
+
+namespace goingrate {
+
+/// The mean of up to twenty amplitudes, with the standard error of that mean; NaN where unknown.
+struct MeanAmplitude {
+  double rad = std::numeric_limits<double>::quiet_NaN();
+  double sigma_rad = std::numeric_limits<double>::quiet_NaN();
+  int beats = 0;
+};
+
+/// Of the first, or the last, twenty beats.
+MeanAmplitude amplitude_at(const std::vector<Beat>& beats, bool end);
+
+} // namespace goingrate

@@ -1,0 +1,22 @@
+// Symbols and meanings of the parameters of a fit. Private to the report.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace goingrate {
+
+/// "ε" for "epsilon", "μ@1" for "mu@1"; a name without a symbol as it is.
+std::string symbol_of(std::string_view name);
+
+/// "ε (epsilon)": the symbol, and the name by which options and files know the parameter.
+std::string symbol_and_name(std::string_view name);
+
+/// An expression with symbols for the names in it: "T0/(2π ε)" for "T0/(2 pi epsilon)".
+std::string in_symbols(std::string_view expression);
+
+/// What the parameter is, for somebody who has not read the paper; of one that changes at an event
+/// without the event.
+std::string_view meaning_of(std::string_view name);
+
+} // namespace goingrate

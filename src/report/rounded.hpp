@@ -1,0 +1,21 @@
+// Numbers rounded to what is known of them. Private to the report.
+#pragma once
+
+#include <string>
+
+namespace goingrate {
+
+/// value ± sigma, both in units of 10^power; `sigma` is empty where it is not known.
+struct Rounded {
+  std::string value, sigma;
+  int power = 0;
+};
+
+/// To two digits of sigma; without a sigma above 0 to `digits` digits of the value, which is
+/// finite.
+Rounded rounded(double value, double sigma, int digits);
+
+/// "10⁻⁴"; empty for a power of 0.
+std::string power_of_ten(int power);
+
+} // namespace goingrate

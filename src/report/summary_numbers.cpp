@@ -1,0 +1,214 @@
+// The one table of numbers that a summary has.
+#include "goingrate/report/report.hpp"
+
+#include "fault_counts.hpp"
+#include "mean_amplitude.hpp"
+#include "parameter_words.hpp"
+#include "rms_words.hpp"
+#include "wording.hpp"
+
+#include "base/scaled_time.hpp"
+#include "goingrate/report/tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <utility>
+
+namespace goingrate {
+
+namespace {
+
+bool is_noise_of_drive(std::string_view name) {
+  return name == "drive_rms" || name == "slow_rms" || name == "slow_time";
+}
+
+std::string number(double value) { return with_sigma(value, 0.0, 2); }
+
+/// Gathers the rows for one log.
+class Numbers {
+public:
+  explicit Numbers(const Analysis& data) : data_(data), words_(data) {}
+
+  std::vector<SummaryNumber> all() {
+    add_going();
+    add_amplitudes();
+    add_fit();
+    add_drive();
+    for (const CovariateEffect& effect : data_.covariates)
+      add_covariate(effect);
+    add_deviation();
+    return std::move(rows_);
+  }
+
+private:
+  void add(std::string quantity, std::string value) {
+    rows_.push_back({std::move(quantity), std::move(value)});
+  }
+
+  void add_going();
+  void add_stretches();
+  void add_amplitudes();
+  void add_fit();
+  void add_drive();
+  void add_covariate(const CovariateEffect& effect);
+  void add_deviation();
+  [[nodiscard]] std::string value_of(const FittedParameter& parameter) const;
+  [[nodiscard]] std::string name_of_parameter(const FittedParameter& parameter) const;
+  [[nodiscard]] std::string deviation(const DeviationRow& row) const;
+
+  const Analysis& data_;
+  Wording words_;
+  std::vector<SummaryNumber> rows_;
+};
+
+void Numbers::add_going() {
+  const RateSummary& rate = data_.rate;
+  add("beats", fmt::format("{} in {}; {}", rate.crossings, words_.duration(rate.duration_s),
+                           fault_counts(data_.numbered)));
+  if (data_.numbered.segments > 1)
+    add("parts that could not be joined",
+        fmt::format("{}, the longest is analysed", data_.numbered.segments));
+  if (rate.nominal_is_known)
+    add(fmt::format("mean period, against {:.9g} s", rate.nominal_period_s),
+        with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
+  else
+    add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
+  if (!rate.nominal_is_known) return;
+  add("rate over the whole log, end to end", words_.rate(rate.rate_excess, rate.rate_excess_sigma));
+  add_stretches();
+}
+
+void Numbers::add_stretches() {
+  const auto& stretches = data_.stretches;
+  const Instant first = data_.beats.front().time;
+  for (std::size_t i = 0; i < stretches.size() && stretches.size() > 1; ++i) {
+    const PartRate& part = stretches[i];
+    const double from_s = part.start - first;
+    const double to_s = i + 1 < stretches.size() ? stretches[i + 1].start - first : 0.0;
+    const std::string name =
+        i == 0 ? "  until " + words_.short_moment(to_s)
+        : i + 1 < stretches.size()
+            ? fmt::format("  from {} to {}", words_.short_moment(from_s), words_.short_moment(to_s))
+            : "  from " + words_.short_moment(from_s) + " on";
+    add(name, words_.rate(part.rate.rate_excess, part.rate.rate_excess_sigma));
+  }
+  const PartRate& now = data_.now;
+  if (!stretches.empty() && now.from_cycle > stretches.back().from_cycle)
+    add(fmt::format("  in the last {}", words_.duration(now.rate.duration_s)),
+        words_.rate(now.rate.rate_excess, now.rate.rate_excess_sigma));
+}
+
+void Numbers::add_amplitudes() {
+  for (const bool end : {false, true}) {
+    const MeanAmplitude mean = amplitude_at(data_.beats, end);
+    if (std::isfinite(mean.rad))
+      add(fmt::format("amplitude, mean of the {} {} beats", end ? "last" : "first", mean.beats),
+          words_.angle(mean.rad, mean.sigma_rad));
+  }
+  for (const Interruption& event : data_.diary.interruptions) {
+    if (event.decay)
+      add("free decay while interrupted, time constant",
+          with_sigma(event.decay->time_constant_s, event.decay->sigma_s) + " s");
+    if (event.recovery)
+      add(event.recovery->exponential ? "recovery, time constant"
+                                      : "recovery (no single exponential), about",
+          with_sigma(event.recovery->time_constant_s, event.recovery->sigma_s) + " s");
+  }
+}
+
+std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
+  const std::string& name = parameter.name;
+  const std::string_view meaning = meaning_of(name);
+  const std::size_t at = name.find('@');
+  std::string text(meaning.empty() ? std::string_view(name) : meaning);
+  const std::string symbol = symbol_of(name);
+  if (symbol != name || name == "T0" || name.starts_with("T0@")) text += " " + symbol;
+  if (at == std::string::npos) return text;
+  const auto event = static_cast<std::size_t>(std::stoi(name.substr(at + 1)));
+  if (event == 0 || event > data_.fit.events.size()) return text;
+  const std::int64_t cycle = data_.beats.front().cycle + data_.fit.events[event - 1].cycle;
+  const auto beat = std::find_if(data_.beats.begin(), data_.beats.end(),
+                                 [&](const Beat& b) { return b.cycle >= cycle; });
+  if (beat == data_.beats.end()) return text;
+  return text + ", from " + words_.short_moment(beat->time - data_.beats.front().time);
+}
+
+std::string Numbers::value_of(const FittedParameter& p) const {
+  if (p.unit == "rad") return words_.angle(p.value, p.sigma);
+  const bool small = p.name == "jitter_rms" || p.name == "walk_rms";
+  if (small) return with_sigma(1e6 * p.value, 1e6 * p.sigma) + " µs";
+  return with_sigma(p.value, p.sigma) + (p.unit.empty() ? "" : " " + p.unit);
+}
+
+void Numbers::add_fit() {
+  const FitSummary& fit = data_.fit;
+  if (!fit.has_result()) return;
+  for (const FittedParameter& p : fit.parameters) {
+    const bool fitted = p.status == ParameterStatus::free || p.status == ParameterStatus::prior;
+    const bool told = data_.drive.split && is_noise_of_drive(p.name);
+    if (fitted && !told && std::isfinite(p.value)) add(name_of_parameter(p), value_of(p));
+  }
+  const FittedParameter* friction = fit.find("epsilon");
+  const bool knows_friction = friction != nullptr && std::isfinite(friction->value);
+  if (knows_friction && std::isfinite(fit.q_factor.value))
+    add("quality factor of that friction, Q = 1/2ε",
+        with_sigma(fit.q_factor.value, fit.q_factor.sigma));
+}
+
+void Numbers::add_drive() {
+  if (!data_.drive.split) return;
+  const DriveSplit& split = *data_.drive.split;
+  add("variation of the drive from swing to swing, rms", rms_words(split.fast, 100.0, "%", number));
+  add("slow variation of the drive, rms", rms_words(split.slow, 100.0, "%", number));
+  constexpr double week_s = 7.0 * seconds_per_day;
+  const auto cost = [](const RmsEstimate& rms) {
+    return rms.low68 > 0.0 ? number(rms.rms) + " s" : rms_words(rms, 1.0, "s", number);
+  };
+  for (const DriveCost& week : split.costs)
+    if (week.after_s == week_s)
+      add("  time error of the two in a week, rms",
+          fmt::format("{} and {}", cost(week.fast_s), cost(week.slow_s)));
+}
+
+void Numbers::add_covariate(const CovariateEffect& effect) {
+  const std::string per = unit_of_covariate(effect);
+  add(fmt::format("rate per {} of {}", per, effect.name),
+      words_.rate(effect.coefficient, effect.sigma) + "/" + per);
+  if (!effect.significant()) return;
+  add(fmt::format("  time error without and with {} taken off", effect.name),
+      fmt::format("{} and {} s (rms, on the other half)", number(effect.without_s),
+                  number(effect.with_s)));
+}
+
+std::string Numbers::deviation(const DeviationRow& row) const {
+  const double sigma =
+      row.interval ? 0.5 * (row.high - row.low) : std::numeric_limits<double>::quiet_NaN();
+  const double factor = words_.rate_unit().factor;
+  return fmt::format("{} {}", with_sigma(factor * row.value, factor * sigma, 2),
+                     words_.rate_unit().name);
+}
+
+// The longest times rest on one or two differences; four spans of the log are the least to speak
+// of.
+void Numbers::add_deviation() {
+  std::vector<DeviationRow> rows = data_.deviation.rows;
+  std::erase_if(rows, [](const DeviationRow& row) { return !std::isfinite(row.value); });
+  if (rows.empty()) return;
+  const auto last = std::find_if(rows.begin() + 1, rows.end(),
+                                 [](const DeviationRow& row) { return row.n < 2 * row.m; });
+  const auto best = std::min_element(
+      rows.begin(), last, [](const auto& a, const auto& b) { return a.value < b.value; });
+  const auto name = [](const DeviationRow& row) {
+    return fmt::format("Allan deviation of means over τ = {} s", with_sigma(row.tau_s, 0.0, 3));
+  };
+  add(name(rows.front()), deviation(rows.front()));
+  if (best != rows.begin()) add(name(*best) + ", the least", deviation(*best));
+}
+
+} // namespace
+
+std::vector<SummaryNumber> summary_numbers(const Analysis& data) { return Numbers(data).all(); }
+
+} // namespace goingrate

@@ -1,0 +1,286 @@
+// What a log says, in a few sentences: first for the owner of the clock, then for the physicist.
+#include "goingrate/report/report.hpp"
+
+#include "cause_words.hpp"
+#include "wording.hpp"
+
+#include "goingrate/report/tables.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+namespace goingrate {
+
+namespace {
+
+bool sees_amplitude(const Analysis& data) {
+  return std::any_of(data.beats.begin(), data.beats.end(),
+                     [](const Beat& beat) { return std::isfinite(beat.amplitude_rad); });
+}
+
+bool swings_freely(const Analysis& data) {
+  return data.fit.has_result() && data.fit.model.escapement == Escapement::none;
+}
+
+bool is_in(const Interruption& event, double at_s) {
+  return at_s >= event.begin.at_s && at_s <= event.end.at_s;
+}
+
+bool is_in_one(const Diary& diary, double at_s) {
+  return std::any_of(diary.interruptions.begin(), diary.interruptions.end(),
+                     [&](const Interruption& event) { return is_in(event, at_s); });
+}
+
+bool is_step(Cause cause) {
+  return cause == Cause::drive_step || cause == Cause::friction_step || cause == Cause::length_step;
+}
+
+bool is_drift(Cause cause) {
+  return cause == Cause::growing_friction || cause == Cause::length_drift;
+}
+
+/// Writes the sentences of one log.
+class Sentences {
+public:
+  explicit Sentences(const Analysis& data)
+      : data_(data), words_(data), sees_amplitude_(sees_amplitude(data)) {
+    for (const Change& change : data.diary.changes)
+      if (!is_in_one(data.diary, change.at_s)) changes_.push_back(&change);
+    for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
+      if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)))
+        suspicions_.push_back(&suspicion);
+  }
+
+  std::vector<std::string> all() {
+    if (swings_freely(data_))
+      say_how_it_comes_to_rest();
+    else
+      say_how_the_clock_goes();
+    say_what_the_model_tells();
+    return std::move(sentences_);
+  }
+
+private:
+  void say(std::string sentence) {
+    if (!sentence.empty()) sentences_.push_back(std::move(sentence));
+  }
+
+  void say_how_the_clock_goes() {
+    say(going());
+    for (const Interruption& event : data_.diary.interruptions)
+      if (&event == &data_.diary.interruptions.front()) say(interruption(event));
+    say(whether_worse());
+    say_what_it_suffers_from();
+    say(what_to_do());
+  }
+
+  void say_what_it_suffers_from();
+  void say_how_it_comes_to_rest();
+  void say_what_the_model_tells();
+  [[nodiscard]] std::string going() const;
+  [[nodiscard]] std::string interruption(const Interruption& event) const;
+  [[nodiscard]] std::string whether_worse() const;
+  [[nodiscard]] std::string changes() const;
+  [[nodiscard]] std::string zero_rate() const;
+  [[nodiscard]] std::string what_to_do() const;
+  [[nodiscard]] std::string rate_words(double rate, double sigma) const;
+  [[nodiscard]] bool is_near_an_interruption(const Suspicion& suspicion) const;
+  [[nodiscard]] bool has(bool (*kind)(Cause)) const {
+    return std::any_of(suspicions_.begin(), suspicions_.end(),
+                       [&](const Suspicion* suspicion) { return kind(suspicion->cause); });
+  }
+
+  const Analysis& data_;
+  Wording words_;
+  bool sees_amplitude_;
+  std::vector<const Change*> changes_;       // those that are no part of an interruption
+  std::vector<const Suspicion*> suspicions_; // those that are not told by it
+  std::vector<std::string> sentences_;
+};
+
+bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
+  constexpr double blocks = 384.0; // that the causes are judged on: a date is as good as one
+  const double doubt_s = 2.0 * data_.rate.duration_s / blocks;
+  const auto& all = data_.diary.interruptions;
+  return std::any_of(all.begin(), all.end(), [&](const Interruption& event) {
+    return suspicion.numbers.at_s > event.begin.at_s - doubt_s &&
+           suspicion.numbers.at_s < event.end.at_s + doubt_s;
+  });
+}
+
+std::string Sentences::rate_words(double rate, double sigma) const {
+  constexpr double surely = 2.0; // sigma: a sign that may as well be the other is none
+  return std::abs(rate) > surely * sigma ? words_.going(rate, sigma)
+                                         : "has a rate of " + words_.rate(rate, sigma);
+}
+
+std::string Sentences::going() const {
+  const RateSummary& rate = data_.rate;
+  const std::string span = words_.duration(rate.duration_s);
+  if (!rate.nominal_is_known)
+    return fmt::format("Whether this clock gains or loses is not known, because no nominal period "
+                       "is; over {} its mean period is {} s.",
+                       span, with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12));
+  const RateSummary& now = data_.now.rate;
+  const std::string how = rate_words(now.rate_excess, now.rate_excess_sigma);
+  const bool is_zero = std::abs(now.rate_excess) <= 2.0 * now.rate_excess_sigma;
+  if (!data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle)
+    return fmt::format("In the last {} of this log of {} the clock {}.",
+                       words_.duration(now.duration_s), span, how);
+  if (data_.stretches.size() > 1)
+    return fmt::format("Since its last change, {}, the clock {}.",
+                       words_.moment(data_.now.start - data_.beats.front().time), how);
+  return is_zero ? fmt::format("Over the {} of this log the clock neither gains nor loses beyond "
+                               "what the log can tell: its rate is {}.",
+                               span, words_.rate(now.rate_excess, now.rate_excess_sigma))
+                 : fmt::format("Over the {} of this log the clock {}.", span, how);
+}
+
+std::string Sentences::interruption(const Interruption& event) const {
+  std::string text =
+      fmt::format("From {} to {} the drive was interrupted", words_.short_moment(event.begin.at_s),
+                  words_.moment(event.end.at_s));
+  if (std::isfinite(event.amplitude_before_rad + event.amplitude_after_rad))
+    text +=
+        fmt::format(": the swing fell from {} to {}", words_.angle(event.amplitude_before_rad, 0.0),
+                    words_.angle(event.amplitude_after_rad, 0.0));
+  const std::size_t more = data_.diary.interruptions.size() - 1;
+  if (more > 0) text += fmt::format("; {} more such interruption{}", more, more > 1 ? "s" : "");
+  return text + ".";
+}
+
+std::string Sentences::changes() const {
+  if (changes_.empty()) return {};
+  const Change& first = *changes_.front();
+  const bool known =
+      data_.rate.nominal_is_known && std::isfinite(first.rate_before + first.rate_after);
+  if (changes_.size() == 1)
+    return known ? fmt::format("Its rate changed {}, from {} before to {} after",
+                               words_.moment(first.at_s),
+                               words_.rate(first.rate_before, first.rate_before_sigma),
+                               words_.rate(first.rate_after, first.rate_after_sigma))
+                 : fmt::format("Its rate changed {}", words_.moment(first.at_s));
+  return fmt::format("Its rate changed {} times, first {} and last {}", changes_.size(),
+                     words_.moment(first.at_s), words_.moment(changes_.back()->at_s));
+}
+
+// Trends are judged in logs that are long enough for it.
+std::string Sentences::whether_worse() const {
+  const std::string told = changes();
+  std::string trend;
+  if (data_.beats.size() < least_diagnosed_beats)
+    trend = fmt::format("the log is too short, with {} beats, to tell whether it is getting worse",
+                        data_.beats.size());
+  else if (has(is_drift))
+    trend = "it goes on changing, in one direction through the log";
+  else if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
+    trend = "its rate is not steady, but no trend through the log shows";
+  else
+    trend = told.empty() ? "nothing in this log shows that the clock is getting worse"
+                         : "no other trend shows in this log";
+  return capitalised(told.empty() ? trend : told + "; " + trend) + ".";
+}
+
+// The likeliest cause, and the next of another kind where six sentences have room for it.
+void Sentences::say_what_it_suffers_from() {
+  if (suspicions_.empty()) return;
+  const Suspicion& first = *suspicions_.front();
+  constexpr double same = 0.01; // of the log: dates of one change
+  const bool told =
+      changes_.size() == 1 && is_step(first.cause) &&
+      std::abs(first.numbers.at_s - changes_.front()->at_s) < same * data_.rate.duration_s;
+  say(explanation(first, words_, sees_amplitude_, told ? "then" : ""));
+  const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
+                                  [&](const Suspicion* s) { return s->cause != first.cause; });
+  if (other == suspicions_.end() || !data_.diary.interruptions.empty()) return;
+  say(explanation(**other, words_, sees_amplitude_));
+}
+
+// What brings the rate to zero; empty if it is zero as far as the log can tell.
+std::string Sentences::zero_rate() const {
+  const RateSummary& now = data_.now.rate;
+  if (data_.nut)
+    return fmt::format("{} the bob by {} turns of the rating nut ({:.3g} mm) to bring the rate to "
+                       "zero",
+                       data_.nut->turns < 0.0 ? "lower" : "raise",
+                       with_sigma(std::abs(data_.nut->turns), data_.nut->sigma, 3),
+                       1e3 * std::abs(data_.nut->raise_m));
+  if (!(std::abs(now.rate_excess) > 2.0 * now.rate_excess_sigma)) return {};
+  return fmt::format("to bring the rate to zero, turn the rating nut so that the bob goes {}",
+                     now.rate_excess < 0.0 ? "up" : "down");
+}
+
+std::string Sentences::what_to_do() const {
+  if (!data_.rate.nominal_is_known)
+    return "Say what period the clock should have, and this report tells its rate.";
+  if (!suspicions_.empty()) {
+    std::string advice = suspicions_.front()->advice;
+    if (!data_.nut) return advice;
+    return fmt::format("{}{}{}.", advice, advice.empty() ? "" : " ", capitalised(zero_rate()));
+  }
+  std::string text = data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more"
+                     : data_.diary.changes.empty()
+                         ? "Nothing is wrong that this log would show"
+                         : "Nothing else is wrong that this log would show";
+  const std::string nut = zero_rate();
+  return nut.empty() ? text + "." : text + "; " + nut + ".";
+}
+
+void Sentences::say_how_it_comes_to_rest() {
+  const FitSummary& fit = data_.fit;
+  std::string swing;
+  if (!fit.model_amplitude_rad.empty())
+    swing = fmt::format(": its swing falls from {} to {}",
+                        words_.angle(fit.model_amplitude_rad.front(), 0.0),
+                        words_.angle(fit.model_amplitude_rad.back(), 0.0));
+  say(fmt::format("This pendulum swings freely for {}{}.", words_.duration(data_.rate.duration_s),
+                  swing));
+  if (fit.decay) say(decay_sentences(*fit.decay));
+  const FittedParameter* period = fit.find("T0");
+  if (period != nullptr && std::isfinite(period->value))
+    say(fmt::format("Its small swings would take {} s; wide ones take longer, which is why the "
+                    "period changes as it comes to rest.",
+                    with_sigma(period->value, period->sigma, 10)));
+  if (!suspicions_.empty()) say(explanation(*suspicions_.front(), words_, sees_amplitude_));
+}
+
+// Whether the model explains the log, and what of it the log determines.
+void Sentences::say_what_the_model_tells() {
+  const FitSummary& fit = data_.fit;
+  if (!fit.has_result() || fit.parameters.empty()) {
+    say("No model of a pendulum could be fitted to this log.");
+    return;
+  }
+  if (fit.status == FitStatus::contradicts_log) {
+    say("The model of the pendulum does not explain this log, so none of its numbers is given.");
+    return;
+  }
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> names{
+      {{"T0", "the natural period T0"},
+       {"epsilon", "the friction ε"},
+       {"mu", "the drive μ"},
+       {"phi0", "the escapement's angle φ0"}}};
+  std::vector<std::string_view> unknown;
+  for (const auto& [name, word] : names)
+    if (const FittedParameter* found = fit.find(name);
+        found != nullptr && found->status == ParameterStatus::undetermined)
+      unknown.push_back(word);
+  constexpr double least_p = 1e-3; // of white residuals
+  const bool rough = fit.quality.whiteness_p < least_p;
+  std::string text = rough ? "The model of the pendulum explains this log only roughly"
+                           : "The model of the pendulum explains this log to within its noise";
+  if (!unknown.empty())
+    text += fmt::format(", but the log does not tell {}; {}a ring-down or a change of the driving "
+                        "weight would",
+                        fmt::join(unknown, ", "), sees_amplitude_ ? "" : "amplitudes, ");
+  say(text + ".");
+}
+
+} // namespace
+
+std::vector<std::string> report_sentences(const Analysis& data) { return Sentences(data).all(); }
+
+} // namespace goingrate

@@ -1,0 +1,133 @@
+#include "wording.hpp"
+
+#include "base/printable.hpp"
+#include "base/scaled_time.hpp"
+#include "goingrate/report/tables.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+constexpr DisplayUnit per_day{"s/day", seconds_per_day};
+constexpr DisplayUnit thousandths_per_day{"ms/day", 1e3 * seconds_per_day};
+
+double size_of(const PartRate& part) {
+  const double sigma = part.rate.rate_excess_sigma;
+  return std::max(std::abs(part.rate.rate_excess), std::isfinite(sigma) ? sigma : 0.0);
+}
+
+DisplayUnit unit_of_rates(const Analysis& data) {
+  double largest = std::abs(data.rate.rate_excess);
+  for (const PartRate& stretch : data.stretches)
+    largest = std::max(largest, size_of(stretch));
+  return seconds_gained_per_day(largest) < 1.0 ? thousandths_per_day : per_day;
+}
+
+DisplayUnit unit_of_angles(const Analysis& data) {
+  constexpr double wide = 0.5; // rad
+  const bool is_wide = std::any_of(data.beats.begin(), data.beats.end(),
+                                   [](const Beat& beat) { return beat.amplitude_rad > wide; });
+  return is_wide ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
+}
+
+// Whole seconds of 1990 to 2100: no counter that began at zero has run so long.
+bool may_be_date(const Instant& time) {
+  using namespace std::chrono;
+  const sys_seconds at{seconds{time.seconds}};
+  return at >= sys_days{1990y / January / 1} && at < sys_days{2100y / January / 1};
+}
+
+struct DateAndTime {
+  std::string date, time;
+};
+
+DateAndTime date_and_time(const Instant& at) {
+  using namespace std::chrono;
+  const sys_seconds time{seconds{at.seconds}};
+  const auto day = floor<days>(time);
+  const year_month_day date{day};
+  const hh_mm_ss clock{time - day};
+  return {fmt::format("{:04}-{:02}-{:02}", static_cast<int>(date.year()),
+                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day())),
+          fmt::format("{:02}:{:02}:{:02}", clock.hours().count(), clock.minutes().count(),
+                      clock.seconds().count())};
+}
+
+} // namespace
+
+DisplayUnit time_unit(double duration_s) {
+  if (duration_s < 2.0 * 3600.0) return {"s", 1.0};
+  if (duration_s < 5.0 * seconds_per_day) return {"h", 1.0 / 3600.0};
+  return {"days", 1.0 / seconds_per_day};
+}
+
+Wording::Wording(const Analysis& data)
+    : rate_(unit_of_rates(data)), angle_(unit_of_angles(data)),
+      time_(time_unit(data.rate.duration_s)) {
+  if (data.beats.empty()) return;
+  first_ = data.beats.front().time;
+  is_dated_ = may_be_date(first_);
+}
+
+std::string Wording::rate(double rate_excess, double sigma) const {
+  return fmt::format("{}{} {}", rate_excess > 0.0 ? "+" : "",
+                     with_sigma(rate_.factor * rate_excess, rate_.factor * sigma), rate_.name);
+}
+
+std::string Wording::going(double rate_excess, double sigma) const {
+  return fmt::format("{} {} {}", rate_excess < 0.0 ? "loses" : "gains",
+                     with_sigma(rate_.factor * std::abs(rate_excess), rate_.factor * sigma),
+                     rate_.name);
+}
+
+std::string Wording::size_of_rate(double size, double sigma) const {
+  const bool is_known = sigma < std::abs(size);
+  return fmt::format(
+      "{} {}", with_sigma(rate_.factor * std::abs(size), is_known ? rate_.factor * sigma : 0.0, 3),
+      rate_.name);
+}
+
+std::string Wording::angle(double rad, double sigma) const {
+  return fmt::format("{} {}", with_sigma(angle_.factor * rad, angle_.factor * sigma, 4),
+                     angle_.name);
+}
+
+std::string Wording::duration(double seconds) const {
+  return fmt::format("{} {}", with_sigma(time_.factor * seconds, 0.0, 4), time_.name);
+}
+
+std::string Wording::moment(double at_s) const {
+  if (!is_dated_) return duration(at_s) + " after the first beat";
+  const auto [date, time] = date_and_time(first_ + at_s);
+  return "on " + date + " at " + time;
+}
+
+std::string Wording::short_moment(double at_s) const {
+  if (!is_dated_) return duration(at_s);
+  const auto [date, time] = date_and_time(first_ + at_s);
+  return date + " " + time;
+}
+
+std::string capitalised(std::string text) {
+  if (!text.empty())
+    text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+std::string unit_of_covariate(const CovariateEffect& effect) {
+  return effect.unit == "m^3/kg" ? "kg/m³" : effect.unit.substr(effect.unit.find('/') + 1);
+}
+
+std::string file_name(const std::string& path) {
+  if (path == "-") return "standard input";
+  return printable(std::filesystem::path(path).filename().string());
+}
+
+} // namespace goingrate

@@ -1,0 +1,63 @@
+// How the numbers of one report are written: a quantity has one unit throughout, chosen by its
+// size. Private to the report.
+#pragma once
+
+#include "goingrate/analysis/analyse.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace goingrate {
+
+/// A unit of display: value in it = value in SI units times `factor`.
+struct DisplayUnit {
+  std::string_view name;
+  double factor = 1.0;
+};
+
+/// s, h or days: that of the time since the first beat, in figures and in words.
+DisplayUnit time_unit(double duration_s);
+
+/// The words for the numbers of one log.
+class Wording {
+public:
+  explicit Wording(const Analysis& data);
+
+  /// Of a relative rate: ms/day where all rates of the log are below 1 s/day, else s/day.
+  [[nodiscard]] const DisplayUnit& rate_unit() const { return rate_; }
+  /// mrad, or rad where the pendulum swings by more than half a radian.
+  [[nodiscard]] const DisplayUnit& angle_unit() const { return angle_; }
+
+  /// "+18.42 ± 0.85 s/day".
+  [[nodiscard]] std::string rate(double rate_excess, double sigma) const;
+  /// "gains 18.42 ± 0.85 s/day" or "loses ...".
+  [[nodiscard]] std::string going(double rate_excess, double sigma) const;
+  /// The size of a change or of a swing of the rate, without a sign; without a sigma that is larger
+  /// than it.
+  [[nodiscard]] std::string size_of_rate(double size, double sigma) const;
+  [[nodiscard]] std::string angle(double rad, double sigma) const;
+  /// "3999 s", "11.1 h".
+  [[nodiscard]] std::string duration(double seconds) const;
+  /// "300 s after the first beat", or "on 2013-03-31 at 00:03:30" where the log's times are dates.
+  [[nodiscard]] std::string moment(double at_s) const;
+  /// The same for a table: "300 s", "2013-03-31 00:03:30".
+  [[nodiscard]] std::string short_moment(double at_s) const;
+  /// Whether the times of the log are dates.
+  [[nodiscard]] bool is_dated() const { return is_dated_; }
+
+private:
+  DisplayUnit rate_, angle_, time_;
+  Instant first_;
+  bool is_dated_ = false;
+};
+
+/// The text with its first letter as a capital.
+std::string capitalised(std::string text);
+
+/// What a coefficient of the rate is per: "K", "mbar", "kg/m³".
+std::string unit_of_covariate(const CovariateEffect& effect);
+
+/// The name of a file without its folders, with what cannot be printed replaced.
+std::string file_name(const std::string& path);
+
+} // namespace goingrate

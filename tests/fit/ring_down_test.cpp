@@ -1,0 +1,99 @@
+// Intervals of Q where friction may lie on its bounds, and what a fit says of a free pendulum.
+#include "fit/friction_cone.hpp"
+
+#include "goingrate/base/random.hpp"
+#include "goingrate/dynamics/swing_loss.hpp"
+#include "goingrate/fit/clock_fit.hpp"
+#include "support/simulated.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace goingrate {
+namespace {
+
+using timing_model::FrictionCone;
+
+// Three sizes that are seen together with strong correlations, as linear, quadratic and dry friction
+// are by a ring-down.
+struct Seen {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd(3, 3);
+  Seen() {
+    covariance << 1.0, -0.9, -0.85, //
+        -0.9, 1.0, 0.6,             //
+        -0.85, 0.6, 1.0;
+  }
+};
+
+TEST(RingDownTest, IntervalsOnTheBoundsCover) {
+  const Seen seen;
+  const Eigen::MatrixXd information = seen.covariance.inverse();
+  const Eigen::MatrixXd root = seen.covariance.llt().matrixL();
+  RandomStream chance(20, StreamPurpose::jitter);
+  constexpr int draws = 2000;
+  for (const Eigen::Vector3d& truth :
+       {Eigen::Vector3d(6.0, 0.0, 0.0), Eigen::Vector3d(0.0, 6.0, 0.0),
+        Eigen::Vector3d(0.0, 0.0, 6.0), Eigen::Vector3d(4.0, 1.0, 0.0),
+        Eigen::Vector3d(8.0, 7.0, 9.0)})
+    for (const Eigen::Vector3d& h :
+         {Eigen::Vector3d(1.0, 1.0, 1.0), Eigen::Vector3d(1.0, 2.5, 0.4),
+          Eigen::Vector3d(1.0, 0.4, 2.5)}) {
+      int in68 = 0, in95 = 0;
+      for (int k = 0; k < draws; ++k) {
+        const Eigen::Vector3d noise(chance.normal(), chance.normal(), chance.normal());
+        const FrictionCone cone(truth + root * noise, information, {true, true, true});
+        const double v = h.dot(truth);
+        const auto near = cone.interval(h, 1.0), wide = cone.interval(h, 1.959964);
+        in68 += v >= near[0] && v <= near[1];
+        in95 += v >= wide[0] && v <= wide[1];
+      }
+      // Three standard deviations of the counts below; on the bounds they may cover more.
+      EXPECT_GT(in68, draws * 0.683 - 3.0 * std::sqrt(draws * 0.683 * 0.317)) << truth.transpose();
+      EXPECT_GT(in95, draws * 0.95 - 3.0 * std::sqrt(draws * 0.95 * 0.05)) << truth.transpose();
+      EXPECT_LT(in68, draws * 0.85) << truth.transpose() << " by " << h.transpose();
+    }
+}
+
+TEST(RingDownTest, ADrivenClockHasNoDecay) {
+  FitOptions options;
+  options.events = {{150, {"mu"}}};
+  const FitSummary fit =
+      fit_clock(timing_data(test::simulated_beats(test::jump_from_a_to_b(1000, 1e-6), 3)), 2.0,
+                options);
+  EXPECT_FALSE(fit.decay);
+  EXPECT_TRUE(std::isfinite(fit.q_factor.value));
+}
+
+// Dry friction beside linear: 1/(2 epsilon) would be twice the Q of the swing.
+TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
+  Scenario scenario = test::ring_down(1000, 1e-5);
+  scenario.clock.epsilon = 1e-4;
+  scenario.clock.dry_friction = 6e-6;
+  scenario.sensor.amplitude_rms = 1e-4;
+  const FitSummary fit = fit_clock(timing_data(test::simulated_beats(scenario, 5)), 2.0, {});
+  ASSERT_TRUE(fit.decay);
+  const Decay& decay = *fit.decay;
+  EXPECT_EQ(decay.laws.front().friction, "linear + dry");
+  EXPECT_FALSE(decay.law_is_open());
+  const Friction friction{1e-4, 0.0, 6e-6};
+  ASSERT_EQ(decay.q_at_amplitude.size(), 9u);
+  for (const QAtAmplitude& at : decay.q_at_amplitude)
+    EXPECT_NEAR(at.q.value, quality_factor(friction, at.amplitude_rad), 4.0 * at.q.sigma)
+        << at.amplitude_rad;
+  EXPECT_LT(fit.q_factor.value, 0.8 / (2.0 * 1e-4));
+  EXPECT_EQ(fit.q_factor.value, decay.q.value);
+}
+
+// Thirty swings seen by their times alone tell next to nothing of the friction.
+TEST(RingDownTest, WhatTheLogDoesNotTellIsNotStated) {
+  Scenario scenario = test::ring_down(30, 1e-4);
+  scenario.start_amplitude = 0.03;
+  const FitSummary fit = fit_clock(timing_data(test::simulated_beats(scenario, 8)), 2.0, {});
+  EXPECT_TRUE(std::isnan(fit.q_factor.value));
+  ASSERT_TRUE(fit.decay);
+  for (const QAtAmplitude& at : fit.decay->q_at_amplitude)
+    EXPECT_TRUE(std::isnan(at.q.value)) << at.amplitude_rad;
+}
+
+} // namespace
+} // namespace goingrate

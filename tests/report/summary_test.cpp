@@ -1,0 +1,215 @@
+// The summary: sentences that are true by themselves, and one table.
+#include "goingrate/report/json.hpp"
+#include "goingrate/report/report.hpp"
+
+#include "markup_checks.hpp"
+#include "report/figure_axes.hpp"
+#include "some_report.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace goingrate {
+namespace {
+
+using test::some_report;
+
+std::string all_of(const std::vector<std::string>& sentences) {
+  std::string text;
+  for (const std::string& sentence : sentences)
+    text += sentence + "\n";
+  return text;
+}
+
+std::string value_of(const Analysis& data, const std::string& quantity) {
+  for (const SummaryNumber& number : summary_numbers(data))
+    if (number.quantity == quantity) return number.value;
+  return {};
+}
+
+// A clock on which nothing happened.
+Analysis quiet_report(std::size_t beats = 1000) {
+  Analysis data = some_report(beats);
+  data.diary = {};
+  data.stretches = rates_between(data.beats, {}, 3.0);
+  data.now = data.stretches.back();
+  return data;
+}
+
+Analysis with_one_change(ChangeKind kind) {
+  Analysis data = quiet_report();
+  Change change{100, 300.0};
+  change.kind = kind;
+  change.rate_before = 1e-5;
+  change.rate_before_sigma = 2e-7;
+  change.rate_after = 3e-5;
+  change.rate_after_sigma = 1e-7;
+  data.diary.changes = {change};
+  const Instant cut = data.beats.front().time + 300.0;
+  data.stretches = rates_between(data.beats, {&cut, 1}, 3.0);
+  data.now = data.stretches.back();
+  return data;
+}
+
+TEST(SummaryTest, HasThreeToSixSentences) {
+  for (const Analysis& data :
+       {some_report(), quiet_report(), quiet_report(50), with_one_change(ChangeKind::drive)}) {
+    const auto sentences = report_sentences(data);
+    EXPECT_GE(sentences.size(), 3U) << all_of(sentences);
+    EXPECT_LE(sentences.size(), 6U) << all_of(sentences);
+    for (const std::string& sentence : sentences) {
+      EXPECT_TRUE(sentence.ends_with('.') || sentence.ends_with('?')) << sentence;
+      EXPECT_FALSE(test::has_word(sentence, "nan")) << sentence;
+      EXPECT_EQ(sentence.find("+-"), std::string::npos) << sentence;
+    }
+  }
+}
+
+TEST(SummaryTest, SaysWhatTheClockDoes) {
+  const Analysis data = quiet_report();
+  EXPECT_NE(report_sentences(data)[0].find("the clock gains 864"), std::string::npos)
+      << report_sentences(data)[0];
+  EXPECT_NE(report_sentences(data)[0].find("ms/day"), std::string::npos);
+  EXPECT_NE(all_of(report_sentences(data)).find("nothing in this log shows"), std::string::npos)
+      << all_of(report_sentences(data));
+}
+
+TEST(SummaryTest, ARateThatMayBeZeroIsNoGain) {
+  Analysis data = quiet_report();
+  data.now.rate.rate_excess_sigma = data.now.rate.rate_excess;
+  EXPECT_NE(report_sentences(data)[0].find("neither gains nor loses"), std::string::npos);
+  EXPECT_EQ(all_of(report_sentences(data)).find("nut"), std::string::npos) << "nothing to set";
+}
+
+TEST(SummaryTest, WithoutANominalPeriodThereIsNoRate) {
+  Analysis data = quiet_report();
+  data.rate.nominal_is_known = false;
+  const std::string text = report_text(data);
+  EXPECT_NE(text.find("is not known, because no nominal"), std::string::npos) << text;
+  EXPECT_EQ(text.find("s/day"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, AShortLogIsNotJudged) {
+  const std::string text = all_of(report_sentences(quiet_report(50)));
+  EXPECT_NE(text.find("too short, with 50 beats"), std::string::npos) << text;
+  EXPECT_EQ(text.find("Nothing is wrong"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, AChangeHasItsRatesBeforeAndAfter) {
+  Analysis data = with_one_change(ChangeKind::drive);
+  Suspicion drive{Cause::drive_step, 50.0, "evidence", {Cause::friction_step}, "Was it wound?"};
+  drive.numbers.at_s = 303.0;
+  drive.numbers.size = 2e-5;
+  data.suspicions = {drive};
+  data.log.source = "clock.csv";
+  for (Beat& beat : data.beats)
+    beat.time.seconds -= data.beats.back().time.seconds; // no dates
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("300 s after the first beat, from +864 ± 17 ms/day before to +2592.0 ± 8.6 "
+                      "ms/day after"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("the drive changed then"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, TimesThatAreDatesAreToldAsSuch) {
+  const Analysis data = with_one_change(ChangeKind::drive); // from 2013-03-31 23:59 or so on
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("on 2013-04-01 at 00:05:03"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, AnInterruptionIsToldOnce) {
+  Analysis data = some_report();
+  Suspicion again{Cause::drive_step, 50.0, "evidence", {}, "Was it wound?"};
+  again.numbers.at_s = 301.0;
+  again.numbers.size = 1e3;
+  data.suspicions = {again};
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("the drive was interrupted"), std::string::npos) << text;
+  EXPECT_EQ(text.find("drives the pendulum changed"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, ASizeBelowItsSigmaHasNone) {
+  Analysis data = quiet_report();
+  Suspicion drift{Cause::growing_friction, 50.0, "evidence"};
+  drift.numbers.size = 1e-6;
+  drift.numbers.sigma = 1.0;
+  data.suspicions = {drift};
+  EXPECT_EQ(all_of(report_sentences(data)).find("86400000"), std::string::npos);
+}
+
+TEST(SummaryTest, EveryCauseHasASentenceWithoutNaN) {
+  Analysis data = quiet_report();
+  for (int i = 0; i <= static_cast<int>(Cause::unknown); ++i) {
+    Suspicion suspicion{static_cast<Cause>(i), 50.0, "evidence", {Cause::knock, Cause::magnet}, ""};
+    suspicion.numbers = {300.0, 600.0, 1e-5, 1e-6, 1e-3, 1e-4, 480.0, 3};
+    data.suspicions = {suspicion};
+    const std::string text = all_of(report_sentences(data));
+    EXPECT_FALSE(test::has_word(text, "nan")) << text;
+    EXPECT_NE(text.find(" a knock or a magnet"), std::string::npos) << text;
+  }
+}
+
+TEST(SummaryTest, TheTableHasOneUnitForAQuantity) {
+  const Analysis data = some_report();
+  const std::string text = report_text(data);
+  EXPECT_EQ(text.find(" s/day"), std::string::npos) << text;
+  EXPECT_GT(test::count_of(text, " ms/day"), 4U) << text;
+  EXPECT_NE(value_of(data, "friction ε").find("(8.00 ± 0.10)×10⁻⁵"), std::string::npos) << text;
+  EXPECT_EQ(value_of(data, "driving torque μ"), "") << "the log does not tell it";
+  EXPECT_NE(value_of(data, "  time error of the two in a week, rms").find("0.3 s"),
+            std::string::npos)
+      << text;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_LE(characters(line), 80U) << line;
+}
+
+TEST(SummaryTest, TheWeeksCostIsNamedWhereItIsKnown) {
+  Analysis data = some_report();
+  EXPECT_EQ(value_of(data, "  time error of the two in a week, rms"), "0.3 s and at most 1.2 s");
+  data.drive.split->costs.resize(1); // of a day
+  EXPECT_EQ(value_of(data, "  time error of the two in a week, rms"), "");
+}
+
+TEST(SummaryTest, AFewWideSwingsAreInRadians) {
+  Analysis data = quiet_report();
+  for (Beat& beat : data.beats)
+    beat.amplitude_rad = 0.7;
+  EXPECT_EQ(value_of(data, "amplitude, mean of the last 20 beats"), "0.7 rad");
+}
+
+TEST(SummaryTest, TheJsonHoldsAllOfIt) {
+  Analysis data = some_report();
+  data.covariates = {{"temperature", "1/K", 6e-6, 1e-7, 0.0, 2.0, 1.0}};
+  const auto json = nlohmann::json::parse(report_json(data));
+  EXPECT_EQ(json["summary"].get<std::vector<std::string>>(), report_sentences(data));
+  EXPECT_EQ(json["numbers"].size(), summary_numbers(data).size());
+  for (const char* key : {"rate", "segment_rates", "rate_now", "diary", "causes", "covariates",
+                          "fit", "spectrum", "stability"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_EQ(json["covariates"][0]["name"], "temperature");
+  EXPECT_EQ(json["covariates"][0]["coefficient"], 6e-6);
+  EXPECT_EQ(json["segment_rates"].size(), 3U);
+}
+
+TEST(SummaryTest, ALongSpectrumIsAveragedForThePage) {
+  Analysis data = some_report();
+  auto& spectrum = *data.drive.rate_spectrum;
+  spectrum.frequency_hz.clear();
+  spectrum.density.clear();
+  for (int i = 1; i <= 100'000; ++i) {
+    spectrum.frequency_hz.push_back(1e-6 * i);
+    spectrum.density.push_back(2.0);
+  }
+  const auto json = nlohmann::json::parse(report_json(data))["spectrum"];
+  EXPECT_TRUE(json["averaged_in_bands"].get<bool>());
+  EXPECT_LT(json["density"].size(), 2000U);
+  for (const auto& density : json["density"])
+    EXPECT_NEAR(density.get<double>(), 2.0, 1e-12);
+}
+
+} // namespace
+} // namespace goingrate
