@@ -13,8 +13,8 @@ std::vector<Arrivals::Arrival> Arrivals::add(const Beat& event) {
     return {{event, false}};
   }
   hold(event);
-  constexpr std::size_t enough = 3; // noise does not agree with itself so often
-  return held_.size() < enough ? std::vector<Arrival>{} : release();
+  constexpr std::size_t events_that_agree = 3; // noise does not agree with itself so often
+  return held_.size() < events_that_agree ? std::vector<Arrival>{} : release();
 }
 
 std::vector<Arrivals::Arrival> Arrivals::rest() {
@@ -31,16 +31,18 @@ bool Arrivals::fits(const Beat& event) const {
 }
 
 bool Arrivals::follows(const Beat& event, const Beat& before) const {
-  constexpr double far = 20.0; // steps: where beats are missing for so long, it can wait
+  constexpr double longest_gap_steps =
+      20.0; // steps: where beats are missing for so long, it can wait
   const double step = event.time - before.time;
-  return step >= 0.0 && (usual_step_s_ == 0.0 || step <= far * usual_step_s_);
+  return step >= 0.0 && (usual_step_s_ == 0.0 || step <= longest_gap_steps * usual_step_s_);
 }
 
 void Arrivals::learn(double step_s) {
-  constexpr std::size_t fewest = 4, most = 15; // the middle of which a few odd ones do not move
+  constexpr std::size_t fewest_steps = 4,
+                        most_steps = 15; // the middle of which a few odd ones do not move
   steps_s_.push_back(step_s);
-  if (steps_s_.size() > most) steps_s_.pop_front();
-  if (steps_s_.size() < fewest) return;
+  if (steps_s_.size() > most_steps) steps_s_.pop_front();
+  if (steps_s_.size() < fewest_steps) return;
   // Steps from one bounce of a contact to the next are none; the largest may be a gap.
   std::vector<double> sorted(steps_s_.begin(), steps_s_.end());
   std::sort(sorted.begin(), sorted.end());

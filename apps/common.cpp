@@ -24,7 +24,7 @@ CLI::Validator number_that(bool (*holds)(double), const char* words) {
             const bool whole = !text.empty() && *end == '\0';
             return whole && std::isfinite(value) && holds(value)
                        ? std::string()
-                       : fmt::format("{} is no number {}", text, words);
+                       : fmt::format("{} is not a number {}", text, words);
           },
           ""};
 }
@@ -208,8 +208,8 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
     if (!gap.bridged && ++splits <= issues_shown) say(global, split_text(gap));
   if (splits > issues_shown)
     say(global, fmt::format("... and at {} more places", splits - issues_shown));
-  constexpr double wide = 1.0; // rad: no clock swings so far
-  if (loaded.sensor.amplitude && loaded.sensor.amplitude->mean_rad > wide)
+  constexpr double largest_swing_rad = 1.0; // rad: no clock swings so far
+  if (loaded.sensor.amplitude && loaded.sensor.amplitude->mean_rad > largest_swing_rad)
     say(global,
         fmt::format("warning: the amplitudes, {:.3g} in the mean, were taken for radians; if "
                     "they are not, say so: --column amplitude=NAME:deg (or mrad)",

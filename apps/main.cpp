@@ -25,7 +25,7 @@ namespace {
 
 using namespace goingrate::apps; // exit codes, words
 
-// `advice`: whole lines of our own that follow. All is lost if it cannot be written.
+// Prints an error. `advice` follows as whole lines. A message that cannot be written is dropped.
 int complain(ExitCode code, std::string_view what, const std::string& advice = {}) {
   std::fputs(fmt::format("{} {}\n{}", painted("goingrate:", Paint::error),
                          goingrate::printable(what), advice)
@@ -34,7 +34,8 @@ int complain(ExitCode code, std::string_view what, const std::string& advice = {
   return code;
 }
 
-// Ctrl-C and its like leave no half file behind; the signal then does what it does.
+// On Ctrl-C and similar signals temporary files are removed, then the signal takes its usual
+// effect.
 extern "C" void end_by_signal(int number) {
   goingrate::discard_drafts();
   std::signal(number, SIG_DFL);
@@ -42,7 +43,7 @@ extern "C" void end_by_signal(int number) {
 }
 
 void heed_signals() {
-  // A closed pipe, or a file beyond its limit, is an output that cannot be written and no crash.
+  // Writing to a closed pipe or beyond a size limit is to fail as an output error, not to kill.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU})
@@ -50,7 +51,7 @@ void heed_signals() {
       std::signal(number, SIG_IGN); // as nohup asks
 }
 
-// Many realisations keep many files open, and the usual limit is lower than it must be.
+// Many realisations need many open files; the soft limit is often lower than the system allows.
 void allow_many_files() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -58,7 +59,7 @@ void allow_many_files() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// What --help and --version print. A reader that went away has all it wanted.
+// Flushes standard output after --help and --version. A reader that closed the pipe is no error.
 int after_standard_output() {
   errno = 0;
   std::cout.flush();
@@ -88,7 +89,7 @@ void add_commands(CLI::App& program, const goingrate::apps::GlobalOptions& globa
   apps::add_help(program);
 }
 
-// What is wrong with the words of the command line; or it was asked for help, which is printed.
+// Reports a usage error, or prints the help that was asked for.
 int explain(const CLI::App& program, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) {
     program.exit(error);
@@ -102,7 +103,7 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
   return complain(wrong_usage, fmt::format("{} ({} --help lists the options)", error.what(), name));
 }
 
-// What the shell's completion and the build ask for, and nobody else: no part of --help.
+// Answers --complete (for the shell) and --man (for the build), which --help does not list.
 bool answer_hidden(CLI::App& program, const std::vector<std::string>& words) {
   if (words.empty()) return false;
   if (words.front() == "--man") {
@@ -130,7 +131,7 @@ std::vector<std::string> parser_words(int argc, char** argv) {
 }
 
 int run(CLI::App& program, int argc, char** argv) {
-  if (argc == 1) { // somebody who looks what this is
+  if (argc == 1) { // called without any word: show the help
     std::fputs(program.help().c_str(), stderr);
     return complain(wrong_usage, "no command was given");
   }
@@ -138,7 +139,7 @@ int run(CLI::App& program, int argc, char** argv) {
   const std::string_view first(argv[1]);
   const auto names = command_names(program);
   if (!first.starts_with('-') && std::find(names.begin(), names.end(), first) == names.end())
-    return complain(wrong_usage, fmt::format("'{}' is no command ({})", first,
+    return complain(wrong_usage, fmt::format("'{}' is not a command ({})", first,
                                              did_you_mean(first, names, "goingrate --help")));
   try {
     program.parse(parser_words(argc, argv));

@@ -53,11 +53,11 @@ KnownPair known_pair(const std::vector<std::string>& words) {
   return known;
 }
 
-// So wide that the point stands inside.
+// Widens a range so that the value lies well inside.
 void reach(std::vector<double>& ends, double value) {
-  constexpr double beyond = 2.0;
-  ends[0] = std::min(ends[0], value / beyond);
-  ends[1] = std::max(ends[1], value * beyond);
+  constexpr double margin_factor = 2.0;
+  ends[0] = std::min(ends[0], value / margin_factor);
+  ends[1] = std::max(ends[1], value * margin_factor);
 }
 
 std::string plot_of(const MapCommand& options, const std::vector<OperatingPoint>& points) {
@@ -72,7 +72,8 @@ std::string plot_of(const MapCommand& options, const std::vector<OperatingPoint>
 
 void check_ranges(const MapCommand& options) {
   for (const auto* ends : {&options.epsilon, &options.mu})
-    // Less than the least takes longer to show than any clock has gone; more than 1 does not swing.
+    // Below 1e-15 nothing would show in the lifetime of a clock; above 1 the pendulum does not
+    // swing.
     if (!((*ends)[0] >= 1e-15 && (*ends)[1] > (*ends)[0] && (*ends)[1] <= 1.0))
       throw ArgumentError(ends == &options.mu ? "mu" : "epsilon",
                           (*ends)[1] > (*ends)[0] && (*ends)[0] >= 1e-15 ? (*ends)[1] : (*ends)[0],

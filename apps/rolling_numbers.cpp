@@ -7,15 +7,16 @@
 namespace goingrate::apps {
 
 namespace {
-constexpr std::size_t fewest = 3;  // two periods
-constexpr std::size_t enough = 8;  // show what they are
-constexpr std::size_t kept = 200;  // judge a new one; they are numbered again each time
-constexpr std::size_t step = 4096; // of a backlog: so many more make those that are kept no matter
+constexpr std::size_t fewest_beats = 3;   // two periods
+constexpr std::size_t settling_beats = 8; // show what they are
+constexpr std::size_t kept_beats = 200;   // judge a new one; they are numbered again each time
+constexpr std::size_t backlog_beats =
+    4096; // of a backlog: so many more make those that are kept no matter
 } // namespace
 
 void RollingNumbers::add(const Beat& event) { window_.push_back(event); }
 
-bool RollingNumbers::is_full() const { return window_.size() - printed_ >= step; }
+bool RollingNumbers::is_full() const { return window_.size() - printed_ >= backlog_beats; }
 
 void RollingNumbers::begin_anew() {
   window_.clear();
@@ -23,12 +24,12 @@ void RollingNumbers::begin_anew() {
 }
 
 std::string RollingNumbers::rows(const ClockLog& log) {
-  if (printed_ == window_.size() || window_.size() < enough) return {};
+  if (printed_ == window_.size() || window_.size() < settling_beats) return {};
   return numbered_rows(log);
 }
 
 std::string RollingNumbers::rest(const ClockLog& log) {
-  if (printed_ == window_.size() || window_.size() < fewest) return {};
+  if (printed_ == window_.size() || window_.size() < fewest_beats) return {};
   return numbered_rows(log);
 }
 
@@ -50,7 +51,7 @@ std::string RollingNumbers::numbered_rows(const ClockLog& log) {
       print(beat, text);
     }
   } catch (const InputError&) { // no period in these: the next ones may have one
-    if (window_.size() > kept) begin_anew();
+    if (window_.size() > kept_beats) begin_anew();
   }
   forget_old();
   return text;
@@ -88,9 +89,9 @@ void RollingNumbers::print(Beat beat, std::string& text) {
 }
 
 void RollingNumbers::forget_old() {
-  if (window_.size() < 2 * kept || printed_ < window_.size()) return;
-  window_.erase(window_.begin(), window_.end() - static_cast<std::ptrdiff_t>(kept));
-  printed_ = kept;
+  if (window_.size() < 2 * kept_beats || printed_ < window_.size()) return;
+  window_.erase(window_.begin(), window_.end() - static_cast<std::ptrdiff_t>(kept_beats));
+  printed_ = kept_beats;
 }
 
 } // namespace goingrate::apps

@@ -44,8 +44,8 @@ std::vector<ExpectedPeriod> expected_periods(const SpectrumCommand& options,
     }
     expected = train_periods(teeth, loaded.nominal_period_s);
   }
-  constexpr double is_long = 3.0 * 86400.0; // s
-  if (loaded.good.back().time - loaded.good.front().time > is_long)
+  constexpr double long_log_s = 3.0 * 86400.0; // s
+  if (loaded.good.back().time - loaded.good.front().time > long_log_s)
     for (const ExpectedPeriod& natural : natural_periods())
       expected.push_back(natural);
   return expected;
@@ -53,9 +53,9 @@ std::vector<ExpectedPeriod> expected_periods(const SpectrumCommand& options,
 
 std::string fold(const SpectrumCommand& options, const DriveAnalysis& drive, double period_s) {
   if (options.fold_s == 0.0) return {};
-  constexpr std::size_t most = 60;
+  constexpr std::size_t most_bins = 60;
   const double values = std::ceil(options.fold_s / period_s);
-  const auto bins = static_cast<std::size_t>(std::min<double>(most, values));
+  const auto bins = static_cast<std::size_t>(std::min<double>(most_bins, values));
   return profile_table(folded(drive.rates, period_s, options.fold_s, bins));
 }
 
@@ -93,10 +93,10 @@ void check_against(const SpectrumCommand& options, const NumberedLog& loaded) {
 std::string coherence(const SpectrumCommand& options, const NumberedLog& loaded,
                       const DriveAnalysis& drive) {
   if (options.coherence_output.empty()) return {};
-  constexpr std::size_t usual = 16;
+  constexpr std::size_t usual_tapers = 16;
   return coherence_table(cross_spectrum(cause_of(options, loaded), drive.rates,
                                         loaded.nominal_period_s,
-                                        options.tapers > 1 ? options.tapers : usual));
+                                        options.tapers > 1 ? options.tapers : usual_tapers));
 }
 
 // The rate of every period that was seen whole; a missed beat leaves a gap.

@@ -11,7 +11,7 @@ namespace goingrate::apps {
 
 namespace {
 
-// CLI11 keeps a name with each check of an option; the name of one of ours lists its words.
+// CLI11 stores a name with each check of an option. Checks made here list their words in it.
 constexpr std::string_view offered = "offers\n";
 
 std::vector<CLI::Validator> checks_of(CLI::Option& option) {
@@ -47,7 +47,8 @@ CLI::Option* option_named(CLI::App& program, CLI::App& command, const std::strin
   return option != nullptr ? option : program.get_option_no_throw(name);
 }
 
-// Where on the command line one stands: in which command, and whether an option waits for a value.
+// The state after some words of a command line: the command they are in, and the option, if any,
+// that still needs values.
 struct Position {
   CLI::App* command;
   CLI::Option* waiting = nullptr;
@@ -72,7 +73,7 @@ void pass(CLI::App& program, Position& at, const std::string& word) {
   at.values_missing = option->get_items_expected_min();
 }
 
-// `kept` stands in front of each: what the last word has already.
+// The words of `all` that begin with `begun`, each with `kept` put in front.
 std::vector<std::string> beginning_with(std::string_view begun, const std::vector<std::string>& all,
                                         const std::string& kept = "") {
   std::vector<std::string> some;
@@ -81,7 +82,7 @@ std::vector<std::string> beginning_with(std::string_view begun, const std::vecto
   return some;
 }
 
-// A list has words between commas.
+// Completes the last word of a list separated by commas.
 std::vector<std::string> values_of(CLI::Option& option, const std::string& typed,
                                    std::string kept) {
   const std::size_t comma = typed.rfind(',');

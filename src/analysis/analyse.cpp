@@ -90,10 +90,10 @@ bool follows_more(const Analysis& data) {
   if (!data.fit.has_result()) return false;
   if (follows_changes(data)) return true;
   if (!data.diary.interruptions.empty()) return true;
-  constexpr double rest = 0.8; // of the amplitude: no clock's falls so far
+  constexpr double decayed_share = 0.8; // of the amplitude: no clock's falls so far
   const auto& amplitude = data.fit.model_amplitude_rad;
   return data.fit.model.escapement == Escapement::none && !amplitude.empty() &&
-         amplitude.back() < rest * amplitude.front();
+         amplitude.back() < decayed_share * amplitude.front();
 }
 
 // The times that must be accounted for: what the fit leaves of them, where it follows more than
@@ -156,7 +156,7 @@ std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& dia
 // What the clock does in the end: the mean of the last stretch, unless its last quarter contradicts
 // it, as after a change that the clock still follows, or where the rate drifts.
 PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nominal_period_s) {
-  constexpr double surely = 3.0; // sigma of the quarter
+  constexpr double least_difference_sigma = 3.0; // sigma of the quarter
   const Instant begin = last.start + 0.75 * last.rate.duration_s;
   const auto at = std::find_if(beats.begin(), beats.end(),
                                [&](const Beat& beat) { return beat.time >= begin; });
@@ -164,7 +164,7 @@ PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nomi
   if (quarter.empty()) return last;
   const RateSummary& rate = quarter.back().rate;
   const double apart = std::abs(rate.rate_excess - last.rate.rate_excess);
-  return apart > surely * rate.rate_excess_sigma ? quarter.back() : last;
+  return apart > least_difference_sigma * rate.rate_excess_sigma ? quarter.back() : last;
 }
 
 // While the drive comes back after an interruption the rate moves: what stands out of its course
@@ -238,10 +238,10 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
 }
 
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options) {
-  constexpr std::size_t most = 4; // each costs a parameter
+  constexpr std::size_t most_events = 4; // each costs a parameter
   const auto events = [&](bool stand_out) {
     std::vector<FitEvent> found;
-    for (const Change& change : strongest_changes(diary, most, stand_out)) {
+    for (const Change& change : strongest_changes(diary, most_events, stand_out)) {
       const std::string name = changed_by(change.kind);
       if (name == "mu" && options.escapement == Escapement::none) continue;
       found.push_back({change.cycle - first_cycle, {name}, true});
@@ -253,11 +253,12 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 }
 
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
-  constexpr double surely = 5.0; // sigma
+  constexpr double least_significance = 5.0; // sigma
   const auto& beat_error = loaded.sensor.beat_error_s;
-  const bool is_seen = beat_error && std::abs(beat_error->value) > surely * beat_error->sigma;
-  // The rest angle of samples is an estimate: what it is off by moves the times of a ring-down more
-  // and more, though no beat shows it.
+  const bool is_seen =
+      beat_error && std::abs(beat_error->value) > least_significance * beat_error->sigma;
+  // The rest angle of samples is an estimate. Its error shifts the times of a ring-down
+  // increasingly, even if the beat error is too small to show.
   const bool is_estimate = beat_error && loaded.log.format == LogFormat::angle;
   if ((!is_seen && !is_estimate) || loaded.sensor.at_vertical ||
       timing_model::names(options, "offset"))

@@ -12,7 +12,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr double plausible = 0.05; // no pendulum clock is off by an hour a day
+constexpr double largest_rate_excess = 0.05; // no pendulum clock is off by an hour a day
 
 class Loading {
 public:
@@ -60,7 +60,7 @@ private:
         static_cast<double>(loaded_.good.back().cycle - loaded_.good.front().cycle);
     const double mean = (loaded_.good.back().time - loaded_.good.front().time) / cycles;
     const double typical = loaded_.beats.typical_period_s;
-    if (std::abs(mean / typical - 1.0) <= plausible) return;
+    if (std::abs(mean / typical - 1.0) <= largest_rate_excess) return;
     throw ImpossibleReading(
         {loaded_.log.source, loaded_.good.front().line, 1},
         fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
@@ -75,13 +75,13 @@ private:
       const double step = std::abs(grid.phase_s[i] - grid.phase_s[i - 1]);
       if (std::isnan(step)) continue;
       ++all;
-      far += step > plausible * grid.tau0_s ? 1 : 0;
+      far += step > largest_rate_excess * grid.tau0_s ? 1 : 0;
     }
     if (2 * far <= all) return;
-    throw ImpossibleReading(
-        {loaded_.log.source, loaded_.log.events.front().line, 1},
-        fmt::format("phases that move by more than {:.0f} % of the interval", 100.0 * plausible),
-        "those of a clock", readings_for_phases(grid));
+    throw ImpossibleReading({loaded_.log.source, loaded_.log.events.front().line, 1},
+                            fmt::format("phases that move by more than {:.0f} % of the interval",
+                                        100.0 * largest_rate_excess),
+                            "those of a clock", readings_for_phases(grid));
   }
 
   void number_events() {
@@ -114,7 +114,7 @@ private:
     loaded_.nominal_is_known = log.nominal_period_s || loaded_.nominal_period_s != typical ||
                                rounded_period(typical) == std::round(typical * 4.0) / 4.0;
     // A period that is given is believed; one that the log states must be that of its beats.
-    const bool possible = std::abs(typical / loaded_.nominal_period_s - 1.0) <= plausible;
+    const bool possible = std::abs(typical / loaded_.nominal_period_s - 1.0) <= largest_rate_excess;
     if (possible || request_.reading.nominal_period_s) return;
     throw ImpossibleReading(
         {log.source, loaded_.beats.beats.front().line, 1},
@@ -219,10 +219,10 @@ NumberedLog load_text(std::string_view text, const LoadRequest& request) {
 }
 
 NumberedLog load_events(ClockLog log, const LoadRequest& request) {
-  constexpr std::size_t fewest = 3; // as of a text
-  if (log.events.size() < fewest)
+  constexpr std::size_t fewest_events = 3; // as of a text
+  if (log.events.size() < fewest_events)
     throw InputError({log.source, 0, 0}, fmt::format("{} events", log.events.size()),
-                     fmt::format("at least {}", fewest));
+                     fmt::format("at least {}", fewest_events));
   if (!log.nominal_period_s) log.nominal_period_s = request.reading.nominal_period_s;
   LoadRequest named = request;
   named.path = log.source;

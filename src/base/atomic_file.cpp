@@ -133,8 +133,9 @@ void StreamedFile::flush() {
 }
 
 void StreamedFile::flush_if_large() {
-  constexpr std::size_t large = 1 << 16; // few calls, and little even for a hundred files at once
-  if (text_.size() >= large) flush();
+  constexpr std::size_t flush_bytes =
+      1 << 16; // few calls, and little even for a hundred files at once
+  if (text_.size() >= flush_bytes) flush();
 }
 
 void StreamedFile::finish() {

@@ -15,7 +15,7 @@ namespace goingrate {
 
 namespace {
 
-// A file by what it is, not by one of its names.
+// Identifies a file by device and inode: it may have several names.
 using Identity = std::pair<dev_t, ino_t>;
 
 std::atomic<bool> all_are_kept{false};
@@ -26,7 +26,7 @@ std::set<Identity>& kept() {
   return files;
 }
 
-// The file with content that `path` names; a pipe or a device has none to lose.
+// The regular file that `path` names; nothing for a pipe or a device, which cannot be overwritten.
 std::optional<Identity> identity_of(const std::string& path, int stream) {
   struct stat status {};
   const int failed = path == "-" ? ::fstat(stream, &status) : ::stat(path.c_str(), &status);

@@ -39,8 +39,8 @@ std::string in_small_letters(std::string_view word) {
 std::optional<std::string> nearest_word(std::string_view typed,
                                         std::span<const std::string> known) {
   const std::string word = in_small_letters(typed);
-  constexpr std::size_t letters_a_slip = 3, most = 3;
-  const std::size_t allowed = std::min(word.size() / letters_a_slip, most);
+  constexpr std::size_t letters_a_slip = 3, most_slips = 3;
+  const std::size_t allowed = std::min(word.size() / letters_a_slip, most_slips);
   std::optional<std::string> nearest;
   std::size_t fewest = allowed + 1;
   for (const std::string& candidate : known) {

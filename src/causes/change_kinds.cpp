@@ -67,8 +67,8 @@ void put_jump(ChangeKind kind, const FittedStep& step, const RateBlocks& blocks,
 
 void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate, double& sigma) {
   rate = sigma = unknown;
-  constexpr std::size_t fewest = 3, fewest_for_scatter = 5;
-  if (beats.size() < fewest) return;
+  constexpr std::size_t fewest_beats = 3, fewest_for_scatter = 5;
+  if (beats.size() < fewest_beats) return;
   const RateSummary summary = summarise_rates(beats, nominal_period_s);
   rate = summary.rate_excess;
   if (beats.size() >= fewest_for_scatter) sigma = summary.rate_excess_sigma;
@@ -93,8 +93,8 @@ void put_date(std::span<const Beat> beats, double at_s, Change& change) {
 Judgement judged_about(const TimingData& data, const Stretch& stretch, double at_s,
                        double doubt_s) {
   std::vector<Look> looks;
-  constexpr double finest = 4.0, coarser = 4.0; // beats a block
-  for (double length_s = finest * data.reference_period_s;; length_s *= coarser) {
+  constexpr double finest_block_beats = 4.0, block_ratio = 4.0; // beats a block
+  for (double length_s = finest_block_beats * data.reference_period_s;; length_s *= block_ratio) {
     if (doubt_s > 0.25 * most_blocks * length_s) continue; // the change may lie outside
     auto blocks = blocks_about(data, stretch, at_s, length_s);
     if (!blocks) break;
@@ -128,12 +128,12 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
 
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s) {
   Judgement told = judged_about(data, stretch, at_s, doubt_s);
-  constexpr int rounds = 2;    // blocks reach as far to both sides of where it is found
-  constexpr double near = 4.0; // beats: the finest block
+  constexpr int rounds = 2; // blocks reach as far to both sides of where it is found
+  constexpr double finest_block_beats = 4.0; // beats: the finest block
   for (int round = 0; round < rounds && told.kind != ChangeKind::unclear; ++round) {
     const double moved = std::abs(told.at_s - at_s);
     at_s = told.at_s;
-    if (moved < near * data.reference_period_s) break;
+    if (moved < finest_block_beats * data.reference_period_s) break;
     const Judgement again = judged_about(data, stretch, at_s, doubt_s);
     if (again.kind == ChangeKind::unclear) break;
     told = again;
@@ -171,8 +171,9 @@ void judge_changes(std::span<const Beat> beats, const TimingData& data,
                                        doubt_of_bend * data.reference_period_s);
     put_judgement(found, change);
     // A bend is dated better by what comes of it.
-    constexpr double sharp = 15.0; // beats: of a jump the beats next to it tell more
-    const bool is_sharp = std::abs(found.at_s - change.at_s) < sharp * data.reference_period_s;
+    constexpr double sharp_beats = 15.0; // beats: of a jump the beats next to it tell more
+    const bool is_sharp =
+        std::abs(found.at_s - change.at_s) < sharp_beats * data.reference_period_s;
     if (found.kind == ChangeKind::friction || !is_sharp) put_date(beats, found.at_s, change);
   }
 }

@@ -38,11 +38,11 @@ public:
     settle(0.0);
     double best = found_.deviance, lag_found = 0.0;
     const double plain = best;
-    constexpr double demanded = 8.0; // of 2 log L: for one more parameter, looked for on a grid
+    constexpr double least_gain = 8.0; // of 2 log L: for one more parameter, looked for on a grid
     const double longest = 0.1 * block_s * static_cast<double>(rate.size());
     for (double lag = block_s; lag < longest; lag *= 1.3) {
       settle(lag);
-      if (found_.deviance >= best || found_.deviance >= plain - demanded) continue;
+      if (found_.deviance >= best || found_.deviance >= plain - least_gain) continue;
       best = found_.deviance;
       lag_found = lag;
     }
@@ -105,9 +105,10 @@ bool varies(const RateTerm& term) {
 
 std::vector<CovariateEffect> covariate_effects(const TimingData& data) {
   std::vector<CovariateEffect> effects;
-  constexpr std::size_t least = 256, most = 1024; // beats: 32 blocks, 16 in a half; and blocks
-  if (data.size() < least) return effects;
-  const RateBlocks blocks = rate_blocks(data, std::min(most, data.size() / 8));
+  constexpr std::size_t least_beats = 256,
+                        most_blocks = 1024; // beats: 32 blocks, 16 in a half; and blocks
+  if (data.size() < least_beats) return effects;
+  const RateBlocks blocks = rate_blocks(data, std::min(most_blocks, data.size() / 8));
   for (std::size_t k = 0; k < data.terms.size(); ++k) {
     const RateTerm& term = data.terms[k];
     const auto& values = blocks.values[k];

@@ -31,7 +31,7 @@ ChangeKind kind_of_cause(Cause step) {
                                         : ChangeKind::drive;
 }
 
-// What else makes the course of such a change.
+// Other causes with the same course of the rate.
 std::vector<Cause> same_course_as(ChangeKind kind) {
   if (kind != ChangeKind::regulation) return {};
   return {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
@@ -39,7 +39,7 @@ std::vector<Cause> same_course_as(ChangeKind kind) {
 
 constexpr NoiseKinds wandering{.wanders = true};
 
-/// Takes causes from a log one after the other.
+/// Explains the rate of a log by one cause after another.
 class Diagnosis {
 public:
   Diagnosis(const DiagnosisInput& input, const TimingData& times)
@@ -62,7 +62,7 @@ public:
     return all;
   }
 
-  // When something sudden happened that is not dated yet, in order of time.
+  // Times of sudden changes that are not dated yet, in order.
   std::vector<double> undated_times() {
     take_causes();
     std::vector<double> times;
@@ -78,17 +78,17 @@ public:
     return times;
   }
 
-  // By how much these may be off.
+  // The uncertainty of these times.
   [[nodiscard]] double doubt_s() const { return 1.5 * blocks_.length_s; }
 
 private:
   void take_causes() {
-    constexpr std::size_t most = 4; // more say that the log is not understood
-    while (taken_.size() < most) {
+    constexpr std::size_t most_causes = 4; // needing more means that the log is not understood
+    while (taken_.size() < most_causes) {
       pulse();
       Candidate best = best_candidate();
       const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
-      // What a healthy clock does comes first, unless a fault explains more than any noise.
+      // The noise of a healthy clock is fitted first, unless a fault explains more than any noise.
       if (const Bend bend = best_bend();
           bend.gain > 0.0 && best.gain < std::max(bend.gain, wander)) {
         healthy_ = bend.noise;
@@ -97,8 +97,8 @@ private:
       }
       if (std::max(best.gain, wander) < least_gain()) break;
       if (wander > best.gain) {
-        // A wander takes up much of any change: a cause that shows beside it comes first. But a
-        // drive that wanders makes what looks like changes, which are small beside the wander
+        // A wander would absorb much of any change, so a cause that shows beside it is taken first.
+        // A wandering drive, however, imitates changes, which are small compared with the wander
         // itself.
         constexpr double least_share = 0.25;
         const Account before = account_;
@@ -115,14 +115,14 @@ private:
     }
   }
 
-  // One fault is rare, and each further one at the same time as rare again.
+  // The price of a fault: faults are rare, and several at once are rarer by that factor each.
   [[nodiscard]] double least_gain() const {
     const auto faults = std::count_if(taken_.begin(), taken_.end(),
                                       [](const Candidate& taken) { return taken.is_fault; });
     return believed * (1.0 + static_cast<double>(faults));
   }
 
-  // Noise of a healthy clock: white, and bent where white drive is answered.
+  // Noise of a healthy clock: white, with a corner where it responds to white noise of the drive.
   [[nodiscard]] NoiseKinds with_bend_at(const std::optional<double>& relaxation_s) const {
     return {.wanders = false, .corner = relaxation_s ? blocks_.length_s / *relaxation_s : 0.0};
   }
@@ -132,13 +132,13 @@ private:
     double gain = 0.0;
   };
 
-  // Where the clock is not known and no bend is taken yet: the one that explains most.
+  // The corner that explains most, if the clock is unknown and no corner has been fitted yet.
   [[nodiscard]] Bend best_bend() const {
     Bend best;
     if (wanders_ || healthy_.corner > 0.0) return best;
-    constexpr double least = 10.0,
-                     most = 2e4; // T0/(4 pi epsilon) of clocks people have, in periods
-    for (double periods = least; periods < most; periods *= 2.5) {
+    constexpr double shortest_periods = 10.0,
+                     longest_periods = 2e4; // range of T0/(4 pi epsilon) in real clocks, in periods
+    for (double periods = shortest_periods; periods < longest_periods; periods *= 2.5) {
       const NoiseKinds bent = with_bend_at(periods * input_.nominal_period_s);
       const double gain = account_.gain_of(bent, 2);
       if (gain > best.gain) best = {bent, gain};
@@ -180,11 +180,11 @@ private:
              best);
   }
 
-  // Where a step would explain most, and the dated changes.
+  // The places where a step would explain most, and those of dated changes.
   [[nodiscard]] std::vector<double> places(const StepScan& scan) const {
-    constexpr std::size_t most = 3, apart = 4; // blocks
+    constexpr std::size_t most_places = 3, blocks_apart = 4; // blocks
     std::vector<double> places;
-    for (const std::size_t block : scan.best_steps(most, apart))
+    for (const std::size_t block : scan.best_steps(most_places, blocks_apart))
       places.push_back(static_cast<double>(block));
     for (const Change& change : input_.changes) {
       const double place = change.at_s / blocks_.length_s;
@@ -215,19 +215,19 @@ private:
       }
   }
 
-  // While a clock settles after a step its rate is not the sum of a few powers of a decay, and what
-  // is left of a great step looks like small ones.
+  // While a clock settles after a step, its rate is not exactly a sum of few exponentials; the
+  // residual of a large step looks like small steps.
   [[nodiscard]] bool is_in_a_wake(const Candidate& step) const {
-    constexpr double settled = 5.0; // time constants
+    constexpr double settling_times = 5.0; // time constants
     constexpr double least_share = 0.1;
     return std::any_of(taken_.begin(), taken_.end(), [&](const Candidate& before) {
       const double since_s = step.at_s - before.at_s;
       return is_step(before.cause) && before.cause != Cause::length_step && since_s > 0.0 &&
-             since_s < settled * before.time_s && step.gain < least_share * before.gain;
+             since_s < settling_times * before.time_s && step.gain < least_share * before.gain;
     });
   }
 
-  // Something that is there for a while only: it came and it went, which is rarer than one change.
+  // A disturbance that came and went, which is rarer than a single change.
   void consider_visits(const StepScan& scan, Candidate& best) const {
     const auto [from, to] = scan.best_visit();
     const FittedVisit found = fitted_visit(account_, blocks_, from, to);
@@ -242,7 +242,7 @@ private:
             gain};
   }
 
-  // A ramp that the amplitude follows, and one that it does not.
+  // A ramp of the rate, with and without the amplitude following it.
   void consider_drifts(Candidate& best) const {
     const auto t = make_.power(1), t2 = make_.power(2);
     const bool seen = account_.sees_amplitude();
@@ -270,8 +270,8 @@ private:
     }
   }
 
-  // A dated change is of the kind that the diary says; of another step the finer blocks about it
-  // tell the kind.
+  // A dated change has the kind that the diary gives. For another step the kind is found from finer
+  // blocks around it.
   [[nodiscard]] Judgement kind_of(const Candidate& step) const {
     if (const Change* dated = dated_at(step.at_s))
       return {.kind = dated->kind,
@@ -288,7 +288,7 @@ private:
     return nullptr;
   }
 
-  // A step as its kind has it; what the log cannot tell from it are alternatives.
+  // A step of this kind. Kinds that the log cannot distinguish from it become alternatives.
   [[nodiscard]] Candidate looked_at_closely(const Candidate& step) const {
     const Judgement found = kind_of(step);
     if (found.kind == ChangeKind::unclear) return step;
@@ -296,8 +296,8 @@ private:
     if (best.courses.rate.empty()) return step;
     best.at_s = found.at_s;
     best.is_dated = dated_at(found.at_s) != nullptr;
-    // A step alone is what a step of the drive or friction with a hidden return looks like, if the
-    // amplitude does not say that there is none.
+    // Without amplitudes a lasting step may also be a step of the drive or friction whose
+    // relaxation the noise hides.
     const double least = account_.sees_amplitude() || found.kind != ChangeKind::regulation
                              ? believed
                              : std::numeric_limits<double>::infinity();
@@ -316,7 +316,7 @@ private:
                   {.place = place, .time_s = found.time_s, .courses = found.courses});
   }
 
-  // Everything taken but one, so that each is judged by what it alone adds.
+  // All causes but one, so that each is judged by what it adds to the others.
   [[nodiscard]] Account without(const Candidate* left_out, const NoiseKinds& noise) const {
     Account account(blocks_, noise);
     for (const Candidate& candidate : taken_)
@@ -324,7 +324,7 @@ private:
     return account;
   }
 
-  // Faults that are believed beside all the others.
+  // Faults whose gain beside all the others is large enough.
   [[nodiscard]] std::vector<Candidate> faults() {
     std::vector<Candidate> all;
     for (const Candidate& taken : taken_) {
@@ -340,11 +340,12 @@ private:
     return all;
   }
 
-  // Whether the amplitude explains more of it than is left when it has: then it is the drive that
-  // wanders. (A healthy clock's amplitude and rate go together too, a little.)
+  // Whether the amplitude explains more than half of the wander: then the drive wanders. (In a
+  // healthy clock amplitude and rate are slightly correlated as well.)
   [[nodiscard]] bool wanders_with_amplitude() const {
     if (!account_.sees_amplitude()) return false;
-    // The drive is what lambda^2 and its speed say: both, or one if the other adds nothing.
+    // The drive follows from lambda^2 and its derivative; one of the two is left out if it adds
+    // nothing.
     const Courses alone{{blocks_.amplitude_rad}, {}};
     const Courses both{{blocks_.amplitude_rad, speed_of(blocks_.amplitude_rad)}, {}};
     const Courses& amplitude = account_.gain_of(both) > account_.gain_of(alone) ? both : alone;
@@ -360,10 +361,10 @@ private:
     return speed;
   }
 
-  // Two faults at once are rare, three are a course that nothing in the list makes.
+  // Two faults at once are rare; three mean that no cause of the list explains the course.
   void add_if_not_understood(std::vector<Suspicion>& all) const {
-    constexpr std::size_t too_many = 3;
-    if (all.size() < too_many) return;
+    constexpr std::size_t implausible_causes = 3;
+    if (all.size() < implausible_causes) return;
     double gain = 0.0;
     Account account(blocks_, wanders_ ? wandering : healthy_);
     for (const Candidate& taken : taken_) {
@@ -420,14 +421,14 @@ Suspicion suspicion_of(const Change& change) {
           numbers};
 }
 
-// Of a log long enough to tell the courses of a rate from each other.
+// Whether the log is long enough to distinguish the courses of different causes.
 bool is_long_enough(const DiagnosisInput& input) {
   return input.data != nullptr && input.data->size() >= least_diagnosed_beats;
 }
 
 constexpr std::size_t most_displaced = 8;
 
-// What the course of the rate says, and what can be seen without it.
+// Causes from the course of the rate, and those that show without it.
 void add_suspicions_of_log(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   if (!is_long_enough(input)) return;
   TimingData times = *input.data;

@@ -20,7 +20,8 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::size_t wake = 8; // windows after a change in which what relaxes is bent
+constexpr std::size_t wake =
+    8; // windows after a change in which relaxation bends rate and amplitude
 
 bool is_before(const Change& a, const Change& b) { return a.cycle < b.cycle; }
 
@@ -125,7 +126,7 @@ Jumps slope_jumps(const Track& track, std::size_t window, double least_scatter) 
     jumps.jump[i] = without_bend(plain, i, window);
   jumps.scatter = robust_scatter({plain.begin() + static_cast<std::ptrdiff_t>(window),
                                   plain.end() - static_cast<std::ptrdiff_t>(window)});
-  // Below this a change is nothing to tell, and a noiseless log would be full of them.
+  // Smaller changes are not reported; a log without noise would be full of them.
   jumps.scatter = std::max(jumps.scatter, least_scatter);
   return jumps;
 }
@@ -190,7 +191,8 @@ public:
       const auto at = static_cast<std::size_t>(best - score.begin());
       const double here = *best;
       if (!in_the_wake(at, here, found)) found.push_back(at);
-      // One change raises the score over a window on each side; a second one needs its own.
+      // A change raises the score within a window on each side; a second change must have its own
+      // maximum.
       const std::size_t from = at > options_.window ? at - options_.window : 0;
       std::fill(score.begin() + static_cast<std::ptrdiff_t>(from),
                 score.begin() + static_cast<std::ptrdiff_t>(std::min(n, at + options_.window + 1)),
@@ -397,8 +399,8 @@ bool is_in(const Interruption& event, const Change& change) {
   return change.at_s >= event.begin.at_s && change.at_s <= event.end.at_s;
 }
 
-// What follows a change is bent, and may stand out of the beats about it again: where the stronger
-// one is there, such a change has no kind.
+// The curve of the relaxation after a change may be found as a change again. Beside the stronger
+// change such a change gets no kind.
 void drop_bends(const TimingData& data, const DiaryOptions& options, Diary& diary) {
   const double near_s = wake * static_cast<double>(options.window) * data.reference_period_s;
   std::vector<Change> kept;
@@ -422,7 +424,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
     throw ArgumentError("window", static_cast<double>(options.window), "at least 4");
   Diary diary;
   if (beats.size() < 4 * options.window) return diary; // nothing to compare a change with
-  // Displaced times are no change of the going.
+  // A displacement of the times is not a change of the rate.
   TimingData data = timing_data(beats);
   constexpr std::size_t most_displaced = 8;
   const Search search(beats, nominal_period_s,
@@ -430,7 +432,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   std::vector<std::size_t> knots;
   for (const std::size_t place : search.places()) {
     const std::size_t k = search.refined(place);
-    // Two places within a window are one change seen twice: in the rate, and in the amplitude.
+    // Two places within a window are the same change, found in the rate and in the amplitude.
     if (!knots.empty() && k < knots.back() + options.window) {
       if (search.significance(k) > search.significance(knots.back())) knots.back() = k;
     } else {

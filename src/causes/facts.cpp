@@ -16,8 +16,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// By how much the times jump after each beat, and that in units in which every place scatters as
-// one without a hole does.
+// A jump of the times before a beat: `size` in seconds; `scaled` is divided by what missing beats
+// add to its scatter, so that all places of the log compare.
 struct Jump {
   double size = 0.0, scaled = 0.0;
 };
@@ -32,7 +32,7 @@ double median_size(const std::vector<Jump>& jumps) {
   return *middle;
 }
 
-// Means of `reach` values from each on.
+// The mean of each run of `reach` values; entry i begins at value i.
 std::vector<double> means_of(const std::vector<double>& values, std::size_t reach) {
   std::vector<double> sum{0.0};
   for (const double x : values)
@@ -43,21 +43,22 @@ std::vector<double> means_of(const std::vector<double>& values, std::size_t reac
   return means;
 }
 
-// By means of `reach` beats: those next to it on either side, less how the rate takes the clock
-// from those further out. Across beats that are missing the rate is carried further, and its
-// scatter too.
+// The jump at each beat, from means of `reach` beats: the mean just after it minus the mean just
+// before, less the advance that the rate explains. The rate is taken from two further means on
+// either side. Over missing beats it is extrapolated further, which adds scatter.
 std::vector<Jump> jumps(const TimingData& data, std::size_t reach) {
   const auto late = means_of(data.lateness_s, reach), cycle = means_of(data.cycle, reach);
   std::vector<Jump> jump;
   for (std::size_t i = 2 * reach; i + 2 * reach <= data.size(); ++i) {
     const std::size_t before = i - reach, first = before - reach, last = i + reach;
     const double across = cycle[i] - cycle[before];
-    // Half the way by either slope.
+    // The rate before and the rate after each account for half of the distance.
     const double a = 0.5 * across / (cycle[last] - cycle[i]);
     const double b = 0.5 * across / (cycle[before] - cycle[first]);
     const double size =
         late[i] - late[before] - a * (late[last] - late[i]) - b * (late[before] - late[first]);
-    // Of jitter, and of times that walk, over what they are without a hole, where a = b = 1/2.
+    // Variances from jitter and from a random walk of the times, relative to a place without
+    // missing beats, where a = b = 1/2.
     const double jitter = (std::pow(1.0 + a, 2) + a * a + std::pow(1.0 + b, 2) + b * b) / 5.0;
     const double walk = across / static_cast<double>(reach);
     jump.push_back({size, size / std::sqrt(std::max(jitter, walk))});
@@ -65,8 +66,8 @@ std::vector<Jump> jumps(const TimingData& data, std::size_t reach) {
   return jump;
 }
 
-// What is left of the times about a beat by lines of one slope that jump there, or of two slopes
-// that meet at `corner`.
+// Residual sum of squares of the times around beat `at`: of two parallel lines with a jump at the
+// beat, or, if `corner` is given, of a broken line with its corner there.
 double squares_left(const TimingData& data, std::size_t at, std::size_t reach,
                     std::optional<std::size_t> corner) {
   const auto n = static_cast<Eigen::Index>(4 * reach);
@@ -83,7 +84,8 @@ double squares_left(const TimingData& data, std::size_t at, std::size_t reach,
   return (late - design * design.colPivHouseholderQr().solve(late)).squaredNorm();
 }
 
-// It must come from one beat to the next, and not as a walk, nor as a bend there or near by.
+// A displacement happens between two neighbouring beats. A slow walk of the times, or a change of
+// rate near by, is none.
 bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double jump,
                double at_once) {
   const std::size_t seen = std::max<std::size_t>(reach, 8);
@@ -94,18 +96,18 @@ bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double
   return true;
 }
 
-// Of means over so many beats.
+// The largest displacement, judged by means over `reach` beats.
 std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, double price) {
   if (data.size() < 16 * reach) return {};
   const std::vector<Jump> jump = jumps(data, reach);
   const std::vector<Jump> at_once = jumps(data, 1);
-  constexpr double normal = 1.4826; // standard deviation over median of the size
-  const double scatter = normal * median_size(jump);
+  constexpr double sigma_per_median = 1.4826; // of the absolute values of a normal variable
+  const double scatter = sigma_per_median * median_size(jump);
   const double least = scatter * std::sqrt(price + believed);
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < jump.size(); ++i)
     if (std::abs(jump[i].scaled) > least) places.push_back(i);
-  constexpr std::size_t most_tried = 200; // a log in which more jump is no case of displacements
+  constexpr std::size_t most_tried = 200; // with more jumps the log is noisy, not displaced
   if (!(scatter > 0.0) || places.size() > most_tried) return {};
   std::sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
     return std::abs(jump[a].scaled) > std::abs(jump[b].scaled);
@@ -120,7 +122,7 @@ std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, 
 
 std::optional<Displacement> greatest(const TimingData& data) {
   constexpr std::array<std::size_t, 3> reaches{1, 4, 16};
-  // Of having looked everywhere, at each reach.
+  // The price of looking at every beat with every reach.
   const double price = 2.0 * std::log(static_cast<double>(reaches.size() * data.size()));
   std::optional<Displacement> best;
   for (const std::size_t reach : reaches)
@@ -131,9 +133,10 @@ std::optional<Displacement> greatest(const TimingData& data) {
 }
 
 std::string by_chance(double probability) {
-  constexpr double never = 1e-9; // such tails are the model's, not the world's
-  return probability < never ? std::string("which chance does not do")
-                             : fmt::format("by chance once in {:.1g} logs", 1.0 / probability);
+  constexpr double least_probability = 1e-9; // smaller probabilities rest on the noise model alone
+  return probability < least_probability
+             ? std::string("which chance does not do")
+             : fmt::format("by chance once in {:.1g} logs", 1.0 / probability);
 }
 
 bool is_hole(const TimingData& data, std::size_t beat) {
@@ -173,19 +176,19 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
                  numbers});
 }
 
-// Of a healthy sensor at most one beat in a thousand is missing. What is missing together is
-// missing once: a break of the log is no fault of the sensor.
+// A healthy sensor misses at most one beat in a thousand. Beats missing in a row count once: a
+// break in the log is not the sensor's fault.
 void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
-  constexpr double usual = 1e-3;
+  constexpr double usual_missed_share = 1e-3;
   double missed = 0.0;
   for (std::size_t i = 1; i < input.data->size(); ++i)
     missed += is_hole(*input.data, i) ? 1.0 : 0.0;
   const double beats = missed + static_cast<double>(input.data->size());
   const double share = missed / beats;
-  if (share <= usual) return;
+  if (share <= usual_missed_share) return;
   const double gain =
-      2.0 * (missed * std::log(share / usual) + (beats - missed) * std::log1p(-share) -
-             (beats - missed) * std::log1p(-usual)) -
+      2.0 * (missed * std::log(share / usual_missed_share) + (beats - missed) * std::log1p(-share) -
+             (beats - missed) * std::log1p(-usual_missed_share)) -
       std::log(beats);
   CauseNumbers numbers;
   numbers.size = share;
@@ -200,14 +203,15 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
          numbers});
 }
 
-// -2 log p of the false alarm is what the line gains, less the price of having looked everywhere.
+// The gain of a line is -2 log p, p being the probability of a false alarm anywhere in the
+// spectrum; the price of having searched is part of p.
 void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   for (const SpectralLine& line : input.lines) {
     const double period_s = 1.0 / line.frequency_hz;
-    constexpr double slowest = 4.0 * 3600.0; // of a wheel in the train
+    constexpr double slowest_wheel_s = 4.0 * 3600.0; // no wheel of a going train turns more slowly
     const double gain = -2.0 * std::log(std::max(line.false_alarm, 1e-300));
-    constexpr double demanded = 18.0; // once in ten thousand logs
-    if (period_s > slowest || gain < demanded) continue;
+    constexpr double least_gain = 18.0; // 2 log L: a false alarm in one of ten thousand logs
+    if (period_s > slowest_wheel_s || gain < least_gain) continue;
     CauseNumbers numbers;
     numbers.size = line.amplitude;
     numbers.sigma = line.amplitude_sigma;
@@ -227,12 +231,12 @@ void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
 // A drive that varies by less than 8 % from period to period is that of a healthy clock.
 void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   if (!input.fast_drive) return;
-  constexpr double usual = 0.08;
+  constexpr double usual_drive_rms = 0.08;
   const RmsEstimate& fast = *input.fast_drive;
   const double sigma = fast.rms - fast.low68;
-  if (!(fast.low68 > usual) || !(sigma > 0.0)) return;
-  // A size is known to a factor.
-  const double gain = std::pow(std::log(fast.rms / usual) * fast.rms / sigma, 2) -
+  if (!(fast.low68 > usual_drive_rms) || !(sigma > 0.0)) return;
+  // The uncertainty of an rms is relative, so it is compared by its logarithm.
+  const double gain = std::pow(std::log(fast.rms / usual_drive_rms) * fast.rms / sigma, 2) -
                       std::log(static_cast<double>(input.data->size()));
   if (gain < believed) return;
   const std::string size =
@@ -252,8 +256,8 @@ void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all)
 
 void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   if (!input.stopped_s) return;
-  // That a clock which was not stopped comes back off its beat has the odds of its jitter in a
-  // period.
+  // A clock that went on unseen would resume within its jitter of a beat; one that resumes anywhere
+  // in a period was stopped. Jitter is about a thousandth of a period.
   constexpr double odds = 1e3;
   CauseNumbers numbers;
   numbers.at_s = *input.stopped_s;

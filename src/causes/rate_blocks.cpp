@@ -13,7 +13,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// y at t by straight lines between the beats; t must rise from call to call.
+// Linear interpolation of y between the beats. Successive calls must have rising t.
 class Between {
 public:
   Between(const std::vector<double>& t, const std::vector<double>& y) : t_(t), y_(y) {}
@@ -43,7 +43,7 @@ std::vector<double> differences(const TimingData& data, const std::vector<double
   return means;
 }
 
-// Means of the known amplitudes; a block without any takes the value before it.
+// Mean amplitude of each block; a block without amplitudes repeats the value before it.
 std::vector<double> amplitude_means(const TimingData& data, double begin_s, double length_s,
                                     std::size_t count) {
   std::vector<double> sum(count, 0.0), seen(count, 0.0);
@@ -111,7 +111,8 @@ std::vector<double> cosines(std::span<const double> series, bool without_line) {
   return result;
 }
 
-// Densities at the cosines from first_ on, one column a part.
+// Spectral densities at the frequencies of the cosine transform from first_ on, one column for each
+// part of the noise.
 void RateNoise::put_shapes(std::size_t cosines) {
   const auto rows = static_cast<Eigen::Index>(cosines - first_);
   if (shapes_ && shapes_->rows() == rows) return;
@@ -133,16 +134,17 @@ void RateNoise::fit(std::span<const double> residual) {
       Eigen::Map<const Eigen::ArrayXd>(residual.data(), static_cast<Eigen::Index>(residual.size()))
           .tail(shapes.rows())
           .square();
-  // A part that has gone to nothing beside an unexplained step would not come back by factors.
+  // Sizes change by factors, so one that an earlier fit brought to almost nothing could not grow
+  // again; each starts from at least this share.
   const double least_share = is_fitted() ? 1e-3 : 1.0;
   for (Eigen::Index i = 0; i < parts; ++i)
     if (const double shape = shapes.col(i).sum(); shape > 0.0)
       sizes_[i] = std::max(sizes_[i], least_share * squares.sum() / (parts * shape));
-  constexpr int rounds = 60;       // the likelihood then stands still to a tenth
-  constexpr double settled = 1e-3; // of each size
+  constexpr int rounds = 60;            // the log likelihood then changes by less than 0.1
+  constexpr double largest_move = 1e-3; // of each size, relative
   constexpr double most_bent = 30.0;
   double moved = 1.0;
-  for (int round = 0; round < rounds && moved > settled; ++round) {
+  for (int round = 0; round < rounds && moved > largest_move; ++round) {
     const Eigen::ArrayXd weight = (shapes.matrix() * sizes_.matrix()).array().inverse();
     const Sizes seen = shapes.matrix().transpose() * (squares * weight.square()).matrix();
     const Sizes expected = shapes.matrix().transpose() * weight.matrix();
@@ -150,8 +152,8 @@ void RateNoise::fit(std::span<const double> residual) {
     for (Eigen::Index i = 0; i < parts; ++i) {
       if (!(expected[i] > 0.0)) continue;
       const double factor = seen[i] / expected[i];
-      // A size that goes to nothing takes for ever: it counts by what it is beside the others.
-      if (sizes_[i] * expected[i] > settled) moved = std::max(moved, std::abs(factor - 1.0));
+      // A size that tends to zero never settles; it counts only while it matters beside the others.
+      if (sizes_[i] * expected[i] > largest_move) moved = std::max(moved, std::abs(factor - 1.0));
       sizes_[i] *= factor;
     }
     sizes_[4] = std::min(sizes_[4], most_bent * sizes_[1]);
@@ -167,10 +169,10 @@ RateRegression regress(const std::vector<double>& rate,
   if (!noise.is_fitted() || causes.empty()) noise.fit(rate);
   RateRegression result;
   result.deviance = noise.deviance();
-  constexpr int most_rounds = 6; // coefficients and noise settle together
-  constexpr double settled = 0.05;
+  constexpr int most_rounds = 6; // of coefficients and noise in turn
+  constexpr double largest_move = 0.05;
   double moved = causes.empty() ? 0.0 : 1.0;
-  for (int round = 0; round < most_rounds && moved > settled; ++round) {
+  for (int round = 0; round < most_rounds && moved > largest_move; ++round) {
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
     for (std::size_t k = first; k < rate.size(); ++k) {

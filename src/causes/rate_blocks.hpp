@@ -15,7 +15,7 @@ struct RateBlocks {
   double begin_s = 0.0;
   double length_s = 0.0;
   std::vector<double> rate;                ///< relative
-  std::vector<std::vector<double>> values; ///< of each of the data's terms, less its mean
+  std::vector<std::vector<double>> values; ///< of each term of the data, its mean removed
   std::vector<double> amplitude_rad;       ///< empty if fewer than nine in ten are known
 };
 /// `count` blocks from `begin_s` on, `length_s` each.
@@ -23,31 +23,32 @@ RateBlocks rate_blocks(const TimingData& data, double begin_s, double length_s, 
 /// The whole log in `count` blocks.
 RateBlocks rate_blocks(const TimingData& data, std::size_t count);
 
-/// Coefficients of cos(pi k (i + 1/2)/n), k = 0 .. n - 1, of a series without its mean, and without
-/// its line if asked. Unlike those of a Fourier series they do not take the ends for neighbours, so
-/// that white noise, flicker and a random walk all have nearly independent ones.
+/// Cosine transform: coefficients of cos(pi k (i + 1/2)/n), k = 0 .. n - 1, of a series without its
+/// mean and, if asked, without its line. A Fourier series would treat the two ends as neighbours;
+/// these coefficients are nearly independent for white noise, flicker and a random walk alike.
 std::vector<double> cosines(std::span<const double> series, bool without_line);
 
-/// What the noise of a series may be made of, beside what grows as f^2 and what is white.
+/// The parts that the noise of a series may have beside white noise and noise that grows as f^2.
 struct NoiseKinds {
   bool wanders = true; ///< flicker and random walk
-  /// Where a clock's answer to white drive bends, in 1/blocks times 2 pi; 0: nowhere seen. Below it
-  /// the density may be up to 30 times that above: gains differ by five at most in pendulum clocks.
+  /// Corner of a clock's response to white drive, in 2 pi/blocks; 0: outside the log's range. Below
+  /// it the density may be up to 30 times that above, since gains differ by at most five in real
+  /// clocks.
   double corner = 0.0;
 };
 
-/// Noise of the rate by Whittle's likelihood of the cosines from `first` on. Each round multiplies
-/// the sizes of its parts by how much more of them the squares show than expected, which never
-/// lowers the likelihood.
+/// Noise of the rate, by Whittle's likelihood of the cosine coefficients from `first` on. Each
+/// iteration multiplies the size of every part by the ratio of its observed to its expected power,
+/// which never lowers the likelihood.
 class RateNoise {
 public:
   RateNoise(std::size_t first, const NoiseKinds& kinds) : first_(first), kinds_(kinds) {}
   void fit(std::span<const double> residual);
-  /// Of cosine k, which is not before the first.
+  /// Expected power of coefficient k, at least `first`.
   [[nodiscard]] double level(std::size_t k) const {
     return level_[static_cast<Eigen::Index>(k - first_)];
   }
-  /// -2 log L of the residual last fitted, but for a constant.
+  /// -2 log L of the residual fitted last, up to a constant.
   [[nodiscard]] double deviance() const { return deviance_; }
   [[nodiscard]] bool is_fitted() const { return level_.size() > 0; }
   [[nodiscard]] std::size_t first() const { return first_; }
@@ -66,14 +67,13 @@ private:
   double deviance_ = 0.0;
 };
 
-/// Generalised least squares of a series on some causes, in noise that is sized along with it.
+/// Generalised least squares of a series on some causes, with the sizes of the noise fitted too.
 struct RateRegression {
   std::vector<double> coefficients, sigmas;
-  RateNoise noise{1, {}}; ///< of what is left
-  double deviance = 0.0;  ///< good to a tenth
+  RateNoise noise{1, {}}; ///< of the residual
+  double deviance = 0.0;  ///< to within 0.1
 };
-/// `noise` is where the sizes begin: as they were without the last of the causes, or not fitted
-/// yet.
+/// `noise` has the starting sizes: those fitted without the last of the causes, or none yet.
 RateRegression regress(const std::vector<double>& rate_cosines,
                        const std::vector<std::vector<double>>& cause_cosines, RateNoise noise);
 

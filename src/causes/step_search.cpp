@@ -104,11 +104,11 @@ FittedStep StepSearch::best(ChangeKind kind) const {
     if (step.gain > best.gain) best = std::move(step);
   };
   const bool relaxes = kind != ChangeKind::regulation;
-  constexpr double octave = 0.7, coarse = 1.4; // of log time
-  const double first = relaxes ? std::log(0.3 * block_s_) : last_log_time_ - 0.5 * coarse;
+  constexpr double fine_step = 0.7, coarse_step = 1.4; // of log time
+  const double first = relaxes ? std::log(0.3 * block_s_) : last_log_time_ - 0.5 * coarse_step;
   const double stride = std::max(0.5, doubt_ / 4.0);
   for (double place = place_ - doubt_; place <= place_ + doubt_; place += stride)
-    for (double log_time = first; log_time < last_log_time_; log_time += coarse)
+    for (double log_time = first; log_time < last_log_time_; log_time += coarse_step)
       consider(place, log_time);
   if (best.courses.rate.empty()) return best; // the amplitude speaks against it everywhere
   for (int round = 0; round < 3; ++round) {   // place and time hardly depend on each other
@@ -120,7 +120,7 @@ FittedStep StepSearch::best(ChangeKind kind) const {
     const double found = best.place;
     consider(found, log_time + offset_of_best(
                                    [&](double off) { return at(kind, found, log_time + off).gain; },
-                                   octave));
+                                   fine_step));
   }
   return best;
 }

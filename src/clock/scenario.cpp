@@ -137,12 +137,13 @@ void check(const Scenario& scenario) {
   if (scenario.periods.has_value() == scenario.duration_s.has_value())
     throw ArgumentError("run", scenario.periods ? "periods and duration" : "no length",
                         "a run given by periods or by duration, and not by both");
-  constexpr double most = 1e12; // periods; a clock that beats seconds takes 60,000 years
+  constexpr double most_periods = 1e12; // periods; a clock that beats seconds takes 60,000 years
   if (scenario.periods &&
-      !(*scenario.periods >= 1 && static_cast<double>(*scenario.periods) <= most))
+      !(*scenario.periods >= 1 && static_cast<double>(*scenario.periods) <= most_periods))
     throw ArgumentError("periods", static_cast<double>(*scenario.periods), "between 1 and 1e12");
-  if (scenario.duration_s && !(*scenario.duration_s > 0.0 &&
-                               *scenario.duration_s <= most * scenario.clock.nominal_period_s))
+  if (scenario.duration_s &&
+      !(*scenario.duration_s > 0.0 &&
+        *scenario.duration_s <= most_periods * scenario.clock.nominal_period_s))
     throw ArgumentError("duration", *scenario.duration_s,
                         "a positive number of seconds, at most 1e12 periods");
   ClockParameters clock = scenario.clock;

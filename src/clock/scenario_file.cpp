@@ -279,9 +279,9 @@ using Reader = std::function<void(const toml::table&, const std::string&)>;
 void read_events(const toml::node& node, const std::string& file, Scenario& scenario) {
   const toml::array* list = node.as_array();
   const TextPlace place = place_of(node.source(), file);
-  if (list == nullptr) throw InputError(place, "an event that is no list", "[[event]] tables");
+  if (list == nullptr) throw InputError(place, "an event that is not a list", "[[event]] tables");
   for (const toml::node& entry : *list) {
-    if (!entry.is_table()) throw InputError(place, "an event that is no table", "[[event]] tables");
+    if (!entry.is_table()) throw InputError(place, "an event that is not a table", "[[event]] tables");
     scenario.events.push_back(read_event(Section(*entry.as_table(), "event", file)));
   }
 }
@@ -310,7 +310,7 @@ void read_root(const toml::table& root, const std::string& file, Scenario& scena
       throw InputError(place, fmt::format("unknown section '{}'", key.str()),
                        one_of(key.str(), section_names));
     if (!node.is_table())
-      throw InputError(place, fmt::format("'{}' that is no section", key.str()),
+      throw InputError(place, fmt::format("'{}', which is not a section", key.str()),
                        fmt::format("a section [{}]", key.str()));
     reader->second(Section(*node.as_table(), std::string(key.str()), file));
   }

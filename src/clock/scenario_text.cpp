@@ -48,7 +48,7 @@ toml::table parsed(std::string_view text, const std::string& source, bool has_li
     return toml::parse(text, source);
   } catch (const toml::parse_error& error) {
     throw InputError(has_lines ? place_of(error.source(), source) : TextPlace{source},
-                     fmt::format("text that is no TOML ({})", error.description()),
+                     fmt::format("text that is not TOML ({})", error.description()),
                      "a scenario in TOML");
   }
 }
@@ -117,10 +117,10 @@ TextPlace place_of(const toml::source_region& source, const std::string& file) {
 
 toml::table scenario_tree(std::string_view text, const std::string& file,
                           const std::vector<std::string>& overrides) {
-  constexpr std::size_t longest = 1 << 20; // the tree takes up to a hundred times the text
-  if (text.size() > longest)
+  constexpr std::size_t most_bytes = 1 << 20; // the tree takes up to a hundred times the text
+  if (text.size() > most_bytes)
     throw InputError({file}, fmt::format("{} bytes", text.size()),
-                     fmt::format("a scenario of at most {}", longest));
+                     fmt::format("a scenario of at most {}", most_bytes));
   toml::table root = parsed(text, file, true);
   for (const std::string& change : overrides)
     merge(root, parsed_override(change));

@@ -118,11 +118,11 @@ private:
   }
 
   void run(double q, bool keep) {
-    constexpr double wide = 3.0; // of the relative drive and of x: wide beside anything seen
+    constexpr double prior_sigma = 3.0; // of the relative drive and of x: wide beside anything seen
     deviance_ = 0.0;
     filtered_.clear();
     state_.setZero();
-    covariance_ = Vector(wide * wide, wide * wide, 1e-4).asDiagonal();
+    covariance_ = Vector(prior_sigma * prior_sigma, prior_sigma * prior_sigma, 1e-4).asDiagonal();
     for (std::size_t k = 0; k < blocks_.size(); ++k) {
       const Block& block = blocks_[k];
       Matrix transition = Matrix::Identity();
@@ -168,8 +168,8 @@ std::optional<DriveHistory> drive_history(const TimingData& data, const DriveMod
   const double relaxation = model.T0_s / (4.0 * std::numbers::pi * model.epsilon);
   history.block_s = block_s > 0.0 ? block_s : std::max(4.0 * model.T0_s, 0.01 * relaxation);
   const Blocks blocks(data, model, history.block_s);
-  constexpr std::size_t fewest = 10;
-  if (blocks.list().size() < fewest) return {};
+  constexpr std::size_t fewest_blocks = 10;
+  if (blocks.list().size() < fewest_blocks) return {};
   Smoother smoother(blocks.list(), model);
   // A grid first: the deviance has flat ends, where the steps are too small or too large to matter.
   double best = -14.0;

@@ -37,7 +37,8 @@ RmsEstimate widened(const RmsEstimate& estimate, double relative) {
 
 using Ends = std::array<RateComponents, 2>;
 
-// What the rates say of the drive, each part with the others as they are where it has its ends.
+// The parts of the drive as sized from the rates. Each interval is found with the other parts at
+// the values they take at its ends.
 struct Parts {
   ComponentFit fit;
   Ends fast, slow;
@@ -50,7 +51,7 @@ struct Parts {
   }
 };
 
-// The rms of a part; drive_at makes drive of what the rates are made of.
+// The rms of a part; drive_at converts from rate to drive.
 template <class DriveAt>
 RmsEstimate rms_of(const ComponentFit& fit, const Ends& ends, Component which,
                    const DriveAt& drive_at) {
@@ -143,7 +144,7 @@ std::vector<DriveCost> costs_of(const Parts& parts, double period_s,
 
 RateComponents as_found(const RateComponents& found) { return found; }
 
-// Of the drive itself, from rates that answer it in proportion.
+// Sizes of the drive, from rates that respond to it linearly.
 void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
                        double mean_drive_rms) {
   const RateComponents& best = parts.fit.best();
@@ -153,8 +154,8 @@ void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveRespon
   result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
 }
 
-// The same from rates as they are, with the gains averaged over the amplitudes that the slow drive
-// brings.
+// The same from uncorrected rates, with gains averaged over the amplitudes that the slow drive
+// causes.
 void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
                          double length_s) {
   const auto drive_at = [&](const RateComponents& found) {
@@ -163,7 +164,7 @@ void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResp
   const RateComponents& best = parts.fit.best();
   const double shift = timing_model::mean_shift(drive_at(best), response, length_s);
   const auto doubt = timing_model::gain_doubt(response, shift, best.memory_s);
-  // The slow drive's size decides by how much the fast one's gain is raised.
+  // The size of the slow drive determines by how much the gain of the fast drive is raised.
   const auto raised = [&](const RateComponents& at) {
     return at.fast2 > 0.0 ? drive_at(at).fast2 / at.fast2 : 1.0;
   };
@@ -180,18 +181,22 @@ bool is_constant(std::span<const double> rates) {
   return std::adjacent_find(rates.begin(), rates.end(), std::not_equal_to<>()) == rates.end();
 }
 
-// Why the slow drive is rough if the rates could not be made linear; empty if it is not.
+// The reason for which the slow drive's size is only approximate, if the rates could not be
+// linearised.
 std::string why_rough(const RateComponents& found, const DriveResponse& response) {
   const double spread = timing_model::amplitude_spread(found, response);
   const double phi2 = std::pow(response.switching_angle, 2);
-  constexpr double bends = 0.05; // beyond, the gains vary by more than a slow drive is known
-  constexpr double often = 3.5;  // standard deviations to a stall: once in some thousand memories
-  if (spread > bends && !timing_model::forgets_its_start(response))
-    return "the rate hardly answers a slow change of the drive, and that out of proportion: the "
-           "slow rms is rough";
-  if (spread > (1.0 - phi2 / response.amplitude2) / often)
-    return "a slow drive of this size takes the clock near a stall, where the rate does not answer "
-           "in proportion: its rms is rough";
+  constexpr double largest_gain_spread = 0.05; // with a larger spread, the variation of the gains
+                                               // exceeds the uncertainty of a slow drive
+  constexpr double stall_distance_sigma =
+      3.5; // standard deviations to a stall: once in some thousand memories
+  if (spread > largest_gain_spread && !timing_model::forgets_its_start(response))
+    return "the rate hardly responds to slow changes of the drive, and not in proportion: the slow "
+           "rms is approximate";
+  if (spread > (1.0 - phi2 / response.amplitude2) / stall_distance_sigma)
+    return "a slow drive of this size takes the clock near a stall, where the rate does not "
+           "respond "
+           "in proportion: its rms is approximate";
   return {};
 }
 
@@ -240,7 +245,7 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   result.split_hz = result.at_frequency ? split_hz : response.corner_hz;
   const RateComponents drive = timing_model::with_gains_averaged(best, response);
   const auto linear = timing_model::linear_rates(rates, period_s, response, drive);
-  RateComponents found = best; // in what the sizes are from
+  RateComponents found = best; // in the order of the parts
   if (linear) {
     const Parts freed(ComponentFit(linear->rates, period_s, response));
     take_linear_sizes(result, freed, response, linear->mean_drive_rms);
@@ -273,7 +278,7 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
 
 namespace {
 
-// Places of the clock's own numbers, as a fit names them.
+// Indices of the clock's parameters in the fit.
 struct ClockNumber {
   std::string_view name;
   double ClockParameters::*place;
@@ -283,7 +288,7 @@ constexpr std::array clock_numbers{ClockNumber{"T0", &ClockParameters::nominal_p
                                    ClockNumber{"mu", &ClockParameters::mu},
                                    ClockNumber{"phi0", &ClockParameters::phi0}};
 
-// The correlation of two parameters of the fit; 0 where it does not say.
+// The correlation of two parameters of the fit; 0 if the fit does not give it.
 double correlation_of(const FitSummary& fit, const std::string& a, const std::string& b) {
   const auto at = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find(fit.correlated.begin(), fit.correlated.end(), name) -
@@ -330,8 +335,8 @@ double drive_of(const SpectralLine& line, const DriveResponse& response) {
 
 namespace {
 
-// The cycle from which the clock goes as its gains have it: after the fit's last change has
-// settled, as far as the log is long enough for that.
+// The cycle from which the gains hold: after the last change has settled, if the log is long
+// enough.
 std::size_t settled_since(const FitSummary& fit, const ClockParameters& clock, std::size_t cycles) {
   constexpr double relaxations = 5.0; // of the amplitude's square, T0/(4 pi epsilon)
   if (fit.events.empty()) return 0;
@@ -341,8 +346,8 @@ std::size_t settled_since(const FitSummary& fit, const ClockParameters& clock, s
   return change + std::min(settling, (cycles - change) / 2);
 }
 
-// The clock driven as it was on average from `since` on: the logged amplitudes tell that better
-// than the fit, for which a slow drive may stand in.
+// The clock with the mean drive from `since` on. The logged amplitudes give that better than the
+// fit, in which a slow drive may absorb part of it.
 ClockParameters as_it_went(ClockParameters clock, std::span<const Beat> beats,
                            const FitSummary& fit, std::size_t since) {
   if (fit.amplitude_residual_rad.size() != beats.size()) return clock;
@@ -379,15 +384,15 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
     clock = as_it_went(*clock, beats, fit, since);
     drive.response = drive_response(*clock);
   }
-  constexpr std::size_t enough = 64;
-  if (rates.size() < enough) return drive;
+  constexpr std::size_t fewest_rates = 64;
+  if (rates.size() < fewest_rates) return drive;
   drive.lines = find_lines(rates, nominal_period_s);
   if (!drive.response || is_constant(rates)) return drive;
-  if (rates.size() - since < enough) return drive;
+  if (rates.size() - since < fewest_rates) return drive;
   const std::vector<double> without = without_lines(rates, nominal_period_s, drive.lines);
   drive.split = split_drive(std::span(without).subspan(since), nominal_period_s, *drive.response,
                             split_hz, drive.rate_spectrum->frequency_hz);
-  // The gains are those of a fit: what it does not know of them, the sizes of the drive share.
+  // The gains come from a fit; their uncertainty adds to that of the sizes.
   DriveSplit& split = *drive.split;
   const double nyquist_hz = 0.5 / nominal_period_s;
   const double fast_hz = std::sqrt(drive.response->corner_hz * nyquist_hz);
@@ -395,7 +400,7 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
       split.slow_time_s > 0.0 ? 1.0 / (two_pi * split.slow_time_s) : drive.response->corner_hz;
   const double of_fast = relative_gain_sigma(fit, *clock, fast_hz);
   const double of_slow = relative_gain_sigma(fit, *clock, slow_hz);
-  // A gain that may as well be nothing tells no size.
+  // A gain that is consistent with zero gives no size.
   if (!(std::max(of_fast, of_slow) < 1.0)) drive.split.reset();
   if (!drive.split) return drive;
   split.fast = widened(split.fast, of_fast);

@@ -90,10 +90,11 @@ RateComponents with_gains_averaged(RateComponents found, const DriveResponse& re
   if (!applies(found, response)) return found;
   const double share = share_in_amplitude(found, response);
   RateComponents drive = found;
-  constexpr double least = 1e-3, most = 1.0; // of the spread: below nothing, above no clock
-  constexpr int rounds = 30;                 // each gains a digit or so
+  constexpr double least_spread = 1e-3,
+                   most_spread = 1.0; // of the spread: below nothing, above no clock
+  constexpr int rounds = 30;          // each gains a digit or so
   for (int i = 0; i < rounds; ++i) {
-    const double spread = std::clamp(std::sqrt(drive.slow2 * share), least, most);
+    const double spread = std::clamp(std::sqrt(drive.slow2 * share), least_spread, most_spread);
     const Factors factors = factors_at(spread, response, found.memory_s);
     drive.slow2 = 0.5 * (drive.slow2 + found.slow2 / (1.0 + share * (factors.slow - 1.0)));
     drive.fast2 = found.fast2 / factors.fast;

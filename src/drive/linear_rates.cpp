@@ -15,25 +15,24 @@ double mean_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// Whether the last beats scatter as those of a clock that misses the switching angle do.
+// Whether the last beats scatter as if the pendulum no longer reached the switching angle.
 bool comes_to_a_stand(std::span<const double> rates) {
-  constexpr std::size_t last = 30;
-  constexpr double far = 4.0;        // standard deviations of the differences before
-  constexpr std::size_t several = 3; // one or two may be a bad beat
-  if (rates.size() < 2 * last) return false;
-  const std::size_t tail = rates.size() - last;
+  constexpr std::size_t tail_beats = 30;
+  constexpr double outlier_sigma = 4.0;           // standard deviations of the differences before
+  constexpr std::size_t outliers_of_a_change = 3; // one or two may be a bad beat
+  if (rates.size() < 2 * tail_beats) return false;
+  const std::size_t tail = rates.size() - tail_beats;
   double before = 0.0;
   std::size_t large = 0;
   for (std::size_t i = 1; i < tail; ++i)
     before += std::pow(rates[i] - rates[i - 1], 2) / static_cast<double>(tail - 1);
   for (std::size_t i = tail; i < rates.size(); ++i)
-    large += std::pow(rates[i] - rates[i - 1], 2) > far * far * before ? 1 : 0;
-  return large >= several;
+    large += std::pow(rates[i] - rates[i - 1], 2) > outlier_sigma * outlier_sigma * before ? 1 : 0;
+  return large >= outliers_of_a_change;
 }
 
-// The best prediction of the slow part of each drive from those before, and how well it does: the
-// Kalman filter from the first beat on. (Any other is correlated with the amplitude and would shift
-// the constant.)
+// The Kalman prediction of the slow part of each drive value from those before, and its variance.
+// (Any other prediction would be correlated with the amplitude and shift the constant.)
 class Prediction {
 public:
   Prediction(const RateComponents& drive, double period_s)
@@ -41,8 +40,7 @@ public:
         fresh_(-std::expm1(-2.0 * period_s / drive.memory_s) * drive.slow2),
         variance_(drive.slow2) {}
 
-  // The square of a drive's distance from what was expected, in units of the white variance that
-  // explain it.
+  // Squared difference of a drive value from its prediction, in units of the variance.
   double take(double d) {
     const double off = d - expected_, all = variance_ + white_;
     expected_ = memory_ * (expected_ + variance_ / all * off);
@@ -54,7 +52,7 @@ private:
   double memory_, white_, fresh_, variance_, expected_ = 0.0;
 };
 
-// Of the variance that the rate has from beat to beat, the share that is jitter.
+// The share of jitter in the variance of the rate from beat to beat.
 double share_of_jitter(const RateComponents& drive, const DriveResponse& response,
                        double period_s) {
   const double jitter = 2.0 * drive.jitter2 / (period_s * period_s);
@@ -74,7 +72,7 @@ public:
     asks_white_part_ = equations_error() < mean_drive_rms_;
   }
 
-  // Finds the constant, and how well it is known.
+  // Finds the constant and its uncertainty.
   void run() {
     const double middle = escapement_ * std::sqrt(x0_ - phi2_) / x0_ - x0_ / 16.0 - mean_of(rates_);
     const double sigma = std::abs(response_.slow_gain) * mean_drive_rms_;
@@ -100,9 +98,10 @@ public:
   }
 
   [[nodiscard]] bool holds() const {
-    constexpr double seldom = 1e-3; // of the beats: a clock that nearly stalls and goes on
+    constexpr double largest_held_share =
+        1e-3; // of the beats, for a clock that nearly stalls and recovers
     return std::isfinite(mean_drive_) &&
-           static_cast<double>(held_) <= seldom * static_cast<double>(rates_.size());
+           static_cast<double>(held_) <= largest_held_share * static_cast<double>(rates_.size());
   }
   [[nodiscard]] LinearRates result() const {
     LinearRates result{linear_, mean_drive_rms_};
@@ -120,7 +119,8 @@ private:
     constexpr double near_stall = 1.01, far_out = 4.0; // of phi0^2 and of x0
     const double direction = response_.slow_gain > 0.0 ? 1.0 : -1.0;
     const std::size_t n = rates_.size();
-    constexpr std::size_t together = 32; // slopes, each about 1, whose logarithm is taken at once
+    constexpr std::size_t slopes_a_logarithm =
+        32; // slopes, each about 1, whose logarithm is taken at once
     double x = x0_, sum = 0.0, squares = 0.0, slopes = 1.0, log_slopes = 0.0;
     Prediction prediction = prediction_;
     held_ = 0;
@@ -132,7 +132,8 @@ private:
         return mean_drive_;
       }
       double half = 0.0, gain = 0.0, d = 0.0, middle = x;
-      for (int pass = 0; pass < 2; ++pass) { // the amplitude in mid period, and what it asks for
+      for (int pass = 0; pass < 2;
+           ++pass) { // the amplitude in mid period, and the drive it requires
         middle = std::max(x + half, near_stall * phi2_);
         gain = escapement_ * std::sqrt(middle - phi2_) / middle;
         d = (rates_[i] + constant + middle / 16.0) / gain - 1.0;
@@ -141,7 +142,8 @@ private:
       const double bend =
           (1.0 + d) * gain * (0.5 / (middle - phi2_) - 1.0 / middle) - 1.0 / 16.0; // d(rate)/dx
       slopes *= (gain + 0.5 * direction * relaxing_ * x0_ * bend) / response_.fast_gain;
-      if (k % together == 0 || k + 1 == n) log_slopes += std::log(std::abs(slopes)), slopes = 1.0;
+      if (k % slopes_a_logarithm == 0 || k + 1 == n)
+        log_slopes += std::log(std::abs(slopes)), slopes = 1.0;
       squares += prediction.take(d);
       sum += d;
       linear_[i] = response_.fast_gain * d +
@@ -183,26 +185,28 @@ private:
   std::vector<double> linear_;
   const DriveResponse& response_;
   double x0_, phi2_, escapement_;
-  double relaxing_;       // the share of its distance from rest that the amplitude goes in a period
+  double relaxing_; // share of its distance from the stationary value that the amplitude covers in
+                    // a period
   Prediction prediction_; // as it is before the first beat
   double jitter_share_;   // of the variance from beat to beat
   double mean_drive_rms_, mean_drive_ = 0.0;
   bool asks_white_part_ = false;
-  std::size_t held_ = 0; // how often the amplitude was kept from a stall
+  std::size_t held_ = 0; // how often the amplitude was limited to avoid a stall
 };
 
 } // namespace
 
 bool forgets_its_start(const DriveResponse& response) {
-  constexpr double least = 0.02; // an amplitude is forgotten in fifty relaxations
-  return std::abs(response.slow_gain) > least * std::abs(response.fast_gain);
+  constexpr double least_gain_ratio = 0.02; // an amplitude is forgotten in fifty relaxations
+  return std::abs(response.slow_gain) > least_gain_ratio * std::abs(response.fast_gain);
 }
 
 std::optional<LinearRates> linear_rates(std::span<const double> rates, double period_s,
                                         const DriveResponse& response,
                                         const RateComponents& drive) {
-  constexpr double bends = 0.01; // of spread: below, the gains vary by less than they are known
-  if (!(amplitude_spread(drive, response) > bends) || !(drive.fast2 > 0.0)) return {};
+  constexpr double least_spread =
+      0.01; // of spread: below, the gains vary by less than they are known
+  if (!(amplitude_spread(drive, response) > least_spread) || !(drive.fast2 > 0.0)) return {};
   if (!forgets_its_start(response)) return {};
   if (comes_to_a_stand(rates)) return {};
   LinearRates result;

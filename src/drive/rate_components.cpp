@@ -222,8 +222,8 @@ ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) cons
     return RateComponents{u[0] * scale[0], u[1] * scale[1], u[2] * scale[2], memory_s};
   };
   double value = value_at(at(v), shape);
-  constexpr int most = 60;
-  for (int round = 0; round < most; ++round) {
+  constexpr int most_rounds = 60;
+  for (int round = 0; round < most_rounds; ++round) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (std::size_t b = 0; b < bins_.size(); ++b) {
@@ -300,9 +300,9 @@ RateComponents ComponentFit::best_for(Component which) const {
 std::array<RateComponents, 2> ComponentFit::interval68(Component which) const {
   const int index = static_cast<int>(which);
   const double here = variance_of(best_, which);
-  constexpr double rise = 0.5;
+  constexpr double interval_rise = 0.5;
   const auto above = [&](double variance) {
-    return lowest_over_memory({index, variance}).value - best_value_ - rise;
+    return lowest_over_memory({index, variance}).value - best_value_ - interval_rise;
   };
   const auto crossing = [&](double from, double to) {
     std::uintmax_t most = 30;

@@ -20,10 +20,10 @@ CustomPendulum::CustomPendulum(CustomLaws laws, double velocity)
 double CustomPendulum::acceleration(const State& state) const {
   const double phi = state[0];
   // Up to the apex the laws are those of the direction before it, also in stages just beyond.
-  constexpr double hardly = 1e-300;
+  constexpr double smallest_speed = 1e-300;
   const double w = !laws_.jumps_with_direction ? state[1]
-                   : rightwards_               ? std::max(state[1], hardly)
-                                               : std::min(state[1], -hardly);
+                   : rightwards_               ? std::max(state[1], smallest_speed)
+                                               : std::min(state[1], -smallest_speed);
   // A stage at the end of a step may lie a rounding beyond the jump that ends it.
   const double at = std::clamp(phi, low_, high_);
   return laws_.torque(at, w) - laws_.friction(at, w) - std::sin(phi);

@@ -30,7 +30,7 @@ void check_phi0(double phi0) {
   check_between("phi0", phi0, 0.0, pi, "greater than 0 and less than pi");
 }
 
-// A zero of f, which changes its sign between x1 and x2.
+// A root of f between x1 and x2, where f changes sign.
 template <class F> double zero_between(F f, double x1, double x2, double f1, double f2) {
   if (f1 == 0.0) return x1;
   if (f2 == 0.0) return x2;
@@ -57,14 +57,14 @@ std::optional<OperatingPoint> operate(double epsilon, double mu, double phi0, Eq
   return OperatingPoint{epsilon, mu, *lambda, *stationary_rate_first_order(clock)};
 }
 
-// What the free pendulum tells of a clock whose phi' is v = 2k at the vertical.
+// Properties of the free pendulum whose phi' at the vertical is v = 2k.
 double free_rate_excess(double k) { return 0.5 * pi / std::comp_ellint_1(k) - 1.0; }
-// lambda^2 by which statam gives the torque that makes up for the friction of such a swing.
+// The lambda^2 to put into eq. statam to get the torque that balances the friction of this swing.
 double free_amplitude2(double k) {
   return 16.0 / pi * (std::comp_ellint_2(k) - (1.0 - k) * (1.0 + k) * std::comp_ellint_1(k));
 }
 
-// The stall line of small epsilon over that of first order: the two measure y^2 from there on.
+// Ratio of the stall line for small epsilon to that of first order; y^2 is counted from it.
 double stall_ratio(double phi0, Equations equations) {
   if (equations == Equations::first_order) return 1.0;
   return free_amplitude2(std::sin(0.5 * phi0)) / (phi0 * phi0);
@@ -86,7 +86,7 @@ public:
     return operate(2.0 * *known_.mu / (pi * phi0_ * spread), *known_.mu, phi0_, equations_);
   }
 
-  // What the other known quantity is there, minus what it should be; NaN where nothing swings.
+  // The other known quantity at this point minus its given value; NaN where the clock stalls.
   [[nodiscard]] double miss(double x) const {
     const auto point = at(x);
     if (!point) return std::numeric_limits<double>::quiet_NaN();
@@ -94,7 +94,7 @@ public:
                             : point->rate_excess - *known_.rate_excess;
   }
 
-  // Whether what is sought rises all the way, as the amplitude does.
+  // Whether the quantity is monotonic along the curve, as the amplitude is.
   [[nodiscard]] bool rises() const { return known_.amplitude.has_value(); }
 
 private:
@@ -111,7 +111,7 @@ struct Node {
 
 Node node_at(const Curve& curve, double x) { return {x, curve.miss(x)}; }
 
-// The last node that swings between one that does and one that does not.
+// The edge of the region where the clock swings, between a node inside it and one outside.
 Node edge_between(const Curve& curve, Node swings, Node stands) {
   for (int i = 0; i < 50; ++i) { // halves the interval below rounding
     const Node middle = node_at(curve, 0.5 * (swings.x + stands.x));
@@ -120,14 +120,14 @@ Node edge_between(const Curve& curve, Node swings, Node stands) {
   return swings;
 }
 
-// Nodes all along the part of the curve where the clock swings. The amplitude rises along it, the
-// rate rises and then falls, so that few nodes find all solutions.
+// Nodes along the part of the curve where the clock swings. The amplitude rises along it, the rate
+// rises and then falls, so a few nodes bracket all solutions.
 std::vector<Node> nodes_of(const Curve& curve, double phi0) {
   constexpr int count = 24;
   const double first = std::log(1e-5);
   const double last = std::log(2.0 / phi0); // amplitude 2 of first order
   std::vector<Node> nodes;
-  std::optional<Node> below, above; // the nearest ones that stand
+  std::optional<Node> below, above; // the nearest nodes at which the clock stalls
   for (int i = 0; i <= count; ++i) {
     const Node node = node_at(curve, first + (last - first) * i / count);
     if (node.swings())
@@ -138,7 +138,8 @@ std::vector<Node> nodes_of(const Curve& curve, double phi0) {
       above = node;
   }
   if (nodes.empty()) return nodes;
-  // Edges are dear, and of use only if a solution may lie between the last node and the edge.
+  // An edge is expensive to find, and needed only if a solution may lie between it and the last
+  // node.
   const auto highest = std::max_element(
       nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.miss < b.miss; });
   const bool all_low = highest->miss < 0.0;
@@ -151,7 +152,8 @@ std::vector<Node> nodes_of(const Curve& curve, double phi0) {
   return nodes;
 }
 
-// Where all nodes are too low, a solution on either side of the highest rate may hide between them.
+// If the rate is too low at all nodes, two solutions may lie between nodes, on either side of its
+// maximum.
 void add_maximum(const Curve& curve, std::vector<Node>& nodes) {
   const auto highest = std::max_element(
       nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.miss < b.miss; });
@@ -175,8 +177,8 @@ std::vector<OperatingPoint> points_on(const Curve& curve, double phi0) {
     if ((a.miss < 0.0) == (b.miss < 0.0)) continue;
     const double x =
         zero_between([&](double z) { return curve.miss(z); }, a.x, b.x, a.miss, b.miss);
-    // A limit cycle that was not found on the way leads the search astray: no answer is better
-    // then.
+    // Where a limit cycle was not found on the way, the search cannot be trusted: no answer is
+    // better then.
     const double allowed = 1e-6 * (std::abs(a.miss) + std::abs(b.miss)) + 1e-13;
     if (!(std::abs(curve.miss(x)) <= allowed)) continue;
     if (const auto point = curve.at(x)) points.push_back(*point);
@@ -201,7 +203,8 @@ public:
     const double k = 0.5 * amplitude_;
     const double push = rate_ - (exact ? free_rate_excess(k) : -0.25 * k * k);
     const double reach2 = (exact ? free_amplitude2(k) : 4.0 * k * k) / (phi0_ * phi0_);
-    if (!(push > 0.0 && reach2 > 0.9 * base_)) return {}; // no friction helps; far below phi0
+    if (!(push > 0.0 && reach2 > 0.9 * base_))
+      return {}; // far below phi0 no friction gives a limit cycle
     const double y2 = std::max(reach2 - base_, 1e-4);
     double p = std::log(std::min(push / std::sqrt(y2), 0.9)), x = 0.5 * std::log(y2);
     auto now = at(p, x);
@@ -233,7 +236,8 @@ private:
                    equations_);
   }
 
-  // Slopes by differences; what they lack makes convergence linear, with a factor of 1e-4.
+  // Derivatives by finite differences; their error makes convergence linear, by a factor 1e-4 a
+  // step.
   [[nodiscard]] std::pair<double, double> step(const OperatingPoint& now, double p,
                                                double x) const {
     constexpr double h = 1e-4;
@@ -324,7 +328,7 @@ std::optional<double> nominal_rate_torque(double epsilon, double phi0, Equations
   }
   const auto points = operating_points({epsilon, {}, {}, 0.0}, phi0, equations);
   if (points.empty()) return {};
-  // Of a single one it has to be found out whether it is the larger.
+  // With a single solution it is not yet known whether it is the larger of the two.
   const auto beyond = operate(epsilon, points.back().mu * (1.0 + 1e-5), phi0, equations);
   if (points.size() == 1 && !(beyond && beyond->rate_excess < 0.0)) return {};
   return points.back().mu;

@@ -11,13 +11,13 @@ namespace goingrate {
 
 namespace {
 
-// Everything is told along the motion: x = phi if rising, -phi if falling.
+// Angles are counted along the motion: x = phi while phi rises, -phi while it falls.
 class ForwardMotion {
 public:
   ForwardMotion(const ClockParameters& clock, bool rising, double factor)
       : clock_(clock), rising_(rising), factor_(factor) {}
 
-  // x'' without its gravity and friction.
+  // The part of x'' that is due to the escapement.
   [[nodiscard]] double torque(double x) const {
     switch (clock_.escapement) {
     case Escapement::constant_torque: // pushes until the switch, then holds back
@@ -31,7 +31,7 @@ public:
     return 0.0;
   }
 
-  // What phi'^2/2 jumps by on passing x.
+  // The jump of phi'^2/2 on passing x, from a single impulse there.
   [[nodiscard]] double jump(double x) const {
     const bool here =
         clock_.escapement == Escapement::single_impulse && rising_ && x == clock_.impulse_angle;
@@ -42,7 +42,7 @@ public:
     return (2.0 * clock_.epsilon + clock_.quadratic_drag * speed) * speed + clock_.dry_friction;
   }
 
-  // Places between 0 and x where the laws are not smooth, from 0 on.
+  // Angles between 0 and x at which a force jumps, in order from 0.
   [[nodiscard]] std::vector<double> breaks_before(double x) const {
     std::vector<double> all;
     if (clock_.escapement == Escapement::constant_torque) all.push_back(clock_.phi0);
@@ -76,15 +76,15 @@ private:
 
 using State = std::array<double, 2>; // x'^2/2 and time
 
-// From x to `to`, within which the laws are smooth; false if the pendulum turns before. The
-// variable of integration is psi, x = reach sin psi, in which the motion is smooth up to the
-// turning point.
+// Integrates from x to `to`, a stretch without jumps of the forces; false if the pendulum turns
+// back before it. The variable of integration is psi with x = reach sin psi, in which the motion is
+// smooth up to the turning point.
 bool move(const ForwardMotion& motion, State& state, double x, double to, double reach) {
   const double begin = std::asin(x / reach), end = std::asin(to / reach);
   constexpr double step = 0.1; // rad of psi: the 8th-order formula is then good to 1e-14
   const int steps = 1 + static_cast<int>(std::abs(end - begin) / step);
   const double h = (end - begin) / steps;
-  // The laws are those inside the stretch, also at its ends.
+  // At the ends of the stretch the forces are the limits from inside it.
   const double low = std::min(x, to), high = std::max(x, to);
   const double inside = 1e-12 * (high - low);
   boost::numeric::odeint::runge_kutta_fehlberg78<State> formula;
@@ -113,13 +113,14 @@ double time_from_vertical(const ClockParameters& clock, double speed, bool risin
   if (angle == 0.0) return 0.0;
   const ForwardMotion motion(clock, rising, factor);
   const double end = rising ? angle : -angle;
-  const double reach = 2.0 * std::asin(0.5 * std::min(speed, 2.0)); // of a free pendulum
+  const double reach =
+      2.0 * std::asin(0.5 * std::min(speed, 2.0)); // turning angle of a free pendulum of this speed
   if (!(std::abs(end) < reach)) return std::numeric_limits<double>::quiet_NaN();
   State state{0.5 * speed * speed, 0.0};
   double x = 0.0;
   for (const double place : motion.breaks_before(end)) {
     if (!move(motion, state, x, place, reach)) return std::numeric_limits<double>::quiet_NaN();
-    state[0] += std::copysign(motion.jump(place), end); // backwards it is taken away
+    state[0] += std::copysign(motion.jump(place), end); // integrating backwards removes it
     x = place;
   }
   if (!(state[0] > 0.0) || !move(motion, state, x, end, reach))

@@ -17,7 +17,7 @@ TorqueTable mirrored(TorqueTable table) {
   return table;
 }
 
-// The stretches of the part of the table at phi > 0, from the vertical upwards.
+// The part of a torque table at phi > 0 as stretches, from the vertical upwards.
 std::vector<Stretch> upwards(const TorqueTable& table) {
   std::vector<Stretch> stretches;
   if (!table.points.empty() && table.points.front().angle > 0.0)
@@ -33,7 +33,7 @@ std::vector<Stretch> upwards(const TorqueTable& table) {
   return stretches;
 }
 
-// The same from the top downwards: each stretch ends where the one below it begins.
+// The same stretches in the order of the way down.
 std::vector<Stretch> downwards(const TorqueTable& table) {
   std::vector<Stretch> stretches = upwards(table);
   std::reverse(stretches.begin(), stretches.end());
@@ -42,7 +42,7 @@ std::vector<Stretch> downwards(const TorqueTable& table) {
   return stretches;
 }
 
-// A stretch that ends at `angle` with a kick, and goes on after it without torque.
+// No torque; a kick at `angle`.
 std::vector<Stretch> kick_at(double angle, double energy, double end) {
   return {{angle, 0.0, 0.0, energy}, {end}};
 }

@@ -34,8 +34,9 @@ std::vector<double> squares(const TimingData& data) {
     missed += seen ? 0 : 1;
     all.push_back(seen ? square_of(a) : all.empty() ? 0.0 : all.back());
   }
-  constexpr double most = 0.2;
-  const bool enough = static_cast<double>(missed) < most * static_cast<double>(all.size());
+  constexpr double largest_missed_share = 0.2;
+  const bool enough =
+      static_cast<double>(missed) < largest_missed_share * static_cast<double>(all.size());
   return enough && all.size() > 100 && all.front() > 0.0 ? all : std::vector<double>{};
 }
 
@@ -49,8 +50,8 @@ double mean_about(const std::vector<double>& x, std::size_t middle, std::size_t 
 // The amplitudes at the ends are means over a block: noise would look like a push, which is
 // greatest near the escapement.
 std::vector<Block> blocks_of(const TimingData& data, const std::vector<double>& x) {
-  constexpr std::size_t enough = 400; // blocks
-  const std::size_t length = 1 + x.size() / enough;
+  constexpr std::size_t most_blocks = 400; // blocks
+  const std::size_t length = 1 + x.size() / most_blocks;
   std::vector<Block> blocks;
   for (std::size_t from = 0; from + length < x.size(); from += length) {
     const std::size_t end = from + length;
@@ -129,8 +130,8 @@ std::optional<AmplitudeClock> amplitude_clock(const TimingData& data,
   if (const auto known = held(parameters, Quantity::phi0)) {
     best = line(phi0 = *known);
   } else {
-    constexpr double finer = 0.9, smallest = 0.04; // of the amplitude
-    for (double angle = phi0; angle > smallest * least; angle *= finer) {
+    constexpr double angle_ratio = 0.9, smallest_angle_share = 0.04; // of the amplitude
+    for (double angle = phi0; angle > smallest_angle_share * least; angle *= angle_ratio) {
       const Line there = line(angle);
       if (!(there.epsilon > 0.0) || !(there.misfit < best.misfit)) continue;
       best = there;
@@ -138,8 +139,8 @@ std::optional<AmplitudeClock> amplitude_clock(const TimingData& data,
     }
     constexpr int bits = 12; // of the angle
     phi0 = boost::math::tools::brent_find_minima([&](double angle) { return line(angle).misfit; },
-                                                 phi0 * finer, std::min(phi0 / finer, 0.99 * least),
-                                                 bits)
+                                                 phi0 * angle_ratio,
+                                                 std::min(phi0 / angle_ratio, 0.99 * least), bits)
                .first;
     best = line(phi0);
   }

@@ -57,17 +57,17 @@ SeenChange seen_with(const TimingData& data, double at, double epsilon) {
 
 // Frictions that one exponential would have: the best, and what is nearly as good beside it.
 std::vector<double> likely_frictions(const TimingData& data, double at) {
-  constexpr double least = 3e-5, most = 6e-3, factor = 1.12;
-  double best = least, squares = std::numeric_limits<double>::infinity();
-  for (double epsilon = least; epsilon < most; epsilon *= factor) {
+  constexpr double least_epsilon = 3e-5, most_epsilon = 6e-3, factor = 1.12;
+  double best = least_epsilon, squares = std::numeric_limits<double>::infinity();
+  for (double epsilon = least_epsilon; epsilon < most_epsilon; epsilon *= factor) {
     const double here = regressed(data, at, epsilon, 1).squares;
     if (here < squares) {
       squares = here;
       best = epsilon;
     }
   }
-  constexpr double off = 1.3; // what the bend of a large change moves it by
-  return {best, best / off};
+  constexpr double bend_factor = 1.3; // what the bend of a large change moves it by
+  return {best, best / bend_factor};
 }
 
 struct Clock {
@@ -155,15 +155,15 @@ std::vector<std::vector<double>> starts_by_change(const Parameters& parameters,
                                                   const TimingData& data,
                                                   std::span<const double> otherwise) {
   const auto quantity = what_changes(parameters);
-  constexpr std::size_t fewest = 8; // columns of the regression and some to spare
-  if (!quantity || data.size() < fewest) return {};
+  constexpr std::size_t fewest_beats = 8; // columns of the regression and some to spare
+  if (!quantity || data.size() < fewest_beats) return {};
   const double at = parameters.event_cycles.front();
   std::vector<Clock> clocks;
   for (const double epsilon : likely_frictions(data, at)) {
     SeenChange seen = seen_with(data, at, epsilon);
     if (*quantity == Quantity::epsilon) seen.jump = 0.0;
-    constexpr double least = 0.3, most = 4.0, factor = 1.5; // of sqrt(q^2 - 1)
-    for (double u = least; u < most; u *= factor)
+    constexpr double least_u = 0.3, most_u = 4.0, factor = 1.5; // of sqrt(q^2 - 1)
+    for (double u = least_u; u < most_u; u *= factor)
       add_clocks(seen, *quantity, u, clocks);
   }
   std::vector<std::vector<double>> points;

@@ -22,7 +22,7 @@ namespace {
 
 using namespace timing_model;
 
-constexpr double badly = 2.0; // sigmas widened by more: the model does not hold
+constexpr double largest_widening = 2.0; // sigmas widened by more: the model does not hold
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // The same model on all beats of the log, whatever it was fitted to.
@@ -133,8 +133,8 @@ void state_contradictions(const Fitted& fitted, FitSummary& summary) {
   for (const CoordinatePrior& prior : fitted.problem.priors) {
     if (!prior.stated) continue;
     const double off = (fitted.minimum.x[prior.index] - prior.centre) / prior.sigma;
-    constexpr double surprising = 4.0; // sigma of the prior alone
-    if (std::abs(off) < surprising) continue;
+    constexpr double largest_pull_sigma = 4.0; // sigma of the prior alone
+    if (std::abs(off) < largest_pull_sigma) continue;
     for (const Slot& slot : fitted.problem.parameters.slots)
       if (slot.free && slot.index == prior.index)
         summary.notes.push_back(
@@ -161,13 +161,13 @@ std::string words_for(const ClockTwin& clock) {
 
 // Other clocks that explain the log as well, one of them in words.
 void state_twins(const Fitted& fitted, const Certainty& known, FitSummary& summary) {
-  constexpr double apart = 3.5; // sigma
+  constexpr double separation_sigma = 3.5; // sigma
   const auto is_far = [&](std::span<const double> x) {
     const auto& slots = fitted.problem.parameters.slots;
     return std::any_of(slots.begin(), slots.end(), [&](const Slot& slot) {
       return slot.free && !is_noise(slot.quantity) && slot.quantity != Quantity::T0 &&
              std::abs(x[slot.index] - fitted.minimum.x[slot.index]) >=
-                 apart * known.curvature_sigma(slot.index);
+                 separation_sigma * known.curvature_sigma(slot.index);
     });
   };
   Rivals listed;
@@ -189,16 +189,16 @@ void state_twins(const Fitted& fitted, const Certainty& known, FitSummary& summa
                    words_for(summary.twins.front()),
                    fitted.problem.data->has_amplitude()
                        ? "A ring-down, or T0 from elsewhere, would tell which"
-                       : "One look at the amplitude tells which: a prior on lambda0")});
+                       : "A rough measurement of the amplitude decides which: a prior on lambda0")});
 }
 
 // Whether the clock is at the edge of where the equations hold: the log is another's.
 bool leaves_the_domain(const Fitted& fitted) {
-  constexpr double near = 1e-6; // of a logarithm
+  constexpr double bound_margin = 1e-6; // of a logarithm
   const Parameters& parameters = fitted.problem.parameters;
   return std::any_of(parameters.slots.begin(), parameters.slots.end(), [&](const Slot& slot) {
     return slot.free && !is_noise(slot.quantity) &&
-           fitted.minimum.x[slot.index] > fitted.problem.bounds[slot.index][1] - near;
+           fitted.minimum.x[slot.index] > fitted.problem.bounds[slot.index][1] - bound_margin;
   });
 }
 
@@ -207,10 +207,10 @@ struct RoughStretch {
   double from_s, to_s, times; ///< how much larger
 };
 std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
-  constexpr std::size_t least = 30;  // beats a block
-  constexpr double far_larger = 2.5; // the median of 30 is good to a fifth
+  constexpr std::size_t least_block_beats = 30; // beats a block
+  constexpr double largest_ratio = 2.5;         // the median of 30 is good to a fifth
   const std::vector<double>& white = fitted.seen.white_time;
-  const std::size_t block = std::max(least, white.size() / 50);
+  const std::size_t block = std::max(least_block_beats, white.size() / 50);
   const auto size_of = [&](std::size_t first, std::size_t end) {
     std::vector<double> size;
     for (std::size_t i = first; i < end; ++i)
@@ -223,7 +223,7 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
   std::optional<RoughStretch> rough;
   for (std::size_t first = 0; first + block <= white.size(); first += block) {
     const double times = size_of(first, first + block) / typical;
-    if (!(times > far_larger)) continue;
+    if (!(times > largest_ratio)) continue;
     const std::vector<double>& at = fitted.problem.data->elapsed_s;
     if (!rough) rough = RoughStretch{at[first], at[first + block], times};
     rough->to_s = at[first + block];
@@ -235,7 +235,8 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
 // What shows that the log is not of the clock that fits it best; nothing if nothing does.
 std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality) {
   std::vector<FitNote> found;
-  if (const auto rough = rough_stretch(fitted); rough && fitted.widening.largest() > badly)
+  if (const auto rough = rough_stretch(fitted);
+      rough && fitted.widening.largest() > largest_widening)
     found.push_back(
         {NoteKind::rough_stretch,
          fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
@@ -246,8 +247,8 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
     found.push_back({NoteKind::domain,
                      "the best fit swings or loses more than any pendulum of this model: "
                      "something else rules the times"});
-  constexpr double by_chance = 1e-6;
-  if (found.empty() && quality.p_value < by_chance)
+  constexpr double least_p_value = 1e-6;
+  if (found.empty() && quality.p_value < least_p_value)
     found.push_back({NoteKind::misfit,
                      fmt::format("the times stray from the best fit by {:.3g} times what "
                                  "neighbouring beats scatter by: no clock of this model explains "
@@ -259,9 +260,10 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
 // The fit on so few beats of a long log that its profile is soon searched; not usable if all are as
 // few.
 Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
-  constexpr std::size_t enough = 3000;
-  if (fitted.problem.condensed != nullptr || fitted.problem.data->size() < 3 * enough) return {};
-  some = few_beats(*fitted.problem.data, fitted.problem.parameters.event_cycles, enough);
+  constexpr std::size_t compared_beats = 3000;
+  if (fitted.problem.condensed != nullptr || fitted.problem.data->size() < 3 * compared_beats)
+    return {};
+  some = few_beats(*fitted.problem.data, fitted.problem.parameters.event_cycles, compared_beats);
   return on_few_beats(fitted, some);
 }
 
@@ -296,7 +298,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   const ProfiledPlace all{fitted.problem, fitted.minimum, known};
   const ProfiledPlace of_some{fewer.problem, fewer.minimum, fewer.known};
   const ProfiledPlace* few = fewer.minimum.usable ? &of_some : nullptr;
-  const std::vector<Interval> ends = intervals(all, few, widening.largest() < badly);
+  const std::vector<Interval> ends = intervals(all, few, widening.largest() < largest_widening);
   state_results(fitted.problem, fitted.minimum.x, known, ends, fitted.rivals, search.options(),
                 nominal_period_s, summary);
   if (search.options().profiles) attach_profiles(all, few, ends, summary);
@@ -367,8 +369,8 @@ Searched searched_with_changes(const TimingData& data, const FitOptions& options
 
 // What timing_data() makes is so; what was put together by hand may not be.
 void check(const TimingData& data) {
-  constexpr std::size_t fewest = 3;
-  if (data.size() < fewest)
+  constexpr std::size_t fewest_beats = 3;
+  if (data.size() < fewest_beats)
     throw ArgumentError("data.cycle", static_cast<double>(data.size()), "at least 3 beats");
   const auto as_long = [&](std::string_view name, const std::vector<double>& values) {
     if (values.size() != data.size())
@@ -416,10 +418,11 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
 
 std::optional<ClockParameters> fitted_clock(const FitSummary& fit) {
   if (!fit.has_result() || fit.model.escapement != Escapement::constant_torque) return {};
-  constexpr double well_enough = 0.1; // what hangs on the clock is then good to a tenth or so
+  constexpr double largest_relative_sigma =
+      0.1;                            // what hangs on the clock is then good to a tenth or so
   std::map<std::string, double> last; // later events overwrite earlier ones
   for (const FittedParameter& parameter : fit.parameters) {
-    const bool vague = parameter.sigma > well_enough * std::abs(parameter.value);
+    const bool vague = parameter.sigma > largest_relative_sigma * std::abs(parameter.value);
     last[parameter.name.substr(0, parameter.name.find('@'))] = vague ? unknown : parameter.value;
   }
   ClockParameters clock{last["T0"], last["epsilon"], last["mu"], last["phi0"]};

@@ -10,9 +10,10 @@ namespace goingrate::timing_model {
 std::shared_ptr<const CondensedLog> CondensedLog::of(const TimingData& data,
                                                      const std::vector<double>& event_cycles,
                                                      double relaxation_cycles) {
-  constexpr std::size_t least = 3 * nodes_a_block; // beats a block for which it is worth while
+  constexpr std::size_t least_block_beats =
+      3 * nodes_a_block; // beats a block for which it is worth while
   const double longest = 0.7 * relaxation_cycles;
-  if (!(longest >= static_cast<double>(least))) return nullptr;
+  if (!(longest >= static_cast<double>(least_block_beats))) return nullptr;
   auto log = std::make_shared<CondensedLog>();
   log->nodes_.reference_period_s = data.reference_period_s;
   std::size_t begin = 0;
@@ -26,7 +27,7 @@ std::shared_ptr<const CondensedLog> CondensedLog::of(const TimingData& data,
     if (end == begin) continue;
     const double cycles = data.cycle[end - 1] - data.cycle[begin];
     const auto blocks = static_cast<std::size_t>(cycles / longest) + 1;
-    if (end - begin < blocks * least) return nullptr;
+    if (end - begin < blocks * least_block_beats) return nullptr;
     for (std::size_t b = 0; b < blocks; ++b) {
       const std::size_t count = end - begin;
       if (!log->add_block(data, begin + b * count / blocks, begin + (b + 1) * count / blocks))
@@ -82,15 +83,15 @@ std::size_t CondensedLog::pattern_of(std::span<const double> cycle) {
   std::vector<double> relative(cycle.begin(), cycle.end());
   for (double& c : relative)
     c -= cycle.front();
-  constexpr std::size_t kept = 4; // lengths differ by a beat; gaps hardly ever repeat
-  for (std::size_t k = patterns_.size(); k > 0 && k + kept > patterns_.size(); --k)
+  constexpr std::size_t kept_patterns = 4; // lengths differ by a beat; gaps hardly ever repeat
+  for (std::size_t k = patterns_.size(); k > 0 && k + kept_patterns > patterns_.size(); --k)
     if (patterns_[k - 1].cycle == relative) return k - 1;
-  if (patterns_.size() >= kept) patterns_[patterns_.size() - kept].qr = {};
+  if (patterns_.size() >= kept_patterns) patterns_[patterns_.size() - kept_patterns].qr = {};
   Pattern pattern;
   pattern.nodes = chebyshev_places(relative.size());
   const Eigen::MatrixXd polynomials = lagrange(relative, pattern.nodes);
-  constexpr double swinging = 5.0; // 2.3 if the beats are even
-  pattern.swings = !(polynomials.cwiseAbs().maxCoeff() < swinging);
+  constexpr double largest_coefficient = 5.0; // 2.3 if the beats are even
+  pattern.swings = !(polynomials.cwiseAbs().maxCoeff() < largest_coefficient);
   pattern.qr.compute(polynomials);
   pattern.triangle.triangularView<Eigen::Upper>() = pattern.qr.matrixQR().topRows<nodes_a_block>();
   pattern.cycle = std::move(relative);

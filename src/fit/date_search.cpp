@@ -75,11 +75,11 @@ private:
   }
 
   bool goes(std::size_t event, std::int64_t by, Search search) {
-    constexpr double pays = 0.05; // of L
+    constexpr double least_gain = 0.05; // of L
     auto moved = with_moved_date(options_, event, by, problem_.data->cycle.back());
     if (!moved) return false;
     Minimum there = search(dated(*moved), here_.x);
-    if (!there.usable || !(there.value < here_.value - pays)) return false;
+    if (!there.usable || !(there.value < here_.value - least_gain)) return false;
     here_ = std::move(there);
     options_ = std::move(*moved);
     return true;
@@ -105,15 +105,16 @@ void move_dates(Fitted& fitted, FitOptions& options) {
       std::none_of(options.events.begin(), options.events.end(), is_movable))
     return;
   const TimingData& data = *fitted.problem.data;
-  constexpr std::size_t many = 30000, few = 3000; // beats; those about the dates are kept
-  const TimingData some = thinned(data, fitted.problem.parameters, many);
+  constexpr std::size_t screening_beats = 30000,
+                        trial_beats = 3000; // beats; those about the dates are kept
+  const TimingData some = thinned(data, fitted.problem.parameters, screening_beats);
   DateSearch search(fitted, options, some);
   search.move({8, 4, 2, 1}, after_one_step);
   Fitted moved = fitted;
   moved.minimum.x = search.place();
   moved.problem.parameters.event_cycles =
       make_parameters(search.options(), data, fitted.model).event_cycles;
-  const TimingData fewer = thinned(data, moved.problem.parameters, few);
+  const TimingData fewer = thinned(data, moved.problem.parameters, trial_beats);
   DateSearch last(moved, search.options(), fewer);
   last.move({1}, after_a_search);
   const auto same = [](const FitEvent& a, const FitEvent& b) { return a.cycle == b.cycle; };

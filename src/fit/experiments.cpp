@@ -14,12 +14,12 @@ constexpr double best_to_promise = 1e-6; // no clock stands so still that more c
 
 // As many beats as the log has, at most a few thousand, as the model would have them.
 TimingData regular_data(const Fitted& fitted, bool with_amplitudes) {
-  constexpr double most = 4000.0;
+  constexpr double most_cycles = 4000.0;
   const TimingData& seen = *fitted.problem.data;
   TimingData data;
   data.reference_period_s = seen.reference_period_s;
   const double cycles = seen.cycle.back();
-  const double stride = std::max(1.0, std::ceil(cycles / most));
+  const double stride = std::max(1.0, std::ceil(cycles / most_cycles));
   for (double n = 0.0; n <= cycles; n += stride) {
     data.cycle.push_back(n);
     data.elapsed_s.push_back(n * seen.reference_period_s);

@@ -1,4 +1,4 @@
-// First ideas from the data alone of the clocks a search may start from.
+// Starting values of a search, from the data alone.
 #include "amplitude_clock.hpp"
 #include "fit_setup.hpp"
 
@@ -25,7 +25,8 @@ std::size_t first_beat_at(const TimingData& data, double cycle) {
 
 // The jump of the rate at an event, from up to fifty beats on each side.
 double rate_jump(const TimingData& data, const Parameters& parameters, std::size_t event) {
-  constexpr std::size_t reach = 50; // short beside the relaxation, long beside the jitter
+  constexpr std::size_t reach =
+      50; // beats: short compared with the relaxation, long enough to average the jitter
   const std::size_t at = first_beat_at(data, parameters.event_cycles[event - 1]);
   const std::size_t earliest =
       event >= 2 ? first_beat_at(data, parameters.event_cycles[event - 2]) : 0;
@@ -37,10 +38,10 @@ double rate_jump(const TimingData& data, const Parameters& parameters, std::size
   return mean_rate(data, at, to + 1) - mean_rate(data, from, at + 1);
 }
 
-// By how much lambda^2 has grown from the beginning to the end of what follows an event, if the
-// rate changes by the circular error alone: a single impulse pushes the phase hardly at all.
+// The growth of lambda^2 from just after an event to the end of its stretch, supposing that the
+// rate changes by the circular error alone: a single impulse hardly shifts the phase.
 double growth_by_rate(const TimingData& data, const Parameters& parameters, std::size_t event) {
-  constexpr std::size_t first = 50; // beats: short beside the relaxation
+  constexpr std::size_t first = 50; // beats: short compared with the relaxation
   const std::size_t begin = first_beat_at(data, parameters.event_cycles.front());
   const std::size_t from = first_beat_at(data, parameters.event_cycles[event - 1]);
   const std::size_t to = event < parameters.event_cycles.size()
@@ -86,7 +87,7 @@ double noise_value(const Slot& slot, const NoiseGuess& noise, double fast_gain,
   }
 }
 
-// The guess as coordinates; what is fixed shapes the guess of the rest.
+// The guess as coordinates. Fixed parameters enter the guess of the others.
 std::vector<double> coordinates(const Guess& guess, const Parameters& parameters,
                                 const TimingData& data, const NoiseGuess& noise) {
   using std::numbers::pi;
@@ -124,9 +125,9 @@ std::vector<double> coordinates(const Guess& guess, const Parameters& parameters
   return x;
 }
 
-// Where T0 is known the mean rate of the last part of the log fixes the amplitude of a clock at
-// rest, lambda^2 = 16 (eps sqrt(q^2 - 1) - rate), q = lambda/phi0 (eq. statrate). A single impulse
-// leaves the circular error, -lambda^2/16; there the first part is asked, where the start is.
+// Where T0 is known, the mean rate of the last part of the log gives the stationary amplitude,
+// lambda^2 = 16 (eps sqrt(q^2 - 1) - rate), q = lambda/phi0 (eq. statrate). A single impulse leaves
+// the circular error, -lambda^2/16; then the first part is used, which gives the start.
 double amplitude_from_rate(double epsilon, double ratio, double T0, const TimingData& data,
                            bool impulse) {
   const std::size_t last = data.size() - 1;
@@ -151,7 +152,8 @@ std::vector<std::vector<double>> starting_points(const Parameters& parameters,
   const bool by_rate = !T0.free && driven && seen_last == 0.0;
   const std::vector<double> lambdas =
       seen_last > 0.0 ? std::vector{seen_last} : std::vector{0.025, 0.05, 0.1, 0.2};
-  // A change speaks of itself; without one all is in the way from the start to rest.
+  // With a change in the log, ε and μ show in the response to it. Without one they show only in how
+  // the amplitude goes from its start to its stationary value, so more start values are tried.
   const bool changes = !parameters.event_cycles.empty();
   const std::vector<double> start_ratios = seen_first > 0.0 ? std::vector{seen_first / seen_last}
                                            : changes        ? std::vector{1.0, 0.6, 1.5}
@@ -169,7 +171,8 @@ std::vector<std::vector<double>> starting_points(const Parameters& parameters,
       std::vector<double> amplitudes = lambdas;
       const double by_mean =
           by_rate ? amplitude_from_rate(epsilon, ratio, T0.fixed_value, data, impulse) : 0.0;
-      if (by_mean > 0.005 && by_mean < 0.6) amplitudes = {by_mean}; // what clocks swing
+      if (by_mean > 0.005 && by_mean < 0.6)
+        amplitudes = {by_mean}; // the range of amplitudes of clocks
       for (const double lambda : amplitudes)
         for (const double start_ratio : start_ratios)
           points.push_back(

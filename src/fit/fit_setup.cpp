@@ -319,9 +319,10 @@ namespace {
 // A hundredth of what neighbouring beats scatter by adds nothing that could be seen; without a
 // floor the search would follow it down for ever.
 double least_visible_jitter(const TimingData& data) {
-  constexpr double invisible = 0.01;
+  constexpr double smallest_jitter_share = 0.01;
   const NoiseGuess noise = guess_noise(data);
-  return std::max(least_jitter(data), invisible * std::hypot(noise.jitter_s, noise.walk_s));
+  return std::max(least_jitter(data),
+                  smallest_jitter_share * std::hypot(noise.jitter_s, noise.walk_s));
 }
 
 } // namespace

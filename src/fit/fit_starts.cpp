@@ -101,10 +101,10 @@ void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
 
 std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
                                const NoiseGuess& noise) {
-  constexpr std::size_t thin = 160; // beats that tell which valley a start lies in
+  constexpr std::size_t thinned_beats = 160; // beats that tell which valley a start lies in
   constexpr std::size_t to_score = 10;
   const TimingData& all = *problem.data;
-  const TimingData data = thinned(all, problem.parameters, thin);
+  const TimingData data = thinned(all, problem.parameters, thinned_beats);
   problem.data = &data;
   const auto points = starts_of(options, problem.parameters, data, noise);
   problem = with_noise_held(problem, points.front());

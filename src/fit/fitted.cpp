@@ -17,12 +17,12 @@ std::vector<double> moved_along(std::vector<double> place, std::span<const doubl
 }
 
 bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<const double> x) {
-  constexpr double well = 0.1; // of what would be too vague
-  return std::all_of(problem.parameters.slots.begin(), problem.parameters.slots.end(),
-                     [&](const Slot& slot) {
-                       return !slot.free || is_noise(slot.quantity) ||
-                              known.sigma(slot.index) < well * tolerable_sigma(problem, slot, x);
-                     });
+  constexpr double determined_share = 0.1; // of the largest sigma that counts as determined
+  return std::all_of(
+      problem.parameters.slots.begin(), problem.parameters.slots.end(), [&](const Slot& slot) {
+        return !slot.free || is_noise(slot.quantity) ||
+               known.sigma(slot.index) < determined_share * tolerable_sigma(problem, slot, x);
+      });
 }
 
 bool knows_its_clock(const Fitted& fitted) {
@@ -34,7 +34,7 @@ void condense(FitProblem& problem, std::span<const double> x) {
   for (const Quantity quantity : {Quantity::walk_rms, Quantity::drive_rms, Quantity::term})
     if (parameters.has(quantity)) return;
   if (problem.data->has_amplitude() || !problem.data->time_noise.empty()) return;
-  double epsilon = 0.0; // the largest
+  double epsilon = 0.0; // the largest of those found
   for (const Slot& slot : parameters.slots)
     if (slot.quantity == Quantity::epsilon) epsilon = std::max(epsilon, slot.value(x));
   problem.condensed =
@@ -43,15 +43,15 @@ void condense(FitProblem& problem, std::span<const double> x) {
 
 namespace {
 
-// Whether the few beats say what all say.
+// Whether a few beats give the same likelihood as all of them.
 bool condensed_well(const FitProblem& problem, std::span<const double> x) {
-  constexpr double enough = 1e-3; // of L: 0.05 sigma
+  constexpr double largest_difference = 1e-3; // of L: 0.05 sigma
   const auto few = minus_log_likelihood(problem, x);
   const auto all = minus_log_likelihood(on_every_beat(problem), x);
-  return few && all && std::abs(*few - *all) < enough;
+  return few && all && std::abs(*few - *all) < largest_difference;
 }
 
-// Makes the noise as large as the innovations say it is.
+// Rescales the noise to the size of the innovations.
 void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
   const auto seen = residuals(problem, x);
   if (!seen) return;
@@ -65,12 +65,13 @@ void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
   }
 }
 
-// Where the misfit says nothing of the noise yet, the clock is moved first, with the noise held.
+// Where the misfit is still due to the clock and not to the noise, the clock is fitted first, with
+// the noise held.
 void settle_clock(const FitProblem& problem, std::vector<double>& x, const SearchLimits& limits) {
   const auto seen = residuals(problem, x);
   if (!seen) return;
-  constexpr double far = 2.0;
-  if (rms(seen->white_time) < far && rms(seen->white_amplitude) < far) return;
+  constexpr double largest_rms = 2.0;
+  if (rms(seen->white_time) < largest_rms && rms(seen->white_amplitude) < largest_rms) return;
   FitProblem held = with_noise_held(problem, x);
   const std::size_t clock = held.parameters.free_count;
   std::erase_if(held.priors, [&](const CoordinatePrior& p) { return p.index >= clock; });
@@ -85,7 +86,8 @@ void settle_clock(const FitProblem& problem, std::vector<double>& x, const Searc
 void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits) {
   settle_clock(problem, minimum.x, limits);
   minimum = minimise(problem, minimum.x, limits);
-  // The first search counts from a bad start, whose misfit may drown what is left to gain.
+  // Convergence of the first search is relative to its bad start, which may hide what is left to
+  // gain.
   if (minimum.usable && !minimum.converged) minimum = minimise(problem, minimum.x, limits);
   if (!minimum.usable || problem.condensed == nullptr || condensed_well(problem, minimum.x)) return;
   problem = on_every_beat(problem);
@@ -97,9 +99,9 @@ namespace {
 Widening widening_of(const Fitted& fitted) {
   Widening widening;
   if (is_rounding(fitted)) return widening;
-  constexpr double surely = 1e-3;
+  constexpr double least_p_value = 1e-3;
   const auto of = [&](const std::vector<double>& innovations) {
-    const bool doubtful = innovations.size() >= 8 && whiteness_p(innovations) < surely;
+    const bool doubtful = innovations.size() >= 8 && whiteness_p(innovations) < least_p_value;
     return doubtful ? std::sqrt(correlation_time(innovations)) : 1.0;
   };
   widening.time = of(fitted.seen.white_time);

@@ -15,7 +15,7 @@ namespace goingrate::timing_model {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-// A value whose three-sigma interval reaches down to nothing tells nothing.
+// A value is determined if its three-sigma interval excludes zero.
 constexpr double largest_relative_sigma = 1.0 / 3.0;
 
 using Quality = std::function<double(std::span<const double>)>;
@@ -84,11 +84,11 @@ bool has_prior(const FitOptions& options, const std::string& name) {
                      [&](const Prior& prior) { return prior.name == name; });
 }
 
-// The weak prior about the start is all there is.
+// The log adds nothing to the weak prior about the start.
 bool tells_nothing(const FitProblem& problem, const Slot& slot, double sigma) {
-  constexpr double hardly = 0.5; // of the prior's
+  constexpr double largest_prior_share = 0.5; // of the prior's sigma
   return std::any_of(problem.priors.begin(), problem.priors.end(), [&](const auto& prior) {
-    return prior.index == slot.index && !prior.stated && sigma > hardly * prior.sigma;
+    return prior.index == slot.index && !prior.stated && sigma > largest_prior_share * prior.sigma;
   });
 }
 
@@ -150,8 +150,8 @@ void state_correlation(const FitProblem& problem, const Certainty& known, FitSum
   }
 }
 
-// What the drive's noise adds to the variance of the times, s^2 a cycle: in the long run with the
-// slow gain, if the log is long enough to show it; otherwise with the larger gain.
+// The variance that noise of the drive adds to the times, s^2 a cycle: by the slow gain if the log
+// is long enough to show it, else by the larger of the two gains.
 double walk_per_cycle(const FitProblem& problem, std::span<const double> x, const Certainty& known,
                       const Rivals& rivals) {
   const auto of = [&](Quantity quantity, std::span<const double> at) {
@@ -177,10 +177,10 @@ double walk_per_cycle(const FitProblem& problem, std::span<const double> x, cons
   return walk * walk + size * size;
 }
 
-// Scatter of the mean rates of eight parts of the log; infinite if it is too short to have them.
+// Scatter of the mean rates of eight parts of the log; infinite if the log is too short for that.
 double scatter_of_parts(const TimingData& data) {
-  constexpr std::size_t parts = 8, least = 4; // beats in each
-  if (data.size() < parts * least) return std::numeric_limits<double>::infinity();
+  constexpr std::size_t parts = 8, least_beats = 4; // beats in each
+  if (data.size() < parts * least_beats) return std::numeric_limits<double>::infinity();
   std::array<double, parts> rates{};
   for (std::size_t k = 0; k < parts; ++k) {
     const std::size_t from = k * (data.size() - 1) / parts,
@@ -196,8 +196,8 @@ double scatter_of_parts(const TimingData& data) {
 
 // Mean period of the log: from end to end of the model under noise that walks, else of a straight
 // line; no flat ridge of the clock's parameters can touch it. Sigma: jitter at both ends of a line
-// of N times, j sqrt(12/N)/n, and the walk; but a noise whose size the log does not determine may
-// not claim more than an eighth of the log strays from the whole.
+// of N times, j sqrt(12/N)/n, and the walk. A noise whose size the log does not determine counts
+// for no more than the scatter of the rates of eight parts of the log.
 DerivedQuantity mean_period(const FitProblem& problem, std::span<const double> x,
                             const Certainty& known, const Rivals& rivals, double widening) {
   const TimingData& data = *problem.data;
@@ -223,8 +223,8 @@ DerivedQuantity mean_period(const FitProblem& problem, std::span<const double> x
           widened};
 }
 
-// What the times wander by is drive_rms times the fast gain, which is ε √((λ/φ0)² - 1) under a
-// constant torque and linear friction: at a known ε the ratio λ/φ0 alone is open.
+// The random walk of the times is drive_rms times the fast gain, which is ε √((λ/φ0)² - 1) under a
+// constant torque and linear friction. With ε known, only the ratio λ/φ0 is unknown.
 double least_drive(const FitProblem& problem, std::span<const double> x) {
   constexpr double most_ratio = 4.0; // of λ and φ0 in pendulum clocks
   const Slot* drive = problem.parameters.find(Quantity::drive_rms);
@@ -266,8 +266,9 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
                              [](const FinalClock& c) { return c.fast_gain(); });
   const auto slow = of_clock("slow gain", "rate per relative drive, amplitude settled", "",
                              [](const FinalClock& c) { return c.slow_gain(); });
-  // What a relaxation that was not seen would lead to is not known either.
-  // Without a drive no amplitude is the clock's own, and Q depends on it unless friction is linear.
+  // Without an observed relaxation the stationary state is unknown too.
+  // A pendulum without a drive has no stationary amplitude, and Q depends on the amplitude unless
+  // friction is linear.
   if (!std::isfinite(summary.decay_time.value) || !friction_known(problem, known) ||
       (!driven && !linear))
     for (DerivedQuantity* quantity :
@@ -280,7 +281,7 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
                             seconds_gained_per_day(nominal_period_s / period.value - 1.0),
                             seconds_gained_per_day(period.sigma / period.value)};
   summary.combinations.push_back(period);
-  // A search that did not come to rest knows no combination either.
+  // A search that did not converge determines no combination of parameters.
   const bool settled =
       std::find(known.distrusted.begin(), known.distrusted.end(), false) != known.distrusted.end();
   if (!settled) {
@@ -314,9 +315,9 @@ void state_combinations(const FitProblem& problem, std::span<const double> x,
                         [&](std::span<const double> at) { return least_drive(problem, at); }));
 }
 
-// T0 is the mean period less the circular and escapement errors. Where the escapement error (the
-// fast gain times the drive) is not determined neither is T0, whatever the curvature says at the
-// place on the flat ridge where the fit came to rest.
+// T0 is the mean period less the circular and escapement errors. If the escapement error (the fast
+// gain times the drive) is undetermined, so is T0, whatever the curvature is at the point of the
+// flat ridge where the search ended.
 void doubt_T0_without_gain(FitSummary& summary) {
   const bool known =
       summary.model.escapement == Escapement::none || summary.combination("fast gain") != nullptr;
@@ -334,7 +335,8 @@ bool may_vanish(const Slot& slot) {
 }
 
 double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<const double> x) {
-  // Where noises share the scatter each is worth telling to a factor: its interval says which.
+  // Where several noises share the scatter, each size is stated even if known only to a factor; its
+  // interval shows the factor.
   constexpr double factor = 1.0;
   if (is_noise(slot.quantity) && problem.parameters.has(Quantity::drive_rms)) return factor;
   if (slot.coordinate == Coordinate::logarithm) return largest_relative_sigma;
@@ -344,8 +346,8 @@ double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<co
       if (other.quantity == slot.quantity) largest = std::max(largest, std::abs(other.value(x)));
     return largest_relative_sigma * largest / slot.scale;
   }
-  // T0 differs from the mean period by the rate excess; it is known when its sigma is a small part
-  // of what it has been corrected for.
+  // T0 differs from the mean period by the rate excess. It counts as determined if its sigma is a
+  // small part of that correction.
   const FinalClock clock = final_clock(problem.parameters, x);
   Going<double> start;
   apply_changes(problem.parameters, x, 0, start);
@@ -364,7 +366,7 @@ Certainty certainty(const FitProblem& problem, const Evaluation& at, const Widen
     known.factor = known.unwidened;
     return known;
   }
-  // M = 1 of priors, times and amplitudes widened, all seen through R^-1.
+  // The curvature with widened priors, times and amplitudes, transformed by R^-1, in which M = 1.
   const Eigen::MatrixXd of_amplitudes = at.amplitude_triangle * known.unwidened;
   Eigen::MatrixXd middle = times * Eigen::MatrixXd::Identity(n, n) +
                            (amplitudes - times) * of_amplitudes.transpose() * of_amplitudes;
@@ -387,7 +389,7 @@ void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certain
     for (const Rival& rival : rivals) {
       const double distance = std::abs(rival.x[k] - x[k]) / sigma;
       if (distance > rivals_apart) known.distrusted[k] = true;
-      // So far off is what this sigma expects of a place so far behind, or its own width.
+      // The distance expected for this sigma at this deficit, or sigma itself.
       if (distance * distance < 1.0 + 2.0 * rival.behind) continue;
       added = std::max(added, rival.share() * distance * distance);
     }
@@ -410,7 +412,7 @@ Eigen::VectorXd shift_by(const FitProblem& problem, std::span<const double> x,
   const auto there = evaluate(corrected, x);
   const auto n = static_cast<Eigen::Index>(x.size());
   if (!there) return Eigen::VectorXd::Zero(n);
-  // One step of scoring leads from here to the other's minimum, and this is minus that step.
+  // Minus one step of scoring, which leads from here to the other minimum.
   return there->triangle.triangularView<Eigen::Upper>().solve(there->projected);
 }
 

@@ -15,15 +15,15 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double not_white = 1e-2; // p below which the innovations ask for a better model
+constexpr double least_white_p = 1e-2; // p below which the innovations ask for a better model
 
 bool white_in_amplitude(const Fitted& fitted) {
   return fitted.seen.white_amplitude.size() < 8 ||
-         whiteness_p(fitted.seen.white_amplitude) > not_white;
+         whiteness_p(fitted.seen.white_amplitude) > least_white_p;
 }
 
 bool white(const Fitted& fitted) {
-  return whiteness_p(fitted.seen.white_time) > not_white && white_in_amplitude(fitted);
+  return whiteness_p(fitted.seen.white_time) > least_white_p && white_in_amplitude(fitted);
 }
 
 bool is_determined(const Fitted& fitted, const Slot& slot) {
@@ -31,7 +31,7 @@ bool is_determined(const Fitted& fitted, const Slot& slot) {
          fitted.known.sigma(slot.index) < tolerable_sigma(fitted.problem, slot, fitted.minimum.x);
 }
 
-// Largest shift of a parameter of the clock that the log determines.
+// The largest shift, in sigma, of a clock parameter that the log determines.
 double largest_shift(const Fitted& fitted, const std::map<std::string, double>& shifts) {
   double largest = 0.0;
   for (const Slot& slot : fitted.problem.parameters.slots)
@@ -45,7 +45,7 @@ bool determines_friction(const Fitted& fitted) {
   return !slot->free || is_determined(fitted, *slot);
 }
 
-// By how many sigma the parameters that two fits share have moved, at most.
+// The largest difference, in sigma, between parameters that two fits have in common.
 std::string moved_by(const Fitted& from, const Fitted& to) {
   double largest = 0.0;
   std::string which;
@@ -87,8 +87,8 @@ ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
                         fmt::format("at most {} free ones", most_parameters));
 }
 
-// What the first fit is made with: what the options name, and a walk where neighbouring beats show
-// one.
+// The model of the first fit: the terms that the options name, and a random walk of the times where
+// neighbouring beats show one.
 ModelChoice ModelSearch::first_model() const {
   ModelChoice model;
   if (options_.escapement) model.escapement = *options_.escapement;
@@ -99,21 +99,23 @@ ModelChoice ModelSearch::first_model() const {
   return model;
 }
 
-// Drive noise makes neighbouring times nearly one: a long log loses little if it is thinned.
+// Under drive noise neighbouring times carry nearly the same information, so thinning a long log
+// loses little.
 void ModelSearch::thin_if_long() {
-  constexpr std::size_t enough = 16000;
-  if (!first_model().walk || all_.size() < 2 * enough) {
+  constexpr std::size_t most_working_beats = 16000;
+  if (!first_model().walk || all_.size() < 2 * most_working_beats) {
     working_.data = all_;
     return;
   }
   std::size_t stride = 1;
-  while (all_.size() / stride > enough)
+  while (all_.size() / stride > most_working_beats)
     stride *= 2;
   std::vector<double> events;
   for (const FitEvent& event : options_.events)
     events.push_back(static_cast<double>(event.cycle));
-  constexpr std::size_t dense = 500; // beats that show a beginning
-  working_.data = subset(all_, kept_beats(all_, events, stride, dense));
+  constexpr std::size_t dense_beats =
+      500; // all kept after the start and after each event, where the amplitude relaxes
+  working_.data = subset(all_, kept_beats(all_, events, stride, dense_beats));
 }
 
 void ModelSearch::tried(const Fitted& fitted, const std::string& verdict) {
@@ -135,29 +137,31 @@ bool ModelSearch::take_if_better(Fitted&& other, const std::string& why) {
 
 namespace {
 
-// Whether the swing has grown anywhere, as no pendulum without a drive does.
+// Whether the amplitude rises anywhere, which it cannot without a drive.
 bool swing_grows(const TimingData& data, double noise_rad) {
-  constexpr std::size_t together = 16; // beats, so few that their mean hides no growth
-  constexpr double surely = 8.0;       // sigma, for the greatest of many rises
-  const double sigma = noise_rad / std::sqrt(static_cast<double>(together));
+  constexpr std::size_t beats_a_mean = 16; // short enough not to average a rise away
+  constexpr double least_rise_sigma =
+      8.0; // the largest of many rises of pure noise stays below this
+  const double sigma = noise_rad / std::sqrt(static_cast<double>(beats_a_mean));
   double least = std::numeric_limits<double>::infinity(), sum = 0.0;
   std::size_t seen = 0;
   for (const double amplitude : data.amplitude_rad) {
     if (std::isnan(amplitude)) continue;
     sum += amplitude;
-    if (++seen % together != 0) continue;
-    const double mean = sum / static_cast<double>(together);
-    if (mean > least + surely * sigma) return true;
+    if (++seen % beats_a_mean != 0) continue;
+    const double mean = sum / static_cast<double>(beats_a_mean);
+    if (mean > least + least_rise_sigma * sigma) return true;
     least = std::min(least, mean);
     sum = 0.0;
   }
   return false;
 }
 
-// Whether the residuals are no larger than what neighbouring beats scatter by.
+// Whether the residuals are no larger than the scatter of neighbouring beats.
 bool is_as_small_as(double jitter, const Fitted& fitted) {
-  constexpr double by_chance = 1.3; // the robust jitter of few beats is known to a tenth or so
-  return rms(fitted.seen.late_s) < by_chance * jitter;
+  constexpr double largest_chance_ratio =
+      1.3; // the robust jitter of few beats is uncertain by a tenth or so
+  return rms(fitted.seen.late_s) < largest_chance_ratio * jitter;
 }
 
 } // namespace
@@ -166,12 +170,12 @@ bool ModelSearch::explains(const Fitted& fitted) const {
   return fitted.minimum.usable && white(fitted) && is_as_small_as(guess_.jitter_s, fitted);
 }
 
-// On so many beats that an escapement shows, and by the full equation: what first order lacks must
-// not pass for a drive.
+// A fit of a thinned log by the full equation of motion: what first order leaves out must not be
+// taken for a drive. The thinned log has enough beats to show an escapement.
 Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice& model,
                                    TimingData& thin) const {
-  constexpr std::size_t enough = 1000; // beats
-  thin = thinned(working_.data, make_parameters(options, working_.data, model), enough);
+  constexpr std::size_t thinned_beats = 1000; // beats
+  thin = thinned(working_.data, make_parameters(options, working_.data, model), thinned_beats);
   Fitted fitted = fit_from_scratch(thin, options, model, guess_);
   FitOptions dated = options;
   move_dates(fitted, dated);
@@ -180,7 +184,7 @@ Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice&
   return fitted;
 }
 
-// Whether the options speak of a torque: then it is not in question.
+// Whether the options mention a torque, so that a drive is taken as given.
 bool ModelSearch::is_told_of_torque() const {
   const auto speaks = [](const std::string& name) { return name == "mu" || name == "phi0"; };
   return std::any_of(options_.fixed.begin(), options_.fixed.end(),
@@ -189,11 +193,11 @@ bool ModelSearch::is_told_of_torque() const {
                      [&](const Prior& prior) { return speaks(prior.name); });
 }
 
-// Other changes at the dates that were found, and impulses in place of a torque.
+// Alternative laws: other parameters changing at the dates found, and impulses instead of a torque.
 std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEvent>& found) const {
   std::vector<Laws> all;
   FitOptions options = options_;
-  options.events = found; // whatever the first laws have made of the dates
+  options.events = found; // the dates as found, not as moved by the first fit
   for (std::size_t event = 0; event < found.size(); ++event)
     for (const char* name : {"phi0", "epsilon", "mu", "T0"}) {
       const bool of_drive = std::string_view(name) == "mu" || std::string_view(name) == "phi0";
@@ -211,19 +215,19 @@ std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEven
   return all;
 }
 
-// Where the simplest laws do not explain the log those are taken that do, and best.
+// If the simplest laws do not explain the log, takes the alternative that explains it best.
 void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   if (best_.model.walk || is_rounding(best_) || explains(best_)) return;
   TimingData thin;
   if (explains(roughly_fitted(options_, best_.model, thin))) return;
-  constexpr double rarer =
-      3.0; // of L: odds of 20 to 1 for impulses, where a torque explains it too
+  constexpr double impulse_handicap =
+      3.0; // of L, odds of 20 to 1: needed to prefer impulses to a torque
   std::optional<Laws> best;
   double least = std::numeric_limits<double>::infinity();
   for (Laws& laws : other_laws(found)) {
     const Fitted rough = roughly_fitted(laws.options, laws.model, thin);
     const bool is_rarer = laws.model.escapement == Escapement::single_impulse;
-    const double value = rough.minimum.value + (is_rarer ? rarer : 0.0);
+    const double value = rough.minimum.value + (is_rarer ? impulse_handicap : 0.0);
     if (!explains(rough) || !(value < least)) continue;
     least = value;
     best = std::move(laws);
@@ -237,8 +241,8 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   move_dates(best_, options_);
 }
 
-// A free pendulum is the simpler model; it is taken where it explains the log as well and its
-// friction shows (a stationary log fits anything and says nothing).
+// A free pendulum is the simpler model. It is taken where it explains the log as well and the log
+// shows its friction (a stationary log fits any model and determines none).
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
   if (options_.escapement || !options_.events.empty() || is_told_of_torque()) return false;
   if (swing_grows(all_, guess_.amplitude_rad)) return false;
@@ -247,7 +251,8 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   TimingData thin;
   Fitted without = roughly_fitted(options_, free, thin);
   if (!without.minimum.usable || !determines_friction(without)) return false;
-  if (!explains(without)) add_terms(without); // friction that is not linear is no drive either
+  if (!explains(without))
+    add_terms(without); // nonlinear friction may explain what looks like a drive
   const std::string name =
       fmt::format("no escapement, friction {} ({} beats)", without.model.friction(), thin.size());
   chosen = without.model;
@@ -257,9 +262,9 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   }
   TimingData thin_driven;
   Fitted with = roughly_fitted(options_, driven, thin_driven);
-  if (with.minimum.usable && !explains(with)) add_terms(with); // as the other has had them
-  constexpr double decisive = 6.0; // odds of 20 to 1: what a torque that is not seen must gain
-  const bool simpler = !with.minimum.usable || without.bic < with.bic + decisive;
+  if (with.minimum.usable && !explains(with)) add_terms(with); // the same chance for both models
+  constexpr double least_bic_gain = 6.0; // odds of 20 to 1 needed to believe in a torque
+  const bool simpler = !with.minimum.usable || without.bic < with.bic + least_bic_gain;
   alternatives_.push_back(
       {name, without.bic,
        simpler ? "explains the log with fewer parameters, or better" : "does not explain the log"});
@@ -269,18 +274,19 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   return simpler;
 }
 
-// The first of the dynamics that shifts no determined parameter by more than a fifth of its sigma,
-// for second order a tenth: the full equation then costs little more. First order is judged by
-// second, which costs a twentieth of the full equation, and by that too before it is taken.
+// Chooses the cheapest dynamics that shift no determined parameter by more than 0.2 sigma; 0.1
+// sigma for second order, since the full equation costs little more. First order is compared with
+// second order, at a twentieth of the cost of the full equation, and with the full equation before
+// it is accepted.
 void ModelSearch::choose_dynamics() {
-  constexpr double tolerable = 0.2, tolerable_of_second = 0.1;
+  constexpr double tolerable_shift = 0.2, tolerable_shift_of_second = 0.1;
   const auto shift_by = [&](FitDynamics judge) {
     shifts_ = model_shifts(best_, judge);
     return shifts_.empty() ? 0.0 : largest_shift(best_, shifts_);
   };
-  // Noise that asks for second order has had it: what first order is off by is not known.
+  // The noise model was computed in second order already, so the error of first order is unknown.
   const bool is_extended = best_.dynamics != FitDynamics::averaged1;
-  const double enough = is_extended ? tolerable_of_second : tolerable;
+  const double enough = is_extended ? tolerable_shift_of_second : tolerable_shift;
   double first = is_extended ? 0.0 : shift_by(FitDynamics::averaged2);
   if (first <= enough) first = shift_by(FitDynamics::map);
   const auto first_order = is_extended ? std::map<std::string, double>{} : shifts_;
@@ -308,12 +314,12 @@ void ModelSearch::choose_dynamics() {
     second = first;
   } else if (refine_every_end(best_, FitDynamics::averaged2)) {
     second = shift_by(FitDynamics::map);
-    if (second > tolerable_of_second) {
+    if (second > tolerable_shift_of_second) {
       tried(best_, fmt::format("off by up to {:.2g} sigma", second));
       chosen_by_ += fmt::format(", averaged2 by {:.2g}", second);
     }
   }
-  if (second > tolerable_of_second && !refine_every_end(best_, FitDynamics::map))
+  if (second > tolerable_shift_of_second && !refine_every_end(best_, FitDynamics::map))
     notes_.push_back(
         {NoteKind::dynamics, fmt::format("the full equation of motion found no place near this "
                                          "one; the values are off by up to {:.2g} sigma",
@@ -321,10 +327,10 @@ void ModelSearch::choose_dynamics() {
   shifts_ = first_order;
 }
 
-// Friction that is not linear, an amplitude column that is off by a factor, noise of the drive (or
-// a walk of the times): one term after the other, the best first, as long as BIC gains and the
-// innovations are not white. In a long log of a driven clock noise comes first, for it is there
-// more often than the rest, and each of the others takes long.
+// Adds terms one at a time, the best first, while BIC improves and the innovations are not white:
+// nonlinear friction, a factor on the amplitude column, noise of the drive (or a random walk of the
+// times). In a long log of a driven clock noise is tried first: it is the most frequent, and each
+// of the other terms takes long.
 void ModelSearch::add_terms(Fitted& fitted) {
   constexpr int terms = 4;
   const auto with = [](ModelChoice model, int term) {
@@ -336,7 +342,7 @@ void ModelSearch::add_terms(Fitted& fitted) {
     if (term == 3) model.amplitude_scale = true;
     return model;
   };
-  constexpr std::size_t is_long = 3000; // beats
+  constexpr std::size_t long_log_beats = 3000; // beats
   const TimingData& data = *fitted.problem.data;
   while (!white(fitted)) {
     std::optional<Fitted> best;
@@ -348,7 +354,8 @@ void ModelSearch::add_terms(Fitted& fitted) {
       Fitted other = fit_from(fitted, options_, model);
       if (!other.minimum.usable || !refine(other, fitted.dynamics)) continue;
       if (!best || other.bic < best->bic) best = std::move(other);
-      if (term == 0 && data.size() > is_long && white(*best) && best->bic < fitted.bic) break;
+      if (term == 0 && data.size() > long_log_beats && white(*best) && best->bic < fitted.bic)
+        break;
     }
     if (!best || best->bic >= fitted.bic) return;
     tried(fitted, fmt::format("BIC worse by {:.3g} than the next{}", fitted.bic - best->bic,
@@ -382,7 +389,7 @@ void ModelSearch::choose_noise() {
   }
   if (automatic) {
     const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
-    // Amplitudes are noisy beat by beat and the drive still lies open in them.
+    // Noisy as single amplitudes are, they show the drive directly.
     const bool swing_wanders = !white_in_amplitude(best_);
     if (!walks && !best_.model.walk && !swing_wanders) return;
     model.walk = !best_.model.walk;
@@ -398,12 +405,13 @@ void ModelSearch::choose_noise() {
   Fitted drive = fit_with(model);
   if (!drive.minimum.usable) return;
   model.slow = true;
-  // With amplitudes the likelihood has so narrow a peak that only a search tells what it is worth.
+  // With amplitudes the peak of the likelihood is so narrow that its height is known only after a
+  // search.
   const bool asks_for_more = working_.data.has_amplitude() && !white(drive);
   const bool slowly = wanted == FitNoise::slow ||
                       (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
                                      worth_trying(best_, options_, model)));
-  // Without the slow part the drive may have been led far astray.
+  // A fit without slow drive may have ended far from the solution: both fits serve as starts.
   Fitted slow = slowly ? fit_from_either(drive, best_, options_, model) : Fitted{};
   if (slow.minimum.usable) refine(slow, dynamics);
   if (!automatic) {
@@ -414,7 +422,7 @@ void ModelSearch::choose_noise() {
   take_if_better(std::move(slow), "the drive varies slowly too");
 }
 
-// How far times or amplitudes stray from the fit, in units of what neighbouring beats scatter by.
+// The rms residual of times or amplitudes, in units of the scatter of neighbouring beats.
 double ModelSearch::straying(const Fitted& fitted) const {
   const double late = rms(fitted.seen.late_s) / guess_.jitter_s;
   const Slot* amplitude = fitted.problem.parameters.find(Quantity::amplitude_rms);
@@ -423,43 +431,44 @@ double ModelSearch::straying(const Fitted& fitted) const {
                             guess_.amplitude_rad);
 }
 
-// Whether a long log strays far as no law of the clock would lead it: neither the full equation nor
-// other friction takes most of it away. What is slow hides from neighbouring beats; without noise
-// the laws would chase it at every beat.
+// Whether a long log departs from the fit by far more than neighbouring beats scatter, and neither
+// the full equation of motion nor another friction law halves that. Such a departure is slow noise,
+// which differences of neighbouring beats do not show. A model without noise would have to follow
+// it with its parameters of the clock, so noise must be fitted first.
 bool ModelSearch::strays_by_noise() const {
-  constexpr std::size_t is_long = 3000, enough = 1000; // beats
-  constexpr double far = 3.0, most = 0.5;
-  if (working_.data.size() < is_long || options_.noise == FitNoise::jitter) return false;
+  constexpr std::size_t long_log_beats = 3000, thinned_beats = 1000; // beats
+  constexpr double least_straying = 3.0, largest_share = 0.5;
+  if (working_.data.size() < long_log_beats || options_.noise == FitNoise::jitter) return false;
   const double strays = straying(best_);
-  if (strays < far) return false;
-  const TimingData thin = thinned(working_.data, best_.problem.parameters, enough);
+  if (strays < least_straying) return false;
+  const TimingData thin = thinned(working_.data, best_.problem.parameters, thinned_beats);
   const auto explains_most = [&](bool quadratic, bool dry) {
     ModelChoice model = best_.model;
     model.quadratic |= quadratic;
     model.dry |= dry;
     Fitted other = fit_from(best_, options_, model, &thin);
     if (other.minimum.usable) refine(other, FitDynamics::map);
-    return other.minimum.usable && straying(other) < most * strays;
+    return other.minimum.usable && straying(other) < largest_share * strays;
   };
   return !explains_most(false, false) && !explains_most(true, false) && !explains_most(false, true);
 }
 
-// Again with as many beats as the information asks for.
+// Repeats the fit with as many beats as keep the information.
 void ModelSearch::thin_by_information() {
   if (working_.data.size() == all_.size()) return;
   working_.thinning = {working_.data.size(), std::numeric_limits<double>::quiet_NaN()};
   const auto shape = noise_shape(best_);
   if (!shape) return;
-  constexpr double allowed = 0.04;
-  constexpr std::size_t dense = 500, coarser = 8;
+  constexpr double allowed_loss = 0.04;
+  constexpr std::size_t dense_beats = 500, stride_ratio = 8;
   const std::vector<double> events = best_.problem.parameters.event_cycles;
-  const std::size_t last = longest_stride(*shape, allowed);
-  // In stages: most steps of the search are then made where they are cheap.
+  const std::size_t last = longest_stride(*shape, allowed_loss);
+  // In stages of more and more beats, so that most steps of the search are made on few.
   std::size_t stride = last;
-  while (all_.size() / (stride * coarser) > working_.data.size())
-    stride *= coarser;
-  for (;; stride /= coarser) {
-    TimingData kept = subset(all_, kept_beats(all_, events, stride, dense));
+  while (all_.size() / (stride * stride_ratio) > working_.data.size())
+    stride *= stride_ratio;
+  for (;; stride /= stride_ratio) {
+    TimingData kept = subset(all_, kept_beats(all_, events, stride, dense_beats));
     best_.minimum.x = with_jitter_of(kept, best_.problem.parameters, best_.minimum.x);
     Fitted finer = fit_from(best_, options_, best_.model, &kept);
     if (!finer.minimum.usable) return;
@@ -471,8 +480,8 @@ void ModelSearch::thin_by_information() {
   }
 }
 
-// A stated prior that the log by itself rules out is left out: what both would agree on is a number
-// that neither supports. Looked for where the fit with it does not explain the log.
+// Drops a stated prior that the log by itself excludes: the compromise between the two would be a
+// value that neither supports. Checked only where the fit with the prior does not explain the log.
 void ModelSearch::leave_out_contradicted_priors() {
   if (options_.priors.empty() || best_.model.walk) return;
   if (best_.minimum.usable && (white(best_) || is_as_small_as(guess_.jitter_s, best_))) return;
@@ -480,13 +489,13 @@ void ModelSearch::leave_out_contradicted_priors() {
   without.priors.clear();
   Fitted alone = fit_from_scratch(working_.data, without, best_.model, guess_);
   if (!alone.minimum.usable) return;
-  refine(alone, FitDynamics::map); // what first order is off by must not be laid on the prior
+  refine(alone, FitDynamics::map); // so that an error of first order is not blamed on the prior
   std::vector<Prior> kept;
   for (const Prior& prior : options_.priors) {
     const Slot* slot = nullptr;
     for (const Slot& one : alone.problem.parameters.slots)
       if (alone.problem.parameters.name_of(one) == prior.name) slot = &one;
-    constexpr double ruled_out = 5.0; // sigma
+    constexpr double exclusion_sigma = 5.0; // sigma
     if (slot == nullptr || !is_determined(alone, *slot)) {
       kept.push_back(prior);
       continue;
@@ -495,7 +504,7 @@ void ModelSearch::leave_out_contradicted_priors() {
     const double sigma =
         alone.known.sigma(slot->index) * slot->slope(std::span<const double>(alone.minimum.x));
     const double off = std::abs(value - prior.value) / std::hypot(sigma, prior.sigma);
-    if (off < ruled_out)
+    if (off < exclusion_sigma)
       kept.push_back(prior);
     else
       notes_.push_back({NoteKind::prior,
@@ -522,12 +531,13 @@ const Fitted& ModelSearch::run() {
   if (!best_.model.walk && !strays_by_noise()) {
     choose_dynamics();
     if (best_.dynamics != FitDynamics::averaged1)
-      move_dates(best_, options_); // again, from a better place
+      move_dates(best_, options_); // once more, now that the parameters are better
     choose_friction();
     choose_noise();
   } else {
     choose_noise();
-    if (best_.dynamics != FitDynamics::averaged1) choose_dynamics(); // once, on few beats
+    if (best_.dynamics != FitDynamics::averaged1)
+      choose_dynamics(); // the dynamics are chosen once, on few beats
     thin_by_information();
     if (best_.dynamics != FitDynamics::map) choose_dynamics();
   }

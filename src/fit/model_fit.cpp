@@ -13,16 +13,16 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// A richer model than can be searched for is not tried.
+// Models with more parameters than the search can handle are not tried.
 bool has_too_many(const FitProblem& problem) {
   return problem.parameters.free_count > most_parameters;
 }
 
-constexpr std::size_t enough_to_screen = 2500; // beats that tell starts apart,
-constexpr std::size_t enough_to_rank = 1000;   // that say which of many to look at
+constexpr std::size_t enough_to_screen = 2500; // beats, enough to distinguish starts
+constexpr std::size_t enough_to_rank = 1000;   // beats, enough to rank many starts
 
-// A change that is held may close the way from every start to the best place; where the same model
-// comes to rest with it free is a start on the far side.
+// A change that is held fixed may block the way from every start to the best minimum. The minimum
+// of the same model with the change free is a start beyond that barrier.
 std::optional<std::vector<double>>
 start_from_free_changes(const TimingData& data, const FitOptions& options, const ModelChoice& model,
                         const NoiseGuess& noise, const Parameters& parameters,
@@ -51,9 +51,9 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
   std::vector<std::vector<double>> starts;
   const double best = ends.front().value;
   for (const Minimum& end : ends) {
-    constexpr double hopeless = 30.0; // of L on few beats
-    if (end.value > best + hopeless) break;
-    std::vector<double> start = points.front(); // for the noise
+    constexpr double largest_deficit = 30.0; // of L on few beats
+    if (end.value > best + largest_deficit) break;
+    std::vector<double> start = points.front(); // its noise parameters serve all starts
     std::copy(end.x.begin(), end.x.end(), start.begin());
     starts.push_back(std::move(start));
   }
@@ -75,24 +75,24 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
 
 namespace {
 
-// The first of the clocks and those of the rest that explain a log best under the noise as guessed:
-// which noise explains it better is asked of these alone.
+// The first clock, and those of the others that explain the log best under the guessed noise. Only
+// these are then tried with other noise models.
 std::vector<std::vector<double>> likeliest(std::vector<std::vector<double>> clocks,
                                            const FitProblem& problem) {
-  constexpr std::size_t enough =
-      60; // of some 500; neighbours on the grid are a factor of two apart
-  if (clocks.size() <= enough) return clocks;
+  constexpr std::size_t most_clocks =
+      60; // of some 500 clocks on a grid whose neighbours differ by a factor of two
+  if (clocks.size() <= most_clocks) return clocks;
   const TimingData few = at_one_stride(*problem.data, enough_to_rank);
   std::vector<Minimum> ranked = screened(problem.on(few), clocks);
-  ranked.resize(std::min(ranked.size(), enough));
+  ranked.resize(std::min(ranked.size(), most_clocks));
   clocks.resize(1);
   for (Minimum& clock : ranked)
     clocks.push_back(std::move(clock.x));
   return clocks;
 }
 
-// Where a richer model may start: from the simpler one's end, and if that does not know its clock
-// from every clock a stationary log could come from.
+// Starts of a richer model: the minimum of the simpler one, and, if that does not determine its
+// clock, every clock that a stationary log could come from.
 std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitProblem& problem,
                                                const ModelChoice& model) {
   const TimingData& data = *problem.data;
@@ -106,7 +106,7 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
   const auto grid = starting_points(parameters, data, noise);
   std::vector<std::vector<double>> points{
       carried_over(before, simpler.minimum.x, parameters, grid.front())};
-  for (const Slot& slot : parameters.slots) // what is new starts small
+  for (const Slot& slot : parameters.slots) // new terms start small
     if (slot.free && !before.has(slot.quantity) && slot.coordinate == Coordinate::multiple)
       points.front()[slot.index] = 0.1;
   const bool drive_is_new = model.drive && !before.has(Quantity::drive_rms);
@@ -119,8 +119,8 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
   return noise_variants(likeliest(std::move(points), problem), parameters, data);
 }
 
-// Amplitudes tell where a slow drive has led the clock, and there the gains are others: first order
-// would look for such a drive among the wrong clocks.
+// A slow drive moves the amplitude, and with it the gains. With amplitudes in the log this shows,
+// and first order would attribute it to the wrong clock.
 bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
   return problem.parameters.has(Quantity::slow_rms) && problem.data->has_amplitude() &&
          options.dynamics != FitDynamics::averaged1;
@@ -130,27 +130,30 @@ bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
 
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
   const TimingData thin = at_one_stride(*simpler.problem.data, enough_to_screen);
-  FitProblem plain = simpler.problem.on(thin); // the dynamics change little between noises
+  FitProblem plain =
+      simpler.problem.on(thin); // the choice of noise hardly affects the choice of dynamics
   FitProblem richer = make_problem(thin, options, model);
   if (has_too_many(richer)) return false;
   plain.priors.clear();
   const auto here = minus_log_likelihood(plain, simpler.minimum.x);
-  constexpr double some = 1.0; // of L: below that no search would make it worth two parameters
+  constexpr double least_gain =
+      1.0; // of L: with less, no search would make up for two more parameters
   for (const auto& point : richer_starts(simpler, richer, model)) {
     if (sees_second_order(richer, options)) extend(richer, point);
     const auto there = minus_log_likelihood(richer, point);
-    if (here && there && *there < *here - some) return true;
+    if (here && there && *there < *here - least_gain) return true;
   }
   return false;
 }
 
 namespace {
 
-// On few beats first, which tell the place nearly, which start is the best, and whether the model
-// is worth all beats.
+// First on few beats: they locate the minimum roughly, show which start is the best, and whether
+// the model is worth fitting to all beats.
 Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, const FitOptions& options,
                         const ModelChoice& model, const TimingData& data) {
-  constexpr double hopeless = 10.0; // of L: odds of 20000 to 1, which more beats will not turn
+  constexpr double largest_deficit =
+      10.0; // of L, odds of 20000 to 1: more beats will not reverse that
   const FewBeats few =
       few_beats(data, simpler.front()->problem.parameters.event_cycles, enough_to_screen);
   Fitted rough;
@@ -158,7 +161,7 @@ Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, const FitOptions
     const Fitted plain = on_few_beats(*start, few);
     if (!plain.minimum.usable) continue;
     Fitted end = fit_from(plain, options, model, &few.data);
-    const double best = std::min(plain.minimum.value + hopeless, rough.minimum.value);
+    const double best = std::min(plain.minimum.value + largest_deficit, rough.minimum.value);
     if (end.minimum.usable && end.minimum.value < best) rough = std::move(end);
   }
   if (!rough.minimum.usable) return {};
@@ -195,7 +198,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     few.data = &thin;
     const TimingData fewer = at_one_stride(thin, enough_to_rank);
     FitProblem fewest = few.on(fewer);
-    if (is_extended) extend(fewest, points.front()); // they differ in their noise alone
+    if (is_extended) extend(fewest, points.front()); // the starts differ in their noise only
     tried = screened(fewest, points);
     constexpr std::size_t to_score = 4;
     if (tried.size() > to_score) tried.resize(to_score);
@@ -210,13 +213,13 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   fitted.minimum.x = tried.front().x;
   fitted.problem.priors = make_priors(options, fitted.problem.parameters, fitted.minimum.x);
   condense(fitted.problem, fitted.minimum.x);
-  if (is_extended) finish(fitted); // what the start explains, refinement must not lose
+  if (is_extended) finish(fitted); // refinement must not lose what the start explains
   if (!is_extended || !refine(fitted, std::max(FitDynamics::averaged2, simpler.dynamics)))
     settle(fitted.problem, fitted.minimum, {});
   if (!fitted.minimum.usable) return fitted;
   for (const Minimum& other : tried) {
-    constexpr double near = 4.5; // three sigma
-    if (!other.usable || other.value > tried.front().value + near) continue;
+    constexpr double largest_deficit = 4.5; // three sigma
+    if (!other.usable || other.value > tried.front().value + largest_deficit) continue;
     fitted.rivals.push_back({moved_along(other.x, tried.front().x, fitted.minimum.x),
                              other.value - tried.front().value});
   }

@@ -79,8 +79,9 @@ public:
 
   /// Lets `cycles` pass; sight and response are those of the beat they end with.
   GOINGRATE_INLINED void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
-    constexpr double few = 8.0; // cycles that are followed one by one; longer gaps are rare
-    if (extended_ && cycles <= few) {
+    constexpr double followed_cycles =
+        8.0; // cycles that are followed one by one; longer gaps are rare
+    if (extended_ && cycles <= followed_cycles) {
       for (double passed = 0.0; passed < cycles; ++passed)
         pass_extended(sight, response);
       return;
@@ -211,10 +212,10 @@ private:
   // The way of the squared amplitude from the course to where the clock is. What is known badly may
   // seem to be at the escapement, where there are no gains.
   [[nodiscard]] T way(const Sight<T>& sight, const ResponseAt& response) const {
-    constexpr double most = 0.9;
+    constexpr double largest_step_share = 0.9;
     const T& w = state_[1];
-    const T farthest =
-        (sight.laws->phi0 * sight.laws->phi0 - sight.amplitude2 - response.shift) * most;
+    const T farthest = (sight.laws->phi0 * sight.laws->phi0 - sight.amplitude2 - response.shift) *
+                       largest_step_share;
     return w < farthest ? farthest : w;
   }
 

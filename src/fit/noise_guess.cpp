@@ -11,9 +11,9 @@ namespace {
 
 // Cycles from beat to beat in most places: more than one in a log that was thinned.
 double usual_spacing(const TimingData& data) {
-  constexpr std::size_t enough = 1001;
+  constexpr std::size_t most_beats = 1001;
   std::vector<double> steps;
-  for (std::size_t i = 1; i < std::min(enough, data.size()); ++i)
+  for (std::size_t i = 1; i < std::min(most_beats, data.size()); ++i)
     steps.push_back(data.cycle[i] - data.cycle[i - 1]);
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
@@ -25,10 +25,10 @@ double usual_spacing(const TimingData& data) {
 // `relative`: the noise of each value over that of all, or nothing.
 double third_differences(const TimingData& data, std::span<const double> series,
                          std::span<const double> relative, std::size_t stride) {
-  constexpr std::size_t enough = 20000; // known to a per cent
+  constexpr std::size_t most_differences = 20000; // known to a per cent
   const double spacing = usual_spacing(data);
   std::vector<double> size;
-  for (std::size_t i = 0; i + 3 * stride < series.size() && size.size() < enough; ++i) {
+  for (std::size_t i = 0; i + 3 * stride < series.size() && size.size() < most_differences; ++i) {
     if (data.cycle[i + 3 * stride] - data.cycle[i] != 3.0 * spacing * static_cast<double>(stride))
       continue;
     double d = series[i + 3 * stride] - 3.0 * series[i + 2 * stride] + 3.0 * series[i + stride] -
@@ -66,11 +66,11 @@ NoiseGuess guess_noise(const TimingData& data) {
   guess.walks = far > near * (1.0 + 4.0 * scatter);
   guess.jitter_s =
       std::max(std::sqrt(std::max(0.0, near - 6.0 * walk2) / 20.0), least_jitter(data));
-  constexpr double finest = 1e-8; // rad
+  constexpr double finest_amplitude_rad = 1e-8; // rad
   if (data.has_amplitude())
     guess.amplitude_rad = std::max(
         std::sqrt(third_differences(data, data.amplitude_rad, data.amplitude_noise, 1) / 20.0),
-        finest);
+        finest_amplitude_rad);
   return guess;
 }
 

@@ -14,20 +14,23 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double q68 = 1.0, q95 = 1.959964;
 
-// The profile of one coordinate; z counts sigmas of the curvature.
+// The profile likelihood of one coordinate; z is its distance from the minimum in sigmas of the
+// curvature.
 class Profile {
 public:
-  /// `widening`: sigma over that of the curvature. `search`: look for the ends where the likelihood
-  /// is no parabola; else they stay open.
+  /// `widening`: the stated sigma over the curvature's. `search`: where the likelihood is no
+  /// parabola, find the ends of the interval by searches; without it they stay open.
   Profile(const ProfiledPlace& place, std::size_t k, double widening, bool search)
       : problem_(place.problem), minimum_(place.minimum), known_(place.known), k_(k),
         valley_(problem_, minimum_.x, k), widening_(widening), search_(search) {}
 
-  /// Of the interval, as z.
+  /// The ends of the interval, in z.
   Interval ends() {
     const double low = risen(-q95), high = risen(q95);
     Interval found{end(-q68, low), end(q68, high), end(-q95, low), end(q95, high)};
-    found.low95 = std::min(found.low95, found.low68); // a search may end a little early
+    found.low95 =
+        std::min(found.low95,
+                 found.low68); // searches end at a finite tolerance, which could reverse the order
     found.high95 = std::max(found.high95, found.high68);
     return found;
   }
@@ -36,9 +39,9 @@ public:
   /// hold. To be called at growing distances on one side, then on the other.
   std::optional<double> fall(double z) {
     if (last_ && last_->z * z < 0.0) last_.reset();
-    constexpr double little = 0.02; // of L: a step that gains less gains what it promises
+    constexpr double least_gain = 0.02; // of L: for smaller gains the predicted gain is accurate
     const auto there = step_of_others(along(z));
-    const auto risen = there && there->gain < little
+    const auto risen = there && there->gain < least_gain
                            ? std::optional(there->value - there->gain - minimum_.value)
                            : rise(z);
     if (!risen) return {};
@@ -46,8 +49,8 @@ public:
   }
 
 private:
-  // The shape at q: by a look, and if that shows no parabola by a search; infinite if neither
-  // tells.
+  // The shape at q: from one step of scoring, or, if that shows no parabola, from a search;
+  // infinite if both fail.
   double risen(double q) {
     const double looked = shape(q);
     if (!broken(looked) || !search_) return looked;
@@ -56,7 +59,7 @@ private:
     return rise(z).value_or(infinite) / (0.5 * z * z);
   }
 
-  // The point z sigma away along the ridge that the curvature promises; T0 follows the ridge.
+  // The point z sigma away along the ridge predicted by the curvature. T0 follows the ridge.
   [[nodiscard]] std::vector<double> straight(double z) const {
     const auto row = known_.unwidened.row(static_cast<Eigen::Index>(k_));
     const Eigen::VectorXd direction = known_.unwidened * row.transpose() / row.norm();
@@ -68,10 +71,10 @@ private:
     return x;
   }
 
-  // What a step of scoring in the other coordinates would change, and gain; nothing if the model
-  // does not hold there.
+  // A step of scoring in the other coordinates: the change it makes and what it gains. Nothing
+  // where the model is not defined.
   struct Step {
-    double value = 0.0; // L before it
+    double value = 0.0; // L before the step
     double gain = 0.0;
     Eigen::VectorXd change;
   };
@@ -91,7 +94,7 @@ private:
     return step;
   }
 
-  // The ridge bends: halfway to q a step of scoring shows by how much.
+  // A step of scoring halfway to q measures how much the ridge bends.
   [[nodiscard]] std::vector<double> along(double z) {
     std::vector<double> x = straight(z);
     const std::size_t side = z < 0.0 ? 0 : 1;
@@ -106,17 +109,18 @@ private:
     return x;
   }
 
-  // Rise of the profile at q over that of the parabola; 0 where it cannot be told.
+  // The rise of the profile at q divided by the parabola's; 0 where it is unknown.
   [[nodiscard]] double shape(double q) {
     const double z = q * widening_;
     const auto there = step_of_others(along(z));
     return there ? (there->value - there->gain - minimum_.value) / (0.5 * z * z) : 0.0;
   }
 
-  // Beyond this no parabola of the root will do; one that rises too little may never reach the end.
+  // Beyond this the root of the rise is not nearly linear. A profile that rises too little may have
+  // no end.
   static bool broken(double shape) { return !(shape > 0.65 && shape < 1.5); }
-  // A search that ends so high has lost its way: no ridge of a likelihood is as steep.
-  static constexpr double hopeless = 30.0; // parabolas
+  // A search that ends higher than this has failed: no profile rises so steeply.
+  static constexpr double largest_rise = 30.0; // parabolas
 
   double end(double q, double shape) {
     constexpr double straight = 0.1; // of the rise: a twentieth of the interval
@@ -134,8 +138,8 @@ private:
     return reach;
   }
 
-  // Where the others start a search with this one held at z: on the ridge that the curvature
-  // promises, or where the last search ended, stretched, whichever is lower.
+  // The start of a search with this coordinate held at z: on the ridge predicted by the curvature,
+  // or at the end of the last search, extrapolated, whichever is lower.
   [[nodiscard]] std::vector<double> start_at(double z) {
     std::vector<double> ridge = along(z);
     const double wanted = z * known_.curvature_sigma(k_);
@@ -160,9 +164,10 @@ private:
     return true;
   }
 
-  // The profile itself at z, by steps of scoring in the others while they fall as they promise.
+  // The profile at z, by steps of scoring in the other coordinates as long as these gain what they
+  // predict.
   std::optional<double> rise_by_steps(double z, std::vector<double> x) {
-    constexpr double little = 0.05; // of L: a step that gains less gains what it promises
+    constexpr double least_gain = 0.05; // of L: a step that gains less gains what it promises
     double before = infinite;
     for (int steps = 0; steps < 3; ++steps) {
       const auto step = step_of_others(x);
@@ -170,7 +175,7 @@ private:
       for (std::size_t i = 0; i < x.size(); ++i)
         x[i] += step->change[static_cast<Eigen::Index>(i)];
       if (!is_allowed(x)) return {};
-      if (step->gain < little) {
+      if (step->gain < least_gain) {
         last_ = Solution{z, std::move(x)};
         return step->value - step->gain - minimum_.value;
       }
@@ -179,7 +184,7 @@ private:
     return {};
   }
 
-  // The same, by a search if the steps do not tell; nothing where that is lost.
+  // The same, with a search where the steps fail; nothing if the search fails too.
   std::optional<double> rise(double z) {
     const double coordinate = minimum_.x[k_] + z * known_.curvature_sigma(k_);
     std::vector<double> start = start_at(z);
@@ -190,14 +195,14 @@ private:
     Minimum found = minimise(held, start, limits);
     const double parabola = 0.5 * z * z;
     const double risen = found.value + prior_on(coordinate) - minimum_.value;
-    if (!found.usable || risen > hopeless * parabola)
+    if (!found.usable || risen > largest_rise * parabola)
       return rises_by_itself(held, coordinate, z) ? std::optional(parabola) : std::nullopt;
     found.x.insert(found.x.begin() + static_cast<std::ptrdiff_t>(k_), coordinate);
     last_ = Solution{z, std::move(found.x)};
     return risen;
   }
 
-  // Of the held coordinate.
+  // The value of the held coordinate at z.
   [[nodiscard]] double prior_on(double coordinate) const {
     double own = 0.0;
     for (const CoordinatePrior& prior : problem_.priors)
@@ -205,22 +210,22 @@ private:
     return own;
   }
 
-  // Whether a search that begins where the others were found keeps its way: then the curvature is
-  // believed, of which that search, which hardly moves them, sees only a part.
+  // Whether a search from the coordinates already found stays near them. If it does, the interval
+  // of the curvature is kept: such a search sees only part of the profile.
   [[nodiscard]] bool rises_by_itself(const FitProblem& held, double coordinate, double z) const {
     std::vector<double> others = minimum_.x;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k_));
     const Minimum found = minimise(held, others, {30, 0.01, 1e4});
     return found.usable &&
-           found.value + prior_on(coordinate) - minimum_.value < hopeless * 0.5 * z * z;
+           found.value + prior_on(coordinate) - minimum_.value < largest_rise * 0.5 * z * z;
   }
 
-  // The root of twice the rise is nearly straight in z: the false position of it at q. Where a
-  // search does not come to rest one nearer the last that did may; an end that none reaches stays
-  // open.
+  // The square root of twice the rise is nearly linear in z, so regula falsi finds where it is q.
+  // Where a search does not converge, a point nearer to the last success is tried; an end that is
+  // not reached stays open.
   double searched(double q) {
     const double target = std::abs(q) * widening_, side = std::copysign(1.0, q);
-    constexpr double farthest = 8.0, near = 0.02, longest = 1.6;
+    constexpr double farthest_root = 8.0, root_tolerance = 0.02, longest_step = 1.6;
     double inside = 0.0, root_inside = 0.0, outside = infinite, root_outside = infinite;
     double unreached = infinite, z = target;
     last_.reset();
@@ -228,19 +233,19 @@ private:
       pulse();
       if (const auto risen = rise(side * z)) {
         const double root = std::sqrt(2.0 * std::max(0.0, *risen));
-        if (std::abs(root - target) < near * target) return side * z;
+        if (std::abs(root - target) < root_tolerance * target) return side * z;
         (root < target ? inside : outside) = z;
         (root < target ? root_inside : root_outside) = root;
       } else {
         unreached = z;
       }
-      if (inside >= farthest * widening_) return side * infinite;
+      if (inside >= farthest_root * widening_) return side * infinite;
       const double part = (target - root_inside) / (root_outside - root_inside);
       const double slope = root_inside > 0.0 ? root_inside / inside : 1.0;
       z = std::isfinite(outside)
               ? inside + std::clamp(part, 0.1, 0.9) * (outside - inside)
-              : std::min({longest * std::max(inside, 0.25 * target),
-                          std::max(1.05 * inside, target / slope), farthest * widening_});
+              : std::min({longest_step * std::max(inside, 0.25 * target),
+                          std::max(1.05 * inside, target / slope), farthest_root * widening_});
       if (z >= unreached) z = 0.5 * (inside + unreached);
     }
     return side * (std::isfinite(outside) ? 0.5 * (inside + outside) : infinite);
@@ -262,20 +267,21 @@ private:
   std::array<std::optional<Eigen::VectorXd>, 2> bend_; // below and above the minimum
 };
 
-// Where every sigma is below this the likelihood is a parabola, as far as anyone could see: the two
-// sides of an interval differ by about as large a part.
-constexpr double tiny = 0.015;
+// If every relative sigma is below this, the likelihood counts as a parabola: the two sides of an
+// interval then differ by about the same small fraction.
+constexpr double small_relative_sigma = 0.015;
 
-// Where to look at profiles: on few beats if they know every coordinate as well, or so well that it
-// bends nothing.
+// The data for profiles: few beats, if they determine every coordinate as well as all beats do, or
+// so well that the profile is a parabola.
 const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few) {
-  constexpr double as_well = 0.2;  // of sigma: lopsided by that much more or less
-  constexpr double tightly = 0.05; // of a logarithm: bends by a twentieth of the interval
+  constexpr double largest_lopsidedness = 0.2; // of sigma
+  constexpr double tight_sigma = 0.05; // of a logarithm: asymmetry of a twentieth of the interval
   if (few == nullptr) return all;
   for (std::size_t k = 0; k < all.minimum.x.size(); ++k) {
     const double sigma = few->known.curvature_sigma(k);
     const double ratio = sigma / all.known.curvature_sigma(k);
-    if (!(std::abs(ratio - 1.0) < as_well) && !(sigma < tightly && ratio > 1.0)) return all;
+    if (!(std::abs(ratio - 1.0) < largest_lopsidedness) && !(sigma < tight_sigma && ratio > 1.0))
+      return all;
   }
   return *few;
 }
@@ -320,14 +326,14 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
     const double tolerable = tolerable_sigma(problem, slot, all.minimum.x);
     const bool lopsided = is_noise(slot.quantity) || may_vanish(slot);
     if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[k]) continue;
-    if (largest < tiny && !may_vanish(slot)) {
+    if (largest < small_relative_sigma && !may_vanish(slot)) {
       result[k] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
       continue;
     }
-    // Of a clock's parameter known so badly, or of a model that does not hold, a likelihood that
-    // is no parabola leaves nothing to defend.
-    constexpr double badly = 0.4;
-    const bool search = model_holds && (lopsided || sigma <= badly * tolerable);
+    // A parameter known this poorly, or a model that does not hold, is not worth a search for the
+    // ends of a likelihood that is no parabola.
+    constexpr double searched_share = 0.4;
+    const bool search = model_holds && (lopsided || sigma <= searched_share * tolerable);
     const double unit = known.curvature_sigma(k);
     const Interval z = Profile(seen_for(all, few), k, sigma / unit, search).ends();
     const double least = !problem.bounds.empty() && problem.bounds[k][0] == 0.0 ? 0.0 : -infinite;
@@ -340,7 +346,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
 std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
                                          const Slot& slot, const Interval& interval) {
   constexpr int points_a_side = 5;
-  constexpr double beyond = 1.15, open = 3.0; // of the interval; sigma
+  constexpr double reach_factor = 1.15, open_reach = 3.0; // of the interval; sigma
   const std::size_t k = slot.index;
   const double unit = all.known.curvature_sigma(k), widening = all.known.sigma(k) / unit;
   Profile profile(seen_for(all, few), k, widening, true);
@@ -348,8 +354,8 @@ std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const Profile
   std::vector<ProfilePoint> found{{slot.value(std::span<const double>(x)), 0.0}};
   for (const double end : {interval.low95, interval.high95}) {
     const bool low = end == interval.low95;
-    const double reach = std::isfinite(end) ? beyond * (end - all.minimum.x[k]) / unit
-                                            : (low ? -open : open) * widening;
+    const double reach = std::isfinite(end) ? reach_factor * (end - all.minimum.x[k]) / unit
+                                            : (low ? -open_reach : open_reach) * widening;
     for (int i = 1; i <= points_a_side; ++i) {
       pulse();
       const double z = reach * i / points_a_side;

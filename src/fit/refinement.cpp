@@ -44,8 +44,8 @@ bool is_lost(const Fitted& fitted) {
 
 bool refine(Fitted& fitted, FitDynamics dynamics) {
   if (dynamics == FitDynamics::averaged1) return true;
-  constexpr int rounds = 8;      // each gains two or three digits where the averaged model is near
-  constexpr double still = 2e-4; // of L: 0.02 sigma of the best known combination
+  constexpr int rounds = 8; // each gains two or three digits where the averaged model is near
+  constexpr double least_gain = 2e-4; // of L: 0.02 sigma of the best known combination
   Fitted refined = fitted;
   refined.dynamics = dynamics;
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
@@ -63,11 +63,11 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     }
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
-    if (round > 1 && step->gain < still) break;
+    if (round > 1 && step->gain < least_gain) break;
     std::vector<double> moved = refined.minimum.x;
-    constexpr double longest = 0.3; // along a flat ridge a step of scoring may lead anywhere
+    constexpr double longest_step = 0.3; // along a flat ridge a step of scoring may lead anywhere
     const double part =
-        std::min(1.0, longest / std::max(longest, step->of_x.cwiseAbs().maxCoeff()));
+        std::min(1.0, longest_step / std::max(longest_step, step->of_x.cwiseAbs().maxCoeff()));
     for (std::size_t k = 0; k < moved.size(); ++k) {
       const auto [low, high] = refined.problem.bounds[k];
       moved[k] = std::clamp(moved[k] + part * step->of_x[static_cast<Eigen::Index>(k)], low, high);
@@ -109,11 +109,11 @@ bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
                    [](const Fitted& a, const Fitted& b) { return by_value(a.minimum, b.minimum); });
   fitted = std::move(refined.front());
   if (refined.size() > 1) fitted.rivals.clear();
-  constexpr double near = 4.5; // of L: three sigma
+  constexpr double largest_deficit = 4.5; // of L: three sigma
   for (std::size_t k = 1; k < refined.size(); ++k) {
     const Minimum& other = refined[k].minimum;
     fitted.ends.push_back(other.x);
-    if (other.value < fitted.minimum.value + near &&
+    if (other.value < fitted.minimum.value + largest_deficit &&
         fitted.known.tells_apart(other.x, fitted.minimum.x))
       fitted.rivals.push_back({other.x, other.value - fitted.minimum.value});
   }

@@ -10,7 +10,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Two and five sigma along the direction the data know least, as far as that is sane.
+// Starts two and five sigma away along the least determined direction, but no further than a factor
+// e^3 in any parameter.
 std::vector<std::vector<double>> along_the_valley(const Certainty& known,
                                                   std::span<const double> x) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(known.unwidened, Eigen::ComputeThinU);
@@ -30,9 +31,10 @@ std::vector<std::vector<double>> along_the_valley(const Certainty& known,
 
 bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others) {
   if (others.empty() && knows_its_clock(fitted)) return false;
-  constexpr std::size_t enough = 3000; // beats: what is thinned away makes the check stricter
-  const TimingData data = thinned(*fitted.problem.data, fitted.problem.parameters, enough);
-  const FitProblem check = fitted.problem.on(data); // condensed beats hold near one end only
+  constexpr std::size_t compared_beats = 3000; // beats: thinning makes the check stricter
+  const TimingData data = thinned(*fitted.problem.data, fitted.problem.parameters, compared_beats);
+  const FitProblem check =
+      fitted.problem.on(data); // a condensed log is accurate near one minimum only
   const Minimum home = minimise(check, fitted.minimum.x, {60, 1e-3});
   if (!home.usable) return false;
   const auto there = evaluate(check, home.x);
@@ -44,26 +46,27 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
       starts.push_back(std::move(point));
   std::vector<Minimum> found{home};
   Minimum best = home;
-  constexpr double near = 4.5;       // of L: three sigma
-  constexpr double farthest = 100.0; // of L: what first order is off by, 14 sigma
+  constexpr double largest_deficit = 4.5; // of L: three sigma
+  constexpr double largest_first_order_error =
+      100.0; // of L, 14 sigma: the error that first order may make
   for (const auto& start : starts) {
     Minimum end = minimise(check, start, {60, 1e-3});
-    // What still creeps may be on its way to the best place.
-    if (end.usable && !end.converged && end.value < best.value + farthest)
+    // A search that has not converged may still be on its way to the best minimum.
+    if (end.usable && !end.converged && end.value < best.value + largest_first_order_error)
       end = minimise(check, end.x, {200, 1e-3});
     if (end.usable && end.value < best.value) best = end;
     found.push_back(std::move(end));
   }
-  constexpr double better = 0.5; // of L
-  const bool moved = best.value < home.value - better;
+  constexpr double least_gain = 0.5; // of L
+  const bool moved = best.value < home.value - least_gain;
   if (moved) fitted.minimum.x = best.x;
   const std::vector<double>& here = moved ? best.x : home.x;
   for (const Minimum& other : found)
-    if (other.usable && other.converged && other.value < best.value + near)
+    if (other.usable && other.converged && other.value < best.value + largest_deficit)
       fitted.rivals.push_back({other.x, other.value - best.value});
-  // Without a change the ends lie in one flat valley, which first order knows as well.
+  // Without a change all minima lie in one flat valley, which first order describes as well.
   for (const Minimum& other : found)
-    if (other.usable && other.converged && other.value < best.value + farthest &&
+    if (other.usable && other.converged && other.value < best.value + largest_first_order_error &&
         known.tells_apart(other.x, here) && !check.parameters.event_cycles.empty())
       fitted.ends.push_back(other.x);
   for (Rival& rival : fitted.rivals)
@@ -88,21 +91,22 @@ Fitted on_few_beats(const Fitted& fitted, const FewBeats& few) {
 
 namespace {
 
-// The fit brought to rest from the twin of its place, by its own dynamics; not usable if that is no
-// other place, or nothing like as good.
+// The fit started from the twin of its minimum and brought to convergence with its own dynamics.
+// Not usable if that leads back to the same minimum or to a much worse one.
 Fitted twin_fit(const Fitted& home) {
   const auto start = twin_of(home.problem, home.minimum.x);
   if (!start) return {};
   Fitted twin = home;
   twin.minimum.x = *start;
   if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, *start);
-  constexpr double far = 12.0; // of L: what only a stated prior brings about, and no search undoes
+  constexpr double largest_prior_deficit =
+      12.0; // of L: a larger deficit comes from a stated prior alone, and no search removes it
   const auto there = minus_log_likelihood(twin.problem, *start);
-  if (!there || *there > home.minimum.value + far) return {};
+  if (!there || *there > home.minimum.value + largest_prior_deficit) return {};
   settle(twin.problem, twin.minimum, {});
   if (!twin.minimum.usable || !refine(twin, home.dynamics)) return {};
-  constexpr double near = 4.5; // of L: three sigma
-  const bool is_near = twin.minimum.value < home.minimum.value + near;
+  constexpr double largest_deficit = 4.5; // of L: three sigma
+  const bool is_near = twin.minimum.value < home.minimum.value + largest_deficit;
   const auto at = evaluate(home.problem, home.minimum.x);
   const bool is_other =
       at && certainty(home.problem, *at, {}).tells_apart(twin.minimum.x, home.minimum.x);
@@ -112,10 +116,10 @@ Fitted twin_fit(const Fitted& home) {
 } // namespace
 
 void look_at_the_twin(Fitted& fitted) {
-  constexpr std::size_t enough = 3000;
+  constexpr std::size_t compared_beats = 3000;
   const TimingData& data = *fitted.problem.data;
-  if (fitted.problem.condensed == nullptr && data.size() > 3 * enough) {
-    const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, enough);
+  if (fitted.problem.condensed == nullptr && data.size() > 3 * compared_beats) {
+    const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, compared_beats);
     const Fitted home = on_few_beats(fitted, few);
     if (!home.minimum.usable || !twin_fit(home).minimum.usable) return;
   }

@@ -164,8 +164,8 @@ Eigen::MatrixXd Valley::slopes(std::span<const double> u) const {
 
 std::optional<double> Valley::solved(std::vector<double> x, double own) const {
   constexpr int rounds = 20;
-  constexpr double longest = 0.3, enough = 1e-13;
-  constexpr double close = 1e-9; // what gains nothing there is rounding
+  constexpr double longest_step = 0.3, smallest_change = 1e-13;
+  constexpr double rounding_change = 1e-9; // what gains nothing there is rounding
   double slope = slope_, change = 0.0, missed = 0.0;
   for (int round = 0; round < rounds; ++round) {
     follow_start(x, own);
@@ -174,13 +174,14 @@ std::optional<double> Valley::solved(std::vector<double> x, double own) const {
     const double misses = late_ - *late;
     if (round > 0) { // the slope of the last step: a secant
       const bool gained = std::abs(misses) < std::abs(missed);
-      if (!gained && std::abs(change) < close) break;
-      if (misses != missed && std::abs(change) > close) slope = (missed - misses) / change;
+      if (!gained && std::abs(change) < rounding_change) break;
+      if (misses != missed && std::abs(change) > rounding_change)
+        slope = (missed - misses) / change;
     }
     missed = misses;
-    change = std::clamp(misses / slope, -longest, longest);
+    change = std::clamp(misses / slope, -longest_step, longest_step);
     x[*rate_] += change;
-    if (std::abs(change) < enough) break;
+    if (std::abs(change) < smallest_change) break;
   }
   return x[*rate_];
 }

@@ -196,10 +196,10 @@ private:
     if (b.time - a.time > 0.5 * period_s_) return {}; // the passage itself was not seen
     const double part = (rest_ - a.angle) / (b.angle - a.angle);
     centre_ = a.time + part * (b.time - a.time);
-    constexpr std::size_t least = 6; // two more than the cubic has terms
+    constexpr std::size_t least_samples = 6; // two more than the cubic has terms
     for (const double width : {0.125, 0.167}) {
       const auto near = around(samples_, passage.before, centre_, width * period_s_);
-      if (near.size() < least) continue;
+      if (near.size() < least_samples) continue;
       const Cubic fit(near, centre_, width * period_s_, rest_);
       if (fit.coefficients.allFinite()) return fit;
     }
@@ -414,8 +414,8 @@ double usual_step(std::span<const AngleSample> samples) {
 SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
                                    std::optional<double> rest_angle, bool in_rad) {
   SampledSwings none;
-  constexpr std::size_t fewest = 8; // three swings of the fewest samples
-  if (samples.size() < fewest) return none;
+  constexpr std::size_t fewest_samples = 8; // three swings of the fewest samples
+  if (samples.size() < fewest_samples) return none;
   std::vector<double> angles;
   for (const AngleSample& sample : samples)
     angles.push_back(sample.angle);

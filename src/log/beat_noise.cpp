@@ -29,8 +29,9 @@ std::array<double, 3> shares_at(double lag) {
 
 double trimmed_mean_square(std::span<double> values) {
   // The mean square of a standard normal deviate within +-1.96, 95 % of it: 1 - 2 z phi(z) / 0.95.
-  constexpr double kept = 0.95, kept_mean_square = 0.75881;
-  const auto count = static_cast<std::size_t>(std::ceil(kept * static_cast<double>(values.size())));
+  constexpr double kept_share = 0.95, kept_mean_square = 0.75881;
+  const auto count =
+      static_cast<std::size_t>(std::ceil(kept_share * static_cast<double>(values.size())));
   const auto edge = values.begin() + static_cast<std::ptrdiff_t>(count);
   if (edge != values.end())
     std::nth_element(values.begin(), edge, values.end(),

@@ -235,10 +235,10 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
 }
 
 Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source) {
-  constexpr std::size_t fewest = 3;
-  if (events.size() < fewest)
+  constexpr std::size_t fewest_values = 3;
+  if (events.size() < fewest_values)
     throw InputError({source, 1, 1}, fmt::format("{} values", events.size()),
-                     fmt::format("at least {}", fewest));
+                     fmt::format("at least {}", fewest_values));
   Beats result;
   result.beats = std::move(events);
   const auto& beats = result.beats;

@@ -49,10 +49,10 @@ template <class Take> void for_each_bounce(std::span<Beat> events, double dead_t
 // The dead time that takes in the bounces, or 0 if there are none. False events fall on both halves
 // of the time looked at alike; as many as fall on the second half are taken off the first.
 double found_dead_time(std::span<Beat> events) {
-  constexpr double looked_at = 0.1; // of the usual interval
-  constexpr double longest_s = 0.1; // no contact bounces for longer
-  constexpr std::size_t fewest = 5; // bounces that are no accident
-  const double reach = std::min(looked_at * usual_interval(events), longest_s);
+  constexpr double looked_at_share = 0.1;   // of the usual interval
+  constexpr double longest_s = 0.1;         // no contact bounces for longer
+  constexpr std::size_t fewest_bounces = 5; // bounces that are no accident
+  const double reach = std::min(looked_at_share * usual_interval(events), longest_s);
   std::vector<double> early;
   std::size_t late = 0;
   for (const Stretch& stretch : sample_stretches(events.size()))
@@ -65,7 +65,7 @@ double found_dead_time(std::span<Beat> events) {
                     });
   // So many in a tenth of the time that false events at any time would be several a beat.
   const bool crowded = 3 * (early.size() + late) > events.size();
-  if (early.size() < fewest || (early.size() <= 4 * late && !crowded)) return 0.0;
+  if (early.size() < fewest_bounces || (early.size() <= 4 * late && !crowded)) return 0.0;
   if (early.size() <= 4 * late) return reach;
   std::sort(early.begin(), early.end());
   constexpr double margin = 1.2; // the longest of the sample is not the longest of all

@@ -39,8 +39,8 @@ Middle typical_middle(std::span<const Beat> beats, double period_s) {
   for (double& fraction : fractions)
     fraction = std::abs(fraction - middle.at);
   const double half = median(fractions);
-  constexpr double finest = 1e-9; // of a period, as for upward crossings
-  middle.sigma = std::max(1.4826 * half, finest);
+  constexpr double finest_share = 1e-9; // of a period, as for upward crossings
+  middle.sigma = std::max(1.4826 * half, finest_share);
   // Eight standard deviations (12 medians), at least 1 % and never a quarter: an upward crossing
   // taken for a downward one stands half a period off.
   middle.tolerance = std::clamp(12.0 * half, 0.01, 0.2);
@@ -184,12 +184,12 @@ Steps steps_of(std::span<const Beat> events) {
 // Their mean is that of the log itself; a beat error cancels in it.
 std::optional<double> half_period(const std::vector<double>& steps, double period_s) {
   double all = 0.0, odd = 0.0, whole = 0.0, sum = 0.0, single = 0.0;
-  constexpr double off = 0.1; // periods: no beat error is larger
+  constexpr double largest_beat_error = 0.1; // periods: no beat error is larger
   for (const double step : steps) {
     if (!(step >= 0.0)) continue;
     const double halves = std::round(2.0 * step / period_s);
     ++all;
-    if (halves < 1.0 || std::abs(step / period_s - 0.5 * halves) > off) continue;
+    if (halves < 1.0 || std::abs(step / period_s - 0.5 * halves) > largest_beat_error) continue;
     ++whole;
     if (std::fmod(halves, 2.0) == 1.0) ++odd;
     if (halves == 1.0) {
@@ -198,8 +198,8 @@ std::optional<double> half_period(const std::vector<double>& steps, double perio
     }
   }
   if (!(odd > 0.25 * all && whole > 0.7 * all)) return {}; // by chance 0.2 and 0.4
-  constexpr double enough = 20.0;
-  const double mean = single > enough ? sum / single : 0.5 * period_s;
+  constexpr double fewest_singles = 20.0;
+  const double mean = single > fewest_singles ? sum / single : 0.5 * period_s;
   return std::abs(2.0 * mean / period_s - 1.0) < 0.02 ? mean : 0.5 * period_s;
 }
 

@@ -90,9 +90,10 @@ bool all_nines(std::string_view text) {
 }
 
 std::string shown(std::string_view text) {
-  constexpr std::size_t longest = 40; // enough to recognise the place, short enough for one line
-  return fmt::format("'{}{}'", printable(text.substr(0, longest)),
-                     text.size() > longest ? "..." : "");
+  constexpr std::size_t most_characters =
+      40; // enough to recognise the place, short enough for one line
+  return fmt::format("'{}{}'", printable(text.substr(0, most_characters)),
+                     text.size() > most_characters ? "..." : "");
 }
 
 bool is_binary(char c) {

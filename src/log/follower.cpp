@@ -45,8 +45,8 @@ bool is_same(const Layout& a, const Layout& b) {
 
 // How many events the first lines of data give; none if more than a quarter of them give nothing.
 std::size_t events_in(std::string_view text, const Layout& layout, const ReadingOptions& options) {
-  constexpr std::size_t looked_at = 16;
-  text = first_lines(text, layout.first_line - 1 + looked_at);
+  constexpr std::size_t lines_looked_at = 16;
+  text = first_lines(text, layout.first_line - 1 + lines_looked_at);
   ClockLog log;
   RowReader rows(layout, options, log);
   LineReader lines(text, log.source);
@@ -119,7 +119,7 @@ struct LogFollower::Parts {
     const auto before = static_cast<std::uint32_t>(start.lines);
     if (before > 0)
       IssueList(log, options.strict)
-          .add(1, 1, IssueKind::header, fmt::format("{} lines that are no log", before),
+          .add(1, 1, IssueKind::header, fmt::format("{} lines that do not belong to a log", before),
                "left out");
     if (layout && is_same(start.layout, *layout))
       return rows->begin_anew(before + start.layout.first_line);
@@ -193,9 +193,9 @@ std::optional<Beat> LogFollower::next() {
   }
   const Beat beat = events[parts_->handed_out++];
   // The reader looks back at the last events: not all that were handed out can go.
-  constexpr std::size_t looked_back_at = 16, enough = 4096;
-  if (parts_->handed_out > enough) {
-    const std::size_t gone = parts_->handed_out - looked_back_at;
+  constexpr std::size_t beats_looked_back_at = 16, most_handed_out = 4096;
+  if (parts_->handed_out > most_handed_out) {
+    const std::size_t gone = parts_->handed_out - beats_looked_back_at;
     events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(gone));
     parts_->handed_out -= gone;
     parts_->log.columns = {}; // nobody asks for them

@@ -9,13 +9,12 @@ namespace goingrate {
 
 namespace {
 
-// A clock is not trusted to keep its rate over a gap as long as the log to better than 1e-6, a
-// tenth of a second a day: the log is too short to show its wander. Of a shorter gap the log shows
-// more, in proportion.
+// Over a gap as long as the log, the rate is assumed to wander by 1e-6 (a tenth of a second a day)
+// at least, since the log is too short to show less. Over shorter gaps proportionally less.
 constexpr double unknown_wander = 1e-6;
-// Beats looked at on each side: eight gaps long the period is known far better than the gap asks.
+// Beats used on each side: over eight times the gap's length the period is known well enough.
 constexpr double stretch_per_cycle = 8.0, shortest_stretch = 32.0, longest_stretch = 4096.0;
-// The period before the first beat of a stretch, as a share of the typical one.
+// Relative uncertainty of the period before the first beat of a stretch.
 constexpr double unknown_period_share = 0.02;
 
 std::size_t stretch_for(double cycles) {
@@ -36,9 +35,10 @@ bool GapJudge::beyond_belief(double cycles) const {
 }
 
 double GapJudge::probability(double misfit, double sigma, double share) const {
-  constexpr double hopeless = 3.0; // periods: no count reaches 0.14
-  if (!(sigma < hopeless)) return 0.0;
-  // Likelihoods over that of the nearest count, so that a misfit of many sigmas is no 0 / 0.
+  constexpr double largest_sigma_periods =
+      3.0; // periods: beyond, no count has a probability of 0.14
+  if (!(sigma < largest_sigma_periods)) return 0.0;
+  // Likelihoods relative to the nearest count, so that a misfit of many sigmas does not give 0 / 0.
   double counts = 0.0;
   const double reach = std::ceil(8.0 * sigma) + 2.0; // beyond, nothing adds 1e-14
   for (double k = -reach; k <= reach; ++k)
@@ -49,7 +49,7 @@ double GapJudge::probability(double misfit, double sigma, double share) const {
   return (1.0 - share) / ((1.0 - share) * counts + share * at_any_phase);
 }
 
-// The time over a gap given the periods on both sides.
+// The duration of a gap, given the periods on both sides.
 GapJudge::Bridge GapJudge::bridge_over(const ClockFilter& before, const ClockFilter& after,
                                        double n, double rate_walk2) const {
   const auto foreseen = before.after(n, rate_walk2);

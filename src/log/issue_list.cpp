@@ -41,9 +41,9 @@ void IssueList::add(std::size_t line, std::size_t column, IssueKind kind, std::s
   constexpr std::size_t always_listed = 500, lines_an_issue = 25; // 250 bytes for 25 lines
   const bool too_many = issues.size() >= std::max(always_listed, line / lines_an_issue);
   if (too_many) {
-    constexpr std::ptrdiff_t looked_at = 64; // more than there are kinds
+    constexpr std::ptrdiff_t issues_looked_at = 64; // more than there are kinds
     const auto end =
-        issues.rbegin() + std::min(looked_at, static_cast<std::ptrdiff_t>(issues.size()));
+        issues.rbegin() + std::min(issues_looked_at, static_cast<std::ptrdiff_t>(issues.size()));
     const auto alike = std::find_if(issues.rbegin(), end, [&](const LineIssue& issue) {
       return issue.scattered && issue.kind == kind && issue.action == action;
     });

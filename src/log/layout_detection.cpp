@@ -301,7 +301,8 @@ void Detection::check_needed_columns() {
     if (use_time)
       assume("times are read, the column of periods is not", Setting::columns, "period=N");
     else
-      assume("periods are added up; the column of times, in whole numbers, tells pauses alone",
+      assume("periods are added up; the column of times, in whole numbers, is used only to find "
+             "pauses",
              Setting::columns, "time=N");
     layout_.columns[use_time ? *period : *time].role = ColumnRole::ignored;
     if (!use_time) layout_.coarse_time = time;
@@ -375,10 +376,11 @@ void Detection::settle_times() {
 // began again between two lines they do not tell.
 void Detection::refuse_fast_counter(const ColumnSample& sample) const {
   if (options_.wrap_s || options_.unit || !sample.whole || !(sample.least >= 0.0)) return;
-  constexpr double often = 0.05, nearly = 0.9; // of the lines; of what the counter holds
-  if (std::min(sample.rising, sample.falling) < often) return;
+  constexpr double least_wrap_share = 0.05,
+                   filled_share = 0.9; // of the lines; of what the counter holds
+  if (std::min(sample.rising, sample.falling) < least_wrap_share) return;
   for (const double holds : {65536.0, 1e6, 1048576.0, 16777216.0}) {
-    if (!(sample.most < holds && sample.most > nearly * holds)) continue;
+    if (!(sample.most < holds && sample.most > filled_share * holds)) continue;
     const HeadLine& first = head_.rows.front();
     throw ImpossibleReading(
         {log_.source, first.number, 1},
@@ -396,8 +398,8 @@ void Detection::refuse_fast_counter(const ColumnSample& sample) const {
 // goes one way or counts: nobody's beats are so even.
 void Detection::refuse_what_was_not_measured(std::size_t time) const {
   const ColumnSample& sample = samples_[time];
-  constexpr std::size_t enough = 20; // lines
-  if (!sample.whole || !sample.even || sample.numbers < enough || !options_.columns.empty() ||
+  constexpr std::size_t fewest_lines = 20; // lines
+  if (!sample.whole || !sample.even || sample.numbers < fewest_lines || !options_.columns.empty() ||
       options_.format || !head_.names.empty() || layout_.find(ColumnRole::clock_error))
     return;
   for (std::size_t i = 0; i < samples_.size(); ++i) {

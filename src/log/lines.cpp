@@ -25,6 +25,13 @@ constexpr std::size_t chunk = 1 << 18;         // stays in the second-level cach
 constexpr std::size_t longest_line = 16 << 20; // no log has one; a file without line ends would
 
 // A file descriptor, read as it comes.
+// Why a file cannot be opened, as what was found in its place.
+std::string found_instead(int error) {
+  if (error == ENOENT || error == ENOTDIR) return "no file of that name";
+  if (error == EACCES || error == EPERM) return "a file that you may not read";
+  return std::strerror(error);
+}
+
 class FileSource : public ByteSource {
 public:
   FileSource(const std::string& path, std::function<bool()> wait)
@@ -37,7 +44,7 @@ public:
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat status {};
     if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0)
-      throw InputError({path}, std::strerror(errno), "a readable file");
+      throw InputError({path}, found_instead(errno), "a readable file");
     if (S_ISDIR(status.st_mode)) {
       ::close(descriptor_);
       throw InputError({path}, "a directory", "a readable file");

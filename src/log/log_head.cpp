@@ -21,10 +21,10 @@ constexpr std::size_t most_rows = 20000; // enough to see any pendulum swing at 
 // A program or a picture is refused; a log with a hole in it (zeros after a power cut, bytes lost
 // on a line) is not: its bad lines are left out one by one.
 void refuse_binary(const std::vector<HeadLine>& lines, const std::string& source) {
-  constexpr std::size_t looked_at = 100; // lines: more than most holes have
+  constexpr std::size_t lines_looked_at = 100; // lines: more than most holes have
   const HeadLine* first = nullptr;
   std::size_t bad = 0, all = 0;
-  for (const HeadLine& line : std::span(lines).first(std::min(lines.size(), looked_at))) {
+  for (const HeadLine& line : std::span(lines).first(std::min(lines.size(), lines_looked_at))) {
     ++all;
     if (!has_binary(line.text)) continue;
     ++bad;

@@ -15,15 +15,15 @@ constexpr double gate_sigmas2 = 36.0;
 constexpr double gate_floor = 0.01;
 // Never so wide that an event half-way between two beats could be one.
 constexpr double gate_cap = 0.25;
-// So many events without a place: the beats are looked for afresh. With a tenth of the events false
-// it happens once in 1e6 by chance.
+// After this many events in a row that fit no beat, the search for beats starts anew. With one
+// event in ten false that happens by chance once in 1e6.
 constexpr int most_misfits = 6;
-// Over a long absence the next beat is still foreseen if six sigmas are no more than this part of
-// the period: an event at any phase then fits once in ten times at most.
+// After a long absence the next beat is still predicted if six sigmas are at most this share of the
+// period: an event at a random phase then fits in at most one case of ten.
 constexpr double foreseen_share = 0.05;
-// Two events for one cycle are told apart if one is a hundred times likelier: exp(4.6).
+// Of two events for one cycle one is chosen if it is a hundred times likelier: exp(4.6).
 constexpr double decisive_log_odds = 4.6;
-// How far the period may be off the typical one where the beats begin, and may have changed where
+// The relative error of the typical period where beats begin, and the relative change allowed where
 // they were lost.
 constexpr double unknown_period_share = 0.01;
 constexpr double changed_period_share = 1e-3;
@@ -74,7 +74,7 @@ void Numbering::run() {
   if (last_ == beats_.size()) return;
   beats_[last_].cycle = 0;
   double period = local_period(beats_, last_, search_);
-  // Too few for a vote: trust the first event.
+  // Too few events for a vote: the first counts as a beat.
   const std::size_t start = looked_for(last_, period).value_or(last_);
   for (std::size_t i = last_; i < start; i = next_up(i + 1))
     mark_spurious(i);
@@ -91,7 +91,7 @@ std::size_t Numbering::place(std::size_t i) {
   const double period = filter_.period();
   const double cycles = std::abs(since - period) < 0.5 * period ? 1.0 : std::round(since / period);
   const double variance =
-      cycles >= 1.0 ? filter_.error_variance(filter_.after(cycles)) : 0.0; // of what is foreseen
+      cycles >= 1.0 ? filter_.error_variance(filter_.after(cycles)) : 0.0; // of the prediction
   const bool absent = cycles > search_.absence;
   const bool lost = absent && gate_sigmas2 * variance > std::pow(foreseen_share * period_, 2.0);
   if (lost) return resume(i, i, true);
@@ -107,11 +107,11 @@ std::size_t Numbering::place(std::size_t i) {
   return i;
 }
 
-// A false event shortly before a beat makes it look like its bounce: event i is off, and one of its
-// bounces stands where the beat is foreseen.
+// A false event shortly before a beat makes the beat look like its bounce: event i is off the
+// predicted time, and one of its bounces is at that time.
 std::optional<std::size_t> Numbering::beat_among_bounces(std::size_t i) const {
-  // Twice the log of what it must be likelier by: of events close to each other one in forty comes
-  // before the beat, and a hundred to one decides.
+  // Twice the log of the odds needed: of events close together one in forty precedes the beat, and
+  // odds of a hundred to one decide.
   constexpr double decisive2 = 2.0 * (3.7 + decisive_log_odds);
   const auto squared_sigmas = [&](std::size_t k) {
     const double since = beats_[k].time - beats_[last_].time;
@@ -127,8 +127,8 @@ std::optional<std::size_t> Numbering::beat_among_bounces(std::size_t i) const {
   return {};
 }
 
-// Where cycles are missing before event i: a bounce that stands where one of their beats is
-// foreseen. A false event of either direction came shortly before it.
+// If cycles are missing before event i: a bounce at the predicted time of one of the missing beats.
+// A false event of either direction came shortly before it.
 std::optional<std::size_t> Numbering::missing_among_bounces(std::size_t i) const {
   constexpr double near2 = 9.0; // squared sigmas
   for (std::size_t k = last_ + 1; k < i; ++k) {
@@ -142,8 +142,8 @@ std::optional<std::size_t> Numbering::missing_among_bounces(std::size_t i) const
   return {};
 }
 
-// Of event i and those after it that fit the same cycle the nearest is the beat; one that is nearly
-// as likely is a rival, another spurious.
+// Of event i and the following ones that fit the same cycle, the nearest is the beat. Another that
+// is nearly as likely is a rival; the rest are spurious.
 std::size_t Numbering::settle(std::size_t i, double cycles) {
   if (cycles > 1.0)
     if (const auto beat = missing_among_bounces(i)) {
@@ -192,8 +192,9 @@ std::optional<std::size_t> Numbering::looked_for(std::size_t i, double& period) 
   return find_steady_beat(beats_, i, search);
 }
 
-// The beats were lost: looks for them from event i on; those up to `seen` are spurious if there are
-// none. Fewer than four before the next absence will do where nothing says that they are false.
+// After the beats were lost, searches for them from event i on. If there are none, the events up to
+// `seen` are spurious. Fewer than four before the next absence are accepted if nothing contradicts
+// them.
 std::size_t Numbering::resume(std::size_t i, std::size_t seen, bool few_will_do) {
   misfits_ = 0;
   double period = filter_.period();
@@ -204,20 +205,20 @@ std::size_t Numbering::resume(std::size_t i, std::size_t seen, bool few_will_do)
     mark_spurious(k);
   if (!found) return seen;
   const double elapsed = beats_[start].time - beats_[last_].time;
-  constexpr double most = 1e15; // cycles, which a double still counts
+  constexpr double most_cycles = 1e15; // cycles, which a double still counts
   const double periods = (elapsed - filter_.offset()) / period;
-  const double cycles = std::clamp(std::round(periods), 1.0, most);
+  const double cycles = std::clamp(std::round(periods), 1.0, most_cycles);
   const auto foreseen = filter_.after(cycles);
   if (cycles <= search_.absence &&
       fits(filter_.error(elapsed, cycles), filter_.error_variance(foreseen)))
-    return settle(start, cycles); // no more than a run of false events
+    return settle(start, cycles); // the lost events were a run of false ones
   accept(start, beats_[last_].cycle + static_cast<std::int64_t>(cycles));
   resumed_.push_back(start);
   filter_.start(changed_period_share * period_, period);
   return start;
 }
 
-// A false event that came near a missed beat was taken for it, and surprised the filter.
+// A false event near a missed beat was taken for the beat and misled the filter.
 void Numbering::strike_lone_outliers() {
   for (const std::size_t i : surprises_)
     if (stands_alone(i)) beats_[i].flag = BeatFlag::spurious;
@@ -226,7 +227,7 @@ void Numbering::strike_lone_outliers() {
 // Whether the beat's own error against the straight line through its neighbours is large and theirs
 // are minus half of it, unlike at a change of the rate, where the neighbours lie on their lines.
 bool Numbering::stands_alone(std::size_t i) const {
-  constexpr std::size_t reach = 20, most = 2 * reach + 1;
+  constexpr std::size_t reach = 20, most_neighbours = 2 * reach + 1;
   const auto good = [&](std::size_t k) { return beats_[k].flag == BeatFlag::good; };
   std::vector<std::size_t> near;
   std::size_t place = 0;
@@ -239,7 +240,7 @@ bool Numbering::stands_alone(std::size_t i) const {
     if (good(k)) near.push_back(k);
   if (place < 2 || place + 2 >= near.size()) return false;
   if (beats_[near[place + 2]].cycle - beats_[near[place - 2]].cycle != 4) return false;
-  std::array<double, most> sizes{};
+  std::array<double, most_neighbours> sizes{};
   const auto error_at = [&](std::size_t k) {
     const Beat &a = beats_[near[k - 1]], &b = beats_[near[k]], &c = beats_[near[k + 1]];
     if (c.cycle - a.cycle != 2) return 0.0;

@@ -14,7 +14,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr double near = 0.05; // no pendulum clock is off by an hour a day
+constexpr double largest_rate_excess = 0.05; // no pendulum clock is off by an hour a day
 
 OtherReading with_nominal(double period_s, bool both_edges) {
   OtherReading other;
@@ -34,7 +34,8 @@ std::vector<OtherReading> readings_for_period(double step_s, double nominal_s) {
   for (const TimeUnit& unit : {in_milliseconds, in_microseconds, in_nanoseconds, in_minutes}) {
     const double in_unit_s = step_s * unit.seconds * std::pow(10.0, unit.power);
     const double periods = std::round(in_unit_s / nominal_s);
-    if (periods < 1.0 || std::abs(in_unit_s / (periods * nominal_s) - 1.0) > near || periods > 4.0)
+    if (periods < 1.0 || std::abs(in_unit_s / (periods * nominal_s) - 1.0) > largest_rate_excess ||
+        periods > 4.0)
       continue;
     others.push_back({.words = fmt::format("the times are in {}", name_of(unit)),
                       .unit = std::string(name_of(unit))});

@@ -42,18 +42,19 @@ Agreement agreement(std::span<const Beat> events, std::size_t start, const Phase
 
 double local_period(std::span<const Beat> events, std::size_t from, const PhaseSearch& search) {
   const double period_s = search.period_s;
-  constexpr double alike = 0.1; // of a period: no circular error or step of the rate is larger
-  constexpr std::size_t fewest = 4;
+  constexpr double largest_deviation =
+      0.1; // of a period: no circular error or step of the rate is larger
+  constexpr std::size_t fewest_steps = 4;
   std::vector<double> steps;
   const Beat* before = nullptr;
   for (std::size_t i = from; i < events.size(); ++i) {
     if (!may_be_up(events[i])) continue;
     if (events[i].time - events[from].time > search.window * period_s) break;
     const double step = before == nullptr ? 0.0 : events[i].time - before->time;
-    if (std::abs(step - period_s) < alike * period_s) steps.push_back(step);
+    if (std::abs(step - period_s) < largest_deviation * period_s) steps.push_back(step);
     before = &events[i];
   }
-  if (steps.size() < fewest) return period_s;
+  if (steps.size() < fewest_steps) return period_s;
   const double here = median(std::span(steps));
   const auto count = static_cast<double>(steps.size());
   for (double& step : steps)

@@ -92,22 +92,23 @@ private:
   double nominal_period_s_;
 };
 
-// Of one beat, from third differences of four that follow each other: 20 j^2, whatever the rate.
+// Jitter variance of a beat, from third differences of four successive beats: their variance is 20
+// j^2 whatever the rate.
 double jitter_variance(std::span<const Beat> beats, const ClockError& error) {
   std::vector<double> differences;
   for (std::size_t i = 0; i + 3 < beats.size(); ++i)
     if (beats[i + 3].cycle - beats[i].cycle == 3)
       differences.push_back(error[i + 3] - error[i] - 3.0 * (error[i + 2] - error[i + 1]));
-  constexpr std::size_t enough = 16;
-  return differences.size() < enough ? 0.0 : trimmed_mean_square(differences) / 20.0;
+  constexpr std::size_t fewest_differences = 16;
+  return differences.size() < fewest_differences ? 0.0 : trimmed_mean_square(differences) / 20.0;
 }
 
-// The jitter of the two ends, and the largest s^2/k over block counts k beyond what it makes of the
-// scatter. Many blocks, whose scatter is mostly jitter, count only where they stand out of it.
-// Elapsed times weigh as nothing since blocks are equal.
+// The jitter of the two ends, plus the largest excess of s^2/k over block counts k beyond the
+// scatter that jitter explains. Many short blocks, whose scatter is mostly jitter, count only if
+// their scatter clearly exceeds it. Blocks are equally long, so they have equal weights.
 double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   double largest = 0.0;
-  constexpr std::size_t few = 8;
+  constexpr std::size_t few_blocks = 8;
   const std::size_t last = beats.size() - 1;
   const double ends =
       2.0 * jitter_variance(beats, error) / std::pow(beats[last].time - beats[0].time, 2);
@@ -126,7 +127,7 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
     const double variance = std::max(0.0, (sum2 - sum * sum / count) / (count - 1.0));
     const double jitter = ends * count * count;
     const bool stands_out = variance > jitter * (1.0 + 3.0 * std::sqrt(2.0 / (count - 1.0)));
-    if (k <= few || stands_out) largest = std::max(largest, (variance - jitter) / count);
+    if (k <= few_blocks || stands_out) largest = std::max(largest, (variance - jitter) / count);
   }
   return std::sqrt(ends + largest);
 }
@@ -147,9 +148,9 @@ double slope(std::span<const Beat> beats, const ClockError& error) {
   return stx / stt;
 }
 
-// Hands each run of good beats with one mark to `take`: the log itself where it holds nothing else,
-// so that long logs are not copied. A part begins with the last beat of the one before, so that no
-// period falls between them, unless the log is split there.
+// Calls `take` with each run of good beats of one mark; with the log itself, uncopied, if it has
+// nothing else. A part begins with the last beat of the one before, so that no period falls between
+// them, unless the log is split there.
 template <class Mark, class Take>
 void for_each_part(std::span<const Beat> beats, Mark mark, Take take) {
   constexpr std::size_t nowhere = static_cast<std::size_t>(-1);

@@ -19,7 +19,7 @@ std::array<std::vector<double>*, 4> all_columns(EventColumns& columns) {
 
 bool earlier(const Beat& a, const Beat& b) { return a.time < b.time; }
 
-// The time from one event to the next, in the middle; none of a step back.
+// The median time between successive events; steps back do not count.
 double usual_step(const std::vector<Beat>& events) {
   std::vector<double> steps;
   for (const Stretch& stretch : sample_stretches(events.size()))
@@ -28,9 +28,9 @@ double usual_step(const std::vector<Beat>& events) {
   return steps.empty() ? 0.0 : median(steps);
 }
 
-// Finds the blocks of a log: where the time goes back and goes on from there, the logger has begun
-// again or another log follows. Lines that come late by a few places are no blocks, nor is a line
-// from elsewhere between two that follow each other, nor lines that are repeated.
+// Finds the blocks of a log. Where the time goes back and continues from there, the logger was
+// restarted or another log follows. Lines that are late by a few places, a stray line between two
+// neighbours, and repeated lines begin no block.
 class BlockFinder {
 public:
   explicit BlockFinder(const std::vector<Beat>& events)
@@ -52,7 +52,7 @@ public:
 private:
   static constexpr std::size_t most_late = 64; // places by which a line may come late
 
-  // More than a quarter of the steps go back: there is no order to find blocks in.
+  // If more than a quarter of the steps go back, the log has no order in which to find blocks.
   [[nodiscard]] bool is_shuffled() const {
     std::size_t back = 0;
     for (std::size_t i = 1; i < events_.size(); ++i)
@@ -64,22 +64,23 @@ private:
     std::size_t before = i; // the last event that is not later than event i
     while (before > first && i - before < most_late && earlier(events_[i], events_[before - 1]))
       --before;
-    // To the beginning of the block, but for an eighth of it: the first times of runs differ.
+    // Back to the first eighth of the block: runs of one logger do not begin at exactly the same
+    // time.
     const bool far_back = 8 * (before - first) <= i - first + 8 || i - before == most_late;
     return goes_on(i, latest, far_back) && !is_repeated(i, first);
   }
 
-  // Three events at least follow each other until the time where the log stood is passed in an
-  // ordinary step; or, from far back, until the log ends or goes back once more, however soon.
+  // Whether at least three events follow in order before the former time is passed by an ordinary
+  // step. After a step far back, fewer suffice if the log ends or goes back again.
   [[nodiscard]] bool goes_on(std::size_t i, std::size_t latest, bool far_back) const {
-    constexpr std::size_t fewest = 3, enough = 16;
+    constexpr std::size_t fewest_rows = 3, sufficient_rows = 16;
     std::size_t end = i + 1;
-    while (end < events_.size() && end - i < enough && !earlier(events_[end], events_[end - 1]) &&
-           earlier(events_[end], events_[latest]))
+    while (end < events_.size() && end - i < sufficient_rows &&
+           !earlier(events_[end], events_[end - 1]) && earlier(events_[end], events_[latest]))
       ++end;
     const bool goes_back = end < events_.size() && earlier(events_[end], events_[end - 1]);
     if (goes_back && far_back) return true;
-    if (end - i < fewest) return false;
+    if (end - i < fewest_rows) return false;
     const bool passes = end < events_.size() && !earlier(events_[end], events_[latest]);
     if (!passes) return far_back;
     return events_[end].time - events_[end - 1].time < 1.5 * usual_step_;
@@ -146,7 +147,7 @@ void sort_blocks(ClockLog& log, const std::vector<std::size_t>& starts) {
   put_in_order(events);
 }
 
-// Events that are the same as the one before, to the last digit of time and amplitude.
+// Events equal to the one before in every digit of time and amplitude.
 void leave_out_copies(ClockLog& log, IssueList& issues) {
   auto& events = log.events;
   const auto is_same = [](const Beat& a, const Beat& b) {
@@ -189,7 +190,7 @@ void turn_round(ClockLog& log) {
 
 void mend_label_jitter(ClockLog& log, double label_step_s, IssueList& issues) {
   auto& events = log.events;
-  // A minute of seconds: labels that stay wrong for longer are a clock that was set.
+  // Labels of one second: if they stay wrong for more than a minute, the logger's clock was set.
   constexpr std::size_t longest_run = 60;
   const auto step_is = [&](std::size_t i, double labels) {
     return std::abs((events[i].time - events[i - 1].time) / label_step_s - labels) < 0.5;
@@ -213,7 +214,7 @@ void mend_label_jitter(ClockLog& log, double label_step_s, IssueList& issues) {
                  fmt::format("a label one step {}", early ? "early" : "late"),
                  fmt::format("label moved by {} s", move_s));
     }
-    if (end > i) i = end; // the step that closes it is right now
+    if (end > i) i = end; // the closing step is now correct
   }
 }
 

@@ -131,7 +131,7 @@ bool RowReader::row_fits(const Line& line) {
   const std::size_t columns = layout_.columns.size();
   if (fields_.size() == columns && !has_binary(line.text)) return true;
   if (has_binary(line.text)) {
-    reject(line, 1, IssueKind::binary, fmt::format("bytes that are no text: {}", shown(line.text)));
+    reject(line, 1, IssueKind::binary, fmt::format("bytes that are not text: {}", shown(line.text)));
   } else if (!line.ended && fields_.size() < columns) {
     reject(line, line.text.size() + 1, IssueKind::truncated,
            fmt::format("a last line that breaks off: {}", shown(line.text)));

@@ -118,10 +118,10 @@ std::optional<SensorEstimate> offset_from_correlation(std::span<const Beat> good
   if (!amplitude_scatters(good)) return {};
   SensorEstimate estimate;
   constexpr int most_steps = 20;
-  constexpr std::size_t fewest = 30; // a correlation of less says nothing
+  constexpr std::size_t fewest_beats = 30; // a correlation of less says nothing
   for (int step = 0; step < most_steps; ++step) {
     const Curvature now = curvature_at(good, estimate.value, period_s);
-    if (now.time.size() < fewest) return {};
+    if (now.time.size() < fewest_beats) return {};
     std::vector<double> sizes;
     for (std::size_t i = 0; i < now.time.size(); ++i)
       sizes.push_back(std::abs(now.time[i] - now.shift[i]));

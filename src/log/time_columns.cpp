@@ -28,9 +28,10 @@ std::size_t likely_time(std::span<const ColumnSample> samples) {
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (is_mostly(samples[i].calendars, samples[i])) return i;
   if (samples.empty() || !counts_lines(samples[0])) return 0;
-  constexpr double steadily = 0.9; // of the steps: a clock may be set back now and then
+  constexpr double least_rising_share = 0.9; // of the steps: a clock may be set back now and then
   for (std::size_t i = 1; i < samples.size(); ++i)
-    if (is_mostly(samples[i].numbers, samples[i]) && samples[i].rising > steadily) return i;
+    if (is_mostly(samples[i].numbers, samples[i]) && samples[i].rising > least_rising_share)
+      return i;
   return 0;
 }
 
@@ -55,8 +56,8 @@ std::optional<DateAndTime> run_and_time(std::span<const ColumnSample> samples,
 } // namespace
 
 bool counts_lines(const ColumnSample& sample) {
-  constexpr std::size_t enough = 3; // lines to see it
-  return sample.numbers >= enough && sample.numbers == sample.rows && sample.whole &&
+  constexpr std::size_t fewest_lines = 3; // lines to see it
+  return sample.numbers >= fewest_lines && sample.numbers == sample.rows && sample.whole &&
          sample.typical_step == 1.0 && sample.rising == 1.0 &&
          sample.most - sample.least == static_cast<double>(sample.numbers - 1);
 }

@@ -60,9 +60,9 @@ double shortest_length(std::vector<double> intervals, double median_s) {
   if (near(median_s, widest_share) > 0.5) return median_s;
   std::sort(intervals.begin(), intervals.end());
   double commonest = median_s;
-  constexpr std::size_t tried = 20; // of which one at least is of the commonest length
-  for (std::size_t k = 0; k < tried; ++k) {
-    const double length = intervals[k * intervals.size() / tried];
+  constexpr std::size_t lengths_tried = 20; // of which one at least is of the commonest length
+  for (std::size_t k = 0; k < lengths_tried; ++k) {
+    const double length = intervals[k * intervals.size() / lengths_tried];
     const bool possible = length > 0.02 * median_s; // and not two events at one time
     if (possible && near(length, 0.02) > near(commonest, 0.02)) commonest = length;
   }

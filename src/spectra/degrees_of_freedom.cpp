@@ -113,12 +113,12 @@ double difference_covariance(std::size_t order, double u, double tau, const Cova
 // sum of term(j) over 1 <= j < end. Terms vary quickly only near multiples of `period`; farther off
 // a block of a 64th of the distance is as good as its middle.
 template <class Term> double blocked_sum(std::size_t end, std::size_t period, const Term& term) {
-  constexpr std::size_t near = 512;
+  constexpr std::size_t single_terms = 512;
   double sum = 0.0;
   for (std::size_t j = 1; j < end;) {
     const std::size_t past = j % period;
     const std::size_t distance = std::min(past, period - past);
-    std::size_t length = distance > near ? distance / 64 | 1 : 1;
+    std::size_t length = distance > single_terms ? distance / 64 | 1 : 1;
     if (past >= period / 2 && length > 1) // nearing: the far end of the block must be as good
       length = (period - past) / 65 | 1;
     if (length == 1 || j + length > end) length = 1;

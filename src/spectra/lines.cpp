@@ -166,8 +166,8 @@ void take_out(std::vector<double>& x, double interval_s, const SpectralLine& lin
 }
 
 void check(std::span<const double> series, double interval_s) {
-  constexpr std::size_t least = 64;
-  if (series.size() < least)
+  constexpr std::size_t fewest_values = 64;
+  if (series.size() < fewest_values)
     throw ArgumentError("series.size()", static_cast<double>(series.size()), "64 or more");
   if (!(interval_s > 0.0) || !std::isfinite(interval_s))
     throw ArgumentError("interval_s", interval_s, "finite and above 0");
@@ -179,11 +179,14 @@ void check(std::span<const double> series, double interval_s) {
 std::optional<std::size_t> main_line_of(const SpectralLine& line,
                                         const std::vector<SpectralLine>& stronger,
                                         double resolution_hz) {
-  constexpr double close = 4.0;    // resolutions: four swells in the series
-  constexpr double weaker = 0.667; // a sideband has at most half, in noise a little more
+  constexpr double sideband_resolutions = 4.0; // resolutions: four swells in the series
+  constexpr double largest_sideband_share =
+      0.667; // a sideband has at most half, in noise a little more
   for (std::size_t i = 0; i < stronger.size(); ++i)
-    if (!stronger[i].sideband_of && line.amplitude < weaker * stronger[i].amplitude &&
-        std::abs(line.frequency_hz - stronger[i].frequency_hz) < close * resolution_hz)
+    if (!stronger[i].sideband_of &&
+        line.amplitude < largest_sideband_share * stronger[i].amplitude &&
+        std::abs(line.frequency_hz - stronger[i].frequency_hz) <
+            sideband_resolutions * resolution_hz)
       return i;
   return {};
 }

@@ -11,8 +11,9 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// The highest and lowest of every window of 2^k samples; a longer window is two of these that
-// overlap, so a factor costs one walk over the data, and so does each doubling in between.
+// Maximum and minimum of every window of 2^k samples. A window of another length is the union of
+// two overlapping ones, so each factor, and each doubling between factors, costs one pass over the
+// data.
 class SlidingExtremes {
 public:
   explicit SlidingExtremes(std::span<const double> x)

@@ -154,8 +154,9 @@ Source source_of(Kind kind, std::size_t m, std::size_t points) {
 // against Theo1 at 12 + 4i, which has the same tau.
 MeanSquares scaled_theo1(std::span<const double> x) {
   const std::size_t pairs = x.size() >= 90 ? x.size() / 30 - 3 + 1 : 1;
-  constexpr std::size_t enough = 32; // the ratio scatters less than Theo1 does at the tau it is for
-  const std::size_t taken = std::min(pairs, enough);
+  constexpr std::size_t most_pairs =
+      32; // the ratio scatters less than Theo1 does at the tau it is for
+  const std::size_t taken = std::min(pairs, most_pairs);
   const MeanSquares allan = phase_differences(x, true, 2, true), theo1 = theo1_differences(x);
   double ratio = 0.0;
   for (std::size_t k = 0; k < taken; ++k) {

@@ -68,8 +68,8 @@ double slope_of_noise(DeviationKind kind, int alpha) {
 }
 
 bool may_be_noise(const SlopeRegion& region, DeviationKind kind) {
-  constexpr double far = 0.4; // a slope over one octave scatters by 0.2 or so
-  return !(std::abs(region.slope - slope_of_noise(kind, region.alpha)) > far);
+  constexpr double largest_slope_difference = 0.4; // a slope over one octave scatters by 0.2 or so
+  return !(std::abs(region.slope - slope_of_noise(kind, region.alpha)) > largest_slope_difference);
 }
 
 std::optional<double> jitter_of(const DeviationTable& table) {

@@ -74,10 +74,10 @@ double inner(std::span<const double> a, std::span<const double> b) {
 // triangles of half the side.
 double triangle(std::span<const double> x, std::size_t a, std::size_t b, std::size_t side,
                 std::size_t h) {
-  constexpr std::size_t few = 192; // below, the plain double sum was the quicker
+  constexpr std::size_t plain_sum_side = 192; // below, the plain double sum was the quicker
   const auto lag = static_cast<std::ptrdiff_t>(a) - static_cast<std::ptrdiff_t>(b);
   double sum = 0.0;
-  if (side <= few) {
+  if (side <= plain_sum_side) {
     for (std::size_t p = 0; p < side; ++p)
       for (std::size_t q = 0; p + q < side; ++q)
         sum += x[a + p] * x[b + q] *

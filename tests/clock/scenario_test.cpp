@@ -104,7 +104,7 @@ TEST_P(BadScenario, IsRefusedWithItsPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     Texts, BadScenario,
-    testing::Values(Bad{"[clock\nepsilon=1", 1, 7, "no TOML"},
+    testing::Values(Bad{"[clock\nepsilon=1", 1, 7, "not TOML"},
                     Bad{"[clock]\nepsilom = 1e-4\n", 2, 1, "unknown key 'clock.epsilom'"},
                     Bad{"[cloc]\n", 1, 2, "unknown section 'cloc'"},
                     Bad{"[clock]\nepsilon = \"much\"\n", 2, 11, "a number"},

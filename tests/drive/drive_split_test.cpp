@@ -81,7 +81,7 @@ TEST(DriveSplitTest, SaysWhereTheRateHardlyAnswersASlowDrive) {
   scenario.clock.mu = 7e-5; // g_slow is almost zero
   scenario.drive = {0.3, 0.2, 637.0};
   const DriveSplit split = split_of(scenario, 1);
-  EXPECT_NE(split.note.find("hardly answers"), std::string::npos) << split.note;
+  EXPECT_NE(split.note.find("hardly responds"), std::string::npos) << split.note;
 }
 
 TEST(DriveSplitTest, ShortLogsOfAnyClockHaveIntervals) {

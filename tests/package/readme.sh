@@ -90,7 +90,7 @@ mend_page() {
   cmp -s "$here/mended" "$source/$page" || { cp "$here/mended" "$source/$page"; echo "$page: mended"; }
 }
 
-prose() { awk '/^```/ { inside = !inside; next } !inside' "$source/$page"; }
+prose() { awk '/^ *```/ { inside = !inside; next } !inside' "$source/$page"; }
 
 # What stands between backticks, outside of blocks.
 spans() { prose | grep -oE '`[^`]+`' | tr -d '`' | sort -u; }
@@ -158,10 +158,20 @@ while IFS= read -r name; do
   compgen -G "$source/include/goingrate/$name.hpp" > /dev/null || compgen -G "$source/src/$name*" > /dev/null \
     || compgen -G "$source/$name*" > /dev/null || fault "there is no $name"
 done < <(grep -E '^\| [a-z]' "$source/$page" | grep -oE '`[a-z]+/[a-z0-9_.]+`' | tr -d '`' | sort -u)
+page=data/guide/json.md
+cat rate.json fit.json spectrum.json deviation.json > "$here/keys"
+while IFS= read -r key; do
+  grep -qF "\"$key\"" "$here/keys" || fault "no result has the key $key"
+done < <(grep -oE '^\| (`[A-Za-z0-9_]+`(, )?)+' "$source/$page" | grep -oE '`[A-Za-z0-9_]+`' | tr -d '`' | grep -vx decay)
 page=data/guide/formats.md
 for format in $(goingrate rate --help | tr -d '\n ' | grep -oE -- '--formatTEXT:\{[^}]*' | cut -d'{' -f2 | tr , ' '); do
   grep -qF "| \`$format\` |" "$source/$page" || fault "has no line on the format $format"
 done
+# Whoever adds a friction law is told of every place where one that is there stands.
+page=CONTRIBUTING.md
+while IFS= read -r name; do
+  grep -qF "$name" "$source/$page" || fault "the recipe for a friction law leaves out $name"
+done < <(cd "$source" && grep -rlE '\bquadratic(_drag)?\b' include src --include='*.cpp' --include='*.hpp' | grep -v '^src/report/')
 [ "$blocks" -ge 8 ] && [ "$examples" -ge 12 ] || fault "only $blocks blocks and $examples examples"
 
 [ "$faults" -eq 0 ] || exit 1

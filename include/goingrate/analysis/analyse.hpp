@@ -1,4 +1,4 @@
-// The second half of the road that every log travels: from numbered beats to all that can be told.
+// The second half of every analysis: from numbered beats to everything a report shows.
 #pragma once
 
 #include "goingrate/analysis/load.hpp"
@@ -19,7 +19,7 @@
 
 namespace goingrate {
 
-/// All that was found out about a log. Vectors "per beat" have one entry for each of `beats`.
+/// The results for one log. A vector "per beat" has one entry for each of `beats`.
 struct Analysis {
   ClockLog log;
   Beats numbered;
@@ -37,41 +37,43 @@ struct Analysis {
   std::optional<NutTurns> nut{};           ///< to bring the rate as it is now to zero
 };
 
-/// What a fit is made of: times and amplitudes of the good beats, with the temperature, the
-/// pressure and the air's density where the log has them.
+/// The data of a fit: times and amplitudes of the good beats, with temperature, pressure and air
+/// density where the log has them.
 TimingData fit_data(const NumberedLog& loaded);
 
-/// The changes that stand out of the beats next to them, and those that the course of the whole log
-/// tells. `times` are fit_data(loaded).
+/// The changes that stand out from neighbouring beats, and those that show only in the rate of the
+/// whole log. `times` is fit_data(loaded).
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
-/// Has a fit look for the changes of a diary, each of which may move, and changes T0 (regulation),
-/// epsilon (friction) or mu, which a free pendulum does not have: those that stand out, at most
-/// four, as events; as many of the others as possible ones.
+/// Turns the changes of a diary into events of a fit, whose dates the fit may move. An event
+/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). At most four
+/// changes that stand out become events, and at most four others possible events, which the fit
+/// takes if they pay.
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
-/// With the sensor's place among the free parameters where the beat error shows that the times are
-/// not those of the vertical, unless the options speak of it; as amplitudes and both directions
-/// tell it, where the log has them.
+/// The options with the sensor's place (`offset`) free, where the beat error shows that the sensor
+/// is off the vertical and the options do not mention the offset. Where the log has amplitudes and
+/// both directions, `offset` gets the place that they give as its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
-/// What the causes are judged by. Points to `times`. The fit serves to tell a rough drive.
+/// The evidence on which causes are judged. It points to `times`. Of the fit only the size of the
+/// fast drive is used.
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
                                const Diary& diary, const DriveAnalysis& drive,
                                const FitSummary& fit);
 
-/// What is asked of analyse(); what is left empty it finds out.
+/// Options of analyse(); what is left empty is found from the log.
 struct AnalysisRequest {
   FitOptions fit{};
-  bool finds_events = true;             ///< where `fit` names none: those of the diary
-  bool traces_profiles = true;          ///< for figures: up to half as long again as all else
-  std::optional<double> nut_pitch_m{};  ///< of the rating nut, if its turns are asked for
-  std::optional<double> rod_length_m{}; ///< of the mathematical pendulum; that of the period if not
+  bool finds_events = true;    ///< where `fit` names none: those of the diary
+  bool traces_profiles = true; ///< for the figures; takes up to half as long again as all the rest
+  std::optional<double> nut_pitch_m{};  ///< of the rating nut; if given, `nut` has the turns
+  std::optional<double> rod_length_m{}; ///< of the equivalent simple pendulum; else from the period
   std::function<void(std::string_view)> now{}; ///< "2 of 6: what is being done"
 };
 
-/// All that a report shows of a log, by one fit. Throws
-/// ArgumentError for options that make no sense, as fit_clock does.
+/// Everything a report shows about a log, from one fit. Throws ArgumentError for options that make
+/// no sense, as fit_clock does.
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request = {});
 
 } // namespace goingrate

@@ -14,26 +14,26 @@ namespace goingrate {
 /// Throws OutputError; the temporary file is removed then.
 void write_whole_file(const std::string& path, std::string_view text);
 
-/// Removes what is half written. Safe in a signal handler that ends the program; nothing may be
-/// written after it. What a process that was killed left behind goes when the same file is next
-/// written.
+/// Removes all temporary files. Safe in a signal handler that ends the program; nothing may be
+/// written afterwards. Temporary files of a process that was killed are removed when the same file
+/// is written again.
 void discard_drafts() noexcept;
 
-/// What is being read: from now on no output of this process may take its place. Writing to it by
-/// any name throws ArgumentError("output", ...). "-" is standard input, if that is a file. Nothing
-/// for pipes and files that are not there. (AtomicFileTest.WhatIsReadIsNotReplaced)
+/// Protects an input: from now on no output of this process may replace it. Writing to it under
+/// any name throws ArgumentError("output", ...). "-" is standard input, if that is a file. No
+/// effect for pipes and files that do not exist. (AtomicFileTest.WhatIsReadIsNotReplaced)
 void keep_input(const std::string& path);
 
-/// From now on every file that this library reads is kept as by keep_input().
+/// From now on every file that this library reads is protected as by keep_input().
 void keep_all_inputs();
 
-/// What reads a file for the user names it here, for keep_all_inputs().
+/// Called by functions that read a file for the user, for the sake of keep_all_inputs().
 void note_input(const std::string& path);
 
 /// Several outputs of one command, (path, text): all are on disk before the first old file is
-/// replaced, and if one cannot be replaced all are as they were. An empty path is an output nobody
-/// asked for. Throws OutputError, and ArgumentError if two of them are the same file or standard
-/// output. (AtomicFileTest.OfSeveralFilesNoneIsReplacedIfOneFails)
+/// replaced, and if one cannot be replaced all are left as they were. An empty path means that
+/// nothing is to be written. Throws OutputError, and ArgumentError if two of them are the same file
+/// or standard output. (AtomicFileTest.OfSeveralFilesNoneIsReplacedIfOneFails)
 void write_whole_files(const std::vector<std::pair<std::string, std::string>>& outputs);
 
 /// An output that is too long to be held in memory: written piece by piece, in constant memory, to
@@ -43,8 +43,8 @@ void write_whole_files(const std::vector<std::pair<std::string, std::string>>& o
 /// any, ClosedPipe is thrown.
 class StreamedFile {
 public:
-  /// "-" is standard output; an empty path is an output nobody asked for. Throws OutputError, and
-  /// ArgumentError if the file is one that is read or has another such writer.
+  /// "-" is standard output; an empty path means that nothing is to be written. Throws OutputError,
+  /// and ArgumentError if the file is one that is read or has another such writer.
   explicit StreamedFile(const std::string& path);
   StreamedFile(StreamedFile&&) noexcept;
   ~StreamedFile();
@@ -53,13 +53,13 @@ public:
   [[nodiscard]] bool is_stream() const;
   /// Writes what is in text(), then this.
   void write(std::string_view text);
-  /// Whether anybody asked for it.
+  /// Whether there is anything to write, that is, a path.
   [[nodiscard]] bool wanted() const { return !path_.empty(); }
   /// Text to append to; hand it over with flush_if_large() now and then.
   [[nodiscard]] std::string& text() { return text_; }
-  /// Writes text() out and empties it once there is enough to be worth it.
+  /// Writes text() and empties it, once it has grown large enough.
   void flush_if_large();
-  /// Everything is put on disk; commit_all() then only renames.
+  /// Completes the temporary file on disk; commit_all() then only renames it.
   void finish();
 
 private:

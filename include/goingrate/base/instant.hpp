@@ -1,4 +1,4 @@
-// Time in two parts: whole seconds and a fraction, so that nothing of a long time stamp is lost.
+// Time in two parts, whole seconds and a fraction, so that long time stamps keep all their digits.
 //
 // A double that holds Unix time resolves 0.24 us; an Instant resolves 1.1e-16 s at any date.
 #pragma once
@@ -43,7 +43,7 @@ Instant operator+(const Instant& t, double duration);
 /// 1e-16 s even after 1e8 periods; shown by `InstantTest.ResidualKeepsDigits`.
 double residual_from_grid(const Instant& t, const Instant& origin, std::int64_t n, double period);
 
-/// What a number of a file counts: `seconds` * 10^`power` seconds.
+/// The unit of a number in a file: `seconds` * 10^`power` seconds.
 struct TimeUnit {
   std::uint32_t seconds = 1;
   int power = 0;

@@ -10,7 +10,7 @@ namespace goingrate {
 /// the innermost counts.
 class PulseScope {
 public:
-  explicit PulseScope(std::function<void()> beat);
+  explicit PulseScope(std::function<void()> beat); ///< until the end of the scope
   ~PulseScope();
   PulseScope(const PulseScope&) = delete;
   PulseScope& operator=(const PulseScope&) = delete;

@@ -1,4 +1,4 @@
-// What happened when: changes of the going that stand out of a log.
+// Dated changes of a clock's going, found in its log.
 #pragma once
 
 #include "goingrate/log/beats.hpp"
@@ -10,7 +10,7 @@
 
 namespace goingrate {
 
-/// What a change was of.
+/// What it was that changed.
 enum class ChangeKind {
   unclear,
   regulation, ///< the rate changes and stays, the amplitude does not follow: length, or a weight
@@ -23,21 +23,23 @@ std::string_view name_of(ChangeKind kind);
 struct Change {
   std::int64_t cycle = 0;
   double at_s = 0.0; ///< after the first beat
-  /// Rate excess after minus before: of a change of the regulation from all beats between the
-  /// changes next to it, of another from the beats about it, on the way to where the amplitude
-  /// takes it (of friction that add_small_changes() found, in the end); the sigma is then NaN.
+  /// Rate excess after minus before. For a change of the regulation all beats up to the
+  /// neighbouring changes are used. For the drive and friction it is the change at first, before
+  /// the amplitude has settled (after it has settled for friction that add_small_changes() found),
+  /// and sigma is NaN.
   double rate_change = 0.0, rate_change_sigma = 0.0;
   double amplitude_slope_change = 0.0; ///< rad/s after minus before; NaN without amplitudes
-  /// In units of the log's own typical fluctuation; the root of the gain where
-  /// add_small_changes() found it.
+  /// In units of the log's typical fluctuation; the square root of `gain` where add_small_changes()
+  /// found the change.
   double significance = 0.0;
-  bool stands_out = true; ///< of the beats next to it; false where add_small_changes() found it
+  bool stands_out = true; ///< from neighbouring beats; false where add_small_changes() found it
   ChangeKind kind = ChangeKind::unclear;
-  ChangeKind next_kind = ChangeKind::unclear; ///< the second best
-  double gain = 0.0;                          ///< 2 log L over no change, less its price
-  double kind_gain = 0.0; ///< 2 log L by which that kind is ahead of next_kind, less their prices
-  /// The mean from the change before (or the first beat) to this one, and from here to the next (or
-  /// the last beat). NaN where fewer than three beats lie between, sigma where fewer than five.
+  ChangeKind next_kind = ChangeKind::unclear; ///< second best explanation
+  double gain = 0.0;      ///< in 2 log L, over no change, less the price of the parameters
+  double kind_gain = 0.0; ///< in 2 log L, of `kind` over `next_kind`, less the prices
+  /// Mean rate from the change before (or the first beat) to this one, and from this one to the
+  /// next (or the last beat). NaN with fewer than three beats between; sigma is NaN with fewer than
+  /// five.
   double rate_before = 0.0, rate_before_sigma = 0.0;
   double rate_after = 0.0, rate_after_sigma = 0.0;
 };
@@ -50,13 +52,13 @@ struct Relaxation {
   double limit_rad = 0.0;  ///< 0 for a free decay
   double rms_rad = 0.0;    ///< of the residuals
   bool exponential = true; ///< false: the time depends on the stretch fitted (see below) by 4 sigma
-  double shorter_window_s = 0.0; ///< the time constant from three quarters of the window,
-  double longer_window_s = 0.0;  ///< and from five quarters: how far it depends on the stretch; NaN
-                                 ///< if that fit has no answer
+  double shorter_window_s = 0.0; ///< time constant fitted to three quarters of the window,
+  double longer_window_s = 0.0;  ///< and to five quarters of it; they show how far the result
+                                 ///< depends on the window. NaN where that fit failed
 };
 
-/// A stretch without (or with less) drive: the rate jumps one way and back, the amplitude decays
-/// meanwhile and recovers after.
+/// A stretch without drive, or with less: the rate jumps at its start and back at its end, the
+/// amplitude decays in between and recovers afterwards.
 struct Interruption {
   Change begin;
   Change end;
@@ -77,7 +79,7 @@ struct Diary {
 struct DiaryOptions {
   std::size_t window = 30;              ///< beats on each side of a change
   double least_significance = 10.0;     ///< in units of the jump's robust scatter
-  double least_rate_change = 1e-6;      ///< 0.09 s a day: smaller ones are not told
+  double least_rate_change = 1e-6;      ///< 0.09 s a day: smaller changes are not reported
   double least_amplitude_change = 1e-3; ///< of the amplitude, over one window
   std::size_t most_changes = 8;
   double recovery_window_s = 3000.0;
@@ -88,15 +90,15 @@ struct DiaryOptions {
 /// The clock's error and the amplitude are locally straight lines; at each beat the slopes of the
 /// `window` beats before and after are compared. The jump is a change where it exceeds
 /// `least_significance` times its own robust scatter over the log, so that a clock's ordinary
-/// wander raises no alarm. The place is refined by a least-squares broken line. Of which kind a
-/// change is the likelihood says: rate and amplitude from the change before to the next are
-/// described as each kind has them, in noise that may wander (ChangeKindTest).
+/// wander raises no alarm. The date is refined by a least-squares broken line. The kind is the one
+/// of the greatest likelihood: rate and amplitude between the neighbouring changes are fitted with
+/// the course that each kind predicts, in noise that may wander (ChangeKindTest).
 /// TrinityTest.FindsTheInterruption dates the known one; DiaryTest.QuietLogsStayQuiet bounds false
 /// alarms.
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
 
-/// Fills in the rates before and after the changes, whose dates may have moved.
+/// Fills in the rates before and after each change anew, after dates were moved.
 void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary);
 
 /// The `most` most significant changes of those that stand out, or of the others, in order of time.

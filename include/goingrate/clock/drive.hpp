@@ -1,4 +1,4 @@
-// How the driving torque varies from period to period.
+// Variation of the driving torque from period to period.
 #pragma once
 
 #include "goingrate/base/random.hpp"
@@ -36,10 +36,10 @@ struct DriveVariability {
 /// Throws ArgumentError naming the first value outside the ranges given above.
 void check(const DriveVariability& drive);
 
-/// The drive's factor of period after period: 1 + fast + slow + sines, reproducible from the seed.
+/// The factor of the drive for each period in turn: 1 + fast + slow + sines, reproducible by seed.
 class DriveSequence {
 public:
-  /// `period_s` is the time between renewals that the slow process is stepped with (T0).
+  /// `period_s` is the step of the slow process: the time between renewals (T0).
   DriveSequence(const DriveVariability& drive, double period_s, std::uint64_t seed);
 
   /// The factor for the next period. Exact in law for the slow part: s' = r s + sqrt(1-r^2) g with

@@ -1,15 +1,15 @@
 // The drive as it went: mu(t)/mu0 from amplitudes, from the rate, or from both.
 //
-// In blocks short beside the relaxation, x = lambda^2/X - 1 about the amplitude of rest and the
-// relative drive d follow (Hoyng, eq. dotl4)
+// In blocks short compared with the relaxation, the deviation x = lambda^2/X - 1 from the
+// stationary amplitude and the relative drive d follow (Hoyng, eq. dotl4)
 //   x' = E x + (1 - E)(d + d')/2,   E = exp(-4 pi epsilon n),   n cycles a block,
 //   d' = d + (steps of rms q),
-// and what is seen of a block is
+// and the observations of a block are
 //   its mean amplitude:  lambda = sqrt(X) (1 + x/2),
 //   its mean rate:       r = r0 + s x + g d,   s = slow gain - fast gain, g = fast gain,
-// each with its noise. That is d(lambda^2)/dt + 2 epsilon lambda^2 solved for the drive, with as
-// much smoothing as the noise asks for: q is where the likelihood is largest, and filter and
-// backward smoother (Rauch, Tung, Striebel) give d and its sigma in every block.
+// each with its noise. In effect d(lambda^2)/dt + 2 epsilon lambda^2 is solved for the drive,
+// smoothed as the noise requires: q maximises the likelihood, and a Kalman filter with a backward
+// smoother (Rauch, Tung, Striebel) gives d and its sigma in every block.
 #pragma once
 
 #include "goingrate/fit/clock_fit.hpp"
@@ -20,12 +20,12 @@
 
 namespace goingrate {
 
-/// What must be known of the clock.
+/// What must be known about the clock.
 struct DriveModel {
   double T0_s = 0.0;
   double epsilon = 0.0;
-  double amplitude_rad = 0.0;        ///< of rest under the drive that counts as 1
-  std::optional<double> fast_gain{}; ///< without them the rate tells nothing
+  double amplitude_rad = 0.0;        ///< stationary amplitude under the drive that counts as 1
+  std::optional<double> fast_gain{}; ///< without gains the rate is not used
   std::optional<double> slow_gain{};
 };
 
@@ -33,7 +33,7 @@ struct DriveModel {
 struct DrivePoint {
   double at_s = 0.0;     ///< its middle, after the first beat
   double relative = 1.0; ///< mu(t)/mu0
-  double sigma = 0.0;    ///< of that; the model's own parameters are taken as they are
+  double sigma = 0.0;    ///< of `relative`; the model's parameters count as exact
 };
 
 /// The drive as it went.
@@ -51,8 +51,8 @@ struct DriveHistory {
 std::optional<DriveHistory> drive_history(const TimingData& data, const DriveModel& model,
                                           double block_s = 0.0);
 
-/// The model as a fit knows it: epsilon must be known (or held) to a third, and either the gains or
-/// the amplitudes; nothing otherwise.
+/// The model from a fit. Epsilon must be held or known to a third, and gains or amplitudes be
+/// known; nothing otherwise.
 std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& data);
 
 } // namespace goingrate

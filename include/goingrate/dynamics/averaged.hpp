@@ -26,9 +26,9 @@ namespace goingrate {
 ///
 /// Domain: epsilon > 0, mu any sign, phi0 > 0, and lambda > phi0 all the while (see in_domain).
 /// Accuracy: against step-by-step integration of the same equations 2e-13 in phase over one
-/// relaxation time, the oracle's own rounding (AveragedTest.ClosedFormMatchesIntegration); what the
-/// equations themselves lack against the full pendulum is the subject of StationaryTest and
-/// AveragedTest.
+/// relaxation time, the oracle's own rounding (AveragedTest.ClosedFormMatchesIntegration). The
+/// error of the equations themselves, compared with the full pendulum, is measured by
+/// StationaryTest and AveragedTest.
 template <class T> class AveragedMotion {
 public:
   /// `amplitude2_start` is lambda^2 (rad^2) at t = 0.
@@ -69,9 +69,9 @@ public:
     return start_ + way_ * expm1(epsilon_ * t * -2.0);
   }
 
-  /// Whether lambda > phi0 from 0 to t: x is monotone, so both ends tell.
+  /// Whether lambda > phi0 from 0 to t; x is monotonic, so the two ends decide.
   [[nodiscard]] bool in_domain(const T& t) const { return start_ > a_ && amplitude2(t) > a_; }
-  /// The same of a time whose state is known; `at` may be asked anywhere for that.
+  /// The same for a time whose state is already known; at() may be called for any time.
   [[nodiscard]] bool in_domain(const State& state) const {
     return start_ > a_ && state.amplitude2 > a_;
   }

@@ -47,8 +47,8 @@ ParFile parse_par(std::string_view text, const std::string& file);
 /// may be zero, are guessed from the log where they are missing.
 void drop_partial_start(FitOptions& options);
 
-/// The names that a parameter may have from the start on; one that may change at the k-th event has
-/// @k behind it there.
+/// The names of all parameters. A value after the k-th event has the event's number behind the
+/// name, as in "mu\@1".
 std::vector<std::string> parameter_names();
 /// Of these, the ones that are fitted only where they are named.
 std::vector<std::string> optional_parameter_names();
