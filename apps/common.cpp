@@ -64,6 +64,10 @@ void say(const GlobalOptions& global, std::string_view line) {
 void add_log_options(CLI::App& command, LogOptions& options) {
   command.add_option("log", options.path, "the log, gzip or not; '-' is standard input")
       ->required();
+  add_log_settings(command, options);
+}
+
+void add_log_settings(CLI::App& command, LogOptions& options) {
   command
       .add_option("--nominal-period", options.nominal_period_s,
                   "T0 in s, the period to compare with")
@@ -212,7 +216,9 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
                     loaded.sensor.amplitude->mean_rad));
 }
 
-LoadRequest request_of(const LogOptions& options) {
+} // namespace
+
+LoadRequest load_request(const LogOptions& options) {
   LoadRequest request;
   request.path = options.path;
   request.reading = reading_options(options);
@@ -227,10 +233,8 @@ LoadRequest request_of(const LogOptions& options) {
   return request;
 }
 
-} // namespace
-
 NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
-  LoadRequest request = request_of(options);
+  LoadRequest request = load_request(options);
   NumberedLog loaded;
   {
     ProgressBar bar(global.quiet, "reading " + options.path);

@@ -49,6 +49,8 @@ CLI::Validator not_negative();
 CLI::Validator seed_range();
 
 void add_log_options(CLI::App& command, LogOptions& options);
+/// The same without the log itself.
+void add_log_settings(CLI::App& command, LogOptions& options);
 /// Of these, the ones that say how the text is read.
 void add_reading_options(CLI::App& command, LogOptions& options);
 
@@ -57,6 +59,9 @@ ReadingOptions reading_options(const LogOptions& options);
 
 /// One issue as a line: file:line:column: what was found: what was done.
 std::string words_for(const LineIssue& issue, const std::string& source);
+
+/// What the road of a log is told.
+LoadRequest load_request(const LogOptions& options);
 
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.
 NumberedLog load(const LogOptions& options, const GlobalOptions& global);
@@ -119,6 +124,7 @@ void add_report(CLI::App& program, const GlobalOptions& global);
 void add_map(CLI::App& program, const GlobalOptions& global);
 void add_chart(CLI::App& program, const GlobalOptions& global);
 void add_paper(CLI::App& program, const GlobalOptions& global);
+void add_batch(CLI::App& program, const GlobalOptions& global);
 void add_help(CLI::App& program);
 
 } // namespace goingrate::apps

@@ -1,4 +1,6 @@
 // goingrate fit: the parameters of the clock, with what the log cannot tell.
+#include "exit_code.hpp"
+#include "job.hpp"
 #include "plot.hpp"
 #include "progress.hpp"
 
@@ -48,6 +50,19 @@ std::string plot_of(const FitCommand& options, const NumberedLog& loaded, const 
                                       "period-amplitude", "q-amplitude"}));
 }
 
+JobOutcome job_result(const FitCommand& options, const NumberedLog& loaded) {
+  FitSummary fit = fit_clock(fit_data(loaded), loaded.nominal_period_s,
+                             fit_options(searching(fit_request(options.model)), loaded));
+  if (!fit.has_result()) throw NumericsError("no fit: " + fit.termination);
+  name_options(fit);
+  JobOutcome outcome;
+  outcome.result = fit_json(fit);
+  if (fit.status != FitStatus::stopped_early) return outcome;
+  outcome.exit_code = no_result;
+  outcome.message = "no fit: " + fit.termination;
+  return outcome;
+}
+
 void run(const FitCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   const FitRequest request = fit_request(options.model);
@@ -71,6 +86,14 @@ void run(const FitCommand& options, const GlobalOptions& global) {
 }
 
 } // namespace
+
+Job add_fit_job(CLI::App& command) {
+  auto options = std::make_shared<FitCommand>();
+  add_log_settings(command, options->log);
+  add_model_options(command, options->model);
+  return {[options] { return options->log; },
+          [options](NumberedLog loaded) { return job_result(*options, loaded); }};
+}
 
 void add_fit(CLI::App& program, const GlobalOptions& global) {
   auto* command = program.add_subcommand("fit", "friction, drive and escapement angle from a log");

@@ -4,6 +4,8 @@
 #include "base/workers.hpp"
 #include "terminal.hpp"
 
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <fmt/format.h>
 
@@ -15,6 +17,13 @@ using namespace std::chrono_literals;
 constexpr auto patience = 1s; // work that is over before needs no word
 
 bool somebody_looks(bool quiet) { return !quiet && error_is_terminal(); }
+
+// If the rest goes as the work did so far: ", 1:23:20 left"; nothing before a hundredth is done.
+std::string time_left(double passed_s, double part) {
+  if (part < 0.01) return {};
+  const auto left = static_cast<std::int64_t>(std::ceil(passed_s * (1.0 - part) / part));
+  return fmt::format(", {}:{:02}:{:02} left ", left / 3600, left / 60 % 60, left % 60);
+}
 
 constexpr const char* wipe = "\r\x1b[K"; // back to the first column, rest of the line empty
 
@@ -35,8 +44,9 @@ void ProgressBar::operator()(double part) {
   drawn_ = true;
   constexpr int width = 30; // columns, so that a file's name has room before it
   const int full = static_cast<int>(part * width);
-  std::fputs(fmt::format("{}{} [{:#<{}}{:.<{}}] {:3.0f} %", wipe, what_, "", full, "", width - full,
-                         100.0 * part)
+  std::fputs(fmt::format("{}{} [{:#<{}}{:.<{}}] {:3.0f} %{}", wipe, what_, "", full, "",
+                         width - full, 100.0 * part,
+                         time_left(std::chrono::duration<double>(now - start_).count(), part))
                  .c_str(),
              stderr);
   std::fflush(stderr);

@@ -10,8 +10,9 @@
 
 namespace goingrate::apps {
 
-/// Says what is being done and which share of it is: "reading my.log [####......] 42 %", on
-/// standard error while that is a terminal, from the second second on; wipes itself out at the end.
+/// Says what is being done, which share of it is, and how long the rest may take:
+/// "reading my.log [####......] 42 %, 0:01:23 left", on standard error while that is a terminal,
+/// from the second second on; wipes itself out at the end.
 class ProgressBar {
 public:
   ProgressBar(bool quiet, std::string_view what);

@@ -1,5 +1,6 @@
 // goingrate rate: a log becomes numbered beats and rates.
 #include "follow.hpp"
+#include "job.hpp"
 #include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
@@ -69,11 +70,16 @@ void write_others(std::vector<StreamedFile>& files, const RateOptions& options, 
   });
 }
 
+RateSummary summary_of(const NumberedLog& loaded) {
+  RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
+  summary.nominal_is_known = loaded.nominal_is_known;
+  return summary;
+}
+
 void run(const RateOptions& options, const GlobalOptions& global) {
   if (options.follow) return follow(options.log, options.alarm_s, global);
   NumberedLog loaded = load(options.log, global);
-  RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
-  summary.nominal_is_known = loaded.nominal_is_known;
+  const RateSummary summary = summary_of(loaded);
   bool elsewhere = false; // standard output has another result
   for (const std::string& path :
        {options.json, options.phase, options.par, options.ticc, options.native})
@@ -90,6 +96,17 @@ void run(const RateOptions& options, const GlobalOptions& global) {
 }
 
 } // namespace
+
+Job add_rate_job(CLI::App& command) {
+  auto options = std::make_shared<LogOptions>();
+  add_log_settings(command, *options);
+  return {[options] { return *options; },
+          [](NumberedLog loaded) {
+            JobOutcome outcome;
+            outcome.result = rate_json(loaded.log, loaded.beats, summary_of(loaded), loaded.sensor);
+            return outcome;
+          }};
+}
 
 void add_rate(CLI::App& program, const GlobalOptions& global) {
   auto* command =

@@ -1,4 +1,5 @@
 // goingrate report: everything about one log.
+#include "job.hpp"
 #include "plot.hpp"
 #include "progress.hpp"
 
@@ -24,14 +25,32 @@ struct ReportCommand {
   double nut_pitch_mm = 0.0, pendulum_length_m = 0.0; // 0: not given
 };
 
-Analysis analysis_of(const ReportCommand& options, const GlobalOptions& global) {
-  NumberedLog loaded = load(options.log, global);
+AnalysisRequest request_of(const ReportCommand& options, const NumberedLog& loaded) {
   AnalysisRequest request;
   const FitRequest fit = fit_request(options.model);
   request.fit = fit_options(fit, loaded);
   request.finds_events = finds_events(fit);
   if (options.nut_pitch_mm > 0.0) request.nut_pitch_m = 1e-3 * options.nut_pitch_mm;
   if (options.pendulum_length_m > 0.0) request.rod_length_m = options.pendulum_length_m;
+  return request;
+}
+
+// What of a report has no place in a line: profiles, which only figures show, and the spectrum's
+// arrays, which are longer than all the rest.
+JobOutcome job_result(const ReportCommand& options, NumberedLog loaded) {
+  AnalysisRequest request = request_of(options, loaded);
+  request.traces_profiles = false;
+  Analysis data = analyse(std::move(loaded), request);
+  name_options(data.fit);
+  data.drive.rate_spectrum.reset();
+  JobOutcome outcome;
+  outcome.result = report_json(data);
+  return outcome;
+}
+
+Analysis analysis_of(const ReportCommand& options, const GlobalOptions& global) {
+  NumberedLog loaded = load(options.log, global);
+  AnalysisRequest request = request_of(options, loaded);
   StepLine line(global.quiet, "numbering the beats");
   request.now = [&](std::string_view what) { line(what); };
   Analysis data = analyse(std::move(loaded), request);
@@ -86,14 +105,37 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
   if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).string());
 }
 
+// What the analysis depends on.
+void add_settings(CLI::App& command, ReportCommand& options) {
+  add_model_options(command, options.model);
+  auto* pitch = command
+                    .add_option("--nut-pitch", options.nut_pitch_mm,
+                                "mm that a turn of the rating nut moves the bob: says how many "
+                                "turns bring the rate to zero")
+                    ->check(positive());
+  command
+      .add_option("--pendulum-length", options.pendulum_length_m,
+                  "m, for the nut; that of a mathematical pendulum if not given")
+      ->check(positive())
+      ->needs(pitch);
+}
+
 } // namespace
+
+Job add_report_job(CLI::App& command) {
+  auto options = std::make_shared<ReportCommand>();
+  add_log_settings(command, options->log);
+  add_settings(command, *options);
+  return {[options] { return options->log; },
+          [options](NumberedLog loaded) { return job_result(*options, std::move(loaded)); }};
+}
 
 void add_report(CLI::App& program, const GlobalOptions& global) {
   auto* command =
       program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
   auto options = std::make_shared<ReportCommand>();
   add_log_options(*command, options->log);
-  add_model_options(*command, options->model);
+  add_settings(*command, *options);
   command->add_option("-o,--output", options->output,
                       "the HTML page; if not given, the log's name with .html, in this folder");
   add_plot_option(*command, options->plot,
@@ -102,16 +144,6 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
                       "folder for every figure as SVG, PDF, PNG, a script for gnuplot, and CSV");
   command->add_option("--tables", options->tables,
                       "folder for rates, parameters (CSV, LaTeX), spectrum, deviation, drive");
-  auto* pitch = command
-                    ->add_option("--nut-pitch", options->nut_pitch_mm,
-                                 "mm that a turn of the rating nut moves the bob: says how many "
-                                 "turns bring the rate to zero")
-                    ->check(positive());
-  command
-      ->add_option("--pendulum-length", options->pendulum_length_m,
-                   "m, for the nut; that of a mathematical pendulum if not given")
-      ->check(positive())
-      ->needs(pitch);
   add_json_option(*command, options->json);
   command->footer("If the fit alone has no result, the report says so in its place and exits 0\n"
                   "(`fit` exits 4).\n"

@@ -1,6 +1,7 @@
 // goingrate simulate: a scenario becomes a log.
 #include "plot.hpp"
 #include "progress.hpp"
+#include "scenario.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -21,13 +22,12 @@ namespace goingrate::apps {
 namespace {
 
 struct SimulateOptions {
-  std::string scenario;
+  ScenarioOptions scenario;
   std::string output = "-";
   std::string truth, plot;
   std::uint64_t seed = 1;
   std::size_t realisations = 1;
   std::size_t threads = 0;
-  std::vector<std::string> overrides;
 };
 
 Instant instant_of(const TwoPart<double>& time) { return Instant::from_seconds(time.hi) + time.lo; }
@@ -206,20 +206,8 @@ void run_many(const Scenario& scenario, const SimulateOptions& options,
                           name_of(first.method().method), first.method().reason));
 }
 
-// What --set says is read as a scenario is, but it is usage.
-Scenario scenario_of(const SimulateOptions& options) {
-  const std::string text = read_text(options.scenario);
-  try {
-    return parse_scenario(text, options.scenario, options.overrides);
-  } catch (const InputError& error) {
-    const auto& said = options.overrides;
-    if (std::find(said.begin(), said.end(), error.place().file) == said.end()) throw;
-    throw UsageError(fmt::format("--set {}", error.what()));
-  }
-}
-
 void run(const SimulateOptions& options, const GlobalOptions& global) {
-  const Scenario scenario = scenario_of(options);
+  const Scenario scenario = read_scenario(options.scenario).scenario;
   options.realisations == 1 ? run_single(scenario, options, global)
                             : run_many(scenario, options, global);
 }
@@ -229,7 +217,7 @@ void run(const SimulateOptions& options, const GlobalOptions& global) {
 void add_simulate(CLI::App& program, const GlobalOptions& global) {
   auto* command = program.add_subcommand("simulate", "a scenario becomes a log of crossings");
   auto options = std::make_shared<SimulateOptions>();
-  command->add_option("scenario", options->scenario, "scenario in TOML; '-' is standard input")
+  command->add_option("scenario", options->scenario.path, "scenario in TOML; '-' is standard input")
       ->required();
   command->add_option("-o,--output", options->output,
                       "the log to write; standard output if not given");
@@ -250,11 +238,7 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--threads", options->threads, "0: one a core; changes nothing but the time")
       ->check(not_negative())
       ->capture_default_str();
-  command
-      ->add_option("--set", options->overrides,
-                   "override a key of the scenario: clock.mu=3e-5, "
-                   "run.method=map")
-      ->allow_extra_args(false);
+  add_override_option(*command, options->scenario);
   command->footer("Example:\n  goingrate simulate data/scenarios/jump.toml -o jump.csv --seed 7");
   command->callback([options, &global] { run(*options, global); });
 }

@@ -1,4 +1,5 @@
 // goingrate stability: Allan deviations and their relatives.
+#include "job.hpp"
 #include "plot.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
@@ -25,17 +26,20 @@ struct StabilityCommand {
   std::string json, plot;
 };
 
-PhaseSeries phase_of(StabilityCommand options, const GlobalOptions& global) {
-  LogOptions& log = options.log;
+LogOptions log_of(const StabilityCommand& options) {
+  LogOptions log = options.log;
   log.phases_will_do = true;
   if (options.data != "timestamps") {
     if (!log.format.empty() && log.format != options.data)
       throw ArgumentError("data", options.data, "the same as the format, " + log.format);
     log.format = options.data;
   }
-  const NumberedLog loaded = load(log, global);
+  return log;
+}
+
+PhaseSeries phase_of(const StabilityCommand& options, const NumberedLog& loaded) {
   PhaseSeries series = phase_series(loaded);
-  if (log.tau0_s > 0.0) series.tau0_s = log.tau0_s;
+  if (options.log.tau0_s > 0.0) series.tau0_s = options.log.tau0_s;
   return series;
 }
 
@@ -59,49 +63,69 @@ std::string plot_of(const StabilityCommand& options, const DeviationTable& table
   return plotted(options.plot, figures_named(data, {"deviation"}));
 }
 
-void run(const StabilityCommand& options, const GlobalOptions& global) {
-  const PhaseSeries phase = phase_of(options, global);
+DeviationTable table_of(const StabilityCommand& options, const NumberedLog& loaded) {
+  const PhaseSeries phase = phase_of(options, loaded);
   const DeviationKind kind = *deviation_named(options.kind);
   const auto factors = factors_of(options.taus, phase.phase_s.size(), phase.tau0_s, kind);
-  const DeviationTable table =
-      stability_table(kind, phase.phase_s, phase.tau0_s, factors,
-                      {.alpha = options.alpha, .remove_bias = !options.keep_bias});
+  return stability_table(kind, phase.phase_s, phase.tau0_s, factors,
+                         {.alpha = options.alpha, .remove_bias = !options.keep_bias});
+}
+
+void run(const StabilityCommand& options, const GlobalOptions& global) {
+  const DeviationTable table = table_of(options, load(log_of(options), global));
   const std::string text = deviation_text(table) + deviation_findings(table);
   write_whole_files({{options.json, stability_json(table)},
                      {options.plot, plot_of(options, table)},
                      {table_output(options.output, options.json), text}});
 }
 
+// What the table depends on.
+void add_settings(CLI::App& command, StabilityCommand& options) {
+  command
+      .add_option(
+          "--kind", options.kind,
+          "which deviation: oadev (overlapping Allan), mdev (modified), hdev (Hadamard) ...")
+      ->check(one_of(kind_names()))
+      ->capture_default_str();
+  command
+      .add_option("--data", options.data,
+                  "what the file holds: timestamps (a log), or --format phase or frequency")
+      ->check(one_of({"timestamps", "phase", "frequency"}))
+      ->capture_default_str();
+  auto* taus = command
+                   .add_option("--taus", options.taus,
+                               "averaging times: octave, decade, all, or a list in seconds "
+                               "(3,30,300)")
+                   ->capture_default_str();
+  offers(taus, {"octave", "decade", "all"});
+  command
+      .add_option("--alpha", options.alpha,
+                  "noise assumed at every averaging time, 2 (jitter) to -4; else it is identified")
+      ->check(CLI::Range(-4, 2));
+  command.add_flag("--no-bias", options.keep_bias,
+                   "leave the bias of the total deviations and of theo1 in");
+}
+
 } // namespace
+
+Job add_stability_job(CLI::App& command) {
+  auto options = std::make_shared<StabilityCommand>();
+  add_log_settings(command, options->log);
+  add_settings(command, *options);
+  return {[options] { return log_of(*options); },
+          [options](NumberedLog loaded) {
+            JobOutcome outcome;
+            outcome.result = stability_json(table_of(*options, loaded));
+            return outcome;
+          }};
+}
 
 void add_stability(CLI::App& program, const GlobalOptions& global) {
   auto* command = program.add_subcommand(
       "stability", "Allan deviations and their relatives, of a log or of phase data");
   auto options = std::make_shared<StabilityCommand>();
   add_log_options(*command, options->log);
-  command
-      ->add_option(
-          "--kind", options->kind,
-          "which deviation: oadev (overlapping Allan), mdev (modified), hdev (Hadamard) ...")
-      ->check(one_of(kind_names()))
-      ->capture_default_str();
-  command
-      ->add_option("--data", options->data,
-                   "what the file holds: timestamps (a log), or --format phase or frequency")
-      ->check(one_of({"timestamps", "phase", "frequency"}))
-      ->capture_default_str();
-  auto* taus =
-      command
-          ->add_option("--taus", options->taus,
-                       "averaging times: octave, decade, all, or a list in seconds (3,30,300)")
-          ->capture_default_str();
-  offers(taus, {"octave", "decade", "all"});
-  command
-      ->add_option("--alpha", options->alpha,
-                   "noise assumed at every averaging time, 2 (jitter) to -4; else it is identified")
-      ->check(CLI::Range(-4, 2));
-  command->add_flag("--no-bias", options->keep_bias,
-                    "leave the bias of the total deviations and of theo1 in");
+  add_settings(*command, *options);
   command->add_option("-o,--output", options->output, "the table; standard output if not given");
   add_json_option(*command, options->json);
   add_plot_option(*command, options->plot, "the deviation with its intervals");

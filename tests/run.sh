@@ -2,6 +2,8 @@
 # Sets up, builds and runs all tests; ends with ctest's summary. Arguments go to ctest.
 # With --sanitize first: the suite under AddressSanitizer and UndefinedBehaviorSanitizer, then what
 # starts threads, and the fits, under ThreadSanitizer. Takes about an hour on two cores.
+# With --cluster: batches in shares on a Slurm of one node, under GNU parallel and under Snakemake, one share
+# being killed at work, against one process. Takes two minutes.
 # With --notebooks first: those of data/course/notebooks alone, executed; their pages come to
 # build/release/notebooks.
 set -euo pipefail
@@ -21,6 +23,14 @@ if [ "${1:-}" = --sanitize ]; then
   setarch -R cmake --build --preset threads -j2 --target test_base test_dynamics test_spectra test_fit test_drive
   exec setarch -R ctest --preset threads "$@"
 fi
+if [ "${1:-}" = --cluster ]; then
+  goingrate_setup libgtest-dev slurm-wlm parallel snakemake
+  cmake --preset release > /dev/null
+  cmake --build --preset release -j2 --target goingrate_command
+  GOINGRATE_CLUSTER=all exec tests/cluster/run.sh build/release/goingrate . build/release/cluster
+fi
+# Without them the test of a batch's shares leaves Slurm and GNU parallel out.
+[ -z "${CI:-}" ] || goingrate_setup slurm-wlm parallel
 # For the notebooks, and for what of Python is skipped without.
 goingrate_setup python3-pandas python3-matplotlib python3-pip mypy jupyter-nbconvert python3-ipykernel \
   python3-lmfit python3-iminuit python3-distributed

@@ -3,8 +3,11 @@
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"
+#include "goingrate/analysis/batch.hpp"
+#include "goingrate/analysis/batch_summary.hpp"
 #include "goingrate/analysis/fit_request.hpp"
 #include "goingrate/analysis/load.hpp"
+#include "goingrate/analysis/simulated_logs.hpp"
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/instant.hpp"
@@ -54,6 +57,7 @@
 #include "goingrate/log/reading.hpp"
 #include "goingrate/log/sensor.hpp"
 #include "goingrate/log/writing.hpp"
+#include "goingrate/report/batch_report.hpp"
 #include "goingrate/report/chart_report.hpp"
 #include "goingrate/report/figure.hpp"
 #include "goingrate/report/gnuplot.hpp"

@@ -140,9 +140,9 @@ private:
              Setting::flag_width);
     if (widths && width > 0.0) {
       log.events = std::move(loaded_.beats.beats);
-      const double period_s =
-          log.nominal_period_s ? *log.nominal_period_s
-                               : small_swing_period(log, width, loaded_.nominal_period_s);
+      const double period_s = log.nominal_period_s
+                                  ? *log.nominal_period_s
+                                  : small_swing_period(log, width, loaded_.nominal_period_s);
       set_amplitudes_from_widths(log, width, period_s);
       move_middles_to_vertical(log, period_s);
       loaded_.beats.beats = std::move(log.events);

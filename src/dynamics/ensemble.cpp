@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace goingrate {
 
@@ -88,12 +89,12 @@ std::vector<Stage> stages_of(const Scenario& scenario) {
 class LaneGroup {
 public:
   LaneGroup(const Scenario& scenario, std::vector<Stage>& stages, double velocity,
-            std::uint64_t seed, std::size_t count)
-      : scenario_(scenario), stages_(stages), count_(count) {
+            std::span<const std::uint64_t> seeds)
+      : scenario_(scenario), stages_(stages), count_(seeds.size()) {
     for (std::size_t k = 0; k < lanes; ++k) {
       // Lanes beyond the last realisation run a copy that nobody looks at.
       drives_.emplace_back(scenario.drive, scenario.clock.nominal_period_s,
-                           seed + std::min(k, count - 1));
+                           seeds[std::min(k, count_ - 1)]);
       direct_.emplace_back(scenario.clock, velocity);
       speed2_.set(k, direct_.back().speed2());
     }
@@ -218,38 +219,99 @@ private:
   bool irregular_ = false;
 };
 
+// Neighbouring seeds, as realisations have them.
+std::vector<std::uint64_t> seeds_from(std::uint64_t first, std::size_t count) {
+  std::vector<std::uint64_t> seeds(count);
+  std::iota(seeds.begin(), seeds.end(), first);
+  return seeds;
+}
+
+class Runner {
+public:
+  explicit Runner(const Scenario& scenario) : decided_(scenario) {
+    const ClockRun first(scenario, 0); // checks the scenario and chooses the method
+    start_ = first.last();
+    decided_.method.method = first.method().method;
+    if (fits_lanes(decided_, decided_.method.method)) stages_ = stages_of(decided_);
+  }
+  // Maps are not copied: each grows by itself.
+  Runner(const Runner& other) : decided_(other.decided_), start_(other.start_) {
+    if (!other.stages_.empty()) stages_ = stages_of(decided_);
+  }
+  Runner& operator=(const Runner&) = delete;
+  [[nodiscard]] const Period& start() const { return start_; }
+
+  // `each(k, period maker)` after every period, `last(k, period, status)` at the end.
+  template <class Each, class Last>
+  void run(std::span<const std::uint64_t> seeds, Each each, Last last) {
+    if (stages_.empty()) return one_by_one(seeds, each, last);
+    for (std::size_t base = 0; base < seeds.size(); base += lanes) {
+      const auto now = seeds.subspan(base, std::min(lanes, seeds.size() - base));
+      LaneGroup group(decided_, stages_, start_.velocity, now);
+      group.run([&](std::size_t k) { each(base + k, [&] { return group.period(k); }); });
+      for (std::size_t k = 0; k < now.size(); ++k)
+        last(base + k, group.period(k), group.status(k));
+    }
+  }
+
+private:
+  template <class Each, class Last>
+  void one_by_one(std::span<const std::uint64_t> seeds, Each each, Last last) {
+    for (std::size_t k = 0; k < seeds.size(); ++k) {
+      ClockRun run(decided_, seeds[k]);
+      while (run.next())
+        each(k, [&] { return run.last(); });
+      last(k, run.last(), run.status());
+    }
+  }
+
+  Scenario decided_;
+  Period start_;
+  std::vector<Stage> stages_; // empty: not in lanes
+};
+
 // Runs everything; `each(realisation, period maker)` after every period, `last(...)` at the end.
 template <class Each, class Last>
 void run_all(const Scenario& scenario, const EnsembleOptions& options, Each each, Last last) {
   if (options.realisations == 0) return;
-  const std::size_t threads = threads_or_usual(options.threads);
-  const ClockRun first(scenario, options.seed); // checks the scenario and chooses the method
-  Scenario decided = scenario;
-  decided.method.method = first.method().method;
-  if (!fits_lanes(decided, decided.method.method)) {
-    share_out(options.realisations, threads, [&] {
-      return [&](std::size_t i) {
-        ClockRun run(decided, options.seed + i);
-        while (run.next())
-          each(i, [&] { return run.last(); });
-        last(i, run.last(), run.status());
-      };
-    });
-    return;
-  }
-  const std::size_t groups = (options.realisations + lanes - 1) / lanes;
-  share_out(groups, threads, [&] {
-    return [&, stages = stages_of(decided)](std::size_t g) mutable {
-      const std::size_t base = g * lanes, count = std::min(lanes, options.realisations - base);
-      LaneGroup group(decided, stages, first.start_velocity(), options.seed + base, count);
-      group.run([&](std::size_t k) { each(base + k, [&] { return group.period(k); }); });
-      for (std::size_t k = 0; k < count; ++k)
-        last(base + k, group.period(k), group.status(k));
+  const Runner first(scenario);
+  const auto seeds = seeds_from(options.seed, options.realisations);
+  const std::size_t groups = (seeds.size() + lanes - 1) / lanes;
+  share_out(groups, threads_or_usual(options.threads), [&] {
+    return [&, runner = first](std::size_t g) mutable {
+      const std::size_t base = g * lanes;
+      runner.run(
+          std::span(seeds).subspan(base, std::min(lanes, seeds.size() - base)),
+          [&](std::size_t k, auto period) { each(base + k, period); },
+          [&](std::size_t k, const Period& period, SwingStatus end) {
+            last(base + k, period, end);
+          });
     };
   });
 }
 
 } // namespace
+
+struct Realisations::Engine : Runner {
+  using Runner::Runner;
+};
+
+Realisations::Realisations(const Scenario& scenario)
+    : engine_(std::make_unique<Engine>(scenario)) {}
+Realisations::Realisations(const Realisations& other)
+    : engine_(std::make_unique<Engine>(*other.engine_)) {}
+Realisations::~Realisations() = default;
+
+const Period& Realisations::start() const { return engine_->start(); }
+
+std::vector<SwingStatus> Realisations::run(std::span<const std::uint64_t> seeds,
+                                           const PeriodSink& sink) {
+  std::vector<SwingStatus> status(seeds.size());
+  engine_->run(
+      seeds, [&](std::size_t k, auto period) { sink(k, period()); },
+      [&](std::size_t k, const Period&, SwingStatus end) { status[k] = end; });
+  return status;
+}
 
 std::vector<SwingStatus> run_ensemble(const Scenario& scenario, const EnsembleOptions& options,
                                       const PeriodSink& sink) {

@@ -27,7 +27,8 @@ std::array<double, 3> inverse_q_per_friction(double amplitude_rad) {
   // Without loss of digits at small swings: E - (1 - k^2) K = k^2 (K - D), D = (K - E)/k^2, and
   // sin A - A cos A = A^2 j1(A).
   const double linear = boost::math::ellint_1(k) - boost::math::ellint_d(k);
-  const double quadratic = amplitude_rad * amplitude_rad * boost::math::sph_bessel(1, amplitude_rad);
+  const double quadratic =
+      amplitude_rad * amplitude_rad * boost::math::sph_bessel(1, amplitude_rad);
   return {8.0 / pi * linear, 2.0 / pi * quadratic / k2, amplitude_rad / (pi * k2)};
 }
 

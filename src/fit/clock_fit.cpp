@@ -310,12 +310,15 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   state_twins(fitted, fitted.known, summary);
 }
 
-// A free pendulum has one Q and one decay time: those that suppose no law of friction. Where the law
-// is open so is what the fit's own makes of T0.
+// A free pendulum has one Q and one decay time: those that suppose no law of friction. Where the
+// law is open, or is not that of the fit, T0 is theirs too.
 void state_decay(const RingDown& told, FitSummary& summary) {
   const Decay& decay = told.decay;
+  const bool has_other_law =
+      decay.laws.empty() || decay.laws.front().friction != summary.model.friction();
   for (FittedParameter& p : summary.parameters)
-    if (p.name == "T0" && p.status != ParameterStatus::fixed && decay.law_is_open()) {
+    if (p.name == "T0" && p.status != ParameterStatus::fixed &&
+        (decay.law_is_open() || has_other_law)) {
       const DecayEstimate& T0 = told.T0_s;
       const bool known = std::isfinite(T0.value);
       if (known && p.status == ParameterStatus::undetermined) p.status = ParameterStatus::free;
@@ -327,7 +330,8 @@ void state_decay(const RingDown& told, FitSummary& summary) {
       p.low95 = T0.low95;
       p.high95 = T0.high95;
     }
-  const std::string where = fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
+  const std::string where =
+      fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
   summary.q_factor = {"Q", where, "", decay.q.value, decay.q.sigma};
   summary.decay_time = {"decay time", where, "s", decay.time_s.value, decay.time_s.sigma};
   std::erase_if(summary.combinations, [](const auto& known) { return known.name == "decay time"; });

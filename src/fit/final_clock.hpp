@@ -20,8 +20,9 @@ struct FinalClock {
   /// friction.
   [[nodiscard]] double q_factor() const {
     const double lambda = std::sqrt(amplitude2);
-    return 1.0 / (2.0 * laws.epsilon + 4.0 / std::numbers::pi *
-                                           (2.0 / 3.0 * laws.quadratic * lambda + laws.dry / lambda));
+    return 1.0 /
+           (2.0 * laws.epsilon +
+            4.0 / std::numbers::pi * (2.0 / 3.0 * laws.quadratic * lambda + laws.dry / lambda));
   }
   /// Of the amplitude; T0/(2 pi epsilon) under linear friction.
   [[nodiscard]] double decay_time() const {

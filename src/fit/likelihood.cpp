@@ -129,8 +129,8 @@ private:
       }
       before = data_.cycle[i];
       if (sees_amplitude(i))
-        see(i, amplitude_excess(i, sight), amplitude_variance * squared_at(data_.amplitude_noise, i),
-            false);
+        see(i, amplitude_excess(i, sight),
+            amplitude_variance * squared_at(data_.amplitude_noise, i), false);
     });
   }
 

@@ -5,6 +5,7 @@
 #include "model_fit.hpp"
 #include "profile.hpp"
 #include "reference_run.hpp"
+#include "refinement.hpp"
 
 #include "goingrate/dynamics/swing_loss.hpp"
 
@@ -48,8 +49,8 @@ FitProblem with_all_friction(const Fitted& fitted, const FitOptions& options, do
   problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
   const FinalClock clock = final_clock(fitted.problem.parameters, fitted.minimum.x);
   const auto share = inverse_q_per_friction(amplitude);
-  const double loss = share[0] * clock.laws.epsilon + share[1] * clock.laws.quadratic +
-                      share[2] * clock.laws.dry;
+  const double loss =
+      share[0] * clock.laws.epsilon + share[1] * clock.laws.quadratic + share[2] * clock.laws.dry;
   for (Slot& slot : problem.parameters.slots)
     for (std::size_t term = 0; term < friction_terms.size(); ++term)
       if (slot.quantity == friction_terms[term] && slot.free) {
@@ -94,27 +95,19 @@ std::string name_of_law(unsigned chosen) {
   return name;
 }
 
-// Brought to rest by the dynamics of the fit: what they add is found where the fit stands, until
-// that stands still.
+// Brought to rest by the dynamics of the fit; second order does not know friction that is not
+// linear.
 bool settle_by_dynamics(Fitted& fitted) {
-  constexpr int rounds = 4;
-  constexpr double still = 1e-2; // of L: a tenth of a sigma
-  double before = infinite;
-  for (int round = 0; round < rounds; ++round) {
-    if (fitted.dynamics != FitDynamics::averaged1) {
-      // Second order does not know friction that is not linear.
-      auto correction = difference_to(FitDynamics::map, fitted.problem, fitted.minimum.x);
-      if (!correction) return false;
-      fitted.problem.correction = std::move(*correction);
-    }
-    settle(fitted.problem, fitted.minimum, {100});
-    if (!fitted.minimum.usable) return false;
-    if (fitted.dynamics == FitDynamics::averaged1) break;
-    if (std::abs(fitted.minimum.value - before) < still) break;
-    before = fitted.minimum.value;
+  const bool is_averaged = fitted.dynamics == FitDynamics::averaged1;
+  if (!is_averaged) {
+    auto correction = difference_to(FitDynamics::map, fitted.problem, fitted.minimum.x);
+    if (!correction) return false;
+    fitted.problem.correction = std::move(*correction);
   }
+  settle(fitted.problem, fitted.minimum, {100});
+  if (!fitted.minimum.usable) return false;
   finish(fitted);
-  return fitted.minimum.usable;
+  return fitted.minimum.usable && (is_averaged || refine(fitted, FitDynamics::map));
 }
 
 // All terms at once.
@@ -168,9 +161,7 @@ FrictionCone cone_of(const Fitted& all, const Evaluation& at) {
           bounded_coordinates(all)};
 }
 
-DecayEstimate nothing_known() {
-  return {unknown, unknown, unknown, unknown, unknown, unknown};
-}
+DecayEstimate nothing_known() { return {unknown, unknown, unknown, unknown, unknown, unknown}; }
 
 // A sum of the coordinates and what the log says of it.
 class KnownSum {
@@ -195,9 +186,9 @@ public:
   }
 
 private:
-  // The root of the fall of 2 log L, in sigmas, with the sum held at v: each step goes to the lowest
-  // place of the parabola about the last, or half as far where L does not fall. Nothing where the
-  // model does not hold.
+  // The root of the fall of 2 log L, in sigmas, with the sum held at v: each step goes to the
+  // lowest place of the parabola about the last, or half as far where L does not fall. Nothing
+  // where the model does not hold.
   [[nodiscard]] std::optional<double> root_at(double v) const {
     constexpr int most_steps = 12;
     constexpr double enough = 5e-3; // of L, where half or two are looked for
@@ -308,8 +299,8 @@ public:
     const auto in68 = straight ? sum.interval(1.0) : sum.searched(1.0);
     const auto in95 = straight ? sum.interval(z95) : sum.searched(z95);
     const auto value = [&](double x) { return (1.0 + x) * slot.scale; };
-    DecayEstimate T0{value(sum.best()), 0.0, value(in68[0]), value(in68[1]), value(in95[0]),
-                     value(in95[1])};
+    DecayEstimate T0{value(sum.best()), 0.0,           value(in68[0]), value(in68[1]),
+                     value(in95[0]),    value(in95[1])};
     T0.sigma = 0.5 * (T0.high68 - T0.low68);
     return std::isfinite(T0.sigma) ? T0 : nothing_known();
   }

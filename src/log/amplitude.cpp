@@ -84,10 +84,12 @@ void move_middles_to_vertical(ClockLog& log, double period_s) {
   for (std::size_t k = 0; k < known.size(); ++k) {
     double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
     const Beat& here = log.events[known[k]];
-    for (std::size_t j = k > reach ? k - reach : 0; j < std::min(known.size(), k + reach + 1); ++j) {
+    for (std::size_t j = k > reach ? k - reach : 0; j < std::min(known.size(), k + reach + 1);
+         ++j) {
       const Beat& beat = log.events[known[j]];
       if (beat.segment != here.segment) continue;
-      const double cycles = (beat.time - here.time) / period_s, log_a = std::log(beat.amplitude_rad);
+      const double cycles = (beat.time - here.time) / period_s,
+                   log_a = std::log(beat.amplitude_rad);
       ++n, x += cycles, y += log_a, xx += cycles * cycles, xy += cycles * log_a;
     }
     const double spread = n * xx - x * x;

@@ -351,8 +351,8 @@ private:
       if (!rest) rows(i, 2) = 1.0;
       values(i) = sample.angle - rest.value_or(0.0);
       if (before && in_rad_)
-        values(i) -= size * harmonic(*before, t - before->root_s, w,
-                                     passage.edge == Edge::up ? 1.0 : -1.0);
+        values(i) -=
+            size * harmonic(*before, t - before->root_s, w, passage.edge == Edge::up ? 1.0 : -1.0);
     }
     const Eigen::MatrixXd inverse = (rows.transpose() * rows).inverse();
     const Eigen::VectorXd c = inverse * (rows.transpose() * values);

@@ -68,10 +68,10 @@ private:
           "follows the temperature or the air pressure, which this log does not hold",
           size());
     case Cause::magnet:
-      return fmt::format("from {} to {} the rate is another by {}: most likely something was "
-                         "brought near the pendulum, or laid on it, and taken away again",
-                         words_.short_moment(numbers_.at_s), words_.moment(numbers_.until_s),
-                         size());
+      return fmt::format(
+          "from {} the rate is another by {}: most likely something was brought near "
+          "the pendulum, or laid on it, and taken away again",
+          words_.span(numbers_.at_s, numbers_.until_s), size());
     default:
       return fact();
     }
@@ -117,8 +117,8 @@ private:
                          words_.moment(numbers_.at_s), 1e3 * numbers_.size);
     case Cause::knock:
       return fmt::format(
-          "{} times in the log the clock is displaced at once and goes on as before, "
-          "by {:+.3g} ms {}: most likely it was knocked",
+          "the times jump in {} places, most by {:+.3g} ms {}, and the clock goes on "
+          "as before: most likely it was knocked",
           numbers_.places, 1e3 * numbers_.size, words_.moment(numbers_.at_s));
     case Cause::missed_beats:
       return fmt::format("the sensor missed {:.2g} % of the beats, in {} places",

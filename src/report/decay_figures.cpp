@@ -61,8 +61,8 @@ double T0_of(const FitSummary& fit, const Stretches& points) {
 
 Series theory(double T0, double largest_rad2) {
   constexpr int steps = 40;
-  Series curve{Series::Style::line, fmt::format("theory, T0 = {:.6g} s", T0), {}, {}, {}, {},
-               vermilion};
+  Series curve{
+      Series::Style::line, fmt::format("theory, T0 = {:.6g} s", T0), {}, {}, {}, {}, vermilion};
   for (int i = 0; i <= steps; ++i) {
     const double squared = largest_rad2 * i / steps;
     curve.x.push_back(squared);
@@ -96,7 +96,8 @@ std::optional<Figure> period_amplitude_figure(const Analysis& data) {
   const double largest = *std::max_element(points.squared_rad2.begin(), points.squared_rad2.end());
   Series curve = theory(T0_of(data.fit, points), largest);
   Series seen{Series::Style::points,
-              points.beats == 1 ? "each period" : fmt::format("means over {} periods", points.beats),
+              points.beats == 1 ? "each period"
+                                : fmt::format("means over {} periods", points.beats),
               std::move(points.squared_rad2),
               std::move(points.period_s),
               {},
@@ -105,14 +106,16 @@ std::optional<Figure> period_amplitude_figure(const Analysis& data) {
   return Figure{
       "period-amplitude",
       "Period against squared amplitude",
-      std::string("The circular error: a wide swing takes longer, T = T0 (1 + A²/16 + …). The line "
-                  "is the period of a free pendulum to all orders, with the T0 of the fit; it meets "
-                  "the axis at T0, the period of small swings. ") +
-          (measured ? "Points that leave the line point to amplitudes with a wrong scale, to times "
-                      "taken off the vertical, or to a pendulum that is more than a rigid body on a "
-                      "fixed axis."
-                    : "The log has no amplitudes: those of the fit, which come from the times, stand "
-                      "in for them, so that the slope is no test here, only the scatter."),
+      std::string(
+          "The circular error: a wide swing takes longer, T = T0 (1 + A²/16 + …). The line "
+          "is the period of a free pendulum to all orders, with the T0 of the fit; it meets "
+          "the axis at T0, the period of small swings. ") +
+          (measured
+               ? "Points that leave the line point to amplitudes with a wrong scale, to times "
+                 "taken off the vertical, or to a pendulum that is more than a rigid body on a "
+                 "fixed axis."
+               : "The log has no amplitudes: those of the fit, which come from the times, stand "
+                 "in for them, so that the slope is no test here, only the scatter."),
       {"squared amplitude", "rad²"},
       {"period", "s"},
       {std::move(seen), std::move(curve)}};
@@ -129,17 +132,17 @@ std::optional<Figure> q_figure(const FitSummary& fit) {
     line.x.push_back(at.amplitude_rad);
     line.y.push_back(at.q.value);
   }
-  return Figure{"q-amplitude",
-                "Quality factor against amplitude",
-                "2π times the energy of the swing over what a period takes of it, with its 68 % and "
-                "95 % intervals, whichever law the friction has. Level: linear friction. Falling to "
-                "the right: drag that grows with the square of the speed. Falling to the left: dry "
-                "friction.",
-                {"amplitude", "rad"},
-                {"Q", ""},
-                {band(decay, "95 %", &DecayEstimate::low95, &DecayEstimate::high95, green),
-                 band(decay, "68 %", &DecayEstimate::low68, &DecayEstimate::high68, blue),
-                 std::move(line)}};
+  return Figure{
+      "q-amplitude",
+      "Quality factor against amplitude",
+      "2π times the energy of the swing over what a period takes of it, with its 68 % and "
+      "95 % intervals, whichever law the friction has. Level: linear friction. Falling to "
+      "the right: drag that grows with the square of the speed. Falling to the left: dry "
+      "friction.",
+      {"amplitude", "rad"},
+      {"Q", ""},
+      {band(decay, "95 %", &DecayEstimate::low95, &DecayEstimate::high95, green),
+       band(decay, "68 %", &DecayEstimate::low68, &DecayEstimate::high68, blue), std::move(line)}};
 }
 
 } // namespace goingrate

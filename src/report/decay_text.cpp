@@ -25,8 +25,7 @@ std::string law_sentence(const Decay& decay) {
     return fmt::format("The law of friction is open: this log cannot tell apart {} (the best "
                        "first; their BIC differ by less than 6).",
                        open_laws(decay));
-  std::string text =
-      fmt::format("The log demands {} friction", decay.laws.front().friction);
+  std::string text = fmt::format("The log demands {} friction", decay.laws.front().friction);
   if (decay.laws.size() > 1)
     text += fmt::format(" (the next, {}, is behind by {:.3g} in BIC)", decay.laws[1].friction,
                         decay.laws[1].behind);
@@ -61,8 +60,7 @@ std::string q_sentence(const Decay& decay) {
 
 std::string decay_sentences(const Decay& decay) {
   std::string text;
-  for (const std::string& sentence :
-       {time_sentence(decay), q_sentence(decay), law_sentence(decay)})
+  for (const std::string& sentence : {time_sentence(decay), q_sentence(decay), law_sentence(decay)})
     if (!sentence.empty()) text += (text.empty() ? "" : " ") + sentence;
   return text;
 }

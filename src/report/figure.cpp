@@ -283,7 +283,7 @@ void Drawing::draw_frame() {
   write("<text class=\"axis\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
         coordinate(left_ + 0.5 * (right_ - left_)), coordinate(bottom_ + 47.0),
         escape_markup(x_.title));
-  write("<text class=\"axis\" text-anchor=\"middle\" transform=\"translate(16 {}) rotate(-90)\">{}"
+  write("<text class=\"axis\" text-anchor=\"middle\" transform=\"translate(20 {}) rotate(-90)\">{}"
         "</text>\n",
         coordinate(top_ + 0.5 * plot_height), escape_markup(y_.title));
 }

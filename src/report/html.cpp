@@ -28,8 +28,9 @@ void Table::row(const std::vector<std::string>& cells) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const bool value = cells[i].size() <= longest_value;
     // On a narrow screen every cell stands below the one before, with its heading.
-    const std::string label =
-        i > 0 && i < headings_.size() ? " data-label=\"" + headings_[i] + "\"" : "";
+    const std::string label = i > 0 && headings_.size() > 2 && i < headings_.size()
+                                  ? " data-label=\"" + headings_[i] + "\""
+                                  : "";
     rows_ += i == 0 ? "<th scope=\"row\">" : (value ? "<td class=\"value\"" : "<td") + label + ">";
     rows_ += escape_markup(cells[i]) + (i == 0 ? "</th>" : "</td>");
   }
@@ -99,14 +100,14 @@ button:hover{border-color:currentColor}
 button:focus-visible,a:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 @media screen{.drawn .save{display:block}}
 li,td,th{overflow-wrap:anywhere}
-@media screen and (max-width:50rem){
+@media screen and (max-width:50rem){.value{white-space:normal}}
+@media screen and (max-width:40rem){
 table,thead,tbody,tr,th,td,caption{display:block}
 thead{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}
 tr{padding:.5rem 0;border-bottom:1px solid var(--grid)}
 th,td{padding:.05rem 0;border:0}
 tbody th{font-weight:600}
-td[data-label]::before{content:attr(data-label) ": ";color:var(--soft)}
-.value{white-space:normal}}
+td[data-label]::before{content:attr(data-label) ": ";color:var(--soft)}}
 .warning{padding:.6rem .8rem;border-left:4px solid var(--warn);background:var(--panel);font-weight:600}
 @page{size:A4;margin:16mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}

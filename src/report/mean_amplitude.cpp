@@ -2,26 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace goingrate {
 
 MeanAmplitude amplitude_at(const std::vector<Beat>& beats, bool end) {
   constexpr std::size_t most = 20;
-  double sum = 0.0, sum2 = 0.0;
-  MeanAmplitude mean;
+  std::vector<double> amplitudes;
   for (std::size_t i = 0; i < std::min(most, beats.size()); ++i) {
     const double amplitude = beats[end ? beats.size() - 1 - i : i].amplitude_rad;
-    if (!std::isfinite(amplitude)) continue;
-    sum += amplitude;
-    sum2 += amplitude * amplitude;
-    ++mean.beats;
+    if (std::isfinite(amplitude)) amplitudes.push_back(amplitude);
   }
-  if (mean.beats == 0) return mean;
-  const double count = mean.beats;
-  mean.rad = sum / count;
-  if (mean.beats < 2) return mean;
-  const double variance = std::max(0.0, sum2 - count * mean.rad * mean.rad) / (count - 1.0);
-  mean.sigma_rad = std::sqrt(variance / count);
+  MeanAmplitude mean;
+  mean.beats = static_cast<int>(amplitudes.size());
+  if (amplitudes.empty()) return mean;
+  const auto count = static_cast<double>(amplitudes.size());
+  mean.rad = std::accumulate(amplitudes.begin(), amplitudes.end(), 0.0) / count;
+  if (amplitudes.size() < 2) return mean;
+  double squares = 0.0;
+  for (const double amplitude : amplitudes)
+    squares += (amplitude - mean.rad) * (amplitude - mean.rad);
+  mean.sigma_rad = std::sqrt(squares / (count - 1.0) / count);
   return mean;
 }
 

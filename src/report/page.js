@@ -263,13 +263,15 @@
     // Named one by one: plotly would also offer to send the figure to its makers' server.
     modeBarButtons: [["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]] };
 
-  function draw(plot) {
+  async function draw(plot) {
     const look = theme();
     plot.width = plot.place.clientWidth;
     for (const panel of plot.panels) if (panel.bulk) panel.shown = shownRange(panel, plot);
     const traces = plot.panels.flatMap((panel) =>
       panel.series.flatMap((series) => tracesOf(series, panel, plot, look)));
-    return Plotly.react(plot.place, traces, layoutOf(plot, look), config);
+    await Plotly.react(plot.place, traces, layoutOf(plot, look), config);
+    // A screen reader has the name of the place and the caption; a mark for each beat tells it nothing.
+    plot.place.firstElementChild?.setAttribute("aria-hidden", "true");
   }
 
   // What is against time has a range of its own, so that it can be drawn anew for any part of it.

@@ -111,7 +111,8 @@ std::string decay_part(const FitSummary& fit) {
     table.row({plain_number(at->amplitude_rad, 4), measured(at->q.value, at->q.sigma),
                range(at->q.low68, at->q.high68), range(at->q.low95, at->q.high95)});
   }
-  return paragraph(escape_markup(decay_sentences(*fit.decay))) + (table.empty() ? "" : table.html());
+  return paragraph(escape_markup(decay_sentences(*fit.decay))) +
+         (table.empty() ? "" : table.html());
 }
 
 std::string quality_table(const FitSummary& fit) {

@@ -39,7 +39,7 @@ std::string counts(const Analysis& data) {
 std::string relaxation_text(const Relaxation& relaxation) {
   std::string text = fmt::format(
       "{} s, from {}{}", measured(relaxation.time_constant_s, relaxation.sigma_s),
-      duration_text(relaxation.window_s),
+      plain_number(relaxation.window_s, 4) + " s",
       relaxation.exponential ? "; one exponential is enough" : "; not a single exponential");
   if (relaxation.shorter_window_s > 0.0 && relaxation.longer_window_s > 0.0)
     text += fmt::format("; {} s from a stretch ¾ and {} s from one 1¼ as long",
@@ -141,7 +141,10 @@ std::string key_figures(const Analysis& data) {
   const RateSummary& rate = data.rate;
   const Wording words(data);
   std::string cards;
-  if (rate.nominal_is_known) {
+  const bool swings_freely = data.fit.has_result() && data.fit.model.escapement == Escapement::none;
+  if (swings_freely) {
+    // A rate is that of a clock.
+  } else if (rate.nominal_is_known) {
     if (data.stretches.size() > 1 || data.now.rate.rate_excess != rate.rate_excess)
       cards += card("Rate now",
                     typeset(words.rate(data.now.rate.rate_excess, data.now.rate.rate_excess_sigma)),

@@ -15,7 +15,7 @@ struct ParameterWords {
 };
 
 constexpr std::array<ParameterWords, 22> words{{
-    {"T0", "", "period of small swings without drive and friction"},
+    {"T0", "", "period of small free swings"},
     {"epsilon", "ε", "friction"},
     {"mu", "μ", "driving torque"},
     {"phi0", "φ0", "angle at which the torque changes its sign"},

@@ -24,7 +24,7 @@ bool is_noise_of_drive(std::string_view name) {
   return name == "drive_rms" || name == "slow_rms" || name == "slow_time";
 }
 
-std::string number(double value) { return with_sigma(value, 0.0, 2); }
+std::string number(double value) { return with_sigma(value, 0.0, 3); }
 
 /// Gathers the rows for one log.
 class Numbers {
@@ -49,6 +49,7 @@ private:
 
   void add_going();
   void add_stretches();
+  [[nodiscard]] double cut_at(double begin_s) const;
   void add_amplitudes();
   void add_fit();
   void add_drive();
@@ -65,8 +66,8 @@ private:
 
 void Numbers::add_going() {
   const RateSummary& rate = data_.rate;
-  add("beats", fmt::format("{} in {}; {}", rate.crossings, words_.duration(rate.duration_s),
-                           fault_counts(data_.numbered)));
+  add("beats in " + words_.duration(rate.duration_s),
+      fmt::format("{}; {}", rate.crossings, fault_counts(data_.numbered)));
   if (data_.numbered.segments > 1)
     add("parts that could not be joined",
         fmt::format("{}, the longest is analysed", data_.numbered.segments));
@@ -75,9 +76,21 @@ void Numbers::add_going() {
         with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
   else
     add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
-  if (!rate.nominal_is_known) return;
+  const bool swings_freely =
+      data_.fit.has_result() && data_.fit.model.escapement == Escapement::none;
+  if (!rate.nominal_is_known || swings_freely) return;
   add("rate over the whole log, end to end", words_.rate(rate.rate_excess, rate.rate_excess_sigma));
   add_stretches();
+}
+
+// The change at which a stretch begins; the stretch has the beat before it.
+double Numbers::cut_at(double begin_s) const {
+  const auto& changes = data_.diary.changes;
+  const auto nearest =
+      std::min_element(changes.begin(), changes.end(), [&](const Change& a, const Change& b) {
+        return std::abs(a.at_s - begin_s) < std::abs(b.at_s - begin_s);
+      });
+  return nearest == changes.end() ? begin_s : nearest->at_s;
 }
 
 void Numbers::add_stretches() {
@@ -85,8 +98,8 @@ void Numbers::add_stretches() {
   const Instant first = data_.beats.front().time;
   for (std::size_t i = 0; i < stretches.size() && stretches.size() > 1; ++i) {
     const PartRate& part = stretches[i];
-    const double from_s = part.start - first;
-    const double to_s = i + 1 < stretches.size() ? stretches[i + 1].start - first : 0.0;
+    const double from_s = i > 0 ? cut_at(part.start - first) : 0.0;
+    const double to_s = i + 1 < stretches.size() ? cut_at(stretches[i + 1].start - first) : 0.0;
     const std::string name =
         i == 0 ? "  until " + words_.short_moment(to_s)
         : i + 1 < stretches.size()
@@ -123,8 +136,9 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
   const std::string_view meaning = meaning_of(name);
   const std::size_t at = name.find('@');
   std::string text(meaning.empty() ? std::string_view(name) : meaning);
-  const std::string symbol = symbol_of(name);
-  if (symbol != name || name == "T0" || name.starts_with("T0@")) text += " " + symbol;
+  const std::string base = name.substr(0, at);
+  const std::string symbol = symbol_of(base);
+  if (symbol != base || base == "T0") text += " " + symbol;
   if (at == std::string::npos) return text;
   const auto event = static_cast<std::size_t>(std::stoi(name.substr(at + 1)));
   if (event == 0 || event > data_.fit.events.size()) return text;
@@ -132,7 +146,8 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
   const auto beat = std::find_if(data_.beats.begin(), data_.beats.end(),
                                  [&](const Beat& b) { return b.cycle >= cycle; });
   if (beat == data_.beats.end()) return text;
-  return text + ", from " + words_.short_moment(beat->time - data_.beats.front().time);
+  return fmt::format("{} from {} on", text,
+                     words_.short_moment(beat->time - data_.beats.front().time));
 }
 
 std::string Numbers::value_of(const FittedParameter& p) const {
@@ -160,7 +175,7 @@ void Numbers::add_fit() {
 void Numbers::add_drive() {
   if (!data_.drive.split) return;
   const DriveSplit& split = *data_.drive.split;
-  add("variation of the drive from swing to swing, rms", rms_words(split.fast, 100.0, "%", number));
+  add("fast variation of the drive, rms", rms_words(split.fast, 100.0, "%", number));
   add("slow variation of the drive, rms", rms_words(split.slow, 100.0, "%", number));
   constexpr double week_s = 7.0 * seconds_per_day;
   const auto cost = [](const RmsEstimate& rms) {
@@ -186,7 +201,7 @@ std::string Numbers::deviation(const DeviationRow& row) const {
   const double sigma =
       row.interval ? 0.5 * (row.high - row.low) : std::numeric_limits<double>::quiet_NaN();
   const double factor = words_.rate_unit().factor;
-  return fmt::format("{} {}", with_sigma(factor * row.value, factor * sigma, 2),
+  return fmt::format("{} {}", with_sigma(factor * row.value, factor * sigma, 4),
                      words_.rate_unit().name);
 }
 
@@ -201,10 +216,11 @@ void Numbers::add_deviation() {
   const auto best = std::min_element(
       rows.begin(), last, [](const auto& a, const auto& b) { return a.value < b.value; });
   const auto name = [](const DeviationRow& row) {
-    return fmt::format("Allan deviation of means over τ = {} s", with_sigma(row.tau_s, 0.0, 3));
+    return fmt::format("Allan deviation over τ = {:.6g} s", row.tau_s);
   };
   add(name(rows.front()), deviation(rows.front()));
-  if (best != rows.begin()) add(name(*best) + ", the least", deviation(*best));
+  if (best != rows.begin())
+    add("  least, over τ = " + fmt::format("{:.6g} s", best->tau_s), deviation(*best));
 }
 
 } // namespace

@@ -130,9 +130,7 @@ std::string Sentences::going() const {
   if (!data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle)
     return fmt::format("In the last {} of this log of {} the clock {}.",
                        words_.duration(now.duration_s), span, how);
-  if (data_.stretches.size() > 1)
-    return fmt::format("Since its last change, {}, the clock {}.",
-                       words_.moment(data_.now.start - data_.beats.front().time), how);
+  if (data_.stretches.size() > 1) return fmt::format("The clock now {}.", how);
   return is_zero ? fmt::format("Over the {} of this log the clock neither gains nor loses beyond "
                                "what the log can tell: its rate is {}.",
                                span, words_.rate(now.rate_excess, now.rate_excess_sigma))
@@ -140,9 +138,8 @@ std::string Sentences::going() const {
 }
 
 std::string Sentences::interruption(const Interruption& event) const {
-  std::string text =
-      fmt::format("From {} to {} the drive was interrupted", words_.short_moment(event.begin.at_s),
-                  words_.moment(event.end.at_s));
+  std::string text = fmt::format("From {} the drive was interrupted",
+                                 words_.span(event.begin.at_s, event.end.at_s));
   if (std::isfinite(event.amplitude_before_rad + event.amplitude_after_rad))
     text +=
         fmt::format(": the swing fell from {} to {}", words_.angle(event.amplitude_before_rad, 0.0),
@@ -155,14 +152,14 @@ std::string Sentences::interruption(const Interruption& event) const {
 std::string Sentences::changes() const {
   if (changes_.empty()) return {};
   const Change& first = *changes_.front();
-  const bool known =
-      data_.rate.nominal_is_known && std::isfinite(first.rate_before + first.rate_after);
-  if (changes_.size() == 1)
-    return known ? fmt::format("Its rate changed {}, from {} before to {} after",
-                               words_.moment(first.at_s),
-                               words_.rate(first.rate_before, first.rate_before_sigma),
-                               words_.rate(first.rate_after, first.rate_after_sigma))
-                 : fmt::format("Its rate changed {}", words_.moment(first.at_s));
+  if (changes_.size() == 1 && data_.stretches.size() == 2 && data_.rate.nominal_is_known) {
+    const RateSummary& before = data_.stretches[0].rate;
+    const RateSummary& after = data_.stretches[1].rate;
+    return fmt::format("Its rate changed {}, from {} before to {} after", words_.moment(first.at_s),
+                       words_.rate(before.rate_excess, before.rate_excess_sigma),
+                       words_.rate(after.rate_excess, after.rate_excess_sigma));
+  }
+  if (changes_.size() == 1) return fmt::format("Its rate changed {}", words_.moment(first.at_s));
   return fmt::format("Its rate changed {} times, first {} and last {}", changes_.size(),
                      words_.moment(first.at_s), words_.moment(changes_.back()->at_s));
 }
@@ -178,6 +175,13 @@ std::string Sentences::whether_worse() const {
     trend = "it goes on changing, in one direction through the log";
   else if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
     trend = "its rate is not steady, but no trend through the log shows";
+  else if (suspicions_.empty())
+    trend =
+        data_.diary.changes.empty()
+            ? "nothing in this log shows that anything is wrong with the clock, or that it is "
+              "getting worse"
+            : "apart from that, nothing shows that anything is wrong with the clock, or that it "
+              "is getting worse";
   else
     trend = told.empty() ? "nothing in this log shows that the clock is getting worse"
                          : "no other trend shows in this log";
@@ -221,12 +225,9 @@ std::string Sentences::what_to_do() const {
     if (!data_.nut) return advice;
     return fmt::format("{}{}{}.", advice, advice.empty() ? "" : " ", capitalised(zero_rate()));
   }
-  std::string text = data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more"
-                     : data_.diary.changes.empty()
-                         ? "Nothing is wrong that this log would show"
-                         : "Nothing else is wrong that this log would show";
-  const std::string nut = zero_rate();
-  return nut.empty() ? text + "." : text + "; " + nut + ".";
+  if (const std::string nut = zero_rate(); !nut.empty()) return capitalised(nut) + ".";
+  return data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more."
+                                                    : "There is nothing to do.";
 }
 
 void Sentences::say_how_it_comes_to_rest() {
@@ -273,9 +274,10 @@ void Sentences::say_what_the_model_tells() {
   std::string text = rough ? "The model of the pendulum explains this log only roughly"
                            : "The model of the pendulum explains this log to within its noise";
   if (!unknown.empty())
-    text += fmt::format(", but the log does not tell {}; {}a ring-down or a change of the driving "
+    text += fmt::format(", {} the log does not tell {}; {}a ring-down or a change of the driving "
                         "weight would",
-                        fmt::join(unknown, ", "), sees_amplitude_ ? "" : "amplitudes, ");
+                        rough ? "and" : "but", fmt::join(unknown, ", "),
+                        sees_amplitude_ ? "" : "amplitudes, ");
   say(text + ".");
 }
 

@@ -100,17 +100,26 @@ std::string Wording::angle(double rad, double sigma) const {
 }
 
 std::string Wording::duration(double seconds) const {
-  return fmt::format("{} {}", with_sigma(time_.factor * seconds, 0.0, 4), time_.name);
+  return fmt::format("{} {}", with_sigma(time_.factor * seconds, 0.0, 3), time_.name);
+}
+
+std::string Wording::time_since(double at_s) const {
+  return fmt::format("{} {}", with_sigma(time_.factor * at_s, 0.0, 4), time_.name);
 }
 
 std::string Wording::moment(double at_s) const {
-  if (!is_dated_) return duration(at_s) + " after the first beat";
+  if (!is_dated_) return time_since(at_s) + " after the first beat";
   const auto [date, time] = date_and_time(first_ + at_s);
   return "on " + date + " at " + time;
 }
 
+std::string Wording::span(double from_s, double to_s) const {
+  return fmt::format("{} to {}{}", short_moment(from_s), short_moment(to_s),
+                     is_dated_ ? "" : " after the first beat");
+}
+
 std::string Wording::short_moment(double at_s) const {
-  if (!is_dated_) return duration(at_s);
+  if (!is_dated_) return time_since(at_s);
   const auto [date, time] = date_and_time(first_ + at_s);
   return date + " " + time;
 }

@@ -36,16 +36,20 @@ public:
   /// than it.
   [[nodiscard]] std::string size_of_rate(double size, double sigma) const;
   [[nodiscard]] std::string angle(double rad, double sigma) const;
-  /// "3999 s", "11.1 h".
+  /// "924 s", "11.1 h".
   [[nodiscard]] std::string duration(double seconds) const;
   /// "300 s after the first beat", or "on 2013-03-31 at 00:03:30" where the log's times are dates.
   [[nodiscard]] std::string moment(double at_s) const;
+  /// "1800 s to 2160 s after the first beat".
+  [[nodiscard]] std::string span(double from_s, double to_s) const;
   /// The same for a table: "300 s", "2013-03-31 00:03:30".
   [[nodiscard]] std::string short_moment(double at_s) const;
   /// Whether the times of the log are dates.
   [[nodiscard]] bool is_dated() const { return is_dated_; }
 
 private:
+  [[nodiscard]] std::string time_since(double at_s) const;
+
   DisplayUnit rate_, angle_, time_;
   Instant first_;
   bool is_dated_ = false;

@@ -536,14 +536,14 @@ TEST_F(CommandTest, TheReportSaysHowToTurnTheRatingNut) {
   const Outcome slow =
       run("report slow.log --nominal-period 2 --nut-pitch 0.75 -o r.html --json r.json");
   ASSERT_EQ(slow.code, 0) << slow.err;
-  EXPECT_NE(slow.out.find("raise the bob by 0.306"), std::string::npos) << slow.out;
-  EXPECT_NE(content(folder_ / "r.html").find("raise the bob by 0.306"), std::string::npos);
+  EXPECT_NE(slow.out.find("Raise the bob by 0.306"), std::string::npos) << slow.out;
+  EXPECT_NE(content(folder_ / "r.html").find("Raise the bob by 0.306"), std::string::npos);
   EXPECT_NEAR(json("r.json")["rating_nut"]["turns_up"].get<double>(), 0.3068, 2e-4);
   const Outcome fast = run("report slow.log --nominal-period 2.001 --nut-pitch 0.75 -o r.html");
-  EXPECT_NE(fast.out.find("lower the bob"), std::string::npos) << fast.out;
+  EXPECT_NE(fast.out.find("Lower the bob"), std::string::npos) << fast.out;
   const Outcome shorter = run(
       "report slow.log --nominal-period 2 --nut-pitch 0.75 --pendulum-length 0.49698 -o r.html");
-  EXPECT_NE(shorter.out.find("raise the bob by 0.153"), std::string::npos) << shorter.out;
+  EXPECT_NE(shorter.out.find("Raise the bob by 0.153"), std::string::npos) << shorter.out;
   EXPECT_EQ(run("report slow.log --nut-pitch 0 -o r.html").code, 2);
   EXPECT_EQ(run("report slow.log --pendulum-length 1 -o r.html").code, 2) << "without a pitch";
 }

@@ -50,6 +50,28 @@ TEST(EnsembleTest, RealisationsAreSingleRunsWhateverTheThreads) {
     expect_single_runs(noisy_c(400), {7, 19, threads});
 }
 
+TEST(EnsembleTest, AnySeedsInAnyCompany) {
+  Scenario scenario = noisy_c(200);
+  for (const Method method : {Method::map, Method::averaged1}) {
+    scenario.method.method = method;
+    Realisations all(scenario);
+    Realisations other = all;
+    const std::vector<std::uint64_t> many{3, 99, 4, 1000000, 7, 8, 21, 5, 6, 3}, few{99, 6};
+    std::vector<Period> last(many.size()), again(few.size());
+    all.run(many, [&](std::size_t k, const Period& period) { last[k] = period; });
+    other.run(few, [&](std::size_t k, const Period& period) { again[k] = period; });
+    EXPECT_EQ(last[0].time_s.hi, last[9].time_s.hi);
+    EXPECT_EQ(last[1].time_s.lo, again[0].time_s.lo);
+    EXPECT_EQ(last[8].velocity, again[1].velocity);
+    ClockRun alone(scenario, 1000000);
+    while (alone.next()) {
+    }
+    EXPECT_EQ(last[3].time_s.hi, alone.last().time_s.hi);
+    EXPECT_EQ(last[3].velocity, alone.last().velocity);
+    EXPECT_EQ(all.start().velocity, alone.start_velocity());
+  }
+}
+
 TEST(EnsembleTest, LanesPartWhereTheirStatesDo) {
   // A jump of the torque sends all lanes through many patches at slightly different times; a start
   // far away does too.

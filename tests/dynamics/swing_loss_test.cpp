@@ -18,7 +18,8 @@ using State = std::array<double, 3>;
 
 State slope(const State& s, const Friction& f) {
   const double sign = s[1] > 0.0 ? 1.0 : -1.0;
-  const double friction = 2.0 * f.epsilon * s[1] + f.quadratic * std::abs(s[1]) * s[1] + f.dry * sign;
+  const double friction =
+      2.0 * f.epsilon * s[1] + f.quadratic * std::abs(s[1]) * s[1] + f.dry * sign;
   return {s[1], -std::sin(s[0]) - friction, friction * s[1]};
 }
 
@@ -46,9 +47,8 @@ double integrated_inverse_q(const Friction& friction, double amplitude) {
 
 TEST(SwingLossTest, IsWhatThePendulumLoses) {
   for (const double amplitude : {0.05, 0.3, 1.0, 2.0})
-    for (const Friction& friction :
-         {Friction{1e-5, 0.0, 0.0}, Friction{0.0, 1e-5, 0.0}, Friction{0.0, 0.0, 1e-6},
-          Friction{1e-5, 2e-5, 3e-7}}) {
+    for (const Friction& friction : {Friction{1e-5, 0.0, 0.0}, Friction{0.0, 1e-5, 0.0},
+                                     Friction{0.0, 0.0, 1e-6}, Friction{1e-5, 2e-5, 3e-7}}) {
       const double integrated = integrated_inverse_q(friction, amplitude);
       // The swing ends a part 1/Q lower than it began, and the last step goes a little beyond.
       EXPECT_NEAR(1.0 / quality_factor(friction, amplitude), integrated,

@@ -14,8 +14,8 @@ namespace {
 
 using timing_model::FrictionCone;
 
-// Three sizes that are seen together with strong correlations, as linear, quadratic and dry friction
-// are by a ring-down.
+// Three sizes that are seen together with strong correlations, as linear, quadratic and dry
+// friction are by a ring-down.
 struct Seen {
   Eigen::MatrixXd covariance = Eigen::MatrixXd(3, 3);
   Seen() {
@@ -35,9 +35,8 @@ TEST(RingDownTest, IntervalsOnTheBoundsCover) {
        {Eigen::Vector3d(6.0, 0.0, 0.0), Eigen::Vector3d(0.0, 6.0, 0.0),
         Eigen::Vector3d(0.0, 0.0, 6.0), Eigen::Vector3d(4.0, 1.0, 0.0),
         Eigen::Vector3d(8.0, 7.0, 9.0)})
-    for (const Eigen::Vector3d& h :
-         {Eigen::Vector3d(1.0, 1.0, 1.0), Eigen::Vector3d(1.0, 2.5, 0.4),
-          Eigen::Vector3d(1.0, 0.4, 2.5)}) {
+    for (const Eigen::Vector3d& h : {Eigen::Vector3d(1.0, 1.0, 1.0), Eigen::Vector3d(1.0, 2.5, 0.4),
+                                     Eigen::Vector3d(1.0, 0.4, 2.5)}) {
       int in68 = 0, in95 = 0;
       for (int k = 0; k < draws; ++k) {
         const Eigen::Vector3d noise(chance.normal(), chance.normal(), chance.normal());
@@ -57,9 +56,8 @@ TEST(RingDownTest, IntervalsOnTheBoundsCover) {
 TEST(RingDownTest, ADrivenClockHasNoDecay) {
   FitOptions options;
   options.events = {{150, {"mu"}}};
-  const FitSummary fit =
-      fit_clock(timing_data(test::simulated_beats(test::jump_from_a_to_b(1000, 1e-6), 3)), 2.0,
-                options);
+  const FitSummary fit = fit_clock(
+      timing_data(test::simulated_beats(test::jump_from_a_to_b(1000, 1e-6), 3)), 2.0, options);
   EXPECT_FALSE(fit.decay);
   EXPECT_TRUE(std::isfinite(fit.q_factor.value));
 }

@@ -143,7 +143,7 @@ TEST(TextTest, ASlopeThatIsNoNoisesIsCalledByNoName) {
   table.rows = {deviation_row(1, 4e-6, 0), deviation_row(4, 2e-6, 0), deviation_row(16, 1e-6, 0)};
   const std::string noise = deviation_findings(table);
   EXPECT_NE(noise.find("white rate): the rate is random"), std::string::npos) << noise;
-  EXPECT_NE(noise.find("and nothing"), std::string::npos) << noise;
+  EXPECT_NE(noise.find("nothing else moved the clock"), std::string::npos) << noise;
   table.rows.back().value = 8e-6;
   const std::string jump = deviation_findings(table);
   EXPECT_EQ(jump.find("the rate is random"), std::string::npos) << jump;

@@ -1,11 +1,17 @@
-// Confusion of causes on clocks drawn from those people have, through analyse(): causes of the
-// list, causes that are not in it, pairs, and health. Arguments: clocks of each kind (10), first
-// seed (1), greatest length in days (3).
+// Confusion of causes on clocks drawn from those people have: causes of the list, causes that are
+// not in it, pairs, and health.
+//   study_diagnosis write FOLDER EACH SEED DAYS    logs, EACH of every kind, of up to DAYS
+//   study_diagnosis score BATCH EACH               what `goingrate batch report FOLDER` says of
+//   them study_diagnosis log EACH SEED DAYS             both in one, without the fit, which a
+//   report has
 #include "support/sick_clocks.hpp"
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 namespace {
@@ -42,32 +48,30 @@ std::string words_for(const std::vector<Cause>& faults) {
   return words.empty() ? "healthy" : words;
 }
 
-} // namespace
+struct Study {
+  std::size_t each = 10;
+  std::uint64_t seed = 1;
+  double days = 3.0;
 
-int main(int count, char** words) {
-  const int each = count > 1 ? std::atoi(words[1]) : 10;
-  const auto first_seed = static_cast<std::uint64_t>(count > 2 ? std::atoll(words[2]) : 1);
-  const double longest = count > 3 ? std::atof(words[3]) : 3.0;
-  const bool log_alone = count > 4 && std::string(words[4]) == "log";
-  std::map<std::string, std::pair<int, int>> shares;
+  // The i-th clock of all, in order of kinds.
+  [[nodiscard]] test::SickClock clock(std::size_t i) const {
+    RandomStream chance(seed + i, StreamPurpose::jitter);
+    return {kinds().at(i / each).faults, std::pow(days, chance.uniform()), seed + i};
+  }
+  [[nodiscard]] std::size_t size() const { return each * kinds().size(); }
+};
+
+using Found = std::vector<std::vector<Suspicion>>; // one a clock
+
+void print(const Found& found, std::size_t each) {
+  std::map<std::string, std::pair<int, std::size_t>> shares;
   std::printf("%-34s right  named first\n", "truth");
-  std::uint64_t seed = first_seed;
+  std::size_t i = 0;
   for (const Kind& kind : kinds()) {
-    std::vector<std::vector<Suspicion>> found(static_cast<std::size_t>(each));
-    const auto half = [&](std::size_t begin) {
-      for (std::size_t i = begin; i < found.size(); i += 2) {
-        RandomStream chance(seed + i, StreamPurpose::jitter);
-        const test::SickClock clock{kind.faults, std::pow(longest, chance.uniform()), seed + i};
-        found[i] = log_alone ? test::suspected(clock) : test::diagnosed(clock);
-      }
-    };
-    std::thread other(half, 1);
-    half(0);
-    other.join();
-    seed += found.size();
     std::map<std::string, int> named;
     int right = 0;
-    for (const auto& suspicions : found) {
+    for (std::size_t k = 0; k < each; ++k) {
+      const auto& suspicions = found.at(i++);
       ++named[suspicions.empty() ? "healthy" : std::string(name_of(suspicions[0].cause))];
       right += kind.faults.empty() ? suspicions.empty()
                                    : test::is_named(suspicions, kind.faults, kind.in_list);
@@ -78,13 +82,78 @@ int main(int count, char** words) {
                                                       : "in the list"];
     sum += right;
     of += each;
-    std::printf("%-34s %2d/%d ", words_for(kind.faults).c_str(), right, each);
+    std::printf("%-34s %2d/%zu ", words_for(kind.faults).c_str(), right, each);
     for (const auto& [name, times] : named)
       std::printf(" %s %d,", name.c_str(), times);
     std::printf("\n");
-    std::fflush(stdout);
   }
   for (const auto& [name, share] : shares)
-    std::printf("%-16s %.3f of %d\n", name.c_str(), static_cast<double>(share.first) / share.second,
-                share.second);
+    std::printf("%-16s %.3f of %zu\n", name.c_str(),
+                share.first / static_cast<double>(share.second), share.second);
+}
+
+// The number of each log's clock is its name, so that their order is that of the clocks.
+void write(const Study& study, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  for (std::size_t i = 0; i < study.size(); ++i)
+    std::ofstream(folder / fmt::format("{:05}.csv", i)) << test::Clinic(study.clock(i)).log();
+}
+
+Cause cause_named(const std::string& name) {
+  int i = 0;
+  while (name_of(static_cast<Cause>(i)) != name)
+    ++i;
+  return static_cast<Cause>(i);
+}
+
+Found found_in(const std::string& batch) {
+  std::ifstream file(batch);
+  std::string line;
+  std::getline(file, line); // of the batch itself
+  Found found;
+  while (std::getline(file, line)) {
+    const auto json = nlohmann::json::parse(line);
+    if (json["exit"] != 0) throw std::runtime_error(json["message"].get<std::string>());
+    std::vector<Suspicion> suspicions;
+    for (const auto& one : json["result"]["causes"]) {
+      Suspicion suspicion;
+      suspicion.cause = cause_named(one["cause"]);
+      for (const auto& other : one["against"])
+        suspicion.alternatives.push_back(cause_named(other));
+      suspicions.push_back(suspicion);
+    }
+    found.push_back(suspicions);
+  }
+  return found;
+}
+
+Found found_without_fit(const Study& study) {
+  Found found(study.size());
+  const auto half = [&](std::size_t begin) {
+    for (std::size_t i = begin; i < found.size(); i += 2)
+      found[i] = test::suspected(study.clock(i));
+  };
+  std::thread other(half, 1);
+  half(0);
+  other.join();
+  return found;
+}
+
+} // namespace
+
+int main(int count, char** words) {
+  const std::string what = count > 1 ? words[1] : "";
+  Study study;
+  const int first = what == "log" ? 2 : 3;
+  if (count > first) study.each = static_cast<std::size_t>(std::atoi(words[first]));
+  if (count > first + 1) study.seed = static_cast<std::uint64_t>(std::atoll(words[first + 1]));
+  if (count > first + 2) study.days = std::atof(words[first + 2]);
+  if (what == "write" && count > 2)
+    write(study, words[2]);
+  else if (what == "score" && count > 2)
+    print(found_in(words[2]), study.each);
+  else if (what == "log")
+    print(found_without_fit(study), study.each);
+  else
+    return 2;
 }

@@ -1,13 +1,23 @@
 #!/usr/bin/env bash
 # Prints how the search does on clocks drawn from a prior: with a jump, and with a rough drive and amplitudes.
-# Arguments: logs (600) of the first, and a quarter as many of the second; first seed (1), "each" for a line
-# a log.
+# Each log is fitted twice by `goingrate batch`: from what people know, and started at the truth, which a file
+# of parameters beside the log holds. Arguments: logs (600) of the first, and a quarter as many of the second;
+# first seed (1), "each" for a line a log.
 set -e
 . "$(dirname "$0")/common.sh"
-built study_prior
-logs=${1:-600}
-head_line "${2:-1}"
+built study_prior goingrate_command
+fit_all() { # LOGS SEED KIND [each]
+  local work=build/bench/prior-$1-$2-$3 way # stays where it is interrupted, and is taken up
+  build/bench/study_prior write "$work" "$1" "$2" "$3"
+  for way in found told; do
+    build/bench/goingrate batch fit "$work/logs/*.csv" --from "{.}.$way" --resume -o "$work/$way.jsonl"
+  done 2>&1 | grep ' jobs in '
+  build/bench/study_prior score "$work" "$@"
+  rm -rf "$work"
+}
+logs=${1:-600} seed=${2:-1}
+head_line "$seed"
 echo "a jump of mu, phi0 or epsilon"
-build/bench/study_prior "$logs" "${2:-1}" jump "${3:-}"
+fit_all "$logs" "$seed" jump "${3:-}"
 echo "a rough drive, fast and slow, and amplitudes"
-build/bench/study_prior $(((logs + 3) / 4)) "${2:-1}" rough "${3:-}"
+fit_all $(((logs + 3) / 4)) "$seed" rough "${3:-}"

@@ -13,8 +13,8 @@ namespace {
 using namespace goingrate;
 using namespace goingrate::test;
 
-constexpr std::array laws{"linear", "quadratic", "dry", "linear + quadratic", "linear + dry",
-                          "linear + quadratic + dry"};
+constexpr std::array laws{
+    "linear", "quadratic", "dry", "linear + quadratic", "linear + dry", "linear + quadratic + dry"};
 
 const char* name_of(WatchedBy watched_by) {
   return watched_by == WatchedBy::samples     ? "samples of an angle"
@@ -55,8 +55,8 @@ struct Score {
   }
   void print(const std::string& name) {
     std::sort(sigma.begin(), sigma.end());
-    std::string line = fmt::format("{:<26} {:4} {:4} {:5} {:5} {:5}", name, logs, failed, right,
-                                   open, wrong);
+    std::string line =
+        fmt::format("{:<26} {:4} {:4} {:5} {:5} {:5}", name, logs, failed, right, open, wrong);
     for (const Share& share : q)
       line += " |" + share.text();
     line += " |" + time_s.text() + " |" + T0.text();
@@ -69,9 +69,9 @@ struct Score {
 void print_each(const RingDown& d, const RingDownOutcome& o, std::uint64_t seed) {
   std::string q;
   for (const auto& s : o.q)
-    q += s.is_stated ? fmt::format(" {:+.1f}{}({:.1f}%)", s.z, s.in95 ? "" : "!",
-                                   100.0 * s.relative_sigma)
-                     : " -";
+    q += s.is_stated
+             ? fmt::format(" {:+.1f}{}({:.1f}%)", s.z, s.in95 ? "" : "!", 100.0 * s.relative_sigma)
+             : " -";
   fmt::print("{}: {} A {:.3f} to {:.3f}, {:.0f} swings, T0 {:.3f}, Q {:.0f}, noise {:.2g}: {} {}{} "
              "{:.1f} Q{} T0 {:+.1f} A {:+.1e}\n",
              seed, d.law, d.first_rad, d.last_rad, d.swings, d.T0,
@@ -94,7 +94,6 @@ int main(int count, char** words) {
   std::uint64_t seed = first_seed;
   for (const WatchedBy watched_by :
        {WatchedBy::samples, WatchedBy::crossings, WatchedBy::photogate}) {
-    if (count > 4 && words[4][0] != name_of(watched_by)[0]) { seed += logs * laws.size(); continue; }
     fmt::print("\n{}\n", name_of(watched_by));
     Score all;
     for (const char* law : laws) {

@@ -66,8 +66,8 @@ private:
     double periods = 0.0;
     for (int k = 0; k < steps; ++k) {
       const double at = first * std::pow(last / first, (k + 0.5) / steps);
-      periods += std::log(first / last) / steps * quality_factor(friction, at) *
-                 decay_periods_per_q(at);
+      periods +=
+          std::log(first / last) / steps * quality_factor(friction, at) * decay_periods_per_q(at);
     }
     return periods;
   }
@@ -83,8 +83,7 @@ private:
     const double sum = share[0] + share[1] + share[2];
     Friction& f = drawn.friction;
     f = {share[0] / sum / per_term[0], share[1] / sum / per_term[1], share[2] / sum / per_term[2]};
-    const double too_long =
-        periods_to_fall(f, drawn.first_rad, drawn.last_rad) / drawn.swings;
+    const double too_long = periods_to_fall(f, drawn.first_rad, drawn.last_rad) / drawn.swings;
     f = {f.epsilon * too_long, f.quadratic * too_long, f.dry * too_long};
   }
 
@@ -112,8 +111,7 @@ private:
   void sample(RingDown& drawn) {
     const double rate_hz = between(20.0, 60.0), rest = between(-0.02, 0.02);
     drawn.noise = drawn.last_rad * geometric(0.003, 0.03);
-    const double length_s =
-        drawn.swings * drawn.T0 * circular_period_ratio(drawn.first_rad * 0.7);
+    const double length_s = drawn.swings * drawn.T0 * circular_period_ratio(drawn.first_rad * 0.7);
     RandomStream noise(seed_, StreamPurpose::jitter);
     // Dry friction jumps where the pendulum turns, which no step meets exactly.
     const double steps = drawn.friction.dry > 0.0 ? 2000.0 : 400.0; // a period

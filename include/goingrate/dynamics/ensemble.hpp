@@ -11,6 +11,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <span>
+#include <vector>
 
 namespace goingrate {
 
@@ -24,6 +27,28 @@ struct EnsembleOptions {
 /// Called for each period of each realisation, periods of one realisation in order; from several
 /// threads at once, but never for one realisation from two.
 using PeriodSink = std::function<void(std::size_t realisation, const Period&)>;
+
+/// Realisations of any seeds, some at a time, for a caller with threads of its own: each thread has
+/// its copy, whose return maps grow as they are used. What a seed gives does not depend on what
+/// runs beside it (EnsembleTest.AnySeedsInAnyCompany).
+class Realisations {
+public:
+  /// Checks the scenario and chooses the method once. Throws as ClockRun does.
+  explicit Realisations(const Scenario& scenario);
+  Realisations(const Realisations& other);
+  Realisations& operator=(const Realisations&) = delete;
+  ~Realisations();
+
+  /// The start of every realisation, cycle 0.
+  [[nodiscard]] const Period& start() const;
+  /// Runs one realisation a seed, `sink` as of run_ensemble with the seed's place in `seeds`;
+  /// eight at a time are the cheapest. Returns the status of each.
+  std::vector<SwingStatus> run(std::span<const std::uint64_t> seeds, const PeriodSink& sink);
+
+private:
+  struct Engine;
+  std::unique_ptr<Engine> engine_;
+};
 
 /// Runs all realisations. Returns the status of each; a realisation whose clock stops ends early.
 ///

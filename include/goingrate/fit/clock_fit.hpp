@@ -222,8 +222,8 @@ struct FitSummary {
   std::vector<std::string> correlated;          ///< names of the free parameters, in order
   std::vector<std::vector<double>> correlation; ///< of those
   std::vector<DerivedQuantity> combinations;    ///< those that are determined
-  /// Q and decay time are those of linear friction; with other friction beside it they depend on the
-  /// amplitude and are NaN, and `decay` has them.
+  /// Q and decay time are those of linear friction; with other friction beside it they depend on
+  /// the amplitude and are NaN, and `decay` has them.
   DerivedQuantity q_factor, stationary_amplitude, rate_s_per_day, decay_time;
   std::optional<Decay> decay{};     ///< of a pendulum that swings freely
   double jitter_s = 0.0;            ///< NaN where the log does not determine it

@@ -38,9 +38,9 @@ struct FrictionLaw {
 struct Decay {
   double amplitude_rad = 0.0; ///< the geometric mean of the first and the last, where `q` holds
   DecayEstimate q{};
-  DecayEstimate time_s{};                       ///< A/(-dA/dt) at that amplitude
-  std::vector<QAtAmplitude> q_at_amplitude{};   ///< from the last amplitude of the log to the first
-  std::vector<FrictionLaw> laws{};              ///< those that were tried, the best first
+  DecayEstimate time_s{};                     ///< A/(-dA/dt) at that amplitude
+  std::vector<QAtAmplitude> q_at_amplitude{}; ///< from the last amplitude of the log to the first
+  std::vector<FrictionLaw> laws{};            ///< those that were tried, the best first
 
   /// Whether a second law explains the log about as well: BIC tells them apart by less than 6 (odds
   /// of 20 to 1).

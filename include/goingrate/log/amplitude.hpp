@@ -26,8 +26,8 @@ double small_swing_period(const ClockLog& log, double flag_width_rad, double per
 
 /// Moves times that are the middle of a flag's dark time to the vertical: a pendulum that is slowed
 /// down takes longer over the second half of the flag. With the local fall of the amplitudes,
-/// 1/Q = -(d log A/d cycle)/pi, the middle of a dark time w is late by pi w^2/(4 T Q); of dry friction
-/// and quadratic drag that is right to a fifth.
+/// 1/Q = -(d log A/d cycle)/pi, the middle of a dark time w is late by pi w^2/(4 T Q); of dry
+/// friction and quadratic drag that is right to a fifth.
 void move_middles_to_vertical(ClockLog& log, double period_s);
 
 /// Standard deviation of that amplitude for a width known to `sigma_s`:

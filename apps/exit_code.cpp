@@ -1,0 +1,70 @@
+#include "exit_code.hpp"
+
+#include "common.hpp"
+
+#include "goingrate/analysis/batch.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/dynamics/clock_run.hpp"
+
+#include <exception>
+#include <fmt/format.h>
+#include <new>
+#include <stdexcept>
+
+namespace goingrate::apps {
+
+namespace {
+
+constexpr const char* out_of_memory =
+    "this needs more memory than there is: take a part of the log (split it, or leave out every "
+    "other line), or fewer periods or realisations at a time";
+
+// By which options the likeliest other readings are had.
+std::string other_readings(const ImpossibleReading& error) {
+  std::string text;
+  for (const OtherReading& other : error.others())
+    text += fmt::format("  if {}: {}\n", other.words, options_for(other));
+  return text;
+}
+
+std::string words_for(const ArgumentError& error, const CLI::App* program) {
+  if (program == nullptr) return error.what();
+  for (const CLI::App* command : program->get_subcommands())
+    if (command->get_option_no_throw("--" + error.name()) != nullptr)
+      return std::string("--") + error.what();
+  return error.what();
+}
+
+} // namespace
+
+Failure current_failure(const CLI::App* program) {
+  try {
+    throw;
+  } catch (const ImpossibleReading& error) {
+    return {bad_input, error.what(), other_readings(error)};
+  } catch (const InputError& error) {
+    return {bad_input, error.what()};
+  } catch (const UsageError& error) {
+    return {wrong_usage, error.what()};
+  } catch (const UnfinishedBatch& error) {
+    return {wrong_usage, fmt::format("{}: --resume does the rest; without that file the batch "
+                                     "begins again",
+                                     error.what())};
+  } catch (const NoStationarySwing& error) {
+    return {no_result, error.what()};
+  } catch (const ArgumentError& error) {
+    return {wrong_usage, words_for(error, program)};
+  } catch (const NumericsError& error) {
+    return {no_result, error.what()};
+  } catch (const OutputError& error) {
+    return {no_output, error.what()};
+  } catch (const std::bad_alloc&) {
+    return {bad_input, out_of_memory};
+  } catch (const std::length_error&) { // more than any memory holds
+    return {bad_input, out_of_memory};
+  } catch (const std::exception& error) {
+    return {our_fault, error.what()};
+  }
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,64 @@
+// What a whole batch says.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// How one parameter of a fit fared over the jobs that determine it. Rates of holding, pulls and
+/// errors are against the truth, and NaN without one.
+struct ParameterScore {
+  std::string name;
+  double truth = 0.0;                    ///< NaN if not known
+  std::size_t determined = 0;            ///< jobs that state it, neither fixed nor undetermined
+  std::size_t undetermined = 0;          ///< jobs that have it and cannot tell
+  double within68 = 0.0, within95 = 0.0; ///< parts of the intervals that hold the truth
+  double mean_pull = 0.0, sd_pull = 0.0; ///< of (value - truth)/sigma: 0 and 1 for honest sigmas
+  double median = 0.0;                   ///< of the values
+  double median_sigma = 0.0;             ///< of the sigmas that were stated
+  double scatter = 0.0;                  ///< standard deviation of the values; NaN for one
+  double rms_error = 0.0;                ///< of the values, from the truth
+};
+
+/// The deviations of all jobs at one averaging time.
+struct DeviationScore {
+  double tau_s = 0.0;
+  std::size_t jobs = 0;
+  double median = 0.0, low = 0.0, high = 0.0; ///< 16 %, 50 % and 84 % of them lie below
+};
+
+/// One job, in a line of a table.
+struct JobRow {
+  std::size_t job = 0;
+  std::string subject; ///< the log, or the seed
+  int exit_code = 0;
+  std::string words;                        ///< status of the fit or what went wrong
+  double rate_s_per_day = 0.0, sigma = 0.0; ///< NaN where there is none
+};
+
+/// What batch_summary() finds.
+struct BatchSummary {
+  std::string batch, command; ///< what names it; the command and its settings
+  std::string scenario;       ///< its hash; empty for logs
+  std::uint64_t first_seed = 0;
+  std::size_t jobs = 0;
+  std::map<int, std::size_t> exits;            ///< how often each exit code came
+  std::map<std::string, std::size_t> statuses; ///< of fits
+  std::map<std::string, std::size_t> models;   ///< of fits: dynamics and noise
+  std::vector<JobRow> rows;                    ///< one a job
+  std::vector<ParameterScore> parameters;      ///< in order of name
+  std::vector<DeviationScore> deviations;      ///< in order of averaging time
+};
+
+/// Reads a whole batch, share 1/1; one line is held at a time, and some numbers of each. A change
+/// at the k-th event (mu@k) is held against the truth only where the fit has as many events as the
+/// scenario. Throws InputError if the file cannot be read or is a share of several.
+/// (BatchSummaryTest.CountsAgainstTheTruth)
+BatchSummary batch_summary(const std::string& path);
+
+} // namespace goingrate

@@ -1,0 +1,45 @@
+// Logs of many realisations of a scenario, made and numbered in memory.
+#pragma once
+
+#include "goingrate/analysis/load.hpp"
+#include "goingrate/clock/scenario.hpp"
+#include "goingrate/dynamics/ensemble.hpp"
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// One realisation as a log.
+struct SimulatedLog {
+  std::string text;                          ///< native, as `simulate` writes it
+  SwingStatus status = SwingStatus::crossed; ///< crossed, or why the clock stopped
+  std::int64_t periods = 0;                  ///< that were completed
+};
+
+/// Makes logs; each thread has its copy.
+class SimulatedLogs {
+public:
+  /// Throws as ClockRun does.
+  explicit SimulatedLogs(const Scenario& scenario) : scenario_(scenario), clocks_(scenario) {}
+
+  /// One log a seed: what `simulate` gives with this seed, to the byte.
+  std::vector<SimulatedLog> make(std::span<const std::uint64_t> seeds);
+
+private:
+  Scenario scenario_;
+  Realisations clocks_;
+};
+
+/// The parameters of the scenario's clock, its noise and its sensor by the names that a fit has for
+/// them: T0 (s), epsilon, mu and phi0 or impulse and impulse_angle, quadratic_drag, dry_friction,
+/// lambda0 (phi' at the first upward crossing, by direct integration), offset (rad); what changes
+/// at the k-th event as mu@k and the like; jitter_rms (s) and amplitude_rms (rad) where times are
+/// not rounded, drive_rms, slow_rms, slow_time (s) where the drive is random alone. What is zero is
+/// left out, and what no single number tells. Throws as ClockRun does.
+std::map<std::string, double> true_parameters(const Scenario& scenario);
+
+} // namespace goingrate

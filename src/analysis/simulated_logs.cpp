@@ -1,0 +1,104 @@
+#include "goingrate/analysis/simulated_logs.hpp"
+
+#include "goingrate/log/sensor.hpp"
+#include "goingrate/log/writing.hpp"
+
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+std::string text_of(Sensor& sensor, const NativeColumns& columns) {
+  std::string text = native_log_header(columns);
+  for (const SensedEvent& event : sensor.take(true))
+    append_native_line(text, event, columns);
+  return text;
+}
+
+// Names and values that are there and are not zero.
+class Truth {
+public:
+  void add(const std::string& name, std::optional<double> value) {
+    if (value && *value != 0.0) known_[name] = *value;
+  }
+  [[nodiscard]] std::map<std::string, double> take() { return std::move(known_); }
+
+private:
+  std::map<std::string, double> known_;
+};
+
+void add_clock(const ClockParameters& clock, Truth& truth) {
+  truth.add("T0", clock.nominal_period_s);
+  truth.add("epsilon", clock.epsilon);
+  truth.add("quadratic_drag", clock.quadratic_drag);
+  truth.add("dry_friction", clock.dry_friction);
+  if (clock.escapement == Escapement::constant_torque) {
+    truth.add("mu", clock.mu);
+    truth.add("phi0", clock.phi0);
+  }
+  if (clock.escapement == Escapement::single_impulse) {
+    truth.add("impulse", clock.impulse);
+    truth.add("impulse_angle", clock.impulse_angle);
+  }
+}
+
+void add_event(const ClockEvent& event, std::size_t k, Truth& truth) {
+  const auto add = [&](const char* name, std::optional<double> value) {
+    truth.add(fmt::format("{}@{}", name, k), value);
+  };
+  add("T0", event.nominal_period_s);
+  add("epsilon", event.epsilon);
+  add("mu", event.mu);
+  add("phi0", event.phi0);
+  add("impulse", event.impulse);
+  add("impulse_angle", event.impulse_angle);
+}
+
+void add_noise(const Scenario& scenario, Truth& truth) {
+  const SensorSettings& sensor = scenario.sensor;
+  truth.add("offset", sensor.offset_rad);
+  if (sensor.resolution_s == 0.0) truth.add("jitter_rms", sensor.jitter_rms_s);
+  truth.add("amplitude_rms", sensor.amplitude_rms);
+  const DriveVariability& drive = scenario.drive;
+  if (!drive.sines.empty() || drive.series) return;
+  truth.add("drive_rms", drive.fast_rms);
+  truth.add("slow_rms", drive.slow_rms);
+  if (drive.slow_rms > 0.0) truth.add("slow_time", drive.slow_time_s);
+}
+
+} // namespace
+
+std::vector<SimulatedLog> SimulatedLogs::make(std::span<const std::uint64_t> seeds) {
+  const NativeColumns columns = native_columns(scenario_.sensor, scenario_.clock.nominal_period_s);
+  std::vector<Sensor> sensors;
+  sensors.reserve(seeds.size());
+  for (const std::uint64_t seed : seeds) {
+    sensors.emplace_back(scenario_, seed);
+    sensors.back().see(clocks_.start());
+  }
+  std::vector<SimulatedLog> logs(seeds.size());
+  const auto status = clocks_.run(seeds, [&](std::size_t k, const Period& period) {
+    sensors[k].see(period);
+    logs[k].periods = period.cycle;
+  });
+  for (std::size_t k = 0; k < logs.size(); ++k) {
+    logs[k].status = status[k];
+    logs[k].text = text_of(sensors[k], columns);
+  }
+  return logs;
+}
+
+std::map<std::string, double> true_parameters(const Scenario& scenario) {
+  Truth truth;
+  add_clock(scenario.clock, truth);
+  Scenario exact = scenario;
+  exact.method.method = Method::direct;
+  truth.add("lambda0", ClockRun(exact, 0).start_velocity());
+  for (std::size_t k = 0; k < scenario.events.size(); ++k)
+    add_event(scenario.events[k], k + 1, truth);
+  add_noise(scenario, truth);
+  return truth.take();
+}
+
+} // namespace goingrate

@@ -1,0 +1,13 @@
+// Which versions made a result.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <utility>
+
+namespace goingrate {
+
+/// Of goingrate and of the libraries that its numbers depend on, by name.
+std::span<const std::pair<std::string_view, std::string_view>> versions();
+
+} // namespace goingrate
