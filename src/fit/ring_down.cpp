@@ -68,6 +68,16 @@ std::vector<std::size_t> free_terms(const Parameters& parameters) {
   return terms;
 }
 
+// Puts in what the dynamics add at x; second order does not know friction that is not linear. False
+// where they do not run.
+bool correct(FitProblem& problem, FitDynamics dynamics, std::span<const double> x) {
+  if (dynamics == FitDynamics::averaged1) return true;
+  auto correction = difference_to(FitDynamics::map, problem, x);
+  if (!correction) return false;
+  problem.correction = std::move(*correction);
+  return true;
+}
+
 // The fit brought to rest with those terms alone, each from an equal part of the loss, along the
 // course that the correction is for.
 Fitted with_terms(const Fitted& all, unsigned chosen) {
@@ -82,7 +92,12 @@ Fitted with_terms(const Fitted& all, unsigned chosen) {
       fitted.minimum.x.erase(fitted.minimum.x.begin() + static_cast<std::ptrdiff_t>(index));
     }
   }
-  settle(fitted.problem, fitted.minimum, {100});
+  constexpr int rounds = 3; // of what the dynamics add: each gains two digits or so
+  for (int round = 0; round < rounds; ++round) {
+    settle(fitted.problem, fitted.minimum, {100});
+    if (!fitted.minimum.usable || fitted.dynamics == FitDynamics::averaged1) break;
+    if (!correct(fitted.problem, fitted.dynamics, fitted.minimum.x)) break;
+  }
   if (fitted.minimum.usable) fitted.bic = bayes_criterion(fitted.problem, fitted.minimum);
   return fitted;
 }
@@ -95,19 +110,14 @@ std::string name_of_law(unsigned chosen) {
   return name;
 }
 
-// Brought to rest by the dynamics of the fit; second order does not know friction that is not
-// linear.
+// Brought to rest by the dynamics of the fit.
 bool settle_by_dynamics(Fitted& fitted) {
-  const bool is_averaged = fitted.dynamics == FitDynamics::averaged1;
-  if (!is_averaged) {
-    auto correction = difference_to(FitDynamics::map, fitted.problem, fitted.minimum.x);
-    if (!correction) return false;
-    fitted.problem.correction = std::move(*correction);
-  }
+  if (!correct(fitted.problem, fitted.dynamics, fitted.minimum.x)) return false;
   settle(fitted.problem, fitted.minimum, {100});
   if (!fitted.minimum.usable) return false;
   finish(fitted);
-  return fitted.minimum.usable && (is_averaged || refine(fitted, FitDynamics::map));
+  if (!fitted.minimum.usable) return false;
+  return fitted.dynamics == FitDynamics::averaged1 || refine(fitted, FitDynamics::map);
 }
 
 // All terms at once.
@@ -185,6 +195,24 @@ public:
     return ends;
   }
 
+  /// Whether L rises as the parabola says where what the dynamics add is found at its ends: along a
+  /// ridge that bends first order may see a minimum where the full equation has none.
+  [[nodiscard]] bool holds_by_dynamics() const {
+    constexpr double least = 0.1, most = 2.0; // of L, for 0.5 that the parabola has at a sigma
+    for (const double v : interval(1.0)) {
+      if (!std::isfinite(v)) continue;
+      FitProblem problem = all_.problem;
+      const Eigen::VectorXd there = cone_.likeliest_at(h_, v);
+      const std::span place(there.data(), all_.minimum.x.size());
+      if (!correct(problem, all_.dynamics, place)) return false;
+      const auto value = minus_log_likelihood(problem, place);
+      if (!value) return false;
+      const double rise = (*value - all_.minimum.value) / (widening_ * widening_);
+      if (!(rise > least && rise < most)) return false;
+    }
+    return true;
+  }
+
 private:
   // The root of the fall of 2 log L, in sigmas, with the sum held at v: each step goes to the
   // lowest place of the parabola about the last, or half as far where L does not fall. Nothing
@@ -193,23 +221,25 @@ private:
     constexpr int most_steps = 12;
     constexpr double enough = 5e-3; // of L, where half or two are looked for
     Eigen::VectorXd x = cone_.likeliest_at(h_, v);
-    const auto value_at = [&](const Eigen::VectorXd& place) {
-      return minus_log_likelihood(all_.problem, std::span(place.data(), all_.minimum.x.size()));
+    const auto place = [&](const Eigen::VectorXd& at) {
+      return std::span(at.data(), all_.minimum.x.size());
     };
-    auto value = value_at(x);
+    auto value = minus_log_likelihood(all_.problem, place(x));
     for (int step = 0; value && step < most_steps; ++step) {
-      const auto here = evaluate(all_.problem, std::span(x.data(), all_.minimum.x.size()));
+      const auto here = evaluate(all_.problem, place(x));
       if (!here) return {};
       const Eigen::VectorXd towards = cone_about(all_, x, *here).likeliest_at(h_, v);
       double part = 1.0;
-      auto next = value_at(towards);
+      Eigen::VectorXd there = towards;
+      auto next = minus_log_likelihood(all_.problem, place(there));
       while (!(next && *next < *value) && part > 0.05) {
         part *= 0.5;
-        next = value_at(x + part * (towards - x));
+        there = x + part * (towards - x);
+        next = minus_log_likelihood(all_.problem, place(there));
       }
       if (!(next && *next < *value)) break;
-      x += part * (towards - x);
       const bool done = *value - *next < enough;
+      x = there;
       value = next;
       if (done) break;
     }
@@ -266,18 +296,15 @@ class QualityCurve {
 public:
   QualityCurve(const Fitted& all, const Evaluation& at) : all_(all), cone_(cone_of(all, at)) {}
 
+  /// Whether the full equation agrees with what is found at this amplitude.
+  [[nodiscard]] bool holds_by_dynamics(double amplitude) const {
+    if (all_.dynamics == FitDynamics::averaged1) return true;
+    return KnownSum(all_, cone_, loss_at(amplitude).weights).holds_by_dynamics();
+  }
+
   /// `factor` times Q.
   [[nodiscard]] DecayEstimate at(double amplitude, double factor = 1.0) const {
-    const auto share = inverse_q_per_friction(amplitude);
-    double held = 0.0; // of the terms that are not free
-    Eigen::VectorXd h = Eigen::VectorXd::Zero(cone_.likeliest().size());
-    for (std::size_t term = 0; term < friction_terms.size(); ++term) {
-      const Slot* slot = all_.problem.parameters.find(friction_terms[term]);
-      if (slot->free)
-        h[static_cast<Eigen::Index>(slot->index)] = share[term] * slot->scale;
-      else
-        held += share[term] * slot->fixed_value;
-    }
+    const auto [h, held] = loss_at(amplitude);
     const KnownSum sum(all_, cone_, h);
     auto in68 = sum.interval(1.0), in95 = sum.interval(z95);
     if (!is_straight(in68, sum.best())) {
@@ -306,6 +333,24 @@ public:
   }
 
 private:
+  // 1/Q = weights . coordinates + held.
+  struct Loss {
+    Eigen::VectorXd weights;
+    double held = 0.0; // by the terms that are not free
+  };
+  [[nodiscard]] Loss loss_at(double amplitude) const {
+    const auto share = inverse_q_per_friction(amplitude);
+    Loss loss{Eigen::VectorXd::Zero(cone_.likeliest().size())};
+    for (std::size_t term = 0; term < friction_terms.size(); ++term) {
+      const Slot* slot = all_.problem.parameters.find(friction_terms[term]);
+      if (slot->free)
+        loss.weights[static_cast<Eigen::Index>(slot->index)] = share[term] * slot->scale;
+      else
+        loss.held += share[term] * slot->fixed_value;
+    }
+    return loss;
+  }
+
   static constexpr double z95 = 1.959964;
   static bool is_straight(const std::array<double, 2>& in68, double best) {
     constexpr double surely = 0.02; // relative sigma: no bend of the ridge shows
@@ -328,6 +373,16 @@ std::vector<FrictionLaw> laws_of(const Fitted& all) {
   for (FrictionLaw& law : laws)
     law.behind = law.bic - laws.front().bic;
   return laws;
+}
+
+// Whether a step to the best place that the curvature promises would gain nothing that counts. By
+// times alone, at wide swings, amplitude and friction trade places along a ridge that bends, and a
+// search may stop on its way.
+bool is_at_rest(const Fitted& all, const Evaluation& at) {
+  constexpr double little = 0.1; // of L: half a sigma
+  const Eigen::VectorXd here = vector_of(all.minimum.x);
+  const Eigen::VectorXd step = cone_about(all, here, at).likeliest() - here;
+  return 0.5 * (at.triangle * step).squaredNorm() < little;
 }
 
 bool amplitude_is_known(const Fitted& all) {
@@ -353,8 +408,9 @@ std::optional<RingDown> ring_down_of(const Fitted& fitted, const FitOptions& opt
   decay.amplitude_rad = span.at(0.5);
   decay.q = decay.time_s = nothing_known();
   decay.laws = laws_of(*all);
-  if (!amplitude_is_known(*all)) return told;
+  if (!amplitude_is_known(*all) || !is_at_rest(*all, *at)) return told;
   const QualityCurve curve(*all, *at);
+  if (!curve.holds_by_dynamics(decay.amplitude_rad)) return told;
   const double T0 = parameters.find(Quantity::T0)->value(std::span(all->minimum.x));
   decay.q = curve.at(decay.amplitude_rad);
   constexpr double well = 0.02; // relative sigma: as for Q

@@ -84,5 +84,32 @@ TEST(MeasuredLogs, AVideoOfARingDown) {
   EXPECT_NEAR(decay_s, 87.0, 10.0); // 80.5 s by the publisher's fit, 94 s by the logarithm's slope
 }
 
+// Its publisher states one Q, 142 +- 4, of an exponential over all amplitudes.
+TEST(MeasuredLogs, TheVideosQDependsOnTheAmplitude) {
+  const auto video = analysed("video-ringdown/tyler_lab1_data.txt");
+  NEEDS(video);
+  ASSERT_TRUE(video->fit.decay);
+  const Decay& decay = *video->fit.decay;
+  const auto& at = decay.q_at_amplitude;
+  ASSERT_EQ(at.size(), 9u);
+  for (const QAtAmplitude& row : at)
+    ASSERT_GT(row.q.sigma, 0.0) << row.amplitude_rad;
+  // It passes the publisher's within the log, beyond doubt at both ends: no one Q is the pendulum's.
+  EXPECT_LT(at.back().q.high95, 142.0 - 4.0);
+  EXPECT_GT(at.front().q.low95, 142.0 + 4.0);
+  for (std::size_t k = 1; k < at.size(); ++k)
+    EXPECT_LT(at[k].q.value, at[k - 1].q.value) << at[k].amplitude_rad;
+  // Drag that grows with the speed, with or without a linear part, and a pivot that rubs.
+  EXPECT_NE(decay.laws.front().friction.find("quadratic + dry"), std::string::npos);
+  const auto linear = std::find_if(decay.laws.begin(), decay.laws.end(),
+                                   [](const FrictionLaw& law) { return law.friction == "linear"; });
+  ASSERT_NE(linear, decay.laws.end());
+  EXPECT_GT(linear->behind, 100.0); // an exponential is out of the question
+  // The period of small swings lies below every period of the log, the shortest of which is 1.635.
+  const FittedParameter& T0 = video->fit["T0"];
+  EXPECT_NEAR(T0.value, 1.633, 2e-3);
+  EXPECT_LT(T0.sigma, 1e-3);
+}
+
 } // namespace
 } // namespace goingrate
