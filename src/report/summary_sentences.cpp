@@ -64,14 +64,21 @@ public:
   }
 
 private:
-  // The answer to temperature or pressure has one value throughout, that of its own regression.
+  // The answer to temperature or pressure has one value throughout, that of its own regression. A
+  // swing with the day that one of them explains in the half of the log it was not found in is no
+  // weather that the log lacks.
   [[nodiscard]] Suspicion as_in_the_table(Suspicion suspicion) const {
-    for (const CovariateEffect& effect : data_.covariates)
-      if ((suspicion.cause == Cause::temperature && effect.name == "temperature") ||
-          (suspicion.cause == Cause::pressure && effect.name == "pressure")) {
-        suspicion.numbers.size = effect.coefficient;
-        suspicion.numbers.sigma = effect.sigma;
-      }
+    for (const CovariateEffect& effect : data_.covariates) {
+      const Cause cause = effect.name == "temperature" ? Cause::temperature
+                          : effect.name == "pressure"  ? Cause::pressure
+                                                       : Cause::unknown;
+      if (cause == Cause::unknown) continue;
+      if (suspicion.cause == Cause::unlogged_weather && effect.helps())
+        suspicion = {cause, suspicion.gain, suspicion.evidence};
+      if (suspicion.cause != cause) continue;
+      suspicion.numbers.size = effect.coefficient;
+      suspicion.numbers.sigma = effect.sigma;
+    }
     return suspicion;
   }
 
@@ -219,12 +226,12 @@ std::string Sentences::zero_rate() const {
   const RateSummary& now = data_.now.rate;
   if (data_.nut)
     return fmt::format("{} the bob by {} turns of the rating nut ({:.3g} mm) to bring the rate to "
-                       "zero",
+                       "zero.",
                        data_.nut->turns < 0.0 ? "lower" : "raise",
                        with_sigma(std::abs(data_.nut->turns), data_.nut->sigma, 3),
                        1e3 * std::abs(data_.nut->raise_m));
   if (!(std::abs(now.rate_excess) > 2.0 * now.rate_excess_sigma)) return {};
-  return fmt::format("to bring the rate to zero, turn the rating nut so that the bob goes {}",
+  return fmt::format("to bring the rate to zero, turn the rating nut so that the bob goes {}.",
                      now.rate_excess < 0.0 ? "up" : "down");
 }
 
@@ -233,10 +240,10 @@ std::string Sentences::what_to_do() const {
     return "Say what period the clock should have, and this report tells its rate.";
   if (!suspicions_.empty()) {
     std::string advice = suspicions_.front().advice;
-    if (!data_.nut) return advice;
-    return fmt::format("{}{}{}.", advice, advice.empty() ? "" : " ", capitalised(zero_rate()));
+    if (advice.empty()) return capitalised(zero_rate());
+    return data_.nut ? fmt::format("{} {}", advice, capitalised(zero_rate())) : advice;
   }
-  if (const std::string nut = zero_rate(); !nut.empty()) return capitalised(nut) + ".";
+  if (const std::string nut = zero_rate(); !nut.empty()) return capitalised(nut);
   return data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more."
                                                     : "There is nothing to do.";
 }

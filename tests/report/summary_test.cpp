@@ -151,6 +151,17 @@ TEST(SummaryTest, EveryCauseHasASentenceWithoutNaN) {
   }
 }
 
+TEST(SummaryTest, AThermometerInTheLogIsNoWeatherThatItLacks) {
+  Analysis data = quiet_report();
+  data.suspicions = {{Cause::unlogged_weather, 50.0, "evidence", {Cause::log_clock}, ""}};
+  data.suspicions[0].numbers.size = 1e-5;
+  EXPECT_NE(all_of(report_sentences(data)).find("which this log does not hold"), std::string::npos);
+  data.covariates = {{"temperature", "1/K", -6e-6, 1e-7, 0.0, 2.0, 1.0}};
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_EQ(text.find("which this log does not hold"), std::string::npos) << text;
+  EXPECT_NE(text.find("falls by 518.4 ± 8.6 ms/day per kelvin"), std::string::npos) << text;
+}
+
 TEST(SummaryTest, TheTableHasOneUnitForAQuantity) {
   const Analysis data = some_report();
   const std::string text = report_text(data);
