@@ -56,7 +56,7 @@ public:
     for (const Tick& tick : y_.ticks)
       longest = std::max(longest, characters(tick.label));
     left_ = std::max(least_left, 28.0 + character * static_cast<double>(longest)); // 28: the title
-    right_ = width - std::max(least_right, 2.0 + character * half_of_last_label(x_));
+    right_ = width - std::max(least_right, 6.0 + character * half_of_last_label(x_));
     markers_ = place_markers(figure, axes, character / (right_ - left_), 6.0 / (right_ - left_));
     lay_out_legend();
   }

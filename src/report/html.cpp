@@ -99,7 +99,7 @@ button{font:inherit;color:var(--text);background:var(--panel);border:1px solid v
 button:hover{border-color:currentColor}
 button:focus-visible,a:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 @media screen{.drawn .save{display:block}}
-li,td,th{overflow-wrap:anywhere}
+li{overflow-wrap:anywhere}td,th{overflow-wrap:break-word}
 @media screen and (max-width:50rem){.value{white-space:normal}}
 @media screen and (max-width:40rem){
 table,thead,tbody,tr,th,td,caption{display:block}
@@ -111,7 +111,7 @@ td[data-label]::before{content:attr(data-label) ": ";color:var(--soft)}}
 .warning{padding:.6rem .8rem;border-left:4px solid var(--warn);background:var(--panel);font-weight:600}
 @page{size:A4;margin:16mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}
-figure,tr,.cards div,.says p{break-inside:avoid}figure svg{max-height:15cm}
+figure,tr,.cards div,.says p{break-inside:avoid}figure svg{max-height:8.6cm}
 h2,h3,caption{break-after:avoid}.scroll{overflow:visible}.value{white-space:normal}}
 )";
 

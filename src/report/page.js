@@ -364,6 +364,7 @@
     });
     plots.forEach((plot) => resized.observe(plot.place));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(draw));
+    document.getElementById("js-plotly-tester")?.setAttribute("aria-hidden", "true");
     document.documentElement.dataset.figures = plots.length; // all are drawn
   }
 

@@ -51,7 +51,7 @@ public:
       if (!is_in_one(data.diary, change.at_s)) changes_.push_back(&change);
     for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
       if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)))
-        suspicions_.push_back(&suspicion);
+        suspicions_.push_back(as_in_the_table(suspicion));
   }
 
   std::vector<std::string> all() {
@@ -64,6 +64,24 @@ public:
   }
 
 private:
+  // The answer to temperature or pressure has one value throughout, that of its own regression. A
+  // swing with the day that one of them explains in the half of the log it was not found in is no
+  // weather that the log lacks.
+  [[nodiscard]] Suspicion as_in_the_table(Suspicion suspicion) const {
+    for (const CovariateEffect& effect : data_.covariates) {
+      const Cause cause = effect.name == "temperature" ? Cause::temperature
+                          : effect.name == "pressure"  ? Cause::pressure
+                                                       : Cause::unknown;
+      if (cause == Cause::unknown) continue;
+      if (suspicion.cause == Cause::unlogged_weather && effect.helps())
+        suspicion = {cause, suspicion.gain, suspicion.evidence};
+      if (suspicion.cause != cause) continue;
+      suspicion.numbers.size = effect.coefficient;
+      suspicion.numbers.sigma = effect.sigma;
+    }
+    return suspicion;
+  }
+
   void say(std::string sentence) {
     if (!sentence.empty()) sentences_.push_back(std::move(sentence));
   }
@@ -90,14 +108,14 @@ private:
   [[nodiscard]] bool is_near_an_interruption(const Suspicion& suspicion) const;
   [[nodiscard]] bool has(bool (*kind)(Cause)) const {
     return std::any_of(suspicions_.begin(), suspicions_.end(),
-                       [&](const Suspicion* suspicion) { return kind(suspicion->cause); });
+                       [&](const Suspicion& suspicion) { return kind(suspicion.cause); });
   }
 
   const Analysis& data_;
   Wording words_;
   bool sees_amplitude_;
-  std::vector<const Change*> changes_;       // those that are no part of an interruption
-  std::vector<const Suspicion*> suspicions_; // those that are not told by it
+  std::vector<const Change*> changes_; // those that are no part of an interruption
+  std::vector<Suspicion> suspicions_;  // those that are not told by it
   std::vector<std::string> sentences_;
 };
 
@@ -191,16 +209,16 @@ std::string Sentences::whether_worse() const {
 // The likeliest cause, and the next of another kind where six sentences have room for it.
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
-  const Suspicion& first = *suspicions_.front();
+  const Suspicion& first = suspicions_.front();
   constexpr double same = 0.01; // of the log: dates of one change
   const bool told =
       changes_.size() == 1 && is_step(first.cause) &&
       std::abs(first.numbers.at_s - changes_.front()->at_s) < same * data_.rate.duration_s;
   say(explanation(first, words_, sees_amplitude_, told ? "then" : ""));
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
-                                  [&](const Suspicion* s) { return s->cause != first.cause; });
+                                  [&](const Suspicion& s) { return s.cause != first.cause; });
   if (other == suspicions_.end() || !data_.diary.interruptions.empty()) return;
-  say(explanation(**other, words_, sees_amplitude_));
+  say(explanation(*other, words_, sees_amplitude_));
 }
 
 // What brings the rate to zero; empty if it is zero as far as the log can tell.
@@ -208,12 +226,12 @@ std::string Sentences::zero_rate() const {
   const RateSummary& now = data_.now.rate;
   if (data_.nut)
     return fmt::format("{} the bob by {} turns of the rating nut ({:.3g} mm) to bring the rate to "
-                       "zero",
+                       "zero.",
                        data_.nut->turns < 0.0 ? "lower" : "raise",
                        with_sigma(std::abs(data_.nut->turns), data_.nut->sigma, 3),
                        1e3 * std::abs(data_.nut->raise_m));
   if (!(std::abs(now.rate_excess) > 2.0 * now.rate_excess_sigma)) return {};
-  return fmt::format("to bring the rate to zero, turn the rating nut so that the bob goes {}",
+  return fmt::format("to bring the rate to zero, turn the rating nut so that the bob goes {}.",
                      now.rate_excess < 0.0 ? "up" : "down");
 }
 
@@ -221,11 +239,11 @@ std::string Sentences::what_to_do() const {
   if (!data_.rate.nominal_is_known)
     return "Say what period the clock should have, and this report tells its rate.";
   if (!suspicions_.empty()) {
-    std::string advice = suspicions_.front()->advice;
-    if (!data_.nut) return advice;
-    return fmt::format("{}{}{}.", advice, advice.empty() ? "" : " ", capitalised(zero_rate()));
+    std::string advice = suspicions_.front().advice;
+    if (advice.empty()) return capitalised(zero_rate());
+    return data_.nut ? fmt::format("{} {}", advice, capitalised(zero_rate())) : advice;
   }
-  if (const std::string nut = zero_rate(); !nut.empty()) return capitalised(nut) + ".";
+  if (const std::string nut = zero_rate(); !nut.empty()) return capitalised(nut);
   return data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more."
                                                     : "There is nothing to do.";
 }
@@ -245,7 +263,7 @@ void Sentences::say_how_it_comes_to_rest() {
     say(fmt::format("Its small swings would take {} s; wide ones take longer, which is why the "
                     "period changes as it comes to rest.",
                     with_sigma(period->value, period->sigma, 10)));
-  if (!suspicions_.empty()) say(explanation(*suspicions_.front(), words_, sees_amplitude_));
+  if (!suspicions_.empty()) say(explanation(suspicions_.front(), words_, sees_amplitude_));
 }
 
 // Whether the model explains the log, and what of it the log determines.

@@ -147,16 +147,22 @@ TEST(FigureTest, EndsABarThatReachesBelowZeroAtTheFootOfALogarithmicAxis) {
 }
 
 TEST(FigureTest, KeepsASingleSpikeInALongSeries) {
-  for (const Style style : {Style::line, Style::points}) {
-    for (const double spike : {50.0, -50.0}) {
-      auto y = noise(100'000);
-      y[54'321] = spike;
-      const std::string text = drawn(figure_of({series_of(style, y)}));
-      auto at = heights(path_of(text, style == Style::line ? "line" : "dots"));
-      std::sort(at.begin(), at.end()); // the drawing is 320 high, the noise a fiftieth of it
-      const double lonely = spike > 0 ? at[1] - at[0] : at[at.size() - 1] - at[at.size() - 2];
-      EXPECT_GT(lonely, 250.0);
-    }
+  for (const double spike : {50.0, -50.0}) {
+    auto y = noise(100'000);
+    y[54'321] = spike;
+    const std::string line = drawn(figure_of({series_of(Style::line, y)}));
+    auto at = heights(path_of(line, "line"));
+    std::sort(at.begin(), at.end()); // the drawing is 320 high, the noise a fiftieth of it
+    EXPECT_GT(spike > 0 ? at[1] - at[0] : at[at.size() - 1] - at[at.size() - 2], 250.0);
+    // Of a cloud it stands at the rim, outside all dots.
+    const std::string cloud = drawn(figure_of({series_of(Style::points, y)}));
+    const std::string rim = path_of(cloud, "mark rim");
+    ASSERT_EQ(count_of(rim, "M"), 1U);
+    const double height = heights(rim).front();
+    auto dots = heights(path_of(cloud, "dots"));
+    std::sort(dots.begin(), dots.end());
+    EXPECT_TRUE(spike > 0 ? height < dots.front() : height > dots.back());
+    EXPECT_GT(dots.back() - dots.front(), 250.0) << "the noise fills the drawing";
   }
 }
 

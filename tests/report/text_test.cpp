@@ -24,6 +24,8 @@ TEST(TextTest, WithoutASigmaThereIsNone) {
   EXPECT_EQ(with_sigma(1.5, 0.0), "1.5");
   EXPECT_EQ(with_sigma(1.5, NAN), "1.5");
   EXPECT_EQ(with_sigma(-2.5e-7, NAN, 2), "-2.5×10⁻⁷");
+  EXPECT_EQ(with_sigma(2997.0, NAN, 3), "2997");
+  EXPECT_EQ(with_sigma(0.0, NAN, 3), "0");
 }
 
 Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uint16_t segment = 0) {
