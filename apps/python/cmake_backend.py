@@ -1,8 +1,8 @@
 """Builds the wheel of goingrate with CMake, for `pip install ./apps/python` (PEP 517).
 
 Nothing is fetched. What the library is built with (README, apps/setup.sh) and pybind11 must be
-there. The build is kept in `build/wheel-<version of Python>` of the source; another place:
-``--config-settings build-dir=DIR``.
+there. The build is kept in `build/wheel-<version of Python>` of the source; another place, counted
+from the source's root: ``--config-settings build-dir=DIR``.
 """
 
 import base64
@@ -50,7 +50,7 @@ def metadata() -> str:
 def built(config_settings) -> Path:
     """The package, installed below a folder that is returned."""
     usual = ROOT / "build" / f"wheel-{sys.version_info.major}.{sys.version_info.minor}"
-    build = Path((config_settings or {}).get("build-dir", usual)).resolve()
+    build = (ROOT / (config_settings or {}).get("build-dir", usual)).resolve()
     place = Path(tempfile.mkdtemp(prefix="goingrate-"))
     commands = (
         ["-S", str(ROOT), "-B", str(build), "-DCMAKE_BUILD_TYPE=Release", "-DGOINGRATE_PYTHON=ON",
@@ -86,6 +86,14 @@ def files_of(config_settings) -> dict:
 
 def digest(content: bytes) -> str:
     return base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Without it pip would build twice, the first time for the name alone."""
+    info = Path(metadata_directory) / f"goingrate-{version()}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(metadata(), encoding="utf-8")
+    return info.name
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

@@ -2,7 +2,7 @@
 # The Python package as people get it: `pip install ./apps/python`, without a network, and the .deb.
 # python.sh PYTHON SOURCE BUILD CPACK
 set -euo pipefail
-python=$1 source=$(realpath "$2") build=$3 cpack=$4
+python=$1 source=$(realpath "$2") build=$(realpath "$3") cpack=$4
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export PYTHONDONTWRITEBYTECODE=1

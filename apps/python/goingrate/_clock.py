@@ -266,7 +266,7 @@ def integrate(
     Notes
     -----
     Fehlberg's formula of order 8, crossings by Newton steps: within 1e-12 of direct integration for
-    laws that it knows too. The price is Python's: about 6000 calls of each law a period, some 1 ms;
+    laws that it knows too. The price is Python's: about 4000 calls of each law a period, some 1 ms;
     the same in C++ is 0.02 ms, and a law that the library knows (`simulate`) 0.0001 ms. The
     callables hold the interpreter's lock.
 

@@ -103,14 +103,20 @@ class Deviation(Report):
 
 def _interval(rate: float | None, tau0_s: float | None) -> float | None:
     """tau0 from either of the two ways to say it."""
-    for name, value in (("rate", rate), ("tau0_s", tau0_s)):
-        if value is not None and not (
-            isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0
-        ):
-            raise ValueError(f"{name}: found {value!r}, expected a number above 0")
+    if rate is None and tau0_s is None:
+        return None
     if rate is not None and tau0_s is not None:
         raise ValueError("rate: expected either rate (Hz) or tau0_s (s), not both")
-    return 1.0 / rate if rate is not None else tau0_s
+    if rate is not None:
+        return 1.0 / _above_zero("rate", rate)
+    return _above_zero("tau0_s", tau0_s)
+
+
+def _above_zero(name: str, value: Any) -> float:
+    is_number = isinstance(value, (int, float, np.number))
+    if not (is_number and math.isfinite(value) and value > 0):
+        raise ValueError(f"{name}: found {value!r}, expected a number above 0")
+    return float(value)
 
 
 def deviation(
@@ -170,12 +176,9 @@ def deviation(
     >>> d.tau_s[:3]
     array([1., 2., 4.])
     """
-    given = [name for name, v in zip(("log", "phase", "frequency"), (log, phase, frequency))
-             if v is not None]
-    if len(given) != 1:
-        raise ValueError(
-            f"expected one of log, phase and frequency; found {' and '.join(given) or 'none'}"
-        )
+    given = (log is not None) + (phase is not None) + (frequency is not None)
+    if given != 1:
+        raise ValueError(f"expected one of log, phase and frequency; found {given} of them")
     if alpha is not None and not -4 <= alpha <= 2:
         raise ValueError(f"alpha: found {alpha}, expected -4 to 2")
     if threads < 0:
