@@ -89,9 +89,9 @@ TEST_F(BatchCommandTest, AJobThatFailsIsALine) {
     // What the command alone says and how it ends.
     const Outcome alone = run("fit --quiet " + names[i] + " --fix T0=2");
     EXPECT_EQ(all[i + 1]["exit"], alone.code) << names[i];
-    if (alone.code != 0)
-      EXPECT_EQ(alone.err.find("goingrate: " + all[i + 1]["message"].get<std::string>()), 0u)
-          << alone.err;
+    if (alone.code == 0) continue;
+    EXPECT_EQ(alone.err.find("goingrate: " + all[i + 1]["message"].get<std::string>()), 0u)
+        << alone.err;
   }
   const Outcome summary = run("batch summary out.jsonl --json summary.json");
   ASSERT_EQ(summary.code, 0) << summary.err;
@@ -110,7 +110,7 @@ TEST_F(BatchCommandTest, ASettingMayFollowTheLog) {
   EXPECT_EQ(all.at(0)["settings"], nlohmann::json({"--from", "{.}.par"}));
   for (const auto& [i, status] : {std::pair{1, "fixed"}, std::pair{2, "free"}})
     for (const auto& parameter : all.at(static_cast<std::size_t>(i))["result"]["parameters"])
-      if (parameter["name"] == "T0") EXPECT_EQ(parameter["status"], status);
+      EXPECT_TRUE(parameter["name"] != "T0" || parameter["status"] == status) << parameter;
 }
 
 // The batch is ended by a signal when some of its lines are there, and taken up.

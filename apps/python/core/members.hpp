@@ -40,7 +40,7 @@ GOINGRATE_MEMBERS(PartRate, segment, from_cycle, to_cycle, start, rate, amplitud
 
 GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
-                  terms)
+                  terms, time_noise, amplitude_noise)
 GOINGRATE_MEMBERS(FitEvent, cycle, names, movable)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)
 GOINGRATE_MEMBERS(FitOptions, dynamics, noise, escapement, events, possible_events, fixed, priors,
@@ -58,9 +58,13 @@ GOINGRATE_MEMBERS(Experiment, what, relative_sigma)
 GOINGRATE_MEMBERS(Thinning, beats, information_lost)
 GOINGRATE_MEMBERS(FitNote, kind, text)
 GOINGRATE_MEMBERS(ClockTwin, parameters, delta_2logL)
+GOINGRATE_MEMBERS(DecayEstimate, value, sigma, low68, high68, low95, high95)
+GOINGRATE_MEMBERS(QAtAmplitude, amplitude_rad, q)
+GOINGRATE_MEMBERS(FrictionLaw, friction, bic, behind)
+GOINGRATE_MEMBERS(Decay, amplitude_rad, q, time_s, q_at_amplitude, laws)
 GOINGRATE_MEMBERS(FitSummary, status, termination, dynamics, model, chosen_by, parameters,
                   correlated, correlation, combinations, q_factor, stationary_amplitude,
-                  rate_s_per_day, decay_time, jitter_s, amplitude_noise_rad, time_widening,
+                  rate_s_per_day, decay_time, decay, jitter_s, amplitude_noise_rad, time_widening,
                   amplitude_widening, quality, alternatives, twins, experiments, thinning, events,
                   notes, residual_s, model_amplitude_rad, amplitude_residual_rad)
 
@@ -86,12 +90,14 @@ GOINGRATE_MEMBERS(Relaxation, time_constant_s, sigma_s, window_s, limit_rad, rms
 GOINGRATE_MEMBERS(Interruption, begin, end, amplitude_before_rad, amplitude_after_rad, rate_change,
                   decay, recovery)
 GOINGRATE_MEMBERS(Diary, changes, interruptions)
-GOINGRATE_MEMBERS(Suspicion, cause, gain, evidence, alternatives, advice)
+GOINGRATE_MEMBERS(CauseNumbers, at_s, until_s, size, sigma, amplitude_rad, amplitude_sigma_rad,
+                  period_s, places)
+GOINGRATE_MEMBERS(Suspicion, cause, gain, evidence, alternatives, advice, numbers)
 GOINGRATE_MEMBERS(CovariateEffect, name, unit, coefficient, sigma, lag_s, without_s, with_s)
 GOINGRATE_MEMBERS(DrivePoint, at_s, relative, sigma)
 GOINGRATE_MEMBERS(DriveHistory, points, step_rms, block_s, from_amplitude, from_rate)
 GOINGRATE_MEMBERS(NutTurns, turns, sigma, raise_m)
-GOINGRATE_MEMBERS(Analysis, log, numbered, beats, rate, stretches, diary, fit, drive, suspicions,
-                  covariates, deviation, history, nut)
+GOINGRATE_MEMBERS(Analysis, log, numbered, beats, rate, stretches, now, diary, fit, drive,
+                  suspicions, covariates, deviation, history, nut)
 
 } // namespace goingrate
