@@ -162,6 +162,9 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   program.fallthrough();
   apps::narrow_help(program);
+  program.footer("A log of the passages of a pendulum is all that is needed: goingrate report LOG\n"
+                 "gives a summary and a page. goingrate COMMAND --help lists the options of a\n"
+                 "command, with an example; goingrate help lists what else is explained.");
   apps::GlobalOptions global;
   program.add_flag("--quiet", global.quiet, "no notes on standard error");
   try {

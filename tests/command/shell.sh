@@ -97,13 +97,16 @@ ERRORS
 
 if command -v script > /dev/null; then
   on_terminal() { script -qec "$*" /dev/null < /dev/null | tr -d '\r'; }
-  TERM=xterm on_terminal goingrate rate none.log | grep -q $'\x1b\\[1;31mgoingrate:' || fault "no colour on a terminal"
-  ! TERM=xterm NO_COLOR=1 on_terminal goingrate rate none.log | grep -q $'\x1b\\[' || fault "NO_COLOR is not respected"
-  ! TERM=dumb on_terminal goingrate rate none.log | grep -q $'\x1b\\[' || fault "colour on a dumb terminal"
-  TERM=xterm on_terminal goingrate simulate "$source/data/scenarios/jump.toml" --set run.periods=40000000 -o long.csv \
-    | grep -q 'simulating \[' || fault "no progress of a long simulation"
+  shown=$(TERM=xterm on_terminal goingrate rate none.log)
+  [[ $shown == *$'\x1b[1;31mgoingrate:'* ]] || fault "no colour on a terminal"
+  shown=$(TERM=xterm NO_COLOR=1 on_terminal goingrate rate none.log)
+  [[ $shown == "goingrate: "* ]] || fault "NO_COLOR is not respected: $shown"
+  shown=$(TERM=dumb on_terminal goingrate rate none.log)
+  [[ $shown == "goingrate: "* ]] || fault "colour on a dumb terminal: $shown"
+  shown=$(TERM=xterm on_terminal goingrate simulate "$source/data/scenarios/jump.toml" --set run.periods=20000000 -o /dev/null)
+  [[ $shown == *'simulating ['* ]] || fault "no progress of a long simulation"
 fi
-! goingrate rate none.log 2>&1 | grep -q $'\x1b' || fault "colour in a pipe"
+[[ $(error rate none.log) != *$'\x1b'* ]] || fault "colour in a pipe"
 
 [ "$faults" -eq 0 ] || exit 1
 echo "Completion, manual page and errors are as documented."
