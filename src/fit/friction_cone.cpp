@@ -1,5 +1,6 @@
 #include "friction_cone.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -84,7 +85,9 @@ std::array<double, 2> FrictionCone::interval(const Eigen::VectorXd& h, double z)
     }
     return best + side * 0.5 * (inside + outside) * unit;
   };
-  return {end_towards(-1.0), end_towards(1.0)};
+  const double centre = h.dot(centre_);
+  return {std::min(end_towards(-1.0), centre - z * unit),
+          std::max(end_towards(1.0), centre + z * unit)};
 }
 
 } // namespace goingrate::timing_model

@@ -11,10 +11,12 @@ namespace goingrate::timing_model {
 /// (f - centre)' information (f - centre). Some of them cannot be below 0, and the top of the
 /// parabola may lie where they are.
 ///
-/// The interval of a sum h.f holds every value v at which that fall, minimised over the allowed f
-/// with h.f = v, exceeds its minimum over all allowed f by less than z^2: the likelihood-ratio
-/// interval. It covers at z whether the true f lie on the bounds or inside (Rust and Burrus 1972),
-/// to two per cent (RingDownTest.IntervalsOnTheBoundsCover).
+/// The interval of a sum h.f is the hull of two. One holds every value v at which that fall,
+/// minimised over the allowed f with h.f = v, exceeds its minimum over all allowed f by less than
+/// z^2: the likelihood-ratio interval (Rust and Burrus 1972), which covers as it says inside, and
+/// less where the true f lie on bounds whose coordinates are strongly correlated. The other is that
+/// of the parabola without bounds, h.centre +- z sigma, which covers as it says wherever they lie.
+/// So the hull covers at z at least (RingDownTest.IntervalsOnTheBoundsCover).
 class FrictionCone {
 public:
   /// `bounded`: which coordinates cannot be below 0; at most three.

@@ -110,42 +110,6 @@ std::string name_of_law(unsigned chosen) {
   return name;
 }
 
-// Brought to rest by the dynamics of the fit.
-bool settle_by_dynamics(Fitted& fitted) {
-  if (!correct(fitted.problem, fitted.dynamics, fitted.minimum.x)) return false;
-  settle(fitted.problem, fitted.minimum, {100});
-  if (!fitted.minimum.usable) return false;
-  finish(fitted);
-  if (!fitted.minimum.usable) return false;
-  return fitted.dynamics == FitDynamics::averaged1 || refine(fitted, FitDynamics::map);
-}
-
-// All terms at once.
-std::optional<Fitted> with_every_law(const Fitted& fitted, const FitOptions& options) {
-  const Span span = amplitudes_of(fitted);
-  if (!(span.last > 0.0) || !(span.first < std::numbers::pi)) return {};
-  Fitted all = fitted;
-  all.rivals.clear();
-  all.ends.clear();
-  all.problem = with_all_friction(fitted, options, span.at(0.5));
-  const Parameters& parameters = all.problem.parameters;
-  std::vector<double> start(parameters.free_count, 0.0);
-  const auto terms = free_terms(parameters);
-  for (const std::size_t term : terms)
-    start[parameters.find(friction_terms[term])->index] = 1.0 / static_cast<double>(terms.size());
-  all.minimum.x = carried_over(fitted.problem.parameters, fitted.minimum.x, parameters, start);
-  for (const std::size_t term : terms) { // as the fit has them
-    const Slot& slot = *parameters.find(friction_terms[term]);
-    const Slot* own = fitted.problem.parameters.find(friction_terms[term]);
-    const double value = own == nullptr ? 0.0 : own->value(std::span(fitted.minimum.x));
-    all.minimum.x[slot.index] = slot.coordinate_of(value);
-  }
-  all.problem.priors = make_priors(options, parameters, all.minimum.x);
-  condense(all.problem, all.minimum.x);
-  if (!settle_by_dynamics(all)) return {};
-  return all;
-}
-
 Eigen::VectorXd vector_of(const std::vector<double>& x) {
   return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
@@ -162,6 +126,74 @@ std::vector<bool> bounded_coordinates(const Fitted& all) {
 FrictionCone cone_about(const Fitted& all, const Eigen::VectorXd& x, const Evaluation& at) {
   const Eigen::VectorXd to_top = -at.triangle.triangularView<Eigen::Upper>().solve(at.projected);
   return {x + to_top, at.triangle.transpose() * at.triangle, bounded_coordinates(all)};
+}
+
+// What a step to the best place that the curvature promises would gain, of L.
+double promised_gain(const Evaluation& at, const Eigen::VectorXd& step) {
+  return 0.5 * (at.triangle * step).squaredNorm();
+}
+
+// Goes to the best place with friction on its side of 0 by steps to the best place of the parabola
+// about the last, half as far where L does not fall. A search among bounds stops at a term that is
+// 0 although L falls away from it.
+void step_on_the_cone(Fitted& all) {
+  constexpr int most_steps = 20;
+  constexpr double least_gain = 1e-3, shortest_part = 0.01; // of L; of a step
+  Eigen::VectorXd x = vector_of(all.minimum.x);
+  const auto place = [&](const Eigen::VectorXd& at) {
+    return std::span(at.data(), all.minimum.x.size());
+  };
+  for (int k = 0; k < most_steps; ++k) {
+    const auto here = evaluate(all.problem, place(x));
+    if (!here) return;
+    const Eigen::VectorXd step = cone_about(all, x, *here).likeliest() - x;
+    if (promised_gain(*here, step) < least_gain) return;
+    double part = 1.0;
+    std::optional<double> value;
+    for (; part > shortest_part; part *= 0.5) {
+      value = minus_log_likelihood(all.problem, place(x + part * step));
+      if (value && *value < all.minimum.value) break;
+    }
+    if (!(value && *value < all.minimum.value)) return;
+    x += part * step;
+    all.minimum.x.assign(x.data(), x.data() + x.size());
+    all.minimum.value = *value;
+  }
+}
+
+// Brought to rest by the dynamics of the fit.
+bool settle_by_dynamics(Fitted& fitted) {
+  if (!correct(fitted.problem, fitted.dynamics, fitted.minimum.x)) return false;
+  settle(fitted.problem, fitted.minimum, {100});
+  if (!fitted.minimum.usable) return false;
+  step_on_the_cone(fitted);
+  finish(fitted);
+  if (!fitted.minimum.usable) return false;
+  return fitted.dynamics == FitDynamics::averaged1 || refine(fitted, FitDynamics::map);
+}
+
+// All terms at once.
+std::optional<Fitted> with_every_law(const Fitted& fitted, const FitOptions& options) {
+  Fitted all = fitted;
+  all.rivals.clear();
+  all.ends.clear();
+  all.problem = with_all_friction(fitted, options, amplitudes_of(fitted).at(0.5));
+  const Parameters& parameters = all.problem.parameters;
+  std::vector<double> start(parameters.free_count, 0.0);
+  const auto terms = free_terms(parameters);
+  for (const std::size_t term : terms)
+    start[parameters.find(friction_terms[term])->index] = 1.0 / static_cast<double>(terms.size());
+  all.minimum.x = carried_over(fitted.problem.parameters, fitted.minimum.x, parameters, start);
+  for (const std::size_t term : terms) { // as the fit has them
+    const Slot& slot = *parameters.find(friction_terms[term]);
+    const Slot* own = fitted.problem.parameters.find(friction_terms[term]);
+    const double value = own == nullptr ? 0.0 : own->value(std::span(fitted.minimum.x));
+    all.minimum.x[slot.index] = slot.coordinate_of(value);
+  }
+  all.problem.priors = make_priors(options, parameters, all.minimum.x);
+  condense(all.problem, all.minimum.x);
+  if (!settle_by_dynamics(all)) return {};
+  return all;
 }
 
 // The same about the fit, as wide as its sigmas are.
@@ -382,7 +414,7 @@ bool is_at_rest(const Fitted& all, const Evaluation& at) {
   constexpr double little = 0.1; // of L: half a sigma
   const Eigen::VectorXd here = vector_of(all.minimum.x);
   const Eigen::VectorXd step = cone_about(all, here, at).likeliest() - here;
-  return 0.5 * (at.triangle * step).squaredNorm() < little;
+  return promised_gain(at, step) < little;
 }
 
 bool amplitude_is_known(const Fitted& all) {
@@ -398,15 +430,19 @@ std::optional<RingDown> ring_down_of(const Fitted& fitted, const FitOptions& opt
   const bool changes = std::any_of(parameters.slots.begin(), parameters.slots.end(),
                                    [](const Slot& slot) { return slot.event > 0; });
   if (parameters.escapement != Escapement::none || changes) return {};
-  const auto all = with_every_law(fitted, options);
-  if (!all || free_terms(all->problem.parameters).empty()) return {};
-  const auto at = evaluate(all->problem, all->minimum.x);
-  if (!at) return {};
-  const Span span = amplitudes_of(*all);
+  const Span of_fit = amplitudes_of(fitted);
+  if (!(of_fit.last > 0.0) || !(of_fit.first < std::numbers::pi)) return {};
   RingDown told{{}, nothing_known()};
   Decay& decay = told.decay;
-  decay.amplitude_rad = span.at(0.5);
+  decay.amplitude_rad = of_fit.at(0.5);
   decay.q = decay.time_s = nothing_known();
+  const auto all = with_every_law(fitted, options);
+  if (!all) return told;
+  if (free_terms(all->problem.parameters).empty()) return {};
+  const auto at = evaluate(all->problem, all->minimum.x);
+  if (!at) return told;
+  const Span span = amplitudes_of(*all);
+  decay.amplitude_rad = span.at(0.5);
   decay.laws = laws_of(*all);
   if (!amplitude_is_known(*all) || !is_at_rest(*all, *at)) return told;
   const QualityCurve curve(*all, *at);

@@ -39,7 +39,7 @@ protected:
             {"low68", value - sigma}, {"high68", value + sigma}, {"low95", value - 2.0 * sigma},
             {"high95", nullptr},      {"status", "free"}};
   }
-  static JobOutcome fit(const Json& parameters, std::size_t events) {
+  static JobOutcome fit(const std::vector<Json>& parameters, std::size_t events) {
     const Json json = {
         {"schema", "goingrate.fit"},
         {"status", "converged"},

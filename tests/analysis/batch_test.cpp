@@ -211,7 +211,7 @@ TEST_F(BatchTest, WhatBelongsElsewhereIsNotTakenUp) {
   own.description.settings = {};
   EXPECT_THROW(run_batch(own), InputError);
   put("two.part", content("one"));
-  BatchRequest two = request("two", {2, 5});
+  BatchRequest two = request("two", {3, 5});
   two.resume = true;
   EXPECT_THROW(run_batch(two), InputError);
   put("two.part", "some notes\n");

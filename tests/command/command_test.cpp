@@ -354,7 +354,7 @@ TEST_F(CommandTest, AnUndeterminedParameterIsAWordAndNull) {
   run("simulate " + scenario("jump") + " -o log.csv --set run.periods=140");
   const Outcome outcome = run("fit log.csv --json fit.json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("epsilon        undetermined"), std::string::npos);
+  EXPECT_NE(outcome.out.find("ε (epsilon)    undetermined"), std::string::npos);
   EXPECT_EQ(json("fit.json")["parameters"][1]["status"], "undetermined");
   EXPECT_TRUE(json("fit.json")["parameters"][1]["value"].is_null());
 }
@@ -409,7 +409,7 @@ TEST_F(CommandTest, StabilityHasEveryKindAndSaysWhatItMeans) {
   }
   const Outcome words = run("stability phase.txt --data phase --tau0 10 --alpha 0");
   EXPECT_NE(words.out.find("of the relative rate"), std::string::npos) << words.out;
-  EXPECT_NE(words.out.find("averaging helps as 1/sqrt(tau)"), std::string::npos) << words.out;
+  EXPECT_NE(words.out.find("averaging helps as 1/√τ"), std::string::npos) << words.out;
   EXPECT_NE(words.out.find("Expected time error a day"), std::string::npos) << words.out;
   EXPECT_NE(words.out.find("extrapolated from"), std::string::npos) << words.out;
   const auto value = [&](const char* options) {

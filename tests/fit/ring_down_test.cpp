@@ -46,11 +46,12 @@ TEST(RingDownTest, IntervalsOnTheBoundsCover) {
         in68 += v >= near[0] && v <= near[1];
         in95 += v >= wide[0] && v <= wide[1];
       }
-      // Two per cent that they may fall short by, and three standard deviations of the counts; on
-      // the bounds they may cover more.
-      EXPECT_GT(in68, draws * 0.663 - 3.0 * std::sqrt(draws * 0.68 * 0.32)) << truth.transpose();
-      EXPECT_GT(in95, draws * 0.93 - 3.0 * std::sqrt(draws * 0.95 * 0.05)) << truth.transpose();
-      EXPECT_LT(in68, draws * 0.85) << truth.transpose() << " by " << h.transpose();
+      // Three standard deviations of the counts; on the bounds they may cover more, inside a tenth.
+      EXPECT_GT(in68, draws * 0.68 - 3.0 * std::sqrt(draws * 0.68 * 0.32)) << truth.transpose();
+      EXPECT_GT(in95, draws * 0.95 - 3.0 * std::sqrt(draws * 0.95 * 0.05)) << truth.transpose();
+      if (truth.minCoeff() > 5.0)
+        EXPECT_LT(in68, draws * 0.78 + 3.0 * std::sqrt(draws * 0.68 * 0.32))
+            << truth.transpose() << " by " << h.transpose();
     }
 }
 
@@ -87,7 +88,9 @@ TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
 TEST(RingDownTest, WhatTheLogDoesNotTellIsNotStated) {
   Scenario scenario = test::ring_down(30, 1e-4);
   scenario.start_amplitude = 0.03;
-  const FitSummary fit = fit_clock(timing_data(test::simulated_beats(scenario, 8)), 2.0, {});
+  FitOptions options;
+  options.escapement = Escapement::none;
+  const FitSummary fit = fit_clock(timing_data(test::simulated_beats(scenario, 8)), 2.0, options);
   EXPECT_TRUE(std::isnan(fit.q_factor.value));
   ASSERT_TRUE(fit.decay);
   for (const QAtAmplitude& at : fit.decay->q_at_amplitude)
