@@ -56,7 +56,7 @@ TEST(DiagnosisTest, AHealthyClockIsCalledSo) {
 TEST(DiagnosisTest, WithAmplitudesNobodyIsToldToLookAtThem) {
   for (const Cause cause : {Cause::length_step, Cause::drive_step, Cause::growing_friction})
     for (const Suspicion& suspicion : found_in({cause}, 32))
-      EXPECT_EQ(suspicion.advice.find("amplitudes"), std::string::npos) << suspicion.advice;
+      EXPECT_EQ(suspicion.advice.find("amplitude"), std::string::npos) << suspicion.advice;
 }
 
 // A log of times in which beats are lost and the regulation changes.
