@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # What README.md and the guide print is so. Every `sh` block and every `goingrate ...` between backticks is run
-# as printed, in a folder with my.log and the project's data; an `output` block must be what the block before
-# it prints on standard output, a line of three dots standing for any lines. Scenarios (`toml`) and files of
-# parameters (`par`) are read by the command. Options, files, links and tests that are named exist. (The C++
-# and CMake of the guide are built by consume.sh.)
-# readme.sh SOURCE GOINGRATE [--mend]: with --mend, output blocks without dots are replaced by what is printed.
+# as printed, in a folder with my.log and the project's data. The lines of an `output` block must be printed, in
+# that order, by the block before it; README.md shows the whole, unless a line of three dots stands for some.
+# Scenarios (`toml`) and files of parameters (`par`) are read by the command. Options, files, links and tests
+# that are named exist. (The C++ and CMake of the guide are built by consume.sh.)
+# readme.sh SOURCE GOINGRATE [--mend]: with --mend, README.md is given the output that is printed.
 set -uo pipefail
 source=$(realpath "$1") goingrate=$(realpath "$2") mend=${3:-}
 here=$(mktemp -d)
@@ -43,14 +43,15 @@ split_blocks() {
 
 # compare EXPECTED FOUND: says where they part.
 compare() {
-  awk '
+  awk -v whole="$([ "$page" = README.md ] && echo 1)" '
+    BEGIN { free = !whole }
     { sub(/[ \t]+$/, "") }
     NR == FNR { found[++n] = $0; next }
     $0 == "..." { free = 1; next }
     {
       if (free) while (at < n && found[at + 1] != $0) ++at
       if (found[++at] != $0) { print "expected: " $0; if (!free) print "found:    " found[at]; bad = 1; exit 1 }
-      free = 0
+      free = !whole
     }
     END { if (!bad && !free && at < n) { print "also printed: " found[at + 1]; exit 1 } }' "$2" "$1"
 }
@@ -64,7 +65,7 @@ run_blocks() {
     blocks=$((blocks + 1))
     expected=${block%.sh}.output
     [ -e "$expected" ] || continue
-    if [ "$mend" = --mend ] && ! grep -qx '\.\.\.' "$expected"; then
+    if [ "$mend$page" = --mendREADME.md ] && ! grep -qx '\.\.\.' "$expected"; then
       sed -i 's/[[:blank:]]*$//' "${block%.sh}.found"
     else
       compare "$expected" "${block%.sh}.found" > "$here/parts" \
@@ -104,15 +105,18 @@ run_spans() {
     # shellcheck disable=SC2086
     run $line
     examples=$((examples + 1))
-  done < <(spans | grep '^goingrate ' | grep -vE '\b[A-Z]{3,}\b')
+  done < <(spans | grep '^goingrate ' | grep -vE '\b[A-Z]{3,}\b|^goingrate( [a-z]+)*$')
 }
 
 check_names() {
+  # These two pages name options of other programs as well.
+  local bare=--
+  [[ $page != data/guide/batch.md && $page != data/guide/python.md ]] || bare='goingrate '
   local option name target folder
   folder=$(dirname "$source/$page")
   while IFS= read -r option; do
     grep -qwF -- "$option" "$here/options" || fault "no command has the option $option"
-  done < <(spans | grep -vE '^--config-settings' | grep -E '^(goingrate |--)' | grep -oE -- '--[a-z][a-z0-9-]*' | sort -u)
+  done < <(spans | grep -E "^(goingrate |$bare)" | grep -oE -- '--[a-z][a-z0-9-]*' | sort -u)
   while IFS= read -r name; do
     compgen -G "$source/$name" > /dev/null || compgen -G "$source/$name.*" > /dev/null \
       || fault "there is no $name"
@@ -139,7 +143,7 @@ for page in README.md CONTRIBUTING.md CHANGELOG.md $(cd "$source" && ls data/gui
   rm -f "$here"/blocks/*
   split_blocks
   run_blocks
-  [ "$mend" != --mend ] || mend_page
+  [ "$mend$page" != --mendREADME.md ] || mend_page
   # Of the page on Python the tests of the package run what can be run.
   [ "$page" = data/guide/python.md ] || run_spans
   for file in "$here"/blocks/*.toml; do

@@ -56,7 +56,7 @@ struct BatchSummary {
 };
 
 /// Reads a whole batch, share 1/1; one line is held at a time, and some numbers of each. A change
-/// at the k-th event (mu@k) is held against the truth only where the fit has as many events as the
+/// at the k-th event (mu\@k) is held against the truth only where the fit has as many events as the
 /// scenario. Throws InputError if the file cannot be read or is a share of several.
 /// (BatchSummaryTest.CountsAgainstTheTruth)
 BatchSummary batch_summary(const std::string& path);

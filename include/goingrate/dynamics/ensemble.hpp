@@ -35,7 +35,7 @@ class Realisations {
 public:
   /// Checks the scenario and chooses the method once. Throws as ClockRun does.
   explicit Realisations(const Scenario& scenario);
-  Realisations(const Realisations& other);
+  Realisations(const Realisations& other); ///< an independent copy
   Realisations& operator=(const Realisations&) = delete;
   ~Realisations();
 
