@@ -1,5 +1,7 @@
 #include "friction_cone.hpp"
 
+#include "goingrate/base/random.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -65,8 +67,58 @@ Eigen::VectorXd FrictionCone::likeliest_at(const Eigen::VectorXd& h, double v) c
   return lowest(&h, v).f;
 }
 
+// The bounded coordinates by themselves, the others wherever they are likeliest.
+FrictionCone FrictionCone::of_bounded() const {
+  std::vector<Eigen::Index> own, other;
+  for (Eigen::Index k = 0; k < centre_.size(); ++k)
+    (bounded_[static_cast<std::size_t>(k)] ? own : other).push_back(k);
+  Eigen::MatrixXd information = information_(own, own);
+  if (!other.empty())
+    information -= information_(own, other) *
+                   information_(other, other).ldlt().solve(information_(other, own));
+  return {centre_(own), information, std::vector<bool>(own.size(), true)};
+}
+
+double FrictionCone::reach_about(const Eigen::VectorXd& f, const Eigen::VectorXd& h,
+                                 double z) const {
+  constexpr int draws = 300; // the 95 % quantile of the root is then good to 5 %
+  const Eigen::LLT<Eigen::MatrixXd> root(information_);
+  RandomStream chance(1, StreamPurpose::jitter);
+  std::vector<double> falls;
+  for (int k = 0; k < draws; ++k) {
+    Eigen::VectorXd noise(f.size());
+    for (double& n : noise)
+      n = chance.normal();
+    const FrictionCone drawn(f + root.matrixU().solve(noise), information_, bounded_);
+    falls.push_back(drawn.lowest(&h, h.dot(f)).fall - drawn.least_);
+  }
+  const double share = std::erf(z * std::sqrt(0.5));
+  const auto at = falls.begin() + static_cast<std::ptrdiff_t>(share * draws);
+  std::nth_element(falls.begin(), at, falls.end());
+  return std::sqrt(*at);
+}
+
+double FrictionCone::reach(const Eigen::VectorXd& h, double z) const {
+  const FrictionCone bounded = of_bounded();
+  Eigen::VectorXd own(bounded.centre_.size());
+  for (Eigen::Index k = 0, next = 0; k < centre_.size(); ++k)
+    if (bounded_[static_cast<std::size_t>(k)]) own[next++] = h[k];
+  if (!(own.norm() > 0.0)) return z; // a sum of others alone
+  double reach = std::max(z, bounded.reach_about(bounded.likeliest_, own, z));
+  constexpr double farthest_sigma = 3.0; // from what the log says
+  for (Eigen::Index k = 0; k < own.size(); ++k) {
+    if (!(own[k] > 0.0)) continue;
+    const Eigen::VectorXd alone =
+        Eigen::VectorXd::Unit(own.size(), k) * (own.dot(bounded.likeliest_) / own[k]);
+    const Eigen::VectorXd off = alone - bounded.centre_;
+    if (off.dot(bounded.information_ * off) - bounded.least_ < farthest_sigma * farthest_sigma)
+      reach = std::max(reach, bounded.reach_about(alone, own, z));
+  }
+  return reach;
+}
+
 std::array<double, 2> FrictionCone::interval(const Eigen::VectorXd& h, double z) const {
-  const double best = h.dot(likeliest_), wanted = least_ + z * z;
+  const double best = h.dot(likeliest_), wanted = least_ + std::pow(reach(h, z), 2);
   const double unit = std::sqrt(h.dot(information_.ldlt().solve(h))); // sigma without bounds
   if (!std::isfinite(unit) || !(unit > 0.0)) return {-infinite, infinite};
   const auto excess = [&](double v) { return lowest(&h, v).fall - wanted; };
@@ -85,9 +137,7 @@ std::array<double, 2> FrictionCone::interval(const Eigen::VectorXd& h, double z)
     }
     return best + side * 0.5 * (inside + outside) * unit;
   };
-  const double centre = h.dot(centre_);
-  return {std::min(end_towards(-1.0), centre - z * unit),
-          std::max(end_towards(1.0), centre + z * unit)};
+  return {end_towards(-1.0), end_towards(1.0)};
 }
 
 } // namespace goingrate::timing_model

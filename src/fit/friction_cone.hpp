@@ -11,12 +11,13 @@ namespace goingrate::timing_model {
 /// (f - centre)' information (f - centre). Some of them cannot be below 0, and the top of the
 /// parabola may lie where they are.
 ///
-/// The interval of a sum h.f is the hull of two. One holds every value v at which that fall,
-/// minimised over the allowed f with h.f = v, exceeds its minimum over all allowed f by less than
-/// z^2: the likelihood-ratio interval (Rust and Burrus 1972), which covers as it says inside, and
-/// less where the true f lie on bounds whose coordinates are strongly correlated. The other is that
-/// of the parabola without bounds, h.centre +- z sigma, which covers as it says wherever they lie.
-/// So the hull covers at z at least (RingDownTest.IntervalsOnTheBoundsCover).
+/// The interval of a sum h.f holds every value v at which that fall, minimised over the allowed f
+/// with h.f = v, exceeds its minimum over all allowed f by less than reach^2: the likelihood-ratio
+/// interval (Rust and Burrus 1972). Where the true f lie on bounds the ratio is not that of one
+/// degree of freedom: with sizes that are strongly correlated reach = z covers 57 % for 68 %. So
+/// reach is what the ratio reaches by chance as often as z says, in draws about the likeliest f, or
+/// about one of the bounded coordinates alone if the log allows that: the greatest of these
+/// (RingDownTest.IntervalsOnTheBoundsCover).
 class FrictionCone {
 public:
   /// `bounded`: which coordinates cannot be below 0; at most three.
@@ -26,10 +27,16 @@ public:
   [[nodiscard]] const Eigen::VectorXd& likeliest() const { return likeliest_; }
   /// The likeliest with h.f = v.
   [[nodiscard]] Eigen::VectorXd likeliest_at(const Eigen::VectorXd& h, double v) const;
+  /// The root of the ratio's fall that is not exceeded by chance as often as z says; z at least.
+  [[nodiscard]] double reach(const Eigen::VectorXd& h, double z) const;
   /// Ends of the interval of h.f; infinite where nothing bounds it.
   [[nodiscard]] std::array<double, 2> interval(const Eigen::VectorXd& h, double z) const;
 
 private:
+  [[nodiscard]] FrictionCone of_bounded() const;
+  /// The same if f were the truth.
+  [[nodiscard]] double reach_about(const Eigen::VectorXd& f, const Eigen::VectorXd& h,
+                                   double z) const;
   struct Place {
     Eigen::VectorXd f;
     double fall;

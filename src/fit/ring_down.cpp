@@ -222,8 +222,9 @@ public:
   /// The same by searches with the sum held, from the ends of the parabola.
   [[nodiscard]] std::array<double, 2> searched(double z) const {
     std::array<double, 2> ends = interval(z);
+    const double reach = cone_.reach(h_, z);
     for (const std::size_t side : {std::size_t{0}, std::size_t{1}})
-      ends[side] = searched_end(z, ends[side], side == 0 ? -1.0 : 1.0);
+      ends[side] = searched_end(reach, ends[side], side == 0 ? -1.0 : 1.0);
     return ends;
   }
 
