@@ -120,12 +120,13 @@ TEST_P(InterruptedBatchTest, IsTakenUp) {
   const std::string words = realisations() + "--set run.periods=4000 -o out.jsonl --threads 2";
   ASSERT_EQ(run(realisations() + "--set run.periods=4000 -o whole.jsonl").code, 0);
   const std::string interrupted =
-      fmt::format("cd '{0}'; '{1}' {2} 2> err.txt & pid=$!; "
+      fmt::format("cd '{0}'; env --default-signal=INT '{1}' {2} 2> err.txt & pid=$!; "
                   "while [ \"$(wc -l < out.jsonl.part 2> /dev/null || echo 0)\" -lt 5 ] "
                   "&& kill -0 $pid 2> /dev/null; do sleep 0.01; done; kill -{3} $pid; "
                   "wait $pid; echo $? > code.txt",
                   folder_.string(), GOINGRATE_COMMAND, words, GetParam());
-  // A shell without job control has its children ignore SIGINT; bash -m has not.
+  // A shell without job control has its children ignore SIGINT; bash -m has not, nor env whatever
+  // the tests themselves were started with.
   std::ofstream(folder_ / "kill.sh") << interrupted;
   ASSERT_EQ(std::system(fmt::format("bash -m '{}/kill.sh' 2> /dev/null", folder_.string()).c_str()),
             0);

@@ -88,7 +88,7 @@ def test_residuals_outlive_the_fit(jump):
 
 def test_the_texts(jump_fit):
     text = str(jump_fit)
-    for word in ("epsilon", "mu@1", "chi", "bic"):
+    for word in ("epsilon", "mu@1", "χ²", "bic"):
         assert word in text.lower()
     page = jump_fit._repr_html_()
     assert page.count("<tr>") == len(jump_fit) + 1 and "±" in page
@@ -252,7 +252,7 @@ def test_spectrum_of_a_given_fit(jump, jump_fit):
 def test_analysis_has_its_parts(jump):
     steps = []
     analysis = gr.analyse(jump, fix={"T0": 2}, events=["150:mu"], progress=steps.append)
-    assert "fitting the model" in steps and len(steps) > 4
+    assert any("fitting the model" in step for step in steps) and len(steps) > 4
     assert analysis.fit["mu@1"].value == pytest.approx(4e-5, rel=1e-2)
     assert analysis.rate.to_dict()["rate_excess"] == gr.rate(jump).rate_excess
     assert analysis.spectrum.density.size > 0 and len(analysis.deviation) > 5
