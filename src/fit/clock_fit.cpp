@@ -310,26 +310,9 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   state_twins(fitted, fitted.known, summary);
 }
 
-// A free pendulum has one Q and one decay time: those that suppose no law of friction. Where the
-// law is open, or is not that of the fit, T0 is theirs too.
+// A free pendulum has one Q and one decay time: those that suppose no law of friction.
 void state_decay(const RingDown& told, FitSummary& summary) {
   const Decay& decay = told.decay;
-  const bool has_other_law =
-      decay.laws.empty() || decay.laws.front().friction != summary.model.friction();
-  for (FittedParameter& p : summary.parameters)
-    if (p.name == "T0" && p.status != ParameterStatus::fixed &&
-        (decay.law_is_open() || has_other_law)) {
-      const DecayEstimate& T0 = told.T0_s;
-      const bool known = std::isfinite(T0.value);
-      if (known && p.status == ParameterStatus::undetermined) p.status = ParameterStatus::free;
-      if (!known) p.status = ParameterStatus::undetermined;
-      p.value = T0.value;
-      p.sigma = T0.sigma;
-      p.low68 = T0.low68;
-      p.high68 = T0.high68;
-      p.low95 = T0.low95;
-      p.high95 = T0.high95;
-    }
   const std::string where =
       fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
   summary.q_factor = {"Q", where, "", decay.q.value, decay.q.sigma};
