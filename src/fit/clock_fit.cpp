@@ -310,9 +310,21 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   state_twins(fitted, fitted.known, summary);
 }
 
-// A free pendulum has one Q and one decay time: those that suppose no law of friction.
+// A free pendulum has one Q and one decay time: those that suppose no law of friction. T0 is theirs
+// where the fit by one law does not determine it.
 void state_decay(const RingDown& told, FitSummary& summary) {
   const Decay& decay = told.decay;
+  const DecayEstimate& T0 = told.T0_s;
+  for (FittedParameter& p : summary.parameters)
+    if (p.name == "T0" && p.status == ParameterStatus::undetermined && std::isfinite(T0.value)) {
+      p.status = ParameterStatus::free;
+      p.value = T0.value;
+      p.sigma = T0.sigma;
+      p.low68 = T0.low68;
+      p.high68 = T0.high68;
+      p.low95 = T0.low95;
+      p.high95 = T0.high95;
+    }
   const std::string where =
       fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
   summary.q_factor = {"Q", where, "", decay.q.value, decay.q.sigma};

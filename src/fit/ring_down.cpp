@@ -324,7 +324,7 @@ DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
   return q.sigma <= largest_relative_sigma * q.value ? q : nothing_known();
 }
 
-// Q at the amplitudes of the log, by the friction of any law.
+// Q at the amplitudes of the log, by the friction of any law, and T0.
 class QualityCurve {
 public:
   QualityCurve(const Fitted& all, const Evaluation& at) : all_(all), cone_(cone_of(all, at)) {}
@@ -347,6 +347,22 @@ public:
     for (double* end : {&in68[0], &in68[1], &in95[0], &in95[1]})
       *end += held;
     return estimate(sum.best() + held, in68, in95, factor);
+  }
+
+  /// `straight`: whether the parabola will do.
+  [[nodiscard]] DecayEstimate T0(bool straight) const {
+    const Slot& slot = *all_.problem.parameters.find(Quantity::T0);
+    if (!slot.free) return {slot.fixed_value, unknown, unknown, unknown, unknown, unknown};
+    Eigen::VectorXd h = Eigen::VectorXd::Zero(cone_.likeliest().size());
+    h[static_cast<Eigen::Index>(slot.index)] = 1.0;
+    const KnownSum sum(all_, cone_, h);
+    const auto in68 = straight ? sum.interval(1.0) : sum.searched(1.0);
+    const auto in95 = straight ? sum.interval(z95) : sum.searched(z95);
+    const auto value = [&](double x) { return (1.0 + x) * slot.scale; };
+    DecayEstimate T0{value(sum.best()), 0.0,           value(in68[0]), value(in68[1]),
+                     value(in95[0]),    value(in95[1])};
+    T0.sigma = 0.5 * (T0.high68 - T0.low68);
+    return std::isfinite(T0.sigma) ? T0 : nothing_known();
   }
 
 private:
@@ -417,7 +433,7 @@ std::optional<RingDown> ring_down_of(const Fitted& fitted, const FitOptions& opt
   if (parameters.escapement != Escapement::none || changes) return {};
   const Span of_fit = amplitudes_of(fitted);
   if (!(of_fit.last > 0.0) || !(of_fit.first < std::numbers::pi)) return {};
-  RingDown told;
+  RingDown told{{}, nothing_known()};
   Decay& decay = told.decay;
   decay.amplitude_rad = of_fit.at(0.5);
   decay.q = decay.time_s = nothing_known();
@@ -434,6 +450,8 @@ std::optional<RingDown> ring_down_of(const Fitted& fitted, const FitOptions& opt
   if (!curve.holds_by_dynamics(decay.amplitude_rad)) return told;
   const double T0 = parameters.find(Quantity::T0)->value(std::span(all->minimum.x));
   decay.q = curve.at(decay.amplitude_rad);
+  constexpr double well = 0.02; // relative sigma: as for Q
+  told.T0_s = curve.T0(decay.q.sigma < well * decay.q.value);
   decay.time_s = curve.at(decay.amplitude_rad, T0 * decay_periods_per_q(decay.amplitude_rad));
   constexpr int steps = 8; // so many that a curve through them is smooth
   for (int k = 0; k <= steps; ++k) {

@@ -12,6 +12,7 @@ namespace goingrate::timing_model {
 /// What does not depend on which law of friction the fit has.
 struct RingDown {
   Decay decay;
+  DecayEstimate T0_s; ///< NaN where it is not determined
 };
 
 /// The decay, whichever law of friction the fit has; nothing for a driven clock, for a pendulum
