@@ -42,13 +42,15 @@ def microseconds(call, least_s=0.5):
     return 1e6 * min(rounds)
 
 
-def best_of(call, rounds=3):
-    seconds = []
-    for _ in range(rounds):
-        begin = processor_s()
-        call()
-        seconds.append(processor_s() - begin)
-    return min(seconds)
+def seconds_of(call):
+    begin = processor_s()
+    call()
+    return processor_s() - begin
+
+
+def medians(*calls, rounds=5):
+    """Of rounds in which the calls take turns, so that what slows the machine slows all of them."""
+    return np.median([[seconds_of(call) for call in calls] for _ in range(rounds)], axis=0)
 
 
 def overheads():
@@ -96,15 +98,16 @@ def long_data(command, x):
         with open(file, "w") as out:
             out.writelines(f"{value!r}\n" for value in x.tolist())
         words = [command, "--quiet", "stability", file, "--data", "phase", "--taus", "octave"]
-        whole = best_of(lambda: subprocess.run([*words, "-o", "/dev/null"], check=True))
         theirs = json.loads(subprocess.run([*words, "--json", "-"], check=True, text=True,
                                            capture_output=True).stdout)
         log = gr.read(file, format="phase", only_phases=True)
-        reading = best_of(lambda: gr.read(file, format="phase", only_phases=True))
-        of_log = best_of(lambda: gr.deviation(log))
-        of_array = best_of(lambda: gr.deviation(phase=x))
+        whole, reading, of_log, of_array = medians(
+            lambda: subprocess.run([*words, "-o", "/dev/null"], check=True),
+            lambda: gr.read(file, format="phase", only_phases=True),
+            lambda: gr.deviation(log),
+            lambda: gr.deviation(phase=x))
         same = gr.deviation(phase=x).value.tolist() == [row["value"] for row in theirs["rows"]]
-    print(f"{x.size} phases, oadev at {len(theirs['rows'])} averaging times; processor time, best of 3")
+    print(f"{x.size} phases, oadev at {len(theirs['rows'])} averaging times; processor time, median of 5")
     print(f"  the command, file to table            {whole:7.2f} s")
     print(f"  gr.read                               {reading:7.2f} s")
     print(f"  gr.deviation(log)                     {of_log:7.2f} s  read and this {(reading + of_log) / whole:.2f} of the command")
@@ -124,7 +127,7 @@ def laws():
         return 1e-3 * v
 
     gr.integrate(counted, periods=20)
-    took = best_of(lambda: gr.integrate(linear, periods=200)) / 200
+    took = medians(lambda: gr.integrate(linear, periods=200))[0] / 200
     print(f"gr.integrate with a friction law in Python: {calls // 20} calls and {1e3 * took:.2f} ms a period")
 
 
