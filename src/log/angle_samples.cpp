@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -61,60 +62,6 @@ double period_between(std::span<const AngleSample> samples, const std::vector<Pa
   return std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
 }
 
-// A least-squares polynomial in u = (t - centre) / half_width.
-template <int Terms> class LocalFit {
-public:
-  using Vector = Eigen::Matrix<double, Terms, 1>;
-
-  LocalFit(std::span<const AngleSample> samples, const Instant& centre, double half_width,
-           double level)
-      : half_width_(half_width) {
-    Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
-    Vector moment = Vector::Zero();
-    double sum2 = 0.0;
-    for (const AngleSample& sample : samples) {
-      const Vector row = powers((sample.time - centre) / half_width);
-      const double value = sample.angle - level;
-      normal += row * row.transpose();
-      moment += row * value;
-      sum2 += value * value;
-    }
-    inverse_ = normal.inverse();
-    coefficients = inverse_ * moment;
-    residual2 = std::max(0.0, sum2 - coefficients.dot(moment));
-    freedom = static_cast<double>(samples.size()) - Terms;
-  }
-
-  [[nodiscard]] double value(double u) const { return coefficients.dot(powers(u)); }
-  [[nodiscard]] double slope(double u) const {
-    double sum = 0.0;
-    for (int k = Terms - 1; k >= 1; --k)
-      sum = sum * u + k * coefficients[k];
-    return sum;
-  }
-  /// Variance of value(u) for samples of variance one.
-  [[nodiscard]] double variance(double u) const {
-    const Vector row = powers(u);
-    return row.dot(inverse_ * row);
-  }
-  [[nodiscard]] double half_width() const { return half_width_; }
-
-  Vector coefficients;
-  double residual2 = 0.0;
-  double freedom = 0.0;
-
-private:
-  static Vector powers(double u) {
-    Vector row;
-    double power = 1.0;
-    for (int k = 0; k < Terms; ++k, power *= u)
-      row[k] = power;
-    return row;
-  }
-  double half_width_;
-  Eigen::Matrix<double, Terms, Terms> inverse_;
-};
-
 // The samples within `half_width` of `centre`, found from one of them.
 std::span<const AngleSample> around(std::span<const AngleSample> samples, std::size_t start,
                                     const Instant& centre, double half_width) {
@@ -129,278 +76,6 @@ std::span<const AngleSample> around(std::span<const AngleSample> samples, std::s
   return samples.subspan(begin, end - begin);
 }
 
-using Cubic = LocalFit<4>;
-
-// The root of the cubic nearest its middle; NaN if Newton's steps leave the samples.
-double root_of(const Cubic& fit) {
-  double u = 0.0;
-  for (int i = 0; i < 20; ++i) {
-    const double step = fit.value(u) / fit.slope(u);
-    u -= step;
-    if (!(std::abs(u) <= 1.0)) return unknown;
-    if (std::abs(step) < 1e-14) break;
-  }
-  return u;
-}
-
-class SwingFinder {
-public:
-  SwingFinder(std::span<const AngleSample> samples, std::vector<Passage> found, double period_s,
-              double rest, bool in_rad)
-      : samples_(samples), passages_(std::move(found)), period_s_(period_s), rest_(rest),
-        in_rad_(in_rad) {}
-
-  SampledSwings find() {
-    SampledSwings swings;
-    swings.rest_angle = rest_;
-    swings.period_s = period_s_;
-    const std::vector<double> turns = turning_angles();
-    double residual2 = 0.0, freedom = 0.0;
-    for (std::size_t k = 0; k < passages_.size(); ++k) {
-      const auto fit = fit_passage(passages_[k]);
-      const double u = fit ? root_of(*fit) : unknown;
-      if (std::isnan(u)) {
-        ++swings.unfitted;
-        continue;
-      }
-      residual2 += fit->residual2;
-      freedom += fit->freedom;
-      // The noise comes later, when all fits are pooled.
-      const double sigma =
-          std::sqrt(fit->variance(u)) * fit->half_width() / std::abs(fit->slope(u));
-      swings.crossings.push_back({centre_ + u * fit->half_width(), sigma, swing_at(turns, k),
-                                  passages_[k].edge, samples_[passages_[k].before].line});
-    }
-    swings.noise = freedom > 0.0 ? std::sqrt(residual2 / freedom) : 0.0;
-    for (SampledCrossing& crossing : swings.crossings)
-      crossing.sigma_s *= swings.noise;
-    return swings;
-  }
-
-  // Median of the middles of neighbouring turning angles; a swing that fades by the same part each
-  // time has its middle in (a + 2 b + c) / 4.
-  [[nodiscard]] double middle() const {
-    const std::vector<double> turns = turning_angles();
-    std::vector<double> middles;
-    for (std::size_t k = 0; k + 2 < turns.size(); ++k) {
-      const double middle = 0.25 * (turns[k] + 2.0 * turns[k + 1] + turns[k + 2]);
-      if (!std::isnan(middle)) middles.push_back(middle);
-    }
-    return middles.empty() ? rest_ : median(std::move(middles));
-  }
-
-private:
-  std::optional<Cubic> fit_passage(const Passage& passage) {
-    const AngleSample& a = samples_[passage.before];
-    const AngleSample& b = samples_[passage.after];
-    if (b.time - a.time > 0.5 * period_s_) return {}; // the passage itself was not seen
-    const double part = (rest_ - a.angle) / (b.angle - a.angle);
-    centre_ = a.time + part * (b.time - a.time);
-    constexpr std::size_t least_samples = 6; // two more than the cubic has terms
-    for (const double width : {0.125, 0.167}) {
-      const auto near = around(samples_, passage.before, centre_, width * period_s_);
-      if (near.size() < least_samples) continue;
-      const Cubic fit(near, centre_, width * period_s_, rest_);
-      if (fit.coefficients.allFinite()) return fit;
-    }
-    return {};
-  }
-
-  // The extreme between passage k and the next; NaN where it cannot be fitted.
-  [[nodiscard]] double turning_angle(std::size_t k) const {
-    const std::size_t begin = passages_[k].after, end = passages_[k + 1].before + 1;
-    const double side = passages_[k].edge == Edge::up ? 1.0 : -1.0;
-    const auto extreme = std::max_element(samples_.begin() + static_cast<std::ptrdiff_t>(begin),
-                                          samples_.begin() + static_cast<std::ptrdiff_t>(end),
-                                          [side](const AngleSample& a, const AngleSample& b) {
-                                            return side * a.angle < side * b.angle;
-                                          });
-    const auto at = static_cast<std::size_t>(extreme - samples_.begin());
-    const double width =
-        period_s_ / 12.0; // half an hour on the dial of a swing: a parabola, almost
-    const auto near = around(samples_, at, extreme->time, width);
-    if (near.size() < 4) return extreme->angle;
-    const LocalFit<3> fit(near, extreme->time, width, rest_);
-    const auto& c = fit.coefficients;
-    if (!(c[2] * side < 0.0)) return extreme->angle;
-    const double u = std::clamp(-0.5 * c[1] / c[2], -1.0, 1.0);
-    // The fourth derivative of a pendulum that turns at A is sin A cos A in scaled time; a parabola
-    // fitted over +-W lies 3 W^4/35 of the fourth-order term too low in the middle.
-    const double reach = 2.0 * std::numbers::pi * width / period_s_, turn = fit.value(u);
-    const double fourth = in_rad_ ? std::sin(turn) * std::cos(turn) : turn;
-    return rest_ + turn + 3.0 / 35.0 * std::pow(reach, 4) / 24.0 * fourth;
-  }
-
-  [[nodiscard]] std::vector<double> turning_angles() const {
-    std::vector<double> turns;
-    for (std::size_t k = 0; k + 1 < passages_.size(); ++k) {
-      const double wait =
-          samples_[passages_[k + 1].before].time - samples_[passages_[k].after].time;
-      turns.push_back(wait > period_s_ ? unknown : turning_angle(k));
-    }
-    return turns;
-  }
-
-  [[nodiscard]] double swing_at(const std::vector<double>& turns, std::size_t k) const {
-    if (k == 0 || k >= turns.size()) return unknown; // one turn alone is half a swing early or late
-    return 0.5 * (std::abs(turns[k - 1] - rest_) + std::abs(turns[k] - rest_));
-  }
-
-  std::span<const AngleSample> samples_;
-  std::vector<Passage> passages_;
-  double period_s_;
-  double rest_;
-  bool in_rad_;
-  Instant centre_{};
-};
-
-// Few samples a period: sines through several of them.
-class SineFinder {
-public:
-  SineFinder(std::span<const AngleSample> samples, std::vector<Passage> found, double period_s,
-             bool in_rad)
-      : samples_(samples), passages_(std::move(found)), period_s_(period_s), in_rad_(in_rad),
-        decay_(passages_.size(), 0.0) {}
-
-  // `rest` is where the pendulum hangs, if that is known.
-  SampledSwings find(std::optional<double> rest) {
-    fit_all({}); // for the amplitudes, which tell how the swing fades, the middle and the period
-    refine_period();
-    fit_all({});
-    for (std::size_t k = 0; k < fits_.size(); ++k)
-      decay_[k] = decay_near(k);
-    if (!rest) rest = middle();
-    fit_all(rest);
-    fit_all(rest); // with the harmonic of the amplitudes just found
-    SampledSwings swings;
-    swings.period_s = period_s_;
-    swings.rest_angle = rest.value_or(0.0);
-    double residual2 = 0.0, freedom = 0.0;
-    for (std::size_t k = 0; k < fits_.size(); ++k) {
-      if (!fits_[k]) {
-        ++swings.unfitted;
-        continue;
-      }
-      const Sine& sine = *fits_[k];
-      residual2 += sine.residual2;
-      freedom += sine.freedom;
-      swings.crossings.push_back({sine.centre + sine.root_s, sine.unit_sigma_s, sine.amplitude,
-                                  passages_[k].edge, samples_[passages_[k].before].line});
-    }
-    swings.noise = freedom > 0.0 ? std::sqrt(residual2 / freedom) : 0.0;
-    for (SampledCrossing& crossing : swings.crossings)
-      crossing.sigma_s *= swings.noise;
-    return swings;
-  }
-
-private:
-  struct Sine {
-    Instant centre;
-    double root_s = 0.0, amplitude = 0.0, middle = 0.0;
-    double unit_sigma_s = 0.0; // of the root, for samples of variance one
-    double residual2 = 0.0, freedom = 0.0;
-  };
-
-  void fit_all(std::optional<double> rest) {
-    const std::vector<std::optional<Sine>> before = std::move(fits_);
-    fits_.clear();
-    for (std::size_t k = 0; k < passages_.size(); ++k)
-      fits_.push_back(
-          fit(passages_[k], decay_[k], rest, k < before.size() ? before[k] : std::nullopt));
-  }
-
-  // What a pendulum's swing has beside its sine: A^2/192 of it at three times the frequency (next
-  // order of Lindstedt's expansion; Landau and Lifshitz, Mechanics, 28), so that the turning angle
-  // is A. Only of an angle in rad, as amplitudes are.
-  static double harmonic(const Sine& sine, double from_root, double w, double side) {
-    const double A = sine.amplitude, share = A * A / 192.0;
-    return side * A * share * (std::sin(w * from_root) + std::sin(3.0 * w * from_root));
-  }
-
-  // The period of the fitted crossings: that of the passages is known to a sample only.
-  void refine_period() {
-    std::vector<double> steps;
-    for (std::size_t k = 0; k + 2 < fits_.size(); ++k) {
-      const auto &a = fits_[k], &b = fits_[k + 2];
-      if (a && b) steps.push_back(b->centre - a->centre + b->root_s - a->root_s);
-    }
-    if (!steps.empty()) period_s_ = median(std::move(steps));
-  }
-
-  // exp(-decay t) (a cos wt + b sin wt) + middle, the middle free unless `rest` is known.
-  // `before`: the last fit, whose harmonic is taken off.
-  std::optional<Sine> fit(const Passage& passage, double decay, std::optional<double> rest,
-                          const std::optional<Sine>& before) const {
-    const AngleSample &a = samples_[passage.before], &b = samples_[passage.after];
-    const double wait = b.time - a.time;
-    if (wait > 0.95 * period_s_) return {}; // there may be three crossings between the two
-    Sine sine;
-    sine.centre = a.time + 0.5 * wait;
-    constexpr double reach = 0.6; // periods: the fewest samples leave a freedom even so
-    const auto near = around(samples_, passage.before, sine.centre, reach * period_s_);
-    const Eigen::Index terms = rest ? 2 : 3;
-    if (static_cast<Eigen::Index>(near.size()) < terms) return {};
-    const double w = 2.0 * std::numbers::pi / period_s_;
-    Eigen::MatrixXd rows(near.size(), terms);
-    Eigen::VectorXd values(near.size());
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-      const AngleSample& sample = near[static_cast<std::size_t>(i)];
-      const double t = sample.time - sine.centre, size = std::exp(-decay * t);
-      rows(i, 0) = size * std::cos(w * t);
-      rows(i, 1) = size * std::sin(w * t);
-      if (!rest) rows(i, 2) = 1.0;
-      values(i) = sample.angle - rest.value_or(0.0);
-      if (before && in_rad_)
-        values(i) -=
-            size * harmonic(*before, t - before->root_s, w, passage.edge == Edge::up ? 1.0 : -1.0);
-    }
-    const Eigen::MatrixXd inverse = (rows.transpose() * rows).inverse();
-    const Eigen::VectorXd c = inverse * (rows.transpose() * values);
-    sine.amplitude = std::hypot(c[0], c[1]);
-    if (!std::isfinite(sine.amplitude) || sine.amplitude == 0.0) return {};
-    // Rising, the sine is amplitude * sin(w (t - root)).
-    const double side = passage.edge == Edge::up ? 1.0 : -1.0;
-    sine.root_s = -std::atan2(side * c[0], side * c[1]) / w;
-    if (std::abs(sine.root_s) > 0.5 * wait) return {};
-    const double u = w * sine.root_s;
-    const double slope = sine.amplitude * w;
-    const Eigen::Vector2d at_root(std::cos(u), std::sin(u));
-    sine.unit_sigma_s = std::sqrt(at_root.dot(inverse.topLeftCorner<2, 2>() * at_root)) / slope;
-    sine.middle = rest ? *rest : c[2];
-    sine.residual2 = (values - rows * c).squaredNorm();
-    sine.freedom = static_cast<double>(near.size()) - static_cast<double>(terms);
-    return sine;
-  }
-
-  // How fast the amplitude falls about passage k, 1/s: the slope of its logarithm.
-  [[nodiscard]] double decay_near(std::size_t k) const {
-    constexpr std::size_t reach = 12; // passages either way
-    double n = 0.0, t = 0.0, y = 0.0, tt = 0.0, ty = 0.0;
-    const std::size_t end = std::min(fits_.size(), k + reach + 1);
-    for (std::size_t i = k > reach ? k - reach : 0; i < end; ++i) {
-      if (!fits_[i] || !fits_[k]) continue;
-      const double at = fits_[i]->centre - fits_[k]->centre, log = std::log(fits_[i]->amplitude);
-      ++n, t += at, y += log, tt += at * at, ty += at * log;
-    }
-    const double spread = n * tt - t * t;
-    return n > 2.0 && spread > 0.0 ? -(n * ty - t * y) / spread : 0.0;
-  }
-
-  [[nodiscard]] double middle() const {
-    std::vector<double> middles;
-    for (const auto& fit : fits_)
-      if (fit) middles.push_back(fit->middle);
-    return middles.empty() ? 0.0 : median(std::move(middles));
-  }
-
-  std::span<const AngleSample> samples_;
-  std::vector<Passage> passages_;
-  double period_s_;
-  bool in_rad_;
-  std::vector<double> decay_; // one a passage
-  std::vector<std::optional<Sine>> fits_;
-};
-
 // Of irregular samples the usual time between two.
 double usual_step(std::span<const AngleSample> samples) {
   std::vector<double> steps;
@@ -408,6 +83,275 @@ double usual_step(std::span<const AngleSample> samples) {
     steps.push_back(samples[i].time - samples[i - 1].time);
   return median(std::move(steps));
 }
+
+// What a pendulum's swing has beside the sine of its turning angle A,
+//   phi = 8 sum_n q^(n + 1/2) / ((2 n + 1) (1 + q^(2 n + 1))) sin((2 n + 1) theta),
+// q the nome of the modulus sin(A/2) (NIST DLMF 22.11 with phi = 2 asin(k sn)).
+class Overtones {
+public:
+  explicit Overtones(double amplitude) {
+    if (!(amplitude > 0.0 && amplitude < std::numbers::pi)) return; // no swing
+    const double root = std::sqrt(std::cos(0.5 * amplitude));       // of the complementary modulus
+    const double e = 0.5 * (1.0 - root) / (1.0 + root);
+    const double nome = e + 2.0 * std::pow(e, 5) + 15.0 * std::pow(e, 9);
+    double power = std::sqrt(nome);
+    for (std::size_t n = 0; n < size_.size(); ++n, power *= nome) {
+      const double order = 2.0 * static_cast<double>(n) + 1.0;
+      size_[n] = 8.0 * power / (order * (1.0 + std::pow(nome, order)));
+    }
+    size_[0] -= amplitude;
+  }
+  [[nodiscard]] double at(double theta) const {
+    double sum = 0.0;
+    for (std::size_t n = 0; n < size_.size(); ++n)
+      sum += size_[n] * std::sin((2.0 * static_cast<double>(n) + 1.0) * theta);
+    return sum;
+  }
+
+private:
+  std::array<double, 4> size_{}; // what is left out is 1e-8 rad at 1 rad, 1e-5 at 2
+};
+
+// A polynomial of second order in x through points near 0, by least squares: its value and slope
+// at 0.
+class LocalParabola {
+public:
+  void add(double x, double y) {
+    const Eigen::Vector3d row(1.0, x, x * x);
+    normal_ += row * row.transpose();
+    moment_ += row * y;
+    ++points_;
+  }
+  [[nodiscard]] std::optional<double> slope() const {
+    constexpr int fewest = 5; // two more than its terms
+    if (points_ < fewest) return {};
+    const double slope = normal_.ldlt().solve(moment_)[1];
+    return std::isfinite(slope) ? std::optional(slope) : std::nullopt;
+  }
+
+private:
+  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d moment_ = Eigen::Vector3d::Zero();
+  int points_ = 0;
+};
+
+// A swing about its passage of the middle: size * sine + middle, with what is known of its shape.
+struct Shape {
+  double w = 0.0, decay = 0.0; // rad/s; of its size, 1/s
+  double side = 1.0;           // 1 where it rises, or -1
+  Overtones overtones{0.0};
+  double root_s = 0.0; // where they are zero
+
+  [[nodiscard]] double size(double t) const { return std::exp(-decay * t); }
+  [[nodiscard]] Eigen::Vector3d row(double t) const {
+    return {size(t) * std::cos(w * t), size(t) * std::sin(w * t), 1.0};
+  }
+  [[nodiscard]] double beside_the_sine(double t) const {
+    return side * size(t) * overtones.at(w * (t - root_s));
+  }
+  // Where the swing is at 0: near the zero of its sine, unless its middle is far from there.
+  [[nodiscard]] double zero_of(const Eigen::Vector3d& terms, double from) const {
+    const double slope = side * std::hypot(terms[0], terms[1]) * w;
+    constexpr int steps = 8; // each takes the error down by middle/amplitude or better
+    for (int step = 0; step < steps; ++step)
+      from -= (terms.dot(row(from)) + beside_the_sine(from)) / slope;
+    return from;
+  }
+};
+
+// Swings through the samples around each passage.
+class SwingFinder {
+public:
+  SwingFinder(std::span<const AngleSample> samples, std::vector<Passage> found, double period_s,
+              bool in_rad)
+      : samples_(samples), passages_(std::move(found)), period_s_(period_s), in_rad_(in_rad),
+        samples_per_period_(period_s / usual_step(samples)),
+        local_(passages_.size(), {period_s, 0.0}) {}
+
+  // Where the pendulum hangs: the middle of its swings, up to an unknown fading of each.
+  [[nodiscard]] double middle() {
+    fit_all({});
+    return middle_of_fits();
+  }
+
+  // `rest` is where the pendulum hangs, if that is known.
+  SampledSwings find(std::optional<double> rest) {
+    constexpr int rounds = 3; // each takes an error of the overtones down to a hundredth
+    for (int round = 0; round < rounds; ++round) {
+      fit_all({});
+      look_at_neighbours();
+    }
+    const double level = rest.value_or(middle_of_fits());
+    fit_all(level);
+    return told(level);
+  }
+
+private:
+  struct Swing {
+    Instant centre;
+    double root_s = 0.0, amplitude = 0.0, middle = 0.0;
+    double unit_sigma_s = 0.0; // of the root, for samples of variance one
+    double residual2 = 0.0, freedom = 0.0;
+    bool is_whole = false; // samples all over a quarter of a period on both sides
+    [[nodiscard]] double time_after(const Swing& other) const {
+      return (centre - other.centre) + (root_s - other.root_s);
+    }
+  };
+  struct Local {
+    double period_s, decay; // of the swing's size, 1/s
+  };
+
+  // Half the width of the samples for one passage, periods. A quarter: then no two passages share
+  // a sample, and their errors are independent. Fewer than ten samples a period take wider ones.
+  [[nodiscard]] double reach() const {
+    constexpr double fewest_samples = 5.0, widest = 0.6; // widest: the fewest leave a freedom still
+    return std::clamp(0.5 * fewest_samples / samples_per_period_, 0.25, widest);
+  }
+
+  // Whether each swing has a middle of its own: dry friction moves it to and fro. The few samples
+  // of wide ones leave no room for that.
+  [[nodiscard]] bool has_own_middle() const { return reach() == 0.25; }
+
+  void fit_all(std::optional<double> level) {
+    const std::vector<std::optional<Swing>> before = std::move(fits_);
+    fits_.clear();
+    for (std::size_t k = 0; k < passages_.size(); ++k)
+      fits_.push_back(fit(k, level, k < before.size() ? before[k] : std::nullopt));
+  }
+
+  // Where passage k is looked for: at its last fit, or between the samples on either side.
+  [[nodiscard]] Instant centre_of(std::size_t k, const std::optional<Swing>& before) const {
+    if (before) return before->centre + before->root_s;
+    const AngleSample &a = samples_[passages_[k].before], &b = samples_[passages_[k].after];
+    return a.time + 0.5 * (b.time - a.time);
+  }
+
+  // exp(-decay t) (a cos wt + b sin wt) + middle by least squares; the overtones are those of
+  // `before`, the last fit. The root is where it is at `level`, or at its middle without one; the
+  // middle is `level` where a swing has none of its own.
+  [[nodiscard]] std::optional<Swing> fit(std::size_t k, std::optional<double> level,
+                                         const std::optional<Swing>& before) const {
+    const AngleSample &a = samples_[passages_[k].before], &b = samples_[passages_[k].after];
+    const double period = local_[k].period_s;
+    if (b.time - a.time > 0.95 * period) return {}; // there may be three crossings between the two
+    Swing swing{.centre = centre_of(k, before)};
+    const auto near = around(samples_, passages_[k].before, swing.centre, reach() * period);
+    const Eigen::Index terms = level && !has_own_middle() ? 2 : 3;
+    if (static_cast<Eigen::Index>(near.size()) < terms) return {};
+    Shape shape{2.0 * std::numbers::pi / period, local_[k].decay,
+                passages_[k].edge == Edge::up ? 1.0 : -1.0};
+    if (before && in_rad_) shape.overtones = Overtones(before->amplitude);
+    const double zero = level.value_or(0.0);
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+    double sum2 = 0.0;
+    for (const AngleSample& sample : near) {
+      const double t = sample.time - swing.centre;
+      const Eigen::Vector3d row = shape.row(t);
+      const double value = sample.angle - zero - shape.beside_the_sine(t);
+      normal += row * row.transpose();
+      moment += row * value;
+      sum2 += value * value;
+    }
+    Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
+    inverse.topLeftCorner(terms, terms) = normal.topLeftCorner(terms, terms).inverse();
+    const Eigen::Vector3d c = inverse * moment;
+    swing.amplitude = std::hypot(c[0], c[1]);
+    if (!std::isfinite(swing.amplitude) || swing.amplitude == 0.0) return {};
+    swing.middle = zero + c[2];
+    swing.root_s = -std::atan2(shape.side * c[0], shape.side * c[1]) / shape.w;
+    if (level) swing.root_s = shape.zero_of(c, swing.root_s);
+    constexpr double farthest = 0.1; // periods, from where it was looked for
+    if (!(std::abs(swing.root_s) < std::max(0.5 * (b.time - a.time), farthest * period))) return {};
+    const Eigen::Vector3d at_root = shape.row(swing.root_s);
+    swing.unit_sigma_s = std::sqrt(at_root.dot(inverse * at_root)) / (swing.amplitude * shape.w);
+    swing.residual2 = std::max(0.0, sum2 - c.dot(moment));
+    swing.freedom = static_cast<double>(near.size()) - static_cast<double>(terms);
+    const double least = period * (0.25 - 2.0 / samples_per_period_);
+    swing.is_whole =
+        swing.centre - near.front().time > least && near.back().time - swing.centre > least;
+    return swing;
+  }
+
+  // The period and the fading about each passage, from its neighbours: both change as a swing dies
+  // away, and a period that is wrong by a per cent makes an amplitude wrong by half a per cent.
+  void look_at_neighbours() {
+    constexpr std::size_t neighbours = 12; // passages either way
+    const std::vector<double> half_swings = count_half_swings();
+    for (std::size_t k = 0; k < fits_.size(); ++k) {
+      if (!fits_[k]) continue;
+      LocalParabola time, size;
+      const std::size_t end = std::min(fits_.size(), k + neighbours + 1);
+      for (std::size_t i = k > neighbours ? k - neighbours : 0; i < end; ++i) {
+        if (!fits_[i]) continue;
+        const double after = fits_[i]->time_after(*fits_[k]);
+        time.add(half_swings[i] - half_swings[k], after);
+        size.add(after, std::log(fits_[i]->amplitude));
+      }
+      constexpr double farthest = 0.2; // of the period; else there is a false passage among them
+      if (const auto half = time.slope();
+          half && std::abs(2.0 * *half / period_s_ - 1.0) < farthest)
+        local_[k].period_s = 2.0 * *half;
+      if (const auto slope = size.slope()) local_[k].decay = -*slope;
+    }
+  }
+
+  // Of each passage, from the first on; some passages may be missing.
+  [[nodiscard]] std::vector<double> count_half_swings() const {
+    std::vector<double> counts(fits_.size(), 0.0);
+    const Swing* last = nullptr;
+    double count = 0.0;
+    for (std::size_t k = 0; k < fits_.size(); ++k) {
+      if (!fits_[k]) continue;
+      if (last != nullptr) count += std::round(fits_[k]->time_after(*last) / (0.5 * period_s_));
+      last = &*fits_[k];
+      counts[k] = count;
+    }
+    return counts;
+  }
+
+  [[nodiscard]] double middle_of_fits() const {
+    std::vector<double> middles;
+    for (const auto& fit : fits_)
+      if (fit) middles.push_back(fit->middle);
+    return middles.empty() ? 0.0 : median(std::move(middles));
+  }
+
+  // The crossings of the last fits, their sigma by the noise of all.
+  [[nodiscard]] SampledSwings told(double level) const {
+    SampledSwings swings;
+    swings.rest_angle = level;
+    double residual2 = 0.0, freedom = 0.0;
+    std::vector<double> periods;
+    for (std::size_t k = 0; k < fits_.size(); ++k) {
+      if (!fits_[k]) {
+        ++swings.unfitted;
+        continue;
+      }
+      const Swing& swing = *fits_[k];
+      residual2 += swing.residual2;
+      freedom += swing.freedom;
+      if (k > 1 && fits_[k - 2]) periods.push_back(swing.time_after(*fits_[k - 2]));
+      swings.crossings.push_back({swing.centre + swing.root_s, swing.unit_sigma_s,
+                                  swing.is_whole ? swing.amplitude : unknown, passages_[k].edge,
+                                  samples_[passages_[k].before].line});
+    }
+    swings.period_s = periods.empty() ? period_s_ : median(std::move(periods));
+    swings.samples_per_period = swings.period_s / usual_step(samples_);
+    swings.noise = freedom > 0.0 ? std::sqrt(residual2 / freedom) : 0.0;
+    for (SampledCrossing& crossing : swings.crossings)
+      crossing.sigma_s *= swings.noise;
+    return swings;
+  }
+
+  std::span<const AngleSample> samples_;
+  std::vector<Passage> passages_;
+  double period_s_;
+  bool in_rad_;
+  double samples_per_period_;
+  std::vector<Local> local_; // one a passage
+  std::vector<std::optional<Swing>> fits_;
+};
 
 } // namespace
 
@@ -430,25 +374,16 @@ SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
       (samples.back().time - samples.front().time) / static_cast<double>(samples.size() - 1);
   // A swing's memory: half of it is lost in five periods, faster than any ring-down worth timing.
   const double fade = std::min(0.1, 0.14 * step_s / period_s);
-  constexpr double samples_for_cubics = 32.0; // eight in a quarter of a period
-  const double step_between = usual_step(samples);
-  const double samples_per_period = period_s / step_between;
-  const bool coarse = samples_per_period < samples_for_cubics;
   for (int round = 0; round < 2; ++round) { // the second with the rest angle of the first
     found = passages(samples, rest, 0.0, fade);
     period_s = period_between(samples, found);
-    if (!(period_s > 0.0) || rest_angle || coarse) break;
-    rest = SwingFinder(samples, found, period_s, rest, in_rad).middle();
+    if (!(period_s > 0.0)) return none;
+    none.samples_per_period = period_s / usual_step(samples);
+    if (none.samples_per_period < fewest_samples_per_period) return none;
+    if (rest_angle) break;
+    if (round == 0) rest = SwingFinder(samples, found, period_s, in_rad).middle();
   }
-  if (!(period_s > 0.0)) return none;
-  SampledSwings swings;
-  if (!coarse)
-    swings = SwingFinder(samples, std::move(found), period_s, rest, in_rad).find();
-  else if (samples_per_period >= fewest_samples_per_period)
-    swings = SineFinder(samples, std::move(found), period_s, in_rad).find(rest_angle);
-  swings.samples_per_period =
-      swings.period_s > 0.0 ? swings.period_s / step_between : samples_per_period;
-  return swings;
+  return SwingFinder(samples, std::move(found), period_s, in_rad).find(rest_angle);
 }
 
 } // namespace goingrate

@@ -21,8 +21,9 @@ struct AngleSample {
 /// A passage through the rest angle.
 struct SampledCrossing {
   Instant time;
-  double sigma_s = 0.0;   ///< standard deviation of the time
-  double amplitude = 0.0; ///< mean of the turning angles before and after, in the samples' unit
+  double sigma_s = 0.0; ///< standard deviation of the time
+  /// Turning angle of the swing here, in the samples' unit; NaN at the ends, where half is missing.
+  double amplitude = 0.0;
   Edge edge = Edge::up;   ///< up: the angle rises
   std::uint32_t line = 0; ///< of the sample before it
 };
@@ -44,21 +45,21 @@ inline constexpr double fewest_samples_per_period = 2.5;
 /// Finds the crossings of `samples` (in order of time).
 ///
 /// A passage is a change of sign that goes beyond a fifth of the swing on both sides, so that noise
-/// about the vertical is not counted. Around each, a cubic is fitted by least squares to the
-/// samples within an eighth of a period (a sixth if those are fewer than six); its root is the
-/// crossing. The fifth-order term it leaves out is odd about the crossing and shifts nothing. The
-/// sigma is that of the root under the pooled noise of all fits. The turning angles are those of
-/// parabolas through the samples within a twelfth of a period of each extreme. The rest angle, if
-/// not given, is the median of the middles between turning angles.
+/// about the vertical is not counted. To the samples within a quarter of a period of each a swing
+/// is fitted by least squares: a sine of its own amplitude, phase and middle, with the period and
+/// the fading that its neighbours show. Of samples in rad the overtones of a pendulum's swing are
+/// taken into account, so that the amplitude is the turning angle. The crossing is where that swing
+/// is at the rest angle; this, if not given, is the median of the middles. No two passages share a
+/// sample, so the errors of their times and amplitudes are independent; its sigma is that of the
+/// crossing under the pooled noise of all fits. With fewer than 10 samples a period the samples lie
+/// within 2.5/samples periods, at most 0.6, and the middle of a swing is the rest angle: then
+/// neighbours share samples, and what is fitted to all of them is known up to half as well again as
+/// it says.
 ///
-/// Where there are fewer than 32 samples a period, a fading sine of the mean period is fitted
-/// instead to the samples within 0.6 periods of each crossing; its root, its amplitude and its
-/// middle are those of the swing. Of samples in rad the third harmonic of a pendulum's swing is
-/// taken into account, so that the amplitudes are turning angles to 2e-4 at 1 rad. An amplitude
-/// takes a turn on either side. Sigma holds as a coverage and the error is without bias:
-/// AngleSamplesTest.SigmasCover, AngleSamplesTest.AFewSamplesAPeriodWillDo. Cost O(N). No crossing
-/// is found with fewer than three swings; samples fewer than `fewest_samples_per_period` give their
-/// number alone.
+/// Sigma holds as a coverage and the error is without bias, whichever the friction:
+/// AngleSamplesTest.SigmasCover, AngleSamplesTest.AFewSamplesAPeriodWillDo,
+/// AngleSamplesTest.AmplitudesAreWithoutBias. Cost O(N). No crossing is found with fewer than three
+/// swings; samples fewer than `fewest_samples_per_period` give their number alone.
 SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
                                    std::optional<double> rest_angle = {}, bool in_rad = true);
 

@@ -5,6 +5,7 @@
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/reading.hpp"
 #include "support/real_data.hpp"
+#include "support/swinging.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -112,6 +113,71 @@ TEST(AngleSamplesTest, TheRestAngleAndAmplitudesAreFound) {
     EXPECT_NEAR(swings.crossings[k].amplitude, 0.3 * std::exp(-passage_time(k) / 80.0), 3e-4) << k;
   EXPECT_EQ(swings.crossings[0].edge, Edge::down);
   EXPECT_EQ(swings.crossings[1].edge, Edge::up);
+}
+
+// Samples of a pendulum that swings down from `first` rad with the friction given.
+std::vector<AngleSample> pendulum(double first, const Friction& friction, double rate, double noise,
+                                  double seconds, std::uint64_t seed) {
+  RandomStream random(seed, StreamPurpose::jitter);
+  const double dt = two_pi / (1.6 * rate); // scaled: T0 is 1.6 s
+  std::vector<AngleSample> samples;
+  test::Swinging motion{first, 0.0};
+  for (int i = 0; i < static_cast<int>(rate * seconds); ++i) {
+    samples.push_back({Instant::from_seconds(1000.0) + i / rate,
+                       motion.angle + noise * random.normal(), static_cast<std::uint32_t>(i + 1)});
+    motion.go_on(friction, dt);
+  }
+  return samples;
+}
+
+// The mean error of an amplitude, and how much the errors of neighbours go together, against what
+// independent errors give.
+TEST(AngleSamplesTest, AmplitudesAreWithoutBias) {
+  struct Case {
+    const char* name;
+    double first;
+    Friction friction;
+    double rate;
+  };
+  for (const Case& scene :
+       {Case{"linear", 0.3, {2e-3, 0.0, 0.0}, 20.0},
+        Case{"linear, wide", 1.0, {1e-3, 0.0, 0.0}, 60.0},
+        Case{"quadratic", 0.3, {0.0, 1e-2, 0.0}, 60.0}, Case{"dry", 0.1, {0.0, 0.0, 2e-4}, 20.0}}) {
+    // Of many samples without noise; TheAmplitudeIsTheTurningAngle holds those.
+    const auto exact =
+        crossings_of_samples(pendulum(scene.first, scene.friction, 4000.0, 0.0, 60.0, 1), 0.0);
+    double bias = 0.0, together = 0.0, spread = 0.0, count = 0.0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+      constexpr double noise = 1e-3;
+      const auto swings = crossings_of_samples(
+          pendulum(scene.first, scene.friction, scene.rate, noise, 60.0, seed), 0.0);
+      ASSERT_EQ(swings.crossings.size(), exact.crossings.size()) << scene.name;
+      double last = 0.0;
+      for (std::size_t k = 1; k + 1 < swings.crossings.size(); ++k) {
+        const double error = swings.crossings[k].amplitude - exact.crossings[k].amplitude;
+        EXPECT_NEAR(swings.crossings[k].time - exact.crossings[k].time, 0.0,
+                    5.0 * swings.crossings[k].sigma_s);
+        bias += error;
+        together += error * last;
+        spread += error * error;
+        count += 1.0;
+        last = error;
+      }
+    }
+    EXPECT_NEAR(bias, 0.0, 4.0 * std::sqrt(spread)) << scene.name; // four standard errors
+    EXPECT_NEAR(together / spread, 0.0, 4.0 / std::sqrt(count)) << scene.name;
+  }
+}
+
+// The amplitude against the speed at the passage, which the equation of motion gives.
+TEST(AngleSamplesTest, TheAmplitudeIsTheTurningAngle) {
+  for (const double first : {0.05, 0.5, 1.0, 2.0}) {
+    const auto swings = crossings_of_samples(pendulum(first, {}, 100.0, 0.0, 30.0, 1), 0.0);
+    ASSERT_GE(swings.crossings.size(), 20u);
+    for (std::size_t k = 1; k + 1 < swings.crossings.size(); ++k)
+      // Harmonics left out and 40 samples a swing: a part in 1e5 up to 1 rad, five at 2.
+      EXPECT_NEAR(swings.crossings[k].amplitude / first, 1.0, first < 1.5 ? 1e-5 : 5e-5) << first;
+  }
 }
 
 TEST(AngleSamplesTest, NoiseAboutTheVerticalIsNotCounted) {

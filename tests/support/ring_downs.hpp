@@ -6,6 +6,7 @@
 #include "goingrate/base/random.hpp"
 #include "goingrate/dynamics/swing_loss.hpp"
 #include "support/simulated.hpp"
+#include "support/swinging.hpp"
 
 #include <algorithm>
 #include <array>
@@ -87,43 +88,19 @@ private:
     f = {f.epsilon * too_long, f.quadratic * too_long, f.dry * too_long};
   }
 
-  // The equation of motion by the classical Runge-Kutta method, in steps far below what a sample
-  // shows. In scaled time.
-  struct Motion {
-    double angle, speed;
-  };
-  static Motion slope(const Motion& m, const Friction& f) {
-    const double sign = m.speed > 0.0 ? 1.0 : m.speed < 0.0 ? -1.0 : 0.0;
-    return {m.speed, -std::sin(m.angle) - 2.0 * f.epsilon * m.speed -
-                         f.quadratic * std::abs(m.speed) * m.speed - f.dry * sign};
-  }
-  static Motion after(const Motion& m, const Motion& rate, double dt) {
-    return {m.angle + dt * rate.angle, m.speed + dt * rate.speed};
-  }
-  static void step(Motion& m, const Friction& f, double dt) {
-    const Motion a = slope(m, f), b = slope(after(m, a, 0.5 * dt), f),
-                 c = slope(after(m, b, 0.5 * dt), f), d = slope(after(m, c, dt), f);
-    m.angle += dt / 6.0 * (a.angle + 2.0 * b.angle + 2.0 * c.angle + d.angle);
-    m.speed += dt / 6.0 * (a.speed + 2.0 * b.speed + 2.0 * c.speed + d.speed);
-  }
-
   // A phone or a video: 20 to 60 samples a second, noise of 0.3 to 3 % of the last amplitude.
   void sample(RingDown& drawn) {
     const double rate_hz = between(20.0, 60.0), rest = between(-0.02, 0.02);
     drawn.noise = drawn.last_rad * geometric(0.003, 0.03);
     const double length_s = drawn.swings * drawn.T0 * circular_period_ratio(drawn.first_rad * 0.7);
     RandomStream noise(seed_, StreamPurpose::jitter);
-    // Dry friction jumps where the pendulum turns, which no step meets exactly.
-    const double steps = drawn.friction.dry > 0.0 ? 2000.0 : 400.0; // a period
-    const auto parts = static_cast<int>(std::ceil(steps / (drawn.T0 * rate_hz)));
-    const double dt = 2.0 * std::numbers::pi / (drawn.T0 * rate_hz * parts);
-    Motion motion{drawn.first_rad, 0.0};
+    const double dt = 2.0 * std::numbers::pi / (drawn.T0 * rate_hz);
+    Swinging motion{drawn.first_rad, 0.0};
     drawn.text = "time_s,angle_rad\n";
     for (int i = 0; i / rate_hz < length_s; ++i) {
       drawn.text += fmt::format("{:.6f},{:.7f}\n", i / rate_hz,
                                 motion.angle + rest + drawn.noise * noise.normal());
-      for (int k = 0; k < parts; ++k)
-        step(motion, drawn.friction, dt);
+      motion.go_on(drawn.friction, dt);
     }
   }
 
