@@ -184,12 +184,12 @@ void state_twins(const Fitted& fitted, const Certainty& known, FitSummary& summa
   if (summary.twins.empty()) return;
   summary.notes.push_back(
       {NoteKind::twin,
-       fmt::format("two clocks explain this log equally well: {}; or {}. {}",
-                   words_for(clock_at(fitted, fitted.minimum.x, 0.0)),
-                   words_for(summary.twins.front()),
-                   fitted.problem.data->has_amplitude()
-                       ? "A ring-down, or T0 from elsewhere, would tell which"
-                       : "A rough measurement of the amplitude decides which: a prior on lambda0")});
+       fmt::format(
+           "two clocks explain this log equally well: {}; or {}. {}",
+           words_for(clock_at(fitted, fitted.minimum.x, 0.0)), words_for(summary.twins.front()),
+           fitted.problem.data->has_amplitude()
+               ? "A ring-down, or T0 from elsewhere, would tell which"
+               : "A rough measurement of the amplitude decides which: a prior on lambda0")});
 }
 
 // Whether the clock is at the edge of where the equations hold: the log is another's.
@@ -310,21 +310,39 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   state_twins(fitted, fitted.known, summary);
 }
 
-// A free pendulum has one Q and one decay time: those that suppose no law of friction. T0 is theirs
-// where the fit by one law does not determine it.
-void state_decay(const RingDown& told, FitSummary& summary) {
-  const Decay& decay = told.decay;
-  const DecayEstimate& T0 = told.T0_s;
-  for (FittedParameter& p : summary.parameters)
-    if (p.name == "T0" && p.status == ParameterStatus::undetermined && std::isfinite(T0.value)) {
-      p.status = ParameterStatus::free;
-      p.value = T0.value;
-      p.sigma = T0.sigma;
-      p.low68 = T0.low68;
-      p.high68 = T0.high68;
-      p.low95 = T0.low95;
-      p.high95 = T0.high95;
-    }
+// T0 of the best law, where the terms of friction that the fit has leave it open.
+void take_from_best_law(const Decay& decay, FittedParameter& T0) {
+  if (decay.laws.empty() || !std::isfinite(decay.laws.front().T0_sigma_s)) return;
+  const FrictionLaw& best = decay.laws.front();
+  T0.status = ParameterStatus::free;
+  T0.value = T0.low68 = T0.high68 = T0.low95 = T0.high95 = best.T0_s;
+  T0.sigma = T0.sigma_by_law = best.T0_sigma_s;
+}
+
+// The intervals reach to the ends of those under every law of friction that the log allows.
+void widen_by_laws(const Decay& decay, double FrictionLaw::*value, double FrictionLaw::*sigma,
+                   FittedParameter& p) {
+  for (const FrictionLaw& law : decay.laws) {
+    if (!law.is_open() || !std::isfinite(law.*sigma)) continue;
+    constexpr double z95 = 1.959964;
+    p.low68 = std::min(p.low68, law.*value - law.*sigma);
+    p.high68 = std::max(p.high68, law.*value + law.*sigma);
+    p.low95 = std::min(p.low95, law.*value - z95 * law.*sigma);
+    p.high95 = std::max(p.high95, law.*value + z95 * law.*sigma);
+  }
+  p.sigma = std::max(p.sigma, 0.5 * (p.high68 - p.low68));
+}
+
+// A free pendulum has one Q and one decay time: those that suppose no law of friction. T0 and
+// lambda0 are stated whichever law of those that are open.
+void state_decay(const Decay& decay, FitSummary& summary) {
+  for (FittedParameter& p : summary.parameters) {
+    if (p.name == "T0" && p.status == ParameterStatus::undetermined) take_from_best_law(decay, p);
+    if (!std::isfinite(p.sigma)) continue;
+    if (p.name == "T0") widen_by_laws(decay, &FrictionLaw::T0_s, &FrictionLaw::T0_sigma_s, p);
+    if (p.name == "lambda0")
+      widen_by_laws(decay, &FrictionLaw::lambda0, &FrictionLaw::lambda0_sigma, p);
+  }
   const std::string where =
       fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);
   summary.q_factor = {"Q", where, "", decay.q.value, decay.q.sigma};
@@ -405,7 +423,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   state_quality(fitted, data, summary);
   state(fitted, *end.search, nominal_period_s, summary);
   if (summary.status != FitStatus::contradicts_log)
-    if (const auto told = ring_down_of(fitted, end.search->options())) state_decay(*told, summary);
+    if (const auto decay = decay_of(fitted, end.search->options())) state_decay(*decay, summary);
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, end.search->options());
   return summary;

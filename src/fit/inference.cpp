@@ -133,6 +133,7 @@ void state_parameters(const FitProblem& problem, std::span<const double> x, cons
     parameter.status = slot.free ? ParameterStatus::free : ParameterStatus::fixed;
     if (slot.free && has_prior(options, parameter.name)) parameter.status = ParameterStatus::prior;
     if (slot.free) state_free(problem, slot, x, known, intervals[slot.index], parameter);
+    parameter.sigma_by_law = parameter.sigma;
     summary.parameters.push_back(parameter);
   }
 }

@@ -242,14 +242,21 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
 }
 
 // A free pendulum is the simpler model. It is taken where it explains the log as well and the log
-// shows its friction (a stationary log fits any model and determines none).
+// shows its friction (a stationary log fits any model and determines none). Changes that the log
+// alone spoke of may be the course of its dying swing: where it explains the log without them,
+// they are dropped.
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
-  if (options_.escapement || !options_.events.empty() || is_told_of_torque()) return false;
+  const auto is_noticed = [](const FitEvent& event) { return event.movable; };
+  if (options_.escapement || is_told_of_torque() ||
+      !std::all_of(options_.events.begin(), options_.events.end(), is_noticed))
+    return false;
   if (swing_grows(all_, guess_.amplitude_rad)) return false;
+  FitOptions plain = options_;
+  plain.events.clear();
   ModelChoice free = driven;
   free.escapement = Escapement::none;
   TimingData thin;
-  Fitted without = roughly_fitted(options_, free, thin);
+  Fitted without = roughly_fitted(plain, free, thin);
   if (!without.minimum.usable || !determines_friction(without)) return false;
   if (!explains(without))
     add_terms(without); // nonlinear friction may explain what looks like a drive
@@ -258,8 +265,10 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   chosen = without.model;
   if (explains(without)) {
     alternatives_.push_back({name, without.bic, "explains the log: no drive was looked for"});
+    options_ = std::move(plain);
     return true;
   }
+  if (!options_.events.empty()) return false;
   TimingData thin_driven;
   Fitted with = roughly_fitted(options_, driven, thin_driven);
   if (with.minimum.usable && !explains(with)) add_terms(with); // the same chance for both models
@@ -327,10 +336,11 @@ void ModelSearch::choose_dynamics() {
   shifts_ = first_order;
 }
 
-// Adds terms one at a time, the best first, while BIC improves and the innovations are not white:
-// nonlinear friction, a factor on the amplitude column, noise of the drive (or a random walk of the
-// times). In a long log of a driven clock noise is tried first: it is the most frequent, and each
-// of the other terms takes long.
+// Adds terms one at a time, the best first, while BIC improves and the innovations are not white;
+// of a free pendulum further friction even so, since white innovations are a weaker test than BIC
+// and its T0 hangs on the law of friction. The terms are nonlinear friction, a factor on the
+// amplitude column, noise of the drive (or a random walk of the times). In a long log of a driven
+// clock noise is tried first: it is the most frequent, and each of the other terms takes long.
 void ModelSearch::add_terms(Fitted& fitted) {
   constexpr int terms = 4;
   const auto with = [](ModelChoice model, int term) {
@@ -344,9 +354,13 @@ void ModelSearch::add_terms(Fitted& fitted) {
   };
   constexpr std::size_t long_log_beats = 3000; // beats
   const TimingData& data = *fitted.problem.data;
-  while (!white(fitted)) {
+  for (;;) {
+    const bool is_white = white(fitted);
+    if (is_white && fitted.model.escapement != Escapement::none) return;
     std::optional<Fitted> best;
     for (int term = 0; term < terms; ++term) {
+      const bool is_friction = term == 1 || term == 2;
+      if (is_white && !is_friction) continue;
       const ModelChoice model = with(fitted.model, term);
       if (model.name() == fitted.model.name()) continue;
       if (term == 0 && options_.noise != FitNoise::automatic) continue;

@@ -324,7 +324,7 @@ DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
   return q.sigma <= largest_relative_sigma * q.value ? q : nothing_known();
 }
 
-// Q at the amplitudes of the log, by the friction of any law, and T0.
+// Q at the amplitudes of the log, by the friction of any law.
 class QualityCurve {
 public:
   QualityCurve(const Fitted& all, const Evaluation& at) : all_(all), cone_(cone_of(all, at)) {}
@@ -347,22 +347,6 @@ public:
     for (double* end : {&in68[0], &in68[1], &in95[0], &in95[1]})
       *end += held;
     return estimate(sum.best() + held, in68, in95, factor);
-  }
-
-  /// `straight`: whether the parabola will do.
-  [[nodiscard]] DecayEstimate T0(bool straight) const {
-    const Slot& slot = *all_.problem.parameters.find(Quantity::T0);
-    if (!slot.free) return {slot.fixed_value, unknown, unknown, unknown, unknown, unknown};
-    Eigen::VectorXd h = Eigen::VectorXd::Zero(cone_.likeliest().size());
-    h[static_cast<Eigen::Index>(slot.index)] = 1.0;
-    const KnownSum sum(all_, cone_, h);
-    const auto in68 = straight ? sum.interval(1.0) : sum.searched(1.0);
-    const auto in95 = straight ? sum.interval(z95) : sum.searched(z95);
-    const auto value = [&](double x) { return (1.0 + x) * slot.scale; };
-    DecayEstimate T0{value(sum.best()), 0.0,           value(in68[0]), value(in68[1]),
-                     value(in95[0]),    value(in95[1])};
-    T0.sigma = 0.5 * (T0.high68 - T0.low68);
-    return std::isfinite(T0.sigma) ? T0 : nothing_known();
   }
 
 private:
@@ -393,18 +377,46 @@ private:
   FrictionCone cone_;
 };
 
+struct Known {
+  double value, sigma;
+};
+
+Known known_by(const Fitted& law, Quantity quantity) {
+  const Slot* slot = law.problem.parameters.find(quantity);
+  if (!slot->free) return {unknown, unknown};
+  const std::span<const double> x(law.minimum.x);
+  return {slot->value(x), law.known.sigma(slot->index) * std::abs(slot->slope(x))};
+}
+
 std::vector<FrictionLaw> laws_of(const Fitted& all) {
   std::vector<FrictionLaw> laws;
   const auto terms = free_terms(all.problem.parameters);
   if (terms.size() < friction_terms.size()) return laws; // some are given
+  std::vector<Fitted> fits;
   constexpr unsigned every = 7;
+  double best = infinite;
   for (unsigned chosen = 1; chosen <= every; ++chosen)
-    if (const Fitted law = with_terms(all, chosen); law.minimum.usable)
+    if (Fitted law = with_terms(all, chosen); law.minimum.usable) {
+      best = std::min(best, law.bic);
       laws.push_back({name_of_law(chosen), law.bic});
+      fits.push_back(std::move(law));
+    }
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    FrictionLaw& law = laws[k];
+    law.behind = law.bic - best;
+    law.T0_s = law.T0_sigma_s = law.lambda0 = law.lambda0_sigma = unknown;
+    if (!law.is_open()) continue;
+    finish(fits[k]);
+    if (!fits[k].minimum.usable) continue;
+    const Known T0 = known_by(fits[k], Quantity::T0),
+                lambda0 = known_by(fits[k], Quantity::lambda0);
+    law.T0_s = T0.value;
+    law.T0_sigma_s = T0.sigma;
+    law.lambda0 = lambda0.value;
+    law.lambda0_sigma = lambda0.sigma;
+  }
   std::sort(laws.begin(), laws.end(),
             [](const FrictionLaw& a, const FrictionLaw& b) { return a.bic < b.bic; });
-  for (FrictionLaw& law : laws)
-    law.behind = law.bic - laws.front().bic;
   return laws;
 }
 
@@ -426,48 +438,42 @@ bool amplitude_is_known(const Fitted& all) {
 
 } // namespace
 
-std::optional<RingDown> ring_down_of(const Fitted& fitted, const FitOptions& options) {
+std::optional<Decay> decay_of(const Fitted& fitted, const FitOptions& options) {
   const Parameters& parameters = fitted.problem.parameters;
   const bool changes = std::any_of(parameters.slots.begin(), parameters.slots.end(),
                                    [](const Slot& slot) { return slot.event > 0; });
   if (parameters.escapement != Escapement::none || changes) return {};
   const Span of_fit = amplitudes_of(fitted);
   if (!(of_fit.last > 0.0) || !(of_fit.first < std::numbers::pi)) return {};
-  RingDown told{{}, nothing_known()};
-  Decay& decay = told.decay;
+  Decay decay;
   decay.amplitude_rad = of_fit.at(0.5);
   decay.q = decay.time_s = nothing_known();
   const auto all = with_every_law(fitted, options);
-  if (!all) return told;
+  if (!all) return decay;
   if (free_terms(all->problem.parameters).empty()) return {};
   const auto at = evaluate(all->problem, all->minimum.x);
-  if (!at) return told;
+  if (!at) return decay;
   const Span span = amplitudes_of(*all);
   decay.amplitude_rad = span.at(0.5);
   decay.laws = laws_of(*all);
-  if (!amplitude_is_known(*all) || !is_at_rest(*all, *at)) return told;
+  if (!amplitude_is_known(*all) || !is_at_rest(*all, *at)) return decay;
   const QualityCurve curve(*all, *at);
-  if (!curve.holds_by_dynamics(decay.amplitude_rad)) return told;
+  if (!curve.holds_by_dynamics(decay.amplitude_rad)) return decay;
   const double T0 = parameters.find(Quantity::T0)->value(std::span(all->minimum.x));
   decay.q = curve.at(decay.amplitude_rad);
-  constexpr double well = 0.02; // relative sigma: as for Q
-  told.T0_s = curve.T0(decay.q.sigma < well * decay.q.value);
   decay.time_s = curve.at(decay.amplitude_rad, T0 * decay_periods_per_q(decay.amplitude_rad));
   constexpr int steps = 8; // so many that a curve through them is smooth
   for (int k = 0; k <= steps; ++k) {
     const double amplitude = span.at(static_cast<double>(k) / steps);
     decay.q_at_amplitude.push_back({amplitude, curve.at(amplitude)});
   }
-  return told;
+  return decay;
 }
 
 } // namespace goingrate::timing_model
 
 namespace goingrate {
 
-bool Decay::law_is_open() const {
-  constexpr double decisive = 6.0; // odds of 20 to 1
-  return laws.size() > 1 && laws[1].behind < decisive;
-}
+bool Decay::law_is_open() const { return laws.size() > 1 && laws[1].is_open(); }
 
 } // namespace goingrate

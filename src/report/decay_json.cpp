@@ -36,7 +36,11 @@ Json decay_object(const Decay& decay) {
   for (const FrictionLaw& law : decay.laws)
     json["friction_laws"].push_back({{"friction", law.friction},
                                      {"bic", json_number(law.bic)},
-                                     {"behind", json_number(law.behind)}});
+                                     {"behind", json_number(law.behind)},
+                                     {"T0_s", json_number(law.T0_s)},
+                                     {"T0_s_sigma", json_number(law.T0_sigma_s)},
+                                     {"lambda0", json_number(law.lambda0)},
+                                     {"lambda0_sigma", json_number(law.lambda0_sigma)}});
   return json;
 }
 

@@ -13,9 +13,8 @@ bool is_known(const DecayEstimate& estimate) { return std::isfinite(estimate.val
 
 std::string open_laws(const Decay& decay) {
   std::vector<std::string> names;
-  constexpr double decisive = 6.0; // as in law_is_open()
   for (const FrictionLaw& law : decay.laws)
-    if (law.behind < decisive) names.push_back(law.friction);
+    if (law.is_open()) names.push_back(law.friction);
   return fmt::format("{}", fmt::join(names, "; "));
 }
 

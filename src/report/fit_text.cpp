@@ -46,6 +46,10 @@ std::string remarks_on(const FittedParameter& p) {
       remarks.push_back(fmt::format("95 %: {}", interval(p.low95, p.high95, p.value)));
   }
   if (p.status == ParameterStatus::prior) remarks.emplace_back("with prior");
+  constexpr double wider = 1.05; // what two digits of sigma show
+  if (p.sigma > wider * p.sigma_by_law)
+    remarks.push_back(
+        fmt::format("whichever law of friction, ± {:.2g} by that of the model", p.sigma_by_law));
   if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
   const std::string all = fmt::format("{}", fmt::join(remarks, "; "));
   if (!(std::abs(p.model_shift) >= 0.1)) return all;

@@ -49,7 +49,7 @@ GOINGRATE_MEMBERS(ModelChoice, escapement, quadratic, dry, amplitude_scale, jitt
                   slow)
 GOINGRATE_MEMBERS(ProfilePoint, value, fall)
 GOINGRATE_MEMBERS(FittedParameter, name, unit, status, value, sigma, low68, high68, low95, high95,
-                  at_bound, model_shift, profile)
+                  sigma_by_law, at_bound, model_shift, profile)
 GOINGRATE_MEMBERS(DerivedQuantity, name, expression, unit, value, sigma)
 GOINGRATE_MEMBERS(FitQuality, chi2, dof, p_value, of_innovations, whiteness_p, rms_s,
                   amplitude_rms_rad, aic, bic)
@@ -60,7 +60,7 @@ GOINGRATE_MEMBERS(FitNote, kind, text)
 GOINGRATE_MEMBERS(ClockTwin, parameters, delta_2logL)
 GOINGRATE_MEMBERS(DecayEstimate, value, sigma, low68, high68, low95, high95)
 GOINGRATE_MEMBERS(QAtAmplitude, amplitude_rad, q)
-GOINGRATE_MEMBERS(FrictionLaw, friction, bic, behind)
+GOINGRATE_MEMBERS(FrictionLaw, friction, bic, behind, T0_s, T0_sigma_s, lambda0, lambda0_sigma)
 GOINGRATE_MEMBERS(Decay, amplitude_rad, q, time_s, q_at_amplitude, laws)
 GOINGRATE_MEMBERS(FitSummary, status, termination, dynamics, model, chosen_by, parameters,
                   correlated, correlation, combinations, q_factor, stationary_amplitude,

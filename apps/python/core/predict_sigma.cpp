@@ -89,15 +89,16 @@ std::vector<double> times_of(const Scenario& scenario) {
   return times;
 }
 
-// By how much each time moves with a sigma of the parameter, the mean over the log's beats left
-// out: the fit sets the origin of time.
+// By how much each time moves with a sigma of the parameter under the fit's own law of friction, to
+// which its correlations belong, the mean over the log's beats left out: the fit sets the origin of
+// time.
 std::vector<double> moved_by(const Fitted& fit, const Values& values,
                              const FittedParameter& parameter, std::int64_t periods) {
   constexpr double step = 0.3; // sigma: within it the course is a straight line
   pulse();
   Values up = values, down = values;
-  up[parameter.name] += step * parameter.sigma;
-  down[parameter.name] -= step * parameter.sigma;
+  up[parameter.name] += step * parameter.sigma_by_law;
+  down[parameter.name] -= step * parameter.sigma_by_law;
   std::vector<double> moved = times_of(whole_course(fit, up, periods));
   const std::vector<double> other = times_of(whole_course(fit, down, periods));
   double mean = 0.0;

@@ -125,6 +125,10 @@ struct FittedParameter {
   /// Ends of the intervals; infinite where the likelihood does not fall far enough on that side;
   /// NaN where undetermined or fixed.
   double low68 = 0.0, high68 = 0.0, low95 = 0.0, high95 = 0.0;
+  /// What sigma would be if the law of friction were known to be that of the fit: smaller than
+  /// sigma for T0 and lambda0 of a free pendulum where the log allows other laws
+  /// (FrictionLaw::T0_s), else the same.
+  double sigma_by_law = 0.0;
   bool at_bound = false;    ///< the search ended at the edge of the allowed
   double model_shift = 0.0; ///< what first-order averaging shifts it by, in sigma; NaN if not known
   /// Its profile likelihood from beyond one end of the 95 % interval to beyond the other, in order

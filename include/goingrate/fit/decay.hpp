@@ -25,6 +25,13 @@ struct FrictionLaw {
   std::string friction; ///< "linear", "quadratic + dry" ...
   double bic = 0.0;
   double behind = 0.0; ///< its BIC less that of the best; 0 for the best
+  /// What else the pendulum is if this is the law; NaN where that is not asked: it is held, or the
+  /// law is not open.
+  double T0_s = 0.0, T0_sigma_s = 0.0, lambda0 = 0.0, lambda0_sigma = 0.0;
+
+  /// Odds of 20 to 1.
+  static constexpr double decisive = 6.0;
+  [[nodiscard]] bool is_open() const { return behind < decisive; }
 };
 
 /// The decay of a free swing.
@@ -44,8 +51,7 @@ struct Decay {
   std::vector<QAtAmplitude> q_at_amplitude{}; ///< from the last amplitude of the log to the first
   std::vector<FrictionLaw> laws{};            ///< those that were tried, the best first
 
-  /// Whether a second law explains the log about as well: BIC tells them apart by less than 6 (odds
-  /// of 20 to 1).
+  /// Whether a second law explains the log about as well.
   [[nodiscard]] bool law_is_open() const;
 };
 
