@@ -70,10 +70,14 @@ void level_interruptions(const Diary& diary, TimingData& data) {
   }
 }
 
+bool misses_nothing(const FitSummary& fit) {
+  constexpr double least_p = 1e-3; // of white residuals
+  return fit.quality.whiteness_p > least_p;
+}
+
 // Whether the fit explains the changes of the diary to the last beat, and knows how large they are:
 // else its noise stands in for them.
 bool follows_changes(const Analysis& data) {
-  constexpr double least_p = 1e-3; // of white residuals: the model misses nothing that shows
   const FitSummary& fit = data.fit;
   const auto is_known = [&](const FittedParameter& p) { // a step of T0 may be, though T0 is not
     return p.name.find('@') == std::string::npos || std::isfinite(p.value) ||
@@ -81,7 +85,7 @@ bool follows_changes(const Analysis& data) {
   };
   const bool knows_all = std::all_of(fit.parameters.begin(), fit.parameters.end(), is_known);
   return fit.status == FitStatus::converged && !fit.events.empty() && knows_all &&
-         fit.quality.whiteness_p > least_p;
+         misses_nothing(fit);
 }
 
 // Whether it follows what no list of causes holds: changes however large, a drive that was
@@ -185,6 +189,17 @@ void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary
   std::erase_if(diary.changes, [&](const Change& change) {
     return !change.stands_out && !is_fitted(change) && is_in_a_wake(change);
   });
+}
+
+// The course of a swing that dies away, or of a drive that varies slowly, looks like changes. Where
+// such a model, asked for them, explains the log without any, there were none.
+void drop_what_no_fit_demands(const FitSummary& fit, Diary& diary) {
+  if (fit.status != FitStatus::converged || !misses_nothing(fit) || !fit.events.empty()) return;
+  const bool dies_away = fit.model.escapement == Escapement::none && fit.decay && !fit.model.walk;
+  const bool wanders =
+      fit.model.slow && fit.find("slow_rms") != nullptr && std::isfinite(fit["slow_rms"].value);
+  std::erase_if(diary.changes,
+                [&](const Change& change) { return dies_away || (wanders && !change.stands_out); });
 }
 
 // The rms of the fast drive, as far as the log tells it: without a high end if only its least is
@@ -313,6 +328,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
     drop_wakes(data.fit, loaded.good, data.diary);
     put_rates(loaded.good, loaded.nominal_period_s, data.diary);
   }
+  if (request.finds_events) drop_what_no_fit_demands(data.fit, data.diary);
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
   for (PartRate& stretch : data.stretches)
     stretch.rate.nominal_is_known = loaded.nominal_is_known;
