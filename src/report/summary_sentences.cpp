@@ -214,7 +214,8 @@ void Sentences::say_what_it_suffers_from() {
   const bool told =
       changes_.size() == 1 && is_step(first.cause) &&
       std::abs(first.numbers.at_s - changes_.front()->at_s) < same * data_.rate.duration_s;
-  say(explanation(first, words_, sees_amplitude_, told ? "then" : ""));
+  const std::string advice = first.advice.empty() ? "" : " " + first.advice;
+  say(explanation(first, words_, sees_amplitude_, told ? "then" : "") + advice);
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
                                   [&](const Suspicion& s) { return s.cause != first.cause; });
   if (other == suspicions_.end() || !data_.diary.interruptions.empty()) return;
@@ -239,9 +240,8 @@ std::string Sentences::what_to_do() const {
   if (!data_.rate.nominal_is_known)
     return "Say what period the clock should have, and this report tells its rate.";
   if (!suspicions_.empty()) {
-    std::string advice = suspicions_.front().advice;
-    if (advice.empty()) return capitalised(zero_rate());
-    return data_.nut ? fmt::format("{} {}", advice, capitalised(zero_rate())) : advice;
+    const bool is_advised = !suspicions_.front().advice.empty(); // that is said behind the cause
+    return is_advised && !data_.nut ? "" : capitalised(zero_rate());
   }
   if (const std::string nut = zero_rate(); !nut.empty()) return capitalised(nut);
   return data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more."
@@ -291,11 +291,12 @@ void Sentences::say_what_the_model_tells() {
   const bool rough = fit.quality.whiteness_p < least_p;
   std::string text = rough ? "The model of the pendulum explains this log only roughly"
                            : "The model of the pendulum explains this log to within its noise";
+  const bool swings_freely = fit.model.escapement == Escapement::none;
+  const std::string_view remedy = swings_freely ? "a longer log or a larger first swing"
+                                                : "a ring-down or a change of the driving weight";
   if (!unknown.empty())
-    text += fmt::format(", {} the log does not tell {}; {}a ring-down or a change of the driving "
-                        "weight would",
-                        rough ? "and" : "but", fmt::join(unknown, ", "),
-                        sees_amplitude_ ? "" : "amplitudes, ");
+    text += fmt::format(", {} the log does not tell {}; {}{} would", rough ? "and" : "but",
+                        fmt::join(unknown, ", "), sees_amplitude_ ? "" : "amplitudes, ", remedy);
   say(text + ".");
 }
 
