@@ -13,13 +13,13 @@ namespace {
 
 using std::numbers::pi;
 
-// What a log says of one change, in rates relative to that before it.
+// What a log shows of one change; jump and difference are rates relative to that before it.
 struct SeenChange {
   double epsilon = 0.0, jump = 0.0, difference = 0.0;
 };
 
-// The lateness regressed on a line, what the jump adds to it, and what relaxations in `powers` of
-// the exponential add.
+// Regression of the lateness on a line, the contribution of the jump, and those of relaxations with
+// the first `powers` powers of the exponential.
 struct Regressed {
   Eigen::VectorXd size;
   double squares = std::numeric_limits<double>::infinity();
@@ -37,7 +37,7 @@ Regressed regressed(const TimingData& data, double at, double epsilon, int power
     design(i, 1) = cycle / whole;
     design(i, 2) = since;
     for (int power = 1; power <= powers; ++power) {
-      const double speed = 4.0 * pi * epsilon * power; // of relaxation, in 1/cycles
+      const double speed = 4.0 * pi * epsilon * power; // relaxation rate, 1/cycle
       design(i, 2 + power) = since + std::expm1(-speed * since) / speed;
     }
   }
@@ -49,13 +49,14 @@ Regressed regressed(const TimingData& data, double at, double epsilon, int power
 }
 
 SeenChange seen_with(const TimingData& data, double at, double epsilon) {
-  constexpr int powers = 2; // the rate is bent in lambda^2
+  constexpr int powers = 2; // the rate is nonlinear in lambda^2
   const Regressed found = regressed(data, at, epsilon, powers);
   const double jump = -found.size[2] / data.reference_period_s;
   return {epsilon, jump, jump - (found.size[3] + found.size[4]) / data.reference_period_s};
 }
 
-// Frictions that one exponential would have: the best, and what is nearly as good beside it.
+// Likely values of epsilon: that of the best single exponential, and a smaller one to allow for the
+// nonlinearity of a large change.
 std::vector<double> likely_frictions(const TimingData& data, double at) {
   constexpr double least_epsilon = 3e-5, most_epsilon = 6e-3, factor = 1.12;
   double best = least_epsilon, squares = std::numeric_limits<double>::infinity();
@@ -66,7 +67,7 @@ std::vector<double> likely_frictions(const TimingData& data, double at) {
       best = epsilon;
     }
   }
-  constexpr double bend_factor = 1.3; // what the bend of a large change moves it by
+  constexpr double bend_factor = 1.3; // shift of epsilon by the nonlinearity of a large change
   return {best, best / bend_factor};
 }
 
@@ -74,10 +75,10 @@ struct Clock {
   double epsilon = 0.0, mu = 0.0, phi0 = 0.0, lambda = 0.0, changed = 0.0;
 };
 
-// The clock of switching ratio u before a change by a factor, if there is one.
+// The clock with u = sqrt(S - 1) before a change of `quantity` by `factor`, if there is one.
 std::optional<Clock> clock_of(double epsilon, double u, double kappa, Quantity quantity,
                               double factor) {
-  constexpr double most_angle = 0.3, least_angle = 1e-3; // rad, of clocks
+  constexpr double most_angle = 0.3, least_angle = 1e-3; // rad, of plausible clocks
   if (!(kappa > 0.0) || !(factor > 0.05 && factor < 20.0)) return {};
   const double phi0 = 4.0 * std::sqrt(kappa), S = 1.0 + u * u;
   if (phi0 < least_angle || phi0 > most_angle) return {};
@@ -103,7 +104,7 @@ void add_clocks(const SeenChange& seen, Quantity quantity, double u, std::vector
       add(seen.epsilon, std::sqrt(g2), std::sqrt(S / std::sqrt(g2) - 1.0), std::sqrt(g2));
   } else {
     for (const double h : {0.45, 0.65, 0.85, 1.3, 2.0}) {
-      const double before = seen.epsilon / h; // what relaxes is the clock after the change
+      const double before = seen.epsilon / h; // the log shows the relaxation after the change
       if (S > h) add(before, h, h * std::sqrt(S / h - 1.0), 1.0 / h);
     }
   }
@@ -132,7 +133,7 @@ std::vector<double> coordinates(const Clock& clock, const Parameters& parameters
   return x;
 }
 
-// The quantity that changes, if the model is of the kind that the equations are of.
+// The quantity that changes, if the model is one for which starts are made.
 std::optional<Quantity> what_changes(const Parameters& parameters) {
   if (parameters.escapement != Escapement::constant_torque || parameters.event_cycles.size() != 1)
     return {};
@@ -155,14 +156,14 @@ std::vector<std::vector<double>> starts_by_change(const Parameters& parameters,
                                                   const TimingData& data,
                                                   std::span<const double> otherwise) {
   const auto quantity = what_changes(parameters);
-  constexpr std::size_t fewest_beats = 8; // columns of the regression and some to spare
+  constexpr std::size_t fewest_beats = 8; // columns of the regression, and some to spare
   if (!quantity || data.size() < fewest_beats) return {};
   const double at = parameters.event_cycles.front();
   std::vector<Clock> clocks;
   for (const double epsilon : likely_frictions(data, at)) {
     SeenChange seen = seen_with(data, at, epsilon);
     if (*quantity == Quantity::epsilon) seen.jump = 0.0;
-    constexpr double least_u = 0.3, most_u = 4.0, factor = 1.5; // of sqrt(q^2 - 1)
+    constexpr double least_u = 0.3, most_u = 4.0, factor = 1.5; // range and ratio of u
     for (double u = least_u; u < most_u; u *= factor)
       add_clocks(seen, *quantity, u, clocks);
   }

@@ -32,20 +32,20 @@ bool noise_is_free(const Parameters& parameters) {
                      [](const Slot& slot) { return slot.free && is_noise(slot.quantity); });
 }
 
-// The filter where nothing but jitter and a walk disturb the times: one state, and a gain that
-// does not depend on the clock. T is double where the noise is held.
+// The filter for times disturbed only by jitter and a random walk: it has one state, and its gain
+// does not depend on the clock. N is double where the noise is held fixed.
 template <class N> class WalkFilter {
 public:
   explicit WalkFilter(const NoiseSizes<N>& noise)
       : jitter2_(noise.jitter * noise.jitter), walk2_(noise.walk * noise.walk),
         walks_(plain(noise.walk) > 0.0) {}
 
-  /// `relative2`: square of the noise of this time over that of all.
+  /// `relative2`: square of the noise of this time relative to the rms over all times.
   template <class T> void start(const T& late, double relative2, T& state) {
     state = late;
     covariance_ = jitter2_ * relative2;
   }
-  /// The innovation of the next time, `cycles` later; `state` moves by it.
+  /// Gives the innovation of the next time, `cycles` later, and updates `state` by it.
   template <class T>
   void see(const T& late, double relative2, double cycles, T& state, T& value, N& variance) {
     if (walks_) covariance_ += walk2_ * cycles;
@@ -76,7 +76,7 @@ template <class T> T amplitude_scale(const FitProblem& problem, std::span<const 
   return slot == nullptr ? T(1.0) : slot->value(x);
 }
 
-// Runs the model over the data and hands every innovation to see(i, value, variance, of_time).
+// Runs the model over the data and passes every innovation to see(i, value, variance, of_time).
 // T carries derivatives of the prediction, N those of the noise.
 template <class T, class N> class Run {
 public:
@@ -84,7 +84,7 @@ public:
       : problem_(problem), data_(*problem.data), x_(x), scale_(amplitude_scale(problem, x)) {
     if constexpr (std::is_same_v<T, N>) {
       noise_ = noise_sizes<N>(problem.parameters, x);
-    } else { // the noise is held: no derivative
+    } else { // noise held fixed has no derivatives
       const std::vector<double> none(problem.parameters.free_count, 0.0);
       noise_ = noise_sizes<double>(problem.parameters, none);
     }
@@ -158,7 +158,7 @@ private:
   const FitProblem& problem_;
   const TimingData& data_;
   std::span<const T> x_;
-  T scale_; // of the amplitude column
+  T scale_; // amplitude in the log's column over that of the pendulum
   NoiseSizes<N> noise_;
 };
 
@@ -169,14 +169,15 @@ double prior_cost(const FitProblem& problem, std::span<const double> x) {
   return sum;
 }
 
-// L's two sums. Without loss: what a search gains at its end is 1e-12 of them in a long log.
+// L's two sums, in compensated arithmetic: in a long log the last gains of a search are 1e-12 of
+// them.
 struct LikelihoodSums {
   TwoPart<double> squares, logs;
   [[nodiscard]] double value() const { return 0.5 * (squares.value() + logs.value()); }
 };
 
-// The lateness at the nodes of a condensed log, weighted; then its derivatives, a column each.
-// Nothing where the model does not hold.
+// The weighted lateness at the nodes of a condensed log, followed by its derivatives, one column
+// each; empty where the model does not hold.
 template <class T>
 std::optional<Eigen::MatrixXd> weighted_lateness(const FitProblem& problem, std::span<const T> x) {
   constexpr bool slopes = !std::is_same_v<T, double>;
@@ -199,7 +200,7 @@ double jitter2(const FitProblem& problem, std::span<const double> x) {
   return std::pow(noise_sizes<double>(problem.parameters, x).jitter, 2);
 }
 
-// Of N - 1 innovations with variances jitter^2 (i + 1)/i.
+// L, without priors, of N - 1 innovations with variances jitter^2 (i + 1)/i.
 double condensed_value(const FitProblem& problem, double squares, double jitter2) {
   const double n = problem.condensed->beats();
   return 0.5 * (squares / jitter2 + (n - 1.0) * std::log(jitter2) + std::log(n));
@@ -258,7 +259,7 @@ std::optional<Evaluation> evaluate_condensed(const FitProblem& problem, std::spa
   const double squares = problem.condensed->rest_s2() + late->col(0).squaredNorm();
   const double innovations = problem.condensed->beats() - 1.0;
   const Slot* jitter = problem.parameters.find(Quantity::jitter_rms);
-  if (jitter->free) { // what the rows (1 - e^2/F)/sqrt 2 of all beats come to
+  if (jitter->free) { // the rows (1 - e^2/F)/sqrt 2 of all beats, combined into one
     const double slope = std::sqrt(2.0 * innovations);
     rows.add((innovations - squares / variance) / slope, [&](Eigen::Index k) {
       return static_cast<std::size_t>(k) == jitter->index ? slope : 0.0;
@@ -329,7 +330,7 @@ std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<
   Run<double, double> run(problem, x);
   const bool holds = run.run([&](std::size_t, double value, double variance, bool) {
     sums.squares += value * value / variance;
-    product *= variance; // one logarithm for several factors
+    product *= variance; // one logarithm for several factors saves time
     if (product < 1e-200 || product > 1e200) {
       sums.logs += std::log(product);
       product = 1.0;
@@ -341,8 +342,8 @@ std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<
 }
 
 std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const double> x) {
-  // Narrow derivatives cost less; drive noise depends on the clock, so its size has derivatives
-  // even where it is held.
+  // Noise without derivatives costs less. The effect of drive noise depends on the clock, so its
+  // variances have derivatives even where its size is held fixed.
   const bool disturbed =
       problem.parameters.has(Quantity::drive_rms) || problem.parameters.has(Quantity::slow_rms);
   const bool noisy = disturbed || noise_is_free(problem.parameters);
@@ -351,7 +352,8 @@ std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const do
     if (problem.condensed != nullptr) return evaluate_condensed<n>(problem, x);
     return noisy ? evaluate_with<n, true>(problem, x) : evaluate_with<n, false>(problem, x);
   };
-  // Multiples of four are inlined and fill the processor's registers.
+  // Narrower derivatives cost less; multiples of four are inlined and fill the processor's
+  // registers.
   if (x.size() <= 4) return of_width(std::integral_constant<int, 4>());
   if (x.size() <= 8) return of_width(std::integral_constant<int, 8>());
   if (x.size() <= 12) return of_width(std::integral_constant<int, 12>());

@@ -15,7 +15,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double least_white_p = 1e-2; // p below which the innovations ask for a better model
+constexpr double least_white_p = 1e-2; // p below which the innovations call for a better model
 
 bool white_in_amplitude(const Fitted& fitted) {
   return fitted.seen.white_amplitude.size() < 8 ||
@@ -45,7 +45,7 @@ bool determines_friction(const Fitted& fitted) {
   return !slot->free || is_determined(fitted, *slot);
 }
 
-// The largest difference, in sigma, between parameters that two fits have in common.
+// Names the clock parameter that differs most between two fits, with the difference in sigma.
 std::string moved_by(const Fitted& from, const Fitted& to) {
   double largest = 0.0;
   std::string which;
@@ -113,8 +113,8 @@ void ModelSearch::thin_if_long() {
   std::vector<double> events;
   for (const FitEvent& event : options_.events)
     events.push_back(static_cast<double>(event.cycle));
-  constexpr std::size_t dense_beats =
-      500; // all kept after the start and after each event, where the amplitude relaxes
+  // So many beats are all kept after the start and after each event, where the amplitude relaxes.
+  constexpr std::size_t dense_beats = 500;
   working_.data = subset(all_, kept_beats(all_, events, stride, dense_beats));
 }
 
@@ -140,8 +140,8 @@ namespace {
 // Whether the amplitude rises anywhere, which it cannot without a drive.
 bool swing_grows(const TimingData& data, double noise_rad) {
   constexpr std::size_t beats_a_mean = 16; // short enough not to average a rise away
-  constexpr double least_rise_sigma =
-      8.0; // the largest of many rises of pure noise stays below this
+  // Even the largest of many rises in pure noise stays below this.
+  constexpr double least_rise_sigma = 8.0;
   const double sigma = noise_rad / std::sqrt(static_cast<double>(beats_a_mean));
   double least = std::numeric_limits<double>::infinity(), sum = 0.0;
   std::size_t seen = 0;
@@ -159,8 +159,8 @@ bool swing_grows(const TimingData& data, double noise_rad) {
 
 // Whether the residuals are no larger than the scatter of neighbouring beats.
 bool is_as_small_as(double jitter, const Fitted& fitted) {
-  constexpr double largest_chance_ratio =
-      1.3; // the robust jitter of few beats is uncertain by a tenth or so
+  // The robust jitter of few beats is uncertain by a tenth or so.
+  constexpr double largest_chance_ratio = 1.3;
   return rms(fitted.seen.late_s) < largest_chance_ratio * jitter;
 }
 
@@ -170,11 +170,11 @@ bool ModelSearch::explains(const Fitted& fitted) const {
   return fitted.minimum.usable && white(fitted) && is_as_small_as(guess_.jitter_s, fitted);
 }
 
-// A fit of a thinned log by the full equation of motion: what first order leaves out must not be
-// taken for a drive. The thinned log has enough beats to show an escapement.
+// A fit of a thinned log by the full equation of motion: effects that first order omits must not be
+// mistaken for a drive. The thinned log has enough beats to show an escapement.
 Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice& model,
                                    TimingData& thin) const {
-  constexpr std::size_t thinned_beats = 1000; // beats
+  constexpr std::size_t thinned_beats = 1000;
   thin = thinned(working_.data, make_parameters(options, working_.data, model), thinned_beats);
   Fitted fitted = fit_from_scratch(thin, options, model, guess_);
   FitOptions dated = options;
@@ -193,7 +193,8 @@ bool ModelSearch::is_told_of_torque() const {
                      [&](const Prior& prior) { return speaks(prior.name); });
 }
 
-// Alternative laws: other parameters changing at the dates found, and impulses instead of a torque.
+// Alternative laws: other parameters that change at the dates found, or impulses instead of a
+// torque.
 std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEvent>& found) const {
   std::vector<Laws> all;
   FitOptions options = options_;
@@ -220,8 +221,8 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   if (best_.model.walk || is_rounding(best_) || explains(best_)) return;
   TimingData thin;
   if (explains(roughly_fitted(options_, best_.model, thin))) return;
-  constexpr double impulse_handicap =
-      3.0; // of L, odds of 20 to 1: needed to prefer impulses to a torque
+  // Gain in L (odds of 20 to 1) that is needed to prefer impulses to a torque.
+  constexpr double impulse_handicap = 3.0;
   std::optional<Laws> best;
   double least = std::numeric_limits<double>::infinity();
   for (Laws& laws : other_laws(found)) {
@@ -241,10 +242,10 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   move_dates(best_, options_);
 }
 
-// A free pendulum is the simpler model. It is taken where it explains the log as well and the log
-// shows its friction (a stationary log fits any model and determines none). Changes that the log
-// alone spoke of may be the course of its dying swing: where it explains the log without them,
-// they are dropped.
+// A free pendulum is the simpler model. It is taken where it explains the log as well as a driven
+// clock does and the log determines its friction (a stationary log fits any model and determines
+// none). Changes that were noticed only in the log may be due to its decaying swing: where it
+// explains the log without them, they are dropped.
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
   const auto is_noticed = [](const FitEvent& event) { return event.movable; };
   if (options_.escapement || is_told_of_torque() ||
@@ -271,7 +272,7 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   if (!options_.events.empty()) return false;
   TimingData thin_driven;
   Fitted with = roughly_fitted(options_, driven, thin_driven);
-  if (with.minimum.usable && !explains(with)) add_terms(with); // the same chance for both models
+  if (with.minimum.usable && !explains(with)) add_terms(with); // gives both models the same chance
   constexpr double least_bic_gain = 6.0; // odds of 20 to 1 needed to believe in a torque
   const bool simpler = !with.minimum.usable || without.bic < with.bic + least_bic_gain;
   alternatives_.push_back(
@@ -283,21 +284,21 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   return simpler;
 }
 
-// Chooses the cheapest dynamics that shift no determined parameter by more than 0.2 sigma; 0.1
-// sigma for second order, since the full equation costs little more. First order is compared with
-// second order, at a twentieth of the cost of the full equation, and with the full equation before
-// it is accepted.
+// Chooses the cheapest dynamics whose error shifts no determined parameter by more than 0.2 sigma,
+// or 0.1 sigma for second order, since the full equation costs little more. First order is compared
+// with second order, at a twentieth of the cost of the full equation, and with the full equation
+// before it is accepted.
 void ModelSearch::choose_dynamics() {
   constexpr double tolerable_shift = 0.2, tolerable_shift_of_second = 0.1;
   const auto shift_by = [&](FitDynamics judge) {
     shifts_ = model_shifts(best_, judge);
     return shifts_.empty() ? 0.0 : largest_shift(best_, shifts_);
   };
-  // The noise model was computed in second order already, so the error of first order is unknown.
+  // If the noise model was already computed in second order, the error of first order is unknown.
   const bool is_extended = best_.dynamics != FitDynamics::averaged1;
-  const double enough = is_extended ? tolerable_shift_of_second : tolerable_shift;
+  const double allowed_shift = is_extended ? tolerable_shift_of_second : tolerable_shift;
   double first = is_extended ? 0.0 : shift_by(FitDynamics::averaged2);
-  if (first <= enough) first = shift_by(FitDynamics::map);
+  if (first <= allowed_shift) first = shift_by(FitDynamics::map);
   const auto first_order = is_extended ? std::map<std::string, double>{} : shifts_;
   chosen_by_ =
       is_extended
@@ -313,7 +314,7 @@ void ModelSearch::choose_dynamics() {
       chosen_by_ = "the dynamics asked for do not run here";
     return;
   }
-  const bool suffices = shifts_.empty() || first <= enough;
+  const bool suffices = shifts_.empty() || first <= allowed_shift;
   if (is_extended) shifts_.clear();
   if (suffices) return;
   chosen_by_ = fmt::format("{} is off by up to {:.2g} sigma", name_of(best_.dynamics), first);
@@ -336,11 +337,12 @@ void ModelSearch::choose_dynamics() {
   shifts_ = first_order;
 }
 
-// Adds terms one at a time, the best first, while BIC improves and the innovations are not white;
-// of a free pendulum further friction even so, since white innovations are a weaker test than BIC
-// and its T0 hangs on the law of friction. The terms are nonlinear friction, a factor on the
-// amplitude column, noise of the drive (or a random walk of the times). In a long log of a driven
-// clock noise is tried first: it is the most frequent, and each of the other terms takes long.
+// Adds terms one at a time, the best first, while BIC improves and the innovations are not white.
+// For a free pendulum, friction is tried even if they are white, since whiteness is a weaker test
+// than BIC and its T0 depends on the friction law. The terms are nonlinear friction, a factor on
+// the amplitude column, and drive noise (or a random walk of the times). In a long log, noise is
+// taken at once if it suffices: it is the most frequent term, and trying each of the others takes
+// long.
 void ModelSearch::add_terms(Fitted& fitted) {
   constexpr int terms = 4;
   const auto with = [](ModelChoice model, int term) {
@@ -352,7 +354,7 @@ void ModelSearch::add_terms(Fitted& fitted) {
     if (term == 3) model.amplitude_scale = true;
     return model;
   };
-  constexpr std::size_t long_log_beats = 3000; // beats
+  constexpr std::size_t long_log_beats = 3000;
   const TimingData& data = *fitted.problem.data;
   for (;;) {
     const bool is_white = white(fitted);
@@ -378,7 +380,7 @@ void ModelSearch::add_terms(Fitted& fitted) {
   }
 }
 
-// Other terms are tried where linear friction leaves something in the residuals.
+// Further terms are tried only where linear friction is fixed or determined by the log.
 void ModelSearch::choose_friction() {
   if (determines_friction(best_)) add_terms(best_);
 }
@@ -403,7 +405,7 @@ void ModelSearch::choose_noise() {
   }
   if (automatic) {
     const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
-    // Noisy as single amplitudes are, they show the drive directly.
+    // Single amplitudes are noisy, but they show the drive directly.
     const bool swing_wanders = !white_in_amplitude(best_);
     if (!walks && !best_.model.walk && !swing_wanders) return;
     model.walk = !best_.model.walk;
@@ -419,8 +421,8 @@ void ModelSearch::choose_noise() {
   Fitted drive = fit_with(model);
   if (!drive.minimum.usable) return;
   model.slow = true;
-  // With amplitudes the peak of the likelihood is so narrow that its height is known only after a
-  // search.
+  // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
+  // after a search.
   const bool asks_for_more = working_.data.has_amplitude() && !white(drive);
   const bool slowly = wanted == FitNoise::slow ||
                       (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
@@ -436,7 +438,8 @@ void ModelSearch::choose_noise() {
   take_if_better(std::move(slow), "the drive varies slowly too");
 }
 
-// The rms residual of times or amplitudes, in units of the scatter of neighbouring beats.
+// The rms residual of times or of amplitudes, whichever is larger in units of the scatter of
+// neighbouring beats.
 double ModelSearch::straying(const Fitted& fitted) const {
   const double late = rms(fitted.seen.late_s) / guess_.jitter_s;
   const Slot* amplitude = fitted.problem.parameters.find(Quantity::amplitude_rms);
@@ -448,9 +451,9 @@ double ModelSearch::straying(const Fitted& fitted) const {
 // Whether a long log departs from the fit by far more than neighbouring beats scatter, and neither
 // the full equation of motion nor another friction law halves that. Such a departure is slow noise,
 // which differences of neighbouring beats do not show. A model without noise would have to follow
-// it with its parameters of the clock, so noise must be fitted first.
+// it by means of the clock parameters, so noise must be fitted first.
 bool ModelSearch::strays_by_noise() const {
-  constexpr std::size_t long_log_beats = 3000, thinned_beats = 1000; // beats
+  constexpr std::size_t long_log_beats = 3000, thinned_beats = 1000;
   constexpr double least_straying = 3.0, largest_share = 0.5;
   if (working_.data.size() < long_log_beats || options_.noise == FitNoise::jitter) return false;
   const double strays = straying(best_);
@@ -467,7 +470,7 @@ bool ModelSearch::strays_by_noise() const {
   return !explains_most(false, false) && !explains_most(true, false) && !explains_most(false, true);
 }
 
-// Repeats the fit with as many beats as keep the information.
+// Repeats the fit with as many beats as are needed to keep the information.
 void ModelSearch::thin_by_information() {
   if (working_.data.size() == all_.size()) return;
   working_.thinning = {working_.data.size(), std::numeric_limits<double>::quiet_NaN()};
@@ -476,9 +479,9 @@ void ModelSearch::thin_by_information() {
   constexpr double allowed_loss = 0.04;
   constexpr std::size_t dense_beats = 500, stride_ratio = 8;
   const std::vector<double> events = best_.problem.parameters.event_cycles;
-  const std::size_t last = longest_stride(*shape, allowed_loss);
-  // In stages of more and more beats, so that most steps of the search are made on few.
-  std::size_t stride = last;
+  const std::size_t final_stride = longest_stride(*shape, allowed_loss);
+  // The number of beats grows in stages, so that most steps of the search are made on few beats.
+  std::size_t stride = final_stride;
   while (all_.size() / (stride * stride_ratio) > working_.data.size())
     stride *= stride_ratio;
   for (;; stride /= stride_ratio) {
@@ -490,12 +493,13 @@ void ModelSearch::thin_by_information() {
     finer.problem.data = &finer_;
     best_ = std::move(finer);
     working_.thinning = {finer_.size(), information_lost(*shape, stride)};
-    if (stride == last) return;
+    if (stride == final_stride) return;
   }
 }
 
-// Drops a stated prior that the log by itself excludes: the compromise between the two would be a
-// value that neither supports. Checked only where the fit with the prior does not explain the log.
+// Drops a stated prior that the log by itself excludes: a compromise between the two would be a
+// value that neither supports. This is checked only where the fit with the priors does not explain
+// the log.
 void ModelSearch::leave_out_contradicted_priors() {
   if (options_.priors.empty() || best_.model.walk) return;
   if (best_.minimum.usable && (white(best_) || is_as_small_as(guess_.jitter_s, best_))) return;
@@ -509,7 +513,7 @@ void ModelSearch::leave_out_contradicted_priors() {
     const Slot* slot = nullptr;
     for (const Slot& one : alone.problem.parameters.slots)
       if (alone.problem.parameters.name_of(one) == prior.name) slot = &one;
-    constexpr double exclusion_sigma = 5.0; // sigma
+    constexpr double exclusion_sigma = 5.0;
     if (slot == nullptr || !is_determined(alone, *slot)) {
       kept.push_back(prior);
       continue;
@@ -545,13 +549,13 @@ const Fitted& ModelSearch::run() {
   if (!best_.model.walk && !strays_by_noise()) {
     choose_dynamics();
     if (best_.dynamics != FitDynamics::averaged1)
-      move_dates(best_, options_); // once more, now that the parameters are better
+      move_dates(best_, options_); // again, now that the parameters are better known
     choose_friction();
     choose_noise();
   } else {
     choose_noise();
     if (best_.dynamics != FitDynamics::averaged1)
-      choose_dynamics(); // the dynamics are chosen once, on few beats
+      choose_dynamics(); // on few beats, which is cheaper than on those added below
     thin_by_information();
     if (best_.dynamics != FitDynamics::map) choose_dynamics();
   }

@@ -1,4 +1,4 @@
-// Which model a log demands. Private to the fit room.
+// The choice of the model that a log demands. Private to the fit room.
 #pragma once
 
 #include "model_fit.hpp"
@@ -9,35 +9,36 @@
 
 namespace goingrate::timing_model {
 
-/// By how many sigma each free parameter of the fit is off, by name, judged by other dynamics;
-/// empty if those would not run there.
+/// Error of each free parameter of the fit, in sigma and by name, as judged by other dynamics;
+/// empty if these cannot run there.
 std::map<std::string, double> model_shifts(const Fitted& fitted, FitDynamics judge);
 
-/// The data a fit works on: all of them, or every so-manieth beat of a long log under drive noise.
+/// The data a fit works on: all beats, or beats at a stride of a long log under drive noise.
 struct Working {
   TimingData data;
   Thinning thinning;
 };
 
-/// The search for the model: escapement, noise, friction, dynamics, and moments of change, each
-/// taken one step beyond the simplest only where the log demands it.
+/// The search for the model: escapement, noise, friction, dynamics and dates of change, each taken
+/// beyond the simplest only where the log demands it.
 class ModelSearch {
 public:
   ModelSearch(const TimingData& data, const FitOptions& options);
 
-  /// Runs it. The result points into this object.
+  /// Runs the search. The result points into this object.
   const Fitted& run();
   [[nodiscard]] const Thinning& thinning() const { return working_.thinning; }
   [[nodiscard]] const std::string& chosen_by() const { return chosen_by_; }
   [[nodiscard]] const std::vector<FitAlternative>& alternatives() const { return alternatives_; }
-  [[nodiscard]] const FitOptions& options() const { return options_; } ///< events may have moved
-  /// What was found on the way and must be said.
+  /// Those given, or with events and priors as the search has changed them.
+  [[nodiscard]] const FitOptions& options() const { return options_; }
+  /// Findings of the search that the user must be told.
   [[nodiscard]] const std::vector<FitNote>& notes() const { return notes_; }
-  /// What first-order averaging alone is off by; empty if not known.
+  /// Errors of first-order averaging alone, in sigma and by name; empty if not known.
   [[nodiscard]] const std::map<std::string, double>& first_order_shifts() const { return shifts_; }
 
 private:
-  /// What is fitted: what changes when, and the escapement.
+  /// Laws to fit: which parameters change when (options), and the escapement (model).
   struct Laws {
     FitOptions options;
     ModelChoice model;
@@ -67,9 +68,9 @@ private:
   FitOptions options_;
   NoiseGuess guess_;
   Working working_;
-  TimingData finer_; ///< once the information has said how many beats it takes
+  TimingData finer_; ///< the beats that thin_by_information() keeps
   Fitted best_;
-  std::map<std::string, double> shifts_; // by name, for later terms move the places
+  std::map<std::string, double> shifts_; // by name, because terms added later shift the indices
   std::string chosen_by_;
   std::vector<FitNote> notes_;
   std::vector<FitAlternative> alternatives_;

@@ -1,25 +1,26 @@
-// The likelihood of a log under noise of the drive, by a Kalman filter. Private to the fit room.
+// The likelihood of a log under drive noise, by a Kalman filter. Private to the fit room.
 //
-// State at upward crossing n, as departures from the undisturbed course:
+// State at upward crossing n, as departures from the undisturbed course of the clock:
 //   t  lateness of the clock, s
-//   w  of the squared amplitude, rad^2
+//   w  departure of the squared amplitude, rad^2
 //   s  slow part of the relative drive
-// Over a cycle, with the relative drive u = d + s (d white, rms sigma_d) and the gains of
+// Over one cycle, with the relative drive u = d + s (d white, rms sigma_d) and the gains of
 // cycle_response.hpp:
 //   w' = kept w + raised u
 //   t' = t + follow w + kick u + (walk)
 //   s' = r s + (noise),                   r = exp(-T0/slow_time)
-// What is observed: t + jitter, and the turning angle, H w + noise. Over k cycles without a
-// beat the cycle's matrices are combined by doubling. A beat costs a fixed number of operations,
-// so a log of N beats costs O(N); once the covariance stands still only the state is advanced.
+// The observations are t + jitter and the turning angle, H w + noise. Over k cycles without a beat
+// the matrices of one cycle are combined by doubling. A beat costs a fixed number of operations, so
+// a log of N beats costs O(N); once the covariance is constant, only the state is advanced.
 //
-// Where a log tells the amplitude better than the course does, what is of second order shows: the
-// extended filter takes the gains where the clock is, not on its course, and counts half the second
-// derivatives times the mean squares (second-order extended Kalman filter: Jazwinski 1970, ch. 9).
-// The first time is taken as it comes: its crossing has no known moment (exact diffuse start). The
-// first amplitude scatters about the course like all others: held to the course it would be fitted
-// to absurd precision by clocks whose inverse response grows (slow gain of the other sign), and
-// would prefer them.
+// Where a log determines the amplitude better than the course does, second-order effects matter:
+// the extended filter evaluates the gains at the estimated state of the clock, not on its course,
+// and adds half the second derivatives times the mean squares (second-order extended Kalman filter:
+// Jazwinski 1970, ch. 9).
+// The first time sets the lateness without an innovation, because no time is predicted for it
+// (exact diffuse start). The first amplitude scatters about the course like all others. If it were
+// held to the course, clocks whose inverse response grows (slow gain of the opposite sign) would
+// fit it to absurd precision and be preferred.
 #pragma once
 
 #include "clock_model.hpp"
@@ -28,7 +29,8 @@
 #include <array>
 #include <cstddef>
 
-// All that a beat calls in one body: a sanitizer's checks in it would take half an hour to compile.
+// Inlines all that a beat calls into one body. With a sanitizer's checks that body would take half
+// an hour to compile.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define GOINGRATE_INLINED
 #else
@@ -37,12 +39,12 @@
 
 namespace goingrate::timing_model {
 
-/// Sizes of the noise; 0 for what is absent.
+/// Sizes of the noise; 0 for absent kinds.
 template <class T> struct NoiseSizes {
   T jitter{}, walk{}, drive{}, slow{}, slow_time{}, amplitude{};
 };
 
-/// One observation against its prediction: the difference and its variance.
+/// Difference of one observation from its prediction, and its variance.
 template <class T> struct Innovation {
   T value{};
   T variance{};
@@ -51,12 +53,12 @@ template <class T> struct Innovation {
 /// The filter with D = 2 (t, w) or 3 (t, w, s) states.
 template <class T, std::size_t D> class NoiseFilter {
 public:
-  /// `extended`: whether what is of second order counts.
+  /// `extended`: whether second-order terms are included.
   explicit NoiseFilter(const NoiseSizes<T>& noise, bool extended = false)
       : noise_(noise), extended_(extended) {}
 
-  /// The first beat: nothing is known of its lateness; amplitude and slow drive are anywhere in
-  /// their stationary spread about the course, as in a clock that has been going.
+  /// Starts at the first beat: its lateness is unknown beforehand, while amplitude and slow drive
+  /// have their stationary spread about the course, as in a clock that has long been running.
   void start(const Sight<T>& sight, const ResponseAt& response, const T& late) {
     state_ = {};
     covariance_ = {};
@@ -77,10 +79,10 @@ public:
     step_ = {};
   }
 
-  /// Lets `cycles` pass; sight and response are those of the beat they end with.
+  /// Advances by `cycles`; sight and response are those of the beat at their end.
   GOINGRATE_INLINED void pass(const Sight<T>& sight, const ResponseAt& response, double cycles) {
-    constexpr double followed_cycles =
-        8.0; // cycles that are followed one by one; longer gaps are rare
+    // Cycles are followed one by one up to this number; longer gaps are rare.
+    constexpr double followed_cycles = 8.0;
     if (extended_ && cycles <= followed_cycles) {
       for (double passed = 0.0; passed < cycles; ++passed)
         pass_extended(sight, response);
@@ -99,7 +101,7 @@ public:
     add(covariance_, step_.noise);
   }
 
-  /// The time of the beat, as lateness; the state is corrected by it.
+  /// Corrects the state by the time of the beat, given as its lateness.
   GOINGRATE_INLINED Innovation<T> see_time(const T& late) {
     const T value = late - state_[0];
     if (!frozen_) {
@@ -121,15 +123,15 @@ public:
     return {value, variance_};
   }
 
-  /// The amplitude of the beat; `excess` is what was seen less the course's, `scale` what the
-  /// column shows over what the pendulum does.
+  /// Corrects the state by the amplitude of the beat. `excess` is the observed amplitude less that
+  /// of the course, `scale` the amplitude in the log's column over that of the pendulum.
   GOINGRATE_INLINED Innovation<T> see_amplitude(const Sight<T>& sight, const ResponseAt& response,
                                                 const T& excess, const T& scale) {
-    frozen_ = false; // its gain is another
+    frozen_ = false; // an amplitude changes the covariance, and so the gain for times
     still_ = 0;
     using std::asin, std::sqrt;
-    // The turning angle is 2 asin(v/2): exactly so from the course to where the clock is, and with
-    // its slope and bend there.
+    // The turning angle is 2 asin(v/2). The extended filter evaluates it exactly at the estimated
+    // state of the clock and adds the slope and, for small angles, the second derivative there.
     const T on_course = response.speed2_of(sight.amplitude2);
     const T there = extended_ ? T(on_course + way(sight, response)) : on_course;
     const T slope = scale * 0.5 / sqrt(there * (there * -0.25 + 1.0));
@@ -179,7 +181,7 @@ private:
           result[i][k] += a[i][j] * b[j][k];
     return result;
   }
-  // a p a' for a transition, upper triangular with 1 for the times, and symmetric p.
+  // a p a' for a transition a, upper triangular with 1 for the times, and a symmetric p.
   static Matrix spread(const Matrix& a, const Matrix& p) {
     Matrix half, result; // the upper half of a p
     for (std::size_t i = 0; i < D; ++i)
@@ -197,7 +199,7 @@ private:
       }
     return result;
   }
-  // What an observation takes from the covariance: gain times what state and observation share.
+  // Reduces the covariance by an observation: gain times covariance of state and observation.
   void take_away(const std::array<T, D>& gain, const std::array<T, D>& shared) {
     for (std::size_t i = 0; i < D; ++i)
       for (std::size_t k = 0; k <= i; ++k)
@@ -209,8 +211,8 @@ private:
         to[i][k] += what[i][k];
   }
 
-  // The way of the squared amplitude from the course to where the clock is. What is known badly may
-  // seem to be at the escapement, where there are no gains.
+  // Departure of the squared amplitude from the course. A poorly known amplitude may appear to lie
+  // at the escapement, where no gains exist, so the departure is kept short of it.
   [[nodiscard]] T way(const Sight<T>& sight, const ResponseAt& response) const {
     constexpr double largest_step_share = 0.9;
     const T& w = state_[1];
@@ -223,7 +225,7 @@ private:
     return response.gains(*sight.laws, sight.amplitude2, sight.T0, w);
   }
 
-  // A cycle of a clock with these gains.
+  // One cycle of a clock with these gains.
   [[nodiscard]] Step cycle(const T& T0, const CycleGains<T>& gains) const {
     using std::exp, std::expm1;
     const T &gone = gains.gone, &raised = gains.raised, &follow = gains.follow, &kick = gains.kick;
@@ -248,8 +250,8 @@ private:
     return cycle(sight.T0, gains(sight, response, T(0.0)));
   }
 
-  // One cycle. Its mean goes from the course to the amplitude, and from there to the drive; the
-  // covariance has the gains at the end of that way.
+  // Advances by one cycle. The mean first accounts for the departure of the amplitude from the
+  // course, then for that of the drive; the covariance uses the gains with both departures.
   GOINGRATE_INLINED void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
     const T end = way(sight, response);
     const auto [grown, late] = response.passed(*sight.laws, sight.amplitude2, sight.T0, end);
@@ -280,7 +282,7 @@ private:
     add(covariance_, step.noise);
   }
 
-  // As many of them.
+  // Combines `cycles` equal cycles, by doubling.
   [[nodiscard]] Step over(Step power, double cycles) const {
     if (cycles == 1.0) return power;
     Step total;
@@ -292,19 +294,20 @@ private:
     }
     return total;
   }
-  // The noise of `first` and then `second`.
+  // The noise of `first` followed by `second`.
   static Matrix joined(const Step& second, const Step& first) {
     Matrix noise = spread(second.transition, first.noise);
     add(noise, second.noise);
     return noise;
   }
 
-  // The gain stands still when three beats in a row change it by less than rounding would.
+  // The gain is taken as constant once three beats in a row, on a settled course, change it by less
+  // than rounding would.
   void settle(const std::array<double, D>& before) {
-    constexpr double rounding = 1e-13;
+    constexpr double relative_rounding = 1e-13;
     bool same = kept_settled_;
     for (std::size_t i = 0; i < D; ++i)
-      same = same && std::abs(last_[i] - before[i]) <= rounding * std::abs(last_[i]);
+      same = same && std::abs(last_[i] - before[i]) <= relative_rounding * std::abs(last_[i]);
     still_ = same ? still_ + 1 : 0;
     frozen_ = still_ >= 3;
   }

@@ -15,7 +15,7 @@ namespace {
 
 class ScoredLikelihood : public ceres::CostFunction {
 public:
-  /// What is known already, so that it need not be computed twice.
+  /// An earlier evaluation, so that it need not be repeated.
   struct Remembered {
     std::vector<double> x;
     std::optional<Evaluation> evaluation;
@@ -31,7 +31,7 @@ public:
   bool Evaluate(double const* const* at, double* residual, double** jacobian) const override {
     const std::span<const double> u(at[0], unknowns_);
     if (!std::equal(u.begin(), u.end(), last_u_.begin(), last_u_.end())) {
-      last_u_.assign(u.begin(), u.end()); // Ceres asks for the value first, then for the slopes
+      last_u_.assign(u.begin(), u.end()); // kept, since Ceres asks for the slopes after the value
       last_x_ = map_.x_of(u);
     }
     const std::vector<double>& x = last_x_;
@@ -50,25 +50,27 @@ public:
     if (!evaluation) return has_value(x) && stop_here(r, jacobian[0]);
     const double rest = 2.0 * (evaluation->value + offset_) - evaluation->projected.squaredNorm();
     r.head(n) = evaluation->projected;
-    r[n] = std::sqrt(std::max(0.0, rest)); // below 0 only where the noise is far too small
+    r[n] = std::sqrt(std::max(0.0, rest)); // rest < 0 only if the noise is far too small
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> slopes(jacobian[0], n + 1, n);
     slopes.setZero();
     slopes.topRows(n) = evaluation->triangle * map_.slopes(u);
-    // Ceres squares them, and would write to stderr if that overflows.
+    // Ceres squares the slopes, and would write to stderr if that overflowed.
     if (!std::isfinite(slopes.squaredNorm())) return has_value(x) && stop_here(r, jacobian[0]);
     return true;
   }
 
-  /// Whether the search came to a place where L has a value but no finite slope.
+  /// Whether the search reached a point where L has a value but no finite slope.
   [[nodiscard]] bool broke_off() const { return broke_off_; }
 
 private:
-  // A step is taken only where L was asked for its value alone; a look along the way is not.
+  // Ceres takes a step only to a point where it has asked for the value alone; a point that it only
+  // tries in a line search is not such a step.
   [[nodiscard]] bool has_value(const std::vector<double>& x) const {
     return std::find(have_value_.begin(), have_value_.end(), x) != have_value_.end();
   }
-  // At a step that was taken a failure would make Ceres write to stderr; no slope ends it too.
+  // If evaluation failed at a step already taken, Ceres would write to stderr; zero slopes end the
+  // search as well.
   bool stop_here(Eigen::Map<Eigen::VectorXd>& residual, double* slopes) const {
     broke_off_ = true;
     residual.setZero();
@@ -86,12 +88,12 @@ private:
   mutable bool broke_off_ = false;
 };
 
-// Ceres' own tests are relative to the cost, whose zero means nothing here.
+// Ends a search by its gain: Ceres' own test is relative to the cost, whose zero is arbitrary here.
 class EnoughGained : public ceres::IterationCallback {
 public:
   explicit EnoughGained(double least) : least_(least) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    // A step that was refused for less than counts is the end too: what is left is rounding.
+    // A rejected step with so small a change ends the search too: what remains is rounding.
     const bool settled = summary.iteration > 0 && std::abs(summary.cost_change) < least_;
     return settled ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
@@ -100,7 +102,7 @@ private:
   double least_;
 };
 
-// Nothing may be thrown through Ceres: it is told to stop, and what was thrown goes on behind it.
+// Exceptions must not pass through Ceres: it is told to abort, and they are rethrown afterwards.
 class WayOut : public ceres::IterationCallback {
 public:
   ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
@@ -150,9 +152,9 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
     minimum.termination = "nothing to search for";
     return minimum;
   }
-  // Half of |Q'r|^2 is what a scoring step hopes to gain, which of a noise far too small is more
-  // than L itself; and L may fall by half the logarithm of every variance.
   if (!slopes) return minimum;
+  // Keeps L + C positive. A scoring step promises to gain half of |Q'r|^2, which is more than L
+  // itself if the noise is far too small, and L may fall by half the logarithm of every variance.
   const double offset = 20.0 * static_cast<double>(problem.data->size()) + std::abs(*first) +
                         slopes->projected.squaredNorm();
   const Valley map(problem, minimum.x);
@@ -173,12 +175,13 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   options.initial_trust_region_radius = limits.first_radius;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = limits.iterations;
-  options.function_tolerance = 1e-16; // left to the callback
+  options.function_tolerance = 1e-16; // in effect off: the callback ends the search
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
-  // Under bounds Ceres looks along each step first; a cubic would ask for derivatives every time.
+  // Under bounds Ceres first searches along each step, where cubic interpolation would need
+  // derivatives at every trial.
   options.line_search_interpolation_type = ceres::QUADRATIC;
   WayOut way_out;
   options.callbacks = {&way_out, &enough};
@@ -190,8 +193,8 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
                       summary.termination_type == ceres::USER_SUCCESS;
   if (summary.termination_type == ceres::FAILURE || likelihood.broke_off()) return minimum;
   minimum.x = map.x_of(u);
-  const auto last =
-      minus_log_likelihood(problem, minimum.x); // final_cost less offset has no digits
+  // Computed afresh: too few digits are left in final_cost less offset.
+  const auto last = minus_log_likelihood(problem, minimum.x);
   minimum.usable = last.has_value();
   if (last) minimum.value = *last;
   return minimum;

@@ -8,7 +8,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double step = 1e-6; // of a logarithm: half the digits
+// Of finite differences, relative: a compromise between rounding and curvature.
+constexpr double step = 1e-6;
 
 } // namespace
 
@@ -38,11 +39,12 @@ Valley::Valley(const FitProblem& problem, std::span<const double> start,
   rate_ = follows;
 }
 
-// The rate of a clock at rest always falls with the switching angle; torque and friction may hardly
-// touch it, and what counts is the last beat, whose clock an event may have changed.
+// Prefers the switching angle: the rate of a clock at rest always falls with it, while torque and
+// friction may hardly affect it. Slopes are those of the last beat, before which an event may have
+// changed the clock.
 std::optional<std::size_t> Valley::following(std::span<const double> start,
                                              std::optional<std::size_t> except) const {
-  constexpr double preferred = 3.0; // over a steeper one
+  constexpr double phi0_weight = 3.0; // another steeper by this factor replaces phi0
   std::vector<double> x(start.begin(), start.end());
   std::optional<std::size_t> best;
   double steepest = 0.0;
@@ -52,8 +54,8 @@ std::optional<std::size_t> Valley::following(std::span<const double> start,
     if (!could || !slot.free || slot.index == except || slot.index == start_) continue;
     const auto slope = slope_of_late(x, slot.index, start_ ? start[*start_] : 0.0);
     if (!slope) continue;
-    const double weight = slot.quantity == Quantity::phi0 ? preferred : 1.0;
-    // A relative change of each, but for T0, which moves the last beat as no other does.
+    const double weight = slot.quantity == Quantity::phi0 ? phi0_weight : 1.0;
+    // Slopes are compared for relative changes; a free T0 moves the last beat by far the most.
     const double unit = slot.coordinate == Coordinate::multiple ? x[slot.index] : 1.0;
     const double moves = weight * std::abs(*slope * unit);
     if (moves <= steepest) continue;
@@ -165,14 +167,14 @@ Eigen::MatrixXd Valley::slopes(std::span<const double> u) const {
 std::optional<double> Valley::solved(std::vector<double> x, double own) const {
   constexpr int rounds = 20;
   constexpr double longest_step = 0.3, smallest_change = 1e-13;
-  constexpr double rounding_change = 1e-9; // what gains nothing there is rounding
+  constexpr double rounding_change = 1e-9; // a smaller step that gains nothing is rounding
   double slope = slope_, change = 0.0, missed = 0.0;
   for (int round = 0; round < rounds; ++round) {
     follow_start(x, own);
     const auto late = late_at_end(parameters_, ends_, x);
     if (!late) return {};
     const double misses = late_ - *late;
-    if (round > 0) { // the slope of the last step: a secant
+    if (round > 0) { // secant slope, from the last step
       const bool gained = std::abs(misses) < std::abs(missed);
       if (!gained && std::abs(change) < rounding_change) break;
       if (misses != missed && std::abs(change) > rounding_change)
