@@ -319,11 +319,11 @@ void take_from_best_law(const Decay& decay, FittedParameter& T0) {
   T0.sigma = T0.sigma_by_law = best.T0_sigma_s;
 }
 
-// The intervals reach to the ends of those under every law of friction that the log allows.
-void widen_by_laws(const Decay& decay, double FrictionLaw::*value, double FrictionLaw::*sigma,
-                   FittedParameter& p) {
+// The intervals reach to the ends of those under every other law of friction that the log allows.
+void widen_by_laws(const Decay& decay, const std::string& own, double FrictionLaw::*value,
+                   double FrictionLaw::*sigma, FittedParameter& p) {
   for (const FrictionLaw& law : decay.laws) {
-    if (!law.is_open() || !std::isfinite(law.*sigma)) continue;
+    if (law.friction == own || !law.is_open() || !std::isfinite(law.*sigma)) continue;
     constexpr double z95 = 1.959964;
     p.low68 = std::min(p.low68, law.*value - law.*sigma);
     p.high68 = std::max(p.high68, law.*value + law.*sigma);
@@ -336,12 +336,13 @@ void widen_by_laws(const Decay& decay, double FrictionLaw::*value, double Fricti
 // A free pendulum has one Q and one decay time: those that suppose no law of friction. T0 and
 // lambda0 are stated whichever law of those that are open.
 void state_decay(const Decay& decay, FitSummary& summary) {
+  const std::string own = summary.model.friction();
   for (FittedParameter& p : summary.parameters) {
     if (p.name == "T0" && p.status == ParameterStatus::undetermined) take_from_best_law(decay, p);
     if (!std::isfinite(p.sigma)) continue;
-    if (p.name == "T0") widen_by_laws(decay, &FrictionLaw::T0_s, &FrictionLaw::T0_sigma_s, p);
+    if (p.name == "T0") widen_by_laws(decay, own, &FrictionLaw::T0_s, &FrictionLaw::T0_sigma_s, p);
     if (p.name == "lambda0")
-      widen_by_laws(decay, &FrictionLaw::lambda0, &FrictionLaw::lambda0_sigma, p);
+      widen_by_laws(decay, own, &FrictionLaw::lambda0, &FrictionLaw::lambda0_sigma, p);
   }
   const std::string where =
       fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);

@@ -47,7 +47,7 @@ std::string remarks_on(const FittedParameter& p) {
   }
   if (p.status == ParameterStatus::prior) remarks.emplace_back("with prior");
   constexpr double wider = 1.05; // what two digits of sigma show
-  if (p.sigma > wider * p.sigma_by_law)
+  if (p.sigma_by_law > 0.0 && p.sigma > wider * p.sigma_by_law)
     remarks.push_back(
         fmt::format("whichever law of friction, ± {:.2g} by that of the model", p.sigma_by_law));
   if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
