@@ -291,6 +291,16 @@ def test_a_law_of_ones_own_is_that_of_the_library():
     assert mine.ended is None and len(mine) == 40
 
 
+def test_how_a_ring_down_dies_away(jump_fit):
+    assert jump_fit.decay is None  # it is driven
+    log = gr.read(SOURCE / "data" / "course" / "2-ring-down.csv")
+    fit = gr.fit(log)
+    decay = fit.decay
+    assert decay["friction"] == "linear" and decay["friction_laws"][0]["behind"] == 0
+    assert abs(decay["q"] - 1000) < 5 * decay["q_sigma"] < 5
+    assert decay["q"] == fit.derived["Q"].value
+
+
 def test_a_torque_of_ones_own():
     free = gr.integrate(lambda phi, v: 0.0, amplitude_rad=0.3, periods=3)
     # T0 / agm(1, cos(A/2)) is the period of a free pendulum.

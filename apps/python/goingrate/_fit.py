@@ -89,6 +89,15 @@ class Fit(Report, Mapping[str, Parameter]):
         ]
 
     @property
+    def decay(self) -> dict[str, Any] | None:
+        """How a free swing dies away: decay time, Q by amplitude, laws of friction; keys as in `to_dict`.
+
+        None of a driven clock.
+        """
+        found: dict[str, Any] | None = self.to_dict().get("decay")
+        return found
+
+    @property
     def correlation(self) -> Correlation:
         """Correlations of the free parameters."""
         size = len(self._core.names)
