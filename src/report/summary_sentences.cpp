@@ -51,7 +51,7 @@ public:
       if (!is_in_one(data.diary, change.at_s)) changes_.push_back(&change);
     for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
       if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)))
-        suspicions_.push_back(as_in_the_table(suspicion));
+        suspicions_.push_back(suspicion);
   }
 
   std::vector<std::string> all() {
@@ -64,24 +64,6 @@ public:
   }
 
 private:
-  // The answer to temperature or pressure has one value throughout, that of its own regression. A
-  // swing with the day that one of them explains in the half of the log it was not found in is no
-  // weather that the log lacks.
-  [[nodiscard]] Suspicion as_in_the_table(Suspicion suspicion) const {
-    for (const CovariateEffect& effect : data_.covariates) {
-      const Cause cause = effect.name == "temperature" ? Cause::temperature
-                          : effect.name == "pressure"  ? Cause::pressure
-                                                       : Cause::unknown;
-      if (cause == Cause::unknown) continue;
-      if (suspicion.cause == Cause::unlogged_weather && effect.helps())
-        suspicion = {cause, suspicion.gain, suspicion.evidence};
-      if (suspicion.cause != cause) continue;
-      suspicion.numbers.size = effect.coefficient;
-      suspicion.numbers.sigma = effect.sigma;
-    }
-    return suspicion;
-  }
-
   void say(std::string sentence) {
     if (!sentence.empty()) sentences_.push_back(std::move(sentence));
   }
