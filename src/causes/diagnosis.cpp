@@ -78,12 +78,12 @@ public:
     return times;
   }
 
-  // The uncertainty of these times.
+  // Uncertainty of the undated times.
   [[nodiscard]] double doubt_s() const { return 1.5 * blocks_.length_s; }
 
 private:
   void take_causes() {
-    constexpr std::size_t most_causes = 4; // needing more means that the log is not understood
+    constexpr std::size_t most_causes = 4; // a log that needs more is not understood
     while (taken_.size() < most_causes) {
       pulse();
       Candidate best = best_candidate();
@@ -97,9 +97,9 @@ private:
       }
       if (std::max(best.gain, wander) < least_gain()) break;
       if (wander > best.gain) {
-        // A wander would absorb much of any change, so a cause that shows beside it is taken first.
-        // A wandering drive, however, imitates changes, which are small compared with the wander
-        // itself.
+        // A wander absorbs much of any change, so a cause that is significant beside it is taken
+        // first. A wandering drive, however, imitates changes, whose gain is small compared with
+        // that of the wander itself.
         constexpr double least_share = 0.25;
         const Account before = account_;
         account_.take(wandering);
@@ -115,14 +115,15 @@ private:
     }
   }
 
-  // The price of a fault: faults are rare, and several at once are rarer by that factor each.
+  // The gain that a further fault needs: faults are rare, and each additional one is less likely by
+  // the same factor.
   [[nodiscard]] double least_gain() const {
     const auto faults = std::count_if(taken_.begin(), taken_.end(),
                                       [](const Candidate& taken) { return taken.is_fault; });
     return believed * (1.0 + static_cast<double>(faults));
   }
 
-  // Noise of a healthy clock: white, with a corner where it responds to white noise of the drive.
+  // Noise of a healthy clock: white, with a corner from its response to white noise of the drive.
   [[nodiscard]] NoiseKinds with_bend_at(const std::optional<double>& relaxation_s) const {
     return {.wanders = false, .corner = relaxation_s ? blocks_.length_s / *relaxation_s : 0.0};
   }
@@ -136,8 +137,8 @@ private:
   [[nodiscard]] Bend best_bend() const {
     Bend best;
     if (wanders_ || healthy_.corner > 0.0) return best;
-    constexpr double shortest_periods = 10.0,
-                     longest_periods = 2e4; // range of T0/(4 pi epsilon) in real clocks, in periods
+    // Range of T0/(4 pi epsilon) in real clocks, in periods.
+    constexpr double shortest_periods = 10.0, longest_periods = 2e4;
     for (double periods = shortest_periods; periods < longest_periods; periods *= 2.5) {
       const NoiseKinds bent = with_bend_at(periods * input_.nominal_period_s);
       const double gain = account_.gain_of(bent, 2);
@@ -180,9 +181,9 @@ private:
              best);
   }
 
-  // The places where a step would explain most, and those of dated changes.
+  // The places, in blocks, where a step would explain most, and those of dated changes.
   [[nodiscard]] std::vector<double> places(const StepScan& scan) const {
-    constexpr std::size_t most_places = 3, blocks_apart = 4; // blocks
+    constexpr std::size_t most_places = 3, blocks_apart = 4;
     std::vector<double> places;
     for (const std::size_t block : scan.best_steps(most_places, blocks_apart))
       places.push_back(static_cast<double>(block));
@@ -215,8 +216,8 @@ private:
       }
   }
 
-  // While a clock settles after a step, its rate is not exactly a sum of few exponentials; the
-  // residual of a large step looks like small steps.
+  // While a clock settles after a step, its rate is not exactly a sum of a few exponentials, and
+  // the residual of a large step resembles small steps.
   [[nodiscard]] bool is_in_a_wake(const Candidate& step) const {
     constexpr double settling_times = 5.0; // time constants
     constexpr double least_share = 0.1;
@@ -227,7 +228,7 @@ private:
     });
   }
 
-  // A disturbance that came and went, which is rarer than a single change.
+  // A temporary disturbance, which is rarer than a single change and so needs a greater gain.
   void consider_visits(const StepScan& scan, Candidate& best) const {
     const auto [from, to] = scan.best_visit();
     const FittedVisit found = fitted_visit(account_, blocks_, from, to);
@@ -258,7 +259,7 @@ private:
     }
   }
 
-  // A clock that was started or wound before the log begins.
+  // The settling of a clock that was started or wound before the log begins.
   void consider_settling(Candidate& best) const {
     const double length_s = blocks_.length_s * static_cast<double>(blocks_.rate.size());
     for (double time_s = blocks_.length_s; time_s < 0.3 * length_s; time_s *= 2.0) {
@@ -288,7 +289,8 @@ private:
     return nullptr;
   }
 
-  // A step of this kind. Kinds that the log cannot distinguish from it become alternatives.
+  // The step with the kind that the diary or finer blocks give it. Kinds that the log cannot
+  // distinguish from it become alternatives.
   [[nodiscard]] Candidate looked_at_closely(const Candidate& step) const {
     const Judgement found = kind_of(step);
     if (found.kind == ChangeKind::unclear) return step;
@@ -344,7 +346,7 @@ private:
   // healthy clock amplitude and rate are slightly correlated as well.)
   [[nodiscard]] bool wanders_with_amplitude() const {
     if (!account_.sees_amplitude()) return false;
-    // The drive follows from lambda^2 and its derivative; one of the two is left out if it adds
+    // The drive follows from lambda^2 and its derivative; the derivative is left out if it adds
     // nothing.
     const Courses alone{{blocks_.amplitude_rad}, {}};
     const Courses both{{blocks_.amplitude_rad, speed_of(blocks_.amplitude_rad)}, {}};
@@ -361,7 +363,7 @@ private:
     return speed;
   }
 
-  // Two faults at once are rare; three mean that no cause of the list explains the course.
+  // Two faults at once are rare; three mean that none of the known causes explains the course.
   void add_if_not_understood(std::vector<Suspicion>& all) const {
     constexpr std::size_t implausible_causes = 3;
     if (all.size() < implausible_causes) return;

@@ -20,8 +20,8 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::size_t wake =
-    8; // windows after a change in which relaxation bends rate and amplitude
+// Windows after a change in which relaxation bends rate and amplitude.
+constexpr std::size_t wake = 8;
 
 bool is_before(const Change& a, const Change& b) { return a.cycle < b.cycle; }
 
@@ -32,7 +32,7 @@ std::vector<Change> strongest_first(std::vector<Change> changes) {
   return changes;
 }
 
-// A series against time, and the jumps of its slope.
+// A series against time.
 struct Track {
   std::vector<double> time;
   std::vector<double> value;
@@ -42,10 +42,10 @@ struct Track {
 class Slopes {
 public:
   explicit Slopes(const Track& track) {
-    const double mean_value = track.value[track.value.size() / 2]; // any offset of the right size
+    const double offset = track.value[track.value.size() / 2]; // any typical value keeps sums small
     for (std::size_t i = 0; i < track.time.size(); ++i) {
       const double t = track.time[i];
-      const double v = track.value[i] - mean_value;
+      const double v = track.value[i] - offset;
       t_.push_back(t_.back() + t);
       v_.push_back(v_.back() + v);
       tt_.push_back(tt_.back() + t * t);
@@ -53,7 +53,7 @@ public:
     }
   }
 
-  // Of the points [from, to).
+  // Slope of the points [from, to).
   [[nodiscard]] double slope(std::size_t from, std::size_t to) const {
     const auto n = static_cast<double>(to - from);
     const long double t = t_[to] - t_[from];
@@ -63,7 +63,7 @@ public:
   }
 
 private:
-  std::vector<long double> t_{0}, v_{0}, tt_{0}, tv_{0}; // sums of 1e7 squares lose nothing
+  std::vector<long double> t_{0}, v_{0}, tt_{0}, tv_{0}; // precise in sums of 1e7 squares
 };
 
 double robust_scatter(std::vector<double> values) {
@@ -72,7 +72,7 @@ double robust_scatter(std::vector<double> values) {
     v = std::abs(v);
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  return 1.4826 * *middle; // of a normal deviate about zero
+  return 1.4826 * *middle; // sigma of a normal deviate about zero
 }
 
 // Slope jump at every point (0 within a window of the ends) and its robust scatter over the log.
@@ -82,10 +82,10 @@ struct Jumps {
   [[nodiscard]] double score(std::size_t i) const { return std::abs(jump[i]) / scatter; }
 };
 
-// A smooth bend jumps a little everywhere. What the neighbours two windows away foretell (their
-// mean; near an end, the straight line or parabola through those on one side) is taken off where
-// that makes the jump smaller; a sudden change, which its neighbours do not foretell, stays as it
-// is.
+// A smooth bend gives a small jump at every point. The jump predicted from the neighbours two
+// windows away (their mean or, near an end, the straight line or parabola through those on one
+// side) is subtracted where that makes the jump smaller. A sudden change, which its neighbours do
+// not predict, is left unchanged.
 double without_bend(const std::vector<double>& jump, std::size_t i, std::size_t window) {
   const std::size_t reach = 2 * window;
   const auto at = [&](std::ptrdiff_t k) {
@@ -126,12 +126,12 @@ Jumps slope_jumps(const Track& track, std::size_t window, double least_scatter) 
     jumps.jump[i] = without_bend(plain, i, window);
   jumps.scatter = robust_scatter({plain.begin() + static_cast<std::ptrdiff_t>(window),
                                   plain.end() - static_cast<std::ptrdiff_t>(window)});
-  // Smaller changes are not reported; a log without noise would be full of them.
+  // Smaller changes are not reported; otherwise a log without noise would be full of them.
   jumps.scatter = std::max(jumps.scatter, least_scatter);
   return jumps;
 }
 
-// Sum of squares of a broken line with its corner at point k, over [from, to).
+// Residual sum of squares of a broken line with its corner at point k, over [from, to).
 double broken_line_misfit(const Track& track, std::size_t from, std::size_t to, std::size_t k) {
   const auto n = static_cast<Eigen::Index>(to - from);
   Eigen::MatrixXd design(n, 3);
@@ -202,8 +202,8 @@ public:
     return found;
   }
 
-  // After a step everything relaxes, and what relaxes is bent: within eight windows of a stronger
-  // change one of a fifth of its significance is taken for that bend.
+  // After a step, rate and amplitude relax along a bend. A change with less than a fifth of the
+  // significance of another within eight windows is taken to be that bend.
   [[nodiscard]] bool in_the_wake(std::size_t at, double score,
                                  const std::vector<std::size_t>& found) const {
     return std::any_of(found.begin(), found.end(), [&](std::size_t other) {
@@ -255,8 +255,8 @@ public:
   }
 
 private:
-  // One index serves both series: a blank amplitude takes the value before it. With more than a
-  // tenth of them blank the amplitudes are left alone.
+  // Gives both series the same indices: a missing amplitude takes the value before it. If more than
+  // a tenth are missing, the amplitudes are not used.
   void fill_amplitudes(std::span<const Beat> beats) {
     std::size_t blank = 0;
     double last = unknown;
@@ -278,7 +278,7 @@ private:
   std::vector<std::int64_t> cycle_;
 };
 
-// Relaxation of the points [from, to): a search in the rate, all else being linear.
+// Relaxation of the points [from, to): a search over the rate, as all other parameters are linear.
 std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_t to,
                                 bool to_zero) {
   if (to < from + 20) return {};
@@ -297,18 +297,18 @@ std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_
     linear = design.colPivHouseholderQr().solve(value);
     return Eigen::VectorXd(value - design * linear);
   };
-  // The rate is scanned from a hundredth to a hundred per span, then narrowed.
+  // The rate is scanned from a hundredth to a hundred per span, then refined.
   double best = 1.0 / span;
   for (double r = 0.01 / span; r < 100.0 / span; r *= 1.2)
     if (misfit(r).squaredNorm() < misfit(best).squaredNorm()) best = r;
-  constexpr int bits = 26; // half the digits: the minimum is flat
+  constexpr int bits = 26; // half the digits, as the minimum is flat
   const double rate =
       boost::math::tools::brent_find_minima([&](double r) { return misfit(r).squaredNorm(); },
                                             best / 1.2, best * 1.2, bits)
           .first;
   const Eigen::VectorXd residual = misfit(rate);
   if (rate < 0.011 / span || rate > 90.0 / span || linear.size() == 0)
-    return {}; // at an end: no curve
+    return {}; // at an end of the scan: no visible curve
   Eigen::MatrixXd jacobian(n, design.cols() + 1);
   jacobian.leftCols(design.cols()) = design;
   jacobian.col(design.cols()) = -linear[0] * time.array() * design.col(0).array();
@@ -333,7 +333,7 @@ std::size_t first_after(const Track& track, double time_s) {
 }
 
 // The relaxation over the window, and over a shorter and a longer one: a single exponential gives
-// the same time each time.
+// the same time constant in all three.
 std::optional<Relaxation> recovery_after(const Track& track, std::size_t from, double window_s) {
   const auto over = [&](double part) {
     return relax(track, from, first_after(track, track.time[from] + part * window_s), false);
@@ -344,8 +344,8 @@ std::optional<Relaxation> recovery_after(const Track& track, std::size_t from, d
   const auto longer = over(1.25);
   recovery->shorter_window_s = shorter ? shorter->time_constant_s : unknown;
   recovery->longer_window_s = longer ? longer->time_constant_s : unknown;
-  // The three share their data: twice the sigma of one is what they may differ by, doubled for
-  // safety.
+  // The three fits share their data, so that their time constants may differ by twice the sigma of
+  // one; this is doubled for safety.
   const double apart = recovery->longer_window_s - recovery->shorter_window_s;
   recovery->exponential = !(std::abs(apart) > 4.0 * recovery->sigma_s);
   return recovery;
@@ -358,7 +358,7 @@ double mean_value(const Track& track, std::size_t from, std::size_t to) {
   return sum / static_cast<double>(to - from);
 }
 
-// Less drive slows the clock at once and lets the amplitude fall; its return does the reverse.
+// A loss of drive slows the clock at once and lets the amplitude fall; its return does the reverse.
 bool begins_interruption(const Change& change) {
   return change.rate_change < 0.0 && change.amplitude_slope_change < 0.0;
 }
@@ -399,8 +399,8 @@ bool is_in(const Interruption& event, const Change& change) {
   return change.at_s >= event.begin.at_s && change.at_s <= event.end.at_s;
 }
 
-// The curve of the relaxation after a change may be found as a change again. Beside the stronger
-// change such a change gets no kind.
+// The bend of the relaxation after a change may be found as another change. It is dropped if the
+// log gives it no kind beside the stronger change.
 void drop_bends(const TimingData& data, const DiaryOptions& options, Diary& diary) {
   const double near_s = wake * static_cast<double>(options.window) * data.reference_period_s;
   std::vector<Change> kept;
@@ -423,7 +423,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   if (options.window < 4)
     throw ArgumentError("window", static_cast<double>(options.window), "at least 4");
   Diary diary;
-  if (beats.size() < 4 * options.window) return diary; // nothing to compare a change with
+  if (beats.size() < 4 * options.window) return diary; // too short to compare slopes
   // A displacement of the times is not a change of the rate.
   TimingData data = timing_data(beats);
   constexpr std::size_t most_displaced = 8;
@@ -456,7 +456,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
       for (Change* end : {&event.begin, &event.end})
         if (std::abs(change.at_s - end->at_s) <
             static_cast<double>(options.window) * nominal_period_s) {
-          change.at_s = end->at_s; // amplitudes date it, and it is too short to be judged alone
+          change.at_s = end->at_s; // dated by the amplitudes, and too short to be judged alone
           change.cycle = end->cycle;
           change.kind = ChangeKind::drive;
           *end = change;

@@ -8,7 +8,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Within `reach` on either side of 0, near which the search is finest.
+// The offset of the greatest gain within `reach` on either side of 0, near which the search is
+// finest.
 template <class Gain> double offset_of_best(const Gain& gain, double reach) {
   constexpr int bits = 8;
   const auto loss = [&](double off) { return -gain(off); };
@@ -104,14 +105,14 @@ FittedStep StepSearch::best(ChangeKind kind) const {
     if (step.gain > best.gain) best = std::move(step);
   };
   const bool relaxes = kind != ChangeKind::regulation;
-  constexpr double fine_step = 0.7, coarse_step = 1.4; // of log time
+  constexpr double fine_step = 0.7, coarse_step = 1.4; // of the logarithm of the time constant
   const double first = relaxes ? std::log(0.3 * block_s_) : last_log_time_ - 0.5 * coarse_step;
   const double stride = std::max(0.5, doubt_ / 4.0);
   for (double place = place_ - doubt_; place <= place_ + doubt_; place += stride)
     for (double log_time = first; log_time < last_log_time_; log_time += coarse_step)
       consider(place, log_time);
-  if (best.courses.rate.empty()) return best; // the amplitude speaks against it everywhere
-  for (int round = 0; round < 3; ++round) {   // place and time hardly depend on each other
+  if (best.courses.rate.empty()) return best; // the amplitude rules it out everywhere
+  for (int round = 0; round < 3; ++round) {   // place and time are almost independent
     const double place = best.place, log_time = std::log(best.time_s);
     consider(place + offset_of_best(
                          [&](double off) { return at(kind, place + off, log_time).gain; }, stride),
@@ -125,8 +126,8 @@ FittedStep StepSearch::best(ChangeKind kind) const {
   return best;
 }
 
-// The amplitude and the rate are curved functions of the squared amplitude: they have the powers of
-// its approach in them too, which show if the change is large.
+// The amplitude and the rate are nonlinear functions of the squared amplitude, so they also contain
+// powers of its exponential approach, which are visible if the change is large.
 Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, int powers) const {
   if (kind == ChangeKind::regulation)
     return {.rate = {make_.step(place)}, .amplitude = {}, .dates = 1};
@@ -150,12 +151,12 @@ Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, i
 FittedStep StepSearch::at(ChangeKind kind, double place, double log_time) const {
   FittedStep step{.place = place, .time_s = std::exp(log_time), .courses = {}};
   const bool relaxes = kind != ChangeKind::regulation;
-  const int most_powers = relaxes ? 3 : 1; // more would make a jump of their own
+  const int most_powers = relaxes ? 3 : 1; // more could imitate a jump
   for (int powers = 1; powers <= most_powers; ++powers) {
     Courses courses = courses_of(kind, place, log_time, powers);
     const double gain = account_.gain_of(courses);
     if (gain <= step.gain) break;
-    // An amplitude that is seen and does not follow speaks against it, whatever the rate does.
+    // A logged amplitude that does not follow rules the change out, whatever the rate does.
     if (relaxes && account_.sees_amplitude() && account_.amplitude_gain_of(courses) < 0.0) break;
     step.gain = gain;
     step.courses = std::move(courses);
@@ -163,7 +164,8 @@ FittedStep StepSearch::at(ChangeKind kind, double place, double log_time) const 
   return step;
 }
 
-// The courses' slopes in place and time constant are courses as well, whose sizes are near 0.
+// The derivatives of the courses with respect to place and time constant are fitted as further
+// courses, of sizes near 0, so that the sigmas include the uncertainty of both.
 Sizes StepSearch::sizes_of(ChangeKind kind, const FittedStep& step) const {
   const double log_time = std::log(step.time_s);
   const int powers = static_cast<int>(step.courses.amplitude.size());
@@ -185,12 +187,12 @@ Sizes StepSearch::sizes_of(ChangeKind kind, const FittedStep& step) const {
     add(&Courses::rate, sizes.rate);
     add(&Courses::amplitude, sizes.amplitude);
   };
-  constexpr double blocks = 0.25, of_log_time = 0.1;
-  add_slope(courses_of(kind, step.place + blocks, log_time, powers),
-            courses_of(kind, step.place - blocks, log_time, powers));
+  constexpr double place_step_blocks = 0.25, log_time_step = 0.1;
+  add_slope(courses_of(kind, step.place + place_step_blocks, log_time, powers),
+            courses_of(kind, step.place - place_step_blocks, log_time, powers));
   if (kind != ChangeKind::regulation)
-    add_slope(courses_of(kind, step.place, log_time + of_log_time, powers),
-              courses_of(kind, step.place, log_time - of_log_time, powers));
+    add_slope(courses_of(kind, step.place, log_time + log_time_step, powers),
+              courses_of(kind, step.place, log_time - log_time_step, powers));
   const Sizes wide = account_.sizes_of(with_slopes);
   const auto take_sigmas = [](std::vector<double>& sigma, const std::vector<double>& all) {
     std::copy_n(all.begin(), sigma.size(), sigma.begin());

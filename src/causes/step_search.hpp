@@ -1,11 +1,11 @@
-// Where and how rate and amplitude change suddenly. Private to the causes room.
+// Search for sudden changes of rate and amplitude. Private to the causes room.
 //
-// A change at t0 makes, of h = 0 before and 1 after, and a = h (1 - exp(-(t - t0)/T)):
+// A change at t0 gives, with h = 0 before it and 1 after, and a = h (1 - exp(-(t - t0)/T)):
 //   regulation:  r = b h;
 //   drive:       r = b h + c a,   amplitude = e a;
-//   friction:    r = c a,         amplitude = e a:
-// the squared amplitude approaches its new level exponentially, a torque turns the clock at once,
-// and friction only by way of the amplitude.
+//   friction:    r = c a,         amplitude = e a.
+// The squared amplitude approaches its new level exponentially. A torque changes the rate at once,
+// friction only through the amplitude.
 #pragma once
 
 #include "account.hpp"
@@ -18,20 +18,20 @@
 
 namespace goingrate::timing_model {
 
-/// A change at a place in blocks, the time constant of what follows, and what they gain.
+/// A change: its place in blocks, the time constant of the relaxation after it, and the gain.
 struct FittedStep {
   double place = 0.0, time_s = 0.0;
   double gain = -std::numeric_limits<double>::infinity();
-  Courses courses; ///< of sizes that begin with the change in the end
+  Courses courses; ///< the size of the first is the lasting change
 };
 
-/// Changes about a place that may be off by some blocks, beside what an account has taken.
+/// Fits a change about a place that may be off by some blocks, beside what an account has taken.
 class StepSearch {
 public:
   StepSearch(const Account& account, const RateBlocks& blocks, double place, double doubt);
-  /// The place and the time constant that suit a kind best.
+  /// The place and the time constant that fit best for a kind.
   [[nodiscard]] FittedStep best(ChangeKind kind) const;
-  /// The sizes of a step's courses, their sigmas with those of its place and time constant.
+  /// The sizes of a step's courses. Their sigmas include those of its place and time constant.
   [[nodiscard]] Sizes sizes_of(ChangeKind kind, const FittedStep& step) const;
 
 private:
@@ -44,23 +44,23 @@ private:
   double block_s_, place_, doubt_, last_log_time_;
 };
 
-/// What a step at each block, or from one block to another, would explain beside what an account
-/// has taken, in noise as it is now: the score of all places at once.
+/// What a step at each block, or a different rate from one block to another, would explain beside
+/// what an account has taken, in its present noise: the score of all places at once.
 class StepScan {
 public:
   StepScan(const Account& account, const RateBlocks& blocks);
   /// Blocks at which a step explains most, at least `apart` from each other.
   [[nodiscard]] std::vector<std::size_t> best_steps(std::size_t most, std::size_t apart) const;
-  /// From where to where the rate explains most if it is different meanwhile.
+  /// The blocks between which a different rate explains most.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_visit() const;
 
 private:
-  static constexpr std::size_t rim = 2; // blocks: a step so near an end is a bad block
-  std::vector<double> of_step_;         // from the rim on
-  Eigen::MatrixXd rate_products_;       // of the steps with each other, last the rate
+  static constexpr std::size_t rim = 2; // blocks: a step closer to an end may be one bad block
+  std::vector<double> of_step_;         // from block `rim` on
+  Eigen::MatrixXd rate_products_;       // scalar products of the steps, the rate last
 };
 
-/// A rate that is different for a while.
+/// A temporary difference of the rate.
 struct FittedVisit {
   double from = 0.0, to = 0.0; ///< in blocks
   Courses courses;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// What one block shows.
+// What the log shows in one block.
 struct Block {
   double at_s = 0.0, cycles = 0.0;
   double x = unknown, x_sigma = 0.0; // from its amplitudes
@@ -118,7 +118,7 @@ private:
   }
 
   void run(double q, bool keep) {
-    constexpr double prior_sigma = 3.0; // of the relative drive and of x: wide beside anything seen
+    constexpr double prior_sigma = 3.0; // of the relative drive and of x: wider than any real value
     deviance_ = 0.0;
     filtered_.clear();
     state_.setZero();
@@ -134,7 +134,7 @@ private:
       transition(0, 1) = gone;
       state_ = transition * state_;
       covariance_ = (transition * covariance_ * transition.transpose()).eval();
-      if (k > 0) { // the step comes somewhere on the way, so that half of it acts on the amplitude
+      if (k > 0) { // the step may come at any time between, so half of it acts on the amplitude
         const Vector step(0.5 * gone, 1.0, 0.0);
         covariance_ += q * q * step * step.transpose();
       }
@@ -171,11 +171,11 @@ std::optional<DriveHistory> drive_history(const TimingData& data, const DriveMod
   constexpr std::size_t fewest_blocks = 10;
   if (blocks.list().size() < fewest_blocks) return {};
   Smoother smoother(blocks.list(), model);
-  // A grid first: the deviance has flat ends, where the steps are too small or too large to matter.
+  // A grid first, as the deviance is flat where the steps are too small or too large to matter.
   double best = -14.0;
   for (double log_q = -14.0; log_q <= 1.0; log_q += 1.0)
     if (smoother.deviance(std::exp(log_q)) < smoother.deviance(std::exp(best))) best = log_q;
-  constexpr int bits = 10; // of log q: a thousandth
+  constexpr int bits = 10; // of log q, to a thousandth
   const double found = boost::math::tools::brent_find_minima(
                            [&](double log_q) { return smoother.deviance(std::exp(log_q)); },
                            best - 1.0, best + 1.0, bits)
@@ -187,7 +187,7 @@ std::optional<DriveHistory> drive_history(const TimingData& data, const DriveMod
 
 std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& data) {
   DriveModel model;
-  model.T0_s = data.reference_period_s; // what differs from T0 by a part in a thousand will do
+  model.T0_s = data.reference_period_s; // T0 to a part in a thousand is enough
   if (const FittedParameter* epsilon = fit.find("epsilon"))
     model.epsilon = epsilon->value; // NaN if undetermined
   if (!(model.epsilon > 0.0)) return {};
@@ -198,7 +198,8 @@ std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& d
     model.slow_gain = slow->value;
   }
   model.amplitude_rad = fit.stationary_amplitude.value;
-  if (data.has_amplitude() && !(model.amplitude_rad > 0.0)) { // the log's own mean counts as rest
+  // Without a fitted stationary amplitude the mean of the log takes its place.
+  if (data.has_amplitude() && !(model.amplitude_rad > 0.0)) {
     double sum = 0.0, seen = 0.0;
     for (const double a : data.amplitude_rad) {
       sum += std::isnan(a) ? 0.0 : a;
@@ -206,8 +207,8 @@ std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& d
     }
     model.amplitude_rad = sum / seen;
   }
-  const bool enough = data.has_amplitude() || model.fast_gain;
-  return enough ? std::optional(model) : std::nullopt;
+  const bool has_signal = data.has_amplitude() || model.fast_gain;
+  return has_signal ? std::optional(model) : std::nullopt;
 }
 
 } // namespace goingrate

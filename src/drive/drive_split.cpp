@@ -25,7 +25,7 @@ using timing_model::RateComponents;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// The ends moved apart by a relative error beside that of the likelihood.
+// The interval widened by a relative error in addition to that of the likelihood.
 RmsEstimate widened(const RmsEstimate& estimate, double relative) {
   const bool is_limit = estimate.low68 == 0.0;
   const double more = relative * (is_limit ? estimate.high68 : estimate.rms);
@@ -37,8 +37,8 @@ RmsEstimate widened(const RmsEstimate& estimate, double relative) {
 
 using Ends = std::array<RateComponents, 2>;
 
-// The parts of the drive as sized from the rates. Each interval is found with the other parts at
-// the values they take at its ends.
+// The sizes of the parts of the drive, from the rates. At each end of an interval the other parts
+// have the values that fit best there.
 struct Parts {
   ComponentFit fit;
   Ends fast, slow;
@@ -63,12 +63,12 @@ RmsEstimate rms_of(const ComponentFit& fit, const Ends& ends, Component which,
   return estimate;
 }
 
-// The share of a part of the drive that lies below a frequency.
+// The share of the variance of a part of the drive that lies below a frequency.
 double share_below(const RateComponents& c, bool slow, double split_hz, double period_s) {
   const double nyquist = 0.5 / period_s;
   if (!slow) return std::min(1.0, split_hz / nyquist);
   const DriveResponse flat{1.0, 1.0, 1.0};
-  constexpr int steps = 4000; // logarithmic, from far below any corner: a thousandth
+  constexpr int steps = 4000; // logarithmic, from far below any corner; accurate to a thousandth
   double below = 0.0, all = 0.0;
   const double first = std::min(split_hz, 1.0 / c.memory_s) * 1e-4;
   const double ratio = std::pow(nyquist / first, 1.0 / steps);
@@ -91,12 +91,13 @@ RmsEstimate sum_of(const RmsEstimate& a, double share_a, const RmsEstimate& b, d
   return {std::sqrt(middle), std::sqrt(std::max(0.0, middle - down)), std::sqrt(middle + up)};
 }
 
-// The rms time error after t of a rate with density S: beyond ten turns in t the mean of sin^2.
+// The rms time error after t of a rate with density S. Beyond ten turns in t, sin^2 is replaced by
+// its mean.
 template <class Density> double time_error(const Density& density, double t, double period_s) {
   constexpr int steps = 3000;
   const double first = 1e-4 / t, last = 0.5 / period_s;
   const double ratio = std::pow(last / first, 1.0 / steps);
-  double sum = density(first) * t * t * first; // below the grid sin x is x
+  double sum = density(first) * t * t * first; // below the grid, sin x = x
   double f = first * std::sqrt(ratio);
   for (int i = 0; i < steps; ++i, f *= ratio) {
     const double turns = f * t;
@@ -154,8 +155,8 @@ void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveRespon
   result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
 }
 
-// The same from uncorrected rates, with gains averaged over the amplitudes that the slow drive
-// causes.
+// Sizes of the drive from uncorrected rates, with gains averaged over the amplitudes that the slow
+// drive causes.
 void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
                          double length_s) {
   const auto drive_at = [&](const RateComponents& found) {
@@ -181,15 +182,14 @@ bool is_constant(std::span<const double> rates) {
   return std::adjacent_find(rates.begin(), rates.end(), std::not_equal_to<>()) == rates.end();
 }
 
-// The reason for which the slow drive's size is only approximate, if the rates could not be
-// linearised.
+// The reason why the slow drive's size is only approximate, if the rates could not be linearised.
 std::string why_rough(const RateComponents& found, const DriveResponse& response) {
   const double spread = timing_model::amplitude_spread(found, response);
   const double phi2 = std::pow(response.switching_angle, 2);
-  constexpr double largest_gain_spread = 0.05; // with a larger spread, the variation of the gains
-                                               // exceeds the uncertainty of a slow drive
-  constexpr double stall_distance_sigma =
-      3.5; // standard deviations to a stall: once in some thousand memories
+  // With a larger spread, the variation of the gains exceeds the uncertainty of a slow drive.
+  constexpr double largest_gain_spread = 0.05;
+  // Standard deviations to a stall: once in several thousand memory times.
+  constexpr double stall_distance_sigma = 3.5;
   if (spread > largest_gain_spread && !timing_model::forgets_its_start(response))
     return "the rate hardly responds to slow changes of the drive, and not in proportion: the slow "
            "rms is approximate";
@@ -245,7 +245,7 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   result.split_hz = result.at_frequency ? split_hz : response.corner_hz;
   const RateComponents drive = timing_model::with_gains_averaged(best, response);
   const auto linear = timing_model::linear_rates(rates, period_s, response, drive);
-  RateComponents found = best; // in the order of the parts
+  RateComponents found = best; // from which the sizes come
   if (linear) {
     const Parts freed(ComponentFit(linear->rates, period_s, response));
     take_linear_sizes(result, freed, response, linear->mean_drive_rms);
@@ -278,7 +278,7 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
 
 namespace {
 
-// Indices of the clock's parameters in the fit.
+// A parameter of the clock: its name in the fit, and its member.
 struct ClockNumber {
   std::string_view name;
   double ClockParameters::*place;
@@ -304,13 +304,13 @@ double correlation_of(const FitSummary& fit, const std::string& a, const std::st
 double relative_gain_sigma(const FitSummary& fit, const ClockParameters& clock,
                            double frequency_hz) {
   std::vector<std::string> names;
-  std::vector<double> moves; // of log |H| by one sigma
+  std::vector<double> moves; // changes of log |H| for one sigma
   const auto log_gain = [&](const ClockParameters& at) {
     const auto response = drive_response(at);
     return response ? std::log(std::abs(response->at(frequency_hz))) : unknown;
   };
   for (const ClockNumber& number : clock_numbers) {
-    const FittedParameter* last = nullptr; // as it is after the last event
+    const FittedParameter* last = nullptr; // its value after the last event
     for (const FittedParameter& p : fit.parameters)
       if (std::string_view(p.name).substr(0, p.name.find('@')) == number.name) last = &p;
     if (last == nullptr || !(last->sigma > 0.0)) continue;
@@ -338,7 +338,7 @@ namespace {
 // The cycle from which the gains hold: after the last change has settled, if the log is long
 // enough.
 std::size_t settled_since(const FitSummary& fit, const ClockParameters& clock, std::size_t cycles) {
-  constexpr double relaxations = 5.0; // of the amplitude's square, T0/(4 pi epsilon)
+  constexpr double relaxations = 5.0; // of the squared amplitude, in units of T0/(4 pi epsilon)
   if (fit.events.empty()) return 0;
   const auto change = std::min(
       static_cast<std::size_t>(std::max<std::int64_t>(0, fit.events.back().cycle)), cycles);
@@ -375,7 +375,8 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   drive.rates = rate_about_fit(beats, nominal_period_s, fit);
   const auto& rates = drive.rates;
   if (rates.size() < 8) return drive;
-  // One segment, for the longest reach; a trend is a slow variation too and stays in.
+  // One segment reaches the lowest frequency. A trend is a slow variation too, so it is not
+  // removed.
   drive.rate_spectrum =
       welch_spectrum(rates, nominal_period_s, {.segment = rates.size(), .detrend_linear = false});
   auto clock = fitted_clock(fit);

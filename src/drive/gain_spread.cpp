@@ -12,10 +12,11 @@ struct Factors {
   double fast = 1.0, slow = 1.0;
 };
 
-// Below it a slow drive has most of its power.
+// Half of the power of a slow drive lies below this frequency.
 double slowest_hz(double memory_s) { return 1.0 / (2.0 * std::numbers::pi * memory_s); }
 
-// Averages over a normal z by the trapezoidal rule, which converges faster than any power here.
+// Averages over a normal z by the trapezoidal rule, which here converges faster than any power of
+// the step.
 Factors factors_at(double spread, const DriveResponse& response, double memory_s) {
   constexpr double reach = 5.0, step = 0.1;
   const double x0 = response.amplitude2, phi2 = response.switching_angle * response.switching_angle;
@@ -33,9 +34,9 @@ Factors factors_at(double spread, const DriveResponse& response, double memory_s
   }
   rate /= weight;
   const double variance = rate2 / weight - rate * rate;
-  // What the bend adds to the rate, beside what the drive makes of it where it has its memory: of a
-  // clock whose slow gain is almost zero that is far more than the slow gain would. What it takes
-  // away, as near a stall, is a share of the slow gain's part.
+  // What the curvature adds to the rate is compared with the linear response at the corner of the
+  // slow drive: where the slow gain is almost zero, it adds far more than that gain does. What it
+  // removes, as near a stall, is a share of the slow gain's part.
   const double settled = std::pow(response.slow_gain * spread, 2), added = variance - settled;
   const double linear = std::norm(response.at(slowest_hz(memory_s))) * spread * spread;
   return {gain2 / weight / (response.fast_gain * response.fast_gain),
@@ -76,8 +77,8 @@ GainDoubt gain_doubt(const DriveResponse& response, double shift, double memory_
   if (!knows_amplitude(response)) return {};
   const double x = response.amplitude2;
   const double y2 = x - response.switching_angle * response.switching_angle;
-  // x dg/dx of g_fast = c y/x and of g_slow = c/(2 y) - x0/16: both of a change of the drive
-  // relative to mu, not to its mean.
+  // x dg/dx of g_fast = c y/x and of g_slow = c/(2 y) - x0/16: both gains are for a change of the
+  // drive relative to mu, not to its mean.
   const double of_fast = response.fast_gain * (0.5 * x / y2 - 1.0);
   const double of_slow = -(response.slow_gain + x / 16.0) * 0.5 * x / y2;
   const DriveResponse change{of_fast, of_slow, response.corner_hz};
@@ -90,9 +91,9 @@ RateComponents with_gains_averaged(RateComponents found, const DriveResponse& re
   if (!applies(found, response)) return found;
   const double share = share_in_amplitude(found, response);
   RateComponents drive = found;
-  constexpr double least_spread = 1e-3,
-                   most_spread = 1.0; // of the spread: below nothing, above no clock
-  constexpr int rounds = 30;          // each gains a digit or so
+  // A smaller spread has no effect; no clock has a larger one.
+  constexpr double least_spread = 1e-3, most_spread = 1.0;
+  constexpr int rounds = 30; // each gains about one binary digit
   for (int i = 0; i < rounds; ++i) {
     const double spread = std::clamp(std::sqrt(drive.slow2 * share), least_spread, most_spread);
     const Factors factors = factors_at(spread, response, found.memory_s);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-// sin^2(pi f T), by which both shapes go.
+// sin^2(pi f T), on which both shapes depend.
 double sine2(double hz, double period_s) {
   const double s = std::sin(std::numbers::pi * hz * period_s);
   return s * s;
@@ -25,7 +25,7 @@ double sine2(double hz, double period_s) {
 
 double jitter_shape(double sine2, double period_s) { return 8.0 * sine2 / period_s; }
 
-// Of a slow drive over a white one of the same variance.
+// The density of a slow drive divided by that of a white one of the same variance.
 class MemoryShape {
 public:
   MemoryShape(double period_s, double memory_s)
@@ -70,7 +70,7 @@ ComponentFit::ComponentFit(std::span<const double> rates, double period_s,
   }
   for (std::size_t i = 0; i < 3; ++i)
     all_[i] = power / shape[i];
-  constexpr int rounds = 3; // the smearing follows the fit; it is a small correction
+  constexpr int rounds = 3; // the smearing, a small correction, depends on the fit
   for (int round = 0; round < rounds; ++round) {
     const Place place = lowest_over_memory({});
     best_ = place.at;
@@ -79,7 +79,7 @@ ComponentFit::ComponentFit(std::span<const double> rates, double period_s,
   }
   const Place without = lowest(best_.memory_s, {1, 0.0});
   without_slow_ = without.value;
-  if (without_slow_ < best_value_) { // by rounding
+  if (without_slow_ < best_value_) { // only by rounding
     best_ = without.at;
     best_value_ = without_slow_;
   }
@@ -94,8 +94,8 @@ void ComponentFit::gather(std::span<const double> rates) {
   const auto transform = real_transform(x);
   const double scale = 2.0 * period_s_ / static_cast<double>(size_);
   const double spacing = 1.0 / (static_cast<double>(size_) * period_s_);
-  constexpr double width = 0.04;           // of a frequency: S changes little over it
-  const std::size_t end = (size_ + 1) / 2; // without Nyquist's, which has half the freedom
+  constexpr double width = 0.04;           // of the frequency: S changes little over it
+  const std::size_t end = (size_ + 1) / 2; // without Nyquist's: half the degrees of freedom
   for (std::size_t k = 1; k < end;) {
     const std::size_t to = std::min(
         end,
@@ -167,8 +167,8 @@ double ComponentFit::value_at(const RateComponents& at, const std::vector<Shapes
 
 namespace {
 
-// Minimises sum w (p - A v)^2 over v >= 0 of those that are free: of all subsets the best one whose
-// values are all positive.
+// Minimises sum w (p - A v)^2 over those v >= 0 that are free: the best of all subsets whose values
+// are all positive.
 Eigen::Vector3d nonnegative(const Eigen::Matrix3d& normal, const Eigen::Vector3d& right,
                             const Eigen::Vector3d& given, unsigned free) {
   Eigen::Vector3d best = given;
@@ -198,10 +198,10 @@ Eigen::Vector3d nonnegative(const Eigen::Matrix3d& normal, const Eigen::Vector3d
 
 } // namespace
 
-// Fisher scoring: least squares with the weights of the place before, until L stands still.
+// Fisher scoring: least squares with the weights of the previous round, until L no longer rises.
 ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) const {
   const std::vector<Shapes> shape = shapes(memory_s);
-  Eigen::Vector3d scale = Eigen::Vector3d::Zero(); // of each variance, so that numbers are near 1
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero(); // of each variance, to keep v near 1
   double power = 0.0;
   for (std::size_t b = 0; b < bins_.size(); ++b) {
     scale += bins_[b].count * Eigen::Map<const Eigen::Vector3d>(shape[b].data());
@@ -250,8 +250,8 @@ ComponentFit::Place ComponentFit::lowest(double memory_s, const Held& held) cons
   return {value, at(v)};
 }
 
-// The best memory: a grid, for L may have several valleys, then Brent. A memory beyond half the log
-// cannot be told from drift.
+// The best memory: a grid, as -log L may have several minima, then Brent. A memory longer than half
+// the log cannot be distinguished from drift.
 ComponentFit::Place ComponentFit::lowest_over_memory(const Held& held) const {
   const double shortest = std::log(2.0 * period_s_);
   const double longest = std::log(0.5 * static_cast<double>(size_) * period_s_);
@@ -283,8 +283,9 @@ double variance_of(const RateComponents& components, Component which) {
 }
 
 RateComponents ComponentFit::best_for(Component which) const {
-  // With z normal about any z0 >= 0 and unit width, z kept above 1.18 and 0 below is off by 0.2 at
-  // most, on either side; z kept above 0 by 0.4. Half of 1.18 squared:
+  // If z is normal about any z0 >= 0 with unit sigma, replacing it by 0 below 1.18 biases its mean
+  // by at most 0.2 in either direction; replacing it by 0 only below 0 biases it by up to 0.4. The
+  // threshold is half of 1.18 squared.
   constexpr double evidence_of_jitter = 0.7;
   unsigned absent = 0;
   const auto leave_out = [&](Component part, double least) {

@@ -14,7 +14,7 @@ namespace goingrate {
 
 namespace {
 
-// No one notices that a clock stopped and sets it going again within so many beats.
+// Cycles: no one notices that a clock has stopped and restarts it sooner.
 constexpr std::int64_t shortest_stop = 20;
 
 void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
@@ -27,14 +27,14 @@ void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
   differences.add(beats.subspan(from));
 }
 
-// Where the beats had to be looked for, in a numbered log.
+// Where the numbering of a log had to search for the beats anew.
 struct Resumed {
-  std::vector<std::size_t> at; // first beats, of blocks too
+  std::vector<std::size_t> at; // first beats after such places, and of later blocks
   bool has_downward = false;
 };
 
 // The stretches in which time does not go back. A step back by less than half a period is left to
-// the numbering: two events that jitter past each other, or a reference that was set.
+// the numbering: two events may be interchanged by jitter, or the reference was set.
 std::vector<Stretch> blocks_of(std::span<const Beat> beats, double period_s) {
   std::vector<Stretch> blocks{{0, 0}};
   for (std::size_t i = 1; i < beats.size(); ++i)
@@ -67,8 +67,8 @@ Resumed number_blocks(std::span<Beat> beats, const TypicalPeriod& typical, const
   return resumed;
 }
 
-// The noise as a first numbering of a bounded sample shows it. A log that is its own sample is
-// numbered in place, and again later.
+// The noise found from a first numbering of a bounded sample. The sample is numbered in place, and
+// again later with the whole log.
 BeatNoise sampled_noise(std::vector<Beat>& beats, const TypicalPeriod& typical) {
   SecondDifferences differences;
   for (const Stretch& stretch : sample_stretches(beats.size())) {
@@ -91,8 +91,8 @@ std::int64_t longest_run(std::span<const Beat> beats, std::span<const std::size_
   return longest;
 }
 
-// Second pass over a numbered log: counts its gaps, and writes the segments and the cycles that
-// follow from the counts.
+// Second pass over a numbered log: counts the cycles in its gaps, and writes the segments and
+// cycles that follow from the counts.
 class GapPass {
 public:
   GapPass(Beats& result, const std::vector<std::size_t>& resumed, const GapJudge& judge,
@@ -180,8 +180,8 @@ private:
   double longest_absence_; // cycles
   const std::string& source_;
   std::size_t last_ = none;
-  std::size_t first_ = 0; // of the segment
-  std::size_t reach_;     // beats before this index are on one numbering with the present one
+  std::size_t first_ = 0; // beat of the segment
+  std::size_t reach_;     // beats before this index are numbered consistently with the present one
   std::int64_t shift_ = 0;
   std::uint16_t segment_ = 0;
 };
@@ -260,7 +260,7 @@ Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source) {
                             static_cast<double>(beats.back().cycle - beats.front().cycle);
   for (double& period : periods)
     period = std::abs(period - result.typical_period_s);
-  result.scatter_s = 1.4826 * median(periods); // the normal deviation with this median
+  result.scatter_s = 1.4826 * median(periods); // sigma of a normal deviate with this median
   return result;
 }
 

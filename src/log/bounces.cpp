@@ -1,4 +1,4 @@
-// Contacts that bounce: several events for one edge.
+// Contact bounce: several events for one edge.
 #include "beat_noise.hpp"
 #include "typical_period.hpp"
 
@@ -15,7 +15,8 @@ namespace goingrate {
 
 namespace {
 
-// The interval in which half of the time passes. Bounces, however many, take next to none of it.
+// Median of the intervals, weighted by their length. Bounces take up almost none of the time,
+// however many there are, and so hardly affect it.
 double usual_interval(std::span<const Beat> events) {
   std::vector<double> intervals;
   double sum = 0.0;
@@ -33,8 +34,8 @@ double usual_interval(std::span<const Beat> events) {
   return 0.0;
 }
 
-// Events within `dead_time_s` of an edge, which is the first event after such a time: `take` is
-// told each with the time since its edge.
+// Calls `take` for each event within `dead_time_s` of an edge, with the time since that edge. An
+// edge is the first event after such a dead time.
 template <class Take> void for_each_bounce(std::span<Beat> events, double dead_time_s, Take take) {
   const Beat* edge = nullptr;
   for (Beat& event : events) {
@@ -46,12 +47,13 @@ template <class Take> void for_each_bounce(std::span<Beat> events, double dead_t
   }
 }
 
-// The dead time that takes in the bounces, or 0 if there are none. False events fall on both halves
-// of the time looked at alike; as many as fall on the second half are taken off the first.
+// The dead time that covers the bounces, or 0 if there are none. False events are equally frequent
+// in both halves of the time examined, so the number in the second half is subtracted from the
+// first.
 double found_dead_time(std::span<Beat> events) {
   constexpr double looked_at_share = 0.1;   // of the usual interval
   constexpr double longest_s = 0.1;         // no contact bounces for longer
-  constexpr std::size_t fewest_bounces = 5; // bounces that are no accident
+  constexpr std::size_t fewest_bounces = 5; // fewer may be chance
   const double reach = std::min(looked_at_share * usual_interval(events), longest_s);
   std::vector<double> early;
   std::size_t late = 0;
@@ -63,17 +65,18 @@ double found_dead_time(std::span<Beat> events) {
                       else
                         ++late;
                     });
-  // So many in a tenth of the time that false events at any time would be several a beat.
+  // So many events in a tenth of the time that, if they were false events spread evenly, there
+  // would be several in each beat.
   const bool crowded = 3 * (early.size() + late) > events.size();
   if (early.size() < fewest_bounces || (early.size() <= 4 * late && !crowded)) return 0.0;
   if (early.size() <= 4 * late) return reach;
   std::sort(early.begin(), early.end());
-  constexpr double margin = 1.2; // the longest of the sample is not the longest of all
+  constexpr double margin = 1.2; // longer bounces may occur outside the sample
   return margin * early[early.size() - 1 - late];
 }
 
-// The jitter of single times, s, from second differences of every other edge, which a beat error
-// does not enter; 0 with too few edges.
+// The jitter of single times, s, from second differences of every other edge, in which a beat error
+// cancels; 0 with too few edges.
 double jitter_of(std::span<const Beat> edges) {
   std::vector<double> pairs;
   for (std::size_t i = 2; i < edges.size(); ++i)
@@ -88,11 +91,12 @@ double jitter_of(std::span<const Beat> edges) {
   return second.empty() ? 0.0 : std::sqrt(trimmed_mean_square(second) / 6.0);
 }
 
-// Jitter as large as the dead time: then the first edge need not be the beat, and where few bounce,
-// by one event each, the numbering tells which of the two is the likelier.
+// Whether the jitter is comparable with the dead time, so that the first edge need not be the beat,
+// while few edges bounce and mostly by one event. The numbering then decides which of the two
+// events is the more likely beat.
 bool hides_in_jitter(std::span<const Beat> events, double dead_time_s) {
   std::vector<Beat> edges(events.begin(), events.end());
-  std::size_t bounces = 0, bouncing = 0; // events, and edges that they follow
+  std::size_t bounces = 0, bouncing = 0; // events, and the edges that they follow
   const Beat* before = nullptr;
   for_each_bounce(edges, dead_time_s, [&](Beat& event, double) {
     bouncing += before == nullptr || &event != before + 1 ? 1 : 0;
@@ -103,11 +107,12 @@ bool hides_in_jitter(std::span<const Beat> events, double dead_time_s) {
   std::erase_if(edges, [](const Beat& event) { return event.flag == BeatFlag::bounce; });
   const bool few = 4 * bounces < edges.size(), single = bounces < 2 * bouncing;
   if (!few || !single || edges.size() < 3) return false;
-  constexpr double part = 0.05; // of the dead time: two sigmas are a tenth of it
-  return jitter_of(edges) > part * dead_time_s;
+  constexpr double jitter_share = 0.05; // of the dead time: two sigmas are a tenth of it
+  return jitter_of(edges) > jitter_share * dead_time_s;
 }
 
-// A beam near the turning point is met and left within a short time: then one direction would go.
+// Whether the dead time would remove most crossings of one direction: near the turning point, the
+// pendulum enters and leaves a light beam within a short time.
 bool takes_a_direction(std::span<Beat> events, double dead_time_s) {
   std::size_t all[2] = {0, 0}, gone[2] = {0, 0};
   for (const Beat& event : events)

@@ -14,7 +14,7 @@ namespace goingrate {
 
 namespace {
 
-// Where downward crossings stand: the fraction of a period after the upward one.
+// Usual place of downward crossings, as a fraction of a period after the upward one.
 struct Middle {
   double at = 0.5;
   double sigma = 0.01;
@@ -41,8 +41,8 @@ Middle typical_middle(std::span<const Beat> beats, double period_s) {
   const double half = median(fractions);
   constexpr double finest_share = 1e-9; // of a period, as for upward crossings
   middle.sigma = std::max(1.4826 * half, finest_share);
-  // Eight standard deviations (12 medians), at least 1 % and never a quarter: an upward crossing
-  // taken for a downward one stands half a period off.
+  // Eight standard deviations (12 median deviations), at least 1 % of a period and always less than
+  // a quarter: an upward crossing taken for a downward one is off by half a period.
   middle.tolerance = std::clamp(12.0 * half, 0.01, 0.2);
   return middle;
 }
@@ -61,7 +61,7 @@ public:
       const bool bounces = beats_[i].flag == BeatFlag::bounce;
       if (!bounces) edge_ = i;
       if (beats_[i].edge == Edge::down && !bounces) place(i);
-      // What bounced may have been a false event shortly before the crossing.
+      // An event marked as a bounce may be the crossing, if the edge before it was a false event.
       if (beats_[i].edge == Edge::down && bounces && edge_ != none &&
           beats_[edge_].flag == BeatFlag::spurious) {
         place(i);
@@ -80,7 +80,7 @@ private:
     const double off = since - whole;
     beat.cycle = beats_[up_].cycle + static_cast<std::int64_t>(std::clamp(whole, -1e15, 1e15));
     beat.segment = beats_[up_].segment;
-    // Where upward crossings are missing the foreseen place is less sure.
+    // Where upward crossings are missing, the predicted place is less certain.
     const double allowed =
         std::min(0.25, middle_.tolerance * std::sqrt(std::max(1.0, whole + 1.0)));
     if (std::abs(off) > allowed) return misfit(i, off);
@@ -88,8 +88,9 @@ private:
     settle(i, off);
   }
 
-  // A downward crossing that fits; of two in one cycle the nearer to the middle is the one, and the
-  // other a rival unless it is a hundred times less likely (exp 4.6), as with upward crossings.
+  // Takes a downward crossing that fits. Of two in one cycle the one nearer to the usual place is
+  // kept; the other is a rival, or spurious if it is a hundred times less likely (exp 4.6), as with
+  // upward crossings.
   void settle(std::size_t i, double off) {
     beats_[i].flag = BeatFlag::down;
     if (down_ != none && beats_[down_].cycle == beats_[i].cycle) {
@@ -101,10 +102,10 @@ private:
     }
     down_ = i;
     off_ = off;
-    middle_.at += 0.02 * off; // fifty cycles: an amplitude that falls changes the middle slowly
+    middle_.at += 0.02 * off; // fifty cycles: a falling amplitude shifts the place slowly
   }
 
-  // Seven misfits in a row that agree with each other: the beat error has changed.
+  // Seven successive misfits that agree with each other mean that the beat error has changed.
   void misfit(std::size_t i, double off) {
     beats_[i].flag = BeatFlag::spurious;
     misfits_.push_back({i, off});
@@ -131,20 +132,21 @@ private:
   double period_;
   Middle middle_;
   std::size_t up_ = none, down_ = none; // the last upward and downward crossings
-  std::size_t edge_ = none;             // the last event that is no bounce
-  double off_ = 0.0;                    // of the last downward one
+  std::size_t edge_ = none;             // the last event that is not a bounce
+  double off_ = 0.0;                    // of the last downward crossing
   std::vector<Misfit> misfits_;
 };
 
-// Whether intervals alternate: neighbours on opposite sides of the median, next neighbours on the
-// same, and both much alike. Jitter alone gives correlations of -1/2 and 0. NaNs part stretches.
+// Whether intervals alternate: successive ones lie on opposite sides of the median, every other one
+// on the same side, at nearly the same distance. Jitter alone gives correlations of -1/2 and 0. A
+// NaN separates stretches.
 bool intervals_alternate(const std::vector<double>& steps, double centre) {
-  const double widest = 0.45 * centre; // a clock further out of beat than this does not go
+  const double widest = 0.45 * centre; // a clock further out of beat than this does not run
   std::vector<double> sizes;
   for (const double step : steps)
     if (std::abs(step - centre) <= widest) sizes.push_back(std::abs(step - centre));
   if (sizes.empty()) return false;
-  // A false event makes steps of any size: they count as twice the usual one at most.
+  // A false event makes steps of any size, so deviations are limited to twice the usual one.
   const double most = 2.0 * median(sizes);
   const auto off = [&](std::size_t i) { return std::clamp(steps[i] - centre, -most, most); };
   double variance = 0.0, next = 0.0, second = 0.0;
@@ -158,8 +160,8 @@ bool intervals_alternate(const std::vector<double>& steps, double centre) {
   return variance > 0.0 && next < -0.75 * variance && second > 0.75 * variance;
 }
 
-// Steps from one event to the next, and of each two in a row together; bounces are passed over. NaN
-// where a stretch of the sample ends.
+// Steps from one event to the next, and sums of two successive steps; bounces are skipped. `single`
+// has a NaN where a stretch of the sample ends.
 struct Steps {
   std::vector<double> single, pairs;
 };
@@ -180,11 +182,11 @@ Steps steps_of(std::span<const Beat> events) {
 }
 
 // Half the period, if the steps show that both directions are in the log: many are an odd number of
-// halves of the period that is given, and nearly all a whole number, however many are missing.
-// Their mean is that of the log itself; a beat error cancels in it.
+// half periods, and nearly all are a whole number of them, even where events are missing. The mean
+// is taken from the log itself, as a beat error cancels in it.
 std::optional<double> half_period(const std::vector<double>& steps, double period_s) {
   double all = 0.0, odd = 0.0, whole = 0.0, sum = 0.0, single = 0.0;
-  constexpr double largest_beat_error = 0.1; // periods: no beat error is larger
+  constexpr double largest_beat_error = 0.1; // periods; larger ones are not considered
   for (const double step : steps) {
     if (!(step >= 0.0)) continue;
     const double halves = std::round(2.0 * step / period_s);
@@ -197,7 +199,7 @@ std::optional<double> half_period(const std::vector<double>& steps, double perio
       ++single;
     }
   }
-  if (!(odd > 0.25 * all && whole > 0.7 * all)) return {}; // by chance 0.2 and 0.4
+  if (!(odd > 0.25 * all && whole > 0.7 * all)) return {}; // random steps give 0.2 and 0.4
   constexpr double fewest_singles = 20.0;
   const double mean = single > fewest_singles ? sum / single : 0.5 * period_s;
   return std::abs(2.0 * mean / period_s - 1.0) < 0.02 ? mean : 0.5 * period_s;

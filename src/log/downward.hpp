@@ -1,4 +1,4 @@
-// Downward crossings: numbered by the upward ones.
+// Downward crossings are numbered from the upward ones.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -7,10 +7,10 @@
 
 namespace goingrate {
 
-/// Gives each downward crossing of `beats`, whose upward ones are numbered, the cycle and segment
-/// of the upward crossing before it, also where that one was missed. It must stand where the others
-/// stand between two upward crossings; one that does not, or the second of a cycle, is spurious. A
-/// beat error that changes for good is followed.
+/// Gives each downward crossing of `beats`, whose upward crossings are numbered, the cycle and
+/// segment of the upward crossing before it, even if that one was missed. A downward crossing that
+/// is not at the usual place between two upward crossings is spurious; of two in one cycle the less
+/// likely is spurious or a rival. A permanent change of the beat error is followed.
 void place_downward(std::span<Beat> beats, double period_s);
 
 } // namespace goingrate

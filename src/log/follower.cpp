@@ -15,15 +15,15 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t enough_lines = 12; // a dozen beats show what they are
-constexpr std::size_t enough_events = 8; // of these, where some lines say other things
-constexpr std::size_t most_lines = 400;  // before the first that make sense
+constexpr std::size_t enough_lines = 12; // enough to recognise the layout
+constexpr std::size_t enough_events = 8; // among them, as some lines may be other text
+constexpr std::size_t most_lines = 400;  // searched for the beginning of the log
 
-// Where in a text the log begins, and as what.
+// Where a log begins in a text, and its layout.
 struct Start {
   Layout layout;
-  std::string_view text; // from there on
-  std::size_t lines = 0; // before it
+  std::string_view text; // from the beginning of the log
+  std::size_t lines = 0; // before the log
 };
 
 std::string_view first_lines(std::string_view text, std::size_t count) {
@@ -43,7 +43,7 @@ bool is_same(const Layout& a, const Layout& b) {
                     same_column);
 }
 
-// How many events the first lines of data give; none if more than a quarter of them give nothing.
+// Number of events in the first lines of data; 0 if more than a quarter of these are rejected.
 std::size_t events_in(std::string_view text, const Layout& layout, const ReadingOptions& options) {
   constexpr std::size_t lines_looked_at = 16;
   text = first_lines(text, layout.first_line - 1 + lines_looked_at);
@@ -55,8 +55,8 @@ std::size_t events_in(std::string_view text, const Layout& layout, const Reading
   return rows.rejected() * 4 > rows.data_lines() ? 0 : log.events.size();
 }
 
-// The first line from which on the text is a log; `known` is what it was before. A logger may say
-// many things before its first beat.
+// Searches for the first line from which the text is a log; `known` is the layout before. A logger
+// may write other text before its first beat.
 std::optional<Start> find_start(std::string_view text, const ReadingOptions& asked,
                                 const std::optional<Layout>& known) {
   ReadingOptions options = asked;
@@ -69,7 +69,7 @@ std::optional<Start> find_start(std::string_view text, const ReadingOptions& ask
       const std::size_t events = events_in(looked_at, layout, options);
       if (events >= enough_events || (events > 0 && known && is_same(layout, *known)))
         return Start{layout, text, skipped};
-    } catch (const InputError&) { // not from this line on
+    } catch (const InputError&) { // no log begins at this line
     }
     const std::size_t end = text.find('\n');
     text.remove_prefix(end == text.npos ? text.size() : end + 1);
@@ -93,18 +93,20 @@ struct LogFollower::Parts {
     settle();
   }
 
-  // Looks at ever more lines until they make sense.
+  // Reads more lines until a log is recognised.
   void settle() {
-    for (std::size_t enough = layout ? 1 : enough_lines;; enough += 1 + enough / 8) {
-      const std::string_view text = lines->head(enough);
+    for (std::size_t line_count = layout ? 1 : enough_lines;; line_count += 1 + line_count / 8) {
+      const std::string_view text = lines->head(line_count);
       const std::string_view whole_lines = text.substr(0, text.rfind('\n') + 1);
       if (const auto start = find_start(whole_lines, options, layout)) return use(*start);
       const bool is_all = lines->whole_is_in_head();
-      if (is_all || enough > most_lines || is_of_another_kind(text)) return use_all(text, is_all);
+      if (is_all || line_count > most_lines || is_of_another_kind(text))
+        return use_all(text, is_all);
     }
   }
 
-  // What can be read but does not grow by one event a line is told at once.
+  // Whether the text is a log of a kind that does not grow by one event a line: then no more lines
+  // are awaited.
   [[nodiscard]] bool is_of_another_kind(std::string_view text) const {
     ClockLog unused;
     try {
@@ -126,7 +128,8 @@ struct LogFollower::Parts {
     read_on(settle_layout(start.text, false, log, options), before);
   }
 
-  // Without a beginning that makes sense: as it was before, or an error.
+  // Without a recognised beginning, reading goes on with the layout before, if there is one;
+  // otherwise the layout is taken from the text as a whole, or an error reports what is wrong.
   void use_all(std::string_view text, bool is_all) {
     if (layout) return rows->begin_anew(1);
     read_on(settle_layout(text, is_all, log, options), 0);
@@ -134,8 +137,8 @@ struct LogFollower::Parts {
 
   void read_on(Layout found, std::uint32_t lines_before) {
     found.first_line += lines_before;
-    // Seconds that fall to nothing are those of a logger that began again: were it midnight, one
-    // could not tell after twelve hours.
+    // Seconds that fall back to 0 show that the logger restarted. If they were allowed to wrap at
+    // midnight, a restart after twelve hours could be taken for midnight.
     const auto time = found.find(ColumnRole::time);
     const bool seconds = time && found.columns[*time].unit == in_seconds;
     if (!found.calendar && !found.wrap_s && seconds) found.wrap_s = 0.0;
@@ -147,14 +150,14 @@ struct LogFollower::Parts {
     rows.emplace(*layout, options, log);
   }
 
-  // The file was written anew, or there is another of its name; false if nobody waits for it.
+  // Reopens a file that was rewritten or replaced; false if the caller stops waiting.
   bool begin_anew() {
     while (is_file && !gave_up) {
       try {
         lines.emplace(open_source(path, options.unpacked_limit, wait), path);
         settle();
         return true;
-      } catch (const InputError&) { // it has gone once more
+      } catch (const InputError&) { // the file has disappeared again
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         if (!wait()) return false;
       }
@@ -192,13 +195,13 @@ std::optional<Beat> LogFollower::next() {
       return {};
   }
   const Beat beat = events[parts_->handed_out++];
-  // The reader looks back at the last events: not all that were handed out can go.
+  // The row reader looks back at the last events, so these are kept.
   constexpr std::size_t beats_looked_back_at = 16, most_handed_out = 4096;
   if (parts_->handed_out > most_handed_out) {
     const std::size_t gone = parts_->handed_out - beats_looked_back_at;
     events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(gone));
     parts_->handed_out -= gone;
-    parts_->log.columns = {}; // nobody asks for them
+    parts_->log.columns = {}; // not needed while following
   }
   return beat;
 }

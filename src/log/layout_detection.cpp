@@ -15,7 +15,8 @@ namespace goingrate {
 
 namespace {
 
-// The unit in which a beat takes between 0.02 s and 100 s; samples of an angle may be closer.
+// The unit in which a beat takes between 0.01 s and 100 s, with narrower limits for other units
+// than seconds. Samples of an angle may be closer together.
 std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
   if (step >= 0.01 && step < 100.0) return in_seconds;
   if (step >= 100.0 && step < 2e4) return in_milliseconds;
@@ -27,7 +28,7 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
   return {};
 }
 
-// The coarsest unit in which no value is beyond the time at which they begin again.
+// The coarsest unit in which no value exceeds the time at which the counter wraps.
 std::optional<TimeUnit> unit_within(double wrap_s, const ColumnSample& sample) {
   for (const TimeUnit& unit : {in_seconds, in_milliseconds, in_microseconds, in_nanoseconds})
     if (sample.most * unit.seconds * std::pow(10.0, unit.power) <= wrap_s) return unit;
@@ -82,7 +83,7 @@ private:
   [[nodiscard]] bool is_calendar(std::size_t column) const {
     if (column >= samples_.size()) return false;
     return samples_[column].calendars * 2 > samples_[column].rows ||
-           // Dates that go wrong are for the reader to refuse, with their place.
+           // Invalid dates further on are left to the reader, which reports their place.
            (column == 0 && !is_number(0) && parse_calendar(first_[0].text, layout_.point));
   }
   void set(std::size_t column, ColumnRole role, double scale = 1.0) {
@@ -111,13 +112,13 @@ private:
   const LogHead& head_;
   const ReadingOptions& options_;
   ClockLog& log_;
-  std::vector<Field> first_; // row that has all columns
+  std::vector<Field> first_; // a row that has all columns
   std::vector<ColumnSample> samples_;
   std::vector<bool> stated_unit_;
   Layout layout_;
 };
 
-// Roles and units from the header; false if it names nothing that is known.
+// Takes roles and units from the header; false if it contains no known name.
 bool Detection::read_names() {
   std::size_t known = 0;
   stated_unit_.assign(head_.columns, false);
@@ -143,7 +144,7 @@ bool Detection::read_names() {
   return known > 0;
 }
 
-// The first column of a name counts.
+// Of several columns with the same role the first is read.
 void Detection::leave_out(std::size_t column) {
   assume(fmt::format("column {} {} is not read, an earlier one says the same", column + 1,
                      shown(layout_.columns[column].name)),
@@ -153,7 +154,7 @@ void Detection::leave_out(std::size_t column) {
 
 LogFormat Detection::format_of_names() const {
   if (layout_.find(ColumnRole::angle) || layout_.find(ColumnRole::position))
-    return LogFormat::angle; // of no native log
+    return LogFormat::angle; // native logs have no such columns
   if (!head_.names.empty() && layout_.separator == ',' &&
       std::find(head_.names.begin(), head_.names.end(), "time_s") != head_.names.end())
     return LogFormat::native;
@@ -163,8 +164,9 @@ LogFormat Detection::format_of_names() const {
 }
 
 bool Detection::looks_like_clock_error() const {
-  // Whole-number labels in step with the lines, and an error that is small beside them: one that
-  // grows by more than 2 % of the time is no clock's, but a time beside a count of the lines.
+  // Whole-number labels that advance with the lines, and an error that is small beside them. A
+  // value that grows by more than 2 % of the time is not a clock's error but a time beside a count
+  // of the lines.
   constexpr double largest_rate = 0.02;
   return head_.columns == 3 && samples_[1].typical_step < largest_rate * samples_[0].typical_step &&
          is_number(0) && is_number(1) && is_number(2) && samples_[0].whole && !samples_[1].whole &&
@@ -172,7 +174,7 @@ bool Detection::looks_like_clock_error() const {
          std::max(std::abs(samples_[1].least), std::abs(samples_[1].most)) <= 43200.0;
 }
 
-// "2013-02-22 23:38:00": the date is a field of its own where blanks separate.
+// "2013-02-22 23:38:00": where blanks separate the fields, the date is a field of its own.
 bool Detection::has_date_in_front() const {
   return head_.separator == ' ' && first_.size() >= 2 && !is_number(0) &&
          parse_calendar(fmt::format("{} {}", first_[0].text, first_[1].text), layout_.point);
@@ -213,7 +215,7 @@ LogFormat Detection::format_of_one_column() const {
   const bool steady = !is_number(0) || only.rising > 0.6 || only.falling > 0.7;
   const bool beats = !is_number(0) || options_.unit || unit_for_step(only.typical_step, only);
   if ((steady && beats) || options_.wrap_s) return LogFormat::timestamps;
-  // Periods of one clock are alike; the error of a clock wanders about nothing in particular.
+  // Periods of one clock are nearly equal, whereas a clock's error has no typical value.
   const bool alike = only.least >= 0.0 && only.spread < 0.2 * only.median &&
                      (options_.unit || unit_for_step(only.median, only));
   if (alike) return LogFormat::periods;
@@ -239,7 +241,7 @@ void Detection::fill_time() {
   guess_time(samples_, layout_);
 }
 
-// The roles of columns that no header names.
+// Sets the roles of columns that no header names.
 void Detection::fill_columns(bool named) {
   if (named && layout_.format != LogFormat::phase && layout_.format != LogFormat::frequency) return;
   const std::size_t last = head_.columns - 1;
@@ -289,7 +291,7 @@ void Detection::fill_columns(bool named) {
 
 void Detection::check_needed_columns() {
   const auto has = [&](ColumnRole role) { return layout_.find(role).has_value(); };
-  // The finer of a time and a period counts: a logger's own time stamps are often whole seconds.
+  // Of a time and a period, the finer is used: a logger's own time stamps are often whole seconds.
   if (const auto time = layout_.find(ColumnRole::time);
       time && (has(ColumnRole::period) || has(ColumnRole::half_period))) {
     const auto period = has(ColumnRole::period) ? layout_.find(ColumnRole::period)
@@ -372,12 +374,12 @@ void Detection::settle_times() {
       layout_.swinging = i;
 }
 
-// Whole numbers that begin again within a few lines, just below what a counter holds: how often it
-// began again between two lines they do not tell.
+// Refuses whole numbers that wrap every few lines, just below the capacity of a counter: they do
+// not show how often the counter wrapped between two lines.
 void Detection::refuse_fast_counter(const ColumnSample& sample) const {
   if (options_.wrap_s || options_.unit || !sample.whole || !(sample.least >= 0.0)) return;
-  constexpr double least_wrap_share = 0.05,
-                   filled_share = 0.9; // of the lines; of what the counter holds
+  constexpr double least_wrap_share = 0.05, // of the lines
+      filled_share = 0.9;                   // of what the counter holds
   if (std::min(sample.rising, sample.falling) < least_wrap_share) return;
   for (const double holds : {65536.0, 1e6, 1048576.0, 16777216.0}) {
     if (!(sample.most < holds && sample.most > filled_share * holds)) continue;
@@ -394,11 +396,11 @@ void Detection::refuse_fast_counter(const ColumnSample& sample) const {
   }
 }
 
-// Whole numbers at exactly equal steps are labels, or a count of the lines, where another column
-// goes one way or counts: nobody's beats are so even.
+// Refuses whole numbers at exactly equal steps where another column is monotonic or holds counts.
+// Measured beats are never so even: such numbers are labels or a count of the lines.
 void Detection::refuse_what_was_not_measured(std::size_t time) const {
   const ColumnSample& sample = samples_[time];
-  constexpr std::size_t fewest_lines = 20; // lines
+  constexpr std::size_t fewest_lines = 20;
   if (!sample.whole || !sample.even || sample.numbers < fewest_lines || !options_.columns.empty() ||
       options_.format || !head_.names.empty() || layout_.find(ColumnRole::clock_error))
     return;
@@ -442,7 +444,7 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   if (!likely || *likely == column.unit) return;
   const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
   const double step_s = sample.typical_step * own;
-  if (stated && step_s > 0.01 && step_s < 4000.0) return; // unusual, but not absurd
+  if (stated && step_s > 0.01 && step_s < 4000.0) return; // unusual but possible
   assume(stated
              ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken",
                            name_of(column.unit), step_s, name_of(*likely))
@@ -452,7 +454,7 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   column.unit = *likely;
 }
 
-// Of several columns, the one that was taken for the time: a wrong one would give a wrong rate.
+// Reports which of several columns is taken for the time: a wrong one would give a wrong rate.
 void Detection::say_which_time() {
   const auto at = layout_.find(ColumnRole::time);
   if (!at || layout_.columns.size() < 2 || layout_.format != LogFormat::table) return;
@@ -467,7 +469,7 @@ void Detection::say_which_time() {
          Setting::columns, "time=N");
 }
 
-// Phase and frequency come with a time of their own, or are taken as one a second.
+// The spacing of phase or frequency values: the step of a time column, or else 1 s.
 void Detection::settle_tau0() {
   const bool timed = head_.columns >= 2 && is_number(0) && samples_[0].rising > 0.9;
   const auto unit = timed ? unit_for_step(samples_[0].typical_step, samples_[0]) : std::nullopt;
@@ -490,7 +492,7 @@ void Detection::settle_angle_unit() {
   const bool stated = *at < stated_unit_.size() && stated_unit_[*at];
   const double half = 0.5 * (samples_[*at].most - samples_[*at].least);
   if (stated || layout_.columns[*at].scale != 1.0) return;
-  if (half > 3.2) { // more than upside down
+  if (half > 3.2) { // radians: more than half a turn
     (void)set_unit(layout_.columns[*at], "deg");
     assume("angles are in degrees", Setting::columns, "angle=N:rad");
   } else {

@@ -1,4 +1,4 @@
-// Which layout a log has.
+// Detection of the layout of a log.
 #pragma once
 
 #include "log_head.hpp"
@@ -8,12 +8,13 @@
 
 namespace goingrate {
 
-/// The layout of the log whose beginning is `head`; what was assumed is appended to
-/// `log.assumptions`, a header that does not fit to `log.issues`.
-/// Throws InputError if the beginning is like no known log.
+/// The layout of the log whose beginning is `head`. Assumptions are appended to `log.assumptions`,
+/// a header that does not match the columns to `log.issues`.
+/// Throws InputError if the beginning resembles no known log.
 Layout detect_layout(const LogHead& head, const ReadingOptions& options, ClockLog& log);
 
-/// Sets columns as the user says: ROLE=PLACE[:UNIT], the place a number from 1 or a name in `head`.
+/// Sets columns as the user specifies: ROLE=PLACE[:UNIT], with the place a number from 1 or a name
+/// in `head`.
 /// Throws ArgumentError for a role, place or unit that does not exist.
 void apply_columns(const std::vector<std::string>& columns, const LogHead& head, Layout& layout);
 
