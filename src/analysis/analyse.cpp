@@ -214,25 +214,6 @@ std::optional<RmsEstimate> fast_drive(const DriveAnalysis& drive, const FitSumma
   return RmsEstimate{found->value, found->low68, found->high68};
 }
 
-// The answer to temperature or pressure has one value throughout, that of its own regression. A
-// swing with the day that one of them explains in the half of the log where its coefficient was not
-// found is no weather that the log lacks.
-void name_after(const CovariateEffect& effect, std::vector<Suspicion>& suspicions) {
-  const Cause cause = effect.name == "temperature" ? Cause::temperature
-                      : effect.name == "pressure"  ? Cause::pressure
-                                                   : Cause::unknown;
-  if (cause == Cause::unknown) return;
-  const auto is_of_it = [&](const Suspicion& suspicion) { return suspicion.cause == cause; };
-  for (Suspicion& suspicion : suspicions) {
-    if (suspicion.cause == Cause::unlogged_weather && effect.helps() &&
-        std::none_of(suspicions.begin(), suspicions.end(), is_of_it))
-      suspicion = {cause, suspicion.gain, suspicion.evidence};
-    if (!is_of_it(suspicion)) continue;
-    suspicion.numbers.size = effect.coefficient;
-    suspicion.numbers.sigma = effect.sigma;
-  }
-}
-
 // Turns of the rating nut for the clock as it goes now, where the pitch is given and a nominal
 // period is known.
 std::optional<NutTurns> nut_turns(const AnalysisRequest& request, const RateSummary& rate) {
@@ -365,8 +346,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   if (follows_changes(data) && data.diary.interruptions.empty())
     causes.explained = std::exchange(causes.changes, {});
   data.suspicions = diagnose(causes);
-  for (const CovariateEffect& effect : data.covariates)
-    name_after(effect, data.suspicions);
+  name_weather(data.covariates, data.suspicions);
   tell("stability");
   const PhaseSeries phase = phase_series(loaded);
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,

@@ -1,4 +1,5 @@
 #include "goingrate/causes/covariates.hpp"
+#include "goingrate/causes/diagnosis.hpp"
 
 #include "rate_blocks.hpp"
 
@@ -139,6 +140,24 @@ std::string covariate_text(const CovariateEffect& effect) {
          fmt::format("; over the half of the log it was not found in, compensating for it {} the "
                      "time error from {:.3g} s to {:.3g} s (rms)",
                      effect.helps() ? "lowers" : "raises", effect.without_s, effect.with_s);
+}
+
+void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions) {
+  for (const CovariateEffect& effect : effects) {
+    const Cause cause = effect.name == "temperature" ? Cause::temperature
+                        : effect.name == "pressure"  ? Cause::pressure
+                                                     : Cause::unknown;
+    if (cause == Cause::unknown) continue;
+    const auto is_of_it = [&](const Suspicion& suspicion) { return suspicion.cause == cause; };
+    for (Suspicion& suspicion : suspicions) {
+      if (suspicion.cause == Cause::unlogged_weather && effect.helps() &&
+          std::none_of(suspicions.begin(), suspicions.end(), is_of_it))
+        suspicion = {cause, suspicion.gain, suspicion.evidence};
+      if (!is_of_it(suspicion)) continue;
+      suspicion.numbers.size = effect.coefficient;
+      suspicion.numbers.sigma = effect.sigma;
+    }
+  }
 }
 
 } // namespace goingrate

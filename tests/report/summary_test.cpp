@@ -157,6 +157,7 @@ TEST(SummaryTest, AThermometerInTheLogIsNoWeatherThatItLacks) {
   data.suspicions[0].numbers.size = 1e-5;
   EXPECT_NE(all_of(report_sentences(data)).find("which this log does not hold"), std::string::npos);
   data.covariates = {{"temperature", "1/K", -6e-6, 1e-7, 0.0, 2.0, 1.0}};
+  name_weather(data.covariates, data.suspicions);
   const std::string text = all_of(report_sentences(data));
   EXPECT_EQ(text.find("which this log does not hold"), std::string::npos) << text;
   EXPECT_NE(text.find("falls by 518.4 ± 8.6 ms/day per kelvin"), std::string::npos) << text;

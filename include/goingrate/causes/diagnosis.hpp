@@ -14,6 +14,7 @@
 // alternatives.
 #pragma once
 
+#include "goingrate/causes/covariates.hpp"
 #include "goingrate/causes/diary.hpp"
 #include "goingrate/drive/drive_split.hpp"
 #include "goingrate/fit/timing_data.hpp"
@@ -97,6 +98,11 @@ inline constexpr std::size_t least_diagnosed_beats = 400;
 /// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
 /// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);
+
+/// Gives suspicions of temperature and pressure the value of covariate_effects(), so that one log
+/// states one. A swing with the day that a column of the log explains, in the half where its
+/// coefficient was not found too, is no weather that the log lacks: it is named after that column.
+void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions);
 
 /// Adds the steps, and the visits' ends, that diagnose() would name and that are not among
 /// `diary.changes`, which are also `input.changes`: those too small to stand out of the beats next
