@@ -1,4 +1,4 @@
-// goingrate chart: speed against accuracy of every method, measured here and now.
+// goingrate chart: measures the speed and accuracy of every method on this machine.
 #include "plot.hpp"
 #include "progress.hpp"
 
@@ -24,7 +24,7 @@ struct ChartCommand {
 };
 
 void run_limits(const ChartCommand& options, const GlobalOptions& global) {
-  constexpr int periods = 50; // enough to see a rate error of 1e-12
+  constexpr int periods = 50; // long enough to resolve a rate error of 1e-12
   say(global, fmt::format("{} periods at every point", periods));
   const auto rows = [&] {
     const StepLine now(global.quiet, "looking for where each method fails");

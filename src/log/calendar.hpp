@@ -1,4 +1,4 @@
-// Dates and times of day as text.
+// Parsing of dates and times of day.
 #pragma once
 
 #include "goingrate/base/instant.hpp"
@@ -8,17 +8,21 @@
 
 namespace goingrate {
 
-/// A date with a time of day, s since 1970-01-01 UTC, or a time of day alone, s since midnight.
+/// A date with a time of day, or a time of day alone.
 struct CalendarTime {
-  Instant time;
+  Instant time; ///< with a date: s since 1970-01-01 UTC; without: s since midnight, in its own zone
   bool has_date = false;
-  bool has_zone = false;
+  bool has_zone = false; ///< the text names a zone; a date without one is taken as UTC
 };
 
-/// Reads 2013-02-22 23:38:00.2279906: date in the order year, month, day with '-', '_', '/' or '.'
-/// between; a blank, 'T', '_' or '-'; hours, minutes, seconds with ':', '-' or '_' between; then
-/// nothing, 'Z', 'UTC' or +hh:mm. Or a time of day alone, with ':' between. The fraction of the
-/// second loses nothing (CalendarTest.ReadsWhatLoggersWrite). Nothing if `text` is something else.
+/// Parses a timestamp such as 2013-02-22 23:38:00.2279906, which consists of:
+/// - a date: year, month and day separated by '-', '_', '/' or '.', or in the form 22.02.2013;
+/// - a blank, 'T', '_' or '-';
+/// - hours, minutes and, optionally, seconds, separated by ':', '-' or '_';
+/// - optionally a zone: 'Z', 'UTC', 'GMT' or an offset such as +hh:mm or -hhmm.
+/// A time of day alone, separated by ':', is accepted too. `point` is the decimal separator. The
+/// fraction of the second keeps all its digits (CalendarTest.ReadsWhatLoggersWrite). Returns
+/// nullopt if `text` has any other form.
 std::optional<CalendarTime> parse_calendar(std::string_view text, char point = '.');
 
 } // namespace goingrate

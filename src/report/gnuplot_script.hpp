@@ -1,4 +1,4 @@
-// Figures as text that gnuplot understands.
+// Gnuplot scripts that draw figures.
 #pragma once
 
 #include "goingrate/report/figure.hpp"
@@ -8,7 +8,8 @@
 
 namespace goingrate {
 
-/// Scripts that write to standard output.
+/// A script that makes gnuplot draw the figures, one above the other, and write the PDF or PNG file
+/// to its standard output.
 std::string script_for_pdf(const std::vector<Figure>& figures);
 std::string script_for_png(const std::vector<Figure>& figures);
 

@@ -13,13 +13,14 @@ TEST(DiaryTest, FindsAndDatesAJumpOfTheDrive) {
         keep_diary(test::simulated_beats(test::jump_from_a_to_b(2000, 1e-5), seed), 2.0);
     ASSERT_EQ(diary.changes.size(), 1u) << seed;
     EXPECT_NEAR(static_cast<double>(diary.changes[0].cycle), 150, 1) << seed;
-    EXPECT_NEAR(diary.changes[0].rate_change, 2.07e-4, 5e-6)
-        << seed; // 1.13e-4 to 3.22e-4, relaxing
+    // The rate jumps from 1.13e-4 to 3.22e-4 and then falls as the amplitude grows; only the jump
+    // counts.
+    EXPECT_NEAR(diary.changes[0].rate_change, 2.07e-4, 5e-6) << seed;
   }
 }
 
 TEST(DiaryTest, QuietLogsStayQuiet) {
-  // Stationary, ringing down, noisy in the drive: 30 logs, no false alarm.
+  // Thirty logs without a change: a stationary clock, one with a noisy drive and a free decay.
   int alarms = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Scenario steady = test::at_point_a(3000);
@@ -39,6 +40,7 @@ TEST(DiaryTest, NoiselessLogsRaiseNoAlarm) {
       keep_diary(test::simulated_beats(test::ring_down(2000, 0.0), 1), 2.0).changes.empty());
 }
 
+// Point B with the drive off from period 500 to period 600.
 Scenario interrupted() {
   Scenario scenario = test::at_point_b(4000);
   ClockEvent off, on;
@@ -60,13 +62,14 @@ TEST(DiaryTest, AnInterruptionIsDatedAndItsTimesAreThoseOfTheFriction) {
   const Interruption& event = diary.interruptions.front();
   EXPECT_NEAR(static_cast<double>(event.begin.cycle), 500, 2);
   EXPECT_NEAR(static_cast<double>(event.end.cycle), 600, 2);
-  EXPECT_NEAR(event.rate_change, -3.87e-4, 2e-5); // the fast gain at B, all of it
+  EXPECT_NEAR(event.rate_change, -3.87e-4, 2e-5); // all that the drive adds to the rate at B
   ASSERT_TRUE(event.decay);
   ASSERT_TRUE(event.recovery);
-  const double decay = 2.0 / (2 * std::numbers::pi * 2.5e-4); // T0 / 2 pi epsilon = 1273 s
+  const double decay = 2.0 / (2 * std::numbers::pi * 2.5e-4); // T0 / (2 pi epsilon) = 1273 s
   EXPECT_NEAR(event.decay->time_constant_s, decay, 4 * event.decay->sigma_s);
   EXPECT_LT(event.decay->sigma_s, 0.05 * decay);
-  // lambda^2 relaxes at 2 epsilon; lambda itself does so only for small departures, here 7 %.
+  // lambda^2 recovers with half the time constant of the decay. lambda itself does so only in the
+  // limit of a small dip; here the dip is 15 %, hence the wide tolerance.
   EXPECT_NEAR(event.recovery->time_constant_s, 0.5 * decay, 0.1 * decay);
 }
 
@@ -88,7 +91,8 @@ TEST(DiaryTest, ABlankAmplitudeHidesNoInterruption) {
   EXPECT_EQ(keep_diary(beats, 2.0).interruptions.size(), 1u);
 }
 
-// A clock whose friction, drive or regulation changes at beat 1500 of 4000.
+// A clock whose friction, drive or regulation changes at period 1500 of 4000, by `part` relative to
+// the value before.
 Beats changed(ChangeKind kind, double part, std::uint64_t seed, bool amplitudes) {
   Scenario scenario = test::at_point_b(4000);
   ClockEvent event;
@@ -105,7 +109,7 @@ Beats changed(ChangeKind kind, double part, std::uint64_t seed, bool amplitudes)
 struct ChangeCase {
   const char* name;
   ChangeKind kind;
-  double part; // relative
+  double part; // the size of the change, relative to the value before
   bool amplitudes;
 };
 
@@ -118,8 +122,9 @@ TEST_P(ChangeKindTest, IsToldWithTheRatesBeforeAndAfter) {
     const Diary diary = keep_diary(beats, 2.0);
     ASSERT_EQ(diary.changes.size(), 1u) << seed;
     const Change& change = diary.changes.front();
-    EXPECT_NEAR(change.at_s, 3000.0, 10.0)
-        << seed; // five beats: a bend is dated by what comes of it
+    // Five beats of tolerance: a change of friction only bends the curve of the clock's error, and
+    // its date shows only once the effect has accumulated.
+    EXPECT_NEAR(change.at_s, 3000.0, 10.0) << seed;
     EXPECT_EQ(change.kind, one.kind)
         << seed << ": " << name_of(change.kind) << " by " << change.kind_gain;
     if (one.kind != ChangeKind::regulation) continue;

@@ -1,5 +1,6 @@
-// Clocks drawn from a prior, with one change at a known cycle or a rough drive, by the exact
-// simulator.
+// Scenarios of random clocks whose parameters are drawn from a prior, for tests of the fit against
+// a known truth. A clock either changes once, at a known cycle, or has a noisy drive. The scenarios
+// ask for direct integration, so that the simulated log contains none of the fit's approximations.
 #pragma once
 
 #include "goingrate/base/random.hpp"
@@ -14,59 +15,64 @@
 
 namespace goingrate::test {
 
-/// T0 1 to 3 s, epsilon 1e-4 to 1.6e-3, phi0 0.01 to 0.05, lambda/phi0 1.3 to 3 at rest; a jump of
-/// mu, phi0 or epsilon by 1.3 to 2.2, such that the amplitude stays above the angle, at 15 to 40 %
-/// of 600 to 3000 periods; jitter 1e-6 to 1e-4 s. T0 is known for even seeds.
+/// A clock to simulate, with the options for a fit to its log and the values the fit should find.
 struct DrawnClock {
   Scenario scenario;
-  std::string changed; // mu, phi0 or epsilon
-  FitOptions options;
-  std::map<std::string, double> truth;
+  std::string changed; ///< the parameter that jumps: mu, phi0 or epsilon; empty: none
+  FitOptions options;  ///< tell the fit of the change and, in some clocks, of T0
+  std::map<std::string, double> truth; ///< by the parameter names of the fit
 };
 
-/// The clock of a seed, and what a fit is told of it.
+/// Draws clocks from the prior; the seed determines the clock.
 class ClockPrior {
 public:
   explicit ClockPrior(std::uint64_t seed)
       : seed_(seed), chance_(seed, StreamPurpose::amplitude_noise) {}
 
+  /// A clock that changes once. T0 is 1 to 3 s, epsilon 1e-4 to 1.6e-3, phi0 0.01 to 0.05 rad and
+  /// the stationary lambda/phi0 1.3 to 3. After 15 to 40 % of its 600 to 3000 periods mu is
+  /// multiplied, or phi0 or epsilon divided, by 1.3 to 2.2; the amplitude stays above phi0 either
+  /// way. The timing jitter is 1e-6 to 1e-4 s. For even seeds the fit is given T0.
   DrawnClock draw() {
     DrawnClock drawn;
-    constexpr std::array periods_s{1.0, 1.5, 2.0, 3.0};
-    constexpr std::array names{"mu", "phi0", "epsilon"};
-    const double T0 = periods_s[seed_ / 2 % periods_s.size()];
-    drawn.changed = names[seed_ / 8 % names.size()];
+    constexpr std::array T0_choices_s{1.0, 1.5, 2.0, 3.0};
+    constexpr std::array parameter_names{"mu", "phi0", "epsilon"};
+    const double T0 = T0_choices_s[seed_ / 2 % T0_choices_s.size()];
+    drawn.changed = parameter_names[seed_ / 8 % parameter_names.size()];
     const double epsilon = geometric(1e-4, 1.6e-3), phi0 = between(0.01, 0.05);
     const double amplitude = phi0 * between(1.3, 3.0);
-    const double mu = 0.5 * std::numbers::pi * epsilon * amplitude * amplitude / phi0; // at rest
+    const double mu = 0.5 * std::numbers::pi * epsilon * amplitude * amplitude / phi0; // stationary
     const auto periods = static_cast<std::int64_t>(between(600.0, 3000.0));
-    const auto at = static_cast<std::int64_t>(between(0.15, 0.4) * static_cast<double>(periods));
+    const auto change_period =
+        static_cast<std::int64_t>(between(0.15, 0.4) * static_cast<double>(periods));
     Scenario& scenario = drawn.scenario;
     scenario.clock = {T0, epsilon, mu, phi0};
     scenario.periods = periods;
     scenario.method.method = Method::direct;
     scenario.sensor.jitter_rms_s = geometric(1e-6, 1e-4);
     ClockEvent event;
-    event.at_period = at;
+    event.at_period = change_period;
     const double factor = between(1.3, 2.2);
     double after = 0.0;
     if (drawn.changed == "mu") event.mu = after = factor * mu;
     if (drawn.changed == "phi0") event.phi0 = after = phi0 / factor;
     if (drawn.changed == "epsilon") event.epsilon = after = epsilon / factor;
     scenario.events = {event};
-    drawn.options.events = {{at, {drawn.changed}}};
+    drawn.options.events = {{change_period, {drawn.changed}}};
     if (seed_ % 2 == 0) drawn.options.fixed["T0"] = T0;
     drawn.truth = {{"T0", T0},     {"epsilon", epsilon},   {"mu", mu},
                    {"phi0", phi0}, {"lambda0", amplitude}, {drawn.changed + "@1", after}};
     return drawn;
   }
 
-  /// No change, but a drive that varies by 0.5 to 10 % from period to period and by 2 to 15 % over
-  /// 30 to 500 periods, and amplitudes to 3e-5 to 6e-4 rad; lambda/phi0 1.3 to 5.
+  /// A clock that does not change but whose drive is noisy: white noise of 0.5 to 10 % rms from
+  /// period to period, plus 2 to 15 % rms with a correlation time of 30 to 500 periods. The log
+  /// includes amplitudes, with noise of 3e-5 to 6e-4 rad rms. T0 is 0.9 to 3 s, lambda 0.03 to
+  /// 0.2 rad and lambda/phi0 1.3 to 5.
   DrawnClock draw_rough() {
     DrawnClock drawn;
-    constexpr std::array periods_s{0.9, 1.0, 1.2345, 2.0, 3.0};
-    const double T0 = periods_s[seed_ % periods_s.size()];
+    constexpr std::array T0_choices_s{0.9, 1.0, 1.2345, 2.0, 3.0};
+    const double T0 = T0_choices_s[seed_ % T0_choices_s.size()];
     const double epsilon = geometric(1e-4, 2e-3), amplitude = geometric(0.03, 0.2);
     const double phi0 = amplitude / between(1.3, 5.0);
     const double mu = 0.5 * std::numbers::pi * epsilon * amplitude * amplitude / phi0;
@@ -93,7 +99,8 @@ private:
   RandomStream chance_;
 };
 
-/// Starts a fit from the truth.
+/// The clock's fit options, with the search started at the true values: the fit to compare with
+/// one that has to find its own start.
 inline FitOptions told_the_truth(const DrawnClock& drawn) {
   FitOptions options = drawn.options;
   for (const auto& [name, value] : drawn.truth)
@@ -101,6 +108,7 @@ inline FitOptions told_the_truth(const DrawnClock& drawn) {
   return options;
 }
 
+/// 2 log L, from AIC = 2 k - 2 log L with k free parameters, those that `correlated` lists.
 inline double two_log_likelihood(const FitSummary& fit) {
   return 2.0 * static_cast<double>(fit.correlated.size()) - fit.quality.aic;
 }

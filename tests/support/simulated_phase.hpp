@@ -1,4 +1,4 @@
-// Phases of simulated clocks.
+// Simulated phase series with power-law noise, for tests of the stability statistics.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace goingrate::test {
 
-/// White noise of unit variance added up `walks` times: 0 is white phase noise, 1 white frequency
-/// noise (the steps of phase), 2 a random walk of frequency.
+/// White noise of unit variance, cumulatively summed `walks` times: 0 gives white phase noise, 1
+/// white frequency noise (a random walk of phase), 2 a random walk of frequency.
 inline std::vector<double> simulated_phase(int walks, std::size_t points, std::uint64_t seed) {
   RandomStream stream(seed, StreamPurpose::jitter);
   std::vector<double> phase(points);

@@ -1,4 +1,4 @@
-// Logs: read from files, texts and arrays, and looked at as arrays.
+// The Log class: reads logs from files, text or arrays, and exposes their columns as NumPy arrays.
 #include "arrays.hpp"
 #include "log_state.hpp"
 #include "module.hpp"
@@ -19,7 +19,8 @@ namespace goingrate::python {
 
 namespace {
 
-// What read() and Log() take, as the library does; the package checks the types.
+// The keyword options of read() and Log() in Python as the library's request. The Python package
+// has already checked their types.
 LoadRequest request_of(const py::dict& options) {
   LoadRequest request;
   ReadingOptions& reading = request.reading;
@@ -76,11 +77,13 @@ SharedLog read_text(const py::bytes& text, const std::string& name, const py::di
                    [&](const LoadRequest& asked) { return load_text(view, asked); });
 }
 
-// Arrays of equal length; those that may be absent are empty.
+// The arrays that Log() was given, all of the same length; an optional array not given is empty.
+// `edge` is 0 for an upward crossing and 1 for a downward one; without it the directions are
+// unknown.
 struct EventArrays {
   Array<std::int64_t> seconds;
   Array<double> fraction, amplitude_rad, width_s, temperature_c, pressure_mbar;
-  Array<std::uint8_t> edge; ///< 1: downwards
+  Array<std::uint8_t> edge;
 };
 
 ClockLog log_of(const EventArrays& arrays, const std::string& name) {
@@ -119,9 +122,11 @@ SharedLog from_arrays(const Array<std::int64_t>& seconds, const Array<double>& f
   return std::make_shared<NumberedLog>(load_events(std::move(log), request));
 }
 
-// The memory of beats as a structured array: each field is a strided view of it.
+// A read-only structured array that shares the memory of `beats`, so that a long log is not copied;
+// `owner` keeps that memory alive.
 py::array beats_view(std::span<const Beat> beats, py::handle owner) {
-  // Never destroyed: at the end of the process the interpreter is gone before it.
+  // Deliberately leaked: static objects are destroyed after the interpreter has shut down, too late
+  // to release a Python object.
   static const py::dtype& layout = *new py::dtype([] {
     const auto field = [](const char* name, const char* type, std::size_t at) {
       return py::make_tuple(name, type, at);
@@ -148,7 +153,8 @@ py::array beats_view(std::span<const Beat> beats, py::handle owner) {
   return view;
 }
 
-// Of data on a grid that are no beats the events are those that were read.
+// The numbered beats. Gridded data read as phases only have none; their events as read take the
+// place of beats.
 const std::vector<Beat>& events_of(const NumberedLog& log) {
   return log.beats.beats.empty() ? log.log.events : log.beats.beats;
 }
@@ -161,7 +167,8 @@ template <class Time> py::array times_of(std::span<const Beat> beats, Time time)
   return array_of(std::move(times));
 }
 
-// The keyword of read() that says otherwise.
+// The keyword of read() that overrides an assumption about this setting, for the list of
+// assumptions shown to the user.
 const char* keyword_of(Setting setting) {
   switch (setting) {
   case Setting::none:

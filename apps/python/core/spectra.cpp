@@ -1,4 +1,5 @@
-// The spectrum of the rate, and fast against slow drive.
+// The DriveAnalysis class: the spectrum of the rate, and its split into fast drive, slow drive and
+// jitter.
 #include "archive.hpp"
 #include "arrays.hpp"
 #include "fitted.hpp"
@@ -27,7 +28,8 @@ DriveAnalysis spectrum(const SharedLog& log, const Fitted& fit, double split_hz)
   return drive;
 }
 
-// A part of the fitted density; None where nothing was split.
+// Adds a property for one part of the fitted spectral density; it is None if the analysis could not
+// split the drive.
 template <class Class>
 void add_part(Class& drive, const char* name, std::vector<double> DriveSplit::*part) {
   drive.def_property_readonly(name, [part](py::object self) -> py::object {

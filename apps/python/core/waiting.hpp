@@ -1,4 +1,4 @@
-// What Python may do while the library works.
+// Keeps Python responsive (threads, Ctrl-C, progress callbacks) while the library works.
 #pragma once
 
 #include "goingrate/base/pulse.hpp"
@@ -10,15 +10,16 @@
 
 namespace goingrate::python {
 
-/// While it lives, other threads of Python run, Ctrl-C ends the library's work with
-/// KeyboardInterrupt, and `progress` (a callable or None) is told how far it is; what that raises
-/// ends the work too.
+/// A scope for a long call into the library. It releases the GIL so that other Python threads can
+/// run, makes Ctrl-C end the work with KeyboardInterrupt, and passes progress on to `progress` (a
+/// callable or None). An exception that the callable raises ends the work too.
 class Waiting {
 public:
   explicit Waiting(pybind11::object progress)
       : progress_(std::move(progress)), scope_([this] { look_for_signals(); }) {}
 
-  /// The share done (0 to 1), or what is being done.
+  /// Calls `progress` with `news`: the share of the work done (0 to 1), or the name of the current
+  /// step.
   template <class News> void tell(const News& news) {
     if (progress_.is_none()) return look_for_signals();
     const pybind11::gil_scoped_acquire held;
@@ -29,20 +30,22 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds often{50}; // nobody notices such a delay
+  static constexpr std::chrono::milliseconds signal_check_interval{50}; // too short to notice
 
   static void raise_if_interrupted() {
     if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
   }
   void look_for_signals() {
     const Clock::time_point now = Clock::now();
-    if (now - last_ < often) return;
+    if (now - last_ < signal_check_interval) return;
     last_ = now;
     const pybind11::gil_scoped_acquire held;
     raise_if_interrupted();
   }
 
-  pybind11::object progress_; // let go of after `released_` has taken the lock again
+  // Dropping a reference needs the GIL, so progress_ must be destroyed after released_, which
+  // reacquires it: keep progress_ above released_.
+  pybind11::object progress_;
   Clock::time_point last_ = Clock::now();
   PulseScope scope_;
   pybind11::gil_scoped_release released_;
