@@ -27,7 +27,7 @@ void run_limits(const ChartCommand& options, const GlobalOptions& global) {
   constexpr int periods = 50; // long enough to resolve a rate error of 1e-12
   say(global, fmt::format("{} periods at every point", periods));
   const auto rows = [&] {
-    const StepLine now(global.quiet, "looking for where each method fails");
+    const StepLine now(global.quiet, "mapping where each method fails");
     return measure_limits(periods);
   }();
   write_whole_files({{options.json, limits_json(rows)},
@@ -52,25 +52,28 @@ void run(const ChartCommand& options, const GlobalOptions& global) {
 
 void add_chart(CLI::App& program, const GlobalOptions& global) {
   auto* command = program.add_subcommand(
-      "chart", "speed against accuracy of every method, measured here and now");
+      "chart", "speed against accuracy of every method, measured on this machine");
   auto options = std::make_shared<ChartCommand>();
-  command->add_option("--periods", options->periods, "of each scene")
+  command->add_option("--periods", options->periods, "length of each scene, periods")
       ->check(CLI::Range(200, 10000000))
       ->capture_default_str();
-  command->add_option("--repetitions", options->repetitions, "the median is taken")
+  command
+      ->add_option("--repetitions", options->repetitions,
+                   "runs of each method; their median is printed")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   auto* limits =
       command->add_flag("--limits", options->limits,
                         "where each method fails, over friction, amplitude and escapement angle");
-  command->add_option("--nominal-period", options->nominal_period_s, "of the clock, for seconds")
+  command->add_option("--nominal-period", options->nominal_period_s, "T0 of the clock, s")
       ->check(positive())
       ->capture_default_str();
   add_plot_option(*command, options->plot, "one scene")->excludes(limits);
   command->add_option("--scene", options->scene, "the scene of the figure")
       ->check(one_of({"C steady", "C noisy", "jump", "ring-down", "near stall", "large amplitude"}))
       ->capture_default_str();
-  command->add_option("--jitter", options->jitter_s, "of the sensor, s: a line in the figure")
+  command
+      ->add_option("--jitter", options->jitter_s, "jitter of the sensor, s: a line in the figure")
       ->check(not_negative())
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "the table; standard output if not given");

@@ -11,9 +11,11 @@ std::string rms_words(const RmsEstimate& rms, double factor, std::string_view un
   if (!std::isfinite(rms.rms)) return "not known";
   if (rms.low68 == 0.0)
     return std::isfinite(rms.high68) ? fmt::format("at most {} {}", of(rms.high68), unit)
-                                     : "of any size, as far as the log tells";
-  return fmt::format("{} {} ({} to {})", of(rms.rms), unit, of(rms.low68),
-                     std::isfinite(rms.high68) ? of(rms.high68) : "any size");
+                                     : "of a size that the log leaves open";
+  const std::string interval = std::isfinite(rms.high68)
+                                   ? fmt::format("{} to {}", of(rms.low68), of(rms.high68))
+                                   : fmt::format("{} or more", of(rms.low68));
+  return fmt::format("{} {} ({})", of(rms.rms), unit, interval);
 }
 
 } // namespace goingrate
