@@ -1,4 +1,4 @@
-// goingrate help TOPIC: what a page of the manual would say.
+// The subcommand `goingrate help TOPIC`, and the layout of every --help.
 #include "help.hpp"
 
 #include "common.hpp"
@@ -113,7 +113,7 @@ the notes. A file is written whole or not at all; of several, all or none.
 )"},
 };
 
-// CLI11's own lines are as long as the descriptions.
+// Wraps descriptions at 80 columns; the lines of CLI11's formatter are as long as the descriptions.
 class NarrowFormatter : public CLI::Formatter {
 public:
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
@@ -126,13 +126,13 @@ public:
 
 private:
   static std::string entry(const std::string& name, const std::string& description) {
-    constexpr std::size_t terminal = 80, column = 30;
-    std::string text = wrapped("  " + name, terminal, 4);
+    constexpr std::size_t line_columns = 80, description_column = 30;
+    std::string text = wrapped("  " + name, line_columns, 4);
     if (description.empty()) return text + '\n';
-    const std::string indent(column, ' ');
-    const std::string lines = wrapped(indent + description, terminal);
-    // The description begins beside the name if that leaves it room.
-    if (text.size() < column) return text + lines.substr(text.size()) + '\n';
+    const std::string indent(description_column, ' ');
+    const std::string lines = wrapped(indent + description, line_columns);
+    // The description starts on the line of the name, unless the name reaches into its column.
+    if (text.size() < description_column) return text + lines.substr(text.size()) + '\n';
     return text + '\n' + lines + '\n';
   }
 };

@@ -1,4 +1,4 @@
-// What a column's name says about it.
+// Role and unit of a log's column, recognised from its name.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -8,24 +8,26 @@
 
 namespace goingrate {
 
-/// A column's meaning as far as its name tells.
+/// A column with the role and unit that its name states.
 struct NamedColumn {
   LogColumn column;
-  bool has_unit = false; ///< the name states a unit that its role knows
+  bool has_unit = false; ///< the name states a unit that suits the role
 };
 
-/// From names such as "Time (s)", "time_s", "Angle/rad", "pulse width us" or "Temperature [°C]".
-/// Case does not matter, bytes outside ASCII (of whatever encoding) count as letters.
+/// Recognises names such as "Time (s)", "time_s", "Angle/rad", "pulse width us" or
+/// "Temperature [°C]", in upper or lower case. The name may be in any encoding that extends ASCII.
 NamedColumn column_named(std::string_view name);
 
-/// Sets a column's unit from its name ("ms", "mrad", "degC", "hPa" ...); false if its role does not
-/// know it.
+/// Sets the unit of a column from the unit's name ("ms", "mrad", "degC", "hPa" ...). Returns false,
+/// and changes nothing, if the unit is unknown or does not suit the column's role.
 bool set_unit(LogColumn& column, std::string_view unit);
 
+/// The short name of a unit: "s", "ms", "us" ...; "?" for a unit without one.
 std::string_view name_of(TimeUnit unit);
 
-/// The direction that a word of an edge column tells: up, rising, right, R, tick, 1 or down,
-/// falling, left, L, tock, 0 (also "up-in" and the like).
+/// The direction that a word in an edge column stands for. Up: up, rising, right, R, tick, 1; down:
+/// down, falling, left, L, tock, 0; nothing for any other word. Case and whatever follows a hyphen
+/// ("up-in") are ignored.
 std::optional<Edge> edge_named(std::string_view word);
 
 } // namespace goingrate

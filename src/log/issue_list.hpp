@@ -1,4 +1,4 @@
-// The list of what was wrong with a log's lines.
+// Collects the faults found in the lines of a log.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -7,11 +7,13 @@
 
 namespace goingrate {
 
-/// Appends to `log.issues`, joining runs of lines with the same fault; throws InputError instead if
-/// the reading is strict.
+/// Appends faults to `log.issues`. Consecutive lines with the same fault share one issue; so do
+/// scattered ones once the list has grown long (see LineIssue). If `strict`, the first fault throws
+/// InputError instead.
 class IssueList {
 public:
   IssueList(ClockLog& log, bool strict) : log_(log), strict_(strict) {}
+  /// `found` says what is wrong, `action` what was done about it.
   void add(std::size_t line, std::size_t column, IssueKind kind, std::string found,
            std::string action);
 

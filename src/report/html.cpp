@@ -1,4 +1,4 @@
-// The page: its frame, its style, and the order of its parts.
+// The report as an HTML page: its skeleton, its style sheet and the order of its sections.
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/report.hpp"
 
@@ -23,15 +23,17 @@ Table::Table(std::string caption, std::vector<std::string> headings)
 }
 
 void Table::row(const std::vector<std::string>& cells) {
-  constexpr std::size_t longest_value = 36; // bytes: a number with its sigma stays on one line
+  // Cells up to this size are kept on one line: long enough for a number with its sigma.
+  constexpr std::size_t unbroken_bytes = 36;
   rows_ += "<tr>";
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const bool value = cells[i].size() <= longest_value;
-    // On a narrow screen every cell stands below the one before, with its heading.
+    const bool is_value = cells[i].size() <= unbroken_bytes;
+    // On a narrow screen, cells are stacked and each needs its column heading as a label.
     const std::string label = i > 0 && headings_.size() > 2 && i < headings_.size()
                                   ? " data-label=\"" + headings_[i] + "\""
                                   : "";
-    rows_ += i == 0 ? "<th scope=\"row\">" : (value ? "<td class=\"value\"" : "<td") + label + ">";
+    rows_ +=
+        i == 0 ? "<th scope=\"row\">" : (is_value ? "<td class=\"value\"" : "<td") + label + ">";
     rows_ += escape_markup(cells[i]) + (i == 0 ? "</th>" : "</td>");
   }
   rows_ += "</tr>\n";
@@ -60,7 +62,7 @@ std::string paragraph(std::string_view text) {
 
 namespace {
 
-// Light by default; the dark set replaces the colours only, and only on a screen.
+// Light by default. The dark scheme changes colours only, and only on a screen: paper stays light.
 constexpr std::string_view page_style = R"(
 :root{color-scheme:light dark;--text:#1b1b1b;--soft:#555;--paper:#fff;--panel:#f4f4f1;--grid:#d9d9d9;--warn:#a33c00}
 @media screen and (prefers-color-scheme:dark){:root{--text:#e8e6e3;--soft:#a9a6a1;--paper:#15171a;--panel:#1f2226;
@@ -121,7 +123,8 @@ std::string figure_html(const Figure& figure, std::string_view live) {
                      escape_markup(figure.title), live, svg(figure), escape_markup(figure.caption));
 }
 
-// Where page.js draws a plot. Keys work once it has the focus.
+// The element in which page.js draws a plot, and its save buttons. The tabindex lets the element
+// take the focus, without which it receives no key presses.
 std::string live_place(const std::vector<Figure>& figures, std::size_t from, std::size_t to) {
   std::string titles;
   for (std::size_t i = from; i < to; ++i)
@@ -148,15 +151,15 @@ std::string figures_section(const std::vector<Figure>& figures) {
   const std::vector<std::size_t> begins = plot_begins(figures);
   for (std::size_t p = 0; p + 1 < begins.size(); ++p) {
     const std::string live = live_place(figures, begins[p], begins[p + 1]);
-    const bool alone = begins[p + 1] - begins[p] == 1;
-    if (!alone) body += live;
+    const bool is_single = begins[p + 1] - begins[p] == 1;
+    if (!is_single) body += live;
     for (std::size_t i = begins[p]; i < begins[p + 1]; ++i)
-      body += figure_html(figures[i], alone ? live : "");
+      body += figure_html(figures[i], is_single ? live : "");
   }
   return page::section("figures", "Figures", body);
 }
 
-// Three to six paragraphs.
+// The summary: a paragraph for each sentence.
 std::string sentences(const Analysis& data) {
   std::string html = "<div class=\"says\">\n";
   for (const std::string& sentence : report_sentences(data))
@@ -164,13 +167,13 @@ std::string sentences(const Analysis& data) {
   return html + "</div>\n";
 }
 
-// Everything in numbers, for programs that read the page.
+// The whole report as JSON, for programs that are given only the page.
 std::string json_element(const Analysis& data) {
   return fmt::format("<script type=\"application/json\" id=\"goingrate\">{}</script>\n",
                      report_json_for_script(data));
 }
 
-// Last in the page, so that everything can be read while a slow reader still takes them in.
+// The scripts go last in the page, so that its text is readable while a slow browser loads them.
 std::string scripts(const std::vector<Figure>& figures) {
   if (plotly_script().empty() || figures.empty()) return {};
   return fmt::format("<script type=\"application/json\" id=\"figure-data\">{}</script>\n"
@@ -178,8 +181,8 @@ std::string scripts(const std::vector<Figure>& figures) {
                      page_data(figures), plotly_script(), series_script(), page_script());
 }
 
-// Nothing is fetched from anywhere, whatever a log may have smuggled into the page. Its own scripts
-// and styles stand in it; plotly.js hands pictures to the reader as data and blobs.
+// The browser must fetch nothing from a network, even if markup in a log got past the escaping. The
+// page's own scripts and styles are inline; plotly.js makes its images as data: and blob: URLs.
 constexpr std::string_view content_policy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; base-uri 'none'; form-action 'none'";

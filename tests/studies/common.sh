@@ -1,5 +1,6 @@
-# Sourced by the studies. Goes to the project's folder; `built NAME...` builds studies with the bench
-# preset; `head_line SEED` prints what a print is kept with: date, machine, commit, seed.
+# Sourced by the study scripts. Changes to the project's root directory, installs the packages that
+# the studies need, and defines two functions: `built TARGET...` builds study programs with the
+# bench preset; `head_line [SEED]` prints where a result comes from: date, CPU, commit and any seed.
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 . apps/setup.sh
 goingrate_setup libgtest-dev zlib1g-dev libbenchmark-dev libsundials-dev libgsl-dev

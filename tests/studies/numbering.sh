@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Prints how well faulty logs are numbered. Arguments: logs (5000), first seed (70001). Takes a minute
-# once built.
+# Prints how many beats of random faulty logs are given the right cycle number. Arguments: number of
+# logs (default 5000), first seed (default 70001). Takes about a minute, not counting the build.
 set -e
 . "$(dirname "$0")/common.sh"
 built study_numbering

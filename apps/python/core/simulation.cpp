@@ -1,4 +1,4 @@
-// A scenario becomes a log and the truth about it.
+// Simulates a scenario for Python: the log, and the true state of the clock behind it.
 #include "arrays.hpp"
 #include "log_state.hpp"
 #include "module.hpp"
@@ -16,7 +16,7 @@ namespace goingrate::python {
 
 namespace {
 
-// The true state, one entry a period.
+// The true state of the simulated clock, with one entry per period in every vector.
 struct Truth {
   std::vector<std::int64_t> cycle;
   std::vector<double> time_s, period_s, velocity, amplitude_rad, mu;
@@ -32,13 +32,13 @@ struct Truth {
 };
 
 struct Simulated {
-  std::string text; ///< the log, byte for byte as the command writes it
+  std::string text; ///< the log, byte for byte as `goingrate simulate` writes it
   Truth truth;
   std::string method;
 };
 
 Simulated simulated(const Scenario& scenario, std::uint64_t seed) {
-  constexpr std::int64_t between_pulses = 1024; // periods
+  constexpr std::int64_t periods_per_pulse = 1024; // between two checks for Ctrl-C
   ClockRun run(scenario, seed);
   Sensor sensor(scenario, seed);
   const NativeColumns columns = native_columns(scenario.sensor, scenario.clock.nominal_period_s);
@@ -52,9 +52,9 @@ Simulated simulated(const Scenario& scenario, std::uint64_t seed) {
   while (const auto period = run.next()) {
     sensor.see(*period);
     result.truth.see(*period);
-    if (period->cycle % between_pulses != 0) continue;
+    if (period->cycle % periods_per_pulse != 0) continue;
     write(false);
-    pulse();
+    pulse(); // lets Ctrl-C end the simulation
   }
   if (run.status() != SwingStatus::crossed)
     throw NumericsError(fmt::format("{} after {} periods (a run of {} ends before)",
@@ -78,6 +78,7 @@ py::dict arrays_of(Truth&& truth) {
 py::tuple simulate(const std::string& text, const std::string& name,
                    const std::vector<std::string>& overrides, std::uint64_t seed) {
   const Scenario scenario = parse_scenario(text, name, overrides);
+  // `waiting` releases Python's lock, which must be held again to make the objects below.
   Simulated result = [&] {
     const Waiting waiting{py::none()};
     return simulated(scenario, seed);

@@ -68,10 +68,10 @@ class Analysis(Report):
         """The page of the report; written to `path` as well if that is given."""
         page = self._core.html()
         if path is not None:
-            beside = f"{os.fspath(path)}.{os.getpid()}.part"
-            with open(beside, "w", encoding="utf-8") as file:
+            part_path = f"{os.fspath(path)}.{os.getpid()}.part"
+            with open(part_path, "w", encoding="utf-8") as file:
                 file.write(page)
-            os.replace(beside, path)  # a failure leaves no half page
+            os.replace(part_path, path)  # so that a failed write leaves no truncated page
         return page
 
     def _json(self) -> str:
