@@ -46,7 +46,7 @@ TEST(MultitaperTest, TheIntegralIsTheVariance) {
   double integral = 0.0;
   for (const double d : s.density)
     integral += d * s.resolution_hz;
-  EXPECT_NEAR(integral, variance, 0.02 * variance); // sigma, from the unequal weights: 0.2 %
+  EXPECT_NEAR(integral, variance, 0.008 * variance); // four sigma, from the unequal weights
 }
 
 TEST(MultitaperTest, AnIntervalHoldsTheLevel) {

@@ -17,7 +17,7 @@ from ._tables import Report
 
 
 class Analysis(Report):
-    """What ``goingrate report`` finds out; ``print(analysis)`` is its summary."""
+    """The results of ``goingrate report``; ``print(analysis)`` is its summary."""
 
     def __init__(self, log: Log, core: _core.Analysis) -> None:
         self.log = log
@@ -35,7 +35,7 @@ class Analysis(Report):
 
     @property
     def spectrum(self) -> Spectrum | None:
-        """The spectrum of the rate; None of a log too short for one."""
+        """The spectrum of the rate; None if the log is too short."""
         drive = self._core.drive
         return Spectrum(drive, self.fit) if drive.has_spectrum else None
 
@@ -51,21 +51,21 @@ class Analysis(Report):
 
     @property
     def diary(self) -> dict[str, Any]:
-        """What happened when: changes and interruptions."""
+        """Changes and interruptions, with their times."""
         return self.to_dict()["diary"]
 
     @property
     def covariates(self) -> list[dict[str, Any]]:
-        """How the rate answers to temperature and pressure, where the log has them."""
+        """How the rate depends on temperature and pressure, where the log has them."""
         return self._core.covariates
 
     @property
     def drive_history(self) -> dict[str, Array] | None:
-        """The drive as it went: time_s, relative_drive, sigma, each of shape (blocks,)."""
+        """History of the drive: time_s, relative_drive, sigma, each of shape (blocks,)."""
         return self._core.history
 
     def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The page of the report; written to `path` as well if that is given."""
+        """The report as an HTML page; written to `path` as well if that is given."""
         page = self._core.html()
         if path is not None:
             part_path = f"{os.fspath(path)}.{os.getpid()}.part"
@@ -100,7 +100,7 @@ def analyse(
     profiles: bool = True,
     progress: Progress | None = None,
 ) -> Analysis:
-    """All that can be told of a log: rate, changes, fit, drive, causes, stability.
+    """Analyses a log: rate, changes, fit, drive, causes, stability.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def analyse(
     Analysis
     """
     if not isinstance(log, Log):
-        raise ValueError(f"log: found {type(log).__name__}, expected a Log (of read() or Log())")
+        raise ValueError(f"log: found {type(log).__name__}, expected a Log (from read() or Log())")
     for name, value in (("nut_pitch_m", nut_pitch_m), ("pendulum_length_m", pendulum_length_m)):
         if value is not None and not value > 0:
             raise ValueError(f"{name}: found {value}, expected above 0")
