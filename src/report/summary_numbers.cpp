@@ -167,8 +167,10 @@ void Numbers::add_fit() {
   }
   const FittedParameter* friction = fit.find("epsilon");
   const bool knows_friction = friction != nullptr && std::isfinite(friction->value);
-  if (knows_friction && std::isfinite(fit.q_factor.value))
-    add("quality factor of that friction, Q = 1/2ε",
+  const bool is_of_epsilon = knows_friction && !fit.decay && fit.model.friction() == "linear";
+  if ((fit.decay || knows_friction) && std::isfinite(fit.q_factor.value))
+    add(is_of_epsilon ? "quality factor of that friction, Q = 1/2ε"
+                      : "quality factor Q " + fit.q_factor.expression,
         with_sigma(fit.q_factor.value, fit.q_factor.sigma));
 }
 

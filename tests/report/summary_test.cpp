@@ -178,6 +178,15 @@ TEST(SummaryTest, TheTableHasOneUnitForAQuantity) {
     EXPECT_LE(characters(line), 80U) << line;
 }
 
+TEST(SummaryTest, TheQOfARingDownIsNotThatOfLinearFrictionAlone) {
+  Analysis data = some_report();
+  data.fit.decay.emplace();
+  data.fit.q_factor = {"Q", "at 0.12 rad, whichever law of friction", "", 53.7, 0.05};
+  EXPECT_EQ(value_of(data, "quality factor Q at 0.12 rad, whichever law of friction"),
+            "53.700 ± 0.050");
+  EXPECT_EQ(value_of(data, "quality factor of that friction, Q = 1/2ε"), "");
+}
+
 TEST(SummaryTest, TheWeeksCostIsNamedWhereItIsKnown) {
   Analysis data = some_report();
   EXPECT_EQ(value_of(data, "  time error of the two in a week, rms"), "0.3 s and at most 1.2 s");
