@@ -259,7 +259,7 @@ LogHead cut_head(std::string_view text, bool whole, const std::string& source, b
          count_fields(first.text, ' ') <= most_words))
       throw InputError({source, first.number, 1}, "a header and 0 events", "lines of data");
     throw InputError({source, first.number, 1}, shown(first.text),
-                     "a log: a time a line, or columns with a header (README: Logs it reads)");
+                     "a log: a time a line, or columns with a header");
   }
   const auto commonest = std::max_element(counts.begin(), counts.end(),
                                           [](auto& a, auto& b) { return a.second < b.second; });

@@ -176,7 +176,8 @@ done
 page=CONTRIBUTING.md
 while IFS= read -r name; do
   grep -qF "$name" "$source/$page" || fault "the recipe for a friction law leaves out $name"
-done < <(cd "$source" && grep -rlE '\bquadratic(_drag)?\b' include src --include='*.cpp' --include='*.hpp' | grep -vE '^(src/report|src/log|include/goingrate/log)/')
+done < <(cd "$source" && grep -rlE '\bquadratic(_drag)?\b' include src apps --include='*.cpp' --include='*.hpp' --include='*.py' |
+  grep -vE '^(src/log|include/goingrate/log)/')
 [ "$blocks" -ge 8 ] && [ "$examples" -ge 12 ] || fault "only $blocks blocks and $examples examples"
 
 [ "$faults" -eq 0 ] || exit 1

@@ -46,6 +46,22 @@ void check_cycles(const Fitted& fit, const std::vector<std::int64_t>& cycles);
 /// known within the log only: throws NumericsError for a fit that has such terms.
 void refuse_what_lies_outside(const Fitted& fit);
 
+/// The clock of the fit, every parameter being `value(name, absent)`, where `absent` stands for one
+/// that the model lacks.
+template <class Value> ClockParameters clock_of(const Fitted& fit, Value value) {
+  ClockParameters clock;
+  clock.escapement = fit.summary.model.escapement;
+  clock.nominal_period_s = value("T0", fit.nominal_period_s);
+  clock.epsilon = value("epsilon", 0.0);
+  clock.mu = value("mu", 0.0);
+  clock.phi0 = value("phi0", 0.0);
+  clock.quadratic_drag = value("quadratic_drag", 0.0);
+  clock.dry_friction = value("dry_friction", 0.0);
+  clock.impulse = value("impulse", 0.0);
+  clock.impulse_angle = value("impulse_angle", 0.0);
+  return clock;
+}
+
 /// The method of a run by which the fit's equations are solved.
 Method method_of(FitDynamics dynamics);
 

@@ -42,16 +42,8 @@ double last_value(const Fitted& fit, const std::string& name, double absent) {
 Scenario clock_going_on(const Fitted& fit, std::int64_t periods) {
   refuse_what_lies_outside(fit);
   Scenario scenario;
-  ClockParameters& clock = scenario.clock;
-  clock.escapement = fit.summary.model.escapement;
-  clock.nominal_period_s = last_value(fit, "T0", fit.nominal_period_s);
-  clock.epsilon = last_value(fit, "epsilon", 0.0);
-  clock.mu = last_value(fit, "mu", 0.0);
-  clock.phi0 = last_value(fit, "phi0", 0.0);
-  clock.quadratic_drag = last_value(fit, "quadratic_drag", 0.0);
-  clock.dry_friction = last_value(fit, "dry_friction", 0.0);
-  clock.impulse = last_value(fit, "impulse", 0.0);
-  clock.impulse_angle = last_value(fit, "impulse_angle", 0.0);
+  scenario.clock =
+      clock_of(fit, [&](const char* name, double absent) { return last_value(fit, name, absent); });
   const double amplitude = model_amplitude(fit, fit.data.size() - 1);
   if (!std::isfinite(amplitude))
     throw NumericsError("the fit tells no amplitude: it tells no times beyond the log");

@@ -59,16 +59,7 @@ Scenario whole_course(const Fitted& fit, const Values& values, std::int64_t peri
     return found == values.end() ? absent : found->second;
   };
   Scenario scenario;
-  ClockParameters& clock = scenario.clock;
-  clock.escapement = fit.summary.model.escapement;
-  clock.nominal_period_s = value("T0", fit.nominal_period_s);
-  clock.epsilon = value("epsilon", 0.0);
-  clock.mu = value("mu", 0.0);
-  clock.phi0 = value("phi0", 0.0);
-  clock.quadratic_drag = value("quadratic_drag", 0.0);
-  clock.dry_friction = value("dry_friction", 0.0);
-  clock.impulse = value("impulse", 0.0);
-  clock.impulse_angle = value("impulse_angle", 0.0);
+  scenario.clock = clock_of(fit, value);
   scenario.start_amplitude = value("lambda0", 0.0);
   scenario.periods = periods;
   scenario.method.method = method_of(fit.summary.dynamics);

@@ -4,7 +4,7 @@
 // a torque that helps the motion until the pendulum rises through phi0, then opposes it, and is
 // kept until the mirrored switch in the other half swing. A swing to the left is the mirror image
 // of a swing to the right, so one canonical case is enough: phi = 0, phi' = v > 0. Other laws of
-// torque and friction (clock/laws) come as a list of angles to stop at and the force between them.
+// torque and friction come as a list of angles to stop at and the force between them.
 //
 // Method. Harmonic motion with slowly varying a and b,
 //   phi = a cos theta - b sin theta,  phi' = -a sin theta - b cos theta,  theta = t - pi,

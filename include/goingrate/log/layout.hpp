@@ -11,9 +11,9 @@
 
 namespace goingrate {
 
-/// The kinds of logs that are read. README, "Logs it reads", shows a line of each.
+/// The kinds of logs that are read; data/guide/formats.md shows a line of each.
 enum class LogFormat {
-  native,      ///< '#' header, then CSV with named columns, see README
+  native,      ///< '#' header, then CSV with named columns
   timestamps,  ///< a time a line: seconds, another unit, MJD, date and time, a counter
   clock_error, ///< "label error amplitude_mrad": label s, error s (positive: fast), amplitude mrad
   periods,     ///< a period a line
