@@ -20,12 +20,14 @@ namespace {
 
 constexpr std::array topics{
     Topic{"formats", "logs that are read",
-          R"(The layout of a log is found from its first lines and said on standard error.
+          R"(The layout of a log is recognised from its first lines and reported on standard
+error.
   timestamps      one time a line: seconds, ms, us, ns, days, or
                   2013-02-22 23:38:00.2279906
   periods         one period a line
   clock-error     label, error of the clock, amplitude
-  phase           Stable32: the clock's error every --tau0 s; 0 within is a gap
+  phase           Stable32: the clock's error every --tau0 s; a 0 between
+                  other values marks a gap
   frequency       relative rate every --tau0 s
   ticc            TAPR TICC; --channel chB
   ticc-interval   the clock's error every --tau0 s
@@ -34,20 +36,23 @@ constexpr std::array topics{
   angle           samples of an angle; crossings by local fits
   native          what simulate writes: '#' lines 'key: value', then named
                   columns
-Against what is found: --format, --unit, --column time=2, --decimal-comma,
---wrap, --channel, --both-edges, --nominal-period (s), --tau0 (s, between values
-of phase, frequency and intervals), --rest-angle (rad, at which the pendulum of
-angle samples hangs). A packed log may have 4 GiB unpacked: --unpacked-limit.
---dead-time (s): events so soon after an edge are bounces of a contact; found by
-itself if not given. Times that go back begin a new segment.
---strict makes the first faulty line an error; else faults
-are mended or left out, and rate --json lists each with its line and column.
+These override what was recognised: --format, --unit, --column time=2,
+--decimal-comma, --wrap, --channel, --both-edges, --nominal-period (s), --tau0
+(s, between values of phase, frequency and intervals), --rest-angle (rad, at
+which a pendulum recorded as angle samples hangs). A compressed log may unpack
+to 4 GiB at most; --unpacked-limit changes that.
+--dead-time (s): events that follow an edge within it are bounces of a contact;
+without the option the dead time is estimated from the log. Where times go back,
+a new segment begins.
+With --strict the first faulty line is an error; otherwise faults are mended or
+left out, and rate --json lists each with its line and column.
 An amplitude is in rad unless the header or --column amplitude=NAME:mrad (rad,
 mrad, deg) says otherwise; the third column of a clock-error log is in mrad.
-Of the sensor: --flag-width (rad, width of the flag over its distance from the
-pivot) makes amplitudes of widths, or moves the times of its leading edge to the
-vertical; --sensor-offset (rad, or auto) says where it stands, moves the times
-to the vertical and makes amplitudes of half-periods.
+About the sensor: with --flag-width (rad: the width of the flag divided by its
+distance from the pivot) the passage times of the flag give amplitudes, or the
+times of its leading edge are moved to the vertical. --sensor-offset (rad, or
+auto) is the angle at which the sensor stands: times are moved to the vertical,
+and the lengths of the two half swings give amplitudes.
 )"},
     Topic{"scenario", "keys of a scenario for simulate",
           R"([clock]   nominal_period (s), epsilon, mu, phi0 (rad),
@@ -57,7 +62,7 @@ to the vertical and makes amplitudes of half-periods.
 [run]     periods or duration (s); method = "auto", "direct", "map",
           "averaged1", "averaged2", "rk4" (dt, rk4_torque = "step", "stage" or
           "switches"); tolerance (s, of crossing times, for auto)
-[[event]] at_period or at (s), and what changes then: nominal_period, epsilon,
+[[event]] at_period or at (s), and the new values: nominal_period, epsilon,
           mu, phi0, quadratic_drag, dry_friction, impulse, angle
 [drive]   fast_rms (white, renewed at every upward crossing), slow_rms and
           slow_time (s), sine = [{amplitude = 0.02, period = 900.0}],
@@ -75,41 +80,45 @@ to the vertical and makes amplitudes of half-periods.
 --set clock.epsilon=1e-3 overrides a key. Unknown keys are errors with line and
 column.
 )"},
-    Topic{"noise", "what disturbs a clock, and how it is told apart",
-          R"(jitter      of the sensor: white in time, so that neighbouring period
-            differences go against each other; the deviation falls as 1/tau
-fast drive  white from period to period: the rate answers at once with one gain,
-            and once the amplitude has settled with another; the times walk; the
-            deviation falls as 1/sqrt(tau)
-slow drive  with a memory: little cancels, and the clock goes off for hours
-fit --noise jitter|drive|both|slow|auto chooses; auto adds what BIC asks for.
-spectrum sizes all three by the likelihood of the rate's spectrum and says what
-each costs in a day, a week, a year. stability names the noise at every
-averaging time.
+    Topic{"noise", "what disturbs a clock, and how the causes are told apart",
+          R"(jitter      timing noise of the sensor, independent from one crossing to the
+            next: a late crossing makes one period longer and the next one
+            shorter; the deviation falls as 1/τ
+fast drive  drive that varies independently from one period to the next: the
+            rate answers at once with one gain, and with another once the
+            amplitude has settled; the clock's error is a random walk, and the
+            deviation falls as 1/√τ
+slow drive  drive that stays high or low for minutes to hours: its effects add
+            up, and the clock gains or loses for as long
+fit --noise jitter|drive|both|slow|auto chooses; auto adds the terms that lower
+the BIC. spectrum estimates all three from the likelihood of the rate's spectrum
+and says what each costs in a day, a week and a year. stability names the noise
+at every averaging time.
 )"},
     Topic{"identifiability", "what a log can and cannot tell",
-          R"(A steady log tells the mean rate and nothing of epsilon, mu and phi0: they are
-'undetermined'. A change tells: a jump of the driving weight, a start from rest,
-a ring-down, or amplitudes. With T0 known (--fix T0=2) the mean rate says how
-drive and friction stand to each other. A steady log with a noisy drive shows
-the gain of the rate at low and high frequencies; two clocks fit it, with the
-slow gain of either sign, and one look at the amplitude (--prior
-lambda0=0.05+-0.005) tells which. fit names the combinations that are
-determined, and says what experiment would tell more and with what sigma.
+          R"(A log of a steady clock tells the mean rate and nothing about ε, μ and φ0: they
+are 'undetermined'. A change tells more: a change of the driving weight, a start
+from rest, a ring-down, or logged amplitudes. With T0 known (--fix T0=2) the
+mean rate gives the ratio of drive to friction. A log of a steady clock with a
+noisy drive shows how the rate answers slow and fast changes of the drive; two
+clocks fit it, whose slow answers have opposite signs, and one reading of the
+amplitude (--prior lambda0=0.05+-0.005) tells which of them it is. fit names the
+combinations of parameters that are determined, and the experiment that would
+tell more, with the σ it would reach.
 )"},
-    Topic{"exit-codes", "what the command says to a script, and where it says it",
-          R"(0  done; also where the reader of standard output goes away, as head does
+    Topic{"exit-codes", "exit codes, and where results and messages go",
+          R"(0  done; also if the reader of standard output closes it early, as head does
 1  a fault of the program
-2  wrong usage; what an option says, --set too, is usage
+2  wrong usage, including values given by options such as --set
 3  the input cannot be used (the message gives file, line, column, what was
    found and what was expected), or needs more memory than there is
-4  the numbers did not work out
+4  no numerical result: a fit or a simulation that does not succeed
 5  the output could not be written
-report exits 0 where the fit alone has no result and says so in its place; fit
-exits 4. Results go to standard output or the named file, notes and errors to
-standard error. Every error begins with 'goingrate:'. On a terminal notes and
-errors are coloured; NO_COLOR=1 in the environment stops that, and --quiet stops
-the notes. A file is written whole or not at all; of several, all or none.
+If only the fit has no result, report says so and exits 0; fit exits 4.
+Results go to standard output or the named file, notes and errors to standard
+error. Every error begins with 'goingrate:'. On a terminal notes and errors are
+coloured; NO_COLOR=1 in the environment stops that, and --quiet stops the notes.
+A file is written whole or not at all; of several, all or none.
 )"},
 };
 

@@ -91,7 +91,7 @@ tbody th{font-weight:400}
 .value{white-space:nowrap}
 figure{margin:1.5rem 0}
 figcaption{color:var(--soft);font-size:.88rem}
-/* A figure is the still drawing until page.js has drawn it live; on paper it is the still one again. */
+/* Each figure is a static drawing until page.js replaces it by an interactive one. Print shows the static one. */
 .live{display:none;margin:.5rem 0;touch-action:pan-y}
 .live:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 .hint{display:none;color:var(--soft);font-size:.88rem}
@@ -138,10 +138,13 @@ std::string live_place(const std::vector<Figure>& figures, std::size_t from, std
 }
 
 constexpr std::string_view hint =
-    "<p class=\"hint\">Drag across a figure to zoom (on a telephone: the buttons above it) and "
-    "double-click to see all again. A figure with the focus also takes the keys + and −, ← and →, "
-    "and 0. What is against time zooms together. The ranges are those of the bulk of the values: a "
-    "triangle at the rim stands for one beyond, and tells it when pointed at.</p>\n";
+    "<p class=\"hint\">Drag across a figure to zoom (on a telephone, use the buttons above it); "
+    "double-click to see everything again. With the keyboard, focus a figure: + and − zoom, ← and "
+    "→ move, 0 shows "
+    "everything. Figures that share the time axis zoom together. The axes are set by the bulk of "
+    "the "
+    "values; a triangle at the edge marks a value beyond them, which appears when you point at "
+    "it.</p>\n";
 
 std::string figures_section(const std::vector<Figure>& figures) {
   if (figures.empty())
@@ -206,8 +209,8 @@ std::string report_html(const Analysis& data) {
       fmt::format("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
                   "<meta http-equiv=\"Content-Security-Policy\" content=\"{4}\">\n"
                   "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-                  "<title>The going of {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n"
-                  "<header>\n<h1>The going of {0}</h1>\n{3}</header>\n<main>\n",
+                  "<title>Clock report: {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n"
+                  "<header>\n<h1>Clock report: {0}</h1>\n{3}</header>\n<main>\n",
                   name, page_style, figure_style(), contents, content_policy);
   const std::vector<Figure> figures = report_figures(data);
   html += page::section("summary", "What the log says", sentences(data));

@@ -120,7 +120,7 @@ async function checkZoom() {
   const long = await value(`JSON.parse(document.getElementById("figure-data").textContent).arrays.some((a) => a.count > 5000)`);
   check(long ? after > 1.5 * before : after > 0, `a zoom draws finer: ${before.toPrecision(3)} values a unit, then ${after.toPrecision(3)}`);
   const ranges = await value(`[...document.querySelectorAll(".live")].map((e) => e._fullLayout.xaxis).filter((x) => x.title.text.startsWith("time")).map((x) => x.range)`);
-  check(ranges.length > 1 && ranges.every((r) => Math.abs(r[0] - cut[0]) < 1e-6 * Math.abs(cut[0])), "what is against time zooms together");
+  check(ranges.length > 1 && ranges.every((r) => Math.abs(r[0] - cut[0]) < 1e-6 * Math.abs(cut[0])), "figures that share the time axis zoom together");
   await picture("zoomed", 1000);
   await value(`document.querySelector(".live").focus()`);
   await send("Input.dispatchKeyEvent", { type: "keyDown", key: "0", text: "0" });

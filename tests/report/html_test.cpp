@@ -51,7 +51,7 @@ std::string row_of(const std::string& page, const std::string& heading) {
 TEST(HtmlReportTest, HasEveryPartInItsPlace) {
   const std::string page = page_of(some_report());
   std::size_t at = 0;
-  for (const char* part : {"<h1>The going of clock.csv",
+  for (const char* part : {"<h1>Clock report: clock.csv",
                            "id=\"summary\"",
                            "<div class=\"says\">",
                            "id=\"key-figures\"",
@@ -131,7 +131,7 @@ TEST(HtmlReportTest, EscapesWhatComesFromTheLog) {
   data.log.assumptions = {{"<script>alert(1)</script>"}};
   data.log.issues = {{3, 1, IssueKind::unreadable, "<i>\x02\xc3", "left & out", 3}};
   const std::string page = page_of(data);
-  EXPECT_NE(page.find("<h1>The going of &lt;b&gt;&amp;&quot;</h1>"), std::string::npos);
+  EXPECT_NE(page.find("<h1>Clock report: &lt;b&gt;&amp;&quot;</h1>"), std::string::npos);
   EXPECT_EQ(count_of(page, "<script>alert"), 0U);
   EXPECT_EQ(count_of(page, "alert(1)</script>"), 0U);
   const nlohmann::json held = json_in(page);
@@ -240,7 +240,7 @@ TEST(HtmlReportTest, NamesTheFileAndNotItsFolder) {
   Analysis data = some_report();
   data.log.source = "/home/somebody/clock.csv";
   const std::string page = page_of(data);
-  EXPECT_NE(page.find("<h1>The going of clock.csv</h1>"), std::string::npos);
+  EXPECT_NE(page.find("<h1>Clock report: clock.csv</h1>"), std::string::npos);
   EXPECT_EQ(test::without_scripts(page).find("somebody"), std::string::npos);
 }
 
