@@ -1,11 +1,11 @@
 #include "goingrate/base/instant.hpp"
 
+#include "base/decimal.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cstring>
 #include <fast_float/fast_float.h>
 #include <fmt/format.h>
 #include <limits>
@@ -22,31 +22,11 @@ Instant operator+(const Instant& t, double duration) {
   return sum;
 }
 
-double residual_from_grid(const Instant& t, const Instant& origin, std::int64_t n, double period) {
-  const auto count = static_cast<double>(n);
-  const double product = count * period;
-  const double product_low = std::fma(count, period, -product);
-  const double whole = std::floor(product);
-  const auto whole_seconds = t.seconds - origin.seconds - static_cast<std::int64_t>(whole);
-  const double fractions = (t.fraction - origin.fraction) - (product - whole);
-  return (static_cast<double>(whole_seconds) + fractions) - product_low;
-}
-
 namespace {
 
 __extension__ typedef unsigned __int128 Wide; // 53 bits times 10^15 need 103
 
 constexpr int most_digits = 19; // of a number that a 64-bit integer always holds
-
-constexpr std::array<std::uint64_t, most_digits + 1> powers_of_ten = [] {
-  std::array<std::uint64_t, most_digits + 1> powers{};
-  std::uint64_t power = 1;
-  for (std::uint64_t& entry : powers) {
-    entry = power;
-    power *= 10;
-  }
-  return powers;
-}();
 
 // A decimal number as it stands: digits * 10^exponent. Zeros in front are not counted.
 struct Decimal {
@@ -133,56 +113,10 @@ std::optional<Instant> scaled(const Decimal& number, std::uint32_t seconds, int 
   return fraction < 1.0 ? Instant{units, fraction} : Instant{units + 1, 0.0};
 }
 
-// Eight bytes at once: whether all are digits, and the number they make, by three multiplications
-// that each join neighbours (two digits, four, eight). Little-endian: the first digit is lowest.
-bool are_digits(std::uint64_t bytes) {
-  constexpr std::uint64_t high = 0xf0f0f0f0f0f0f0f0, six = 0x0606060606060606;
-  return ((bytes & high) | (((bytes + six) & high) >> 4)) == 0x3333333333333333;
-}
-std::uint64_t number_of_digits(std::uint64_t bytes) {
-  bytes = (bytes & 0x0f0f0f0f0f0f0f0f) * 2561 >> 8;
-  bytes = (bytes & 0x00ff00ff00ff00ff) * 6553601 >> 16;
-  return (bytes & 0x0000ffff0000ffff) * 42949672960001 >> 32;
-}
-
-// The number made by the digits at `c`, which moves past them. Wraps beyond 19 digits.
-std::uint64_t take_digits(const char*& c, const char* end) {
-  std::uint64_t value = 0;
-  if constexpr (std::endian::native == std::endian::little) {
-    for (std::uint64_t bytes = 0; end - c >= 8; c += 8) {
-      std::memcpy(&bytes, c, 8);
-      if (!are_digits(bytes)) break;
-      value = value * 100000000 + number_of_digits(bytes);
-    }
-  }
-  for (; c != end && is_digit(*c); ++c)
-    value = value * 10 + static_cast<std::uint64_t>(*c - '0');
-  return value;
-}
-
-// Seconds with digits on both sides of the point and no more than a double's worth behind it: one
-// division rounds once. What nearly every line of every log is.
 bool parse_plain_seconds(std::string_view text, char point, Instant& time) {
-  constexpr std::ptrdiff_t most_whole = 18, most_decimals = 15;
   const char* c = text.data();
   const char* const end = c + text.size();
-  const char* const begin = c;
-  const std::uint64_t whole = take_digits(c, end);
-  const auto whole_digits = c - begin;
-  std::uint64_t part = 0;
-  std::ptrdiff_t decimals = 0;
-  if (c != end && *c == point) {
-    const char* const after = ++c;
-    part = take_digits(c, end);
-    decimals = c - after;
-  }
-  if (c != end || whole_digits > most_whole || decimals > most_decimals ||
-      whole_digits + decimals == 0)
-    return false;
-  time = {static_cast<std::int64_t>(whole),
-          static_cast<double>(part) /
-              static_cast<double>(powers_of_ten[static_cast<std::size_t>(decimals)])};
-  return true;
+  return take_plain_seconds(c, end, point, time) && c == end;
 }
 
 // Seconds with more than 15 decimals: the fraction is rounded to the nearest double all the same.
@@ -249,37 +183,36 @@ std::uint64_t fraction_digits(double fraction, std::uint64_t power) {
 }
 
 // The usual case, fast: logs are written by the hundred million.
-std::string format_positive(std::int64_t seconds, double fraction, int decimals) {
-  const std::uint64_t power = powers_of_ten[static_cast<std::size_t>(decimals)];
-  std::uint64_t digits = fraction_digits(fraction, power);
-  if (digits == power) {
-    ++seconds;
-    digits = 0;
-  }
-  std::string text = fmt::format_int(seconds).str();
-  text.push_back('.');
-  const std::size_t point = text.size();
-  text.resize(point + static_cast<std::size_t>(decimals));
-  for (std::size_t i = text.size(); i-- > point; digits /= 10)
-    text[i] = static_cast<char>('0' + digits % 10);
-  return text;
+void append_positive(std::string& text, const Instant& t, int decimals) {
+  const std::uint64_t power = whole_powers_of_ten[static_cast<std::size_t>(decimals)];
+  const std::uint64_t digits = fraction_digits(t.fraction, power);
+  append_integer(text, digits < power ? t.seconds : t.seconds + 1);
+  text += '.';
+  append_digits(text, digits < power ? digits : 0, decimals);
 }
 
 } // namespace
 
 std::string format_instant(const Instant& t, int decimals) {
+  std::string text;
+  append_instant(text, t, decimals);
+  return text;
+}
+
+void append_instant(std::string& text, const Instant& t, int decimals) {
   if (decimals < 0 || decimals > 17) throw ArgumentError("decimals", decimals, "between 0 and 17");
-  if (t.seconds >= 0 && decimals >= 1 && decimals <= 15)
-    return format_positive(t.seconds, t.fraction, decimals);
+  if (t.seconds >= 0 && decimals >= 1 && decimals <= 15) return append_positive(text, t, decimals);
   Instant magnitude = t;
   const bool negative = t.seconds < 0;
   if (negative) {
     magnitude.seconds = t.fraction == 0.0 ? -t.seconds : -t.seconds - 1;
     magnitude.fraction = t.fraction == 0.0 ? 0.0 : 1.0 - t.fraction;
   }
-  std::string fraction = fmt::format("{:.{}f}", magnitude.fraction, decimals);
+  const std::string fraction = fmt::format("{:.{}f}", magnitude.fraction, decimals);
   if (fraction.front() == '1') ++magnitude.seconds; // the fraction rounded up to one
-  return fmt::format("{}{}{}", negative ? "-" : "", magnitude.seconds, fraction.substr(1));
+  if (negative) text += '-';
+  append_integer(text, magnitude.seconds);
+  text.append(fraction, 1);
 }
 
 } // namespace goingrate

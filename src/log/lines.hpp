@@ -55,6 +55,19 @@ public:
   /// The next line. Throws InputError for a line of more than 16 MiB.
   std::optional<Line> next();
 
+  /// The text from the next line on, as far as it is at hand, for those who cut lines themselves;
+  /// empty where lines end with CR alone. Not before head().
+  [[nodiscard]] std::string_view at_hand() const {
+    return line_end_ == '\n' ? rest_ : std::string_view();
+  }
+  /// So many bytes of it were taken, so many whole lines.
+  void skip(std::size_t bytes, std::uint32_t lines) {
+    rest_.remove_prefix(bytes);
+    number_ += lines;
+  }
+  /// Lines so far.
+  [[nodiscard]] std::uint32_t number() const { return number_; }
+
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Bytes of the source still to come, in this reader's reckoning; nothing if unknown.
   [[nodiscard]] std::optional<double> fraction_read() const;

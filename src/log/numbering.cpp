@@ -90,17 +90,18 @@ std::size_t Numbering::place(std::size_t i) {
   const double since = beats_[i].time - beats_[last_].time - filter_.offset();
   const double period = filter_.period();
   const double cycles = std::abs(since - period) < 0.5 * period ? 1.0 : std::round(since / period);
-  const double variance =
-      cycles >= 1.0 ? filter_.error_variance(filter_.after(cycles)) : 0.0; // of the prediction
+  const auto foreseen = filter_.after(std::max(1.0, cycles));
+  const double variance = cycles >= 1.0 ? filter_.error_variance(foreseen) : 0.0;
   const bool absent = cycles > search_.absence;
   const bool lost = absent && gate_sigmas2 * variance > std::pow(foreseen_share * period_, 2.0);
   if (lost) return resume(i, i, true);
-  if (const auto beat = beat_among_bounces(i)) {
-    mark_spurious(i);
-    beats_[*beat].flag = BeatFlag::good;
-    return place(*beat);
-  }
-  if (cycles >= 1.0 && fits(since - cycles * period, variance)) return settle(i, cycles);
+  if (is_bounce(i + 1))
+    if (const auto beat = beat_among_bounces(i)) {
+      mark_spurious(i);
+      beats_[*beat].flag = BeatFlag::good;
+      return place(*beat);
+    }
+  if (cycles >= 1.0 && fits(since - cycles * period, variance)) return settle(i, cycles, foreseen);
   if (absent) return resume(i, i, false);
   mark_spurious(i);
   if (++misfits_ >= most_misfits) return resume(last_ + 1, i, true);
@@ -119,10 +120,9 @@ std::optional<std::size_t> Numbering::beat_among_bounces(std::size_t i) const {
     const double error = filter_.error(since, cycles);
     return error * error / filter_.error_variance(filter_.after(cycles));
   };
-  const bool has_bounce = i + 1 < beats_.size() && beats_[i + 1].flag == BeatFlag::bounce;
-  const double first = has_bounce ? squared_sigmas(i) : 0.0;
+  const double first = squared_sigmas(i);
   if (first < decisive2) return {};
-  for (std::size_t k = i + 1; k < beats_.size() && beats_[k].flag == BeatFlag::bounce; ++k)
+  for (std::size_t k = i + 1; is_bounce(k); ++k)
     if (beats_[k].edge == Edge::up && first - squared_sigmas(k) > decisive2) return k;
   return {};
 }
@@ -144,7 +144,8 @@ std::optional<std::size_t> Numbering::missing_among_bounces(std::size_t i) const
 
 // Of event i and the following ones that fit the same cycle, the nearest is the beat. Another that
 // is nearly as likely is a rival; the rest are spurious.
-std::size_t Numbering::settle(std::size_t i, double cycles) {
+std::size_t Numbering::settle(std::size_t i, double cycles,
+                              const ClockFilter::Covariance& foreseen) {
   if (cycles > 1.0)
     if (const auto beat = missing_among_bounces(i)) {
       beats_[*beat].flag = BeatFlag::good;
@@ -152,7 +153,6 @@ std::size_t Numbering::settle(std::size_t i, double cycles) {
       return place(i);
     }
   const std::size_t before = last_;
-  const auto foreseen = filter_.after(cycles);
   const double variance = filter_.error_variance(foreseen);
   const auto error_of = [&](std::size_t k) {
     return filter_.error(beats_[k].time - beats_[before].time, cycles);
@@ -211,7 +211,7 @@ std::size_t Numbering::resume(std::size_t i, std::size_t seen, bool few_will_do)
   const auto foreseen = filter_.after(cycles);
   if (cycles <= search_.absence &&
       fits(filter_.error(elapsed, cycles), filter_.error_variance(foreseen)))
-    return settle(start, cycles); // the lost events were a run of false ones
+    return settle(start, cycles, foreseen); // the lost events were a run of false ones
   accept(start, beats_[last_].cycle + static_cast<std::int64_t>(cycles));
   resumed_.push_back(start);
   filter_.start(changed_period_share * period_, period);
@@ -228,34 +228,38 @@ void Numbering::strike_lone_outliers() {
 // are minus half of it, unlike at a change of the rate, where the neighbours lie on their lines.
 bool Numbering::stands_alone(std::size_t i) const {
   constexpr std::size_t reach = 20, most_neighbours = 2 * reach + 1;
-  const auto good = [&](std::size_t k) { return beats_[k].flag == BeatFlag::good; };
-  std::vector<std::size_t> near;
-  std::size_t place = 0;
-  for (std::size_t k = i; k-- > 0 && near.size() < reach;)
-    if (good(k)) near.push_back(k);
-  std::reverse(near.begin(), near.end());
-  place = near.size();
-  near.push_back(i);
-  for (std::size_t k = i + 1; k < beats_.size() && near.size() < place + 1 + reach; ++k)
-    if (good(k)) near.push_back(k);
-  if (place < 2 || place + 2 >= near.size()) return false;
-  if (beats_[near[place + 2]].cycle - beats_[near[place - 2]].cycle != 4) return false;
-  std::array<double, most_neighbours> sizes{};
+  // The good beats from near[first] to before near[end]; near[reach] is the beat itself.
+  std::array<std::size_t, most_neighbours> near{};
+  std::size_t first = reach, end = reach + 1;
+  near[reach] = i;
+  const auto look = [&](std::size_t away) {
+    const auto good = [&](std::size_t k) { return beats_[k].flag == BeatFlag::good; };
+    for (std::size_t k = near[first]; k-- > 0 && first > reach - away;)
+      if (good(k)) near[--first] = k;
+    for (std::size_t k = near[end - 1] + 1; k < beats_.size() && end < reach + 1 + away; ++k)
+      if (good(k)) near[end++] = k;
+  };
   const auto error_at = [&](std::size_t k) {
     const Beat &a = beats_[near[k - 1]], &b = beats_[near[k]], &c = beats_[near[k + 1]];
     if (c.cycle - a.cycle != 2) return 0.0;
     return 0.5 * ((b.time - a.time) - (c.time - b.time));
   };
+  look(2);
+  if (first + 2 > reach || end < reach + 3) return false;
+  if (beats_[near[reach + 2]].cycle - beats_[near[reach - 2]].cycle != 4) return false;
+  const double own = error_at(reach);
+  const double least = 1e-4 * period_; // in a log without noise
+  if (std::abs(own) < least) return false;
+  look(reach);
+  std::array<double, most_neighbours> sizes{};
   std::size_t count = 0;
-  for (std::size_t k = 1; k + 1 < near.size(); ++k)
+  for (std::size_t k = first + 1; k + 1 < end; ++k)
     sizes[count++] = std::abs(error_at(k));
-  // Twelve standard deviations of the errors nearby (a stretch may be noisier than the rest; 18 of
-  // their median), and a ten-thousandth of a period in a log without noise.
-  const double limit = std::max(18.0 * median(std::span(sizes).first(count)), 1e-4 * period_);
-  const double own = error_at(place);
-  if (std::abs(own) < limit) return false;
+  // Twelve standard deviations of the errors nearby (a stretch may be noisier than the rest) are 18
+  // of their median.
+  if (std::abs(own) < 18.0 * median(std::span(sizes).first(count))) return false;
   const auto mirrored = [&](double neighbour) { return std::abs(neighbour / own + 0.5) < 0.2; };
-  return mirrored(error_at(place - 1)) && mirrored(error_at(place + 1));
+  return mirrored(error_at(reach - 1)) && mirrored(error_at(reach + 1));
 }
 
 } // namespace goingrate

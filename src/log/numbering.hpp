@@ -30,9 +30,12 @@ public:
   [[nodiscard]] bool has_downward() const { return has_downward_; }
 
 private:
+  [[nodiscard]] bool is_bounce(std::size_t i) const {
+    return i < beats_.size() && beats_[i].flag == BeatFlag::bounce;
+  }
   [[nodiscard]] std::size_t next_up(std::size_t i);
   std::size_t place(std::size_t i);
-  std::size_t settle(std::size_t i, double cycles);
+  std::size_t settle(std::size_t i, double cycles, const ClockFilter::Covariance& foreseen);
   [[nodiscard]] std::optional<std::size_t> beat_among_bounces(std::size_t i) const;
   [[nodiscard]] std::optional<std::size_t> missing_among_bounces(std::size_t i) const;
   std::size_t resume(std::size_t i, std::size_t seen, bool few_will_do);

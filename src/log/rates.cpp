@@ -1,6 +1,7 @@
 #include "goingrate/log/rates.hpp"
 
 #include "beat_noise.hpp"
+#include "typical_period.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -34,16 +35,18 @@ double nominal_period(const ClockLog& log, const Beats& beats,
   return mean;
 }
 
+double rate_between(const Beat& from, const Beat& to, double nominal_period_s) {
+  const double late =
+      residual_from_grid(to.time, from.time, to.cycle - from.cycle, nominal_period_s);
+  return (0.0 - late) /
+         (to.time - from.time); // keeps the digits that n T0 / dt - 1 loses, and no -0
+}
+
 std::vector<double> rate_per_period(std::span<const Beat> beats, double nominal_period_s) {
   std::vector<double> rates;
   rates.reserve(beats.size());
-  for (std::size_t i = 1; i < beats.size(); ++i) {
-    const double elapsed = beats[i].time - beats[i - 1].time;
-    const std::int64_t cycles = beats[i].cycle - beats[i - 1].cycle;
-    const double late =
-        residual_from_grid(beats[i].time, beats[i - 1].time, cycles, nominal_period_s);
-    rates.push_back((0.0 - late) / elapsed); // keeps the digits that n T0 / dt - 1 loses, and no -0
-  }
+  for (std::size_t i = 1; i < beats.size(); ++i)
+    rates.push_back(rate_between(beats[i - 1], beats[i], nominal_period_s));
   return rates;
 }
 
@@ -93,12 +96,14 @@ private:
 };
 
 // Jitter variance of a beat, from third differences of four successive beats: their variance is 20
-// j^2 whatever the rate.
-double jitter_variance(std::span<const Beat> beats, const ClockError& error) {
+// j^2 whatever the rate. A long log is sampled.
+double jitter_variance(std::span<const Beat> beats) {
   std::vector<double> differences;
-  for (std::size_t i = 0; i + 3 < beats.size(); ++i)
-    if (beats[i + 3].cycle - beats[i].cycle == 3)
-      differences.push_back(error[i + 3] - error[i] - 3.0 * (error[i + 2] - error[i + 1]));
+  for (const Stretch& stretch : sample_stretches(beats.size()))
+    for (std::size_t i = stretch.first; i + 3 < stretch.last; ++i)
+      if (beats[i + 3].cycle - beats[i].cycle == 3)
+        differences.push_back((beats[i + 3].time - beats[i].time) -
+                              3.0 * (beats[i + 2].time - beats[i + 1].time));
   constexpr std::size_t fewest_differences = 16;
   return differences.size() < fewest_differences ? 0.0 : trimmed_mean_square(differences) / 20.0;
 }
@@ -110,8 +115,7 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   double largest = 0.0;
   constexpr std::size_t few_blocks = 8;
   const std::size_t last = beats.size() - 1;
-  const double ends =
-      2.0 * jitter_variance(beats, error) / std::pow(beats[last].time - beats[0].time, 2);
+  const double ends = 2.0 * jitter_variance(beats) / std::pow(beats[last].time - beats[0].time, 2);
   for (std::size_t k = std::min<std::size_t>(4, last); k <= std::min<std::size_t>(64, last);
        k *= 2) {
     double sum = 0.0;
@@ -132,20 +136,22 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   return std::sqrt(ends + largest);
 }
 
+// Of the straight line fitted to the clock's error. The sums are those of times from the middle of
+// the log and of errors from the line through its ends, so that little of them cancels.
 double slope(std::span<const Beat> beats, const ClockError& error) {
-  double st = 0.0, sx = 0.0;
-  const auto n = static_cast<double>(beats.size());
+  const double half_s = 0.5 * (beats.back().time - beats.front().time);
+  const double rate = error[beats.size() - 1] / (2.0 * half_s);
+  double st = 0.0, sx = 0.0, stt = 0.0, stx = 0.0;
   for (std::size_t i = 0; i < beats.size(); ++i) {
-    st += beats[i].time - beats[0].time;
-    sx += error[i];
-  }
-  double stt = 0.0, stx = 0.0;
-  for (std::size_t i = 0; i < beats.size(); ++i) {
-    const double t = beats[i].time - beats[0].time - st / n;
+    const double t = beats[i].time - beats.front().time - half_s;
+    const double x = error[i] - rate * (t + half_s);
+    st += t;
+    sx += x;
     stt += t * t;
-    stx += t * (error[i] - sx / n);
+    stx += t * x;
   }
-  return stx / stt;
+  const auto n = static_cast<double>(beats.size());
+  return rate + (stx - st * sx / n) / (stt - st * st / n);
 }
 
 // Calls `take` with each run of good beats of one mark; with the log itself, uncopied, if it has

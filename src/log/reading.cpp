@@ -189,6 +189,13 @@ bool are_dates(const Layout& layout, const ClockLog& log) {
                   log.events.front().time.to_double() > years_s);
 }
 
+// False at the end.
+bool add_next(LineReader& lines, RowReader& rows) {
+  const auto line = lines.next();
+  if (line) rows.add(*line);
+  return line.has_value();
+}
+
 ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   check(options);
   ClockLog log;
@@ -198,11 +205,14 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   RowReader rows(layout, options, log);
   rows.reserve(room_for(lines));
   constexpr std::uint32_t between_reports = 1 << 16; // lines
-  while (const auto line = lines.next()) {
-    rows.add(*line);
-    if (options.progress && line->number % between_reports == 0)
-      options.progress(lines.fraction_read().value_or(0.0));
-  }
+  std::uint32_t reported = 0;
+  do {
+    const auto plain = rows.add_plain_times(lines.at_hand(), lines.number() + 1);
+    lines.skip(plain.bytes, plain.lines);
+    if (!options.progress || lines.number() < reported + between_reports) continue;
+    reported = lines.number();
+    options.progress(lines.fraction_read().value_or(0.0));
+  } while (add_next(lines, rows));
   rows.finish();
   refuse_if_mostly_bad(log, rows);
   IssueList issues(log, options.strict);

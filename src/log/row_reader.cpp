@@ -3,6 +3,9 @@
 #include "calendar.hpp"
 #include "column_names.hpp"
 
+#include "base/decimal.hpp"
+#include "base/large_pages.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -32,7 +35,8 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       temperature_(layout.find(ColumnRole::temperature)),
       pressure_(layout.find(ColumnRole::pressure)), channel_(layout.find(ColumnRole::channel)) {
   if (!angle_) angle_ = layout.find(ColumnRole::position);
-  plain_ = layout.columns.size() == 1 && time_ && !layout.calendar;
+  plain_ = layout.columns.size() == 1 && time_ && !layout.calendar &&
+           layout.columns[*time_].unit == in_seconds;
   if (!phase_ && !frequency_) return;
   log.grid.emplace();
   log.grid->tau0_s = layout.tau0_s;
@@ -41,9 +45,9 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
 
 void RowReader::reserve(std::size_t lines) {
   if (layout_.format == LogFormat::angle)
-    samples_.reserve(lines);
+    reserve_large(samples_, lines);
   else
-    log_.events.reserve(lines);
+    reserve_large(log_.events, lines);
 }
 
 void RowReader::reject(const Line& line, std::size_t column, IssueKind kind, std::string found) {
@@ -72,7 +76,6 @@ bool RowReader::only_a_comment(const Line& line) const {
 
 void RowReader::add(const Line& line) {
   if (line.number < layout_.first_line) return;
-  if (plain_ && add_plain_time(line)) return;
   if (only_a_comment(line)) return;
   ++data_lines_;
   split_fields(line.text, layout_.separator, fields_);
@@ -107,18 +110,23 @@ void RowReader::add(const Line& line) {
   accept(line, beat);
 }
 
-// What nearly all lines of nearly all logs are, and so on a short way: a good time and nothing
-// else. False for any other line, which then goes the long way.
-bool RowReader::add_plain_time(const Line& line) {
-  if (!line.ended || line.text.empty() || line.text.front() < '0' || line.text.front() > '8')
-    return false;
-  const auto raw = parse_instant(line.text, layout_.columns[0].unit, layout_.point);
-  if (!raw || raw->seconds > 4000000000000000000) return false;
-  ++data_lines_;
-  time_length_ = line.text.size();
-  const Instant time = unwrap_(*raw, [this] { return typical_step_s(); });
-  push(event_at(time, Edge::up, line.number));
-  return true;
+RowReader::Taken RowReader::add_plain_times(std::string_view text, std::uint32_t number) {
+  if (!plain_ || number < layout_.first_line) return {};
+  const char* const end = text.data() + text.size();
+  Taken taken;
+  for (const char* c = text.data(); c != end && *c >= '0' && *c <= '8'; ++taken.lines) {
+    Instant raw;
+    const char* const line = c;
+    if (!take_plain_seconds(c, end, layout_.point, raw)) break;
+    const auto length = static_cast<std::size_t>(c - line);
+    if (c != end && *c == '\r') ++c;
+    if (c == end || *c != '\n') break;
+    time_length_ = length;
+    push(event_at(unwrap_(raw, [this] { return typical_step_s(); }), Edge::up, number++));
+    taken.bytes = static_cast<std::size_t>(++c - text.data());
+  }
+  data_lines_ += taken.lines;
+  return taken;
 }
 
 void RowReader::push(const Beat& beat) {

@@ -25,6 +25,15 @@ public:
   /// Makes room for the events or samples of so many lines.
   void reserve(std::size_t lines);
   void add(const Line& line);
+
+  struct Taken {
+    std::size_t bytes = 0;
+    std::uint32_t lines = 0;
+  };
+  /// Adds the lines with which `text` begins as far as they are good times and nothing else, what
+  /// nearly all lines of nearly all logs are; `number` is that of the first. The same as add() of
+  /// each, but faster.
+  Taken add_plain_times(std::string_view text, std::uint32_t number);
   /// Another text of the same layout follows, whose data begin in this line.
   void begin_anew(std::uint32_t first_line) { layout_.first_line = first_line; }
   /// Says what can be said only at the end.
@@ -45,7 +54,6 @@ private:
   void reject(const Line& line, std::size_t column, IssueKind kind, std::string found);
   void reject_field(const Line& line, const Field& field, std::string_view expected);
   [[nodiscard]] bool only_a_comment(const Line& line) const;
-  bool add_plain_time(const Line& line);
   bool row_fits(const Line& line);
 
   // Times. Each rejects the line and gives nothing if it cannot be had.
@@ -89,7 +97,7 @@ private:
   TwoPart<double> part_s_{};
   double last_period_s_ = 0.0;
   std::optional<Instant> stamp_; // the coarse time of the line before
-  bool plain_;                   // nothing but a number a line
+  bool plain_;                   // nothing but seconds, one number a line
   bool in_order_ = true;
   std::optional<Beat> entered_; // the first of a gate's two edges
 };

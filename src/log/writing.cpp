@@ -1,5 +1,7 @@
 #include "goingrate/log/writing.hpp"
 
+#include "base/decimal.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -41,7 +43,7 @@ namespace {
 // An unknown value is an empty field.
 void append_value(std::string& text, double value, int digits) {
   text += ',';
-  if (!std::isnan(value)) fmt::format_to(std::back_inserter(text), "{:.{}g}", value, digits);
+  if (!std::isnan(value)) append_general(text, value, digits);
 }
 
 std::string_view edge_word(const SensedEvent& event) {
@@ -60,12 +62,12 @@ std::string_view edge_word(const SensedEvent& event) {
 
 void append_line(std::string& text, const SensedEvent& event, double pressure_mbar,
                  const NativeColumns& columns) {
-  text += format_instant(event.beat.time, columns.decimals);
+  append_instant(text, event.beat.time, columns.decimals);
   if (columns.edge) text += edge_word(event);
   if (columns.width) {
     text += ',';
     if (!std::isnan(event.width_s))
-      text += format_instant(Instant::from_seconds(event.width_s), columns.decimals);
+      append_instant(text, Instant::from_seconds(event.width_s), columns.decimals);
   }
   if (columns.amplitude) append_value(text, event.beat.amplitude_rad, 9);
   if (columns.temperature) append_value(text, event.temperature_c, 6);
@@ -124,8 +126,8 @@ std::string ticc_text(std::span<const Beat> beats) {
   const std::int64_t start = beats.empty() ? 0 : beats.front().time.seconds;
   for (const Beat& beat : beats) {
     const Instant time{beat.time.seconds - start, beat.time.fraction};
-    fmt::format_to(std::back_inserter(text), "{} {}\n", format_instant(time, 11),
-                   beat.edge == Edge::up ? "chA" : "chB");
+    append_instant(text, time, 11);
+    text += beat.edge == Edge::up ? " chA\n" : " chB\n";
   }
   return text;
 }

@@ -3,6 +3,7 @@
 
 #include "fault_counts.hpp"
 
+#include "base/decimal.hpp"
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 // A number, or nothing if it is not known.
 void append_number(std::string& text, double value, int digits) {
   text += ',';
-  if (!std::isnan(value)) fmt::format_to(std::back_inserter(text), "{:.{}g}", value, digits);
+  if (!std::isnan(value)) append_general(text, value, digits);
 }
 
 struct NamedColumn {
@@ -58,38 +59,45 @@ std::string RateTable::header() const {
 
 void RateTable::append(std::string& text, const Beat& beat, std::size_t i) {
   if (beat.flag == BeatFlag::good) return append_good(text, beat, i);
-  const std::string cycle =
-      beat.flag == BeatFlag::down ? fmt::format("{}.5", beat.cycle) : std::string();
-  fmt::format_to(std::back_inserter(text), "{},{},,,,", cycle, format_instant(beat.time, 9));
-  if (!std::isnan(beat.amplitude_rad))
-    fmt::format_to(std::back_inserter(text), "{:.9g}", beat.amplitude_rad);
-  fmt::format_to(std::back_inserter(text), ",{}", name_of(beat.flag));
+  if (beat.flag == BeatFlag::down) {
+    append_integer(text, beat.cycle);
+    text += ".5";
+  }
+  text += ',';
+  append_instant(text, beat.time, 9);
+  text += ",,,";
+  append_number(text, beat.amplitude_rad, 9);
+  text += ',';
+  text += name_of(beat.flag);
   append_extras(text, nullptr, unknown, i);
 }
 
 void RateTable::append_good(std::string& text, const Beat& beat, std::size_t i) {
   const bool follows = last_ && last_->segment == beat.segment;
   if (last_) append_missing(text, last_->cycle, beat.cycle);
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{},{},", beat.cycle, format_instant(beat.time, 9));
-  double rate = unknown;
-  if (follows) {
-    const std::array<Beat, 2> pair{*last_, beat};
-    rate = rate_per_period(pair, options_.nominal_period_s).front();
-    const double period =
-        (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle);
-    if (std::isfinite(rate))
-      fmt::format_to(out, "{:.12g},{:.6e},{:.6f},", period, rate, seconds_gained_per_day(rate));
-    else // two beats at one time
-      fmt::format_to(out, "{:.12g},,,", period);
-  } else {
-    text += ",,,";
-  }
-  if (!std::isnan(beat.amplitude_rad)) fmt::format_to(out, "{:.9g}", beat.amplitude_rad);
+  append_integer(text, beat.cycle);
+  text += ',';
+  append_instant(text, beat.time, 9);
+  text += ',';
+  const double rate = follows ? append_period(text, beat) : unknown;
+  if (!follows) text += ",,";
+  append_number(text, beat.amplitude_rad, 9);
   text += ',';
   if (last_ && !follows) text += is_step_after(last_->cycle) ? "step" : "split";
   append_extras(text, &beat, rate, i);
   last_ = beat;
+}
+
+// The fields of the period since the last beat; its rate, not finite for two beats at one time.
+double RateTable::append_period(std::string& text, const Beat& beat) const {
+  const double rate = rate_between(*last_, beat, options_.nominal_period_s);
+  append_general(text, (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle),
+                 12);
+  text += ',';
+  if (std::isfinite(rate)) append_scientific(text, rate, 6);
+  text += ',';
+  if (std::isfinite(rate)) append_fixed(text, seconds_gained_per_day(rate), 6);
+  return rate;
 }
 
 void RateTable::append_extras(std::string& text, const Beat* beat, double rate, std::size_t i) {
@@ -112,8 +120,7 @@ double RateTable::running_rate(const Beat& beat) {
   while (recent_.size() > 1 && beat.cycle - recent_[1].cycle >= options_.running_cycles)
     recent_.pop_front();
   if (beat.cycle - recent_.front().cycle < options_.running_cycles) return unknown;
-  const std::array<Beat, 2> pair{recent_.front(), beat};
-  return rate_per_period(pair, options_.nominal_period_s).front();
+  return rate_between(recent_.front(), beat, options_.nominal_period_s);
 }
 
 void RateTable::append_missing(std::string& text, std::int64_t from, std::int64_t to) const {

@@ -2,6 +2,7 @@
 #include "goingrate/log/reading.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/random.hpp"
 #include "goingrate/log/writing.hpp"
 #include "support/simulated.hpp"
 
@@ -58,6 +59,46 @@ TEST(ReadingTest, DisorderIsSortedAndTold) {
   ASSERT_EQ(log.issues.size(), 1u);
   EXPECT_EQ(log.issues[0].line, 3u);
   EXPECT_EQ(log.issues[0].kind, IssueKind::out_of_order);
+}
+
+// A blank behind the time sends a line on the long way, on which every other log is read.
+TEST(ReadingTest, PlainTimesAreReadAsAnyOtherLine) {
+  RandomStream random(7, StreamPurpose::jitter);
+  for (int log = 0; log < 300; ++log) {
+    std::string plain, padded;
+    const int decimals = 1 + static_cast<int>(17.0 * random.uniform());
+    const std::string end = log % 3 == 0 ? "\r\n" : "\n";
+    for (int i = 0; i < 60; ++i) {
+      const double t = (log % 2 == 0 ? 1e3 : 1.4e9) + 2.0 * i + 1e-3 * random.normal();
+      const double what = random.uniform();
+      std::string line = format_instant(Instant::from_seconds(t), decimals);
+      if (what < 0.02)
+        line = "# a remark";
+      else if (what < 0.04)
+        line = "";
+      else if (what < 0.06)
+        line = "999999999";
+      else if (what < 0.08)
+        line += "x";
+      else if (what < 0.10)
+        line = "-" + line;
+      else if (what < 0.12)
+        line = "00000000000000000000" + line;
+      plain += line + (i < 59 || log % 4 < 2 ? end : "");
+      padded += line + (line.empty() ? "" : " ") + (i < 59 || log % 4 < 2 ? end : "");
+    }
+    if (log % 4 == 3) { // cut short
+      plain.resize(plain.size() - 1);
+      padded.resize(padded.size() - 2);
+    }
+    const ClockLog a = read_log(plain, "x"), b = read_log(padded, "x");
+    ASSERT_EQ(a.events.size(), b.events.size()) << plain;
+    for (std::size_t i = 0; i < a.events.size(); ++i) {
+      ASSERT_EQ(a.events[i].time, b.events[i].time) << plain;
+      ASSERT_EQ(a.events[i].line, b.events[i].line) << plain;
+    }
+    ASSERT_EQ(a.issues.size(), b.issues.size()) << plain;
+  }
 }
 
 TEST(ReadingTest, OptionsOverrideWhatWouldBeFound) {

@@ -41,7 +41,15 @@ Instant operator+(const Instant& t, double duration);
 ///
 /// The product n * period is formed exactly (fused multiply-add), so the result is good to a few
 /// 1e-16 s even after 1e8 periods; shown by `InstantTest.ResidualKeepsDigits`.
-double residual_from_grid(const Instant& t, const Instant& origin, std::int64_t n, double period);
+inline double residual_from_grid(const Instant& t, const Instant& origin, std::int64_t n,
+                                 double period) {
+  const auto count = static_cast<double>(n);
+  const double product = count * period;
+  const double product_low = std::fma(count, period, -product);
+  const auto whole = static_cast<std::int64_t>(product); // its rest is exact
+  const double fractions = (t.fraction - origin.fraction) - (product - static_cast<double>(whole));
+  return (static_cast<double>(t.seconds - origin.seconds - whole) + fractions) - product_low;
+}
 
 /// The unit of a number in a file: `seconds` * 10^`power` seconds.
 struct TimeUnit {

@@ -69,8 +69,11 @@ std::vector<PartRate> segment_rates(std::span<const Beat> beats, double nominal_
 std::vector<PartRate> rates_between(std::span<const Beat> beats, std::span<const Instant> cuts,
                                     double nominal_period_s);
 
-/// Rate excess of each period, T0 (n_i - n_{i-1}) / (t_i - t_{i-1}) - 1: one value for each beat
-/// but the first (eq. ratemeas).
+/// Rate excess from one beat to a later one, T0 (n_2 - n_1) / (t_2 - t_1) - 1 (eq. ratemeas); not
+/// finite for two beats at one time.
+double rate_between(const Beat& from, const Beat& to, double nominal_period_s);
+
+/// Rate excess of each period: one value for each beat but the first.
 std::vector<double> rate_per_period(std::span<const Beat> beats, double nominal_period_s);
 
 /// The clock's error x_i = n_i T0 - (t_i - t_0), s, positive when fast; one value for each beat.

@@ -55,6 +55,7 @@ public:
 
 private:
   void append_good(std::string& text, const Beat& beat, std::size_t i);
+  double append_period(std::string& text, const Beat& beat) const;
   void append_missing(std::string& text, std::int64_t from, std::int64_t to) const;
   void append_extras(std::string& text, const Beat* beat, double rate, std::size_t i);
   [[nodiscard]] double running_rate(const Beat& beat);

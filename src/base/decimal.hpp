@@ -1,0 +1,106 @@
+// Decimal text: numbers written as printf rounds them, and digits read, by the hundred million.
+#pragma once
+
+#include "goingrate/base/instant.hpp"
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+namespace goingrate {
+
+/// Appends a whole number, as "%lld" of printf.
+void append_integer(std::string& text, std::int64_t value);
+
+/// Appends a whole number with zeros in front up to `digits` digits (at most 19), of which it has
+/// no more.
+void append_digits(std::string& text, std::uint64_t value, int digits);
+
+/// Appends a number as "%.{decimals}f" of printf; as with printf, any double is legal
+/// (DecimalTest.IsWhatPrintfWrites).
+void append_fixed(std::string& text, double value, int decimals);
+
+/// The same for "%.{decimals}e".
+void append_scientific(std::string& text, double value, int decimals);
+
+/// The same for "%.{digits}g", `digits` from 1.
+void append_general(std::string& text, double value, int digits);
+
+/// Appends what format_instant() returns.
+void append_instant(std::string& text, const Instant& t, int decimals);
+
+/// The powers of ten that 64 bits hold.
+inline constexpr std::array<std::uint64_t, 20> whole_powers_of_ten = [] {
+  std::array<std::uint64_t, 20> powers{};
+  std::uint64_t power = 1;
+  for (std::uint64_t& entry : powers) {
+    entry = power;
+    power *= 10;
+  }
+  return powers;
+}();
+
+/// Eight bytes as they stand in a text, of which the first digits make a number.
+struct EightBytes {
+  std::uint64_t value = 0;
+  int digits = 0; ///< before the first byte that is none
+
+  /// By three multiplications that each join neighbours: two digits, four, eight.
+  static EightBytes at(const char* c) {
+    std::uint64_t bytes = 0;
+    std::memcpy(&bytes, c, sizeof bytes);
+    if constexpr (std::endian::native == std::endian::big) bytes = __builtin_bswap64(bytes);
+    bytes ^= 0x3030303030303030; // a digit is now its value, any other byte more than 9
+    // A carry reaches only bytes behind the first that is no digit.
+    const std::uint64_t others = (bytes | (bytes + 0x7676767676767676)) & 0x8080808080808080;
+    const int digits = others == 0 ? 8 : std::countr_zero(others) / 8;
+    if (digits == 0) return {};
+    bytes <<= 64 - 8 * digits; // zeros in front
+    bytes = (bytes & 0x0f0f0f0f0f0f0f0f) * 2561 >> 8;
+    bytes = (bytes & 0x00ff00ff00ff00ff) * 6553601 >> 16;
+    bytes = (bytes & 0x0000ffff0000ffff) * 42949672960001 >> 32;
+    return {bytes, digits};
+  }
+};
+
+/// The number made by the digits at `c`, which moves past them. Wraps beyond 19 digits.
+inline std::uint64_t take_digits(const char*& c, const char* end) {
+  std::uint64_t value = 0;
+  while (end - c >= 8) {
+    const EightBytes next = EightBytes::at(c);
+    value = value * whole_powers_of_ten[static_cast<std::size_t>(next.digits)] + next.value;
+    c += next.digits;
+    if (next.digits < 8) return value;
+  }
+  for (; c != end && *c >= '0' && *c <= '9'; ++c)
+    value = value * 10 + static_cast<std::uint64_t>(*c - '0');
+  return value;
+}
+
+/// Reads seconds with digits on both sides of the point and no more than a double's worth behind
+/// it, what nearly every line of every log is; one division rounds once. `c` moves past them.
+/// False, `c` being anywhere, where there is something else.
+inline bool take_plain_seconds(const char*& c, const char* end, char point, Instant& time) {
+  constexpr std::ptrdiff_t most_whole = 18, most_decimals = 15;
+  const char* const begin = c;
+  const std::uint64_t whole = take_digits(c, end);
+  const auto whole_digits = c - begin;
+  std::uint64_t part = 0;
+  std::ptrdiff_t decimals = 0;
+  if (c != end && *c == point) {
+    const char* const after = ++c;
+    part = take_digits(c, end);
+    decimals = c - after;
+  }
+  if (whole_digits > most_whole || decimals > most_decimals || whole_digits + decimals == 0)
+    return false;
+  time = {static_cast<std::int64_t>(whole),
+          static_cast<double>(part) /
+              static_cast<double>(whole_powers_of_ten[static_cast<std::size_t>(decimals)])};
+  return true;
+}
+
+} // namespace goingrate
