@@ -124,7 +124,6 @@ private:
 // From 1/Q, with its intervals, to `factor` Q.
 DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
                        const std::array<double, 2>& in95, double factor) {
-  constexpr double largest_relative_sigma = 1.0 / 3.0; // as of every parameter
   const auto of = [&](double end) { return end > 0.0 ? factor / end : infinite; };
   DecayEstimate q{of(inverse), 0.0, of(in68[1]), of(in68[0]), of(in95[1]), of(in95[0])};
   q.sigma = 0.5 * (q.high68 - q.low68);
