@@ -159,6 +159,33 @@ struct Shape {
   }
 };
 
+// The sums of a least-squares fit of a shape to samples, with times from `centre` and angles from
+// `zero`.
+struct LeastSquares {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  double sum2 = 0.0; // of the values
+
+  LeastSquares(std::span<const AngleSample> samples, const Shape& shape, const Instant& centre,
+               double zero) {
+    for (const AngleSample& sample : samples) {
+      const double t = sample.time - centre;
+      const Eigen::Vector3d row = shape.row(t);
+      const double value = sample.angle - zero - shape.beside_the_sine(t);
+      normal += row * row.transpose();
+      moment += row * value;
+      sum2 += value * value;
+    }
+  }
+
+  // The covariance for errors of size 1, if only the first terms are free.
+  [[nodiscard]] Eigen::Matrix3d inverse(Eigen::Index terms) const {
+    Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
+    inverse.topLeftCorner(terms, terms) = normal.topLeftCorner(terms, terms).inverse();
+    return inverse;
+  }
+};
+
 // Swings through the samples around each passage.
 class SwingFinder {
 public:
@@ -242,20 +269,9 @@ private:
                 passages_[k].edge == Edge::up ? 1.0 : -1.0};
     if (before && in_rad_) shape.overtones = Overtones(before->amplitude);
     const double zero = level.value_or(0.0);
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    double sum2 = 0.0;
-    for (const AngleSample& sample : near) {
-      const double t = sample.time - swing.centre;
-      const Eigen::Vector3d row = shape.row(t);
-      const double value = sample.angle - zero - shape.beside_the_sine(t);
-      normal += row * row.transpose();
-      moment += row * value;
-      sum2 += value * value;
-    }
-    Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
-    inverse.topLeftCorner(terms, terms) = normal.topLeftCorner(terms, terms).inverse();
-    const Eigen::Vector3d c = inverse * moment;
+    const LeastSquares sums(near, shape, swing.centre, zero);
+    const Eigen::Matrix3d inverse = sums.inverse(terms);
+    const Eigen::Vector3d c = inverse * sums.moment;
     swing.amplitude = std::hypot(c[0], c[1]);
     if (!std::isfinite(swing.amplitude) || swing.amplitude == 0.0) return {};
     swing.middle = zero + c[2];
@@ -265,7 +281,7 @@ private:
     if (!(std::abs(swing.root_s) < std::max(0.5 * (b.time - a.time), farthest * period))) return {};
     const Eigen::Vector3d at_root = shape.row(swing.root_s);
     swing.unit_sigma_s = std::sqrt(at_root.dot(inverse * at_root)) / (swing.amplitude * shape.w);
-    swing.residual2 = std::max(0.0, sum2 - c.dot(moment));
+    swing.residual2 = std::max(0.0, sums.sum2 - c.dot(sums.moment));
     swing.freedom = static_cast<double>(near.size()) - static_cast<double>(terms);
     const double least = period * (0.25 - 2.0 / samples_per_period_);
     swing.is_whole =
