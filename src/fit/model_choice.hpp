@@ -32,7 +32,8 @@ struct Working {
 };
 
 /// The search for the model: escapement, noise, friction, dynamics and dates of change, each taken
-/// beyond the simplest only where the log demands it.
+/// beyond the simplest only where the log demands it. The escapement is chosen in
+/// escapement_choice.cpp, the noise in noise_choice.cpp.
 class ModelSearch {
 public:
   ModelSearch(const TimingData& data, const FitOptions& options);
