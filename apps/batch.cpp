@@ -1,5 +1,5 @@
 // goingrate batch: one job for each log, or for each realisation of a scenario.
-#include "exit_code.hpp"
+#include "batch_jobs.hpp"
 #include "job.hpp"
 #include "progress.hpp"
 #include "scenario.hpp"
@@ -11,8 +11,6 @@
 #include "goingrate/report/batch_report.hpp"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
 #include <glob.h>
@@ -65,8 +63,6 @@ void add_batch_options(CLI::App& command, BatchOptions& options) {
   for (std::size_t i = others; i < all.size(); ++i)
     all[i]->group("The batch");
 }
-
-using Words = std::vector<std::string>;
 
 // What a parser of our own says of words that it does not understand; false after --help.
 bool parse(CLI::App& command, Words words) {
@@ -121,138 +117,6 @@ Words logs_named(const Words& given) {
   }
   return logs;
 }
-
-// ---- the jobs
-
-struct JobKind {
-  const char* name;
-  Job (*add)(CLI::App&);
-};
-constexpr std::array job_kinds{JobKind{"fit", add_fit_job}, JobKind{"rate", add_rate_job},
-                               JobKind{"report", add_report_job},
-                               JobKind{"stability", add_stability_job}};
-
-constexpr std::string_view log_mark = "{.}"; // in a setting: the log's name without its ending
-
-// The settings of a job, one of which may depend on the log.
-class JobSettings {
-public:
-  JobSettings(const JobKind& kind, Words words) : kind_(kind), words_(std::move(words)) {
-    own_ = std::any_of(words_.begin(), words_.end(), [](const std::string& word) {
-      return word.find(log_mark) != std::string::npos;
-    });
-    if (!own_) all_ = parsed("");
-  }
-
-  [[nodiscard]] Job of(const std::string& log) const { return own_ ? parsed(log) : *all_; }
-  [[nodiscard]] const Words& words() const { return words_; }
-
-private:
-  [[nodiscard]] Job parsed(const std::string& log) const {
-    CLI::App command{"", fmt::format("goingrate batch {}", kind_.name)};
-    Job job = kind_.add(command);
-    Words words = words_;
-    const std::string stem = std::filesystem::path(log).replace_extension().string();
-    for (std::string& word : words)
-      for (auto at = word.find(log_mark); at != std::string::npos;
-           at = word.find(log_mark, at + stem.size()))
-        word.replace(at, log_mark.size(), stem);
-    std::reverse(words.begin(), words.end());
-    try {
-      command.parse(words);
-    } catch (const CLI::ParseError& error) {
-      throw UsageError(error.what());
-    }
-    return job;
-  }
-
-  const JobKind& kind_;
-  Words words_;
-  bool own_ = false;
-  std::optional<Job> all_;
-};
-
-// Whatever goes wrong is how the job ended.
-template <class Work> JobOutcome outcome_of(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  JobOutcome outcome;
-  try {
-    outcome = work();
-  } catch (const std::exception&) {
-    const Failure failure = current_failure();
-    outcome = {failure.code, failure.message};
-  }
-  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return outcome;
-}
-
-JobOutcome result_of(const Job& job, NumberedLog loaded) {
-  name_options(loaded.log.assumptions);
-  std::vector<std::string> assumed;
-  for (const Assumption& assumption : loaded.log.assumptions)
-    assumed.push_back(assumption.text);
-  JobOutcome outcome = job.result(std::move(loaded));
-  outcome.assumed = std::move(assumed);
-  return outcome;
-}
-
-BatchWorker log_worker(const Words& logs, const JobSettings& settings) {
-  return [&](std::span<const std::size_t> jobs) {
-    std::vector<JobOutcome> outcomes;
-    for (const std::size_t i : jobs)
-      outcomes.push_back(outcome_of([&] {
-        const Job job = settings.of(logs[i]);
-        LogOptions options = job.log();
-        options.path = logs[i];
-        return result_of(job, load(load_request(options)));
-      }));
-    return outcomes;
-  };
-}
-
-// One realisation after another, each in one thread's own simulator.
-class RealisationWorker {
-public:
-  RealisationWorker(const SimulatedLogs& logs, std::uint64_t seed, Job job)
-      : logs_(logs), seed_(seed), job_(std::move(job)) {}
-
-  std::vector<JobOutcome> operator()(std::span<const std::size_t> jobs) {
-    std::vector<std::uint64_t> seeds;
-    for (const std::size_t i : jobs)
-      seeds.push_back(seed_ + i);
-    std::vector<SimulatedLog> made;
-    try {
-      made = logs_.make(seeds);
-    } catch (const std::exception&) {
-      if (jobs.size() > 1) return each_alone(jobs);
-      return {outcome_of([]() -> JobOutcome { throw; })};
-    }
-    std::vector<JobOutcome> outcomes;
-    for (std::size_t k = 0; k < jobs.size(); ++k)
-      outcomes.push_back(outcome_of([&] { return outcome_for(made[k], seeds[k]); }));
-    return outcomes;
-  }
-
-private:
-  std::vector<JobOutcome> each_alone(std::span<const std::size_t> jobs) {
-    std::vector<JobOutcome> outcomes;
-    for (std::size_t k = 0; k < jobs.size(); ++k)
-      outcomes.push_back((*this)(jobs.subspan(k, 1)).front());
-    return outcomes;
-  }
-
-  [[nodiscard]] JobOutcome outcome_for(const SimulatedLog& log, std::uint64_t seed) const {
-    if (log.status != SwingStatus::crossed)
-      throw NumericsError(fmt::format("{} after {} periods", words_for(log.status), log.periods));
-    LogOptions options = job_.log();
-    options.path = fmt::format("seed {}", seed);
-    return result_of(job_, load_text(log.text, load_request(options)));
-  }
-
-  SimulatedLogs logs_;
-  std::uint64_t seed_;
-  Job job_;
-};
 
 // ---- the commands
 

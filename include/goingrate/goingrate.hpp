@@ -41,6 +41,7 @@
 #include "goingrate/dynamics/rate_map.hpp"
 #include "goingrate/dynamics/rk4.hpp"
 #include "goingrate/dynamics/stationary.hpp"
+#include "goingrate/dynamics/swing_laws.hpp"
 #include "goingrate/dynamics/swing_loss.hpp"
 #include "goingrate/dynamics/swing_profile.hpp"
 #include "goingrate/dynamics/swing_series.hpp"

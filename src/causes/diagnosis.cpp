@@ -1,11 +1,11 @@
 #include "goingrate/causes/diagnosis.hpp"
 
+#include "candidates.hpp"
 #include "change_kinds.hpp"
 #include "evidence.hpp"
 #include "facts.hpp"
 #include "step_search.hpp"
 
-#include "base/scaled_time.hpp"
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
@@ -19,22 +19,10 @@ namespace {
 
 using namespace timing_model;
 
-Cause cause_of(ChangeKind kind) {
-  return kind == ChangeKind::regulation ? Cause::length_step
-         : kind == ChangeKind::friction ? Cause::friction_step
-                                        : Cause::drive_step;
-}
-
 ChangeKind kind_of_cause(Cause step) {
   return step == Cause::length_step     ? ChangeKind::regulation
          : step == Cause::friction_step ? ChangeKind::friction
                                         : ChangeKind::drive;
-}
-
-// Other causes with the same course of the rate.
-std::vector<Cause> same_course_as(ChangeKind kind) {
-  if (kind != ChangeKind::regulation) return {};
-  return {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
 }
 
 constexpr NoiseKinds wandering{.wanders = true};
@@ -44,7 +32,7 @@ class Diagnosis {
 public:
   Diagnosis(const DiagnosisInput& input, const TimingData& times)
       : input_(input), times_(times),
-        blocks_(rate_blocks(times, std::min<std::size_t>(384, times.size() / 8))), make_(blocks_),
+        blocks_(rate_blocks(times, std::min<std::size_t>(384, times.size() / 8))),
         healthy_(with_bend_at(input.relaxation_s)), account_(blocks_, healthy_) {}
 
   std::vector<Suspicion> suspicions() {
@@ -86,7 +74,7 @@ private:
     constexpr std::size_t most_causes = 4; // a log that needs more is not understood
     while (taken_.size() < most_causes) {
       pulse();
-      Candidate best = best_candidate();
+      Candidate best = best_candidate(input_, blocks_, account_, taken_);
       const double wander = wanders_ ? 0.0 : account_.gain_of(wandering, 2);
       // The noise of a healthy clock is fitted first, unless a fault explains more than any noise.
       if (const Bend bend = best_bend();
@@ -103,7 +91,7 @@ private:
         constexpr double least_share = 0.25;
         const Account before = account_;
         account_.take(wandering);
-        best = best_candidate();
+        best = best_candidate(input_, blocks_, account_, taken_);
         if (best.gain < std::max(least_gain(), least_share * wander)) {
           wanders_ = true;
           continue;
@@ -147,130 +135,6 @@ private:
     return best;
   }
 
-  void consider(Candidate candidate, Candidate& best) const {
-    candidate.gain = account_.gain_of(candidate.courses);
-    if (candidate.gain > best.gain) best = std::move(candidate);
-  }
-
-  [[nodiscard]] Candidate best_candidate() const {
-    Candidate best;
-    consider_weather(best);
-    const StepScan scan(account_, blocks_);
-    consider_steps(scan, best);
-    consider_visits(scan, best);
-    consider_drifts(best);
-    consider_settling(best);
-    return best;
-  }
-
-  void consider_weather(Candidate& best) const {
-    for (std::size_t k = 0; k < input_.data->terms.size(); ++k) {
-      const std::string& name = input_.data->terms[k].name;
-      const bool temperature = name == "temperature";
-      if (!temperature && name != "pressure") continue;
-      const auto& values = blocks_.values[k];
-      if (std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e-9; }))
-        continue;
-      consider({temperature ? Cause::temperature : Cause::pressure, {{values}, {}}}, best);
-    }
-    constexpr double day_s = seconds_per_day;
-    if (blocks_.length_s * static_cast<double>(blocks_.rate.size()) < 0.8 * day_s) return;
-    consider({Cause::unlogged_weather,
-              {{make_.wave(day_s, 0.0), make_.wave(day_s, 0.25 * two_pi)}, {}},
-              {Cause::log_clock}},
-             best);
-  }
-
-  // The places, in blocks, where a step would explain most, and those of dated changes.
-  [[nodiscard]] std::vector<double> places(const StepScan& scan) const {
-    constexpr std::size_t most_places = 3, blocks_apart = 4;
-    std::vector<double> places;
-    for (const std::size_t block : scan.best_steps(most_places, blocks_apart))
-      places.push_back(static_cast<double>(block));
-    for (const Change& change : input_.changes) {
-      const double place = change.at_s / blocks_.length_s;
-      if (place > 2.0 && place + 3.0 < static_cast<double>(blocks_.rate.size()))
-        places.push_back(place);
-    }
-    return places;
-  }
-
-  [[nodiscard]] Candidate step_of(ChangeKind kind, double place) const {
-    FittedStep found = StepSearch(account_, blocks_, place, 1.0).best(kind);
-    return {cause_of(kind),
-            std::move(found.courses),
-            same_course_as(kind),
-            blocks_.length_s * found.place,
-            found.time_s,
-            true,
-            found.gain};
-  }
-
-  void consider_steps(const StepScan& scan, Candidate& best) const {
-    for (const double place : places(scan))
-      for (const ChangeKind kind :
-           {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
-        pulse();
-        Candidate step = step_of(kind, place);
-        if (step.gain > best.gain && !is_in_a_wake(step)) best = std::move(step);
-      }
-  }
-
-  // While a clock settles after a step, its rate is not exactly a sum of a few exponentials, and
-  // the residual of a large step resembles small steps.
-  [[nodiscard]] bool is_in_a_wake(const Candidate& step) const {
-    constexpr double settling_times = 5.0; // time constants
-    constexpr double least_share = 0.1;
-    return std::any_of(taken_.begin(), taken_.end(), [&](const Candidate& before) {
-      const double since_s = step.at_s - before.at_s;
-      return is_step(before.cause) && before.cause != Cause::length_step && since_s > 0.0 &&
-             since_s < settling_times * before.time_s && step.gain < least_share * before.gain;
-    });
-  }
-
-  // A temporary disturbance, which is rarer than a single change and so needs a greater gain.
-  void consider_visits(const StepScan& scan, Candidate& best) const {
-    const auto [from, to] = scan.best_visit();
-    const FittedVisit found = fitted_visit(account_, blocks_, from, to);
-    const double gain = account_.gain_of(found.courses) - believed;
-    if (gain <= best.gain) return;
-    best = {Cause::magnet,
-            found.courses,
-            {Cause::length_step, Cause::log_clock, Cause::unlogged_weather},
-            blocks_.length_s * found.from,
-            blocks_.length_s * found.to,
-            true,
-            gain};
-  }
-
-  // A ramp of the rate, with and without the amplitude following it.
-  void consider_drifts(Candidate& best) const {
-    const auto t = make_.power(1), t2 = make_.power(2);
-    const bool seen = account_.sees_amplitude();
-    for (const bool bent : {false, true}) {
-      std::vector<std::vector<double>> ramp{t};
-      if (bent) ramp.push_back(t2);
-      consider({seen ? Cause::length_drift : Cause::growing_friction,
-                {ramp, {}},
-                seen ? std::vector{Cause::log_clock, Cause::unlogged_weather}
-                     : std::vector{Cause::length_drift, Cause::log_clock, Cause::unlogged_weather}},
-               best);
-      if (seen) consider({Cause::growing_friction, {ramp, ramp}}, best);
-    }
-  }
-
-  // The settling of a clock that was started or wound before the log begins.
-  void consider_settling(Candidate& best) const {
-    const double length_s = blocks_.length_s * static_cast<double>(blocks_.rate.size());
-    for (double time_s = blocks_.length_s; time_s < 0.3 * length_s; time_s *= 2.0) {
-      const auto dying = make_.dying(0.0, time_s);
-      consider({.courses = {.rate = {dying}, .amplitude = {dying}, .times = 1},
-                .time_s = time_s,
-                .is_fault = false},
-               best);
-    }
-  }
-
   // A dated change has the kind that the diary gives. For another step the kind is found from finer
   // blocks around it.
   [[nodiscard]] Judgement kind_of(const Candidate& step) const {
@@ -294,7 +158,7 @@ private:
   [[nodiscard]] Candidate looked_at_closely(const Candidate& step) const {
     const Judgement found = kind_of(step);
     if (found.kind == ChangeKind::unclear) return step;
-    Candidate best = step_of(found.kind, found.at_s / blocks_.length_s);
+    Candidate best = step_candidate(found.kind, found.at_s / blocks_.length_s, account_, blocks_);
     if (best.courses.rate.empty()) return step;
     best.at_s = found.at_s;
     best.is_dated = dated_at(found.at_s) != nullptr;
@@ -401,7 +265,6 @@ private:
   const DiagnosisInput& input_;
   const TimingData& times_;
   RateBlocks blocks_;
-  CourseMaker make_;
   NoiseKinds healthy_;
   Account account_;
   bool wanders_ = false;

@@ -1,5 +1,6 @@
 #include "goingrate/fit/clock_fit.hpp"
 
+#include "contradictions.hpp"
 #include "experiments.hpp"
 #include "model_choice.hpp"
 #include "possible_changes.hpp"
@@ -22,7 +23,6 @@ namespace {
 
 using namespace timing_model;
 
-constexpr double largest_widening = 2.0; // sigmas widened by more: the model does not hold
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // The same model on all beats of the log, whatever it was fitted to.
@@ -129,21 +129,6 @@ void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
         p.profile = profile_points(all, few, slot, ends[slot.index]);
 }
 
-void state_contradictions(const Fitted& fitted, FitSummary& summary) {
-  for (const CoordinatePrior& prior : fitted.problem.priors) {
-    if (!prior.stated) continue;
-    const double off = (fitted.minimum.x[prior.index] - prior.centre) / prior.sigma;
-    constexpr double largest_pull_sigma = 4.0; // sigma of the prior alone
-    if (std::abs(off) < largest_pull_sigma) continue;
-    for (const Slot& slot : fitted.problem.parameters.slots)
-      if (slot.free && slot.index == prior.index)
-        summary.notes.push_back(
-            {NoteKind::prior, fmt::format("the log contradicts the prior on {}: it ends {:.3g} "
-                                          "of the prior's sigmas away",
-                                          fitted.problem.parameters.name_of(slot), off)});
-  }
-}
-
 ClockTwin clock_at(const Fitted& fitted, std::span<const double> x, double behind) {
   ClockTwin clock{{}, 2.0 * behind};
   for (const Slot& slot : fitted.problem.parameters.slots)
@@ -190,71 +175,6 @@ void state_twins(const Fitted& fitted, const Certainty& known, FitSummary& summa
            fitted.problem.data->has_amplitude()
                ? "A ring-down, or T0 from elsewhere, would tell which"
                : "A rough measurement of the amplitude decides which: a prior on lambda0")});
-}
-
-// Whether the clock is at the edge of where the equations hold: the log is another's.
-bool leaves_the_domain(const Fitted& fitted) {
-  constexpr double bound_margin = 1e-6; // of a logarithm
-  const Parameters& parameters = fitted.problem.parameters;
-  return std::any_of(parameters.slots.begin(), parameters.slots.end(), [&](const Slot& slot) {
-    return slot.free && !is_noise(slot.quantity) &&
-           fitted.minimum.x[slot.index] > fitted.problem.bounds[slot.index][1] - bound_margin;
-  });
-}
-
-// A stretch whose innovations are far larger than elsewhere, by medians over blocks.
-struct RoughStretch {
-  double from_s, to_s, times; ///< how much larger
-};
-std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
-  constexpr std::size_t least_block_beats = 30; // beats a block
-  constexpr double largest_ratio = 2.5;         // the median of 30 is good to a fifth
-  const std::vector<double>& white = fitted.seen.white_time;
-  const std::size_t block = std::max(least_block_beats, white.size() / 50);
-  const auto size_of = [&](std::size_t first, std::size_t end) {
-    std::vector<double> size;
-    for (std::size_t i = first; i < end; ++i)
-      size.push_back(std::abs(white[i]));
-    std::nth_element(size.begin(), size.begin() + size.size() / 2, size.end());
-    return size[size.size() / 2];
-  };
-  if (white.size() < 4 * block) return {};
-  const double typical = size_of(0, white.size());
-  std::optional<RoughStretch> rough;
-  for (std::size_t first = 0; first + block <= white.size(); first += block) {
-    const double times = size_of(first, first + block) / typical;
-    if (!(times > largest_ratio)) continue;
-    const std::vector<double>& at = fitted.problem.data->elapsed_s;
-    if (!rough) rough = RoughStretch{at[first], at[first + block], times};
-    rough->to_s = at[first + block];
-    rough->times = std::max(rough->times, times);
-  }
-  return rough;
-}
-
-// What shows that the log is not of the clock that fits it best; nothing if nothing does.
-std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality) {
-  std::vector<FitNote> found;
-  if (const auto rough = rough_stretch(fitted);
-      rough && fitted.widening.largest() > largest_widening)
-    found.push_back(
-        {NoteKind::rough_stretch,
-         fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
-                     "elsewhere, and the model does not follow: no one clock explains this log; "
-                     "leave that stretch out",
-                     rough->from_s, rough->to_s, rough->times)});
-  if (leaves_the_domain(fitted))
-    found.push_back({NoteKind::domain,
-                     "the best fit swings or loses more than any pendulum of this model: "
-                     "something else rules the times"});
-  constexpr double least_p_value = 1e-6;
-  if (found.empty() && quality.p_value < least_p_value)
-    found.push_back({NoteKind::misfit,
-                     fmt::format("the times stray from the best fit by {:.3g} times what "
-                                 "neighbouring beats scatter by: no clock of this model explains "
-                                 "this log",
-                                 std::sqrt(quality.chi2 / quality.dof))});
-  return found;
 }
 
 // The fit on so few beats of a long log that its profile is soon searched; not usable if all are as

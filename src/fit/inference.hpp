@@ -61,6 +61,13 @@ using Rivals = std::vector<Rival>;
 /// sigma covers as it is does not widen it.
 void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certainty& known);
 
+/// The sigma of a value, relative to it, up to which it is determined: its three-sigma interval
+/// excludes zero.
+inline constexpr double largest_relative_sigma = 1.0 / 3.0;
+/// Sigmas from the best: a rival that is further away lies beyond what three sigma of likelihood
+/// allow.
+inline constexpr double rivals_apart = 3.5;
+
 /// What may be small or nothing, and then has an upper limit rather than no value.
 bool may_vanish(const Slot& slot);
 

@@ -17,20 +17,6 @@ namespace {
 
 constexpr double least_white_p = 1e-2; // p below which the innovations call for a better model
 
-bool white_in_amplitude(const Fitted& fitted) {
-  return fitted.seen.white_amplitude.size() < 8 ||
-         whiteness_p(fitted.seen.white_amplitude) > least_white_p;
-}
-
-bool white(const Fitted& fitted) {
-  return whiteness_p(fitted.seen.white_time) > least_white_p && white_in_amplitude(fitted);
-}
-
-bool is_determined(const Fitted& fitted, const Slot& slot) {
-  return slot.free &&
-         fitted.known.sigma(slot.index) < tolerable_sigma(fitted.problem, slot, fitted.minimum.x);
-}
-
 // The largest shift, in sigma, of a clock parameter that the log determines.
 double largest_shift(const Fitted& fitted, const std::map<std::string, double>& shifts) {
   double largest = 0.0;
@@ -38,11 +24,6 @@ double largest_shift(const Fitted& fitted, const std::map<std::string, double>& 
     if (!is_noise(slot.quantity) && is_determined(fitted, slot))
       largest = std::max(largest, std::abs(shifts.at(fitted.problem.parameters.name_of(slot))));
   return largest;
-}
-
-bool determines_friction(const Fitted& fitted) {
-  const Slot* slot = fitted.problem.parameters.find(Quantity::epsilon);
-  return !slot->free || is_determined(fitted, *slot);
 }
 
 // Names the clock parameter that differs most between two fits, with the difference in sigma.
@@ -64,6 +45,31 @@ std::string moved_by(const Fitted& from, const Fitted& to) {
 }
 
 } // namespace
+
+bool white_in_amplitude(const Fitted& fitted) {
+  return fitted.seen.white_amplitude.size() < 8 ||
+         whiteness_p(fitted.seen.white_amplitude) > least_white_p;
+}
+
+bool white(const Fitted& fitted) {
+  return whiteness_p(fitted.seen.white_time) > least_white_p && white_in_amplitude(fitted);
+}
+
+bool is_determined(const Fitted& fitted, const Slot& slot) {
+  return slot.free &&
+         fitted.known.sigma(slot.index) < tolerable_sigma(fitted.problem, slot, fitted.minimum.x);
+}
+
+bool determines_friction(const Fitted& fitted) {
+  const Slot* slot = fitted.problem.parameters.find(Quantity::epsilon);
+  return !slot->free || is_determined(fitted, *slot);
+}
+
+bool is_as_small_as(double jitter, const Fitted& fitted) {
+  // The robust jitter of few beats is uncertain by a tenth or so.
+  constexpr double largest_chance_ratio = 1.3;
+  return rms(fitted.seen.late_s) < largest_chance_ratio * jitter;
+}
 
 std::map<std::string, double> model_shifts(const Fitted& fitted, FitDynamics judge) {
   const auto exact = difference_to(judge, fitted.problem, fitted.minimum.x);
@@ -133,155 +139,6 @@ bool ModelSearch::take_if_better(Fitted&& other, const std::string& why) {
   }
   tried(other, fmt::format("BIC worse by {:.3g}: not demanded{}", -gain, moved_by(best_, other)));
   return false;
-}
-
-namespace {
-
-// Whether the amplitude rises anywhere, which it cannot without a drive.
-bool swing_grows(const TimingData& data, double noise_rad) {
-  constexpr std::size_t beats_a_mean = 16; // short enough not to average a rise away
-  // Even the largest of many rises in pure noise stays below this.
-  constexpr double least_rise_sigma = 8.0;
-  const double sigma = noise_rad / std::sqrt(static_cast<double>(beats_a_mean));
-  double least = std::numeric_limits<double>::infinity(), sum = 0.0;
-  std::size_t seen = 0;
-  for (const double amplitude : data.amplitude_rad) {
-    if (std::isnan(amplitude)) continue;
-    sum += amplitude;
-    if (++seen % beats_a_mean != 0) continue;
-    const double mean = sum / static_cast<double>(beats_a_mean);
-    if (mean > least + least_rise_sigma * sigma) return true;
-    least = std::min(least, mean);
-    sum = 0.0;
-  }
-  return false;
-}
-
-// Whether the residuals are no larger than the scatter of neighbouring beats.
-bool is_as_small_as(double jitter, const Fitted& fitted) {
-  // The robust jitter of few beats is uncertain by a tenth or so.
-  constexpr double largest_chance_ratio = 1.3;
-  return rms(fitted.seen.late_s) < largest_chance_ratio * jitter;
-}
-
-} // namespace
-
-bool ModelSearch::explains(const Fitted& fitted) const {
-  return fitted.minimum.usable && white(fitted) && is_as_small_as(guess_.jitter_s, fitted);
-}
-
-// A fit of a thinned log by the full equation of motion: effects that first order omits must not be
-// mistaken for a drive. The thinned log has enough beats to show an escapement.
-Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice& model,
-                                   TimingData& thin) const {
-  constexpr std::size_t thinned_beats = 1000;
-  thin = thinned(working_.data, make_parameters(options, working_.data, model), thinned_beats);
-  Fitted fitted = fit_from_scratch(thin, options, model, guess_);
-  FitOptions dated = options;
-  move_dates(fitted, dated);
-  fitted.minimum.usable = fitted.minimum.usable && refine(fitted, FitDynamics::map);
-  move_dates(fitted, dated);
-  return fitted;
-}
-
-// Whether the options mention a torque, so that a drive is taken as given.
-bool ModelSearch::is_told_of_torque() const {
-  const auto speaks = [](const std::string& name) { return name == "mu" || name == "phi0"; };
-  return std::any_of(options_.fixed.begin(), options_.fixed.end(),
-                     [&](const auto& fixed) { return speaks(fixed.first); }) ||
-         std::any_of(options_.priors.begin(), options_.priors.end(),
-                     [&](const Prior& prior) { return speaks(prior.name); });
-}
-
-// Alternative laws: other parameters that change at the dates found, or impulses instead of a
-// torque.
-std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEvent>& found) const {
-  std::vector<Laws> all;
-  FitOptions options = options_;
-  options.events = found; // the dates as found, not as moved by the first fit
-  for (std::size_t event = 0; event < found.size(); ++event)
-    for (const char* name : {"phi0", "epsilon", "mu", "T0"}) {
-      const bool of_drive = std::string_view(name) == "mu" || std::string_view(name) == "phi0";
-      if (!found[event].movable || (of_drive && best_.model.escapement == Escapement::none))
-        continue;
-      if (found[event].names == std::vector<std::string>{name}) continue;
-      all.push_back({options, best_.model});
-      all.back().options.events[event].names = {name};
-    }
-  if (options_.escapement || best_.model.escapement != Escapement::constant_torque ||
-      is_told_of_torque())
-    return all;
-  all.push_back({options, best_.model});
-  all.back().model.escapement = Escapement::single_impulse;
-  return all;
-}
-
-// If the simplest laws do not explain the log, takes the alternative that explains it best.
-void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
-  if (best_.model.walk || is_rounding(best_) || explains(best_)) return;
-  TimingData thin;
-  if (explains(roughly_fitted(options_, best_.model, thin))) return;
-  // Gain in L (odds of 20 to 1) that is needed to prefer impulses to a torque.
-  constexpr double impulse_handicap = 3.0;
-  std::optional<Laws> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (Laws& laws : other_laws(found)) {
-    const Fitted rough = roughly_fitted(laws.options, laws.model, thin);
-    const bool is_rarer = laws.model.escapement == Escapement::single_impulse;
-    const double value = rough.minimum.value + (is_rarer ? impulse_handicap : 0.0);
-    if (!explains(rough) || !(value < least)) continue;
-    least = value;
-    best = std::move(laws);
-  }
-  if (!best) return;
-  Fitted other = fit_from_scratch(working_.data, best->options, best->model, guess_);
-  if (!other.minimum.usable) return;
-  tried(best_, "does not explain the log, and the next does");
-  best_ = std::move(other);
-  options_ = std::move(best->options);
-  move_dates(best_, options_);
-}
-
-// A free pendulum is the simpler model. It is taken where it explains the log as well as a driven
-// clock does and the log determines its friction (a stationary log fits any model and determines
-// none). Changes that were noticed only in the log may be due to its decaying swing: where it
-// explains the log without them, they are dropped.
-bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
-  const auto is_noticed = [](const FitEvent& event) { return event.movable; };
-  if (options_.escapement || is_told_of_torque() ||
-      !std::all_of(options_.events.begin(), options_.events.end(), is_noticed))
-    return false;
-  if (swing_grows(all_, guess_.amplitude_rad)) return false;
-  FitOptions plain = options_;
-  plain.events.clear();
-  ModelChoice free = driven;
-  free.escapement = Escapement::none;
-  TimingData thin;
-  Fitted without = roughly_fitted(plain, free, thin);
-  if (!without.minimum.usable || !determines_friction(without)) return false;
-  if (!explains(without))
-    add_terms(without); // nonlinear friction may explain what looks like a drive
-  const std::string name =
-      fmt::format("no escapement, friction {} ({} beats)", without.model.friction(), thin.size());
-  chosen = without.model;
-  if (explains(without)) {
-    alternatives_.push_back({name, without.bic, "explains the log: no drive was looked for"});
-    options_ = std::move(plain);
-    return true;
-  }
-  if (!options_.events.empty()) return false;
-  TimingData thin_driven;
-  Fitted with = roughly_fitted(options_, driven, thin_driven);
-  if (with.minimum.usable && !explains(with)) add_terms(with); // gives both models the same chance
-  constexpr double least_bic_gain = 6.0; // odds of 20 to 1 needed to believe in a torque
-  const bool simpler = !with.minimum.usable || without.bic < with.bic + least_bic_gain;
-  alternatives_.push_back(
-      {name, without.bic,
-       simpler ? "explains the log with fewer parameters, or better" : "does not explain the log"});
-  if (with.minimum.usable)
-    alternatives_.push_back({fmt::format("constant-torque ({} beats)", thin.size()), with.bic,
-                             simpler ? "the drive is not needed" : "taken"});
-  return simpler;
 }
 
 // Chooses the cheapest dynamics whose error shifts no determined parameter by more than 0.2 sigma,
@@ -383,91 +240,6 @@ void ModelSearch::add_terms(Fitted& fitted) {
 // Further terms are tried only where linear friction is fixed or determined by the log.
 void ModelSearch::choose_friction() {
   if (determines_friction(best_)) add_terms(best_);
-}
-
-void ModelSearch::choose_noise() {
-  const FitNoise wanted = options_.noise;
-  const bool automatic = wanted == FitNoise::automatic;
-  if (wanted == FitNoise::jitter || names(options_, "walk_rms")) return;
-  const FitDynamics dynamics = best_.dynamics;
-  const bool driven = best_.model.escapement != Escapement::none;
-  const auto fit_with = [&](ModelChoice model) {
-    Fitted other = fit_from(best_, options_, model);
-    if (other.minimum.usable) refine(other, dynamics);
-    return other;
-  };
-  ModelChoice model = best_.model;
-  if (automatic && model.drive) {
-    model.slow = true;
-    if (worth_trying(best_, options_, model))
-      take_if_better(fit_with(model), "the drive varies slowly too");
-    return;
-  }
-  if (automatic) {
-    const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
-    // Single amplitudes are noisy, but they show the drive directly.
-    const bool swing_wanders = !white_in_amplitude(best_);
-    if (!walks && !best_.model.walk && !swing_wanders) return;
-    model.walk = !best_.model.walk;
-    if (model.walk == walks)
-      take_if_better(fit_with(model), walks ? "the times walk" : "the times do not walk");
-    if (!(best_.model.walk || swing_wanders) || !driven) return;
-  }
-  if (!driven) return;
-  model = best_.model;
-  model.walk = false;
-  model.drive = true;
-  model.jitter = wanted != FitNoise::drive;
-  Fitted drive = fit_with(model);
-  if (!drive.minimum.usable) return;
-  model.slow = true;
-  // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
-  // after a search.
-  const bool asks_for_more = working_.data.has_amplitude() && !white(drive);
-  const bool slowly = wanted == FitNoise::slow ||
-                      (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
-                                     worth_trying(best_, options_, model)));
-  // A fit without slow drive may have ended far from the solution: both fits serve as starts.
-  Fitted slow = slowly ? fit_from_either(drive, best_, options_, model) : Fitted{};
-  if (slow.minimum.usable) refine(slow, dynamics);
-  if (!automatic) {
-    best_ = wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive);
-    return;
-  }
-  take_if_better(std::move(drive), "a drive that varies explains the walk");
-  take_if_better(std::move(slow), "the drive varies slowly too");
-}
-
-// The rms residual of times or of amplitudes, whichever is larger in units of the scatter of
-// neighbouring beats.
-double ModelSearch::straying(const Fitted& fitted) const {
-  const double late = rms(fitted.seen.late_s) / guess_.jitter_s;
-  const Slot* amplitude = fitted.problem.parameters.find(Quantity::amplitude_rms);
-  if (amplitude == nullptr) return late;
-  return std::max(late, amplitude->value(std::span<const double>(fitted.minimum.x)) /
-                            guess_.amplitude_rad);
-}
-
-// Whether a long log departs from the fit by far more than neighbouring beats scatter, and neither
-// the full equation of motion nor another friction law halves that. Such a departure is slow noise,
-// which differences of neighbouring beats do not show. A model without noise would have to follow
-// it by means of the clock parameters, so noise must be fitted first.
-bool ModelSearch::strays_by_noise() const {
-  constexpr std::size_t long_log_beats = 3000, thinned_beats = 1000;
-  constexpr double least_straying = 3.0, largest_share = 0.5;
-  if (working_.data.size() < long_log_beats || options_.noise == FitNoise::jitter) return false;
-  const double strays = straying(best_);
-  if (strays < least_straying) return false;
-  const TimingData thin = thinned(working_.data, best_.problem.parameters, thinned_beats);
-  const auto explains_most = [&](bool quadratic, bool dry) {
-    ModelChoice model = best_.model;
-    model.quadratic |= quadratic;
-    model.dry |= dry;
-    Fitted other = fit_from(best_, options_, model, &thin);
-    if (other.minimum.usable) refine(other, FitDynamics::map);
-    return other.minimum.usable && straying(other) < largest_share * strays;
-  };
-  return !explains_most(false, false) && !explains_most(true, false) && !explains_most(false, true);
 }
 
 // Repeats the fit with as many beats as are needed to keep the information.

@@ -9,6 +9,18 @@
 
 namespace goingrate::timing_model {
 
+/// Whether the innovations of the amplitudes look white, or are too few to tell.
+bool white_in_amplitude(const Fitted& fitted);
+/// Whether those of times and of amplitudes do: then nothing asks for a better model.
+bool white(const Fitted& fitted);
+/// Whether the residuals are no larger than the scatter of neighbouring beats, `jitter` in seconds.
+bool is_as_small_as(double jitter, const Fitted& fitted);
+
+/// Whether the log determines a parameter of the fit.
+bool is_determined(const Fitted& fitted, const Slot& slot);
+/// Whether linear friction is given, or determined by the log.
+bool determines_friction(const Fitted& fitted);
+
 /// Error of each free parameter of the fit, in sigma and by name, as judged by other dynamics;
 /// empty if these cannot run there.
 std::map<std::string, double> model_shifts(const Fitted& fitted, FitDynamics judge);
@@ -20,7 +32,8 @@ struct Working {
 };
 
 /// The search for the model: escapement, noise, friction, dynamics and dates of change, each taken
-/// beyond the simplest only where the log demands it.
+/// beyond the simplest only where the log demands it. The escapement is chosen in
+/// escapement_choice.cpp, the noise in noise_choice.cpp.
 class ModelSearch {
 public:
   ModelSearch(const TimingData& data, const FitOptions& options);

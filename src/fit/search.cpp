@@ -135,6 +135,22 @@ std::string words_for(const ceres::Solver::Summary& summary) {
   }
 }
 
+ceres::Solver::Options solver_options(const SearchLimits& limits) {
+  ceres::Solver::Options options;
+  options.initial_trust_region_radius = limits.first_radius;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = limits.iterations;
+  options.function_tolerance = 1e-16; // in effect off: the callback ends the search
+  options.gradient_tolerance = 1e-12;
+  options.parameter_tolerance = 1e-14;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  // Under bounds Ceres first searches along each step, where cubic interpolation would need
+  // derivatives at every trial.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
+  return options;
+}
+
 } // namespace
 
 Minimum minimise(const FitProblem& problem, std::vector<double> start, const SearchLimits& limits) {
@@ -171,18 +187,7 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
     if (std::isfinite(high)) ceres_problem.SetParameterUpperBound(u.data(), place, high);
   }
   EnoughGained enough(limits.least_gain);
-  ceres::Solver::Options options;
-  options.initial_trust_region_radius = limits.first_radius;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = limits.iterations;
-  options.function_tolerance = 1e-16; // in effect off: the callback ends the search
-  options.gradient_tolerance = 1e-12;
-  options.parameter_tolerance = 1e-14;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;
-  // Under bounds Ceres first searches along each step, where cubic interpolation would need
-  // derivatives at every trial.
-  options.line_search_interpolation_type = ceres::QUADRATIC;
+  ceres::Solver::Options options = solver_options(limits);
   WayOut way_out;
   options.callbacks = {&way_out, &enough};
   ceres::Solver::Summary summary;

@@ -1,8 +1,9 @@
 #include "log/angle_samples.hpp"
 
+#include "swing_shape.hpp"
+
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -84,34 +85,6 @@ double usual_step(std::span<const AngleSample> samples) {
   return median(std::move(steps));
 }
 
-// What a pendulum's swing has beside the sine of its turning angle A,
-//   phi = 8 sum_n q^(n + 1/2) / ((2 n + 1) (1 + q^(2 n + 1))) sin((2 n + 1) theta),
-// q the nome of the modulus sin(A/2) (NIST DLMF 22.11 with phi = 2 asin(k sn)).
-class Overtones {
-public:
-  explicit Overtones(double amplitude) {
-    if (!(amplitude > 0.0 && amplitude < std::numbers::pi)) return; // no swing
-    const double root = std::sqrt(std::cos(0.5 * amplitude));       // of the complementary modulus
-    const double e = 0.5 * (1.0 - root) / (1.0 + root);
-    const double nome = e + 2.0 * std::pow(e, 5) + 15.0 * std::pow(e, 9);
-    double power = std::sqrt(nome);
-    for (std::size_t n = 0; n < size_.size(); ++n, power *= nome) {
-      const double order = 2.0 * static_cast<double>(n) + 1.0;
-      size_[n] = 8.0 * power / (order * (1.0 + std::pow(nome, order)));
-    }
-    size_[0] -= amplitude;
-  }
-  [[nodiscard]] double at(double theta) const {
-    double sum = 0.0;
-    for (std::size_t n = 0; n < size_.size(); ++n)
-      sum += size_[n] * std::sin((2.0 * static_cast<double>(n) + 1.0) * theta);
-    return sum;
-  }
-
-private:
-  std::array<double, 4> size_{}; // what is left out is 1e-8 rad at 1 rad, 1e-5 at 2
-};
-
 // A polynomial of second order in x through points near 0, by least squares: its value and slope
 // at 0.
 class LocalParabola {
@@ -133,30 +106,6 @@ private:
   Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d moment_ = Eigen::Vector3d::Zero();
   int points_ = 0;
-};
-
-// A swing about its passage of the middle: size * sine + middle, with what is known of its shape.
-struct Shape {
-  double w = 0.0, decay = 0.0; // rad/s; of its size, 1/s
-  double side = 1.0;           // 1 where it rises, or -1
-  Overtones overtones{0.0};
-  double root_s = 0.0; // where they are zero
-
-  [[nodiscard]] double size(double t) const { return std::exp(-decay * t); }
-  [[nodiscard]] Eigen::Vector3d row(double t) const {
-    return {size(t) * std::cos(w * t), size(t) * std::sin(w * t), 1.0};
-  }
-  [[nodiscard]] double beside_the_sine(double t) const {
-    return side * size(t) * overtones.at(w * (t - root_s));
-  }
-  // Where the swing is at 0: near the zero of its sine, unless its middle is far from there.
-  [[nodiscard]] double zero_of(const Eigen::Vector3d& terms, double from) const {
-    const double slope = side * std::hypot(terms[0], terms[1]) * w;
-    constexpr int steps = 8; // each takes the error down by middle/amplitude or better
-    for (int step = 0; step < steps; ++step)
-      from -= (terms.dot(row(from)) + beside_the_sine(from)) / slope;
-    return from;
-  }
 };
 
 // Swings through the samples around each passage.
@@ -238,24 +187,13 @@ private:
     const auto near = around(samples_, passages_[k].before, swing.centre, reach() * period);
     const Eigen::Index terms = level && !has_own_middle() ? 2 : 3;
     if (static_cast<Eigen::Index>(near.size()) < terms) return {};
-    Shape shape{2.0 * std::numbers::pi / period, local_[k].decay,
-                passages_[k].edge == Edge::up ? 1.0 : -1.0};
+    SwingShape shape{2.0 * std::numbers::pi / period, local_[k].decay,
+                     passages_[k].edge == Edge::up ? 1.0 : -1.0};
     if (before && in_rad_) shape.overtones = Overtones(before->amplitude);
     const double zero = level.value_or(0.0);
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    double sum2 = 0.0;
-    for (const AngleSample& sample : near) {
-      const double t = sample.time - swing.centre;
-      const Eigen::Vector3d row = shape.row(t);
-      const double value = sample.angle - zero - shape.beside_the_sine(t);
-      normal += row * row.transpose();
-      moment += row * value;
-      sum2 += value * value;
-    }
-    Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
-    inverse.topLeftCorner(terms, terms) = normal.topLeftCorner(terms, terms).inverse();
-    const Eigen::Vector3d c = inverse * moment;
+    const SwingSums sums(near, shape, swing.centre, zero);
+    const Eigen::Matrix3d inverse = sums.inverse(terms);
+    const Eigen::Vector3d c = inverse * sums.moment;
     swing.amplitude = std::hypot(c[0], c[1]);
     if (!std::isfinite(swing.amplitude) || swing.amplitude == 0.0) return {};
     swing.middle = zero + c[2];
@@ -265,7 +203,7 @@ private:
     if (!(std::abs(swing.root_s) < std::max(0.5 * (b.time - a.time), farthest * period))) return {};
     const Eigen::Vector3d at_root = shape.row(swing.root_s);
     swing.unit_sigma_s = std::sqrt(at_root.dot(inverse * at_root)) / (swing.amplitude * shape.w);
-    swing.residual2 = std::max(0.0, sum2 - c.dot(moment));
+    swing.residual2 = std::max(0.0, sums.sum2 - c.dot(sums.moment));
     swing.freedom = static_cast<double>(near.size()) - static_cast<double>(terms);
     const double least = period * (0.25 - 2.0 / samples_per_period_);
     swing.is_whole =

@@ -49,14 +49,15 @@ public:
   [[nodiscard]] std::size_t other_channels() const { return other_channels_; }
 
 private:
-  using Place = std::optional<std::size_t>; // the column of a role
+  using Place = std::optional<std::size_t>;       // the column of a role
+  static constexpr double longest_period_s = 1e6; // no pendulum takes so long
 
   void reject(const Line& line, std::size_t column, IssueKind kind, std::string found);
   void reject_field(const Line& line, const Field& field, std::string_view expected);
   [[nodiscard]] bool only_a_comment(const Line& line) const;
   bool row_fits(const Line& line);
 
-  // Times. Each rejects the line and gives nothing if it cannot be had.
+  // Times (row_times.cpp). Each rejects the line and gives nothing if it cannot be had.
   std::optional<Instant> time_of(const Line& line);
   std::optional<Instant> written_time(const Line& line);
   std::optional<Instant> accumulated_time(const Line& line, std::size_t column);

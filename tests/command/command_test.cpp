@@ -1,52 +1,16 @@
-// The command as a script sees it: exit codes, messages, files.
+// The command as a script sees it: what its subcommands write and say.
 #include "support/command_fixture.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <fcntl.h>
 #include <sstream>
 #include <string>
-#include <vector>
 
 namespace {
 
 using namespace goingrate::test;
 namespace fs = std::filesystem;
-
-TEST_F(CommandTest, SimulateWritesALogAndTheTruth) {
-  ASSERT_EQ(run("simulate " + scenario("jump") + " -o log.csv --truth truth.csv --seed 3").code, 0);
-  const std::string truth = content(folder_ / "truth.csv");
-  EXPECT_EQ(truth.substr(0, truth.find('\n')), "cycle,time_s,period_s,velocity,amplitude_rad,mu");
-  EXPECT_EQ(std::count(truth.begin(), truth.end(), '\n'), 2001);
-  const std::string log = content(folder_ / "log.csv");
-  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 2001 + 3);
-  EXPECT_EQ(run("simulate " + scenario("jump") + " --seed 3").out, log)
-      << "standard output is the default";
-  EXPECT_NE(run("simulate " + scenario("jump") + " --seed 4").out, log);
-}
-
-TEST_F(CommandTest, SimulateReachesTheExactStationaryRates) {
-  struct Point {
-    const char *epsilon, *mu;
-    double rate;
-  };
-  for (const Point& p : {Point{"2.5e-4", "2e-5", 1.133264436573979e-04},
-                         Point{"2.5e-4", "4e-5", 1.960046634308295e-04},
-                         Point{"1.167245e-4", "1.5e-5", 1.844068077230375e-08}}) {
-    put("s.toml",
-        fmt::format("[clock]\nnominal_period=6.283185307179586\nepsilon={}\nmu={}\nphi0=0.03\n"
-                    "[run]\nperiods=100\n",
-                    p.epsilon, p.mu));
-    ASSERT_EQ(run("simulate s.toml -o log.csv --truth truth.csv").code, 0);
-    const std::string truth = content(folder_ / "truth.csv");
-    const std::size_t row = truth.rfind('\n', truth.size() - 2) + 1;
-    const std::size_t comma = truth.find(',', truth.find(',', row) + 1);
-    const double period = std::stod(truth.substr(comma + 1));
-    EXPECT_NEAR(6.283185307179586477 / period - 1, p.rate, 1e-12);
-  }
-}
 
 TEST_F(CommandTest, RateCountsAndItsJsonHasTheKeysScriptsRelyOn) {
   run("simulate " + scenario("jump") +
@@ -85,63 +49,6 @@ TEST_F(CommandTest, AReportsFiguresAndTablesAreWritten) {
                            "t/parameters.csv", "t/parameters.tex", "t/spectrum.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
   EXPECT_EQ(content(folder_ / "f/rate.csv").substr(0, 19), "series,x,y,low,high");
-}
-
-TEST_F(CommandTest, HelpExplainsItsTopics) {
-  const Outcome list = run("help");
-  ASSERT_EQ(list.code, 0);
-  for (const char* topic : {"formats", "scenario", "noise", "identifiability"}) {
-    EXPECT_NE(list.out.find(topic), std::string::npos);
-    EXPECT_GT(run(std::string("help ") + topic).out.size(), 500u) << topic;
-  }
-  EXPECT_EQ(run("help clocks").code, 2);
-}
-
-// What the reader of scenarios expects in a section, from its complaint about a key it does not
-// know.
-std::vector<std::string> keys_it_names(const std::string& complaint) {
-  std::vector<std::string> keys;
-  const std::string begin = "expected one of ";
-  const std::size_t at = complaint.find(begin);
-  if (at == std::string::npos) return keys;
-  std::istringstream list(complaint.substr(at + begin.size()));
-  for (std::string key; std::getline(list, key, ',');) {
-    key.erase(0, key.find_first_not_of(' '));
-    keys.push_back(key.substr(0, key.find_first_of(" \n")));
-  }
-  return keys;
-}
-
-TEST_F(CommandTest, HelpNamesEveryKeyOfAScenario) {
-  const std::string help = run("help scenario").out;
-  put("s.toml", "[zzzzz]\n");
-  const std::vector<std::string> sections = keys_it_names(run("simulate s.toml").err);
-  EXPECT_GE(sections.size(), 8u);
-  for (const std::string& section : sections) {
-    const std::size_t at = help.find("[" + section + "]");
-    ASSERT_NE(at, std::string::npos) << section;
-    const std::size_t end = std::min(help.find("\n[", at), help.find("\n--set", at));
-    const std::string part = help.substr(at, end - at);
-    put("s.toml", (section == "event" ? "[[event]]" : "[" + section + "]") + "\nzzzzz = 1\n");
-    const std::vector<std::string> keys = keys_it_names(run("simulate s.toml").err);
-    EXPECT_FALSE(keys.empty()) << section;
-    for (const std::string& key : keys)
-      EXPECT_NE(part.find(key), std::string::npos) << section << ": " << key << '\n' << part;
-  }
-}
-
-TEST_F(CommandTest, HelpOnFormatsNamesEveryOptionThatReads) {
-  const std::string help = run("help formats").out, options = run("rate --help").out;
-  const std::size_t group = options.find("How the log is read");
-  ASSERT_NE(group, std::string::npos);
-  std::istringstream lines(options.substr(group, options.find("\n\n", group) - group));
-  std::vector<std::string> names{"--flag-width", "--sensor-offset", "--both-edges",
-                                 "--nominal-period"};
-  for (std::string line; std::getline(lines, line);)
-    if (line.starts_with("  --")) names.push_back(line.substr(2, line.find(' ', 2) - 2));
-  EXPECT_GE(names.size(), 12u);
-  for (const std::string& name : names)
-    EXPECT_NE(help.find(name), std::string::npos) << name;
 }
 
 TEST_F(CommandTest, LinesAreNamedByTheTrain) {
@@ -185,178 +92,6 @@ TEST_F(CommandTest, StandardInputAndOutputArePipes) {
   ASSERT_EQ(outcome.code, 0);
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["crossings"], 2001) << "and nothing else is there";
   EXPECT_EQ(outcome.err, "");
-}
-
-TEST_F(CommandTest, FitPrintsAndItsJsonHasTheKeysScriptsRelyOn) {
-  run("simulate " + scenario("jump") + " -o log.csv");
-  const Outcome outcome = run("fit log.csv --fix T0=2 --event 150:mu --json fit.json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("[parameters]"), std::string::npos);
-  const auto fit = json("fit.json");
-  for (const char* key : {"model", "parameters", "combinations", "correlation", "derived",
-                          "quality", "alternatives", "termination"})
-    EXPECT_TRUE(fit.contains(key)) << key;
-  for (const char* key : {"dynamics", "escapement", "friction", "noise", "chosen_by"})
-    EXPECT_TRUE(fit["model"].contains(key)) << key;
-  for (const char* key : {"chi2", "dof", "p_value", "whiteness_p", "rms_s", "aic", "bic"})
-    EXPECT_TRUE(fit["quality"][key].is_number()) << key;
-  for (const char* key : {"Q", "stationary_amplitude", "rate_s_per_day", "decay_time_s"})
-    EXPECT_TRUE(fit["derived"][key]["sigma"].is_number()) << key;
-  EXPECT_EQ(fit["parameters"][0]["status"], "fixed");
-  EXPECT_EQ(fit["parameters"][5]["name"], "mu@1");
-  EXPECT_NEAR(fit["parameters"][5]["value"].get<double>(), 4e-5, 1e-7);
-}
-
-TEST_F(CommandTest, FitFindsTheEventByItselfOrByTime) {
-  run("simulate " + scenario("jump") + " -o log.csv");
-  for (const char* event : {"auto", "300s:mu"}) {
-    const Outcome outcome =
-        run(fmt::format("fit log.csv --fix T0=2 --event {} --json fit.json", event));
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NEAR(json("fit.json")["parameters"][5]["value"].get<double>(), 4e-5, 1e-6) << event;
-  }
-}
-
-double value_of(const nlohmann::json& fit, const std::string& name) {
-  for (const auto& parameter : fit["parameters"])
-    if (parameter["name"] == name)
-      return parameter["value"].is_null() ? NAN : parameter["value"].get<double>();
-  ADD_FAILURE() << "no parameter " << name;
-  return NAN;
-}
-
-TEST_F(CommandTest, FitTakesTheModelItIsTold) {
-  run("simulate " + scenario("jump") + " -o log.csv --set run.periods=600");
-  const std::string fit = "fit log.csv --fix T0=2 --event 150:mu --json fit.json ";
-  for (const auto& [noise, found] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"jitter", "jitter"},
-           {"drive", "drive"},
-           {"both", "jitter + drive"},
-           {"slow", "jitter + drive + slow drive"}}) {
-    ASSERT_EQ(run(fit + "--noise " + noise).code, 0) << noise;
-    EXPECT_EQ(json("fit.json")["model"]["noise"], found);
-  }
-  ASSERT_EQ(run(fit + "--free quadratic_drag,drift --free dry_friction").code, 0);
-  for (const char* name : {"quadratic_drag", "drift", "dry_friction"})
-    value_of(json("fit.json"), name);
-  ASSERT_EQ(run("fit log.csv --json fit.json --escapement single-impulse --event none").code, 0);
-  EXPECT_EQ(json("fit.json")["model"]["escapement"], "single-impulse");
-  for (const char* wrong : {"--noise pink", "--escapement profile", "--free lambda", "--free mu@2",
-                            "--free temperature", "--free T0", "--from log.csv --from log.csv"})
-    EXPECT_EQ(run(fit + wrong).code, 2) << wrong;
-}
-
-TEST_F(CommandTest, TheRateFollowsTemperatureOrPressureWhereTheLogHasThem) {
-  // The length grows by 1.2e-5 per K, so the rate falls by half of it. Spurious and missed beats
-  // show whether each beat has the temperature of its own row.
-  const std::string warm = "--set run.periods=1000 --set length.temperature_coefficient=1.2e-5 "
-                           "--set \"temperature.sine=[{amplitude=0.2,period=1000.0}]\" "
-                           "--set sensor.temperature_rms=0.001 ";
-  ASSERT_EQ(run("simulate " + scenario("jump") + " -o t.csv " + warm +
-                "--set sensor.missed=0.05 --set sensor.spurious=0.05")
-                .code,
-            0);
-  std::string log = content(folder_ / "t.csv");
-  log.replace(log.find("temperature_c"), 13, "pressure_mbar");
-  put("p.csv", log);
-  for (const auto& [file, name] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"t.csv", "temperature"}, {"p.csv", "pressure"}})
-    for (const char* command : {"fit", "report -o page.html"}) {
-      const Outcome outcome = run(fmt::format("{} {} --fix T0=2 --event 150:mu --free {} "
-                                              "--json fit.json",
-                                              command, file, name));
-      ASSERT_EQ(outcome.code, 0) << outcome.err;
-      const auto result = json("fit.json");
-      const auto& fit = result.contains("fit") ? result["fit"] : result;
-      EXPECT_NEAR(value_of(fit, name), -6e-6, 1.2e-7) << command; // four sigma
-    }
-}
-
-TEST_F(CommandTest, AFitComesBackFromItsFileAndOptionsWin) {
-  run("simulate " + scenario("jump") + " -o log.csv");
-  ASSERT_EQ(run("fit log.csv --fix T0=2 --event 150:mu --par a.par --json a.json").code, 0);
-  const Outcome again = run("fit log.csv --from a.par --json b.json --par b.par");
-  ASSERT_EQ(again.code, 0) << again.err;
-  for (const char* name : {"T0", "epsilon", "mu", "phi0", "lambda0", "mu@1", "jitter_rms"})
-    EXPECT_NEAR(value_of(json("b.json"), name) / value_of(json("a.json"), name), 1.0, 1e-9) << name;
-  EXPECT_EQ(json("b.json")["model"]["dynamics"], json("a.json")["model"]["dynamics"]);
-  ASSERT_EQ(run("fit log.csv --from a.par --prior T0=2+-1e-9 --model averaged1 --json b.json").code,
-            0);
-  EXPECT_EQ(json("b.json")["parameters"][0]["status"], "prior") << "was held by the file";
-  EXPECT_EQ(json("b.json")["model"]["dynamics"], "averaged1");
-  ASSERT_EQ(run("fit log.csv --from a.par --fix epsilon=2.5e-4 --free T0 --event 150:mu,T0 "
-                "--json b.json")
-                .code,
-            0);
-  EXPECT_EQ(value_of(json("b.json"), "epsilon"), 2.5e-4);
-  EXPECT_EQ(json("b.json")["parameters"][0]["status"], "free");
-  EXPECT_NEAR(value_of(json("b.json"), "T0@1"), 2.0, 1e-5);
-  EXPECT_EQ(run("spectrum log.csv --from a.par").code, 0);
-  EXPECT_EQ(run("report log.csv --from a.par -o page.html").code, 0);
-  EXPECT_EQ(run("fit log.csv --from a.par --free epsilon --fix epsilon=1e-4").code, 2);
-  EXPECT_EQ(run("fit - --from - < log.csv").code, 2);
-}
-
-TEST_F(CommandTest, TheEventsOfAFileAreAtTheCyclesOfTheRateTable) {
-  run("simulate " + scenario("jump") + " -o log.csv --set run.periods=1500");
-  std::string log;
-  for (int i = 0; i < 40; ++i) // of another clock, before this one was set going
-    log += fmt::format("{:.6f}\n", 2.0 * i);
-  const std::string table = run("rate log.csv").out;
-  for (std::size_t row = table.find('\n') + 1; row < table.size(); row = table.find('\n', row) + 1)
-    log += fmt::format("{:.7f}\n", 5000.9 + std::stod(table.substr(table.find(',', row) + 1)));
-  put("late.log", log);
-  const std::string rates = run("rate late.log").out;
-  const std::size_t split = rates.find(",split");
-  ASSERT_NE(split, std::string::npos) << "the log must begin with a part that is not used";
-  const int cycle = 150 + std::stoi(rates.substr(rates.rfind('\n', split) + 1));
-  ASSERT_GT(cycle, 1000);
-  ASSERT_EQ(run(fmt::format("fit late.log --fix T0=2 --event {}:mu --par a.par", cycle)).code, 0);
-  EXPECT_NE(content(folder_ / "a.par").find(fmt::format("EVENT {} mu\n", cycle)),
-            std::string::npos);
-  ASSERT_EQ(run("fit late.log --from a.par --json fit.json").code, 0);
-  EXPECT_NEAR(value_of(json("fit.json"), "mu@1"), 4e-5, 1e-7);
-}
-
-TEST_F(CommandTest, AFileOfParametersThatIsUnusableIsExitThree) {
-  run("simulate " + scenario("jump") + " -o log.csv --set run.periods=200");
-  for (const auto& [text, place] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"epsilom 1e-4 1", "bad.par:2:1: found 'epsilom'"},
-           {"EVENT 99999 mu", "bad.par:2:7: found cycle 99999, expected one inside the log"},
-           {"temperature 0 1", "bad.par:2:1: found 'temperature', expected a log with a column"},
-           {"pressure 0 0", "bad.par:2:1: found 'pressure', expected a log with a column"}}) {
-    put("bad.par", std::string("# goingrate par 1\n") + text + "\n");
-    const Outcome outcome = run("fit log.csv --from bad.par --json out.json");
-    EXPECT_EQ(outcome.code, 3) << text;
-    EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
-    EXPECT_FALSE(fs::exists(folder_ / "out.json"));
-  }
-  EXPECT_EQ(run("fit log.csv --from log.csv").code, 3);
-  EXPECT_EQ(run("fit log.csv --from absent.par").code, 3);
-}
-
-TEST_F(CommandTest, TheTablesOfAFitAreWrittenAllOrNone) {
-  run("simulate " + scenario("jump") + " -o log.csv --set run.periods=300");
-  const std::string fit = "fit log.csv --fix T0=2 --event 150:mu ";
-  const Outcome outcome = run(fit + "--latex a.tex --csv - --par a.par --json a.json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out.substr(0, outcome.out.find('\n')),
-            "name,value,sigma,low68,high68,low95,high95,unit,status");
-  EXPECT_EQ(outcome.out.find("[parameters]"), std::string::npos) << "one result on one stream";
-  EXPECT_NE(content(folder_ / "a.tex").find("\\end{tabular}"), std::string::npos);
-  put("a.par", "precious");
-  EXPECT_EQ(run(fit + "--par a.par --csv no/such/a.csv").code, 5);
-  EXPECT_EQ(content(folder_ / "a.par"), "precious");
-  EXPECT_EQ(run(fit + "--par - --latex -").code, 2) << "two results on one stream";
-}
-
-TEST_F(CommandTest, AnUndeterminedParameterIsAWordAndNull) {
-  run("simulate " + scenario("jump") + " -o log.csv --set run.periods=140");
-  const Outcome outcome = run("fit log.csv --json fit.json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("ε (epsilon)    undetermined"), std::string::npos);
-  EXPECT_EQ(json("fit.json")["parameters"][1]["status"], "undetermined");
-  EXPECT_TRUE(json("fit.json")["parameters"][1]["value"].is_null());
 }
 
 TEST_F(CommandTest, SpectrumSplitsTheDriveOfAKnownClock) {
@@ -548,58 +283,6 @@ TEST_F(CommandTest, TheReportSaysHowToTurnTheRatingNut) {
   EXPECT_EQ(run("report slow.log --pendulum-length 1 -o r.html").code, 2) << "without a pitch";
 }
 
-TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
-  put("empty.log", "");
-  put("one.log", "12.5\n");
-  put("binary.log", std::string("\x00\x01\x02", 3));
-  put("words.log", "once upon a time\n");
-  for (const char* command : {"rate", "fit", "spectrum", "stability", "report"}) {
-    for (const auto& [file, place] : std::initializer_list<std::pair<const char*, const char*>>{
-             {"empty.log", "empty.log:1:1: "},
-             {"one.log", "one.log:1:1: "},
-             {"binary.log", "binary.log:1:1: "},
-             {"words.log", "words.log:1:1: "},
-             {"absent.log", "absent.log: "},
-             {".", ".: "}}) {
-      const Outcome outcome = run(fmt::format("{} {}", command, file));
-      EXPECT_EQ(outcome.code, 3) << command << " " << file << outcome.err;
-      EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
-      EXPECT_NE(outcome.err.find("expected"), std::string::npos) << outcome.err;
-      EXPECT_EQ(outcome.out, "");
-    }
-  }
-}
-
-TEST_F(CommandTest, AFailureOverwritesNothing) {
-  put("empty.log", "");
-  for (const char* file : {"out.html", "out.json", "out.csv", "truth.csv"})
-    put(file, "precious");
-  EXPECT_EQ(run("report empty.log -o out.html --json out.json").code, 3);
-  EXPECT_EQ(run("rate empty.log -o out.csv --json out.json").code, 3);
-  EXPECT_EQ(run("simulate empty.log -o out.csv --truth truth.csv").code, 3);
-  for (const char* file : {"out.html", "out.json", "out.csv", "truth.csv"})
-    EXPECT_EQ(content(folder_ / file), "precious") << file;
-  for (const auto& entry : fs::directory_iterator(folder_))
-    EXPECT_EQ(entry.path().string().find(".part-"), std::string::npos) << entry.path();
-}
-
-TEST_F(CommandTest, OneOutputThatCannotBeWrittenLeavesTheOthersAsTheyWere) {
-  put("truth.csv", "precious");
-  put("out.json", "precious");
-  EXPECT_EQ(run("simulate " + scenario("jump") + " --truth truth.csv -o no/such/log.csv").code, 5);
-  run("simulate " + scenario("jump") + " -o log.csv");
-  EXPECT_EQ(run("report log.csv --json out.json -o no/such/page.html").code, 5);
-  EXPECT_EQ(content(folder_ / "truth.csv"), "precious");
-  EXPECT_EQ(content(folder_ / "out.json"), "precious");
-  EXPECT_EQ(run("report log.csv -o - --json -").code, 2) << "two results on one stream";
-}
-
-TEST_F(CommandTest, AnUnwritableStandardErrorIsNoCrash) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
-  const std::string line = fmt::format("'{}' rate no-such-file 2> /dev/full", GOINGRATE_COMMAND);
-  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 3);
-}
-
 TEST_F(CommandTest, LatinOneInABadLineSpoilsNoJson) {
   put("l.csv", "0.0\n2.0\nbeat \xe9t\xe9\n4.0\n6.0\n");
   EXPECT_EQ(run("rate l.csv --json l.json").code, 0);
@@ -635,133 +318,6 @@ TEST_F(CommandTest, DemoHandsItsArgumentsToReportAndNotToTheInstaller) {
   EXPECT_EQ(content(folder_ / "said.txt"), "") << "silent if all is there";
 }
 
-TEST_F(CommandTest, OutputThatCannotBeWrittenIsExitFive) {
-  EXPECT_EQ(run("simulate " + scenario("jump") + " -o no/such/folder/log.csv").code, 5);
-  if (!fs::exists("/dev/full")) return;
-  EXPECT_EQ(run("simulate " + scenario("jump") + " -o /dev/full").code, 5);
-}
-
-TEST_F(CommandTest, WithoutArgumentsItSaysWhatItCanDo) {
-  const Outcome outcome = run("");
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_NE(outcome.err.find("report"), std::string::npos) << outcome.err;
-}
-
-TEST_F(CommandTest, ABareWordInSetIsText) {
-  const std::string jump = "simulate " + scenario("jump") + " --set run.periods=20 -o ";
-  ASSERT_EQ(run(jump + "a.csv --set run.method=direct").code, 0);
-  ASSERT_EQ(run(jump + "b.csv --set \"run.method='direct'\"").code, 0);
-  ASSERT_EQ(run(jump + "c.csv --set run.method=averaged1").code, 0);
-  EXPECT_EQ(content(folder_ / "a.csv"), content(folder_ / "b.csv"));
-  EXPECT_NE(content(folder_ / "a.csv"), content(folder_ / "c.csv"));
-}
-
-TEST_F(CommandTest, WrongUsageIsExitTwo) {
-  EXPECT_EQ(run("tick").code, 2);
-  EXPECT_EQ(run("rate").code, 2);
-  run("simulate " + scenario("jump") + " -o log.csv");
-  EXPECT_EQ(run("rate log.csv --format sundial").code, 2);
-  EXPECT_EQ(run("fit log.csv --fix eps=1").code, 2);
-  EXPECT_EQ(run("fit log.csv --event 99999:mu").code, 2);
-  EXPECT_EQ(run("stability log.csv --taus 3").code, 2) << "no multiple of 2 s";
-}
-
-TEST_F(CommandTest, ABadScenarioIsExitThreeAndABadOptionTwo) {
-  put("bad.toml", "[clock]\nepsilom = 1\n");
-  const Outcome outcome = run("simulate bad.toml");
-  EXPECT_EQ(outcome.code, 3);
-  EXPECT_NE(outcome.err.find("bad.toml:2:1"), std::string::npos) << outcome.err;
-  EXPECT_EQ(run("simulate " + scenario("jump") + " --set clock.mu=lots").code, 2)
-      << "that is an option";
-}
-
-TEST_F(CommandTest, AStalledClockIsExitFourAndOverwritesNothing) {
-  put("log.csv", "precious");
-  const Outcome outcome = run("simulate " + scenario("jump") +
-                              " -o log.csv --set clock.epsilon=0.01 "
-                              "--set start.amplitude=0.05");
-  EXPECT_EQ(outcome.code, 4) << outcome.err;
-  EXPECT_NE(outcome.err.find("stalled"), std::string::npos);
-  EXPECT_EQ(content(folder_ / "log.csv"), "precious");
-}
-
-TEST_F(CommandTest, EachHelpHasAnExampleThatRuns) {
-  fs::create_symlink(source / "data", folder_ / "data");
-  for (const char* command : {"simulate", "rate", "fit", "spectrum", "stability", "report", "map",
-                              "chart", "paper", "help"}) {
-    const Outcome help = run(fmt::format("{} --help", command));
-    EXPECT_EQ(help.code, 0);
-    const std::size_t at = help.out.find("Example:");
-    ASSERT_NE(at, std::string::npos) << command;
-    std::string example = help.out.substr(help.out.find("goingrate ", at) + 10);
-    for (std::size_t k; (k = example.find("\\\n")) != std::string::npos;)
-      example.erase(k, 2);
-    while (!example.empty() && (example.back() == '\n' || example.back() == ' '))
-      example.pop_back();
-    EXPECT_EQ(run(example).code, 0) << example;
-  }
-}
-
-// The longest line in characters, not bytes.
-std::size_t widest_line(const std::string& text) {
-  std::size_t widest = 0, width = 0;
-  for (const char c : text) {
-    if (c == '\n')
-      width = 0;
-    else if ((static_cast<unsigned char>(c) & 0xC0U) != 0x80U)
-      widest = std::max(widest, ++width);
-  }
-  return widest;
-}
-
-TEST_F(CommandTest, HelpAndSummaryFitATerminalOfEightyColumns) {
-  EXPECT_LE(widest_line(run("--help").out), 80u);
-  for (const char* command : {"simulate", "rate", "fit", "spectrum", "stability", "report", "map",
-                              "chart", "paper", "help"})
-    EXPECT_LE(widest_line(run(std::string(command) + " --help").out), 80u) << command;
-  for (const char* topic : {"", "formats", "scenario", "noise", "identifiability"})
-    EXPECT_LE(widest_line(run(std::string("help ") + topic).out), 80u) << topic;
-  for (const char* log : {"interruption", "jump"}) {
-    const std::string path = (source / "data/logs" / (std::string(log) + ".csv")).string();
-    const Outcome report = run("report " + path + " -o r.html");
-    EXPECT_LE(widest_line(report.out), 80u) << report.out;
-    EXPECT_LE(std::count(report.out.begin(), report.out.end(), '\n'), 40) << report.out;
-  }
-}
-
-TEST_F(CommandTest, HelpListsEveryCommand) {
-  const Outcome help = run("--help");
-  for (const char* name :
-       {"report", "rate", "fit", "spectrum", "stability", "simulate", "map", "chart", "paper"})
-    EXPECT_NE(help.out.find(fmt::format("\n  {} ", name)), std::string::npos) << name;
-  EXPECT_EQ(run("--version").out.substr(0, 10), "goingrate ");
-}
-
-TEST_F(CommandTest, RealisationsAreTheRunsOfTheirSeeds) {
-  const std::string noisy = scenario("noisy-drive") + " --set run.periods=300 --quiet";
-  ASSERT_EQ(run("simulate " + noisy + " --realisations 11 --seed 4 -o log.csv").code, 0);
-  for (const int k : {0, 7, 10}) {
-    ASSERT_EQ(run(fmt::format("simulate {} --seed {} -o one.csv", noisy, 4 + k)).code, 0);
-    EXPECT_EQ(content(folder_ / fmt::format("log-{:02}.csv", k)), content(folder_ / "one.csv"));
-  }
-  EXPECT_EQ(run("simulate " + noisy + " --realisations 3").code, 2); // all to standard output?
-  fs::create_directory(folder_ / "logs");
-  for (const char* target : {"-o /dev/null", "-o logs", "-o logs/", "-o l.csv --truth /dev/null"}) {
-    const Outcome refused = run(fmt::format("simulate {} --realisations 3 {}", noisy, target));
-    EXPECT_EQ(refused.code, 2) << target;
-    EXPECT_NE(refused.err.find("log.csv becomes log-0.csv"), std::string::npos) << refused.err;
-  }
-}
-
-TEST_F(CommandTest, AFailedRealisationLeavesNothingBehind) {
-  const std::string stalling =
-      scenario("noisy-drive") + " --set clock.epsilon=1e-2 --set start.amplitude=0.04";
-  EXPECT_EQ(run("simulate " + stalling + " --realisations 9 -o log.csv").code, 4);
-  for (const auto& file : fs::directory_iterator(folder_))
-    EXPECT_EQ(file.path().filename().string().find("log"), std::string::npos) << file.path();
-}
-
 TEST_F(CommandTest, ChartHasTheKeysScriptsRelyOn) {
   ASSERT_EQ(run("chart --periods 200 --repetitions 1 --json chart.json --plot chart.svg").code, 0);
   const auto chart = json("chart.json");
@@ -793,29 +349,6 @@ TEST_F(CommandTest, MapWritesNumbersAsPeopleDo) {
   EXPECT_NE(nominal.find(" 0              0\n"), std::string::npos) << nominal;
   const std::string table = run("map --points 2").out;
   EXPECT_NE(table.find("\n1e-05,1e-06,"), std::string::npos) << table;
-}
-
-TEST_F(CommandTest, EveryClockLawAndMethodRunsFromAScenario) {
-  put("laws.toml", "[clock]\nepsilon = 1e-4\nescapement = 'single-impulse'\nimpulse = 1.5e-6\n"
-                   "angle = 0.01\nquadratic_drag = 1e-4\ndry_friction = 1e-8\n"
-                   "[run]\nperiods = 50\n[length]\ndrift_per_day = 1e-5\n"
-                   "[drive]\nseries = 'mu.csv'\nsine = [{amplitude = 0.1, period = 20.0}]\n");
-  std::string series = "factor\n";
-  for (int i = 0; i < 50; ++i)
-    series += fmt::format("{}\n", 1.0 + 0.01 * i);
-  put("mu.csv", series);
-  EXPECT_EQ(run("simulate laws.toml -o a.csv").code, 0);
-  EXPECT_EQ(run("simulate laws.toml -o b.csv --set \"run.method='direct'\"").code, 0);
-  EXPECT_EQ(content(folder_ / "a.csv").substr(0, 200), content(folder_ / "b.csv").substr(0, 200));
-  EXPECT_EQ(run("simulate laws.toml -o c.csv --set \"run.method='averaged2'\"").code, 2);
-  put("profile.toml", "[clock]\nepsilon = 1e-4\nescapement = 'profile'\n"
-                      "rising = [[-0.02, 0], [0, 4e-5], [0.02, 0]]\n"
-                      "falling = [[-0.02, 0], [0, -4e-5], [0.02, 0]]\n[run]\nperiods = 20\n");
-  EXPECT_EQ(run("simulate profile.toml -o d.csv").code, 0);
-  put("mu.csv", "factor\n1.0\nx\n");
-  const Outcome bad = run("simulate laws.toml");
-  EXPECT_EQ(bad.code, 3);
-  EXPECT_NE(bad.err.find("mu.csv:3:1"), std::string::npos) << bad.err;
 }
 
 } // namespace

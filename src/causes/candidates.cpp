@@ -1,0 +1,173 @@
+#include "candidates.hpp"
+
+#include "step_search.hpp"
+
+#include "base/scaled_time.hpp"
+#include "goingrate/base/pulse.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace goingrate::timing_model {
+
+Cause cause_of(ChangeKind kind) {
+  return kind == ChangeKind::regulation ? Cause::length_step
+         : kind == ChangeKind::friction ? Cause::friction_step
+                                        : Cause::drive_step;
+}
+
+std::vector<Cause> same_course_as(ChangeKind kind) {
+  if (kind != ChangeKind::regulation) return {};
+  return {Cause::magnet, Cause::log_clock, Cause::unlogged_weather};
+}
+
+Candidate step_candidate(ChangeKind kind, double place, const Account& account,
+                         const RateBlocks& blocks) {
+  FittedStep found = StepSearch(account, blocks, place, 1.0).best(kind);
+  return {cause_of(kind),
+          std::move(found.courses),
+          same_course_as(kind),
+          blocks.length_s * found.place,
+          found.time_s,
+          true,
+          found.gain};
+}
+
+namespace {
+
+// Keeps the best of all causes that are considered.
+class CandidateSearch {
+public:
+  CandidateSearch(const DiagnosisInput& input, const RateBlocks& blocks, const Account& account,
+                  std::span<const Candidate> taken)
+      : input_(input), blocks_(blocks), account_(account), taken_(taken), make_(blocks) {}
+
+  [[nodiscard]] Candidate run() const {
+    Candidate best;
+    consider_weather(best);
+    const StepScan scan(account_, blocks_);
+    consider_steps(scan, best);
+    consider_visits(scan, best);
+    consider_drifts(best);
+    consider_settling(best);
+    return best;
+  }
+
+private:
+  void consider(Candidate candidate, Candidate& best) const {
+    candidate.gain = account_.gain_of(candidate.courses);
+    if (candidate.gain > best.gain) best = std::move(candidate);
+  }
+
+  void consider_weather(Candidate& best) const {
+    for (std::size_t k = 0; k < input_.data->terms.size(); ++k) {
+      const std::string& name = input_.data->terms[k].name;
+      const bool temperature = name == "temperature";
+      if (!temperature && name != "pressure") continue;
+      const auto& values = blocks_.values[k];
+      if (std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e-9; }))
+        continue;
+      consider({temperature ? Cause::temperature : Cause::pressure, {{values}, {}}}, best);
+    }
+    constexpr double day_s = seconds_per_day;
+    if (blocks_.length_s * static_cast<double>(blocks_.rate.size()) < 0.8 * day_s) return;
+    consider({Cause::unlogged_weather,
+              {{make_.wave(day_s, 0.0), make_.wave(day_s, 0.25 * two_pi)}, {}},
+              {Cause::log_clock}},
+             best);
+  }
+
+  // The places, in blocks, where a step would explain most, and those of dated changes.
+  [[nodiscard]] std::vector<double> places(const StepScan& scan) const {
+    constexpr std::size_t most_places = 3, blocks_apart = 4;
+    std::vector<double> places;
+    for (const std::size_t block : scan.best_steps(most_places, blocks_apart))
+      places.push_back(static_cast<double>(block));
+    for (const Change& change : input_.changes) {
+      const double place = change.at_s / blocks_.length_s;
+      if (place > 2.0 && place + 3.0 < static_cast<double>(blocks_.rate.size()))
+        places.push_back(place);
+    }
+    return places;
+  }
+
+  void consider_steps(const StepScan& scan, Candidate& best) const {
+    for (const double place : places(scan))
+      for (const ChangeKind kind :
+           {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction}) {
+        pulse();
+        Candidate step = step_candidate(kind, place, account_, blocks_);
+        if (step.gain > best.gain && !is_in_a_wake(step)) best = std::move(step);
+      }
+  }
+
+  // While a clock settles after a step, its rate is not exactly a sum of a few exponentials, and
+  // the residual of a large step resembles small steps.
+  [[nodiscard]] bool is_in_a_wake(const Candidate& step) const {
+    constexpr double settling_times = 5.0; // time constants
+    constexpr double least_share = 0.1;
+    return std::any_of(taken_.begin(), taken_.end(), [&](const Candidate& before) {
+      const double since_s = step.at_s - before.at_s;
+      return is_step(before.cause) && before.cause != Cause::length_step && since_s > 0.0 &&
+             since_s < settling_times * before.time_s && step.gain < least_share * before.gain;
+    });
+  }
+
+  // A temporary disturbance, which is rarer than a single change and so needs a greater gain.
+  void consider_visits(const StepScan& scan, Candidate& best) const {
+    const auto [from, to] = scan.best_visit();
+    const FittedVisit found = fitted_visit(account_, blocks_, from, to);
+    const double gain = account_.gain_of(found.courses) - believed;
+    if (gain <= best.gain) return;
+    best = {Cause::magnet,
+            found.courses,
+            {Cause::length_step, Cause::log_clock, Cause::unlogged_weather},
+            blocks_.length_s * found.from,
+            blocks_.length_s * found.to,
+            true,
+            gain};
+  }
+
+  // A ramp of the rate, with and without the amplitude following it.
+  void consider_drifts(Candidate& best) const {
+    const auto t = make_.power(1), t2 = make_.power(2);
+    const bool seen = account_.sees_amplitude();
+    for (const bool bent : {false, true}) {
+      std::vector<std::vector<double>> ramp{t};
+      if (bent) ramp.push_back(t2);
+      consider({seen ? Cause::length_drift : Cause::growing_friction,
+                {ramp, {}},
+                seen ? std::vector{Cause::log_clock, Cause::unlogged_weather}
+                     : std::vector{Cause::length_drift, Cause::log_clock, Cause::unlogged_weather}},
+               best);
+      if (seen) consider({Cause::growing_friction, {ramp, ramp}}, best);
+    }
+  }
+
+  // The settling of a clock that was started or wound before the log begins.
+  void consider_settling(Candidate& best) const {
+    const double length_s = blocks_.length_s * static_cast<double>(blocks_.rate.size());
+    for (double time_s = blocks_.length_s; time_s < 0.3 * length_s; time_s *= 2.0) {
+      const auto dying = make_.dying(0.0, time_s);
+      consider({.courses = {.rate = {dying}, .amplitude = {dying}, .times = 1},
+                .time_s = time_s,
+                .is_fault = false},
+               best);
+    }
+  }
+
+  const DiagnosisInput& input_;
+  const RateBlocks& blocks_;
+  const Account& account_;
+  std::span<const Candidate> taken_;
+  CourseMaker make_;
+};
+
+} // namespace
+
+Candidate best_candidate(const DiagnosisInput& input, const RateBlocks& blocks,
+                         const Account& account, std::span<const Candidate> taken) {
+  return CandidateSearch(input, blocks, account, taken).run();
+}
+
+} // namespace goingrate::timing_model

@@ -1,0 +1,70 @@
+#include "slope_jumps.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+double robust_scatter(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  for (double& v : values)
+    v = std::abs(v);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return 1.4826 * *middle; // sigma of a normal deviate about zero
+}
+
+// A smooth bend gives a small jump at every point. The jump predicted from the neighbours two
+// windows away (their mean or, near an end, the straight line or parabola through those on one
+// side) is subtracted where that makes the jump smaller. A sudden change, which its neighbours do
+// not predict, is left unchanged.
+double without_bend(const std::vector<double>& jump, std::size_t i, std::size_t window) {
+  const std::size_t reach = 2 * window;
+  const auto at = [&](std::ptrdiff_t k) {
+    const std::ptrdiff_t place =
+        static_cast<std::ptrdiff_t>(i) + k * static_cast<std::ptrdiff_t>(reach);
+    const auto w = static_cast<std::ptrdiff_t>(window);
+    const bool inside = place >= w && place + w < static_cast<std::ptrdiff_t>(jump.size());
+    return inside ? jump[static_cast<std::size_t>(place)]
+                  : std::numeric_limits<double>::quiet_NaN();
+  };
+  double least = jump[i];
+  const auto consider = [&](double foretold) {
+    const double left = jump[i] - foretold;
+    if (std::isnan(left)) return;
+    if (left * jump[i] <= 0.0)
+      least = 0.0;
+    else if (std::abs(left) < std::abs(least))
+      least = left;
+  };
+  consider(0.5 * (at(-1) + at(1)));
+  if (std::isnan(at(-1) + at(1))) {
+    for (const std::ptrdiff_t side : {-1, 1}) {
+      consider(2.0 * at(side) - at(2 * side));
+      consider(3.0 * at(side) - 3.0 * at(2 * side) + at(3 * side));
+    }
+  }
+  return least;
+}
+
+} // namespace
+
+Jumps slope_jumps(const Track& track, std::size_t window, double least_scatter) {
+  const Slopes slopes(track);
+  Jumps jumps;
+  jumps.jump.assign(track.time.size(), 0.0);
+  for (std::size_t i = window; i + window < track.time.size(); ++i)
+    jumps.jump[i] = slopes.slope(i, i + window) - slopes.slope(i - window, i);
+  const std::vector<double> plain = jumps.jump;
+  for (std::size_t i = window; i + window < plain.size(); ++i)
+    jumps.jump[i] = without_bend(plain, i, window);
+  jumps.scatter = robust_scatter({plain.begin() + static_cast<std::ptrdiff_t>(window),
+                                  plain.end() - static_cast<std::ptrdiff_t>(window)});
+  // Smaller changes are not reported; otherwise a log without noise would be full of them.
+  jumps.scatter = std::max(jumps.scatter, least_scatter);
+  return jumps;
+}
+
+} // namespace goingrate::timing_model

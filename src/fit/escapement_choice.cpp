@@ -1,0 +1,155 @@
+// Whether a log shows a drive, and which laws of it: a free pendulum, a torque or impulses, and
+// what changes at the dates found.
+#include "model_choice.hpp"
+
+#include "date_search.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <limits>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// Whether the amplitude rises anywhere, which it cannot without a drive.
+bool swing_grows(const TimingData& data, double noise_rad) {
+  constexpr std::size_t beats_a_mean = 16; // short enough not to average a rise away
+  // Even the largest of many rises in pure noise stays below this.
+  constexpr double least_rise_sigma = 8.0;
+  const double sigma = noise_rad / std::sqrt(static_cast<double>(beats_a_mean));
+  double least = std::numeric_limits<double>::infinity(), sum = 0.0;
+  std::size_t seen = 0;
+  for (const double amplitude : data.amplitude_rad) {
+    if (std::isnan(amplitude)) continue;
+    sum += amplitude;
+    if (++seen % beats_a_mean != 0) continue;
+    const double mean = sum / static_cast<double>(beats_a_mean);
+    if (mean > least + least_rise_sigma * sigma) return true;
+    least = std::min(least, mean);
+    sum = 0.0;
+  }
+  return false;
+}
+
+} // namespace
+
+bool ModelSearch::explains(const Fitted& fitted) const {
+  return fitted.minimum.usable && white(fitted) && is_as_small_as(guess_.jitter_s, fitted);
+}
+
+// A fit of a thinned log by the full equation of motion: effects that first order omits must not be
+// mistaken for a drive. The thinned log has enough beats to show an escapement.
+Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice& model,
+                                   TimingData& thin) const {
+  constexpr std::size_t thinned_beats = 1000;
+  thin = thinned(working_.data, make_parameters(options, working_.data, model), thinned_beats);
+  Fitted fitted = fit_from_scratch(thin, options, model, guess_);
+  FitOptions dated = options;
+  move_dates(fitted, dated);
+  fitted.minimum.usable = fitted.minimum.usable && refine(fitted, FitDynamics::map);
+  move_dates(fitted, dated);
+  return fitted;
+}
+
+// Whether the options mention a torque, so that a drive is taken as given.
+bool ModelSearch::is_told_of_torque() const {
+  const auto speaks = [](const std::string& name) { return name == "mu" || name == "phi0"; };
+  return std::any_of(options_.fixed.begin(), options_.fixed.end(),
+                     [&](const auto& fixed) { return speaks(fixed.first); }) ||
+         std::any_of(options_.priors.begin(), options_.priors.end(),
+                     [&](const Prior& prior) { return speaks(prior.name); });
+}
+
+// Alternative laws: other parameters that change at the dates found, or impulses instead of a
+// torque.
+std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEvent>& found) const {
+  std::vector<Laws> all;
+  FitOptions options = options_;
+  options.events = found; // the dates as found, not as moved by the first fit
+  for (std::size_t event = 0; event < found.size(); ++event)
+    for (const char* name : {"phi0", "epsilon", "mu", "T0"}) {
+      const bool of_drive = std::string_view(name) == "mu" || std::string_view(name) == "phi0";
+      if (!found[event].movable || (of_drive && best_.model.escapement == Escapement::none))
+        continue;
+      if (found[event].names == std::vector<std::string>{name}) continue;
+      all.push_back({options, best_.model});
+      all.back().options.events[event].names = {name};
+    }
+  if (options_.escapement || best_.model.escapement != Escapement::constant_torque ||
+      is_told_of_torque())
+    return all;
+  all.push_back({options, best_.model});
+  all.back().model.escapement = Escapement::single_impulse;
+  return all;
+}
+
+// If the simplest laws do not explain the log, takes the alternative that explains it best.
+void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
+  if (best_.model.walk || is_rounding(best_) || explains(best_)) return;
+  TimingData thin;
+  if (explains(roughly_fitted(options_, best_.model, thin))) return;
+  // Gain in L (odds of 20 to 1) that is needed to prefer impulses to a torque.
+  constexpr double impulse_handicap = 3.0;
+  std::optional<Laws> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (Laws& laws : other_laws(found)) {
+    const Fitted rough = roughly_fitted(laws.options, laws.model, thin);
+    const bool is_rarer = laws.model.escapement == Escapement::single_impulse;
+    const double value = rough.minimum.value + (is_rarer ? impulse_handicap : 0.0);
+    if (!explains(rough) || !(value < least)) continue;
+    least = value;
+    best = std::move(laws);
+  }
+  if (!best) return;
+  Fitted other = fit_from_scratch(working_.data, best->options, best->model, guess_);
+  if (!other.minimum.usable) return;
+  tried(best_, "does not explain the log, and the next does");
+  best_ = std::move(other);
+  options_ = std::move(best->options);
+  move_dates(best_, options_);
+}
+
+// A free pendulum is the simpler model. It is taken where it explains the log as well as a driven
+// clock does and the log determines its friction (a stationary log fits any model and determines
+// none). Changes that were noticed only in the log may be due to its decaying swing: where it
+// explains the log without them, they are dropped.
+bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
+  const auto is_noticed = [](const FitEvent& event) { return event.movable; };
+  if (options_.escapement || is_told_of_torque() ||
+      !std::all_of(options_.events.begin(), options_.events.end(), is_noticed))
+    return false;
+  if (swing_grows(all_, guess_.amplitude_rad)) return false;
+  FitOptions plain = options_;
+  plain.events.clear();
+  ModelChoice free = driven;
+  free.escapement = Escapement::none;
+  TimingData thin;
+  Fitted without = roughly_fitted(plain, free, thin);
+  if (!without.minimum.usable || !determines_friction(without)) return false;
+  if (!explains(without))
+    add_terms(without); // nonlinear friction may explain what looks like a drive
+  const std::string name =
+      fmt::format("no escapement, friction {} ({} beats)", without.model.friction(), thin.size());
+  chosen = without.model;
+  if (explains(without)) {
+    alternatives_.push_back({name, without.bic, "explains the log: no drive was looked for"});
+    options_ = std::move(plain);
+    return true;
+  }
+  if (!options_.events.empty()) return false;
+  TimingData thin_driven;
+  Fitted with = roughly_fitted(options_, driven, thin_driven);
+  if (with.minimum.usable && !explains(with)) add_terms(with); // gives both models the same chance
+  constexpr double least_bic_gain = 6.0; // odds of 20 to 1 needed to believe in a torque
+  const bool simpler = !with.minimum.usable || without.bic < with.bic + least_bic_gain;
+  alternatives_.push_back(
+      {name, without.bic,
+       simpler ? "explains the log with fewer parameters, or better" : "does not explain the log"});
+  if (with.minimum.usable)
+    alternatives_.push_back({fmt::format("constant-torque ({} beats)", thin.size()), with.bic,
+                             simpler ? "the drive is not needed" : "taken"});
+  return simpler;
+}
+
+} // namespace goingrate::timing_model

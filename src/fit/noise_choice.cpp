@@ -1,0 +1,96 @@
+// Which noise a log demands beside the jitter of its sensor: a drive that varies from beat to beat
+// or slowly, or times that walk.
+#include "model_choice.hpp"
+
+#include "fit/timing_noise.hpp"
+
+#include <algorithm>
+
+namespace goingrate::timing_model {
+
+void ModelSearch::choose_noise() {
+  const FitNoise wanted = options_.noise;
+  const bool automatic = wanted == FitNoise::automatic;
+  if (wanted == FitNoise::jitter || names(options_, "walk_rms")) return;
+  const FitDynamics dynamics = best_.dynamics;
+  const bool driven = best_.model.escapement != Escapement::none;
+  const auto fit_with = [&](ModelChoice model) {
+    Fitted other = fit_from(best_, options_, model);
+    if (other.minimum.usable) refine(other, dynamics);
+    return other;
+  };
+  ModelChoice model = best_.model;
+  if (automatic && model.drive) {
+    model.slow = true;
+    if (worth_trying(best_, options_, model))
+      take_if_better(fit_with(model), "the drive varies slowly too");
+    return;
+  }
+  if (automatic) {
+    const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
+    // Single amplitudes are noisy, but they show the drive directly.
+    const bool swing_wanders = !white_in_amplitude(best_);
+    if (!walks && !best_.model.walk && !swing_wanders) return;
+    model.walk = !best_.model.walk;
+    if (model.walk == walks)
+      take_if_better(fit_with(model), walks ? "the times walk" : "the times do not walk");
+    if (!(best_.model.walk || swing_wanders) || !driven) return;
+  }
+  if (!driven) return;
+  model = best_.model;
+  model.walk = false;
+  model.drive = true;
+  model.jitter = wanted != FitNoise::drive;
+  Fitted drive = fit_with(model);
+  if (!drive.minimum.usable) return;
+  model.slow = true;
+  // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
+  // after a search.
+  const bool asks_for_more = working_.data.has_amplitude() && !white(drive);
+  const bool slowly = wanted == FitNoise::slow ||
+                      (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
+                                     worth_trying(best_, options_, model)));
+  // A fit without slow drive may have ended far from the solution: both fits serve as starts.
+  Fitted slow = slowly ? fit_from_either(drive, best_, options_, model) : Fitted{};
+  if (slow.minimum.usable) refine(slow, dynamics);
+  if (!automatic) {
+    best_ = wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive);
+    return;
+  }
+  take_if_better(std::move(drive), "a drive that varies explains the walk");
+  take_if_better(std::move(slow), "the drive varies slowly too");
+}
+
+// The rms residual of times or of amplitudes, whichever is larger in units of the scatter of
+// neighbouring beats.
+double ModelSearch::straying(const Fitted& fitted) const {
+  const double late = rms(fitted.seen.late_s) / guess_.jitter_s;
+  const Slot* amplitude = fitted.problem.parameters.find(Quantity::amplitude_rms);
+  if (amplitude == nullptr) return late;
+  return std::max(late, amplitude->value(std::span<const double>(fitted.minimum.x)) /
+                            guess_.amplitude_rad);
+}
+
+// Whether a long log departs from the fit by far more than neighbouring beats scatter, and neither
+// the full equation of motion nor another friction law halves that. Such a departure is slow noise,
+// which differences of neighbouring beats do not show. A model without noise would have to follow
+// it by means of the clock parameters, so noise must be fitted first.
+bool ModelSearch::strays_by_noise() const {
+  constexpr std::size_t long_log_beats = 3000, thinned_beats = 1000;
+  constexpr double least_straying = 3.0, largest_share = 0.5;
+  if (working_.data.size() < long_log_beats || options_.noise == FitNoise::jitter) return false;
+  const double strays = straying(best_);
+  if (strays < least_straying) return false;
+  const TimingData thin = thinned(working_.data, best_.problem.parameters, thinned_beats);
+  const auto explains_most = [&](bool quadratic, bool dry) {
+    ModelChoice model = best_.model;
+    model.quadratic |= quadratic;
+    model.dry |= dry;
+    Fitted other = fit_from(best_, options_, model, &thin);
+    if (other.minimum.usable) refine(other, FitDynamics::map);
+    return other.minimum.usable && straying(other) < largest_share * strays;
+  };
+  return !explains_most(false, false) && !explains_most(true, false) && !explains_most(false, true);
+}
+
+} // namespace goingrate::timing_model

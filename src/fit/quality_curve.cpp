@@ -1,0 +1,175 @@
+#include "quality_curve.hpp"
+
+#include "goingrate/dynamics/swing_loss.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+// A sum of the coordinates and what the log says of it.
+class KnownSum {
+public:
+  KnownSum(const Fitted& all, const FrictionCone& cone, Eigen::VectorXd weights)
+      : all_(all), cone_(cone), h_(std::move(weights)) {
+    const Eigen::VectorXd wide = all.known.factor.transpose() * h_;
+    const Eigen::VectorXd narrow = all.known.unwidened.transpose() * h_;
+    widening_ = wide.norm() / narrow.norm();
+    sigma_ = wide.norm();
+  }
+
+  [[nodiscard]] double best() const { return h_.dot(cone_.likeliest()); }
+  /// Ends at z sigma, by the parabola.
+  [[nodiscard]] std::array<double, 2> interval(double z) const { return cone_.interval(h_, z); }
+  /// The same by searches with the sum held, from the ends of the parabola.
+  [[nodiscard]] std::array<double, 2> searched(double z) const {
+    std::array<double, 2> ends = interval(z);
+    const double reach = cone_.reach(h_, z);
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}})
+      ends[side] = searched_end(reach, ends[side], side == 0 ? -1.0 : 1.0);
+    return ends;
+  }
+
+  /// Whether L rises as the parabola says where what the dynamics add is found at its ends: along a
+  /// ridge that bends first order may see a minimum where the full equation has none.
+  [[nodiscard]] bool holds_by_dynamics() const {
+    constexpr double least = 0.1, most = 2.0; // of L, for 0.5 that the parabola has at a sigma
+    for (const double v : interval(1.0)) {
+      if (!std::isfinite(v)) continue;
+      FitProblem problem = all_.problem;
+      const Eigen::VectorXd there = cone_.likeliest_at(h_, v);
+      const std::span place(there.data(), all_.minimum.x.size());
+      if (!correct(problem, all_.dynamics, place)) return false;
+      const auto value = minus_log_likelihood(problem, place);
+      if (!value) return false;
+      const double rise = (*value - all_.minimum.value) / (widening_ * widening_);
+      if (!(rise > least && rise < most)) return false;
+    }
+    return true;
+  }
+
+private:
+  // The root of the fall of 2 log L, in sigmas, with the sum held at v: each step goes to the
+  // lowest place of the parabola about the last, or half as far where L does not fall. Nothing
+  // where the model does not hold.
+  [[nodiscard]] std::optional<double> root_at(double v) const {
+    constexpr int most_steps = 12;
+    constexpr double enough = 5e-3; // of L, where half or two are looked for
+    Eigen::VectorXd x = cone_.likeliest_at(h_, v);
+    const auto place = [&](const Eigen::VectorXd& at) {
+      return std::span(at.data(), all_.minimum.x.size());
+    };
+    auto value = minus_log_likelihood(all_.problem, place(x));
+    for (int step = 0; value && step < most_steps; ++step) {
+      const auto here = evaluate(all_.problem, place(x));
+      if (!here) return {};
+      const Eigen::VectorXd towards = cone_about(all_, x, *here).likeliest_at(h_, v);
+      double part = 1.0;
+      Eigen::VectorXd there = towards;
+      auto next = minus_log_likelihood(all_.problem, place(there));
+      while (!(next && *next < *value) && part > 0.05) {
+        part *= 0.5;
+        there = x + part * (towards - x);
+        next = minus_log_likelihood(all_.problem, place(there));
+      }
+      if (!(next && *next < *value)) break;
+      const bool done = *value - *next < enough;
+      x = there;
+      value = next;
+      if (done) break;
+    }
+    if (!value) return {};
+    return std::sqrt(2.0 * std::max(0.0, *value - all_.minimum.value)) / widening_;
+  }
+
+  // The root goes nearly straight from 0 at the best: by false position from the parabola's end.
+  [[nodiscard]] double searched_end(double z, double end, double side) const {
+    constexpr double close = 0.05, farthest = 4.0; // of z; of the parabola's distance
+    const double from = best();
+    double v = std::isfinite(end) ? end : from + side * z * sigma_;
+    double inside = from, root_inside = 0.0;
+    std::optional<double> outside, root_outside;
+    for (int round = 0; round < 8; ++round) {
+      const auto root = root_at(v);
+      if (root && std::abs(*root - z) < close * z) return v;
+      if (root && *root < z) {
+        inside = v;
+        root_inside = *root;
+      } else {
+        outside = v;
+        root_outside = root;
+      }
+      double next = 0.5 * (inside + outside.value_or(inside));
+      if (outside && root_outside)
+        next = inside + (*outside - inside) * (z - root_inside) / (*root_outside - root_inside);
+      else if (!outside)
+        next = from + (inside - from) * std::min(2.0, z / std::max(0.3 * z, root_inside));
+      if (std::abs(next - from) > farthest * z * sigma_) return side * infinite;
+      v = next;
+    }
+    return outside && root_outside ? v : side * infinite;
+  }
+
+  const Fitted& all_;
+  const FrictionCone& cone_;
+  Eigen::VectorXd h_;
+  double widening_ = 1.0, sigma_ = 0.0;
+};
+
+// From 1/Q, with its intervals, to `factor` Q.
+DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
+                       const std::array<double, 2>& in95, double factor) {
+  const auto of = [&](double end) { return end > 0.0 ? factor / end : infinite; };
+  DecayEstimate q{of(inverse), 0.0, of(in68[1]), of(in68[0]), of(in95[1]), of(in95[0])};
+  q.sigma = 0.5 * (q.high68 - q.low68);
+  return q.sigma <= largest_relative_sigma * q.value ? q : nothing_known();
+}
+
+constexpr double z95 = 1.959964;
+
+bool is_straight(const std::array<double, 2>& in68, double best) {
+  constexpr double surely = 0.02; // relative sigma: no bend of the ridge shows
+  return in68[1] - in68[0] < 2.0 * surely * best;
+}
+
+} // namespace
+
+DecayEstimate nothing_known() { return {unknown, unknown, unknown, unknown, unknown, unknown}; }
+
+QualityCurve::Loss QualityCurve::loss_at(double amplitude) const {
+  const auto share = inverse_q_per_friction(amplitude);
+  Loss loss{Eigen::VectorXd::Zero(cone_.likeliest().size())};
+  for (std::size_t term = 0; term < friction_terms.size(); ++term) {
+    const Slot* slot = all_.problem.parameters.find(friction_terms[term]);
+    if (slot->free)
+      loss.weights[static_cast<Eigen::Index>(slot->index)] = share[term] * slot->scale;
+    else
+      loss.held += share[term] * slot->fixed_value;
+  }
+  return loss;
+}
+
+bool QualityCurve::holds_by_dynamics(double amplitude) const {
+  if (all_.dynamics == FitDynamics::averaged1) return true;
+  return KnownSum(all_, cone_, loss_at(amplitude).weights).holds_by_dynamics();
+}
+
+DecayEstimate QualityCurve::at(double amplitude, double factor) const {
+  const auto [h, held] = loss_at(amplitude);
+  const KnownSum sum(all_, cone_, h);
+  auto in68 = sum.interval(1.0), in95 = sum.interval(z95);
+  if (!is_straight(in68, sum.best())) {
+    in68 = sum.searched(1.0);
+    in95 = sum.searched(z95);
+  }
+  for (double* end : {&in68[0], &in68[1], &in95[0], &in95[1]})
+    *end += held;
+  return estimate(sum.best() + held, in68, in95, factor);
+}
+
+} // namespace goingrate::timing_model

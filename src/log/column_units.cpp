@@ -1,0 +1,187 @@
+// Units of a log's times and angles, and what its times are: in which order, from a counter that
+// wraps, or no measurements at all.
+#include "detection.hpp"
+
+#include "column_names.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+// The coarsest unit in which no value exceeds the time at which the counter wraps.
+std::optional<TimeUnit> unit_within(double wrap_s, const ColumnSample& sample) {
+  for (const TimeUnit& unit : {in_seconds, in_milliseconds, in_microseconds, in_nanoseconds})
+    if (sample.most * unit.seconds * std::pow(10.0, unit.power) <= wrap_s) return unit;
+  return {};
+}
+
+} // namespace
+
+std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
+  if (step >= 0.01 && step < 100.0) return in_seconds;
+  if (step >= 100.0 && step < 2e4) return in_milliseconds;
+  if (step >= 2e4 && step < 5e7) return in_microseconds;
+  if (step >= 5e7 && step < 1e11) return in_nanoseconds;
+  constexpr double mjd_1900 = 15000.0, mjd_2100 = 90000.0;
+  if (sample.least > mjd_1900 && sample.most < mjd_2100 && step > 0.02 / 86400.0 && step < 1e-3)
+    return in_days;
+  return {};
+}
+
+void Detection::settle_times() {
+  const auto at = layout_.find(ColumnRole::time);
+  if (at) {
+    const ColumnSample& sample = samples_[*at];
+    layout_.date_begins_run = layout_.find(ColumnRole::date) && is_number(*at);
+    layout_.calendar = is_calendar(*at) || (layout_.find(ColumnRole::date) && !is_number(*at));
+    const bool date = sample.has_date || layout_.find(ColumnRole::date);
+    if (layout_.calendar && !date) layout_.wrap_s = 86400.0;
+    if (options_.wrap_s) layout_.wrap_s = options_.wrap_s;
+    refuse_fast_counter(sample);
+    layout_.newest_first = sample.falling > 0.7 && sample.falling > sample.rising;
+    if (layout_.newest_first) {
+      assume("the newest line is first; the log is turned round");
+    }
+    if (!layout_.calendar) settle_unit(layout_.columns[*at], sample);
+  }
+  for (const ColumnRole role : {ColumnRole::period, ColumnRole::half_period})
+    if (const auto column = layout_.find(role)) {
+      ColumnSample sample = samples_[*column];
+      sample.typical_step = sample.median;
+      settle_unit(layout_.columns[*column], sample);
+    }
+  if (layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency))
+    if (!options_.tau0_s && !options_.nominal_period_s) settle_tau0();
+  settle_angle_unit();
+  if (at && layout_.find(ColumnRole::clock_error)) {
+    const TimeUnit& unit = layout_.columns[*at].unit;
+    const double step = samples_[*at].typical_step * unit.seconds * std::pow(10.0, unit.power);
+    const bool label = layout_.format == LogFormat::clock_error || std::fmod(step, 0.25) == 0.0;
+    if (label && step > 0.0 && step < 1e9) layout_.label_step_s = step;
+  }
+  if (at) refuse_what_was_not_measured(*at);
+  if (layout_.format != LogFormat::angle) return;
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    if (layout_.columns[i].role == ColumnRole::ignored && samples_[i].smooth &&
+        samples_[i].crossings >= 3)
+      layout_.swinging = i;
+}
+
+// Refuses whole numbers that wrap every few lines, just below the capacity of a counter: they do
+// not show how often the counter wrapped between two lines.
+void Detection::refuse_fast_counter(const ColumnSample& sample) const {
+  if (options_.wrap_s || options_.unit || !sample.whole || !(sample.least >= 0.0)) return;
+  constexpr double least_wrap_share = 0.05, // of the lines
+      filled_share = 0.9;                   // of what the counter holds
+  if (std::min(sample.rising, sample.falling) < least_wrap_share) return;
+  for (const double holds : {65536.0, 1e6, 1048576.0, 16777216.0}) {
+    if (!(sample.most < holds && sample.most > filled_share * holds)) continue;
+    const HeadLine& first = head_.rows.front();
+    throw ImpossibleReading(
+        {log_.source, first.number, 1},
+        fmt::format("whole numbers up to {:.0f} that begin again every few lines", sample.most),
+        "times that rise for some beats at least",
+        {{.words = "they are microseconds, and begin again more than once a beat of 2 s",
+          .nominal_period_s = 2.0,
+          .wrap_s = holds * 1e-6,
+          .unit = "us"},
+         {.words = "they are milliseconds", .wrap_s = holds * 1e-3, .unit = "ms"}});
+  }
+}
+
+// Refuses whole numbers at exactly equal steps where another column is monotonic or holds counts.
+// Measured beats are never so even: such numbers are labels or a count of the lines.
+void Detection::refuse_what_was_not_measured(std::size_t time) const {
+  const ColumnSample& sample = samples_[time];
+  constexpr std::size_t fewest_lines = 20;
+  if (!sample.whole || !sample.even || sample.numbers < fewest_lines || !options_.columns.empty() ||
+      options_.format || !head_.names.empty() || layout_.find(ColumnRole::clock_error))
+    return;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const ColumnSample& other = samples_[i];
+    const bool one_way = std::max(other.rising, other.falling) > 0.9;
+    const bool counts = other.whole && other.most > 1000.0 && other.typical_step > 100.0;
+    if (i == time || !is_number(i) || !(one_way || counts)) continue;
+    const HeadLine& first = head_.rows.front();
+    const auto column = [](std::string_view role, std::size_t place) {
+      return fmt::format("{}={}", role, place + 1);
+    };
+    throw ImpossibleReading(
+        {log_.source, first.number, 1},
+        fmt::format("whole numbers exactly {} apart for times", sample.typical_step),
+        "times that were measured",
+        {{.words = fmt::format("column {} is the clock's error at each label", i + 1),
+          .columns = {column("time", time), column("error", i)}},
+         {.words = fmt::format("column {} holds the times", i + 1),
+          .columns = {column("time", i)}}});
+  }
+}
+
+void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
+  const auto index = static_cast<std::size_t>(&column - layout_.columns.data());
+  const bool by_user =
+      std::any_of(options_.columns.begin(), options_.columns.end(), [&](const std::string& word) {
+        return word.starts_with(fmt::format("{}=", name_of(column.role))) &&
+               word.find(':') != std::string::npos;
+      });
+  if (options_.unit) {
+    column.unit = *options_.unit;
+    return;
+  }
+  if (by_user || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
+    return;
+  const auto likely = options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
+                          ? unit_within(*options_.wrap_s, sample)
+                          : unit_for_step(sample.typical_step, sample);
+  const bool stated = index < stated_unit_.size() && stated_unit_[index];
+  if (!likely || *likely == column.unit) return;
+  const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
+  const double step_s = sample.typical_step * own;
+  if (stated && step_s > 0.01 && step_s < 4000.0) return; // unusual but possible
+  assume(stated
+             ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken",
+                           name_of(column.unit), step_s, name_of(*likely))
+             : fmt::format("times are in {}", *likely == in_days ? std::string_view("days, as MJD")
+                                                                 : name_of(*likely)),
+         Setting::unit);
+  column.unit = *likely;
+}
+
+// The spacing of phase or frequency values: the step of a time column, or else 1 s.
+void Detection::settle_tau0() {
+  const bool timed = head_.columns >= 2 && is_number(0) && samples_[0].rising > 0.9;
+  const auto unit = timed ? unit_for_step(samples_[0].typical_step, samples_[0]) : std::nullopt;
+  const bool second =
+      layout_.find(ColumnRole::phase) != 0 && layout_.find(ColumnRole::frequency) != 0;
+  if (unit && second) {
+    layout_.tau0_s = samples_[0].typical_step * unit->seconds * std::pow(10.0, unit->power);
+    assume(fmt::format("one value every {:.6g} s, the step of the first column", layout_.tau0_s),
+           Setting::tau0);
+  } else {
+    assume("one value a second", Setting::tau0);
+    if (!options_.format && layout_.find(ColumnRole::phase))
+      assume("the values are the clock's error, neither periods nor frequencies", Setting::format);
+  }
+}
+
+void Detection::settle_angle_unit() {
+  const auto at = layout_.find(ColumnRole::angle);
+  if (!at) return;
+  const bool stated = *at < stated_unit_.size() && stated_unit_[*at];
+  const double half = 0.5 * (samples_[*at].most - samples_[*at].least);
+  if (stated || layout_.columns[*at].scale != 1.0) return;
+  if (half > 3.2) { // radians: more than half a turn
+    (void)set_unit(layout_.columns[*at], "deg");
+    assume("angles are in degrees", Setting::columns, "angle=N:rad");
+  } else {
+    assume("angles are in rad", Setting::columns, "angle=N:deg");
+  }
+}
+
+} // namespace goingrate
