@@ -14,6 +14,7 @@
 #include "goingrate/base/pulse.hpp"
 #include "goingrate/base/random.hpp"
 #include "goingrate/base/sums.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/causes/covariates.hpp"
 #include "goingrate/causes/diagnosis.hpp"
 #include "goingrate/causes/diary.hpp"

@@ -13,6 +13,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <optional>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
@@ -53,6 +54,14 @@ public:
       taken_ = false;
     else
       ::close(file_);
+  }
+
+  // Whether it is the null device.
+  [[nodiscard]] bool discards() const {
+    struct stat status {
+    }, null{};
+    return ::fstat(file_, &status) == 0 && S_ISCHR(status.st_mode) &&
+           ::stat("/dev/null", &null) == 0 && status.st_rdev == null.st_rdev;
   }
 
   void write(std::string_view text) {
@@ -108,8 +117,7 @@ struct StreamedFile::Target {
   std::optional<Stream> stream;
 };
 
-StreamedFile::StreamedFile(const std::string& path)
-    : path_(path), target_(std::make_unique<Target>()) {
+StreamedFile::StreamedFile(const std::string& path) : target_(std::make_unique<Target>()) {
   if (path.empty()) return;
   if (is_standard_output(path) || is_special_file(path))
     target_->stream.emplace(path);
@@ -120,16 +128,26 @@ StreamedFile::StreamedFile(const std::string& path)
 StreamedFile::StreamedFile(StreamedFile&&) noexcept = default;
 StreamedFile::~StreamedFile() = default;
 
+bool StreamedFile::wanted() const {
+  return target_->draft || (target_->stream && !target_->stream->discards());
+}
+
 bool StreamedFile::is_stream() const { return target_->stream.has_value(); }
 
 void StreamedFile::write(std::string_view text) {
   flush();
+  put(text);
+}
+
+void StreamedFile::put(std::string_view text) {
   if (target_->draft) target_->draft->write(text);
   if (target_->stream) target_->stream->write(text);
 }
 
+// Keeps the memory for what comes next.
 void StreamedFile::flush() {
-  if (!text_.empty()) write(std::exchange(text_, {}));
+  if (!text_.empty()) put(text_);
+  text_.clear();
 }
 
 void StreamedFile::flush_if_large() {

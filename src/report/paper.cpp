@@ -4,12 +4,12 @@
 
 #include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "json_parts.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -187,11 +187,11 @@ void add_long_run(const NoisyRun& noisy, std::vector<PaperNumber>& numbers) {
 
 double ns_per_period(Scenario scenario) {
   ClockRun run(scenario, 1);
-  const auto begin = std::chrono::steady_clock::now();
-  while (run.next()) {
-  }
-  const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
-  return took.count() / static_cast<double>(*scenario.periods);
+  const double seconds = thread_seconds([&] {
+    while (run.next()) {
+    }
+  });
+  return 1e9 * seconds / static_cast<double>(*scenario.periods);
 }
 
 void add_times(std::vector<PaperNumber>& numbers) {

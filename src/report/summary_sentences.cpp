@@ -152,9 +152,14 @@ std::string Sentences::interruption(const Interruption& event) const {
 std::string Sentences::changes() const {
   if (changes_.empty()) return {};
   const Change& first = *changes_.front();
-  if (changes_.size() == 1 && data_.stretches.size() == 2 && data_.rate.nominal_is_known) {
+  if (changes_.size() == 1 && data_.stretches.size() == 2) {
     const RateSummary& before = data_.stretches[0].rate;
     const RateSummary& after = data_.stretches[1].rate;
+    if (!data_.rate.nominal_is_known)
+      return fmt::format(
+          "Its rate changed {}, by {}", words_.moment(first.at_s),
+          words_.rate(after.rate_excess - before.rate_excess,
+                      std::hypot(before.rate_excess_sigma, after.rate_excess_sigma)));
     return fmt::format("Its rate changed {}, from {} before to {} after", words_.moment(first.at_s),
                        words_.rate(before.rate_excess, before.rate_excess_sigma),
                        words_.rate(after.rate_excess, after.rate_excess_sigma));

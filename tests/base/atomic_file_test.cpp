@@ -190,6 +190,27 @@ TEST_F(AtomicFileTest, ADeviceIsWrittenToAndNotReplaced) {
   EXPECT_FALSE(fs::is_regular_file("/dev/null"));
 }
 
+TEST_F(AtomicFileTest, NothingIsWantedForTheNullDevice) {
+  EXPECT_FALSE(StreamedFile("/dev/null").wanted());
+  EXPECT_FALSE(StreamedFile("").wanted());
+  EXPECT_TRUE(StreamedFile(folder_ / "a.csv").wanted());
+}
+
+TEST_F(AtomicFileTest, PiecesArriveInOrder) {
+  StreamedFile file(folder_ / "pieces");
+  std::string all;
+  for (int i = 0; i < 40000; ++i) { // several times what is kept in memory
+    const std::string piece = std::to_string(i) + '\n';
+    file.text() += piece;
+    all += piece;
+    file.flush_if_large();
+    if (i % 10007 == 0) file.write("whole\n");
+    if (i % 10007 == 0) all += "whole\n";
+  }
+  commit_all({&file});
+  EXPECT_EQ(content(folder_ / "pieces"), all);
+}
+
 TEST_F(AtomicFileTest, AFullDeviceIsAnOutputError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
   EXPECT_THROW(write_whole_file("/dev/full", "x"), OutputError);

@@ -113,6 +113,17 @@ TEST(SummaryTest, AChangeHasItsRatesBeforeAndAfter) {
   EXPECT_NE(text.find("drives the pendulum changed then"), std::string::npos) << text;
 }
 
+TEST(SummaryTest, WithoutANominalPeriodAChangeHasItsSize) {
+  Analysis data = with_one_change(ChangeKind::drive);
+  data.rate.nominal_is_known = false;
+  data.stretches[0].rate.rate_excess = -1e-5;
+  data.stretches[1].rate.rate_excess = 1e-5;
+  data.stretches[0].rate.rate_excess_sigma = 3e-7;
+  data.stretches[1].rate.rate_excess_sigma = 4e-7;
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find(", by +1.728 ± 0.043 s/day;"), std::string::npos) << text; // 86400 times
+}
+
 TEST(SummaryTest, TimesThatAreDatesAreToldAsSuch) {
   const Analysis data = with_one_change(ChangeKind::drive); // from 2013-03-31 23:59 or so on
   const std::string text = all_of(report_sentences(data));

@@ -5,6 +5,7 @@
 #include "fit/fit_starts.hpp"
 #include "fit/inference.hpp"
 #include "fit/search.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/log/reading.hpp"
 #include "support/fit_scenes.hpp"
 
@@ -26,10 +27,7 @@ Timed timed(const TimingData& data, const FitOptions& options, int repeats) {
   Timed result;
   std::vector<double> times;
   for (int i = 0; i < repeats; ++i) {
-    const auto begin = std::chrono::steady_clock::now();
-    result.fit = fit_clock(data, 2.0, options);
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
-    times.push_back(time.count());
+    times.push_back(1e3 * thread_seconds([&] { result.fit = fit_clock(data, 2.0, options); }));
   }
   std::sort(times.begin(), times.end());
   result.ms = times[times.size() / 2];
@@ -98,7 +96,7 @@ void solver_alone(const std::string& path) {
       timing_data(number_beats(read_log(read_text(path), path)).longest_segment());
   std::vector<double> times;
   for (int i = 0; i < 25; ++i) {
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = ThreadClock::now();
     FitProblem problem = make_problem(data, scene.options, ModelChoice{});
     std::vector<double> x(problem.parameters.free_count, 0.0);
     for (const Slot& slot : problem.parameters.slots)
@@ -112,7 +110,7 @@ void solver_alone(const std::string& path) {
     const Minimum minimum = minimise(problem, x, {100, 1e-4, 1e4});
     const auto at = evaluate(problem, minimum.x);
     const Certainty known = certainty(problem, *at, {});
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
+    const std::chrono::duration<double, std::milli> time = ThreadClock::now() - begin;
     times.push_back(time.count());
     if (i == 0)
       std::printf("epsilon %.10e +- %.2e\n", std::exp(minimum.x[0]),

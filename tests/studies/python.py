@@ -29,16 +29,16 @@ def microseconds(call, least_s=0.5):
     count, took = 1, 0.0
     while took < least_s / 10:
         count *= 2
-        begin = time.perf_counter()
+        begin = time.process_time()
         for _ in range(count):
             call()
-        took = time.perf_counter() - begin
+        took = time.process_time() - begin
     rounds = []
     for _ in range(10):
-        begin = time.perf_counter()
+        begin = time.process_time()
         for _ in range(count):
             call()
-        rounds.append((time.perf_counter() - begin) / count)
+        rounds.append((time.process_time() - begin) / count)
     return 1e6 * min(rounds)
 
 

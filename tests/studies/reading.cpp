@@ -1,10 +1,10 @@
 // Reads and numbers a year of a seconds pendulum: speed and memory.
 #include "goingrate/log/reading.hpp"
 #include "goingrate/base/random.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/log/beats.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -16,12 +16,6 @@
 namespace {
 
 using namespace goingrate;
-
-double seconds_of(const auto& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 // Unix seconds with 12 decimals, one a line: a period of 2.0001 s and 10 us of jitter.
 void write_year(const char* path, std::int64_t beats) {
@@ -62,10 +56,10 @@ int main(int argc, char** argv) {
   for (int run = 0; run < runs; ++run) {
     ClockLog log;
     Beats beats;
-    reading.push_back(seconds_of([&] { log = read_log_file(argv[2]); }));
+    reading.push_back(thread_seconds([&] { log = read_log_file(argv[2]); }));
     events = log.events.size();
     numbering.push_back(
-        seconds_of([&] { beats = number_beats(std::move(log.events), log.source); }));
+        thread_seconds([&] { beats = number_beats(std::move(log.events), log.source); }));
     if (beats.spurious != 0 || beats.missed != 0 || beats.segments != 1) return 1;
   }
   rusage use{};

@@ -12,8 +12,8 @@ build/bench/study_reading write "$log" 15800000
 build/bench/study_reading read "$log"
 /usr/bin/python3 - "$log" << 'PYTHON'
 import sys, time, numpy
-begin = time.time()
+begin = time.process_time()
 times = numpy.loadtxt(sys.argv[1])
-took = time.time() - begin
+took = time.process_time() - begin
 print(f"numpy.loadtxt (numpy {numpy.__version__}) {took:.2f} s, {len(times)} numbers of 0.24 us resolution")
 PYTHON

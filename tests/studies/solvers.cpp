@@ -2,13 +2,13 @@
 // throughput, and the worst case of the automatic choice over a fine grid. Prints a table.
 #include "base/scaled_time.hpp"
 #include "goingrate/base/random.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/ensemble.hpp"
 #include "goingrate/dynamics/map.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -21,16 +21,10 @@ using namespace goingrate;
 const ClockParameters clock_c{two_pi, 1.167245e-4, 1.5e-5, 0.03};
 const FactorRange noisy{1.0 - 7 * 0.3, 1.0 + 7 * 0.3};
 
-double seconds_for(const auto& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
 double median_of_5(const auto& work) {
   std::array<double, 5> times;
   for (double& time : times)
-    time = seconds_for(work);
+    time = thread_seconds(work);
   std::nth_element(times.begin(), times.begin() + 2, times.end());
   return times[2];
 }
@@ -103,7 +97,7 @@ void ten_years() {
   for (const Method method : {Method::map, Method::averaged2}) {
     scenario.method.method = method;
     std::int64_t periods = 0;
-    const double time = seconds_for([&] {
+    const double time = thread_seconds([&] {
       ClockRun run(scenario, 1);
       while (run.next())
         ++periods;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "goingrate/base/random.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/spectra/stability.hpp"
 #include "support/published_tables.hpp"
 
@@ -45,10 +46,8 @@ double median_seconds(Kind kind, const std::vector<double>& phase, const Deviati
   constexpr double enough = 0.3; // s in all; short runs scatter most
   for (double spent = 0.0; seconds.size() < 3 || (spent < enough && seconds.size() < 51);
        spent += seconds.back()) {
-    const auto begin = std::chrono::steady_clock::now();
-    table = stability_table(kind, phase, 1.0, factors, options);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    seconds.push_back(took.count());
+    seconds.push_back(
+        thread_seconds([&] { table = stability_table(kind, phase, 1.0, factors, options); }));
   }
   std::sort(seconds.begin(), seconds.end());
   return seconds[seconds.size() / 2];

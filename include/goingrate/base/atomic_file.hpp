@@ -53,8 +53,8 @@ public:
   [[nodiscard]] bool is_stream() const;
   /// Writes what is in text(), then this.
   void write(std::string_view text);
-  /// Whether there is anything to write, that is, a path.
-  [[nodiscard]] bool wanted() const { return !path_.empty(); }
+  /// Whether what is written gets anywhere: false without a path, and for the null device.
+  [[nodiscard]] bool wanted() const;
   /// Text to append to; hand it over with flush_if_large() now and then.
   [[nodiscard]] std::string& text() { return text_; }
   /// Writes text() and empties it, once it has grown large enough.
@@ -64,9 +64,9 @@ public:
 
 private:
   friend void commit_all(const std::vector<StreamedFile*>& files);
+  void put(std::string_view text);
   void flush();
   struct Target;
-  std::string path_;
   std::string text_;
   std::unique_ptr<Target> target_;
 };

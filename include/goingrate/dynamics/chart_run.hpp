@@ -2,6 +2,7 @@
 #pragma once
 
 #include "goingrate/base/sums.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/dynamics/chart.hpp"
 #include "goingrate/dynamics/period_step.hpp"
 
@@ -10,7 +11,7 @@
 namespace goingrate {
 
 template <class Make> ChartRun run_scene(const ChartScene& scene, Make make) {
-  using Clock = std::chrono::steady_clock;
+  using Clock = ThreadClock;
   const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
   ChartRun run;
   run.lateness.resize(scene.factors.size());
