@@ -2,10 +2,12 @@
 #include "help.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iterator>
 #include <sstream>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -13,11 +15,34 @@ namespace goingrate::apps {
 
 namespace {
 
+// Names of roff for the characters beyond ASCII that the help texts have: not every roff reads
+// UTF-8.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> roff_names{{
+    {"ε", "\\(*e"},
+    {"λ", "\\(*l"},
+    {"μ", "\\(*m"},
+    {"σ", "\\(*s"},
+    {"τ", "\\(*t"},
+    {"φ", "\\(*f"},
+    {"ψ", "\\(*q"},
+    {"√", "\\(sr"},
+}};
+
 // Text as roff takes it: no escape, no hyphen for a minus, no line that is a request.
 std::string roff(std::string_view text) {
   std::string result;
   bool begins = true;
-  for (const char c : text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const auto named = std::find_if(roff_names.begin(), roff_names.end(), [&](const auto& name) {
+      return text.substr(i).starts_with(name.first);
+    });
+    if (named != roff_names.end()) {
+      result += named->second;
+      i += named->first.size() - 1;
+      begins = false;
+      continue;
+    }
     if (begins && (c == '.' || c == '\'')) result += "\\&";
     if (c == '\\')
       result += "\\e";

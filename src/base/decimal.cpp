@@ -1,12 +1,11 @@
 #include "base/decimal.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <fmt/format.h>
-#include <iterator>
 #include <optional>
 
 namespace goingrate {
@@ -24,15 +23,6 @@ constexpr std::array<double, last_exact_power + 1> powers_of_ten = [] {
     power *= 10.0;
   }
   return powers;
-}();
-
-constexpr std::array<char, 200> digit_pairs = [] {
-  std::array<char, 200> pairs{};
-  for (std::size_t i = 0; i < 100; ++i) {
-    pairs[2 * i] = static_cast<char>('0' + i / 10);
-    pairs[2 * i + 1] = static_cast<char>('0' + i % 10);
-  }
-  return pairs;
 }();
 
 // size * 10^power rounded to the nearest whole number, from a tie to the even one, as if the
@@ -57,8 +47,8 @@ struct Significant {
 
 // Rounded to `count` digits; nothing where that takes more than scaled() can do.
 std::optional<Significant> significant(double size, int count) {
-  if (size == 0.0) return Significant{0, 0};
   if (count > most_digits) return {};
+  if (size == 0.0) return Significant{0, 0};
   const int binary_exponent = static_cast<int>(std::bit_cast<std::uint64_t>(size) >> 52) - 1023;
   // The floor of binary_exponent * log10(2): the decimal exponent, or one less.
   for (int exponent = (binary_exponent * 78913) >> 18;; ++exponent) {
@@ -66,117 +56,159 @@ std::optional<Significant> significant(double size, int count) {
     if (power < 0 || power > last_exact_power) return {};
     const auto digits = scaled(size, power);
     if (!digits) return {};
-    if (static_cast<double>(*digits) < powers_of_ten[static_cast<std::size_t>(count)])
+    if (*digits < whole_powers_of_ten[static_cast<std::size_t>(count)])
       return Significant{*digits, exponent};
   }
 }
 
-// A number being written, from its last character to its first.
-class Reversed {
+int digits_of(std::uint64_t value) {
+  const int power = static_cast<int>(std::bit_width(value | 1)) * 1233 >> 12; // log10(2) is nearly 1233 / 4096
+  return power + ((value | 1) < whole_powers_of_ten[static_cast<std::size_t>(power)] ? 0 : 1);
+}
+
+// ---- characters, sixteen at a time in a register, the first lowest
+
+__extension__ typedef unsigned __int128 Characters;
+
+// Up to eight digits, zeros in front: split into halves of four digits, of two, of one, each time
+// by one multiplication for all.
+std::uint64_t text_of_eight(std::uint64_t value) {
+  const std::uint64_t fours = value / 10000 | value % 10000 << 32;
+  const std::uint64_t hundreds = fours * 10486 >> 20 & 0x0000007f0000007f;
+  const std::uint64_t twos = hundreds | (fours - 100 * hundreds) << 16;
+  const std::uint64_t tens = twos * 103 >> 10 & 0x000f000f000f000f;
+  return (tens | (twos - 10 * tens) << 8) + 0x3030303030303030;
+}
+
+constexpr std::uint64_t ten_to_8 = 100'000'000, ten_to_16 = ten_to_8 * ten_to_8;
+
+// Exactly `count` digits, 1 to 16, of a number that has no more.
+Characters text_of(std::uint64_t value, int count) {
+  if (count <= 8) return text_of_eight(value) >> (64 - 8 * count);
+  const Characters all = static_cast<Characters>(text_of_eight(value % ten_to_8)) << 64 |
+                         text_of_eight(value / ten_to_8);
+  return all >> (128 - 8 * count);
+}
+
+// With a point behind the first `whole` characters, 1 to 14.
+Characters with_point(Characters text, int whole) {
+  const int bits = 8 * whole;
+  const Characters before = text & ((static_cast<Characters>(1) << bits) - 1);
+  return before | static_cast<Characters>('.') << bits | text >> bits << (bits + 8);
+}
+
+// Zeros at the end of `count` characters.
+int zeros_behind(Characters text, int count) {
+  constexpr std::uint64_t zeros = 0x3030303030303030;
+  const Characters others = (text ^ (static_cast<Characters>(zeros) << 64 | zeros))
+                            << (128 - 8 * count);
+  const auto high = static_cast<std::uint64_t>(others >> 64);
+  const auto low = static_cast<std::uint64_t>(others);
+  return (high != 0 ? std::countl_zero(high) : 64 + std::countl_zero(low)) / 8;
+}
+
+// Writes one number behind the text.
+class Pen {
 public:
-  void put(char c) { *--begin_ = c; }
-  // The lowest digits of `value`, which loses them.
-  void put_digits(std::uint64_t& value, int count) {
-    for (; count >= 2; count -= 2, value /= 100)
-      std::memcpy(begin_ -= 2, &digit_pairs[2 * (value % 100)], 2);
-    if (count == 1) {
-      put(static_cast<char>('0' + value % 10));
-      value /= 10;
-    }
+  explicit Pen(DecimalText& text) : text_(text.characters()) {
+    constexpr std::size_t room = 64; // a sign, twenty digits, and what is copied beyond the last
+    text_.reserve(text_.size() + room);
+    at_ = text_.data() + text_.size();
   }
-  // All digits of `value`, at least one.
-  void put_whole(std::uint64_t value) {
-    for (; value >= 100; value /= 100)
-      std::memcpy(begin_ -= 2, &digit_pairs[2 * (value % 100)], 2);
-    put_digits(value, value >= 10 ? 2 : 1);
+  ~Pen() { text_.resize(static_cast<std::size_t>(at_ - text_.data())); }
+  Pen(const Pen&) = delete;
+  Pen& operator=(const Pen&) = delete;
+
+  // At most sixteen.
+  void put(Characters text, int count) {
+    if constexpr (std::endian::native == std::endian::little)
+      std::memcpy(at_, &text, sizeof text);
+    else
+      for (int i = 0; i < count; ++i)
+        at_[i] = static_cast<char>(text >> 8 * i);
+    at_ += count;
   }
-  // value / 10^decimals.
-  void put_fixed(std::uint64_t value, int decimals) {
-    if (decimals > 0) {
-      put_digits(value, decimals);
-      put('.');
+  void put_sign_of(double value) {
+    *at_ = '-';
+    at_ += std::signbit(value) ? 1 : 0;
+  }
+  void put_digits(std::uint64_t value, int count) {
+    if (count > 16) {
+      put(text_of(value / ten_to_16, count - 16), count - 16);
+      value %= ten_to_16;
+      count = 16;
     }
-    put_whole(value);
+    put(text_of(value, count), count);
   }
   void put_exponent(int exponent) {
-    auto size = static_cast<std::uint64_t>(exponent < 0 ? -exponent : exponent);
-    put_digits(size, 2); // not below 10^-22, nor from 10^15 on
-    put(exponent < 0 ? '-' : '+');
-    put('e');
-  }
-  void append_to(std::string& text) const {
-    text.append(begin_, static_cast<std::size_t>(characters_.data() + characters_.size() - begin_));
+    const Characters sign = exponent < 0 ? '-' : '+';
+    put('e' | sign << 8 | text_of(static_cast<std::uint64_t>(std::abs(exponent)), 2) << 16, 4);
   }
 
 private:
-  std::array<char, 48> characters_; // a sign, 20 digits, 22 decimals, a point
-  char* begin_ = characters_.data() + characters_.size();
+  fmt::memory_buffer& text_;
+  char* at_;
 };
 
 } // namespace
 
-void append_integer(std::string& text, std::int64_t value) {
-  Reversed number;
+void append_integer(DecimalText& text, std::int64_t value) {
+  Pen pen(text);
+  if (value < 0) pen.put('-', 1);
   const auto bits = static_cast<std::uint64_t>(value);
-  number.put_whole(value < 0 ? 0 - bits : bits);
-  if (value < 0) number.put('-');
-  number.append_to(text);
+  const std::uint64_t size = value < 0 ? 0 - bits : bits;
+  pen.put_digits(size, digits_of(size));
 }
 
-void append_digits(std::string& text, std::uint64_t value, int digits) {
-  Reversed number;
-  number.put_digits(value, digits);
-  number.append_to(text);
+void append_digits(DecimalText& text, std::uint64_t value, int digits) {
+  Pen(text).put_digits(value, digits);
 }
 
-void append_fixed(std::string& text, double value, int decimals) {
-  const auto size = decimals <= last_exact_power ? scaled(std::abs(value), decimals) : std::nullopt;
+void append_fixed(DecimalText& text, double value, int decimals) {
+  const auto size = decimals <= most_digits ? scaled(std::abs(value), decimals) : std::nullopt;
   if (!size) {
-    fmt::format_to(std::back_inserter(text), "{:.{}f}", value, decimals);
+    fmt::format_to(fmt::appender(text.characters()), "{:.{}f}", value, decimals);
     return;
   }
-  Reversed number;
-  number.put_fixed(*size, decimals);
-  if (std::signbit(value)) number.put('-');
-  number.append_to(text);
+  const int count = std::max(digits_of(*size), decimals + 1);
+  Pen pen(text);
+  pen.put_sign_of(value);
+  const Characters digits = text_of(*size, count);
+  if (decimals > 0)
+    pen.put(with_point(digits, count - decimals), count + 1);
+  else
+    pen.put(digits, count);
 }
 
-void append_scientific(std::string& text, double value, int decimals) {
+void append_scientific(DecimalText& text, double value, int decimals) {
   const auto size = significant(std::abs(value), decimals + 1);
   if (!size) {
-    fmt::format_to(std::back_inserter(text), "{:.{}e}", value, decimals);
+    fmt::format_to(fmt::appender(text.characters()), "{:.{}e}", value, decimals);
     return;
   }
-  Reversed number;
-  number.put_exponent(size->exponent);
-  number.put_fixed(size->digits, decimals);
-  if (std::signbit(value)) number.put('-');
-  number.append_to(text);
+  Pen pen(text);
+  pen.put_sign_of(value);
+  const Characters digits = text_of(size->digits, decimals + 1);
+  pen.put(decimals > 0 ? with_point(digits, 1) : digits, decimals > 0 ? decimals + 2 : 1);
+  pen.put_exponent(size->exponent);
 }
 
-void append_general(std::string& text, double value, int digits) {
-  auto size = significant(std::abs(value), digits);
-  if (!size) {
-    fmt::format_to(std::back_inserter(text), "{:.{}g}", value, digits);
+void append_general(DecimalText& text, double value, int digits) {
+  const auto size = significant(std::abs(value), digits);
+  const bool with_exponent = size && (size->exponent < -4 || size->exponent >= digits);
+  const int places = !size || with_exponent ? 0 : size->exponent; // from first digit to last whole
+  const int count = digits + std::max(0, -places);                // 0.00012 has zeros in front
+  if (!size || count >= 16) {
+    fmt::format_to(fmt::appender(text.characters()), "{:.{}g}", value, digits);
     return;
   }
-  int decimals = digits - 1;
-  while (decimals > 0 && size->digits % 10 == 0) {
-    size->digits /= 10;
-    --decimals;
-  }
-  Reversed number;
-  if (size->exponent < -4 || size->exponent >= digits) {
-    number.put_exponent(size->exponent);
-    number.put_fixed(size->digits, decimals);
-  } else {
-    // An exponent of more than the digits left puts zeros between them and the point.
-    for (; decimals < size->exponent; ++decimals)
-      size->digits *= 10;
-    number.put_fixed(size->digits, decimals - size->exponent);
-  }
-  if (std::signbit(value)) number.put('-');
-  number.append_to(text);
+  const Characters all = text_of(size->digits, count);
+  const int whole = 1 + std::max(0, places);
+  const int kept = std::max(whole, count - zeros_behind(all, count));
+  Pen pen(text);
+  pen.put_sign_of(value);
+  pen.put(kept > whole ? with_point(all, whole) : all, kept > whole ? kept + 1 : kept);
+  if (with_exponent) pen.put_exponent(size->exponent);
 }
 
 } // namespace goingrate

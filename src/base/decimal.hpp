@@ -8,29 +8,44 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <string>
+#include <fmt/format.h>
+#include <string_view>
 
 namespace goingrate {
 
+/// A line of a table while it is written.
+class DecimalText {
+public:
+  void put(char mark) { characters_.push_back(mark); }
+  void put(std::string_view words) {
+    characters_.append(words.data(), words.data() + words.size());
+  }
+  [[nodiscard]] std::string_view view() const { return {characters_.data(), characters_.size()}; }
+  [[nodiscard]] fmt::memory_buffer& characters() { return characters_; }
+
+private:
+  fmt::memory_buffer characters_;
+};
+
 /// Appends a whole number, as "%lld" of printf.
-void append_integer(std::string& text, std::int64_t value);
+void append_integer(DecimalText& text, std::int64_t value);
 
 /// Appends a whole number with zeros in front up to `digits` digits (at most 19), of which it has
 /// no more.
-void append_digits(std::string& text, std::uint64_t value, int digits);
+void append_digits(DecimalText& text, std::uint64_t value, int digits);
 
 /// Appends a number as "%.{decimals}f" of printf; as with printf, any double is legal
 /// (DecimalTest.IsWhatPrintfWrites).
-void append_fixed(std::string& text, double value, int decimals);
+void append_fixed(DecimalText& text, double value, int decimals);
 
 /// The same for "%.{decimals}e".
-void append_scientific(std::string& text, double value, int decimals);
+void append_scientific(DecimalText& text, double value, int decimals);
 
 /// The same for "%.{digits}g", `digits` from 1.
-void append_general(std::string& text, double value, int digits);
+void append_general(DecimalText& text, double value, int digits);
 
 /// Appends what format_instant() returns.
-void append_instant(std::string& text, const Instant& t, int decimals);
+void append_instant(DecimalText& text, const Instant& t, int decimals);
 
 /// The powers of ten that 64 bits hold.
 inline constexpr std::array<std::uint64_t, 20> whole_powers_of_ten = [] {

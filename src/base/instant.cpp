@@ -183,23 +183,23 @@ std::uint64_t fraction_digits(double fraction, std::uint64_t power) {
 }
 
 // The usual case, fast: logs are written by the hundred million.
-void append_positive(std::string& text, const Instant& t, int decimals) {
+void append_positive(DecimalText& text, const Instant& t, int decimals) {
   const std::uint64_t power = whole_powers_of_ten[static_cast<std::size_t>(decimals)];
   const std::uint64_t digits = fraction_digits(t.fraction, power);
   append_integer(text, digits < power ? t.seconds : t.seconds + 1);
-  text += '.';
+  text.put('.');
   append_digits(text, digits < power ? digits : 0, decimals);
 }
 
 } // namespace
 
 std::string format_instant(const Instant& t, int decimals) {
-  std::string text;
+  DecimalText text;
   append_instant(text, t, decimals);
-  return text;
+  return std::string(text.view());
 }
 
-void append_instant(std::string& text, const Instant& t, int decimals) {
+void append_instant(DecimalText& text, const Instant& t, int decimals) {
   if (decimals < 0 || decimals > 17) throw ArgumentError("decimals", decimals, "between 0 and 17");
   if (t.seconds >= 0 && decimals >= 1 && decimals <= 15) return append_positive(text, t, decimals);
   Instant magnitude = t;
@@ -210,9 +210,9 @@ void append_instant(std::string& text, const Instant& t, int decimals) {
   }
   const std::string fraction = fmt::format("{:.{}f}", magnitude.fraction, decimals);
   if (fraction.front() == '1') ++magnitude.seconds; // the fraction rounded up to one
-  if (negative) text += '-';
+  if (negative) text.put('-');
   append_integer(text, magnitude.seconds);
-  text.append(fraction, 1);
+  text.put(std::string_view(fraction).substr(1));
 }
 
 } // namespace goingrate

@@ -64,6 +64,7 @@ private:
 };
 
 double beat_correction(const std::vector<double>& correction, std::size_t i) {
+  assert(correction.empty() || i < correction.size());
   return correction.empty() ? 0.0 : correction[i];
 }
 

@@ -41,9 +41,9 @@ std::string native_log_header(const NativeColumns& columns) {
 namespace {
 
 // An unknown value is an empty field.
-void append_value(std::string& text, double value, int digits) {
-  text += ',';
-  if (!std::isnan(value)) append_general(text, value, digits);
+void append_value(DecimalText& line, double value, int digits) {
+  line.put(',');
+  if (!std::isnan(value)) append_general(line, value, digits);
 }
 
 std::string_view edge_word(const SensedEvent& event) {
@@ -62,17 +62,19 @@ std::string_view edge_word(const SensedEvent& event) {
 
 void append_line(std::string& text, const SensedEvent& event, double pressure_mbar,
                  const NativeColumns& columns) {
-  append_instant(text, event.beat.time, columns.decimals);
-  if (columns.edge) text += edge_word(event);
+  DecimalText line;
+  append_instant(line, event.beat.time, columns.decimals);
+  if (columns.edge) line.put(edge_word(event));
   if (columns.width) {
-    text += ',';
+    line.put(',');
     if (!std::isnan(event.width_s))
-      append_instant(text, Instant::from_seconds(event.width_s), columns.decimals);
+      append_instant(line, Instant::from_seconds(event.width_s), columns.decimals);
   }
-  if (columns.amplitude) append_value(text, event.beat.amplitude_rad, 9);
-  if (columns.temperature) append_value(text, event.temperature_c, 6);
-  if (columns.pressure) append_value(text, pressure_mbar, 7);
-  text += '\n';
+  if (columns.amplitude) append_value(line, event.beat.amplitude_rad, 9);
+  if (columns.temperature) append_value(line, event.temperature_c, 6);
+  if (columns.pressure) append_value(line, pressure_mbar, 7);
+  line.put('\n');
+  text += line.view();
 }
 
 } // namespace
@@ -126,7 +128,7 @@ std::string ticc_text(std::span<const Beat> beats) {
   const std::int64_t start = beats.empty() ? 0 : beats.front().time.seconds;
   for (const Beat& beat : beats) {
     const Instant time{beat.time.seconds - start, beat.time.fraction};
-    append_instant(text, time, 11);
+    text += format_instant(time, 11);
     text += beat.edge == Edge::up ? " chA\n" : " chB\n";
   }
   return text;

@@ -21,9 +21,9 @@ constexpr std::int64_t rows_per_gap = 20; // a longer gap is told in one row
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // A number, or nothing if it is not known.
-void append_number(std::string& text, double value, int digits) {
-  text += ',';
-  if (!std::isnan(value)) append_general(text, value, digits);
+void append_number(DecimalText& line, double value, int digits) {
+  line.put(',');
+  if (!std::isnan(value)) append_general(line, value, digits);
 }
 
 struct NamedColumn {
@@ -58,59 +58,68 @@ std::string RateTable::header() const {
 }
 
 void RateTable::append(std::string& text, const Beat& beat, std::size_t i) {
-  if (beat.flag == BeatFlag::good) return append_good(text, beat, i);
-  if (beat.flag == BeatFlag::down) {
-    append_integer(text, beat.cycle);
-    text += ".5";
+  DecimalText line;
+  if (beat.flag == BeatFlag::good) {
+    if (last_) append_missing(text, last_->cycle, beat.cycle);
+    append_good(line, beat, i);
+  } else {
+    append_bad(line, beat, i);
   }
-  text += ',';
-  append_instant(text, beat.time, 9);
-  text += ",,,";
-  append_number(text, beat.amplitude_rad, 9);
-  text += ',';
-  text += name_of(beat.flag);
-  append_extras(text, nullptr, unknown, i);
+  line.put('\n');
+  text += line.view();
 }
 
-void RateTable::append_good(std::string& text, const Beat& beat, std::size_t i) {
+void RateTable::append_bad(DecimalText& line, const Beat& beat, std::size_t i) {
+  if (beat.flag == BeatFlag::down) {
+    append_integer(line, beat.cycle);
+    line.put(".5");
+  }
+  line.put(',');
+  append_instant(line, beat.time, 9);
+  line.put(",,,");
+  append_number(line, beat.amplitude_rad, 9);
+  line.put(',');
+  line.put(name_of(beat.flag));
+  append_extras(line, nullptr, unknown, i);
+}
+
+void RateTable::append_good(DecimalText& line, const Beat& beat, std::size_t i) {
   const bool follows = last_ && last_->segment == beat.segment;
-  if (last_) append_missing(text, last_->cycle, beat.cycle);
-  append_integer(text, beat.cycle);
-  text += ',';
-  append_instant(text, beat.time, 9);
-  text += ',';
-  const double rate = follows ? append_period(text, beat) : unknown;
-  if (!follows) text += ",,";
-  append_number(text, beat.amplitude_rad, 9);
-  text += ',';
-  if (last_ && !follows) text += is_step_after(last_->cycle) ? "step" : "split";
-  append_extras(text, &beat, rate, i);
+  append_integer(line, beat.cycle);
+  line.put(',');
+  append_instant(line, beat.time, 9);
+  line.put(',');
+  const double rate = follows ? append_period(line, beat) : unknown;
+  if (!follows) line.put(",,");
+  append_number(line, beat.amplitude_rad, 9);
+  line.put(',');
+  if (last_ && !follows) line.put(is_step_after(last_->cycle) ? "step" : "split");
+  append_extras(line, &beat, rate, i);
   last_ = beat;
 }
 
 // The fields of the period since the last beat; its rate, not finite for two beats at one time.
-double RateTable::append_period(std::string& text, const Beat& beat) const {
+double RateTable::append_period(DecimalText& line, const Beat& beat) const {
   const double rate = rate_between(*last_, beat, options_.nominal_period_s);
-  append_general(text, (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle),
+  append_general(line, (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle),
                  12);
-  text += ',';
-  if (std::isfinite(rate)) append_scientific(text, rate, 6);
-  text += ',';
-  if (std::isfinite(rate)) append_fixed(text, seconds_gained_per_day(rate), 6);
+  line.put(',');
+  if (std::isfinite(rate)) append_scientific(line, rate, 6);
+  line.put(',');
+  if (std::isfinite(rate)) append_fixed(line, seconds_gained_per_day(rate), 6);
   return rate;
 }
 
-void RateTable::append_extras(std::string& text, const Beat* beat, double rate, std::size_t i) {
+void RateTable::append_extras(DecimalText& line, const Beat* beat, double rate, std::size_t i) {
   if (options_.amplitudes) {
     const bool known = beat != nullptr && !std::isnan(rate) && !std::isnan(beat->amplitude_rad);
-    append_number(text, known ? rate_without_circular_error(rate, beat->amplitude_rad) : unknown,
+    append_number(line, known ? rate_without_circular_error(rate, beat->amplitude_rad) : unknown,
                   7);
   }
   if (options_.running_cycles > 0)
-    append_number(text, beat != nullptr ? running_rate(*beat) : unknown, 7);
+    append_number(line, beat != nullptr ? running_rate(*beat) : unknown, 7);
   for (const NamedColumn& column : named(columns_))
-    if (!column.values->empty()) append_number(text, (*column.values)[i], 9);
-  text += '\n';
+    if (!column.values->empty()) append_number(line, (*column.values)[i], 9);
 }
 
 // From the beat that many cycles ago, or the last before it, to this one.
@@ -155,13 +164,15 @@ std::string block_table(const std::vector<PartRate>& blocks) {
   std::string text = "segment,from_cycle,to_cycle,time_s,duration_s,rate_excess,sigma,"
                      "rate_s_per_day,amplitude_rad\n";
   for (const PartRate& block : blocks) {
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{:.7g}", block.segment,
+    DecimalText line;
+    fmt::format_to(fmt::appender(line.characters()), "{},{},{},{},{:.9g},{:.7g}", block.segment,
                    block.from_cycle, block.to_cycle, format_instant(block.start, 9),
                    block.rate.duration_s, block.rate.rate_excess);
-    append_number(text, block.rate.rate_excess_sigma, 3);
-    append_number(text, seconds_gained_per_day(block.rate.rate_excess), 7);
-    append_number(text, block.amplitude_rad, 9);
-    text += '\n';
+    append_number(line, block.rate.rate_excess_sigma, 3);
+    append_number(line, seconds_gained_per_day(block.rate.rate_excess), 7);
+    append_number(line, block.amplitude_rad, 9);
+    line.put('\n');
+    text += line.view();
   }
   return text;
 }

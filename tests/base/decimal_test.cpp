@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
+#include <string>
 
 namespace goingrate {
 namespace {
@@ -19,13 +20,13 @@ std::string printed(const char* format, int digits, double value) {
 
 void expect_as_printf(double value) {
   for (int digits = 0; digits <= 17; ++digits) {
-    std::string fixed, scientific, general;
+    DecimalText fixed, scientific, general;
     append_fixed(fixed, value, digits);
     append_scientific(scientific, value, digits);
     append_general(general, value, digits + 1);
-    ASSERT_EQ(fixed, printed("%.*f", digits, value));
-    ASSERT_EQ(scientific, printed("%.*e", digits, value));
-    ASSERT_EQ(general, printed("%.*g", digits + 1, value));
+    ASSERT_EQ(fixed.view(), printed("%.*f", digits, value));
+    ASSERT_EQ(scientific.view(), printed("%.*e", digits, value));
+    ASSERT_EQ(general.view(), printed("%.*g", digits + 1, value));
   }
 }
 
@@ -58,15 +59,21 @@ TEST(DecimalTest, RoundingMayAddADigit) {
 }
 
 TEST(DecimalTest, WholeNumbers) {
-  std::string text;
-  append_integer(text, std::numeric_limits<std::int64_t>::min());
-  text += ' ';
-  append_integer(text, std::numeric_limits<std::int64_t>::max());
-  text += ' ';
-  append_integer(text, 0);
-  text += ' ';
+  const auto written = [](std::int64_t value) {
+    DecimalText text;
+    append_integer(text, value);
+    return std::string(text.view());
+  };
+  EXPECT_EQ(written(std::numeric_limits<std::int64_t>::min()), "-9223372036854775808");
+  EXPECT_EQ(written(std::numeric_limits<std::int64_t>::max()), "9223372036854775807");
+  std::int64_t power = 1;
+  for (int digits = 0; digits < 18; ++digits, power *= 10)
+    for (const std::int64_t value : {power - 1, power, -power, 7 * power + 5})
+      EXPECT_EQ(written(value), std::to_string(value));
+  DecimalText text;
   append_digits(text, 1234, 7);
-  EXPECT_EQ(text, "-9223372036854775808 9223372036854775807 0 0001234");
+  append_digits(text, 12345678901234567, 19);
+  EXPECT_EQ(text.view(), "00012340012345678901234567");
 }
 
 } // namespace

@@ -18,6 +18,8 @@
 
 namespace goingrate {
 
+class DecimalText;
+
 /// A value with its uncertainty, rounded to two digits of the latter: "2.00031 ± 0.00012",
 /// "(2.49995 ± 0.00021)×10⁻⁴".
 /// A sigma of 0 or NaN gives the value with `digits` digits and no sigma.
@@ -54,10 +56,11 @@ public:
   void append(std::string& text, const Beat& beat, std::size_t i);
 
 private:
-  void append_good(std::string& text, const Beat& beat, std::size_t i);
-  double append_period(std::string& text, const Beat& beat) const;
+  void append_bad(DecimalText& line, const Beat& beat, std::size_t i);
+  void append_good(DecimalText& line, const Beat& beat, std::size_t i);
+  double append_period(DecimalText& line, const Beat& beat) const;
   void append_missing(std::string& text, std::int64_t from, std::int64_t to) const;
-  void append_extras(std::string& text, const Beat* beat, double rate, std::size_t i);
+  void append_extras(DecimalText& line, const Beat* beat, double rate, std::size_t i);
   [[nodiscard]] double running_rate(const Beat& beat);
   bool is_step_after(std::int64_t cycle);
 
