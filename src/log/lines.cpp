@@ -241,7 +241,12 @@ std::string_view LineReader::head(std::size_t lines) {
   const double mean = seen / count;
   const double more = std::max(0.0, all - seen) / std::max(mean, shortest_expected);
   lines_expected_ = seen > 0.0 ? static_cast<std::size_t>(count + more) : 0;
-  return rest_;
+  constexpr std::size_t at_most = 10; // times the lines asked for: a buffer may hold many more
+  std::size_t end = 0;
+  for (std::size_t line = 0; line < at_most * lines && end < rest_.size(); ++line)
+    end = std::min(rest_.find(line_end_, end), rest_.size() - 1) + 1;
+  whole_is_in_head_ = at_end_ && end == rest_.size();
+  return rest_.substr(0, end);
 }
 
 std::optional<Line> LineReader::next() {

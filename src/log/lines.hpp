@@ -46,11 +46,11 @@ public:
   LineReader(std::unique_ptr<ByteSource> source, std::string name);
 
   /// The beginning of the text, at least `lines` lines of it if there are so many (and no more than
-  /// 16 MiB): to find out what it is. Only before the first next().
+  /// ten times as many, or 16 MiB): to find out what it is. Only before the first next().
   std::string_view head(std::size_t lines);
 
   /// Whether `head` was all of it.
-  [[nodiscard]] bool whole_is_in_head() const { return at_end_; }
+  [[nodiscard]] bool whole_is_in_head() const { return whole_is_in_head_; }
 
   /// The next line. Throws InputError for a line of more than 16 MiB.
   std::optional<Line> next();
@@ -87,6 +87,7 @@ private:
   std::uint32_t number_ = 0;
   std::size_t lines_expected_ = 0;
   bool at_end_ = false;
+  bool whole_is_in_head_ = false;
   bool started_ = false;
 };
 
