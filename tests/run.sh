@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Sets up, builds and runs all tests; ends with ctest's summary. Arguments go to ctest.
 # With --sanitize first: the suite under AddressSanitizer and UndefinedBehaviorSanitizer, then what
-# starts threads, and the fits, under ThreadSanitizer. Takes about an hour on two cores.
+# starts threads, and the fits, under ThreadSanitizer. Takes about two hours on two cores. Left out are tests
+# that build a package of their own and programs from outside (notebooks, Slurm).
 # With --cluster: batches in shares on a Slurm of one node, under GNU parallel and under Snakemake, one share
 # being killed at work, against one process. Takes two minutes.
 # With --notebooks first: those of data/course/notebooks alone, executed; their pages come to
