@@ -112,8 +112,8 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
   auto* column = command.add_option(
       "--column", options.columns,
       "what a column holds: ROLE=PLACE[:UNIT], the place counted from 1 or a name of the header; "
-      "time=2, period=3:us, amplitude=5:mrad, angle=2:deg, error, width, edge, temperature, "
-      "pressure, ignored");
+      "time=2, date=1, period=3:us, amplitude=5:mrad, angle=2:deg, error, width, edge, "
+      "temperature, pressure, ignored");
   offers(column, roles)->allow_extra_args(false)->group(group);
   command.add_option("--unit", options.unit, "of the times: s, ms, us, ns, min, h, d, mjd")
       ->check(one_of({"s", "ms", "us", "ns", "min", "h", "d", "mjd"}))

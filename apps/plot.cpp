@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* missing_gnuplot = "PDF and PNG need gnuplot (package gnuplot-nox)";
+constexpr const char* missing_gnuplot =
+    "PDF and PNG need gnuplot (package gnuplot-nox), SVG does not";
 
 std::string extension(const std::string& path) {
   std::string text = fs::path(path).extension().string();

@@ -96,9 +96,9 @@ std::vector<std::string> values_of(CLI::Option& option, const std::string& typed
 CLI::Validator one_of(std::vector<std::string> words) {
   const std::string list = fmt::format("{}", fmt::join(words, ","));
   const std::string name = fmt::format("{}{}", offered, fmt::join(words, "\n"));
-  return {[words = std::move(words), list](std::string& text) {
+  return {[words = std::move(words)](std::string& text) {
             if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
-            return fmt::format("found {}, expected one of {}{}", text, list,
+            return fmt::format("found {}, expected one of {}{}", text, fmt::join(words, ", "),
                                meant_instead(text, words));
           },
           "{" + list + "}", name};

@@ -352,6 +352,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,
                                    octave_factors(phase.phase_s.size()));
   data.nut = nut_turns(request, data.now.rate);
+  data.sensor = loaded.sensor;
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);

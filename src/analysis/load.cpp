@@ -1,5 +1,7 @@
 #include "goingrate/analysis/load.hpp"
 
+#include "log/usual_step.hpp"
+
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/rates.hpp"
 
@@ -29,6 +31,7 @@ public:
     choose_good();
     loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
     refuse_if_numbered_wrong();
+    say_if_every_second_is_missing();
     if (loaded_.good.size() < 3)
       throw NumericsError(fmt::format(
           "{}: no run of three beats that could be numbered together, of {} events about "
@@ -65,6 +68,14 @@ private:
         {loaded_.log.source, loaded_.good.front().line, 1},
         fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
         "the beats of one clock", readings_for_period(mean, typical));
+  }
+
+  void say_if_every_second_is_missing() {
+    if (loaded_.log.grid || usual_step(loaded_.good) != 2) return;
+    assume(fmt::format("every second beat is missing: a period is there and back, tick and tock; "
+                       "if that takes {:.6g} s, that is the nominal period",
+                       2.0 * loaded_.nominal_period_s),
+           Setting::nominal_period);
   }
 
   // What was not given, but guessed, must be possible.

@@ -185,7 +185,9 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
     missed += is_hole(*input.data, i) ? 1.0 : 0.0;
   const double beats = missed + static_cast<double>(input.data->size());
   const double share = missed / beats;
-  if (share <= usual_missed_share) return;
+  constexpr double regular_share =
+      0.45; // losses at random leave more neighbours: every n-th is logged
+  if (share <= usual_missed_share || share > regular_share) return;
   const double gain =
       2.0 * (missed * std::log(share / usual_missed_share) + (beats - missed) * std::log1p(-share) -
              (beats - missed) * std::log1p(-usual_missed_share)) -

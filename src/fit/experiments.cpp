@@ -89,7 +89,7 @@ std::vector<Experiment> suggest_experiments(const Fitted& fitted, const FitOptio
                               jump, times, model));
     if (T0->free)
       found.push_back(
-          predicted("both: that change of drive, with T0 known", fitted, jump_known, times, model));
+          predicted("the same change of drive, and T0 known", fitted, jump_known, times, model));
   }
   std::erase_if(found, [](const Experiment& e) { return e.relative_sigma.empty(); });
   return found;

@@ -14,18 +14,20 @@ void lengthen(LineIssue& issue, std::size_t line) {
 }
 } // namespace
 
-// "found X, expected Y" is said once.
+FaultWords words_of(std::string_view fault) {
+  constexpr std::string_view before = "found ", between = ", expected ";
+  const std::size_t at = fault.find(between);
+  if (!fault.starts_with(before) || at == std::string_view::npos) return {fault, {}};
+  return {fault.substr(before.size(), at - before.size()), fault.substr(at + between.size())};
+}
+
 void IssueList::refuse(std::size_t line, std::size_t column, std::string_view found,
                        std::string_view action) const {
-  constexpr std::string_view before = "found ", between = ", expected ";
-  std::string_view expected = "a log without faults";
-  if (const std::size_t at = found.find(between);
-      found.starts_with(before) && at != std::string_view::npos) {
-    expected = found.substr(at + between.size());
-    found = found.substr(before.size(), at - before.size());
-  }
-  throw InputError({log_.source, line, column}, found,
-                   fmt::format("{} (where faults are mended: {})", expected, action));
+  const FaultWords words = words_of(found);
+  throw InputError({log_.source, line, column}, words.found,
+                   fmt::format("{} (where faults are mended: {})",
+                               words.expected.empty() ? "a log without faults" : words.expected,
+                               action));
 }
 
 void IssueList::add(std::size_t line, std::size_t column, IssueKind kind, std::string found,

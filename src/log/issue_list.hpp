@@ -4,8 +4,15 @@
 #include "goingrate/log/clock_log.hpp"
 
 #include <string>
+#include <string_view>
 
 namespace goingrate {
+
+/// The two halves of a fault told as "found X, expected Y"; of any other all is `found`.
+struct FaultWords {
+  std::string_view found, expected;
+};
+FaultWords words_of(std::string_view fault);
 
 /// Appends faults to `log.issues`. Consecutive lines with the same fault share one issue; so do
 /// scattered ones once the list has grown long (see LineIssue). If `strict`, the first fault throws

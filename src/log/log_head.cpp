@@ -86,10 +86,12 @@ std::size_t count_fields(std::string_view line, char separator) {
   return fields.size();
 }
 
-// "12,25" and the like: digits, one comma, digits, no point.
+// "12,25", "16:02:04,25" or "24.11.2025 16:02:04,25": a number or a time with a comma for its
+// point.
 bool has_decimal_comma(std::string_view text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos || comma == 0) return false;
+  if (parse_calendar(text, ',')) return true;
   return text.find('.') == std::string_view::npos && parse_number(text, ',').has_value();
 }
 
@@ -169,8 +171,9 @@ void settle_separators(LogHead& head, const std::vector<HeadLine>& lines, bool d
     split_fields(line.text, head.separator, fields);
     for (const Field& field : fields) {
       commas += has_decimal_comma(field.text) ? 1 : 0;
-      points += field.text.find(',') == field.text.npos && parse_number(field.text) &&
-                        field.text.find('.') != field.text.npos
+      points += field.text.find(',') == field.text.npos &&
+                        field.text.find('.') != field.text.npos &&
+                        (parse_number(field.text) || parse_calendar(field.text))
                     ? 1
                     : 0;
     }

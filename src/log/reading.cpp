@@ -1,6 +1,7 @@
 #include "goingrate/log/reading.hpp"
 
 #include "beginning.hpp"
+#include "issue_list.hpp"
 #include "layout_detection.hpp"
 #include "repairs.hpp"
 #include "row_reader.hpp"
@@ -48,10 +49,15 @@ void settle_nominal_period(ClockLog& log, const LogHead& head, const Layout& lay
 
 void refuse_if_mostly_bad(const ClockLog& log, const RowReader& rows) {
   if (rows.rejected() * 2 <= rows.data_lines() || log.issues.empty()) return;
-  const LineIssue& first = log.issues.front();
+  const auto line = std::find_if(log.issues.begin(), log.issues.end(), [](const LineIssue& issue) {
+    return issue.kind != IssueKind::header;
+  });
+  const LineIssue& first = line == log.issues.end() ? log.issues.front() : *line;
+  const FaultWords words = words_of(first.found);
   throw InputError({log.source, first.line, first.column},
-                   fmt::format("{} unusable lines out of {}, here first: {}", rows.rejected(),
-                               rows.data_lines(), first.found),
+                   fmt::format("{} unusable lines out of {}, here first: {}{}{}", rows.rejected(),
+                               rows.data_lines(), words.found,
+                               words.expected.empty() ? "" : " instead of ", words.expected),
                    "a log of which at least half can be read");
 }
 

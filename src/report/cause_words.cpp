@@ -68,10 +68,10 @@ private:
           "follows the temperature or the air pressure, which this log does not hold",
           size());
     case Cause::magnet:
-      return fmt::format(
-          "from {} the rate is another by {}: most likely something was brought near "
-          "the pendulum, or laid on it, and taken away again",
-          words_.span(numbers_.at_s, numbers_.until_s), size());
+      return fmt::format("from {} the rate is {} by {} than before and after: perhaps something "
+                         "was brought near the pendulum, or laid on it, and taken away again",
+                         words_.span(numbers_.at_s, numbers_.until_s),
+                         numbers_.size < 0.0 ? "lower" : "higher", size());
     default:
       return fact();
     }

@@ -3,17 +3,12 @@
 
 #include "goingrate/log/beats.hpp"
 
-#include <fmt/format.h>
 #include <string>
 
 namespace goingrate {
 
-/// "3 missed, 0 spurious", and bounces where there are any.
-inline std::string fault_counts(const Beats& beats) {
-  std::string text = fmt::format("{} missed, {} spurious", beats.missed, beats.spurious);
-  if (beats.bounces > 0)
-    text += fmt::format(", {} bounce{}", beats.bounces, beats.bounces == 1 ? "" : "s");
-  return text;
-}
+/// "3 missed, 0 spurious", bounces where there are any, and of a log of both directions also the
+/// downward passages that are missing.
+std::string fault_counts(const Beats& beats);
 
 } // namespace goingrate

@@ -81,6 +81,7 @@ nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;margin:0;padding:0;list-style:
 .cards dt{color:var(--soft);font-size:.85rem}
 .cards dd{margin:0;font-size:.85rem;color:var(--soft)}
 .cards strong{font-size:1.15rem;color:var(--text)}
+.words dt{font-weight:600}.words dd{margin:0 0 .5rem;max-width:44rem}
 .scroll{overflow-x:auto;margin:.8rem 0}
 .scroll:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums}
@@ -146,11 +147,14 @@ constexpr std::string_view hint =
     "values; a triangle at the edge marks a value beyond them, which appears when you point at "
     "it.</p>\n";
 
-std::string figures_section(const std::vector<Figure>& figures) {
+std::string figures_section(const Analysis& data, const std::vector<Figure>& figures) {
   if (figures.empty())
     return page::section("figures", "Figures",
                          page::paragraph("The log is too short for figures."));
   std::string body = std::string(hint);
+  if (const Wording words(data); words.is_dated())
+    body += page::paragraph(
+        fmt::format("Times in the figures count from the first beat, {}.", words.moment(0.0)));
   const std::vector<std::size_t> begins = plot_begins(figures);
   for (std::size_t p = 0; p + 1 < begins.size(); ++p) {
     const std::string live = live_place(figures, begins[p], begins[p + 1]);
@@ -198,6 +202,7 @@ constexpr std::string_view contents = R"(<nav aria-label="Contents"><ul>
 <li><a href="#drive">Drive</a></li>
 <li><a href="#stability">Stability</a></li>
 <li><a href="#reading">How the log was read</a></li>
+<li><a href="#words">Words</a></li>
 </ul></nav>
 )";
 
@@ -214,8 +219,9 @@ std::string report_html(const Analysis& data) {
                   name, page_style, figure_style(), contents, content_policy);
   const std::vector<Figure> figures = report_figures(data);
   html += page::section("summary", "What the log says", sentences(data));
-  html += page::key_figures(data) + page::diary(data) + figures_section(figures) + page::fit(data) +
-          page::drive(data) + page::stability(data) + page::reading(data);
+  html += page::key_figures(data) + page::diary(data) + figures_section(data, figures) +
+          page::fit(data) + page::drive(data) + page::stability(data) + page::reading(data) +
+          page::words();
   return html + "</main>\n" + json_element(data) + scripts(figures) + "</body>\n</html>\n";
 }
 

@@ -41,4 +41,7 @@ std::string reading(const Analysis& data);
 std::string fit(const Analysis& data);
 std::string drive(const Analysis& data);
 
+/// What the page's words and symbols mean.
+std::string words();
+
 } // namespace goingrate::page

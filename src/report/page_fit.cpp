@@ -126,8 +126,12 @@ std::string quality_table(const FitSummary& fit) {
                  : "below 0.01: the times hold more than the model and the jitter, which itself is "
                    "known to some per cent only; that is allowed for"});
   table.row({"whiteness of the residuals", probability(q.whiteness_p),
-             "below 0.001: the residuals have a shape, read the values as rough"});
-  table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs", ""});
+             q.of_innovations
+                 ? "of what is left of each beat when those before it are known; below 0.001: that "
+                   "has a shape, read the values as rough"
+                 : "below 0.001: the residuals have a shape, read the values as rough"});
+  table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs",
+             q.of_innovations ? "with what the drive or the rate wanders in it" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
     table.row(
         {"residual of the amplitudes, rms", plain_number(1e3 * q.amplitude_rms_rad) + " mrad", ""});

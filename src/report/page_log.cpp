@@ -148,7 +148,7 @@ std::string key_figures(const Analysis& data) {
     if (data.stretches.size() > 1 || data.now.rate.rate_excess != rate.rate_excess)
       cards += card("Rate now",
                     typeset(words.rate(data.now.rate.rate_excess, data.now.rate.rate_excess_sigma)),
-                    "from " + words.moment(data.now.start - data.beats.front().time) + " on");
+                    "from " + words.short_moment(data.now.start - data.beats.front().time) + " on");
     cards += card("Rate over the whole log",
                   typeset(words.rate(rate.rate_excess, rate.rate_excess_sigma)),
                   "time gained from the first beat to the last, over the time between");
@@ -160,6 +160,10 @@ std::string key_figures(const Analysis& data) {
                 rate.nominal_is_known
                     ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
                     : std::string("from the first beat to the last"));
+  if (const auto& error = data.sensor.beat_error_s)
+    cards += card("Beat error", measured(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms",
+                  "half of what tick and tock differ by: the clock is out of beat, or the sensor "
+                  "stands off the middle");
   for (const bool end : {false, true}) {
     const MeanAmplitude mean = amplitude_at(data.beats, end);
     if (std::isfinite(mean.rad))

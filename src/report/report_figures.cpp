@@ -178,11 +178,17 @@ Figure TimeFigures::amplitude() const {
 
 Figure TimeFigures::time_residual() const {
   const Unit unit = prefixed("s", data_.fit.residual_s);
+  const ModelChoice& model = data_.fit.model;
+  const bool wanders = model.walk || model.drive || model.slow;
   return {
       "time-residual",
       "Residuals of the times",
-      "What the fitted model leaves of each beat's time (positive: the beat came late): a cloud "
-      "without shape means the model tells the whole story, a wave or a bend that it does not.",
+      fmt::format("What the fitted clock, going evenly, leaves of each beat's time (positive: the "
+                  "beat came late): {}",
+                  wanders ? "here the model's drive or rate wanders as well, so that a wave or a "
+                            "bend is that wander."
+                          : "a cloud without shape means the model tells the whole story, a wave "
+                            "or a bend that it does not."),
       time_axis(),
       {"residual of time", unit.name},
       {against_time(Series::Style::points, "residual", scaled(data_.fit.residual_s, unit.factor),

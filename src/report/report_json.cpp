@@ -130,7 +130,7 @@ Json report_object(const Analysis& data) {
   Json json = json_with_schema("goingrate.report");
   json["summary"] = report_sentences(data);
   json["numbers"] = numbers_object(data);
-  json["rate"] = rate_object(data.log, data.numbered, data.rate, {});
+  json["rate"] = rate_object(data.log, data.numbered, data.rate, data.sensor);
   json["segment_rates"] = stretches_object(data);
   json["rate_now"] = data.stretches.empty() ? Json(nullptr) : stretch_object(data.now, data);
   json["amplitude_at_start"] = amplitude_object(amplitude_at(data.beats, false));

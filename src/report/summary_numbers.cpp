@@ -76,6 +76,9 @@ void Numbers::add_going() {
         with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
   else
     add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
+  if (const auto& error = data_.sensor.beat_error_s)
+    add("beat error, half of what tick and tock differ by",
+        with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms");
   const bool swings_freely =
       data_.fit.has_result() && data_.fit.model.escapement == Escapement::none;
   if (!rate.nominal_is_known || swings_freely) return;

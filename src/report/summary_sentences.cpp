@@ -4,6 +4,8 @@
 #include "cause_words.hpp"
 #include "wording.hpp"
 
+#include "log/usual_step.hpp"
+
 #include "goingrate/report/tables.hpp"
 
 #include <algorithm>
@@ -70,6 +72,7 @@ private:
 
   void say_how_the_clock_goes() {
     say(going());
+    say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
     say(whether_worse());
@@ -87,6 +90,9 @@ private:
   [[nodiscard]] std::string zero_rate() const;
   [[nodiscard]] std::string what_to_do() const;
   [[nodiscard]] std::string rate_words(double rate, double sigma) const;
+  [[nodiscard]] std::string wander() const;
+  [[nodiscard]] std::string every_nth() const;
+  [[nodiscard]] bool moves_on() const;
   [[nodiscard]] bool is_near_an_interruption(const Suspicion& suspicion) const;
   [[nodiscard]] bool has(bool (*kind)(Cause)) const {
     return std::any_of(suspicions_.begin(), suspicions_.end(),
@@ -117,6 +123,11 @@ std::string Sentences::rate_words(double rate, double sigma) const {
                                          : "has a rate of " + words_.rate(rate, sigma);
 }
 
+// Whether the rate in the end is not that of the last stretch.
+bool Sentences::moves_on() const {
+  return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
+}
+
 std::string Sentences::going() const {
   const RateSummary& rate = data_.rate;
   const std::string span = words_.duration(rate.duration_s);
@@ -127,14 +138,30 @@ std::string Sentences::going() const {
   const RateSummary& now = data_.now.rate;
   const std::string how = rate_words(now.rate_excess, now.rate_excess_sigma);
   const bool is_zero = std::abs(now.rate_excess) <= 2.0 * now.rate_excess_sigma;
-  if (!data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle)
-    return fmt::format("In the last {} of this log of {} the clock {}.",
-                       words_.duration(now.duration_s), span, how);
-  if (data_.stretches.size() > 1) return fmt::format("The clock now {}.", how);
+  const std::string guess = // the log, or the one who has it, may state the period
+      data_.log.nominal_period_s
+          ? ""
+          : fmt::format(", if its period should be {:.9g} s", rate.nominal_period_s);
+  if (moves_on())
+    return fmt::format("In the last {} of this log of {} the clock {}{}.",
+                       words_.duration(now.duration_s), span, how, guess);
+  if (data_.stretches.size() > 1) return fmt::format("The clock now {}{}.", how, guess);
   return is_zero ? fmt::format("Over the {} of this log the clock neither gains nor loses beyond "
-                               "what the log can tell: its rate is {}.",
-                               span, words_.rate(now.rate_excess, now.rate_excess_sigma))
-                 : fmt::format("Over the {} of this log the clock {}.", span, how);
+                               "what the log can tell: its rate is {}{}.",
+                               span, words_.rate(now.rate_excess, now.rate_excess_sigma), guess)
+                 : fmt::format("Over the {} of this log the clock {}{}.", span, how, guess);
+}
+
+// Half the period given for the period is the commonest slip.
+std::string Sentences::every_nth() const {
+  const std::int64_t step = usual_step(data_.beats);
+  if (step < 2) return {};
+  const double nominal_s = data_.rate.nominal_period_s;
+  if (step > 2)
+    return fmt::format("The log holds one in {} of the beats, {:.6g} s apart.", step, nominal_s);
+  return fmt::format("Every second beat is missing: a period is there and back, tick and tock, and "
+                     "if that takes {:.6g} s here, all numbers below are those of another clock.",
+                     2.0 * nominal_s);
 }
 
 std::string Sentences::interruption(const Interruption& event) const {
@@ -160,9 +187,12 @@ std::string Sentences::changes() const {
           "Its rate changed {}, by {}", words_.moment(first.at_s),
           words_.rate(after.rate_excess - before.rate_excess,
                       std::hypot(before.rate_excess_sigma, after.rate_excess_sigma)));
-    return fmt::format("Its rate changed {}, from {} before to {} after", words_.moment(first.at_s),
+    return fmt::format("Its rate changed {}, from {} before to {}{} after{}",
+                       words_.moment(first.at_s),
                        words_.rate(before.rate_excess, before.rate_excess_sigma),
-                       words_.rate(after.rate_excess, after.rate_excess_sigma));
+                       moves_on() ? "a mean of " : "",
+                       words_.rate(after.rate_excess, after.rate_excess_sigma),
+                       moves_on() ? ", and it has moved on since" : "");
   }
   if (changes_.size() == 1) return fmt::format("Its rate changed {}", words_.moment(first.at_s));
   return fmt::format("Its rate changed {} times, first {} and last {}", changes_.size(),
@@ -213,24 +243,27 @@ void Sentences::say_what_it_suffers_from() {
 std::string Sentences::zero_rate() const {
   const RateSummary& now = data_.now.rate;
   if (data_.nut)
-    return fmt::format("{} the bob by {} turns of the rating nut ({:.3g} mm) to bring the rate to "
+    return fmt::format("{} the bob by {} turns of the rating nut ({:.3g} mm), to bring the rate to "
                        "zero.",
                        data_.nut->turns < 0.0 ? "lower" : "raise",
                        with_sigma(std::abs(data_.nut->turns), data_.nut->sigma, 3),
                        1e3 * std::abs(data_.nut->raise_m));
   if (!(std::abs(now.rate_excess) > 2.0 * now.rate_excess_sigma)) return {};
-  return fmt::format("to bring the rate to zero, turn the rating nut so that the bob goes {}.",
+  return fmt::format("turn the rating nut so that the bob goes {}, to bring the rate to zero.",
                      now.rate_excess < 0.0 ? "up" : "down");
 }
 
 std::string Sentences::what_to_do() const {
   if (!data_.rate.nominal_is_known)
     return "Say what period the clock should have, and this report tells its rate.";
-  if (!suspicions_.empty()) {
-    const bool is_advised = !suspicions_.front().advice.empty(); // that is said behind the cause
-    return is_advised && !data_.nut ? "" : capitalised(zero_rate());
-  }
-  if (const std::string nut = zero_rate(); !nut.empty()) return capitalised(nut);
+  const bool is_advised = // that is said behind the cause
+      !suspicions_.empty() && !suspicions_.front().advice.empty();
+  if (const std::string nut = zero_rate(); !nut.empty())
+    return (moves_on()   ? "Once the rate has come to rest, "
+            : is_advised ? "After that, "
+                         : "") +
+           (moves_on() || is_advised ? nut : capitalised(nut));
+  if (!suspicions_.empty()) return "";
   return data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more."
                                                     : "There is nothing to do.";
 }
@@ -251,6 +284,18 @@ void Sentences::say_how_it_comes_to_rest() {
                     "period changes as it comes to rest.",
                     with_sigma(period->value, period->sigma, 10)));
   if (!suspicions_.empty()) say(explanation(suspicions_.front(), words_, sees_amplitude_));
+}
+
+// The noise of the clock itself that the model needs to explain the log.
+std::string Sentences::wander() const {
+  const FitSummary& fit = data_.fit;
+  const bool holds_changes = fit.events.empty() && !changes_.empty();
+  const std::string change = holds_changes ? ", which takes the change above in" : "";
+  const FittedParameter* slow = fit.find("slow_rms");
+  if (fit.model.slow && slow != nullptr && std::isfinite(slow->value))
+    return fmt::format(" only with a drive that wanders slowly, by {} % rms{}",
+                       with_sigma(100.0 * slow->value, 0.0, 2), change);
+  return fit.model.walk ? " only with a rate that wanders by itself" + change : "";
 }
 
 // Whether the model explains the log, and what of it the log determines.
@@ -276,8 +321,11 @@ void Sentences::say_what_the_model_tells() {
       unknown.push_back(word);
   constexpr double least_p = 1e-3; // of white residuals
   const bool rough = fit.quality.whiteness_p < least_p;
-  std::string text = rough ? "The model of the pendulum explains this log only roughly"
-                           : "The model of the pendulum explains this log to within its noise";
+  const std::string needs = wander();
+  std::string text =
+      "The model of the pendulum explains this log" + (rough           ? " only roughly"
+                                                       : needs.empty() ? " to within its noise"
+                                                                       : needs);
   const bool swings_freely = fit.model.escapement == Escapement::none;
   const std::string_view remedy = swings_freely ? "a longer log or a larger first swing"
                                                 : "a ring-down or a change of the driving weight";

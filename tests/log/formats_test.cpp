@@ -163,6 +163,14 @@ std::vector<Wild> wild_formats() {
        [](std::int64_t t, int) { return fmt::format("{};1,2345E0;NaN", seconds_text(t, ',')); },
        "\"Time (s)\";\"Amplitude (mrad)\";\"Temperature (C)\"\n", F::table,
        "comma is the decimal"});
+  add({"GermanDatesAndTimes",
+       [](std::int64_t t, int) { return calendar(t, "{:02}.02.2013;{:02}:{:02}:{:02},{:07}"); },
+       "Datum;Uhrzeit\n", F::table, "comma is the decimal"});
+  add({"GermanTimestamps",
+       [](std::int64_t t, int i) {
+         return fmt::format("{}\t{}", calendar(t, "{:02}.02.2013 {:02}:{:02}:{:02},{:07}"), i);
+       },
+       "Zeit\tNr\n", F::table, "comma is the decimal"});
   add({"VernierBlock",
        [](std::int64_t t, int) {
          return fmt::format("{}\t46.4", seconds_text(t - 13615762800000000LL));

@@ -113,6 +113,65 @@ TEST(SummaryTest, AChangeHasItsRatesBeforeAndAfter) {
   EXPECT_NE(text.find("drives the pendulum changed then"), std::string::npos) << text;
 }
 
+TEST(SummaryTest, ACauseWithAdviceLeavesTheNutToBeTurned) {
+  Analysis data = quiet_report();
+  data.suspicions = {{Cause::missed_beats, 50.0, "evidence", {}, "Clean the sensor."}};
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("Clean the sensor."), std::string::npos) << text;
+  EXPECT_NE(text.find("After that, turn the rating nut so that the bob goes down, to bring"),
+            std::string::npos)
+      << text;
+}
+
+TEST(SummaryTest, AGuessedPeriodIsSaidWithTheRate) {
+  Analysis data = quiet_report();
+  data.log.nominal_period_s.reset();
+  EXPECT_NE(report_sentences(data)[0].find("if its period should be 3 s"), std::string::npos)
+      << report_sentences(data)[0];
+  data.log.nominal_period_s = 3.0;
+  EXPECT_EQ(report_sentences(data)[0].find("if its period"), std::string::npos)
+      << report_sentences(data)[0];
+}
+
+TEST(SummaryTest, HalfThePeriodIsNoFaultOfTheSensor) {
+  Analysis data = quiet_report();
+  for (Beat& beat : data.beats)
+    beat.cycle *= 2;
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("Every second beat is missing"), std::string::npos) << text;
+  EXPECT_NE(text.find("takes 6 s here"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, AVisitHasItsDirection) {
+  Analysis data = quiet_report();
+  data.suspicions = {{Cause::magnet, 50.0, "evidence"}};
+  data.suspicions[0].numbers = {300.0, 600.0, -1e-5, 1e-6};
+  EXPECT_NE(all_of(report_sentences(data)).find("the rate is lower by 864"), std::string::npos)
+      << all_of(report_sentences(data));
+}
+
+TEST(SummaryTest, AWanderThatTheModelNeedsIsNamed) {
+  Analysis data = with_one_change(ChangeKind::drive);
+  data.fit.model.slow = true;
+  FittedParameter slow;
+  slow.name = "slow_rms";
+  slow.value = 0.034;
+  data.fit.parameters.push_back(slow);
+  data.fit.quality.whiteness_p = 0.5;
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("wanders slowly, by 3.4 % rms, which takes the change above in"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("to within its noise"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, ABeatErrorIsInTheTable) {
+  Analysis data = quiet_report();
+  EXPECT_EQ(value_of(data, "beat error, half of what tick and tock differ by"), "");
+  data.sensor.beat_error_s = SensorEstimate{-2.1e-3, 1e-5};
+  EXPECT_EQ(value_of(data, "beat error, half of what tick and tock differ by"), "2.100 ± 0.010 ms");
+}
+
 TEST(SummaryTest, WithoutANominalPeriodAChangeHasItsSize) {
   Analysis data = with_one_change(ChangeKind::drive);
   data.rate.nominal_is_known = false;

@@ -35,6 +35,7 @@ struct Analysis {
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
   std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
   std::optional<NutTurns> nut{};           ///< to bring the rate as it is now to zero
+  SensorFindings sensor{};                 ///< beat error, and where the sensor stands
 };
 
 /// The data of a fit: times and amplitudes of the good beats, with temperature, pressure and air
