@@ -73,7 +73,7 @@ BatchWorker log_worker(const Words& logs, const JobSettings& settings) {
       outcomes.push_back(outcome_of([&] {
         const Job job = settings.of(logs[i]);
         LogOptions options = job.log();
-        options.path = logs[i];
+        options.paths = {logs[i]};
         return result_of(job, load(load_request(options)));
       }));
     return outcomes;
@@ -108,7 +108,7 @@ JobOutcome RealisationWorker::outcome_for(const SimulatedLog& log, std::uint64_t
   if (log.status != SwingStatus::crossed)
     throw NumericsError(fmt::format("{} after {} periods", words_for(log.status), log.periods));
   LogOptions options = job_.log();
-  options.path = fmt::format("seed {}", seed);
+  options.paths = {fmt::format("seed {}", seed)};
   return result_of(job_, load_text(log.text, load_request(options)));
 }
 

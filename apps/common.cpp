@@ -62,7 +62,10 @@ void say(const GlobalOptions& global, std::string_view line) {
 }
 
 void add_log_options(CLI::App& command, LogOptions& options) {
-  command.add_option("log", options.path, "the log, gzip or not; '-' is standard input")
+  command
+      .add_option("log", options.paths,
+                  "the log, gzip or not; '-' is standard input. Several files, or a folder of "
+                  "them, are read as one log of one clock")
       ->required();
   add_log_settings(command, options);
 }
@@ -160,13 +163,14 @@ ReadingOptions reading_options(const LogOptions& options) {
   return reading;
 }
 
-std::string words_for(const LineIssue& issue, const std::string& source) {
+std::string words_for(const LineIssue& issue, const ClockLog& log) {
+  const TextPlace first = log.place(issue.line), last = log.place(issue.last_line);
   const std::string lines =
       issue.scattered && issue.lines > 1
-          ? fmt::format(" (as in {} lines from here to line {})", issue.lines, issue.last_line)
-      : issue.last_line > issue.line ? fmt::format(" (and on to line {})", issue.last_line)
+          ? fmt::format(" (as in {} lines from here to line {})", issue.lines, last.line)
+      : issue.last_line > issue.line ? fmt::format(" (and on to line {})", last.line)
                                      : std::string();
-  return fmt::format("{}:{}:{}: {}: {}{}", source, issue.line, issue.column, issue.found,
+  return fmt::format("{}:{}:{}: {}: {}{}", first.file, first.line, issue.column, issue.found,
                      issue.action, lines);
 }
 
@@ -199,7 +203,7 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
     say(global, "assumed: " + assumption.text);
   const auto& issues = loaded.log.issues;
   for (std::size_t i = 0; i < std::min(issues.size(), issues_shown); ++i)
-    say(global, words_for(issues[i], loaded.log.source));
+    say(global, words_for(issues[i], loaded.log));
   if (issues.size() > issues_shown)
     say(global, fmt::format("... and {} more issues (rate --json lists all)",
                             issues.size() - issues_shown));
@@ -220,7 +224,10 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
 
 LoadRequest load_request(const LogOptions& options) {
   LoadRequest request;
-  request.path = options.path;
+  if (!options.paths.empty()) {
+    request.path = options.paths.front();
+    request.more.assign(options.paths.begin() + 1, options.paths.end());
+  }
   request.reading = reading_options(options);
   request.both_edges = options.both_edges;
   request.dead_time_s = options.dead_time_s;
@@ -237,7 +244,7 @@ NumberedLog load(const LogOptions& options, const GlobalOptions& global) {
   LoadRequest request = load_request(options);
   NumberedLog loaded;
   {
-    ProgressBar bar(global.quiet, "reading " + options.path);
+    ProgressBar bar(global.quiet, "reading " + request.path);
     request.reading.progress = std::ref(bar);
     loaded = goingrate::load(request);
   }

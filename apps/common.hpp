@@ -23,7 +23,7 @@ inline constexpr double gib = 1073741824.0; ///< bytes
 
 /// Options of every command that reads a log.
 struct LogOptions {
-  std::string path;
+  std::vector<std::string> paths; ///< several, or folders: files of one clock
   std::string format;
   double nominal_period_s = 0.0; ///< 0: not given
   double flag_width_rad = 0.0;
@@ -58,7 +58,7 @@ void add_reading_options(CLI::App& command, LogOptions& options);
 ReadingOptions reading_options(const LogOptions& options);
 
 /// One issue as a line: file:line:column: what was found: what was done.
-std::string words_for(const LineIssue& issue, const std::string& source);
+std::string words_for(const LineIssue& issue, const ClockLog& log);
 
 /// What the road of a log is told.
 LoadRequest load_request(const LogOptions& options);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sets up, builds and reports on a log: ./apps/demo.sh [LOG [options of goingrate report]]
-# The page comes to the folder you are in, under the log's name.
+# The page is written to the folder you are in, under the log's name.
 set -euo pipefail
 here=$(pwd)
 cd "$(dirname "$0")/.."

@@ -104,14 +104,14 @@ private:
       if (begins_anew) {
         print(numbers_.rest(*log_));
         numbers_.begin_anew();
-        say(global_,
-            fmt::format("{}:{}: the times begin again: a new segment", options_.path, event.line));
+        say(global_, fmt::format("{}:{}: the times begin again: a new segment",
+                                 options_.paths.front(), event.line));
       }
       numbers_.add(event);
     }
     for (const Beat& event : arrivals_.take_left_out())
-      say(global_, fmt::format("{}:{}: a time far from those around it: left out", options_.path,
-                               event.line));
+      say(global_, fmt::format("{}:{}: a time far from those around it: left out",
+                               options_.paths.front(), event.line));
   }
 
   void print_new() {
@@ -119,7 +119,7 @@ private:
     print(numbers_.rows(*log_));
     tell_assumptions(*log_);
     for (; issues_told_ < log_->issues.size(); ++issues_told_)
-      say(global_, words_for(log_->issues[issues_told_], options_.path));
+      say(global_, words_for(log_->issues[issues_told_], *log_));
   }
 
   const LogOptions& options_;
@@ -134,8 +134,10 @@ private:
 } // namespace
 
 void follow(const LogOptions& options, double alarm_s, const GlobalOptions& global) {
+  if (options.paths.size() > 1)
+    throw ArgumentError("log", options.paths[1], "a single file where it is followed as it grows");
   Following following(options, alarm_s, global);
-  LogFollower log(options.path, reading_options(options), [&] {
+  LogFollower log(options.paths.front(), reading_options(options), [&] {
     following.wait();
     return true;
   });

@@ -58,8 +58,12 @@ Analysis analysis_of(const ReportCommand& options, const GlobalOptions& global) 
   return data;
 }
 
-std::string page_beside(const std::string& log) {
-  return log == "-" ? "report.html" : std::filesystem::path(log).stem().string() + ".html";
+// Named after the log: a file without its ending, or a folder.
+std::string page_name(const std::string& log) {
+  if (log == "-") return "report.html";
+  std::filesystem::path path = std::filesystem::absolute(log).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  return (std::filesystem::is_directory(path) ? path.filename() : path.stem()).string() + ".html";
 }
 
 void add_figures(const std::string& folder, const Analysis& data, const GlobalOptions& global,
@@ -88,7 +92,8 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
   name_options(data.fit);
   if (options.nut_pitch_mm > 0.0 && !data.nut)
     say(global, "no turns of the rating nut: the rate takes a nominal period (--nominal-period)");
-  const std::string page = options.output.empty() ? page_beside(options.log.path) : options.output;
+  const std::string page =
+      options.output.empty() ? page_name(options.log.paths.front()) : options.output;
   const bool talk = options.json != "-" && page != "-";
   Files files{{options.json, report_json(data)},
               {page, report_html(data)},

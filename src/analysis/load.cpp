@@ -65,7 +65,7 @@ private:
     const double typical = loaded_.beats.typical_period_s;
     if (std::abs(mean / typical - 1.0) <= largest_rate_excess) return;
     throw ImpossibleReading(
-        {loaded_.log.source, loaded_.good.front().line, 1},
+        loaded_.log.place(loaded_.good.front().line),
         fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
         "the beats of one clock", readings_for_period(mean, typical));
   }
@@ -89,7 +89,7 @@ private:
       far += step > largest_rate_excess * grid.tau0_s ? 1 : 0;
     }
     if (2 * far <= all) return;
-    throw ImpossibleReading({loaded_.log.source, loaded_.log.events.front().line, 1},
+    throw ImpossibleReading(loaded_.log.place(loaded_.log.events.front().line),
                             fmt::format("phases that move by more than {:.0f} % of the interval",
                                         100.0 * largest_rate_excess),
                             "those of a clock", readings_for_phases(grid));
@@ -128,8 +128,7 @@ private:
     const bool possible = std::abs(typical / loaded_.nominal_period_s - 1.0) <= largest_rate_excess;
     if (possible || request_.reading.nominal_period_s) return;
     throw ImpossibleReading(
-        {log.source, loaded_.beats.beats.front().line, 1},
-        fmt::format("beats {:.6g} s apart", typical),
+        log.place(loaded_.beats.beats.front().line), fmt::format("beats {:.6g} s apart", typical),
         fmt::format("those of a clock whose nominal period is {:.6g} s", loaded_.nominal_period_s),
         readings_for_period(typical, loaded_.nominal_period_s));
   }
@@ -222,7 +221,9 @@ private:
 } // namespace
 
 NumberedLog load(const LoadRequest& request) {
-  return Loading(read_log_file(request.path, request.reading), request).run();
+  std::vector<std::string> paths{request.path};
+  paths.insert(paths.end(), request.more.begin(), request.more.end());
+  return Loading(read_log_files(paths, request.reading), request).run();
 }
 
 NumberedLog load_text(std::string_view text, const LoadRequest& request) {

@@ -1,12 +1,18 @@
-// What a log's beginning tells, whether it is read as a whole or as it grows.
+// The steps of reading a log, whether it is one file, several, or one that grows.
 #pragma once
+
+#include "lines.hpp"
+#include "row_reader.hpp"
 
 #include "goingrate/log/clock_log.hpp"
 #include "goingrate/log/reading.hpp"
 
+#include <functional>
 #include <string_view>
 
 namespace goingrate {
+
+inline constexpr std::size_t lines_to_know = 400; ///< of the head: settles formats and units
 
 /// Throws ArgumentError for what could not be counted with, however the file looks.
 void check(const ReadingOptions& options);
@@ -15,5 +21,22 @@ void check(const ReadingOptions& options);
 /// all of it. What was assumed is added to `log`. Throws InputError if they are no log.
 Layout settle_layout(std::string_view text, bool whole, ClockLog& log,
                      const ReadingOptions& options);
+
+/// Whether the rows of one may be read as those of the other.
+bool is_same(const Layout& a, const Layout& b);
+
+/// Whether times tell the day: dates, MJD, or seconds since 1970 (from 1973 on; no logger has run
+/// so long). `first` is one of them.
+bool are_dates(const Layout& layout, const Instant& first);
+
+/// Lines to make room for.
+std::size_t room_for(std::size_t lines_expected);
+
+/// Adds all lines that are left of a text. `progress` is told now and then which part of it that
+/// is.
+void add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress);
+
+/// What can be found, mended or refused only when all lines have been read: `log` is ready then.
+void complete(ClockLog& log, RowReader& rows, const Layout& layout, const ReadingOptions& options);
 
 } // namespace goingrate

@@ -84,7 +84,7 @@ void Detection::refuse_fast_counter(const ColumnSample& sample) const {
     if (!(sample.most < holds && sample.most > filled_share * holds)) continue;
     const HeadLine& first = head_.rows.front();
     throw ImpossibleReading(
-        {log_.source, first.number, 1},
+        log_.place(first.number),
         fmt::format("whole numbers up to {:.0f} that begin again every few lines", sample.most),
         "times that rise for some beats at least",
         {{.words = "they are microseconds, and begin again more than once a beat of 2 s",
@@ -113,7 +113,7 @@ void Detection::refuse_what_was_not_measured(std::size_t time) const {
       return fmt::format("{}={}", role, place + 1);
     };
     throw ImpossibleReading(
-        {log_.source, first.number, 1},
+        log_.place(first.number),
         fmt::format("whole numbers exactly {} apart for times", sample.typical_step),
         "times that were measured",
         {{.words = fmt::format("column {} is the clock's error at each label", i + 1),

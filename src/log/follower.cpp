@@ -33,16 +33,6 @@ std::string_view first_lines(std::string_view text, std::size_t count) {
   return text.substr(0, end == text.npos ? end : end + 1);
 }
 
-bool is_same(const Layout& a, const Layout& b) {
-  const auto same_column = [](const LogColumn& one, const LogColumn& other) {
-    return one.role == other.role && one.scale == other.scale && one.unit == other.unit;
-  };
-  return a.format == b.format && a.separator == b.separator && a.point == b.point &&
-         a.calendar == b.calendar && a.channel == b.channel &&
-         std::equal(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(),
-                    same_column);
-}
-
 // Number of events in the first lines of data; 0 if more than a quarter of these are rejected.
 std::size_t events_in(std::string_view text, const Layout& layout, const ReadingOptions& options) {
   constexpr std::size_t lines_looked_at = 16;

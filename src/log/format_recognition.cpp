@@ -47,7 +47,7 @@ LogFormat Detection::format_of_contents() const {
     if (is_calendar(i)) return LogFormat::table;
   if (timed || !options_.columns.empty()) return LogFormat::table;
   const HeadLine& first = head_.rows.front();
-  throw ImpossibleReading({log_.source, first.number, 1}, shown(first.text), "a known layout",
+  throw ImpossibleReading(log_.place(first.number), shown(first.text), "a known layout",
                           {{.words = "column 1 holds the times", .columns = {"time=1"}},
                            {.words = "column 1 holds periods", .columns = {"period=1"}}});
 }
@@ -56,7 +56,7 @@ LogFormat Detection::format_of_one_column() const {
   const ColumnSample& only = samples_.front();
   if (!parse_number(first_[0].text, layout_.point)) {
     const HeadLine& first = head_.rows.front();
-    throw InputError({log_.source, first.number, 1}, shown(first.text), "a time a line");
+    throw InputError(log_.place(first.number), shown(first.text), "a time a line");
   }
   const bool steady = !is_number(0) || only.rising > 0.6 || only.falling > 0.7;
   const bool beats = !is_number(0) || options_.unit || unit_for_step(only.typical_step, only);
@@ -68,7 +68,7 @@ LogFormat Detection::format_of_one_column() const {
   if (only.whole && only.least >= 0.0 && only.most > 100.0) {
     const HeadLine& first = head_.rows.front();
     throw ImpossibleReading(
-        {log_.source, first.number, 1},
+        log_.place(first.number),
         fmt::format("whole numbers that do not rise, from {}", shown(first.text)), "times",
         {{.words = "they are microseconds of a counter of 16 bits that overflows within a beat of "
                    "1 s",

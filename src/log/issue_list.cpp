@@ -24,7 +24,7 @@ FaultWords words_of(std::string_view fault) {
 void IssueList::refuse(std::size_t line, std::size_t column, std::string_view found,
                        std::string_view action) const {
   const FaultWords words = words_of(found);
-  throw InputError({log_.source, line, column}, words.found,
+  throw InputError(log_.place(line, column), words.found,
                    fmt::format("{} (where faults are mended: {})",
                                words.expected.empty() ? "a log without faults" : words.expected,
                                action));
@@ -36,7 +36,8 @@ void IssueList::add(std::size_t line, std::size_t column, IssueKind kind, std::s
   auto& issues = log_.issues;
   if (!issues.empty()) {
     LineIssue& last = issues.back();
-    if (!last.scattered && last.kind == kind && last.column == column &&
+    const bool same_file = log_.files.empty() || last.last_line > log_.files.back().lines_before;
+    if (same_file && !last.scattered && last.kind == kind && last.column == column &&
         last.last_line + 1 == line && last.action == action)
       return lengthen(last, line);
   }

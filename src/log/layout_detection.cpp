@@ -168,7 +168,7 @@ void Detection::check_needed_columns() {
       (layout_.format != LogFormat::native || head_.names.size() > 0);
   if (complete) return;
   const HeadLine& line = head_.titles.empty() ? head_.rows.front() : head_.titles.back();
-  const TextPlace place{log_.source, line.number, 1};
+  const TextPlace place = log_.place(line.number);
   const auto refuse = [&](std::string_view expected, OtherReading other) {
     throw ImpossibleReading(place, shown(line.text), expected, {std::move(other)});
   };

@@ -47,7 +47,7 @@ public:
       throw InputError({path}, found_instead(errno), "a readable file");
     if (S_ISDIR(status.st_mode)) {
       ::close(descriptor_);
-      throw InputError({path}, "a directory", "a readable file");
+      throw InputError({path}, "a folder", "a readable file");
     }
     if (S_ISREG(status.st_mode)) size_ = static_cast<std::uint64_t>(status.st_size);
   }
@@ -203,7 +203,7 @@ LineReader::LineReader(std::unique_ptr<ByteSource> source, std::string name)
 bool LineReader::refill() {
   if (at_end_) return false;
   if (rest_.size() > longest_line)
-    throw InputError({name_, number_ + 1, 1},
+    throw InputError({name_, number_ - counted_from_ + 1, 1},
                      fmt::format("a line of more than {} bytes", longest_line),
                      "a log in lines of text");
   std::copy(rest_.begin(), rest_.end(), buffer_.begin()); // moves towards the front

@@ -67,6 +67,8 @@ public:
   }
   /// Lines so far.
   [[nodiscard]] std::uint32_t number() const { return number_; }
+  /// Lines are counted on from those of another text. Only before the first next().
+  void count_from(std::uint32_t lines) { number_ = counted_from_ = lines; }
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Bytes of the source still to come, in this reader's reckoning; nothing if unknown.
@@ -84,7 +86,7 @@ private:
   std::vector<char> buffer_;
   std::string_view rest_; // of the buffer, or of the text
   char line_end_ = '\n';
-  std::uint32_t number_ = 0;
+  std::uint32_t number_ = 0, counted_from_ = 0;
   std::size_t lines_expected_ = 0;
   bool at_end_ = false;
   bool whole_is_in_head_ = false;

@@ -95,6 +95,15 @@ bool has_decimal_comma(std::string_view text) {
   return text.find('.') == std::string_view::npos && parse_number(text, ',').has_value();
 }
 
+// "12.25" or "16:02:04.25": the points of a date are none.
+bool has_decimal_point(std::string_view text) {
+  if (text.find(',') != std::string_view::npos) return false;
+  const std::size_t colon = text.rfind(':');
+  const std::string_view last = colon == std::string_view::npos ? text : text.substr(colon + 1);
+  return last.find('.') != std::string_view::npos &&
+         (parse_number(text) || (colon != std::string_view::npos && parse_calendar(text)));
+}
+
 bool any_digit(std::string_view line) {
   return line.find_first_of("0123456789") != std::string_view::npos;
 }
@@ -171,11 +180,7 @@ void settle_separators(LogHead& head, const std::vector<HeadLine>& lines, bool d
     split_fields(line.text, head.separator, fields);
     for (const Field& field : fields) {
       commas += has_decimal_comma(field.text) ? 1 : 0;
-      points += field.text.find(',') == field.text.npos &&
-                        field.text.find('.') != field.text.npos &&
-                        (parse_number(field.text) || parse_calendar(field.text))
-                    ? 1
-                    : 0;
+      points += has_decimal_point(field.text) ? 1 : 0;
     }
   }
   if (decimal_comma || commas <= points) return;

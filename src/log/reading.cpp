@@ -18,8 +18,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t fewest_events = 3;   // two periods: the least from which a rate has a scatter
-constexpr std::size_t lines_to_know = 400; // of the head: settles formats and units
+constexpr std::size_t fewest_events = 3; // two periods: the least from which a rate has a scatter
 
 // Numbers that the header states.
 std::optional<double> stated(const LogHead& head, std::string_view key, double least, double most) {
@@ -54,7 +53,7 @@ void refuse_if_mostly_bad(const ClockLog& log, const RowReader& rows) {
   });
   const LineIssue& first = line == log.issues.end() ? log.issues.front() : *line;
   const FaultWords words = words_of(first.found);
-  throw InputError({log.source, first.line, first.column},
+  throw InputError(log.place(first.line, first.column),
                    fmt::format("{} unusable lines out of {}, here first: {}{}{}", rows.rejected(),
                                rows.data_lines(), words.found,
                                words.expected.empty() ? "" : " instead of ", words.expected),
@@ -76,16 +75,16 @@ std::vector<OtherReading> readings_beside_angle(const Layout& layout) {
 void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout& layout) {
   if (log.events.size() >= fewest_events) return;
   if (log.events.empty() && rows.other_channels() > 0)
-    throw InputError({log.source, layout.first_line, 1},
+    throw InputError(log.place(layout.first_line),
                      fmt::format("{} lines of other channels", rows.other_channels()),
                      fmt::format("lines of channel {}", layout.channel));
   if (layout.format == LogFormat::angle)
-    throw ImpossibleReading({log.source, layout.first_line, 1},
+    throw ImpossibleReading(log.place(layout.first_line),
                             fmt::format("{} samples of an angle with {} crossings",
                                         rows.samples().size(), log.events.size()),
                             "three swings or more", readings_beside_angle(layout));
   const std::size_t line = log.events.empty() ? 1 : log.events.back().line;
-  throw InputError({log.source, line, 1},
+  throw InputError(log.place(line),
                    fmt::format("{} {}{}", log.events.size(), log.grid ? "value" : "event",
                                log.events.size() == 1 ? "" : "s"),
                    fmt::format("at least {}", fewest_events));
@@ -102,7 +101,7 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
   const auto swings = crossings_of_samples(samples, options.rest_angle_rad, in_rad);
   if (swings.samples_per_period > 0.0 && swings.samples_per_period < fewest_samples_per_period)
     throw InputError(
-        {log.source, layout.first_line, 1},
+        log.place(layout.first_line),
         fmt::format("sampled too coarsely: {:.2g} samples a period", swings.samples_per_period),
         fmt::format("at least {}", fewest_samples_per_period));
   for (const SampledCrossing& crossing : swings.crossings) {
@@ -123,12 +122,6 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
                                            "swings",
                                            swings.rest_angle, in_rad ? " rad" : ""),
                                Setting::rest_angle});
-}
-
-// Lines to make room for; those of a file are not all of one length.
-std::size_t room_for(const LineReader& lines) {
-  constexpr double margin = 1.02;
-  return static_cast<std::size_t>(margin * static_cast<double>(lines.lines_expected()));
 }
 
 // Times of crossings may be those of one direction or of both. A log of our own has a column of
@@ -186,15 +179,6 @@ void unwrap_turned(ClockLog& log, Layout layout, const ReadingOptions& options) 
          Setting::wrap});
 }
 
-// Whether times tell the day: dates, MJD, or seconds since 1970 (from 1973 on; no logger has run so
-// long).
-bool are_dates(const Layout& layout, const ClockLog& log) {
-  const auto time = layout.find(ColumnRole::time);
-  constexpr double years_s = 1e8;
-  return time && ((layout.calendar && !layout.wrap_s) || layout.columns[*time].unit == in_days ||
-                  log.events.front().time.to_double() > years_s);
-}
-
 // False at the end.
 bool add_next(LineReader& lines, RowReader& rows) {
   const auto line = lines.next();
@@ -209,16 +193,50 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   const std::string_view beginning = lines.head(lines_to_know);
   const Layout layout = settle_layout(beginning, lines.whole_is_in_head(), log, options);
   RowReader rows(layout, options, log);
-  rows.reserve(room_for(lines));
+  rows.reserve(room_for(lines.lines_expected()));
+  add_rows(lines, rows, options.progress);
+  complete(log, rows, layout, options);
+  return log;
+}
+
+} // namespace
+
+bool is_same(const Layout& a, const Layout& b) {
+  const auto same_column = [](const LogColumn& one, const LogColumn& other) {
+    return one.role == other.role && one.scale == other.scale && one.unit == other.unit;
+  };
+  return a.format == b.format && a.separator == b.separator && a.point == b.point &&
+         a.calendar == b.calendar && a.channel == b.channel && a.newest_first == b.newest_first &&
+         std::equal(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(),
+                    same_column);
+}
+
+bool are_dates(const Layout& layout, const Instant& first) {
+  const auto time = layout.find(ColumnRole::time);
+  constexpr double years_s = 1e8;
+  return time && ((layout.calendar && !layout.wrap_s) || layout.columns[*time].unit == in_days ||
+                  first.to_double() > years_s);
+}
+
+// Those of a file are not all of one length.
+std::size_t room_for(std::size_t lines_expected) {
+  constexpr double margin = 1.02;
+  return static_cast<std::size_t>(margin * static_cast<double>(lines_expected));
+}
+
+void add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress) {
   constexpr std::uint32_t between_reports = 1 << 16; // lines
-  std::uint32_t reported = 0;
+  std::uint32_t reported = lines.number();
   do {
     const auto plain = rows.add_plain_times(lines.at_hand(), lines.number() + 1);
     lines.skip(plain.bytes, plain.lines);
-    if (!options.progress || lines.number() < reported + between_reports) continue;
+    if (!progress || lines.number() < reported + between_reports) continue;
     reported = lines.number();
-    options.progress(lines.fraction_read().value_or(0.0));
+    progress(lines.fraction_read().value_or(0.0));
   } while (add_next(lines, rows));
+}
+
+void complete(ClockLog& log, RowReader& rows, const Layout& layout, const ReadingOptions& options) {
   rows.finish();
   refuse_if_mostly_bad(log, rows);
   IssueList issues(log, options.strict);
@@ -234,11 +252,8 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   const bool as_read = !layout.find(ColumnRole::clock_error) && layout.format != LogFormat::angle &&
                        !layout.newest_first;
   if (!log.grid && (!as_read || !rows.in_order()))
-    restore_order(log, are_dates(layout, log), issues);
-  return log;
+    restore_order(log, are_dates(layout, log.events.front().time), issues);
 }
-
-} // namespace
 
 ClockLog read_log(std::string_view text, const std::string& source, const ReadingOptions& options) {
   LineReader lines(text, source);

@@ -160,7 +160,8 @@ void leave_out_copies(ClockLog& log, IssueList& issues) {
   for (std::size_t i = 1; i < events.size(); ++i) {
     if (is_same(events[kept - 1], events[i])) {
       issues.add(events[i].line, 1, IssueKind::repeated,
-                 fmt::format("the same as line {}", events[kept - 1].line), "copy left out");
+                 fmt::format("the same as line {}", log.place(events[kept - 1].line).line),
+                 "copy left out");
       continue;
     }
     for (std::vector<double>* column : columns)

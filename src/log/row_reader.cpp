@@ -244,6 +244,12 @@ void RowReader::append(const Beat& beat, double width_s, double temperature_c,
     log_.columns.pressure_mbar.push_back(pressure_mbar * layout_.columns[*pressure_].scale);
 }
 
+void RowReader::go_on_from(const RowReader& before) {
+  data_lines_ += before.data_lines_;
+  rejected_ += before.rejected_;
+  in_order_ = in_order_ && before.in_order_;
+}
+
 void RowReader::finish() {
   if (unwrap_.wraps() > 0)
     log_.assumptions.push_back(

@@ -36,6 +36,8 @@ public:
   Taken add_plain_times(std::string_view text, std::uint32_t number);
   /// Another text of the same layout follows, whose data begin in this line.
   void begin_anew(std::uint32_t first_line) { layout_.first_line = first_line; }
+  /// What `before` read of the same log, with another layout, counts as read by this one.
+  void go_on_from(const RowReader& before);
   /// Says what can be said only at the end.
   void finish();
 

@@ -8,8 +8,9 @@ namespace goingrate {
 namespace {
 
 // Of a log of both directions: cycles within a segment in which the downward passage is missing.
+// Where most are missing, the log is none of both directions.
 std::int64_t missed_downward(const Beats& numbered) {
-  std::int64_t missing = 0, seen = 0, all = 0;
+  std::int64_t missing = 0, seen = 0, all = 0; // downward passages
   const Beat* last = nullptr;
   for (const Beat& beat : numbered.beats) {
     seen += beat.flag == BeatFlag::down ? 1 : 0;
@@ -20,7 +21,7 @@ std::int64_t missed_downward(const Beats& numbered) {
     seen = 0;
     last = &beat;
   }
-  return all > 0 ? missing : 0;
+  return missing < all ? missing : 0;
 }
 
 } // namespace

@@ -42,6 +42,11 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   Json json = json_with_schema("goingrate.rate");
   const auto rate = [&](double value) { return rate_or_null(value, summary.nominal_is_known); };
   json["source"] = log.source;
+  if (!log.files.empty()) {
+    json["files"] = Json::array();
+    for (const LogFile& file : log.files)
+      json["files"].push_back(file.name);
+  }
   json["crossings"] = summary.crossings;
   json["periods"] = summary.periods;
   json["missed"] = beats.missed;
@@ -84,15 +89,18 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   for (const Assumption& assumption : log.assumptions)
     json["assumptions"].push_back(assumption.text);
   json["issues"] = Json::array();
-  for (const LineIssue& issue : log.issues)
-    json["issues"].push_back({{"line", issue.line},
-                              {"last_line", std::max(issue.line, issue.last_line)},
+  for (const LineIssue& issue : log.issues) {
+    const std::size_t last_line = std::max(issue.line, issue.last_line);
+    json["issues"].push_back({{"line", log.place(issue.line).line},
+                              {"last_line", log.place(last_line).line},
                               {"lines", issue.lines},
                               {"scattered", issue.scattered},
                               {"kind", name_of(issue.kind)},
                               {"column", issue.column},
                               {"found", issue.found},
                               {"action", issue.action}});
+    if (!log.files.empty()) json["issues"].back()["file"] = log.place(issue.line).file;
+  }
   return json;
 }
 

@@ -131,7 +131,7 @@ std::string quality_table(const FitSummary& fit) {
                    "has a shape, read the values as rough"
                  : "below 0.001: the residuals have a shape, read the values as rough"});
   table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs",
-             q.of_innovations ? "with what the drive or the rate wanders in it" : ""});
+             q.of_innovations ? "includes the wander of the drive or the rate" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
     table.row(
         {"residual of the amplitudes, rms", plain_number(1e3 * q.amplitude_rms_rad) + " mrad", ""});

@@ -100,14 +100,19 @@ std::string and_more(std::size_t all, std::size_t shown) {
   return all > shown ? paragraph(fmt::format("… and {} more.", all - shown)) : std::string();
 }
 
-std::string issue_table(const std::vector<LineIssue>& issues) {
+std::string issue_table(const ClockLog& log) {
+  const std::vector<LineIssue>& issues = log.issues;
   if (issues.empty()) return paragraph("Every line of the log could be used.");
   constexpr std::size_t most = 20;
   constexpr std::size_t bytes = 120; // of a faulty line
   Table table("Lines with something wrong", {"line", "column", "found", "what was done"});
+  const auto line_of = [&](const LineIssue& issue) {
+    const TextPlace place = log.place(issue.line);
+    return log.files.empty() ? fmt::format("{}", place.line)
+                             : fmt::format("{}:{}", file_name(place.file), place.line);
+  };
   for (std::size_t i = 0; i < std::min(most, issues.size()); ++i)
-    table.row({fmt::format("{}", issues[i].line),
-               issues[i].column > 0 ? fmt::format("{}", issues[i].column) : "–",
+    table.row({line_of(issues[i]), issues[i].column > 0 ? fmt::format("{}", issues[i].column) : "–",
                shortened(issues[i].found, bytes), shortened(issues[i].action, bytes)});
   return table.html() + and_more(issues.size(), most);
 }
@@ -210,7 +215,7 @@ std::string reading(const Analysis& data) {
   for (const Assumption& assumption : data.log.assumptions)
     assumed.push_back(assumption.text);
   body += assumed.empty() ? paragraph("Nothing.") : list(assumed);
-  body += issue_table(data.log.issues) + gap_table(data.numbered.gaps);
+  body += issue_table(data.log) + gap_table(data.numbered.gaps);
   return section("reading", "How the log was read", body);
 }
 

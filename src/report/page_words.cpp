@@ -30,7 +30,7 @@ constexpr std::array<Word, 12> glossary{{
     {"friction ε", "what slows the pendulum down: left alone it loses a part 2πε of its swing "
                    "each period, at any size of the swing."},
     {"quality factor Q", "2π times the energy of the swing over what a period takes of it; of "
-                         "friction ε it is 1/2ε."},
+                         "friction ε it is 1/(2ε)."},
     {"ring-down", "the pendulum left to come to rest without a drive."},
     {"escapement's angle φ0", "how far from the vertical the escapement's push changes its sign."},
     {"jitter", "how far the sensor's times scatter about the true passages."},

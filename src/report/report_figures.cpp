@@ -186,7 +186,7 @@ Figure TimeFigures::time_residual() const {
       fmt::format("What the fitted clock, going evenly, leaves of each beat's time (positive: the "
                   "beat came late): {}",
                   wanders ? "here the model's drive or rate wanders as well, so that a wave or a "
-                            "bend is that wander."
+                            "bend may be that wander."
                           : "a cloud without shape means the model tells the whole story, a wave "
                             "or a bend that it does not."),
       time_axis(),

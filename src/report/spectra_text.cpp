@@ -45,12 +45,11 @@ std::string region_line(const SlopeRegion& region, DeviationKind kind) {
   const std::string times =
       fmt::format("From {} to {} ", time_in_words(region.from_s), time_in_words(region.to_s));
   if (!may_be_noise(region, kind))
-    return times +
-           fmt::format(
-               "(slope {:+.2g}): the values beside each other look like "
-               "{}, but its slope is {:+.2g}. A step or a trend of the rate can do that, or "
-               "something periodic.\n",
-               region.slope, noise_name(region.alpha), slope_of_noise(kind, region.alpha));
+    return times + fmt::format("(slope {:+.2g}): neighbouring values look like {}, whose slope "
+                               "is {:+.2g}. A step or a trend of the rate can do that, or "
+                               "something periodic.\n",
+                               region.slope, noise_name(region.alpha),
+                               slope_of_noise(kind, region.alpha));
   return times + fmt::format("(slope {:+.2g}, {}): {}.\n", region.slope, noise_name(region.alpha),
                              what_noise_means(region.alpha));
 }

@@ -159,9 +159,11 @@ std::string Sentences::every_nth() const {
   const double nominal_s = data_.rate.nominal_period_s;
   if (step > 2)
     return fmt::format("The log holds one in {} of the beats, {:.6g} s apart.", step, nominal_s);
-  return fmt::format("Every second beat is missing: a period is there and back, tick and tock, and "
-                     "if that takes {:.6g} s here, all numbers below are those of another clock.",
-                     2.0 * nominal_s);
+  return fmt::format(
+      "Every second beat is missing: a period is there and back, tick and tock, and "
+      "if that takes {:.6g} s here, the rate holds all the same, but the period and the "
+      "fitted model are those of another clock.",
+      2.0 * nominal_s);
 }
 
 std::string Sentences::interruption(const Interruption& event) const {
@@ -187,12 +189,11 @@ std::string Sentences::changes() const {
           "Its rate changed {}, by {}", words_.moment(first.at_s),
           words_.rate(after.rate_excess - before.rate_excess,
                       std::hypot(before.rate_excess_sigma, after.rate_excess_sigma)));
-    return fmt::format("Its rate changed {}, from {} before to {}{} after{}",
-                       words_.moment(first.at_s),
-                       words_.rate(before.rate_excess, before.rate_excess_sigma),
-                       moves_on() ? "a mean of " : "",
-                       words_.rate(after.rate_excess, after.rate_excess_sigma),
-                       moves_on() ? ", and it has moved on since" : "");
+    return fmt::format(
+        "Its rate changed {}, from {} before to {}{} after{}", words_.moment(first.at_s),
+        words_.rate(before.rate_excess, before.rate_excess_sigma), moves_on() ? "a mean of " : "",
+        words_.rate(after.rate_excess, after.rate_excess_sigma),
+        moves_on() ? ", and it has moved on since" : "");
   }
   if (changes_.size() == 1) return fmt::format("Its rate changed {}", words_.moment(first.at_s));
   return fmt::format("Its rate changed {} times, first {} and last {}", changes_.size(),
@@ -256,13 +257,10 @@ std::string Sentences::zero_rate() const {
 std::string Sentences::what_to_do() const {
   if (!data_.rate.nominal_is_known)
     return "Say what period the clock should have, and this report tells its rate.";
-  const bool is_advised = // that is said behind the cause
-      !suspicions_.empty() && !suspicions_.front().advice.empty();
-  if (const std::string nut = zero_rate(); !nut.empty())
-    return (moves_on()   ? "Once the rate has come to rest, "
-            : is_advised ? "After that, "
-                         : "") +
-           (moves_on() || is_advised ? nut : capitalised(nut));
+  if (const std::string nut = zero_rate(); !nut.empty()) {
+    const bool settles = moves_on() && changes_.size() == 1; // and not a wander, which never does
+    return settles ? "Once the rate has come to rest, " + nut : capitalised(nut);
+  }
   if (!suspicions_.empty()) return "";
   return data_.beats.size() < least_diagnosed_beats ? "A longer log would tell more."
                                                     : "There is nothing to do.";
@@ -290,12 +288,12 @@ void Sentences::say_how_it_comes_to_rest() {
 std::string Sentences::wander() const {
   const FitSummary& fit = data_.fit;
   const bool holds_changes = fit.events.empty() && !changes_.empty();
-  const std::string change = holds_changes ? ", which takes the change above in" : "";
+  const std::string change = holds_changes ? ", which absorbs the change above" : "";
   const FittedParameter* slow = fit.find("slow_rms");
   if (fit.model.slow && slow != nullptr && std::isfinite(slow->value))
-    return fmt::format(" only with a drive that wanders slowly, by {} % rms{}",
+    return fmt::format(" with a drive that wanders slowly, by {} % rms{}",
                        with_sigma(100.0 * slow->value, 0.0, 2), change);
-  return fit.model.walk ? " only with a rate that wanders by itself" + change : "";
+  return fit.model.walk ? " with a rate that wanders by itself" + change : "";
 }
 
 // Whether the model explains the log, and what of it the log determines.

@@ -136,7 +136,8 @@ std::string unit_of_covariate(const CovariateEffect& effect) {
 
 std::string file_name(const std::string& path) {
   if (path == "-") return "standard input";
-  return printable(std::filesystem::path(path).filename().string());
+  const std::filesystem::path named(path);
+  return printable((named.has_filename() ? named : named.parent_path()).filename().string());
 }
 
 } // namespace goingrate

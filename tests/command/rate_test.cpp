@@ -28,6 +28,30 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+TEST_F(RateCommandTest, SeveralFilesAreOneLog) {
+  std::filesystem::create_directories(folder_ / "clock/days");
+  const std::string first = evenly(300, 2.0003, 1.5e9), second = evenly(400, 2.0003, 1.5e9 + 640.0);
+  put("clock/days/b.txt", first); // the dates tell the order, not the names
+  put("clock/days/a.txt", second);
+  put("whole.txt", first + second);
+  ASSERT_EQ(run("rate whole.txt -o whole.csv").code, 0);
+  for (const char* logs : {"clock/days", "clock/days/a.txt clock/days/b.txt"}) {
+    const Outcome outcome = run(std::string("rate -o parts.csv --json parts.json ") + logs);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(content(folder_ / "parts.csv"), content(folder_ / "whole.csv")) << logs;
+    EXPECT_EQ(json("parts.json")["files"],
+              nlohmann::json({"clock/days/b.txt", "clock/days/a.txt"}));
+  }
+  EXPECT_EQ(run("report clock/days/").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "days.html"));
+  EXPECT_EQ(run("rate --follow clock/days/a.txt whole.txt").code, 2);
+  put("clock/days/a.txt", first);
+  const Outcome copies = run("rate clock/days -o copies.csv");
+  EXPECT_EQ(copies.code, 3);
+  EXPECT_NE(copies.err.find("found the same times as in clock/days/"), std::string::npos)
+      << copies.err;
+}
+
 TEST_F(RateCommandTest, SaysWhatItAssumedAndTakesOverrides) {
   std::string text;
   for (int i = 0; i < 20; ++i)

@@ -200,9 +200,9 @@ def test_a_folder_is_no_log(tmp_path):
         gr.read(tmp_path)
 
 
-@pytest.mark.parametrize("source", [None, 3, 1.5, [], object()])
+@pytest.mark.parametrize("source", [None, 3, 1.5, [], [b"1.0\n3.0\n"], object()])
 def test_what_is_no_source(source):
-    with pytest.raises(ValueError, match="expected a path"):
+    with pytest.raises(ValueError, match="expected paths"):
         gr.read(source)
 
 

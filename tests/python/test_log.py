@@ -25,6 +25,15 @@ def test_columns_are_read_only_views_of_one_memory(name, jump):
         column[0] = 1
 
 
+def test_several_files_are_one_log(tmp_path):
+    lines = [b"%.6f\n" % (1.5e9 + 2.0003 * n) for n in range(300)]
+    (tmp_path / "b.txt").write_bytes(b"".join(lines[:100]))
+    (tmp_path / "a.txt").write_bytes(b"".join(lines[100:]))
+    whole = gr.read(b"".join(lines))
+    for source in (tmp_path, [tmp_path / "a.txt", str(tmp_path / "b.txt")]):
+        np.testing.assert_array_equal(gr.read(source).time_s, whole.time_s)
+
+
 @pytest.mark.parametrize("name", ["time_s", "elapsed_s"])
 def test_times_are_computed_once(name, jump):
     times = getattr(jump, name)

@@ -61,9 +61,11 @@ SharedLog loaded_by(LoadRequest request, const py::object& progress, Load load) 
   return std::make_shared<NumberedLog>(load(request));
 }
 
-SharedLog read(const std::string& path, const py::dict& options, const py::object& progress) {
+SharedLog read(const std::vector<std::string>& paths, const py::dict& options,
+               const py::object& progress) {
   LoadRequest request = request_of(options);
-  request.path = path;
+  request.path = paths.at(0);
+  request.more.assign(paths.begin() + 1, paths.end());
   return loaded_by(std::move(request), progress,
                    [](const LoadRequest& asked) { return load(asked); });
 }
@@ -212,9 +214,10 @@ py::list assumptions_of(const NumberedLog& log) {
 py::list issues_of(const NumberedLog& log) {
   py::list issues;
   for (const LineIssue& issue : log.log.issues)
-    issues.append(py::make_tuple(issue.line, issue.column, std::string(name_of(issue.kind)),
-                                 issue.found, issue.action, std::max(issue.line, issue.last_line),
-                                 issue.lines));
+    issues.append(py::make_tuple(log.log.place(issue.line).line, issue.column,
+                                 std::string(name_of(issue.kind)), issue.found, issue.action,
+                                 log.log.place(std::max(issue.line, issue.last_line)).line,
+                                 issue.lines, log.log.place(issue.line).file));
   return issues;
 }
 
@@ -279,6 +282,12 @@ template <class Class> void add_arrays(Class& log) {
 void bind_log(py::module_& module) {
   py::class_<NumberedLog, std::shared_ptr<NumberedLog>> log(module, "Log");
   add_arrays(log);
+  log.def_property_readonly("files", [](const NumberedLog& self) {
+    std::vector<std::string> names;
+    for (const LogFile& file : self.log.files)
+      names.push_back(file.name);
+    return names;
+  });
   log.def_property_readonly("source", [](const NumberedLog& self) { return self.log.source; })
       .def_property_readonly(
           "format", [](const NumberedLog& self) { return std::string(name_of(self.log.format)); })
@@ -312,7 +321,7 @@ void bind_log(py::module_& module) {
                       [](const py::bytes& state) {
                         return std::make_shared<NumberedLog>(log_of(std::string_view(state)));
                       }));
-  module.def("read", &read, py::arg("path"), py::arg("options"), py::arg("progress"));
+  module.def("read", &read, py::arg("paths"), py::arg("options"), py::arg("progress"));
   module.def("read_text", &read_text, py::arg("text"), py::arg("name"), py::arg("options"),
              py::arg("progress"));
   module.def("from_arrays", &from_arrays, py::arg("seconds").noconvert(),

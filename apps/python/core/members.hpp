@@ -25,7 +25,8 @@ GOINGRATE_MEMBERS(LineIssue, line, column, kind, found, action, last_line, lines
 GOINGRATE_MEMBERS(EventColumns, width_s, sigma_s, temperature_c, pressure_mbar)
 GOINGRATE_MEMBERS(GridData, tau0_s, phase_s)
 GOINGRATE_MEMBERS(Assumption, text, setting, value)
-GOINGRATE_MEMBERS(ClockLog, source, format, events, grid, columns, has_amplitude,
+GOINGRATE_MEMBERS(LogFile, name, lines_before, events_before)
+GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, has_amplitude,
                   directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, missed, spurious, rivals,
@@ -98,6 +99,6 @@ GOINGRATE_MEMBERS(DrivePoint, at_s, relative, sigma)
 GOINGRATE_MEMBERS(DriveHistory, points, step_rms, block_s, from_amplitude, from_rate)
 GOINGRATE_MEMBERS(NutTurns, turns, sigma, raise_m)
 GOINGRATE_MEMBERS(Analysis, log, numbered, beats, rate, stretches, now, diary, fit, drive,
-                  suspicions, covariates, deviation, history, nut)
+                  suspicions, covariates, deviation, history, nut, sensor)
 
 } // namespace goingrate

@@ -43,6 +43,7 @@ class Issue(NamedTuple):
     action: str
     last_line: int  #: of a run of such lines
     lines: int  #: how many
+    file: str  #: in which they are
 
 
 class Log:

@@ -12,7 +12,8 @@ from ._log import Log
 from ._options import options_of
 from .errors import InputError, InputNotFoundError
 
-Source = Union[str, "os.PathLike[str]", bytes, bytearray, memoryview, IO[Any]]
+File = Union[str, "os.PathLike[str]"]
+Source = Union[File, Sequence[File], bytes, bytearray, memoryview, IO[Any]]
 Progress = Callable[[float], object]
 _UNPACKED_LIMIT = 4 << 30  # bytes, as for files
 
@@ -45,7 +46,7 @@ def _path(source: Any) -> str:
         path = os.fspath(source)
     except TypeError:
         raise ValueError(
-            f"source: found {type(source).__name__}, expected a path, a file object or bytes"
+            f"source: found {type(source).__name__}, expected paths, a file object or bytes"
         ) from None
     path = os.fsdecode(path)
     if path != "-":
@@ -56,6 +57,16 @@ def _path(source: Any) -> str:
         except (OSError, ValueError) as error:
             raise InputError(f"{path}: cannot be opened: {error}", path) from error
     return path
+
+
+def _paths(source: Any) -> list[str]:
+    if isinstance(source, (str, os.PathLike)) or not isinstance(source, Sequence):
+        return [_path(source)]
+    if not source:
+        raise ValueError("source: found an empty list, expected paths")
+    if any(isinstance(part, bytes) for part in source):
+        raise ValueError("source: found a list of bytes, expected paths, or bytes alone")
+    return [_path(part) for part in source]
 
 
 def read(
@@ -85,9 +96,10 @@ def read(
 
     Parameters
     ----------
-    source : path, file object or bytes
+    source : path, list of paths, file object or bytes
         A file of any format that the command reads (plain or gzip; '-' is standard input), an open
-        file, or its content.
+        file, or its content. Several paths, or a folder: files of one clock, read as one log in
+        order of time.
     format : str, optional
         timestamps, periods, clock-error, phase, frequency, ticc, ticc-interval, table, angle,
         native. This and the following are found out if not given, and said in `Log.assumptions`.
@@ -165,7 +177,7 @@ def read(
         raise ValueError(f"columns: found {columns!r}, expected a list of such words")
     content = _content(source)
     if content is None:
-        return Log._of(_core.read(_path(source), options, progress))
+        return Log._of(_core.read(_paths(source), options, progress))
     called = name or str(getattr(source, "name", "log"))
     text = _unpacked(content, called, unpacked_limit or _UNPACKED_LIMIT)
     return Log._of(_core.read_text(text, called, options, progress))

@@ -14,7 +14,8 @@ namespace goingrate {
 
 /// What is asked of load(); what is left empty it finds out.
 struct LoadRequest {
-  std::string path; ///< a file, gzip or not, or "-" for standard input
+  std::string path; ///< a file, gzip or not, a folder of files, or "-" for standard input
+  std::vector<std::string> more{}; ///< files and folders of the same clock, see read_log_files()
   ReadingOptions reading{};
   bool both_edges = false;                ///< the log holds both directions without labels
   std::optional<double> dead_time_s{};    ///< of a contact that bounces; 0: none

@@ -1,6 +1,7 @@
 // A log as it was read: events in time, and all that was assumed or found wrong on the way.
 #pragma once
 
+#include "goingrate/base/errors.hpp"
 #include "goingrate/base/instant.hpp"
 #include "goingrate/log/layout.hpp"
 
@@ -113,9 +114,17 @@ struct Assumption {
   std::string value{};             ///< as that setting takes it, "period=N"; empty: any
 };
 
+/// One of several files that make one log.
+struct LogFile {
+  std::string name;
+  std::uint32_t lines_before = 0; ///< in the files before it: lines are counted through all files
+  std::size_t events_before = 0;  ///< as they were read, before anything was put in order
+};
+
 /// A log: events in order of time, or blocks of them where the time goes back.
 struct ClockLog {
-  std::string source; ///< file name as given
+  std::string source;         ///< file name as given, or words for several
+  std::vector<LogFile> files; ///< where there are several; empty for one
   LogFormat format = LogFormat::timestamps;
   std::vector<Beat> events; ///< of data on a grid, one for each value, with its cycle
   std::optional<GridData> grid;
@@ -126,6 +135,9 @@ struct ClockLog {
   std::optional<double> flag_width_rad;   ///< the same
   std::vector<Assumption> assumptions;
   std::vector<LineIssue> issues;
+
+  /// The file in which a line stands, and where in it.
+  [[nodiscard]] TextPlace place(std::size_t line, std::size_t column = 1) const;
 };
 
 } // namespace goingrate
