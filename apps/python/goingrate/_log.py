@@ -294,6 +294,11 @@ class Log:
         return self._core.assumptions
 
     @property
+    def files(self) -> list[str]:
+        """Of several files that are one log their names, in the order in which they are joined."""
+        return self._core.files
+
+    @property
     def issues(self) -> list[Issue]:
         """What was wrong with lines of the log."""
         return [Issue(*issue) for issue in self._core.issues]

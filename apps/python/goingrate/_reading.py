@@ -65,7 +65,7 @@ def _paths(source: Any) -> list[str]:
     if not source:
         raise ValueError("source: found an empty list, expected paths")
     if any(isinstance(part, bytes) for part in source):
-        raise ValueError("source: found a list of bytes, expected paths, or bytes alone")
+        raise ValueError("source: found a list of bytes, expected paths or bytes alone")
     return [_path(part) for part in source]
 
 
