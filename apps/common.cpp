@@ -64,8 +64,8 @@ void say(const GlobalOptions& global, std::string_view line) {
 void add_log_options(CLI::App& command, LogOptions& options) {
   command
       .add_option("log", options.paths,
-                  "the log, gzip or not; '-' is standard input. Several files, or a folder of "
-                  "them, are read as one log of one clock")
+                  "the log, gzip or not; '-' is standard input. Several files, a folder or a ZIP "
+                  "are read as one log of one clock")
       ->required();
   add_log_settings(command, options);
 }

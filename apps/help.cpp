@@ -21,7 +21,7 @@ namespace {
 constexpr std::array topics{
     Topic{"formats", "logs that are read",
           R"(The layout of a log is recognised from its first lines and reported on standard
-error. Several files, or a folder of them, are read as one log of one clock.
+error. Several files, a folder or a ZIP are read as one log of one clock.
   timestamps      one time a line: seconds, ms, us, ns, days, or
                   2013-02-22 23:38:00.2279906
   periods         one period a line

@@ -1,6 +1,7 @@
 #include "file_parts.hpp"
 
 #include "beginning.hpp"
+#include "zip.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -29,6 +30,11 @@ std::vector<std::string> files_in(const std::string& folder) {
   return files;
 }
 
+bool is_folder(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
 bool has_names(const Layout& layout) {
   return std::any_of(layout.columns.begin(), layout.columns.end(),
                      [](const LogColumn& column) { return !column.name.empty(); });
@@ -45,11 +51,14 @@ public:
   std::vector<FilePart> run(const std::vector<std::string>& paths,
                             std::vector<Assumption>& assumptions) {
     for (const std::string& path : paths) {
-      if (is_folder(path))
-        for (const std::string& file : files_in(path))
-          add(file, true);
-      else
+      const bool zip = is_zip(path);
+      if (!zip && !is_folder(path)) {
         add(path, false);
+        continue;
+      }
+      for (const std::string& file :
+           zip ? files_in_zip(path, options_.unpacked_limit) : files_in(path))
+        add(file, true);
     }
     look_by_others();
     leave_out(paths, assumptions);
@@ -172,7 +181,9 @@ private:
       }
     }
     if (kept.empty() && parts_.size() == 1) std::rethrow_exception(first);
-    if (kept.empty()) throw InputError({paths.front()}, "a folder without a log in it", "logs");
+    if (kept.empty())
+      throw InputError({paths.front()}, fmt::format("{} files, none of them a log", parts_.size()),
+                       "logs of a clock");
     parts_ = std::move(kept);
   }
 
@@ -211,10 +222,7 @@ std::string names_of(const std::vector<FilePart>& parts) {
 
 } // namespace
 
-bool is_folder(const std::string& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored);
-}
+bool holds_files(const std::string& path) { return is_folder(path) || is_zip(path); }
 
 std::vector<FilePart> file_parts(const std::vector<std::string>& paths,
                                  const ReadingOptions& options,

@@ -19,16 +19,17 @@ struct FilePart {
   std::optional<Instant> date; ///< a time among its first lines, where times tell the day
 };
 
-/// The files that `paths` name, folders opened, in the order in which they are to be read; files of
-/// a folder that hold no log are left out and told in `assumptions`. A file without a header, or
-/// too short to tell its layout, has that of the others if it can be read so.
-/// Throws InputError for a file that is no log, for a folder without one, and where some files have
-/// dates and others have none, or another scale of time; ArgumentError for a path given twice or
-/// that is no regular file.
+/// The files that `paths` name, folders and ZIPs opened, in the order in which they are to be read;
+/// files of a folder that hold no log are left out and told in `assumptions`. A file without a
+/// header, or too short to tell its layout, has that of the others if it can be read so. Throws
+/// InputError for a file that is no log, for a folder without one, and where some files have dates
+/// and others have none, or another scale of time; ArgumentError for a path given twice or that is
+/// no regular file.
 std::vector<FilePart> file_parts(const std::vector<std::string>& paths,
                                  const ReadingOptions& options,
                                  std::vector<Assumption>& assumptions);
 
-bool is_folder(const std::string& path);
+/// Whether a path is a folder or a ZIP.
+bool holds_files(const std::string& path);
 
 } // namespace goingrate

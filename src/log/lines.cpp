@@ -1,6 +1,7 @@
 #include "lines.hpp"
 
 #include "growth.hpp"
+#include "zip.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
@@ -182,6 +183,7 @@ private:
 
 std::unique_ptr<ByteSource> open_source(const std::string& path, std::uint64_t unpacked_limit,
                                         std::function<bool()> wait) {
+  if (auto entry = open_in_zip(path, unpacked_limit)) return entry;
   std::unique_ptr<ByteSource> source = std::make_unique<FileSource>(path, std::move(wait));
   std::string first(2, '\0');
   std::size_t count = source->read(first.data(), 2);

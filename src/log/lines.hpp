@@ -22,12 +22,12 @@ public:
   [[nodiscard]] virtual std::uint64_t taken() const = 0;
 };
 
-/// A file, or standard input for "-"; gzip is recognised by its first two bytes. With `wait`, the
-/// end of a regular file is waited for to grow; `wait` is called every tenth of a second while
-/// nothing comes, and returns false to give up. Such a file also ends where it begins anew: cut off
-/// and written again, or another file in its place.
-/// Throws InputError if it cannot be opened or is a directory; reading throws it where a packed
-/// file unpacks to more than `unpacked_limit` bytes.
+/// A file, standard input for "-", or a file inside a ZIP, "archive.zip/name"; gzip is recognised
+/// by its first two bytes. With `wait`, the end of a regular file is waited for to grow; `wait` is
+/// called every tenth of a second while nothing comes, and returns false to give up. Such a file
+/// also ends where it begins anew: cut off and written again, or another file in its place. Throws
+/// InputError if it cannot be opened or is a directory; reading throws it where a packed file
+/// unpacks to more than `unpacked_limit` bytes.
 std::unique_ptr<ByteSource> open_source(const std::string& path, std::uint64_t unpacked_limit,
                                         std::function<bool()> wait = nullptr);
 

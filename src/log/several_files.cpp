@@ -235,7 +235,8 @@ private:
 } // namespace
 
 ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOptions& options) {
-  if (paths.size() == 1 && !is_folder(paths.front())) return read_log_file(paths.front(), options);
+  if (paths.size() == 1 && !holds_files(paths.front()))
+    return read_log_file(paths.front(), options);
   return Joining(options).run(paths);
 }
 

@@ -52,6 +52,8 @@ def _path(source: Any) -> str:
     if path != "-":
         try:
             os.stat(path)
+        except NotADirectoryError:
+            pass  # a file inside a ZIP
         except FileNotFoundError:
             raise InputNotFoundError(f"{path}: there is no such file", path) from None
         except (OSError, ValueError) as error:
@@ -98,8 +100,8 @@ def read(
     ----------
     source : path, list of paths, file object or bytes
         A file of any format that the command reads (plain or gzip; '-' is standard input), an open
-        file, or its content. Several paths, or a folder: files of one clock, read as one log in
-        order of time.
+        file, or its content. Several paths, a folder or a ZIP: files of one clock, read as one
+        log in order of time.
     format : str, optional
         timestamps, periods, clock-error, phase, frequency, ticc, ticc-interval, table, angle,
         native. This and the following are found out if not given, and said in `Log.assumptions`.
