@@ -326,9 +326,9 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(data.fit, loaded.good, data.diary);
     drop_wakes(data.fit, loaded.good, data.diary);
-    put_rates(loaded.good, loaded.nominal_period_s, data.diary);
   }
   if (request.finds_events) drop_what_no_fit_demands(data.fit, data.diary);
+  put_rates(loaded.good, loaded.nominal_period_s, data.diary);
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
   for (PartRate& stretch : data.stretches)
     stretch.rate.nominal_is_known = loaded.nominal_is_known;

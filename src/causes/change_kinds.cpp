@@ -196,12 +196,12 @@ void add_change(const TimingData& data, double at_s, double doubt_s, std::span<c
 
 void put_rates(std::span<const Beat> beats, double nominal_period_s, std::vector<Change>& changes) {
   std::vector<std::size_t> knots{0};
-  for (const Change& change : changes)
-    knots.push_back(static_cast<std::size_t>(
-        std::partition_point(
-            beats.begin(), beats.end(),
-            [&](const Beat& beat) { return beat.time - beats[0].time < change.at_s; }) -
-        beats.begin()));
+  for (const Change& change : changes) { // the last beat before it, as rates_between() cuts
+    const Instant cut = beats.front().time + change.at_s;
+    const auto at = std::partition_point(beats.begin(), beats.end(),
+                                         [&](const Beat& beat) { return beat.time < cut; });
+    knots.push_back(static_cast<std::size_t>(std::max<std::ptrdiff_t>(at - beats.begin(), 1)) - 1);
+  }
   knots.push_back(beats.size() - 1);
   for (std::size_t j = 0; j < changes.size(); ++j) {
     const std::size_t from = knots[j], at = knots[j + 1], to = knots[j + 2];

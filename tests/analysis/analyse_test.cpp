@@ -20,6 +20,12 @@ TEST(AnalyseTest, AChangeThatTheFitExplainsIsTheCause) {
   const double moved =
       analysis.stretches[1].rate.rate_excess - analysis.stretches[0].rate.rate_excess;
   EXPECT_GT(moved, 5e-5); // from 1.13e-4 at point A through 3.2e-4 to 1.96e-4 at B
+  ASSERT_EQ(analysis.diary.changes.size(), 1u); // with the same rates on its sides
+  const Change& change = analysis.diary.changes.front();
+  EXPECT_EQ(change.rate_before, analysis.stretches[0].rate.rate_excess);
+  EXPECT_EQ(change.rate_before_sigma, analysis.stretches[0].rate.rate_excess_sigma);
+  EXPECT_EQ(change.rate_after, analysis.stretches[1].rate.rate_excess);
+  EXPECT_EQ(change.rate_after_sigma, analysis.stretches[1].rate.rate_excess_sigma);
   const FittedParameter& epsilon = analysis.fit["epsilon"];
   EXPECT_NEAR(epsilon.value, 2.5e-4, 3.5 * epsilon.sigma);
 }
