@@ -37,7 +37,23 @@ public:
   std::string_view rest;
 };
 
-// "hh:mm:ss.fff", the seconds with all their digits; nothing else may follow but a zone.
+// Hours to add for "AM" or "PM", also in small letters and with points; nothing where there is
+// neither. Twelve is the first hour of both halves of the day.
+std::optional<int> half_of_day(Taker& text, int hour) {
+  Taker behind(text);
+  behind.blanks();
+  const bool afternoon = behind.any_of("Pp");
+  if (!afternoon && !behind.any_of("Aa")) return 0;
+  behind.any_of(".");
+  if (!behind.any_of("Mm")) return 0;
+  behind.any_of(".");
+  if (hour < 1 || hour > 12) return {};
+  text = behind;
+  return (afternoon ? 12 : 0) - (hour == 12 ? 12 : 0);
+}
+
+// "hh:mm:ss.fff", the seconds with all their digits, or "hh:mm:ss.fff PM"; nothing else may follow
+// but a zone.
 std::optional<Instant> time_of_day(Taker& text, std::string_view between, char point) {
   const auto hour = text.number(1, 2);
   if (!hour || *hour > 24 || !text.any_of(between)) return {};
@@ -53,7 +69,9 @@ std::optional<Instant> time_of_day(Taker& text, std::string_view between, char p
     seconds = *value;
     text.rest.remove_prefix(length);
   }
-  seconds.seconds += *hour * 3600 + *minute * 60;
+  const auto half = half_of_day(text, *hour);
+  if (!half) return {};
+  seconds.seconds += (*hour + *half) * 3600 + *minute * 60;
   return seconds;
 }
 

@@ -18,7 +18,8 @@ struct CalendarTime {
 /// Parses a timestamp such as 2013-02-22 23:38:00.2279906, which consists of:
 /// - a date: year, month and day separated by '-', '_', '/' or '.', or in the form 22.02.2013;
 /// - a blank, 'T', '_' or '-';
-/// - hours, minutes and, optionally, seconds, separated by ':', '-' or '_';
+/// - hours, minutes and, optionally, seconds, separated by ':', '-' or '_', and AM or PM if hours
+///   are counted to twelve;
 /// - optionally a zone: 'Z', 'UTC', 'GMT' or an offset such as +hh:mm or -hhmm.
 /// A time of day alone, separated by ':', is accepted too. `point` is the decimal separator. The
 /// fraction of the second keeps all its digits (CalendarTest.ReadsWhatLoggersWrite). Returns

@@ -125,6 +125,19 @@ std::string_view without_blanks_behind(std::string_view line) {
   return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
 }
 
+// Whether the lines are dates with times and AM or PM behind: blanks do not cut such a time.
+bool are_whole_times(const std::vector<HeadLine>& lines) {
+  std::size_t whole = 0, all = 0;
+  for (const HeadLine& line : lines) {
+    if (!any_digit(line.text)) continue;
+    ++all;
+    const std::string_view text = without_blanks_behind(line.text);
+    const bool has_half = text.find_first_of("Mm") != text.npos;
+    whole += has_half && (parse_calendar(text) || parse_calendar(text, ',')) ? 1 : 0;
+  }
+  return whole * 10 >= all * 9 && whole > 0;
+}
+
 // The first separator that cuts most lines into two or more.
 char find_separator(const std::vector<HeadLine>& lines) {
   for (const char candidate : {'\t', ';', ',', '|'}) {
@@ -139,7 +152,7 @@ char find_separator(const std::vector<HeadLine>& lines) {
         candidate == '\t' && !cuts_alike(lines, candidate) && cuts_alike(lines, ' ');
     return mixed ? ' ' : candidate;
   }
-  return ' ';
+  return are_whole_times(lines) ? '|' : ' ';
 }
 
 // A comma that cuts every line into two whole numbers, the second of always the same length, stands

@@ -166,6 +166,14 @@ std::vector<Wild> wild_formats() {
   add({"GermanDatesAndTimes",
        [](std::int64_t t, int) { return calendar(t, "{:02}.02.2013;{:02}:{:02}:{:02},{:07}"); },
        "Datum;Uhrzeit\n", F::table, "comma is the decimal"});
+  add({"HalfDays",
+       [](std::int64_t t, int) {
+         const std::string day = calendar(t, "2013-02-{:02} {:02}:{:02}:{:02}.{:07}");
+         const int hour = std::stoi(day.substr(11, 2));
+         return fmt::format("{}{:02}{} {}", day.substr(0, 11), (hour + 11) % 12 + 1, day.substr(13),
+                            hour < 12 ? "AM" : "PM");
+       },
+       "", F::timestamps, "one time a line"});
   add({"GermanTimestamps",
        [](std::int64_t t, int i) {
          return fmt::format("{}\t{}", calendar(t, "{:02}.02.2013 {:02}:{:02}:{:02},{:07}"), i);
@@ -359,19 +367,30 @@ TEST(FormatsTest, WidthsTemperaturesAndGateEdgesBecomeColumns) {
 }
 
 TEST(CalendarTest, ReadsWhatLoggersWrite) {
-  for (const char* text :
-       {"2013-02-22 23:38:00.2279906", "2013-02-22T23:38:00.2279906Z",
-        "2013-02-22T23:38:00.2279906+00:00", "2013/02/22 23:38:00.2279906",
-        "2013_02_22_23_38_00.2279906", "2013-02-22-23-38-00.2279906",
-        "2013-02-23 00:38:00.2279906+01:00", "2013-02-22 18:08:00.2279906 -0530"}) {
+  for (const char* text : {"2013-02-22 23:38:00.2279906", "2013-02-22T23:38:00.2279906Z",
+                           "2013-02-22T23:38:00.2279906+00:00", "2013/02/22 23:38:00.2279906",
+                           "2013_02_22_23_38_00.2279906", "2013-02-22-23-38-00.2279906",
+                           "2013-02-23 00:38:00.2279906+01:00", "2013-02-22 18:08:00.2279906 -0530",
+                           "2013-02-22 11:38:00.2279906 PM", "2013-02-22 11:38:00.2279906pm",
+                           "2013-02-23 12:38:00.2279906 a.m. +01:00"}) {
     const auto time = parse_calendar(text);
     ASSERT_TRUE(time) << text;
     EXPECT_EQ(time->time.seconds, 1361576280) << text;
     EXPECT_EQ(time->time.fraction, 0.2279906) << text;
   }
   for (const char* text : {"2013-02-30 0:00:00", "2013-13-01 0:0:0", "12:60:00", "25:00:00", "12",
-                           "2013-02-22", "12:00:00 +99:00", "12:00:00x", "2013-02-22 12"})
+                           "2013-02-22", "13:00:00 PM", "0:00:00 AM", "12:00:00 QM",
+                           "12:00:00 +99:00", "12:00:00x", "2013-02-22 12"})
     EXPECT_FALSE(parse_calendar(text)) << text;
+}
+
+TEST(FormatsTest, PointsOfADateAreNoDecimalPoints) {
+  std::string text = "Zeit;Periode (s)\n";
+  for (int i = 0; i < 30; ++i)
+    text += fmt::format("24.11.2025 16:{:02}:{:02};2,0003{}0\n", i / 30, 2 * i % 60, i % 3);
+  const ClockLog log = read_log(text, "x");
+  ASSERT_EQ(log.events.size(), 30u);
+  EXPECT_NEAR(log.events[2].time - log.events[0].time, 4.00063, 1e-12);
 }
 
 TEST(UnwrapperTest, CountersOfManyWrapsStayExact) {
