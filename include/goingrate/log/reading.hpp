@@ -87,8 +87,8 @@ ClockLog read_log(std::string_view text, const std::string& source,
 /// The same for a file (gzip or not), or standard input for "-", held a piece at a time.
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options = {});
 
-/// Several files of one clock as one log: each of `paths` is a file, or a folder whose files are
-/// meant, without hidden ones and those that hold no log, which are told in `assumptions`. Files
+/// Several files of one clock as one log: each of `paths` is a file, or a folder or a ZIP whose
+/// files are meant, without hidden ones and those that hold no log, which are told in `assumptions`. Files
 /// whose times are dates are joined in order of time, others in the order given, those of a folder
 /// by name. Where they have one layout the result is that of one file of all their lines
 /// (SeveralFilesTest.AreReadAsOneFileIs); `files` says which lines are whose. A file without a
