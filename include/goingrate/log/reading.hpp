@@ -88,15 +88,14 @@ ClockLog read_log(std::string_view text, const std::string& source,
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options = {});
 
 /// Several files of one clock as one log: each of `paths` is a file, or a folder or a ZIP whose
-/// files are meant, without hidden ones and those that hold no log, which are told in `assumptions`. Files
-/// whose times are dates are joined in order of time, others in the order given, those of a folder
-/// by name. Where they have one layout the result is that of one file of all their lines
-/// (SeveralFilesTest.AreReadAsOneFileIs); `files` says which lines are whose. A file without a
-/// header may have the layout of those that have one. A gap between two files is a gap like any
-/// other.
-/// Throws InputError as read_log does, and for dated files whose hours overlap, that hold the same
-/// times, or whose beats are of another clock (2 % in the period, and not twice or half of it);
-/// ArgumentError if one of several is no regular file, or given twice.
+/// files are meant, without hidden ones and those that hold no log, which are told in
+/// `assumptions`. Files whose times are dates are joined in order of time, others in the order
+/// given, those of a folder by name. Where they have one layout the result is that of one file of
+/// all their lines (SeveralFilesTest.AreReadAsOneFileIs); `files` says which lines are whose. A
+/// file without a header may have the layout of those that have one. A gap between two files is a
+/// gap like any other. Throws InputError as read_log does, and for dated files whose hours overlap,
+/// that hold the same times, or whose beats are of another clock (2 % in the period, and not twice
+/// or half of it); ArgumentError if one of several is no regular file, or given twice.
 ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOptions& options = {});
 
 /// A log that is still being written: events as they come. A file that is cut off or replaced by
