@@ -1,6 +1,7 @@
 #include "log_head.hpp"
 
 #include "calendar.hpp"
+#include "separators.hpp"
 #include "typical_period.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -78,127 +79,6 @@ bool is_row(std::string_view line, char separator, char point) {
     if (i == 0 && !text.empty() && separator == ' ' && !says_nothing(text)) return false;
   }
   return false;
-}
-
-std::size_t count_fields(std::string_view line, char separator) {
-  std::vector<Field> fields;
-  split_fields(line, separator, fields);
-  return fields.size();
-}
-
-// "12,25", "16:02:04,25" or "24.11.2025 16:02:04,25": a number or a time with a comma for its
-// point.
-bool has_decimal_comma(std::string_view text) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string_view::npos || comma == 0) return false;
-  if (parse_calendar(text, ',')) return true;
-  return text.find('.') == std::string_view::npos && parse_number(text, ',').has_value();
-}
-
-// "12.25" or "16:02:04.25": the points of a date are none.
-bool has_decimal_point(std::string_view text) {
-  if (text.find(',') != std::string_view::npos) return false;
-  const std::size_t colon = text.rfind(':');
-  const std::string_view last = colon == std::string_view::npos ? text : text.substr(colon + 1);
-  return last.find('.') != std::string_view::npos &&
-         (parse_number(text) || (colon != std::string_view::npos && parse_calendar(text)));
-}
-
-bool any_digit(std::string_view line) {
-  return line.find_first_of("0123456789") != std::string_view::npos;
-}
-
-// Whether nine in ten lines with digits are cut into the same number of fields.
-bool cuts_alike(const std::vector<HeadLine>& lines, char separator) {
-  std::map<std::size_t, std::size_t> counts;
-  std::size_t all = 0, most = 0;
-  for (const HeadLine& line : lines) {
-    if (!any_digit(line.text)) continue;
-    ++all;
-    most = std::max(most, ++counts[count_fields(line.text, separator)]);
-  }
-  return most * 10 >= all * 9;
-}
-
-std::string_view without_blanks_behind(std::string_view line) {
-  const std::size_t last = line.find_last_not_of(" \t");
-  return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
-}
-
-// Whether the lines are dates with times and AM or PM behind: blanks do not cut such a time.
-bool are_whole_times(const std::vector<HeadLine>& lines) {
-  std::size_t whole = 0, all = 0;
-  for (const HeadLine& line : lines) {
-    if (!any_digit(line.text)) continue;
-    ++all;
-    const std::string_view text = without_blanks_behind(line.text);
-    const bool has_half = text.find_first_of("Mm") != text.npos;
-    whole += has_half && (parse_calendar(text) || parse_calendar(text, ',')) ? 1 : 0;
-  }
-  return whole * 10 >= all * 9 && whole > 0;
-}
-
-// The first separator that cuts most lines into two or more.
-char find_separator(const std::vector<HeadLine>& lines) {
-  for (const char candidate : {'\t', ';', ',', '|'}) {
-    std::size_t with = 0, all = 0;
-    for (const HeadLine& line : lines) {
-      if (!any_digit(line.text)) continue;
-      ++all;
-      with += count_fields(without_blanks_behind(line.text), candidate) >= 2 ? 1 : 0;
-    }
-    if (all == 0 || with * 10 < all * 9) continue;
-    const bool mixed = // tabs here, blanks there
-        candidate == '\t' && !cuts_alike(lines, candidate) && cuts_alike(lines, ' ');
-    return mixed ? ' ' : candidate;
-  }
-  return are_whole_times(lines) ? '|' : ' ';
-}
-
-// A comma that cuts every line into two whole numbers, the second of always the same length, stands
-// for a decimal point.
-bool comma_is_point(const std::vector<HeadLine>& lines) {
-  std::size_t length = 0, rows = 0;
-  for (const HeadLine& line : lines) {
-    std::vector<Field> fields;
-    split_fields(line.text, ',', fields);
-    if (fields.size() != 2) return false;
-    const auto digits = [](std::string_view text) {
-      return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-    };
-    if (!digits(fields[1].text) || !(digits(fields[0].text) || parse_calendar(fields[0].text))) {
-      if (rows == 0) continue; // a header
-      return false;
-    }
-    if (rows++ == 0) length = fields[1].text.size();
-    if (fields[1].text.size() != length) return false;
-  }
-  return rows >= 3 && length >= 3;
-}
-
-void settle_separators(LogHead& head, const std::vector<HeadLine>& lines, bool decimal_comma) {
-  head.separator = find_separator(lines);
-  if (decimal_comma) head.point = ',';
-  if (head.separator == ',') {
-    head.comma_was_guessed = !decimal_comma && comma_is_point(lines);
-    if (decimal_comma || head.comma_was_guessed) {
-      head.point = ',';
-      head.separator = ' ';
-    }
-    return;
-  }
-  std::size_t commas = 0, points = 0;
-  for (const HeadLine& line : lines) {
-    std::vector<Field> fields;
-    split_fields(line.text, head.separator, fields);
-    for (const Field& field : fields) {
-      commas += has_decimal_comma(field.text) ? 1 : 0;
-      points += has_decimal_point(field.text) ? 1 : 0;
-    }
-  }
-  if (decimal_comma || commas <= points) return;
-  head.point = ',';
-  head.comma_was_guessed = true;
 }
 
 std::vector<std::string> names_in(std::string_view line, char separator) {

@@ -1,0 +1,17 @@
+// What separates the fields of a log's lines, and which of its commas stand for a decimal point.
+#pragma once
+
+#include "log_head.hpp"
+
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+std::size_t count_fields(std::string_view line, char separator);
+
+/// Sets separator and decimal point of `head`, found from its lines; `decimal_comma` is certain if
+/// set (Formats/ReadsInTheWild).
+void settle_separators(LogHead& head, const std::vector<HeadLine>& lines, bool decimal_comma);
+
+} // namespace goingrate
