@@ -15,6 +15,7 @@ TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
   put("one.log", "12.5\n");
   put("binary.log", std::string("\x00\x01\x02", 3));
   put("words.log", "once upon a time\n");
+  fs::create_directories(folder_ / "folder");
   for (const char* command : {"rate", "fit", "spectrum", "stability", "report"}) {
     for (const auto& [file, place] : std::initializer_list<std::pair<const char*, const char*>>{
              {"empty.log", "empty.log:1:1: "},
@@ -22,7 +23,8 @@ TEST_F(CommandTest, UnusableInputIsExitThreeWithFileLineAndColumn) {
              {"binary.log", "binary.log:1:1: "},
              {"words.log", "words.log:1:1: "},
              {"absent.log", "absent.log: "},
-             {".", ".: "}}) {
+             {"folder", "folder: found 0 files"},
+             {".", "./one.log:1:1: "}}) { // the only log in it
       const Outcome outcome = run(fmt::format("{} {}", command, file));
       EXPECT_EQ(outcome.code, 3) << command << " " << file << outcome.err;
       EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
