@@ -91,9 +91,10 @@ fast drive  drive that varies independently from one period to the next: the
 slow drive  drive that stays high or low for minutes to hours: its effects add
             up, and the clock gains or loses for as long
 fit --noise jitter|drive|both|slow|auto says which of them a fit reckons with;
-auto takes a further one only where the log is much likelier with it (by the BIC,
-which sets a price on every parameter). spectrum finds the size of all three from
-the spectrum of the rate and says what each costs in a day, a week and a year.
+auto takes a further one only where the log is much likelier with it (by the
+BIC, which sets a price on every parameter). spectrum finds the size of all
+three from the spectrum of the rate and says what each costs in a day, a week
+and a year.
 stability names the noise at every averaging time.
 )"},
     Topic{"identifiability", "what a log can and cannot tell",
