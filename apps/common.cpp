@@ -70,6 +70,29 @@ void add_log_options(CLI::App& command, LogOptions& options) {
   add_log_settings(command, options);
 }
 
+namespace {
+
+void add_weather_options(CLI::App& command, WeatherRequest& weather) {
+  constexpr const char* group = "Weather from files of its own";
+  auto* files =
+      command
+          .add_option("--weather", weather.files,
+                      "a table with a header that names a time, and a temperature, a pressure or a "
+                      "humidity, at another cadence: interpolated to the beats")
+          ->allow_extra_args(false)
+          ->group(group);
+  command
+      .add_option("--weather-zone", weather.zone,
+                  "zone of its dates, where they name none and the log's are in another: +01:00")
+      ->needs(files)
+      ->group(group);
+  command.add_option("--weather-offset", weather.offset_s, "s to add to its times")
+      ->needs(files)
+      ->group(group);
+}
+
+} // namespace
+
 void add_log_settings(CLI::App& command, LogOptions& options) {
   command
       .add_option("--nominal-period", options.nominal_period_s,
@@ -102,6 +125,7 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
           "are; found by itself if not given")
       ->check(not_negative());
   add_reading_options(command, options);
+  add_weather_options(command, options.weather);
 }
 
 void add_reading_options(CLI::App& command, LogOptions& options) {
@@ -116,7 +140,7 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       "--column", options.columns,
       "what a column holds: ROLE=PLACE[:UNIT], the place counted from 1 or a name of the header; "
       "time=2, date=1, period=3:us, amplitude=5:mrad, angle=2:deg, error, width, edge, "
-      "temperature, pressure, ignored");
+      "temperature, pressure, humidity, ignored");
   offers(column, roles)->allow_extra_args(false)->group(group);
   command.add_option("--unit", options.unit, "of the times: s, ms, us, ns, min, h, d, mjd")
       ->check(one_of({"s", "ms", "us", "ns", "min", "h", "d", "mjd"}))
@@ -229,6 +253,7 @@ LoadRequest load_request(const LogOptions& options) {
     request.more.assign(options.paths.begin() + 1, options.paths.end());
   }
   request.reading = reading_options(options);
+  request.weather = options.weather;
   request.both_edges = options.both_edges;
   request.dead_time_s = options.dead_time_s;
   if (options.flag_width_rad > 0.0) request.flag_width_rad = options.flag_width_rad;

@@ -37,6 +37,7 @@ struct LogOptions {
   bool decimal_comma = false;
   std::string channel;
   bool strict = false;
+  WeatherRequest weather;
   std::optional<double> dead_time_s;
   bool phases_will_do = false; ///< the command takes data on a grid that are no clock's
   double unpacked_limit_gib = static_cast<double>(usual_unpacked_limit) / gib;
@@ -121,6 +122,7 @@ void add_fit(CLI::App& program, const GlobalOptions& global);
 void add_spectrum(CLI::App& program, const GlobalOptions& global);
 void add_stability(CLI::App& program, const GlobalOptions& global);
 void add_report(CLI::App& program, const GlobalOptions& global);
+void add_compare(CLI::App& program, const GlobalOptions& global);
 void add_map(CLI::App& program, const GlobalOptions& global);
 void add_chart(CLI::App& program, const GlobalOptions& global);
 void add_paper(CLI::App& program, const GlobalOptions& global);

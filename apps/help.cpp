@@ -97,6 +97,27 @@ three from the spectrum of the rate and says what each costs in a day, a week
 and a year.
 stability names the noise at every averaging time.
 )"},
+    Topic{"diary", "what the keeper of a clock wrote down, checked by report",
+          R"(report LOG --diary FILE reads a table with a header, for instance
+
+  time,what,value,sigma,note
+  2013-03-30 10:15,rate,-0.25,0.05,took a penny off the tray
+  2013-03-30 18:00,wind,,,
+  2013-03-31,clean,,,oiled the pivots
+
+time   date with the time of day or alone, or seconds where the log has no dates
+what   rate    regulated: value is the change of the rate, s/day, + faster
+       weight  another driving weight: the relative change of the drive
+       clean   cleaned or oiled: the relative change of the friction
+       set     the hands set: by how many s, + forward
+       wind, stop, start, note: no value
+value, sigma   as it was planned, and how surely; both may be empty
+The report tells planned against found, which entries the log does not show, and
+what the log shows that is not written down. A note may be a quarter of an hour
+off. Entries of rate, weight and clean are events of the fit; a sigma makes the
+value knowledge that the fit reckons with. --diary-out FILE writes what the log
+shows in the same format.
+)"},
     Topic{"identifiability", "what a log can and cannot tell",
           R"(A log of a steady clock tells the mean rate and nothing about ε, μ and φ0: they
 are 'undetermined'. A change tells more: a change of the driving weight, a start

@@ -82,6 +82,7 @@ void add_commands(CLI::App& program, const goingrate::apps::GlobalOptions& globa
   apps::add_spectrum(program, global);
   apps::add_stability(program, global);
   apps::add_report(program, global);
+  apps::add_compare(program, global);
   apps::add_map(program, global);
   apps::add_chart(program, global);
   apps::add_paper(program, global);

@@ -134,6 +134,7 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
   auto* following = command->add_flag(
       "--follow", options->follow, "print each beat as it arrives, from a pipe or a growing file");
   plot->excludes(following);
+  following->excludes(command->get_option("--weather"));
   command
       ->add_option("--alarm", options->alarm_s,
                    "with --follow: say when no beat has come for so many seconds; five periods if "

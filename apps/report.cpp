@@ -22,6 +22,7 @@ struct ReportCommand {
   std::string output;
   std::string plot, figures, tables;
   std::string json;
+  std::string diary, diary_output;
   double nut_pitch_mm = 0.0, pendulum_length_m = 0.0; // 0: not given
 };
 
@@ -30,6 +31,7 @@ AnalysisRequest request_of(const ReportCommand& options, const NumberedLog& load
   const FitRequest fit = fit_request(options.model);
   request.fit = fit_options(fit, loaded);
   request.finds_events = finds_events(fit);
+  if (!options.diary.empty()) request.logbook = read_logbook(options.diary);
   if (options.nut_pitch_mm > 0.0) request.nut_pitch_m = 1e-3 * options.nut_pitch_mm;
   if (options.pendulum_length_m > 0.0) request.rod_length_m = options.pendulum_length_m;
   return request;
@@ -106,6 +108,8 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
                                      "spectrum", "deviation"})));
   if (!options.figures.empty()) add_figures(options.figures, data, global, files);
   if (!options.tables.empty()) add_tables(options.tables, data, files);
+  if (!options.diary_output.empty())
+    files.emplace_back(options.diary_output, logbook_text(findings_of(data)));
   write_whole_files(files);
   if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).string());
 }
@@ -113,6 +117,9 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
 // What the analysis depends on.
 void add_settings(CLI::App& command, ReportCommand& options) {
   add_model_options(command, options.model);
+  command.add_option("--diary", options.diary,
+                     "what was done to the clock: CSV with time,what,value,sigma,note; see help "
+                     "diary");
   auto* pitch = command
                     .add_option("--nut-pitch", options.nut_pitch_mm,
                                 "mm that a turn of the rating nut moves the bob: says how many "
@@ -150,6 +157,8 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--tables", options->tables,
                       "folder for rates, parameters (CSV, LaTeX), spectrum, deviation, drive");
   add_json_option(*command, options->json);
+  command->add_option("--diary-out", options->diary_output,
+                      "write what the log shows in the format of --diary");
   command->footer("If the fit alone has no result, the report says so in its place and exits 0\n"
                   "(`fit` exits 4).\n"
                   "Example:\n  goingrate report data/logs/jump.csv -o jump.html");

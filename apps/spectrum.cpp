@@ -183,8 +183,8 @@ void add_spectrum(CLI::App& program, const GlobalOptions& global) {
   auto* against =
       command
           ->add_option("--against", options->against,
-                       "amplitude, temperature, pressure or density (of air) of the log")
-          ->check(one_of({"amplitude", "temperature", "pressure", "density"}));
+                       "amplitude, temperature, pressure, humidity or density (of air) of the log")
+          ->check(one_of({"amplitude", "temperature", "pressure", "humidity", "density"}));
   command
       ->add_option("--coherence", options->coherence_output,
                    "write coherence, gain and phase of the rate against that column")

@@ -13,41 +13,6 @@ namespace goingrate {
 
 namespace {
 
-// The values of a column at the good beats, which keep the order of the events.
-std::vector<double> at_good_beats(const std::vector<double>& column, const NumberedLog& loaded) {
-  std::vector<double> values;
-  values.reserve(loaded.good.size());
-  const std::vector<Beat>& events = loaded.beats.beats;
-  for (std::size_t i = 0; i < events.size(); ++i)
-    if (events[i].flag == BeatFlag::good && events[i].segment == loaded.good.front().segment)
-      values.push_back(column[i]);
-  return values;
-}
-
-// The standard deviation of amplitudes that come from a flag's dark time, which jitters alike at
-// every beat, in units of that jitter: of the median amplitude of neighbours, for noise must not
-// weigh itself.
-std::vector<double> width_noise(const TimingData& data, const std::vector<double>& width_s) {
-  constexpr std::size_t reach = 10; // beats either way
-  std::vector<double> sigmas;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    std::vector<double> near;
-    for (std::size_t k = i > reach ? i - reach : 0; k < std::min(data.size(), i + reach + 1); ++k) {
-      const double sigma = amplitude_sigma_from_width(width_s[k], 1.0, data.amplitude_rad[k],
-                                                      data.reference_period_s);
-      if (std::isfinite(sigma)) near.push_back(sigma);
-    }
-    if (near.empty()) {
-      sigmas.push_back(std::numeric_limits<double>::quiet_NaN());
-      continue;
-    }
-    const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
-    std::nth_element(near.begin(), middle, near.end());
-    sigmas.push_back(*middle);
-  }
-  return sigmas;
-}
-
 // Through an interruption, and as long again after it, the lateness stands still: what shook the
 // clock then is told by the diary.
 void level_interruptions(const Diary& diary, TimingData& data) {
@@ -187,7 +152,7 @@ void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary
                        });
   };
   std::erase_if(diary.changes, [&](const Change& change) {
-    return !change.stands_out && !is_fitted(change) && is_in_a_wake(change);
+    return !change.stands_out && !change.noted && !is_fitted(change) && is_in_a_wake(change);
   });
 }
 
@@ -199,7 +164,9 @@ void drop_what_no_fit_demands(const FitSummary& fit, Diary& diary) {
   const bool wanders =
       fit.model.slow && fit.find("slow_rms") != nullptr && std::isfinite(fit["slow_rms"].value);
   std::erase_if(diary.changes,
-                [&](const Change& change) { return dies_away || (wanders && !change.stands_out); });
+                [&](const Change& change) {
+                  return !change.noted && (dies_away || (wanders && !change.stands_out));
+                });
 }
 
 // The rms of the fast drive, as far as the log tells it: without a high end if only its least is
@@ -225,25 +192,6 @@ std::optional<NutTurns> nut_turns(const AnalysisRequest& request, const RateSumm
 
 } // namespace
 
-TimingData fit_data(const NumberedLog& loaded) {
-  TimingData data = timing_data(loaded.good);
-  const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
-    if (!column.empty())
-      data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
-  };
-  const EventColumns& columns = loaded.log.columns;
-  if (!columns.sigma_s.empty())
-    data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
-  if (!columns.width_s.empty() && data.has_amplitude())
-    data.amplitude_noise =
-        relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
-  add("temperature", "1/K", columns.temperature_c);
-  add("pressure", "1/mbar", columns.pressure_mbar);
-  if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
-    add("density", "m^3/kg", air_density(columns.temperature_c, columns.pressure_mbar));
-  return data;
-}
-
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   Diary diary = keep_diary(loaded.good, loaded.nominal_period_s);
   TimingData levelled = times;
@@ -254,17 +202,25 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
 
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options) {
   constexpr std::size_t most_events = 4; // each costs a parameter
-  const auto events = [&](bool stand_out) {
-    std::vector<FitEvent> found;
-    for (const Change& change : strongest_changes(diary, most_events, stand_out)) {
-      const std::string name = changed_by(change.kind);
-      if (name == "mu" && options.escapement == Escapement::none) continue;
-      found.push_back({change.cycle - first_cycle, {name}, true});
-    }
-    return found;
+  Diary noticed = diary, noted = diary;
+  std::erase_if(noticed.changes, [](const Change& change) { return change.noted; });
+  std::erase_if(noted.changes, [](const Change& change) { return !change.noted; });
+  const auto add = [&](const Change& change, std::vector<FitEvent>& events) {
+    const std::string name = changed_by(change.kind);
+    if (name == "mu" && options.escapement == Escapement::none) return;
+    events.push_back({change.cycle - first_cycle, {name}, !change.noted, change.planned});
   };
-  options.events = events(true);
-  options.possible_events = events(false);
+  options.events.clear();
+  for (const Change& change : strongest_changes(noticed, most_events, true))
+    add(change, options.events);
+  for (const bool stand_out : {true, false})
+    for (const Change& change : strongest_changes(noted, most_events, stand_out))
+      add(change, options.events);
+  std::stable_sort(options.events.begin(), options.events.end(),
+                   [](const FitEvent& a, const FitEvent& b) { return a.cycle < b.cycle; });
+  options.possible_events.clear();
+  for (const Change& change : strongest_changes(noticed, most_events, false))
+    add(change, options.possible_events);
 }
 
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
@@ -317,6 +273,11 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.rate.nominal_is_known = loaded.nominal_is_known;
   const TimingData times = fit_data(loaded);
   data.diary = diary_of(loaded, times);
+  std::optional<Logbook> logbook;
+  if (request.logbook) {
+    logbook = brought_to(loaded.log, *request.logbook);
+    take_entries(*logbook, loaded.good, data.diary);
+  }
   FitOptions asked = with_seen_offset(request.fit, loaded);
   asked.profiles = request.traces_profiles;
   if (request.finds_events && asked.events.empty())
@@ -334,8 +295,9 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
     stretch.rate.nominal_is_known = loaded.nominal_is_known;
   data.now = rate_now(loaded.good, data.stretches.back(), loaded.nominal_period_s);
   data.now.rate.nominal_is_known = loaded.nominal_is_known;
-  tell("looking at temperature and pressure");
+  tell("looking at weather and amplitude");
   data.covariates = covariate_effects(times);
+  data.isochronism = isochronism(times, data.fit);
   tell("spectrum of the rate, fast and slow drive");
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
   tell("the drive as it went");
@@ -356,6 +318,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);
+  if (logbook) data.logbook = check_logbook(*logbook, data);
   return data;
 }
 

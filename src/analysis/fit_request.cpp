@@ -39,6 +39,7 @@ std::string missing_column(const std::string& parameter, const EventColumns& col
   if ((parameter == "temperature" || needs_both) && columns.temperature_c.empty())
     return "temperature";
   if ((parameter == "pressure" || needs_both) && columns.pressure_mbar.empty()) return "pressure";
+  if (parameter == "humidity" && columns.humidity_percent.empty()) return "humidity";
   return {};
 }
 

@@ -23,6 +23,7 @@ public:
   }
 
   NumberedLog run() {
+    join_weather(loaded_.log, request_.weather);
     if (loaded_.log.grid)
       take_grid();
     else

@@ -68,34 +68,87 @@ private:
   double lag_s_ = 0.0;
 };
 
+/// Rate and covariate in blocks, from the first to the last in which the covariate is known.
+struct Answer {
+  std::vector<double> rate, value;
+  double block_s = 0.0;
+  double known_share = 1.0; ///< of the whole log
+  double filled_share = 0.0; ///< of these blocks: straight lines over holes
+};
+
+Answer answer_in(const RateBlocks& blocks, std::size_t term) {
+  Answer answer{blocks.rate, blocks.values[term], blocks.length_s};
+  const std::vector<double>& known = blocks.known[term];
+  if (known.empty()) return answer;
+  constexpr double enough = 0.5; // of a block
+  const auto is_known = [&](double share) { return share > enough; };
+  const auto first = std::find_if(known.begin(), known.end(), is_known) - known.begin();
+  const auto last = std::find_if(known.rbegin(), known.rend(), is_known).base() - known.begin();
+  answer.rate.clear();
+  answer.value.clear();
+  std::size_t filled = 0;
+  for (auto b = first; b < last; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    if (is_known(known[i])) {
+      for (std::size_t k = 1; k <= filled; ++k) { // of the line over the hole before
+        const double share = static_cast<double>(k) / static_cast<double>(filled + 1);
+        const std::size_t at = answer.rate.size() - filled + k - 1, before = at - k;
+        answer.rate[at] = std::lerp(answer.rate[before], blocks.rate[i], share);
+        answer.value[at] = std::lerp(answer.value[before], blocks.values[term][i], share);
+      }
+      filled = 0;
+    } else {
+      ++filled;
+    }
+    answer.rate.push_back(blocks.rate[i]);
+    answer.value.push_back(blocks.values[term][i]);
+  }
+  const auto blocks_known = static_cast<double>(std::count_if(known.begin(), known.end(), is_known));
+  answer.known_share = blocks_known / static_cast<double>(known.size());
+  answer.filled_share = 1.0 - blocks_known / static_cast<double>(std::max<std::size_t>(1, answer.rate.size()));
+  return answer;
+}
+
 // Sums of squares of the time error that a half leaves, by what the other half says.
 struct HeldOut {
   double without2 = 0.0, with2 = 0.0;
 };
 
-HeldOut judged(const RateBlocks& blocks, const std::vector<double>& values, std::size_t split,
-               bool learn_first) {
-  const std::size_t n = blocks.rate.size();
+HeldOut judged(const Answer& answer, std::size_t split, bool learn_first) {
+  const std::size_t n = answer.rate.size();
   const auto part = [&](const std::vector<double>& x, bool first) {
     return first ? std::span(x).first(split) : std::span(x).last(n - split);
   };
-  const Regression known(part(blocks.rate, learn_first), part(values, learn_first),
-                         blocks.length_s);
-  const auto value = lagged(values, blocks.length_s, known.lag_s());
-  const double rate = mean_of(part(blocks.rate, learn_first));
+  const Regression known(part(answer.rate, learn_first), part(answer.value, learn_first),
+                         answer.block_s);
+  const auto value = lagged(answer.value, answer.block_s, known.lag_s());
+  const double rate = mean_of(part(answer.rate, learn_first));
   const double mean = mean_of(part(value, learn_first));
   HeldOut result;
   double without = 0.0, with = 0.0;
-  const auto seen = part(blocks.rate, !learn_first);
+  const auto seen = part(answer.rate, !learn_first);
   const auto cause = part(value, !learn_first);
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    without += (seen[i] - rate) * blocks.length_s;
-    with += (seen[i] - rate - known.coefficient() * (cause[i] - mean)) * blocks.length_s;
+    without += (seen[i] - rate) * answer.block_s;
+    with += (seen[i] - rate - known.coefficient() * (cause[i] - mean)) * answer.block_s;
     result.without2 += without * without / static_cast<double>(seen.size());
     result.with2 += with * with / static_cast<double>(seen.size());
   }
   return result;
 }
+
+// By how much errors of the readings may make the coefficient too small: their share of the
+// variance of the covariate, means over blocks, without its line.
+double attenuation(const Answer& answer, const RateTerm& term) {
+  if (!(term.sigma > 0.0)) return 0.0;
+  double variance = 0.0;
+  for (const double c : cosines(answer.value, true))
+    variance += c * c / static_cast<double>(answer.value.size());
+  const double error2 = term.sigma * term.sigma * std::min(1.0, term.step_s / answer.block_s);
+  return std::min(1.0, error2 / variance);
+}
+
+constexpr std::size_t least_beats = 256, most_blocks = 1024, least_blocks = 32; // 16 in a half
 
 bool varies(const RateTerm& term) {
   return std::any_of(term.advance_s.begin(), term.advance_s.end(),
@@ -106,24 +159,49 @@ bool varies(const RateTerm& term) {
 
 std::vector<CovariateEffect> covariate_effects(const TimingData& data) {
   std::vector<CovariateEffect> effects;
-  constexpr std::size_t least_beats = 256,
-                        most_blocks = 1024; // beats: 32 blocks, 16 in a half; and blocks
   if (data.size() < least_beats) return effects;
   const RateBlocks blocks = rate_blocks(data, std::min(most_blocks, data.size() / 8));
   for (std::size_t k = 0; k < data.terms.size(); ++k) {
     const RateTerm& term = data.terms[k];
-    const auto& values = blocks.values[k];
     if (term.name == "drift" || !varies(term)) continue;
-    const Regression all(blocks.rate, values, blocks.length_s);
-    const std::size_t half = blocks.rate.size() / 2;
-    const HeldOut second = judged(blocks, values, half, true);
-    const HeldOut first = judged(blocks, values, half, false);
-    CovariateEffect effect{term.name, term.unit, all.coefficient(), all.sigma(), all.lag_s()};
+    const Answer answer = answer_in(blocks, k);
+    if (answer.rate.size() < least_blocks) continue;
+    const Regression all(answer.rate, answer.value, answer.block_s);
+    const std::size_t half = answer.rate.size() / 2;
+    const HeldOut second = judged(answer, half, true);
+    const HeldOut first = judged(answer, half, false);
+    CovariateEffect effect{term.name, term.unit, all.coefficient(), 0.0, all.lag_s()};
+    effect.sigma = std::hypot(all.sigma() / std::sqrt(1.0 - answer.filled_share),
+                              all.coefficient() * attenuation(answer, term));
     effect.without_s = std::sqrt(0.5 * (first.without2 + second.without2));
     effect.with_s = std::sqrt(0.5 * (first.with2 + second.with2));
+    effect.interpolation_sigma = term.sigma;
+    effect.step_s = term.step_s;
+    effect.known_share = answer.known_share;
     effects.push_back(std::move(effect));
   }
   return effects;
+}
+
+std::vector<WeatherPart> weather_parts(const TimingData& data) {
+  std::vector<WeatherPart> parts;
+  if (data.size() < least_beats) return parts;
+  const RateBlocks blocks = rate_blocks(data, std::min(most_blocks, data.size() / 8));
+  std::vector<std::vector<double>> causes;
+  for (std::size_t k = 0; k < data.terms.size(); ++k) {
+    const RateTerm& term = data.terms[k];
+    if (term.name == "drift" || term.name == "density" || !varies(term)) continue;
+    parts.push_back({term.name, term.unit, 0.0, 0.0});
+    causes.push_back(cosines(blocks.values[k], true));
+  }
+  if (parts.empty()) return parts;
+  constexpr std::size_t first = 2; // the mean and the line
+  const RateRegression found = regress(cosines(blocks.rate, true), causes, RateNoise(first, {}));
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    parts[k].coefficient = found.coefficients[k];
+    parts[k].sigma = found.sigmas[k];
+  }
+  return parts;
 }
 
 std::string covariate_text(const CovariateEffect& effect) {
@@ -135,6 +213,8 @@ std::string covariate_text(const CovariateEffect& effect) {
       fmt::format("{}: the rate answers by {:.3g} ± {:.2g} s/day per {}", effect.name,
                   daily * effect.coefficient, daily * effect.sigma, per);
   if (effect.lag_s > 0.0) text += fmt::format(", with a lag of {:.3g} s", effect.lag_s);
+  if (effect.known_share < 1.0)
+    text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
   if (!effect.significant()) return text + ": nothing that stands out of the noise";
   return text +
          fmt::format("; over the half of the log it was not found in, compensating for it {} the "

@@ -245,6 +245,14 @@ private:
          "A longer log, and a note of what was done to the clock, would tell."});
   }
 
+  [[nodiscard]] bool knows_weather() const {
+    const auto knows = [&](std::string_view name) {
+      return std::any_of(times_.terms.begin(), times_.terms.end(),
+                         [&](const RateTerm& term) { return term.name == name; });
+    };
+    return knows("temperature") && knows("pressure");
+  }
+
   [[nodiscard]] Suspicion wander(double gain) const {
     const char* what = "the rate wanders more than white noise would";
     const std::vector<Cause> outside{Cause::unlogged_weather, Cause::length_drift,
@@ -259,7 +267,9 @@ private:
               {},
               "Look at the train and its oil: the force that reaches the escapement varies."};
     return {Cause::unknown, gain, fmt::format("{}, and the amplitude does not", what), outside,
-            "Log temperature and air pressure too, and check the clock of the logger."};
+            knows_weather() ? "Check the clock of the logger, and what the rod hangs from."
+                            : "Log temperature and air pressure too, and check the clock of the "
+                              "logger."};
   }
 
   const DiagnosisInput& input_;

@@ -43,6 +43,23 @@ std::vector<double> differences(const TimingData& data, const std::vector<double
   return means;
 }
 
+// The share of the beats of each block at which the term is known; empty if it is at all.
+std::vector<double> known_shares(const TimingData& data, const RateTerm& term, double begin_s,
+                                 double length_s, std::size_t count) {
+  if (term.is_known.empty()) return {};
+  std::vector<double> known(count, 0.0), all(count, 0.0);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double place = std::floor((data.elapsed_s[i] - begin_s) / length_s);
+    if (place < 0.0 || place >= static_cast<double>(count)) continue;
+    const auto block = static_cast<std::size_t>(place);
+    ++all[block];
+    known[block] += static_cast<double>(term.is_known[i]);
+  }
+  for (std::size_t b = 0; b < count; ++b)
+    known[b] = all[b] > 0.0 ? known[b] / all[b] : 0.0;
+  return known;
+}
+
 // Mean amplitude of each block; a block without amplitudes repeats the value before it.
 std::vector<double> amplitude_means(const TimingData& data, double begin_s, double length_s,
                                     std::size_t count) {
@@ -77,8 +94,10 @@ RateBlocks rate_blocks(const TimingData& data, double begin_s, double length_s, 
   blocks.rate = differences(data, data.lateness_s, begin_s, length_s, count);
   for (double& rate : blocks.rate)
     rate = -rate;
-  for (const RateTerm& term : data.terms)
+  for (const RateTerm& term : data.terms) {
     blocks.values.push_back(differences(data, term.advance_s, begin_s, length_s, count));
+    blocks.known.push_back(known_shares(data, term, begin_s, length_s, count));
+  }
   if (data.has_amplitude()) blocks.amplitude_rad = amplitude_means(data, begin_s, length_s, count);
   return blocks;
 }

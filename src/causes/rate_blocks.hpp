@@ -16,6 +16,7 @@ struct RateBlocks {
   double length_s = 0.0;
   std::vector<double> rate;                ///< relative
   std::vector<std::vector<double>> values; ///< of each term of the data, its mean removed
+  std::vector<std::vector<double>> known;  ///< share of the beats at which each term is known
   std::vector<double> amplitude_rad;       ///< empty if fewer than nine in ten are known
 };
 /// `count` blocks from `begin_s` on, `length_s` each.

@@ -78,7 +78,7 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
 void state_contradictions(const Fitted& fitted, FitSummary& summary) {
   for (const CoordinatePrior& prior : fitted.problem.priors) {
     if (!prior.stated) continue;
-    const double off = (fitted.minimum.x[prior.index] - prior.centre) / prior.sigma;
+    const double off = prior.pull(fitted.minimum.x);
     constexpr double largest_pull_sigma = 4.0; // sigma of the prior alone
     if (std::abs(off) < largest_pull_sigma) continue;
     for (const Slot& slot : fitted.problem.parameters.slots)

@@ -294,6 +294,29 @@ double weak_sigma(const Slot& slot, double centre) {
   return torque ? factor * std::max(1.0, std::abs(centre)) : 1e4;
 }
 
+// That a parameter changed at an event as it was planned.
+std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
+                                             const Parameters& parameters, const Slot& slot,
+                                             std::span<const double> x) {
+  if (slot.event == 0 || slot.event > options.events.size()) return {};
+  const FitEvent& event = options.events[slot.event - 1];
+  if (!event.planned || parameters.name_of(slot) != fmt::format("{}@{}", event.names.front(), slot.event))
+    return {};
+  const Slot* before = nullptr;
+  for (const Slot& other : parameters.slots)
+    if (other.quantity == slot.quantity && other.event < slot.event) before = &other;
+  if (before == nullptr) return {};
+  // To first order about the old value at x and the new one that was planned.
+  const double old = before->value(x), expected = event.planned->ratio * old;
+  const double slope = slot.slope_at(expected), target = slot.coordinate_of(expected);
+  CoordinatePrior prior{slot.index, target, event.planned->sigma * old / slope, true};
+  if (!before->free) return prior;
+  prior.other = before->index;
+  prior.share = event.planned->ratio * before->slope_at(old) / slope;
+  prior.centre = target - prior.share * x[before->index];
+  return prior;
+}
+
 } // namespace
 
 std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parameters& parameters,
@@ -305,6 +328,8 @@ std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parame
                              (slot.coordinate == Coordinate::multiple && slot.event > 0);
     const double centre = about_start ? start[slot.index] : 0.0;
     priors.push_back({slot.index, centre, weak_sigma(slot, centre)});
+    if (const auto planned = planned_prior(options, parameters, slot, start))
+      priors.push_back(*planned);
     for (const Prior& stated : options.priors) {
       if (stated.name != parameters.name_of(slot)) continue;
       priors.push_back({slot.index, slot.coordinate_of(stated.value),

@@ -138,7 +138,7 @@ double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
   double weak = 0.0;
   for (const CoordinatePrior& prior : problem.priors)
     if (!prior.stated)
-      weak += 0.5 * std::pow((minimum.x[prior.index] - prior.centre) / prior.sigma, 2);
+      weak += 0.5 * std::pow(prior.pull(minimum.x), 2);
   double seen = static_cast<double>(problem.data->size()) - 1.0;
   for (const double a : problem.data->amplitude_rad)
     seen += std::isnan(a) ? 0.0 : 1.0;

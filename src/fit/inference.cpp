@@ -145,8 +145,9 @@ Certainty certainty(const FitProblem& problem, const Evaluation& at, const Widen
   Eigen::MatrixXd middle = times * Eigen::MatrixXd::Identity(n, n) +
                            (amplitudes - times) * of_amplitudes.transpose() * of_amplitudes;
   for (const CoordinatePrior& prior : problem.priors) {
-    const Eigen::RowVectorXd row =
-        known.unwidened.row(static_cast<Eigen::Index>(prior.index)) / prior.sigma;
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n);
+    for (Eigen::Index k = 0; k < n; ++k)
+      row += prior.slope(static_cast<std::size_t>(k)) * known.unwidened.row(k);
     middle += (1.0 - times) * row.transpose() * row;
   }
   const Eigen::LLT<Eigen::MatrixXd> root(middle);

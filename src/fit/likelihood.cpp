@@ -166,7 +166,7 @@ private:
 double prior_cost(const FitProblem& problem, std::span<const double> x) {
   double sum = 0.0;
   for (const CoordinatePrior& prior : problem.priors)
-    sum += 0.5 * std::pow((x[prior.index] - prior.centre) / prior.sigma, 2);
+    sum += 0.5 * std::pow(prior.pull(x), 2);
   return sum;
 }
 
@@ -228,9 +228,8 @@ void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& su
 
 void add_priors(const FitProblem& problem, std::span<const double> x, RowStack& rows) {
   for (const CoordinatePrior& prior : problem.priors)
-    rows.add((x[prior.index] - prior.centre) / prior.sigma, [&](Eigen::Index k) {
-      return static_cast<std::size_t>(k) == prior.index ? 1.0 / prior.sigma : 0.0;
-    });
+    rows.add(prior.pull(x),
+             [&](Eigen::Index k) { return prior.slope(static_cast<std::size_t>(k)); });
 }
 
 template <class T> std::vector<T> jets_at(std::span<const double> x) {

@@ -35,12 +35,24 @@ struct Correction {
   std::vector<ResponseAt> responses;
 };
 
-/// A prior on one search coordinate, either weak or stated by the user.
+/// A prior on one search coordinate, either weak or stated by the user; or on what is left of it
+/// when a share of another is taken off.
 struct CoordinatePrior {
   std::size_t index;
   double centre;
   double sigma;
   bool stated = false;
+  std::optional<std::size_t> other{};
+  double share = 0.0; ///< of `other`
+
+  /// How far x is from the centre, in sigma.
+  [[nodiscard]] double pull(std::span<const double> x) const {
+    return (x[index] - (other ? share * x[*other] : 0.0) - centre) / sigma;
+  }
+  /// d pull / d x[k].
+  [[nodiscard]] double slope(std::size_t k) const {
+    return (k == index ? 1.0 / sigma : 0.0) - (other && k == *other ? share / sigma : 0.0);
+  }
 };
 
 /// One model and the data it is to explain.

@@ -60,7 +60,7 @@ struct Known {
   bool only_if_named = false; // not fitted unless asked for
 };
 
-constexpr std::array<Known, 20> known_parameters{{
+constexpr std::array<Known, 21> known_parameters{{
     {"T0", Known::positive, true},
     {"epsilon", Known::positive, true},
     {"mu", Known::not_negative, true},
@@ -73,6 +73,7 @@ constexpr std::array<Known, 20> known_parameters{{
     {"offset", Known::any, false, true},
     {"temperature", Known::any, false, true},
     {"pressure", Known::any, false, true},
+    {"humidity", Known::any, false, true},
     {"density", Known::any, false, true},
     {"drift", Known::any, false, true},
     {"jitter_rms", Known::positive},

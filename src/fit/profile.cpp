@@ -206,7 +206,8 @@ private:
   [[nodiscard]] double prior_on(double coordinate) const {
     double own = 0.0;
     for (const CoordinatePrior& prior : problem_.priors)
-      if (prior.index == k_) own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
+      if (prior.index == k_ && !prior.other)
+        own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
     return own;
   }
 
@@ -288,6 +289,16 @@ const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few
 
 } // namespace
 
+// One of the two coordinates of a prior is held: what is left is a prior on the other.
+static void hold(CoordinatePrior& prior, std::size_t index, double coordinate) {
+  if (!prior.other || (prior.index != index && *prior.other != index)) return;
+  if (*prior.other == index)
+    prior = {prior.index, prior.centre + prior.share * coordinate, prior.sigma, prior.stated};
+  else
+    prior = {*prior.other, (coordinate - prior.centre) / prior.share, prior.sigma / prior.share,
+             prior.stated};
+}
+
 FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate) {
   FitProblem held = problem;
   std::vector<double> x(problem.parameters.free_count, 0.0);
@@ -302,9 +313,13 @@ FitProblem with_held(const FitProblem& problem, std::size_t index, double coordi
     }
   }
   --held.parameters.free_count;
-  std::erase_if(held.priors, [&](const CoordinatePrior& prior) { return prior.index == index; });
-  for (CoordinatePrior& prior : held.priors)
+  std::erase_if(held.priors,
+                [&](const CoordinatePrior& p) { return p.index == index && !p.other; });
+  for (CoordinatePrior& prior : held.priors) {
+    hold(prior, index, coordinate);
     if (prior.index > index) --prior.index;
+    if (prior.other && *prior.other > index) --*prior.other;
+  }
   if (!held.bounds.empty())
     held.bounds.erase(held.bounds.begin() + static_cast<std::ptrdiff_t>(index));
   return held;

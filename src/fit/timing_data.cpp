@@ -33,33 +33,47 @@ TimingData timing_data(std::span<const Beat> beats) {
   return data;
 }
 
-RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
-                   std::span<const double> values) {
-  const auto known = std::find_if(values.begin(), values.end(), [](double v) { return v == v; });
-  double value = known == values.end() ? 0.0 : *known;
-  double sum = 0.0;
-  std::vector<double> integral{0.0};
-  for (std::size_t i = 1; i < data.size(); ++i) {
-    const double before = value;
-    if (std::isfinite(values[i])) value = values[i];
-    sum += 0.5 * (before + value) * (data.elapsed_s[i] - data.elapsed_s[i - 1]);
-    integral.push_back(sum);
+namespace {
+
+// Values that are not known are put on the line between their neighbours, or, at the ends, made
+// those of the nearest.
+std::vector<double> without_holes(std::span<const double> values, std::span<const double> t) {
+  std::vector<double> filled(values.begin(), values.end());
+  const auto is_known = [](double v) { return std::isfinite(v); };
+  const auto first = std::find_if(filled.begin(), filled.end(), is_known);
+  if (first == filled.end()) return std::vector<double>(values.size(), 0.0);
+  std::fill(filled.begin(), first, *first);
+  auto before = static_cast<std::size_t>(first - filled.begin());
+  for (std::size_t i = before + 1; i < filled.size(); ++i) {
+    if (!is_known(values[i])) continue;
+    const double slope = (values[i] - values[before]) / (t[i] - t[before]);
+    for (std::size_t k = before + 1; k < i; ++k)
+      filled[k] = values[before] + slope * (t[k] - t[before]);
+    before = i;
   }
-  const double mean = sum / data.elapsed_s.back();
-  for (std::size_t i = 0; i < integral.size(); ++i)
-    integral[i] -= mean * data.elapsed_s[i];
-  return {std::move(name), std::move(unit), std::move(integral)};
+  std::fill(filled.begin() + static_cast<std::ptrdiff_t>(before) + 1, filled.end(), filled[before]);
+  return filled;
 }
 
-std::vector<double> air_density(std::span<const double> temperature_c,
-                                std::span<const double> pressure_mbar) {
-  constexpr double gas_constant = 287.05, zero_celsius = 273.15, pascals = 100.0;
-  std::vector<double> density;
-  density.reserve(temperature_c.size());
-  for (std::size_t i = 0; i < temperature_c.size(); ++i)
-    density.push_back(pascals * pressure_mbar[i] /
-                      (gas_constant * (zero_celsius + temperature_c[i])));
-  return density;
+} // namespace
+
+RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
+                   std::span<const double> values) {
+  const std::vector<double> value = without_holes(values, data.elapsed_s);
+  RateTerm term{std::move(name), std::move(unit), {0.0}};
+  double sum = 0.0;
+  for (std::size_t i = 1; i < data.size(); ++i) {
+    sum += 0.5 * (value[i - 1] + value[i]) * (data.elapsed_s[i] - data.elapsed_s[i - 1]);
+    term.advance_s.push_back(sum);
+  }
+  const double mean = sum / data.elapsed_s.back();
+  for (std::size_t i = 0; i < data.size(); ++i)
+    term.advance_s[i] -= mean * data.elapsed_s[i];
+  const auto is_unknown = [](double v) { return !std::isfinite(v); };
+  if (std::any_of(values.begin(), values.end(), is_unknown))
+    for (const double v : values)
+      term.is_known.push_back(is_unknown(v) ? 0 : 1);
+  return term;
 }
 
 std::vector<double> relative_noise(std::span<const double> sigmas) {
@@ -85,7 +99,7 @@ TimingData subset(const TimingData& data, std::span<const std::size_t> chosen) {
   TimingData part;
   part.reference_period_s = data.reference_period_s;
   for (const RateTerm& term : data.terms)
-    part.terms.push_back({term.name, term.unit, {}});
+    part.terms.push_back({term.name, term.unit, {}, {}, term.sigma, term.step_s});
   for (const std::size_t i : chosen) {
     part.cycle.push_back(data.cycle[i]);
     part.elapsed_s.push_back(data.elapsed_s[i]);
@@ -93,8 +107,11 @@ TimingData subset(const TimingData& data, std::span<const std::size_t> chosen) {
     if (data.has_amplitude()) part.amplitude_rad.push_back(data.amplitude_rad[i]);
     if (!data.time_noise.empty()) part.time_noise.push_back(data.time_noise[i]);
     if (!data.amplitude_noise.empty()) part.amplitude_noise.push_back(data.amplitude_noise[i]);
-    for (std::size_t k = 0; k < data.terms.size(); ++k)
+    for (std::size_t k = 0; k < data.terms.size(); ++k) {
       part.terms[k].advance_s.push_back(data.terms[k].advance_s[i]);
+      if (!data.terms[k].is_known.empty())
+        part.terms[k].is_known.push_back(data.terms[k].is_known[i]);
+    }
   }
   return part;
 }

@@ -145,4 +145,11 @@ std::optional<CalendarTime> parse_calendar(std::string_view text, char point) {
   return result;
 }
 
+std::optional<std::int64_t> zone_named(std::string_view text) {
+  Taker taker{text};
+  bool given = false;
+  const auto east = zone(taker, given);
+  return given ? east : std::nullopt;
+}
+
 } // namespace goingrate

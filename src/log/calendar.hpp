@@ -3,6 +3,7 @@
 
 #include "goingrate/base/instant.hpp"
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -25,5 +26,9 @@ struct CalendarTime {
 /// fraction of the second keeps all its digits (CalendarTest.ReadsWhatLoggersWrite). Returns
 /// nullopt if `text` has any other form.
 std::optional<CalendarTime> parse_calendar(std::string_view text, char point = '.');
+
+/// Seconds east of Greenwich of "Z", "UTC", "GMT", "+01:00", "-0530" or "+01"; nothing for other
+/// text.
+std::optional<std::int64_t> zone_named(std::string_view text);
 
 } // namespace goingrate

@@ -65,6 +65,7 @@ constexpr std::array<TimeName, 22> time_names{{{"s", in_seconds},
 struct ScaleName {
   std::string_view name;
   double scale;
+  double offset = 0.0;
 };
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr std::array<ScaleName, 7> angle_names{{{"rad", 1.0},
@@ -74,10 +75,29 @@ constexpr std::array<ScaleName, 7> angle_names{{{"rad", 1.0},
                                                 {"deg", degree},
                                                 {"degree", degree},
                                                 {"degrees", degree}}};
-constexpr std::array<ScaleName, 5> pressure_names{
-    {{"mbar", 1.0}, {"hpa", 1.0}, {"pa", 1e-2}, {"kpa", 10.0}, {"bar", 1e3}}};
-constexpr std::array<ScaleName, 4> temperature_names{
-    {{"c", 1.0}, {"degc", 1.0}, {"celsius", 1.0}, {"degcelsius", 1.0}}};
+constexpr double inch_of_mercury = 33.86389, millimetre_of_mercury = 1.333224; // mbar
+constexpr std::array<ScaleName, 8> pressure_names{{{"mbar", 1.0},
+                                                   {"hpa", 1.0},
+                                                   {"pa", 1e-2},
+                                                   {"kpa", 10.0},
+                                                   {"bar", 1e3},
+                                                   {"inhg", inch_of_mercury},
+                                                   {"mmhg", millimetre_of_mercury},
+                                                   {"torr", millimetre_of_mercury}}};
+constexpr double fahrenheit = 5.0 / 9.0, zero_fahrenheit_c = -32.0 * fahrenheit,
+                 zero_kelvin_c = -273.15;
+constexpr std::array<ScaleName, 9> temperature_names{
+    {{"c", 1.0},
+     {"degc", 1.0},
+     {"celsius", 1.0},
+     {"degcelsius", 1.0},
+     {"f", fahrenheit, zero_fahrenheit_c},
+     {"degf", fahrenheit, zero_fahrenheit_c},
+     {"fahrenheit", fahrenheit, zero_fahrenheit_c},
+     {"k", 1.0, zero_kelvin_c},
+     {"kelvin", 1.0, zero_kelvin_c}}};
+constexpr std::array<ScaleName, 4> humidity_names{
+    {{"%", 1.0}, {"percent", 1.0}, {"%rh", 1.0}, {"1", 100.0}}};
 
 template <class Names>
 bool set_scale(LogColumn& column, const Names& names, std::string_view unit) {
@@ -85,6 +105,7 @@ bool set_scale(LogColumn& column, const Names& names, std::string_view unit) {
                                   [&](const ScaleName& known) { return known.name == unit; });
   if (entry == names.end()) return false;
   column.scale = entry->scale;
+  column.offset = entry->offset;
   return true;
 }
 
@@ -116,7 +137,9 @@ struct RoleWord {
   ColumnRole role;
 };
 // The first that the name contains counts; the longer come before those they contain.
-constexpr std::array<RoleWord, 34> role_words{{{"uncertainty", ColumnRole::ignored},
+constexpr std::array<RoleWord, 38> role_words{{{"uncertainty", ColumnRole::ignored},
+                                               {"dew", ColumnRole::ignored},
+                                               {"wind", ColumnRole::ignored},
                                                {"sigma", ColumnRole::ignored},
                                                {"residual", ColumnRole::ignored},
                                                {"angvel", ColumnRole::ignored},
@@ -132,7 +155,9 @@ constexpr std::array<RoleWord, 34> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"clock_error", ColumnRole::clock_error},
                                                {"drift", ColumnRole::clock_error},
                                                {"amplitude", ColumnRole::amplitude},
-                                               {"temps", ColumnRole::time}, // French
+                                               {"humid", ColumnRole::humidity},
+                                               {"feucht", ColumnRole::humidity}, // German
+                                               {"temps", ColumnRole::time},      // French
                                                {"temp", ColumnRole::temperature},
                                                {"press", ColumnRole::pressure},
                                                {"baro", ColumnRole::pressure},
@@ -150,7 +175,8 @@ constexpr std::array<RoleWord, 34> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"heure", ColumnRole::time},
                                                {"richtung", ColumnRole::edge},
                                                {"error", ColumnRole::clock_error}}};
-constexpr std::array<RoleWord, 9> short_names{{{"t", ColumnRole::time},
+constexpr std::array<RoleWord, 10> short_names{{{"t", ColumnRole::time},
+                                               {"rh", ColumnRole::humidity},
                                                {"mjd", ColumnRole::time},
                                                {"utc", ColumnRole::time},
                                                {"unix", ColumnRole::time},
@@ -207,6 +233,7 @@ bool set_unit(LogColumn& column, std::string_view text) {
     return set_scale(column, angle_names, unit);
   if (column.role == ColumnRole::temperature) return set_scale(column, temperature_names, unit);
   if (column.role == ColumnRole::pressure) return set_scale(column, pressure_names, unit);
+  if (column.role == ColumnRole::humidity) return set_scale(column, humidity_names, unit);
   return false;
 }
 

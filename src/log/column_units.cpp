@@ -7,12 +7,18 @@
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
 namespace goingrate {
 
 namespace {
+
+bool is_mjd(const ColumnSample& sample) {
+  constexpr double mjd_1900 = 15000.0, mjd_2100 = 90000.0;
+  return sample.least > mjd_1900 && sample.most < mjd_2100;
+}
 
 // The coarsest unit in which no value exceeds the time at which the counter wraps.
 std::optional<TimeUnit> unit_within(double wrap_s, const ColumnSample& sample) {
@@ -21,6 +27,26 @@ std::optional<TimeUnit> unit_within(double wrap_s, const ColumnSample& sample) {
   return {};
 }
 
+// Of weather: the step does not tell the unit, but the size may.
+TimeUnit unit_of_readings(const ColumnSample& sample) {
+  if (is_mjd(sample) && sample.typical_step < 2.0) return in_days;
+  constexpr double unix_milliseconds = 1e11; // 1973; as seconds, the year 5000
+  return sample.least > unix_milliseconds ? in_milliseconds : in_seconds;
+}
+
+// What numbers of a quantity without a unit are, by their median, where they are not what is usual.
+struct UnitBySize {
+  ColumnRole role;
+  double least, most;
+  std::string_view unit, in_words;
+};
+constexpr std::array<UnitBySize, 6> units_by_size{{{ColumnRole::temperature, 45.0, 120.0, "f", "°F"},
+                                                   {ColumnRole::temperature, 230.0, 330.0, "k", "K"},
+                                                   {ColumnRole::pressure, 20.0, 33.0, "inhg", "inHg"},
+                                                   {ColumnRole::pressure, 50.0, 110.0, "kpa", "kPa"},
+                                                   {ColumnRole::pressure, 5e4, 1.1e5, "pa", "Pa"},
+                                                   {ColumnRole::humidity, 0.0, 1.0, "1", "parts of one"}}};
+
 } // namespace
 
 std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
@@ -28,9 +54,7 @@ std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample) {
   if (step >= 100.0 && step < 2e4) return in_milliseconds;
   if (step >= 2e4 && step < 5e7) return in_microseconds;
   if (step >= 5e7 && step < 1e11) return in_nanoseconds;
-  constexpr double mjd_1900 = 15000.0, mjd_2100 = 90000.0;
-  if (sample.least > mjd_1900 && sample.most < mjd_2100 && step > 0.02 / 86400.0 && step < 1e-3)
-    return in_days;
+  if (is_mjd(sample) && step > 0.02 / 86400.0 && step < 1e-3) return in_days;
   return {};
 }
 
@@ -59,6 +83,7 @@ void Detection::settle_times() {
   if (layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency))
     if (!options_.tau0_s && !options_.nominal_period_s) settle_tau0();
   settle_angle_unit();
+  settle_weather_units();
   if (at && layout_.find(ColumnRole::clock_error)) {
     const TimeUnit& unit = layout_.columns[*at].unit;
     const double step = samples_[*at].typical_step * unit.seconds * std::pow(10.0, unit.power);
@@ -123,23 +148,28 @@ void Detection::refuse_what_was_not_measured(std::size_t time) const {
   }
 }
 
+// By the user, for the column of this role.
+bool Detection::unit_is_given(ColumnRole role) const {
+  return std::any_of(options_.columns.begin(), options_.columns.end(), [&](const auto& word) {
+    return word.starts_with(fmt::format("{}=", name_of(role))) &&
+           word.find(':') != std::string::npos;
+  });
+}
+
 void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   const auto index = static_cast<std::size_t>(&column - layout_.columns.data());
-  const bool by_user =
-      std::any_of(options_.columns.begin(), options_.columns.end(), [&](const std::string& word) {
-        return word.starts_with(fmt::format("{}=", name_of(column.role))) &&
-               word.find(':') != std::string::npos;
-      });
   if (options_.unit) {
     column.unit = *options_.unit;
     return;
   }
-  if (by_user || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
+  if (unit_is_given(column.role) || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
     return;
-  const auto likely = options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
+  const bool stated = index < stated_unit_.size() && stated_unit_[index];
+  if (options_.weather && stated) return;
+  const auto likely = options_.weather ? unit_of_readings(sample)
+                      : options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
                           ? unit_within(*options_.wrap_s, sample)
                           : unit_for_step(sample.typical_step, sample);
-  const bool stated = index < stated_unit_.size() && stated_unit_[index];
   if (!likely || *likely == column.unit) return;
   const double own = column.unit.seconds * std::pow(10.0, column.unit.power);
   const double step_s = sample.typical_step * own;
@@ -167,6 +197,22 @@ void Detection::settle_tau0() {
     assume("one value a second", Setting::tau0);
     if (!options_.format && layout_.find(ColumnRole::phase))
       assume("the values are the clock's error, neither periods nor frequencies", Setting::format);
+  }
+}
+
+void Detection::settle_weather_units() {
+  for (std::size_t i = 0; i < layout_.columns.size(); ++i) {
+    if (i < stated_unit_.size() && stated_unit_[i]) continue;
+    LogColumn& column = layout_.columns[i];
+    if (unit_is_given(column.role)) continue;
+    for (const UnitBySize& entry : units_by_size) {
+      const double median = samples_[i].median;
+      if (entry.role != column.role || !(median > entry.least && median < entry.most)) continue;
+      (void)set_unit(column, entry.unit);
+      const std::string_view role = name_of(column.role);
+      assume(fmt::format("the {} is in {}", role, entry.in_words), Setting::columns,
+             fmt::format("{}=N:UNIT", role));
+    }
   }
 }
 

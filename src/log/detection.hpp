@@ -51,6 +51,7 @@ private:
     layout_.columns[column].scale = scale;
   }
 
+  Layout weather();
   bool read_names();
   void leave_out(std::size_t column);
   [[nodiscard]] LogFormat format_of_names() const;
@@ -62,8 +63,10 @@ private:
   void fill_time();
   void check_needed_columns();
   void settle_times();
+  [[nodiscard]] bool unit_is_given(ColumnRole role) const;
   void settle_unit(LogColumn& column, const ColumnSample& sample);
   void settle_angle_unit();
+  void settle_weather_units();
   void settle_tau0();
   void refuse_fast_counter(const ColumnSample& sample) const;
   void refuse_what_was_not_measured(std::size_t time) const;

@@ -21,7 +21,7 @@ constexpr std::array<std::pair<LogFormat, std::string_view>, 10> formats{{
     {LogFormat::angle, "angle"},
 }};
 
-constexpr std::array<std::pair<ColumnRole, std::string_view>, 16> roles{{
+constexpr std::array<std::pair<ColumnRole, std::string_view>, 17> roles{{
     {ColumnRole::ignored, "ignored"},
     {ColumnRole::time, "time"},
     {ColumnRole::date, "date"},
@@ -37,6 +37,7 @@ constexpr std::array<std::pair<ColumnRole, std::string_view>, 16> roles{{
     {ColumnRole::edge, "edge"},
     {ColumnRole::temperature, "temperature"},
     {ColumnRole::pressure, "pressure"},
+    {ColumnRole::humidity, "humidity"},
     {ColumnRole::channel, "channel"},
 }};
 

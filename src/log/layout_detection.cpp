@@ -3,6 +3,7 @@
 #include "column_names.hpp"
 #include "issue_list.hpp"
 #include "time_columns.hpp"
+#include "weather_quantities.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -14,6 +15,7 @@ namespace goingrate {
 Layout Detection::run() {
   if (head_.comma_was_guessed) assume("a comma is the decimal point", Setting::decimal_comma);
   const bool named = !head_.names.empty() && read_names();
+  if (options_.weather) return weather();
   if (options_.format)
     layout_.format = *options_.format;
   else
@@ -33,6 +35,27 @@ Layout Detection::run() {
                                 options_.format ? "" : ", found from the first lines")};
   log_.assumptions.insert(log_.assumptions.begin(), std::move(format));
   say_which_time();
+  return layout_;
+}
+
+// A table of the weather, whose header must name what it holds.
+Layout Detection::weather() {
+  bool has_weather = false;
+  for (LogColumn& column : layout_.columns) {
+    const bool is_weather =
+        std::any_of(weather_quantities.begin(), weather_quantities.end(),
+                    [&](const WeatherQuantity& quantity) { return quantity.role == column.role; });
+    has_weather = has_weather || is_weather;
+    if (!is_weather && column.role != ColumnRole::time && column.role != ColumnRole::date)
+      column.role = ColumnRole::ignored;
+  }
+  if (!has_weather || !layout_.find(ColumnRole::time)) {
+    const HeadLine& line = head_.titles.empty() ? head_.rows.front() : head_.titles.back();
+    throw InputError(log_.place(line.number), shown(line.text),
+                     "a header that names a time, and a temperature, a pressure or a humidity");
+  }
+  layout_.format = LogFormat::table;
+  settle_times();
   return layout_;
 }
 

@@ -18,7 +18,8 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t fewest_events = 3; // two periods: the least from which a rate has a scatter
+constexpr std::size_t fewest_events = 3, // two periods: the least from which a rate has a scatter
+    fewest_readings = 2;                 // of the weather, to draw a line between
 
 // Numbers that the header states.
 std::optional<double> stated(const LogHead& head, std::string_view key, double least, double most) {
@@ -72,8 +73,10 @@ std::vector<OtherReading> readings_beside_angle(const Layout& layout) {
   return others;
 }
 
-void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout& layout) {
-  if (log.events.size() >= fewest_events) return;
+void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout& layout,
+                       bool weather) {
+  const std::size_t fewest = weather ? fewest_readings : fewest_events;
+  if (log.events.size() >= fewest) return;
   if (log.events.empty() && rows.other_channels() > 0)
     throw InputError(log.place(layout.first_line),
                      fmt::format("{} lines of other channels", rows.other_channels()),
@@ -85,9 +88,12 @@ void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout&
                             "three swings or more", readings_beside_angle(layout));
   const std::size_t line = log.events.empty() ? 1 : log.events.back().line;
   throw InputError(log.place(line),
-                   fmt::format("{} {}{}", log.events.size(), log.grid ? "value" : "event",
+                   fmt::format("{} {}{}", log.events.size(),
+                               weather    ? "reading"
+                               : log.grid ? "value"
+                                          : "event",
                                log.events.size() == 1 ? "" : "s"),
-                   fmt::format("at least {}", fewest_events));
+                   fmt::format("at least {}", fewest));
 }
 
 // Samples of an angle become the events.
@@ -203,7 +209,8 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
 
 bool is_same(const Layout& a, const Layout& b) {
   const auto same_column = [](const LogColumn& one, const LogColumn& other) {
-    return one.role == other.role && one.scale == other.scale && one.unit == other.unit;
+    return one.role == other.role && one.scale == other.scale && one.offset == other.offset &&
+           one.unit == other.unit;
   };
   return a.format == b.format && a.separator == b.separator && a.point == b.point &&
          a.calendar == b.calendar && a.channel == b.channel && a.newest_first == b.newest_first &&
@@ -216,6 +223,12 @@ bool are_dates(const Layout& layout, const Instant& first) {
   constexpr double years_s = 1e8;
   return time && ((layout.calendar && !layout.wrap_s) || layout.columns[*time].unit == in_days ||
                   first.to_double() > years_s);
+}
+
+static TimeOrigin origin_of(const Layout& layout, const Instant& first) {
+  if (!are_dates(layout, first)) return TimeOrigin::none;
+  const bool days = layout.columns[*layout.find(ColumnRole::time)].unit == in_days;
+  return days && !layout.calendar ? TimeOrigin::mjd : TimeOrigin::unix;
 }
 
 // Those of a file are not all of one length.
@@ -241,7 +254,7 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
   refuse_if_mostly_bad(log, rows);
   IssueList issues(log, options.strict);
   if (layout.format == LogFormat::angle) find_crossings(rows, layout, options, log, issues);
-  refuse_if_too_few(log, rows, layout);
+  refuse_if_too_few(log, rows, layout, options.weather);
   if (layout.newest_first && layout.format != LogFormat::angle) {
     turn_round(log);
     if (!log.grid) unwrap_turned(log, layout, options);
@@ -253,6 +266,7 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
                        !layout.newest_first;
   if (!log.grid && (!as_read || !rows.in_order()))
     restore_order(log, are_dates(layout, log.events.front().time), issues);
+  log.origin = origin_of(layout, log.events.front().time);
 }
 
 ClockLog read_log(std::string_view text, const std::string& source, const ReadingOptions& options) {

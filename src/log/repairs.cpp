@@ -3,7 +3,6 @@
 #include "typical_period.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
@@ -12,10 +11,6 @@
 namespace goingrate {
 
 namespace {
-
-std::array<std::vector<double>*, 4> all_columns(EventColumns& columns) {
-  return {&columns.width_s, &columns.sigma_s, &columns.temperature_c, &columns.pressure_mbar};
-}
 
 bool earlier(const Beat& a, const Beat& b) { return a.time < b.time; }
 
@@ -142,7 +137,7 @@ void sort_blocks(ClockLog& log, const std::vector<std::size_t>& starts) {
       done[at] = true;
     }
   };
-  for (std::vector<double>* column : all_columns(log.columns))
+  for (std::vector<double>* column : log.columns.all())
     if (!column->empty()) put_in_order(*column);
   put_in_order(events);
 }
@@ -155,7 +150,7 @@ void leave_out_copies(ClockLog& log, IssueList& issues) {
                                 (std::isnan(a.amplitude_rad) && std::isnan(b.amplitude_rad));
     return a.time == b.time && a.edge == b.edge && same_amplitude;
   };
-  const auto columns = all_columns(log.columns);
+  const auto columns = log.columns.all();
   std::size_t kept = 1;
   for (std::size_t i = 1; i < events.size(); ++i) {
     if (is_same(events[kept - 1], events[i])) {
@@ -177,7 +172,7 @@ void leave_out_copies(ClockLog& log, IssueList& issues) {
 
 void turn_round(ClockLog& log) {
   std::reverse(log.events.begin(), log.events.end());
-  for (std::vector<double>* column : all_columns(log.columns))
+  for (std::vector<double>* column : log.columns.all())
     std::reverse(column->begin(), column->end());
   if (!log.grid) return;
   auto& [tau0_s, phase_s] = *log.grid;

@@ -27,9 +27,10 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       frequency_(layout.find(ColumnRole::frequency)),
       amplitude_(layout.find(ColumnRole::amplitude)), angle_(layout.find(ColumnRole::angle)),
       width_(layout.find(ColumnRole::width)), edge_(layout.find(ColumnRole::edge)),
-      temperature_(layout.find(ColumnRole::temperature)),
-      pressure_(layout.find(ColumnRole::pressure)), channel_(layout.find(ColumnRole::channel)) {
+      channel_(layout.find(ColumnRole::channel)), zone_s_(options.zone_s) {
   if (!angle_) angle_ = layout.find(ColumnRole::position);
+  for (std::size_t i = 0; i < weather_.size(); ++i)
+    weather_[i] = layout.find(weather_quantities[i].role);
   plain_ = layout.columns.size() == 1 && time_ && !layout.calendar &&
            layout.columns[*time_].unit == in_seconds;
   if (!phase_ && !frequency_) return;
@@ -156,8 +157,10 @@ double RowReader::number_at(const Line& line, const Place& place, std::string_vi
   if (!place) return unknown;
   const Field& field = fields_[*place];
   const auto value = parse_number(field.text, layout_.point);
-  // 999.9 mbar is weather like any other.
-  const bool no_value = all_nines(field.text) && !(place == pressure_ && value && *value < 1100.0);
+  // 999.9 mbar or 99 % are weather like any other.
+  const bool can_be = value && ((place == weather_[1] && *value < 1100.0) ||
+                                (place == weather_[2] && *value <= 100.0));
+  const bool no_value = all_nines(field.text) && !can_be;
   if (value && !no_value) return *value;
   if (!says_nothing(field.text)) // empty or NaN: the file's own word for it
     issues_.add(line.number, field.column, value ? IssueKind::no_value : IssueKind::unreadable,
@@ -210,8 +213,7 @@ void RowReader::accept_gate_edge(const Line& line, const Beat& beat, std::string
   --data_lines_; // two lines, one event
   const Beat middle = event_at(entered_->time + 0.5 * width, beat.edge, entered_->line);
   entered_.reset();
-  append(middle, width, number_at(line, temperature_, "a temperature"),
-         number_at(line, pressure_, "a pressure"));
+  append(line, middle, width);
 }
 
 void RowReader::accept(const Line& line, Beat beat) {
@@ -225,12 +227,10 @@ void RowReader::accept(const Line& line, Beat beat) {
   if (!std::isnan(width)) {
     beat.time = beat.time + 0.5 * width; // the log has the leading edge
   }
-  append(beat, width, number_at(line, temperature_, "a temperature"),
-         number_at(line, pressure_, "a pressure"));
+  append(line, beat, width);
 }
 
-void RowReader::append(const Beat& beat, double width_s, double temperature_c,
-                       double pressure_mbar) {
+void RowReader::append(const Line& line, const Beat& beat, double width_s) {
   push(beat);
   log_.has_amplitude = log_.has_amplitude || !std::isnan(beat.amplitude_rad);
   const bool widths = width_ || !log_.columns.width_s.empty() || !std::isnan(width_s);
@@ -238,10 +238,13 @@ void RowReader::append(const Beat& beat, double width_s, double temperature_c,
     log_.columns.width_s.resize(log_.events.size() - 1, unknown);
     log_.columns.width_s.push_back(width_s);
   }
-  if (temperature_)
-    log_.columns.temperature_c.push_back(temperature_c * layout_.columns[*temperature_].scale);
-  if (pressure_)
-    log_.columns.pressure_mbar.push_back(pressure_mbar * layout_.columns[*pressure_].scale);
+  for (std::size_t i = 0; i < weather_.size(); ++i) {
+    if (!weather_[i]) continue;
+    const LogColumn& column = layout_.columns[*weather_[i]];
+    const WeatherQuantity& quantity = weather_quantities[i];
+    const double value = number_at(line, weather_[i], quantity.article_and_name);
+    (log_.columns.*quantity.values).push_back(column.scale * value + column.offset);
+  }
 }
 
 void RowReader::go_on_from(const RowReader& before) {

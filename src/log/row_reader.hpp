@@ -5,12 +5,14 @@
 #include "issue_list.hpp"
 #include "lines.hpp"
 #include "unwrapper.hpp"
+#include "weather_quantities.hpp"
 
 #include "goingrate/base/sums.hpp"
 #include "goingrate/log/clock_log.hpp"
 #include "goingrate/log/reading.hpp"
 #include "log/angle_samples.hpp"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,7 +83,7 @@ private:
 
   void accept(const Line& line, Beat beat);
   void push(const Beat& beat);
-  void append(const Beat& beat, double width_s, double temperature_c, double pressure_mbar);
+  void append(const Line& line, const Beat& beat, double width_s);
   void accept_gate_edge(const Line& line, const Beat& beat, std::string_view word);
 
   Layout layout_;
@@ -89,9 +91,11 @@ private:
   IssueList issues_;
   Unwrapper unwrap_;
   Place time_, date_, period_, half_period_, error_, phase_, frequency_, amplitude_, angle_, width_,
-      edge_, temperature_, pressure_, channel_;
+      edge_, channel_;
+  std::array<Place, weather_quantities.size()> weather_;
   std::vector<Field> fields_;
   std::string date_and_time_; // of two columns
+  double zone_s_;             // of dates that name none, east of Greenwich
   std::vector<AngleSample> samples_;
   std::size_t data_lines_ = 0, rejected_ = 0, other_channels_ = 0;
   std::size_t time_length_ = 0; // of the text of the time in the line before

@@ -42,7 +42,9 @@ std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
     return Instant{sum.seconds + count->seconds, sum.fraction};
   }
   const auto time = parse_calendar(text, layout_.point);
-  return time ? std::optional(time->time) : std::nullopt;
+  if (!time) return {};
+  const bool moves = zone_s_ != 0.0 && time->has_date && !time->has_zone;
+  return moves ? time->time + -zone_s_ : time->time;
 }
 
 // All nines where a time should be, and far from the times around: no time.

@@ -1,6 +1,7 @@
 #include "separators.hpp"
 
 #include "calendar.hpp"
+#include "column_names.hpp"
 
 #include <algorithm>
 #include <map>
@@ -84,8 +85,12 @@ char find_separator(const std::vector<HeadLine>& lines) {
   return are_whole_times(lines) ? '|' : ' ';
 }
 
+bool names_a_role(const Field& field) {
+  return column_named(field.text).column.role != ColumnRole::ignored;
+}
+
 // A comma that cuts every line into two whole numbers, the second of always the same length, stands
-// for a decimal point.
+// for a decimal point; unless a header names two columns.
 bool comma_is_point(const std::vector<HeadLine>& lines) {
   std::size_t length = 0, rows = 0;
   for (const HeadLine& line : lines) {
@@ -96,7 +101,8 @@ bool comma_is_point(const std::vector<HeadLine>& lines) {
       return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
     };
     if (!digits(fields[1].text) || !(digits(fields[0].text) || parse_calendar(fields[0].text))) {
-      if (rows == 0) continue; // a header
+      const bool two_names = names_a_role(fields[0]) && names_a_role(fields[1]);
+      if (rows == 0 && !two_names) continue; // a header
       return false;
     }
     if (rows++ == 0) length = fields[1].text.size();

@@ -2,6 +2,7 @@
 #include "beginning.hpp"
 #include "file_parts.hpp"
 #include "typical_period.hpp"
+#include "weather_quantities.hpp"
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/beats.hpp"
@@ -102,10 +103,9 @@ private:
     for (const Assumption& assumption : part.said.assumptions)
       log_.assumptions.push_back({fmt::format("{}: {}", part.path, assumption.text),
                                   assumption.setting, assumption.value});
-    if (layout.find(ColumnRole::temperature))
-      log_.columns.temperature_c.resize(log_.events.size(), unknown);
-    if (layout.find(ColumnRole::pressure))
-      log_.columns.pressure_mbar.resize(log_.events.size(), unknown);
+    for (const WeatherQuantity& quantity : weather_quantities)
+      if (layout.find(quantity.role))
+        (log_.columns.*quantity.values).resize(log_.events.size(), unknown);
     rows_->finish();
     layout_ = layout;
     RowReader next(layout_, options_, log_);
@@ -131,9 +131,7 @@ private:
 
   // A column that this file does not have is unknown in it.
   void fill_columns() {
-    EventColumns& columns = log_.columns;
-    for (std::vector<double>* column :
-         {&columns.width_s, &columns.temperature_c, &columns.pressure_mbar})
+    for (std::vector<double>* column : log_.columns.all())
       if (!column->empty()) column->resize(log_.events.size(), unknown);
   }
 

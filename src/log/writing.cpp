@@ -34,6 +34,7 @@ std::string native_log_header(const NativeColumns& columns) {
   if (columns.amplitude) text += ",amplitude_rad";
   if (columns.temperature) text += ",temperature_c";
   if (columns.pressure) text += ",pressure_mbar";
+  if (columns.humidity) text += ",humidity_percent";
   text += '\n';
   return text;
 }
@@ -60,7 +61,11 @@ std::string_view edge_word(const SensedEvent& event) {
   return up ? ",up" : ",down";
 }
 
-void append_line(std::string& text, const SensedEvent& event, double pressure_mbar,
+struct Air { // what a simulated sensor does not see
+  double pressure_mbar = std::nan(""), humidity_percent = std::nan("");
+};
+
+void append_line(std::string& text, const SensedEvent& event, const Air& air,
                  const NativeColumns& columns) {
   DecimalText line;
   append_instant(line, event.beat.time, columns.decimals);
@@ -72,7 +77,8 @@ void append_line(std::string& text, const SensedEvent& event, double pressure_mb
   }
   if (columns.amplitude) append_value(line, event.beat.amplitude_rad, 9);
   if (columns.temperature) append_value(line, event.temperature_c, 6);
-  if (columns.pressure) append_value(line, pressure_mbar, 7);
+  if (columns.pressure) append_value(line, air.pressure_mbar, 7);
+  if (columns.humidity) append_value(line, air.humidity_percent, 6);
   line.put('\n');
   text += line.view();
 }
@@ -80,7 +86,7 @@ void append_line(std::string& text, const SensedEvent& event, double pressure_mb
 } // namespace
 
 void append_native_line(std::string& text, const SensedEvent& event, const NativeColumns& columns) {
-  append_line(text, event, std::nan(""), columns);
+  append_line(text, event, {}, columns);
 }
 
 std::string native_log_text(const ClockLog& log, int decimals) {
@@ -91,6 +97,7 @@ std::string native_log_text(const ClockLog& log, int decimals) {
   columns.amplitude = log.has_amplitude;
   columns.temperature = !log.columns.temperature_c.empty();
   columns.pressure = !log.columns.pressure_mbar.empty();
+  columns.humidity = !log.columns.humidity_percent.empty();
   columns.decimals = decimals;
   columns.nominal_period_s = log.nominal_period_s;
   columns.flag_width_rad = log.flag_width_rad;
@@ -104,8 +111,10 @@ std::string native_log_text(const ClockLog& log, int decimals) {
         event.beat.time = event.beat.time + -0.5 * event.width_s; // the leading edge
     }
     if (columns.temperature) event.temperature_c = log.columns.temperature_c[i];
-    const double pressure = columns.pressure ? log.columns.pressure_mbar[i] : std::nan("");
-    append_line(text, event, pressure, columns);
+    Air air;
+    if (columns.pressure) air.pressure_mbar = log.columns.pressure_mbar[i];
+    if (columns.humidity) air.humidity_percent = log.columns.humidity_percent[i];
+    append_line(text, event, air, columns);
   }
   return text;
 }

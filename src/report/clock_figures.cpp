@@ -15,6 +15,8 @@ namespace {
 
 constexpr int blue = 0;
 constexpr int vermilion = 1;
+constexpr int green = 2;
+constexpr int purple = 3;
 
 // Means over stretches of beats: of a single period the jitter hides what is looked for.
 Series stretch_means(const Analysis& data, const Wording& words) {
@@ -45,22 +47,48 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// -A^2/16 over the range of amplitudes, laid through the middle of the points.
-Series circular_error(const Series& means, const Wording& words) {
-  constexpr int steps = 40;
-  Series curve{Series::Style::line, "circular error", {}, {}, {}, {}, vermilion};
-  const auto of = [&](double amplitude) {
-    return -words.rate_unit().factor * std::pow(amplitude / words.angle_unit().factor, 2) / 16.0;
-  };
-  const auto [low, high] = std::minmax_element(means.x.begin(), means.x.end());
-  const double level = median(means.y) - of(median(means.x));
-  for (int i = 0; i <= steps; ++i) {
-    const double amplitude = *low + (*high - *low) * i / steps;
-    curve.x.push_back(amplitude);
-    curve.y.push_back(level + of(amplitude));
+/// Curves of the rate against the amplitude, each laid through the middle of the points.
+class RateCurves {
+public:
+  RateCurves(const Series& means, const Wording& words)
+      : words_(words), middle_x_(median(means.x)), middle_y_(median(means.y)) {
+    const auto [low, high] = std::minmax_element(means.x.begin(), means.x.end());
+    constexpr int steps = 40;
+    for (int i = 0; i <= steps; ++i)
+      amplitude_rad_.push_back((*low + (*high - *low) * i / steps) / words.angle_unit().factor);
   }
-  return curve;
-}
+
+  [[nodiscard]] Series circular_error() const {
+    std::vector<double> rates;
+    for (const double a : amplitude_rad_)
+      rates.push_back(-a * a / 16.0);
+    return curve("circular error", amplitude_rad_, rates, vermilion);
+  }
+  [[nodiscard]] Series measured_slope(const Isochronism& found) const {
+    const std::vector<double> ends{amplitude_rad_.front(), amplitude_rad_.back()};
+    return curve("slope of slow variations", ends,
+                 {found.slope * ends.front(), found.slope * ends.back()}, green);
+  }
+  [[nodiscard]] Series curve(std::string label, const std::vector<double>& amplitude_rad,
+                             const std::vector<double>& rates, int colour) const {
+    Series series{Series::Style::line, std::move(label), {}, {}, {}, {}, colour};
+    const double at = middle_x_ / words_.angle_unit().factor;
+    const auto next = std::upper_bound(amplitude_rad.begin() + 1, amplitude_rad.end() - 1, at);
+    const auto k = static_cast<std::size_t>(next - amplitude_rad.begin());
+    const double share = (at - amplitude_rad[k - 1]) / (amplitude_rad[k] - amplitude_rad[k - 1]);
+    const double level = std::lerp(rates[k - 1], rates[k], share);
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      series.x.push_back(words_.angle_unit().factor * amplitude_rad[i]);
+      series.y.push_back(middle_y_ + words_.rate_unit().factor * (rates[i] - level));
+    }
+    return series;
+  }
+
+private:
+  const Wording& words_;
+  double middle_x_, middle_y_;
+  std::vector<double> amplitude_rad_;
+};
 
 } // namespace
 
@@ -69,16 +97,33 @@ std::optional<Figure> rate_amplitude_figure(const Analysis& data) {
   const Wording words(data);
   Series means = stretch_means(data, words);
   if (means.x.size() < 2) return std::nullopt;
-  Series curve = circular_error(means, words);
+  const RateCurves curves(means, words);
+  std::string caption =
+      "Points along the curve −A²/16 are a clock whose rate follows its amplitude by the "
+      "circular error alone; off it something else moves the rate, such as the "
+      "escapement. ";
+  std::vector<Series> series{std::move(means), curves.circular_error()};
+  const auto& found = data.isochronism;
+  if (found && found->curve) {
+    const IsochronismCurve& fitted = *found->curve;
+    series.push_back(curves.curve("escapement error", fitted.amplitude_rad, fitted.escapement,
+                                  purple));
+    series.push_back(curves.curve("their sum, the fitted clock", fitted.amplitude_rad, fitted.sum,
+                                  blue));
+    caption += "The escapement error and the sum of both are those of the fitted clock as its "
+               "drive varies. ";
+  }
+  if (found) {
+    series.push_back(curves.measured_slope(*found));
+    caption += "The straight line is the slope that the log shows in slow variations, where the "
+               "amplitude has followed the drive. ";
+  }
   return Figure{"rate-amplitude",
                 "Rate against amplitude",
-                "Points along the curve −A²/16 are a clock whose rate follows its amplitude by the "
-                "circular error alone; off it something else moves the rate, such as the "
-                "escapement. The curve is laid through the middle of the points: only its slope "
-                "counts.",
+                caption + "Curves are laid through the middle of the points: only slopes count.",
                 {"amplitude", std::string(words.angle_unit().name)},
                 {"rate", std::string(words.rate_unit().name)},
-                {std::move(means), std::move(curve)}};
+                std::move(series)};
 }
 
 std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, double time_factor,

@@ -1,6 +1,7 @@
 #include "page.hpp"
 
 #include "fault_counts.hpp"
+#include "logbook_words.hpp"
 #include "markup.hpp"
 #include "mean_amplitude.hpp"
 #include "wording.hpp"
@@ -182,8 +183,34 @@ std::string key_figures(const Analysis& data) {
   return section("key-figures", "Key figures", "<dl class=\"cards\">\n" + cards + "</dl>\n");
 }
 
+// The keeper's diary, entry by entry.
+std::string logbook_tables(const LogbookCheck& check, const Wording& words) {
+  Table table("The keeper's diary beside the log",
+              {"when", "what", "planned", "found", "the log", "note"});
+  for (const EntryFinding& finding : check.entries) {
+    const LogbookEntry& entry = finding.entry;
+    const auto value = [&](double size, double sigma) {
+      const std::string text = value_in_words(entry.what, size, sigma, words);
+      return text.empty() ? "–" : typeset(text);
+    };
+    table.row({words.moment(finding.at_s), std::string(in_words(entry.what)),
+               value(entry.value, entry.sigma), value(finding.found, finding.found_sigma),
+               std::string(name_of(finding.verdict)), escape_markup(entry.note)});
+  }
+  Table unwritten("What the log shows and nobody wrote down", {"when", "what", "found", "note"});
+  for (const UnwrittenFinding& finding : check.unwritten) {
+    const LogbookEntry& entry = finding.entry;
+    unwritten.row({words.moment(finding.at_s), std::string(in_words(entry.what)),
+                   std::isnan(entry.value)
+                       ? "–"
+                       : typeset(value_in_words(entry.what, entry.value, entry.sigma, words)),
+                   escape_markup(entry.note)});
+  }
+  return table.html() + (unwritten.empty() ? "" : unwritten.html());
+}
+
 std::string diary(const Analysis& data) {
-  if (data.diary.changes.empty() && data.diary.interruptions.empty())
+  if (data.diary.changes.empty() && data.diary.interruptions.empty() && !data.logbook)
     return section("diary", "Diary",
                    paragraph("No sudden change of rate or amplitude stands out."));
   const Wording words(data);
@@ -191,6 +218,7 @@ std::string diary(const Analysis& data) {
   if (!data.diary.changes.empty()) body += change_table(data, words);
   for (std::size_t i = 0; i < data.diary.interruptions.size(); ++i)
     body += interruption_table(data.diary.interruptions[i], i + 1, words);
+  if (data.logbook) body += logbook_tables(*data.logbook, words);
   return section("diary", "Diary", body);
 }
 

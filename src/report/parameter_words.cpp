@@ -14,7 +14,7 @@ struct ParameterWords {
   std::string_view meaning;
 };
 
-constexpr std::array<ParameterWords, 22> words{{
+constexpr std::array<ParameterWords, 23> words{{
     {"T0", "", "period of small free swings"},
     {"epsilon", "ε", "friction"},
     {"mu", "μ", "driving torque"},
@@ -35,6 +35,7 @@ constexpr std::array<ParameterWords, 22> words{{
     {"drift", "", "change of the rate a day"},
     {"temperature", "", "change of the rate per kelvin"},
     {"pressure", "", "change of the rate per millibar"},
+    {"humidity", "", "change of the rate per percent of relative humidity"},
     {"density", "", "change of the rate with the density of the air"},
     {"pi", "π", ""},
 }};

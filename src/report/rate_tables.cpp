@@ -31,11 +31,12 @@ struct NamedColumn {
   const std::vector<double>* values;
 };
 
-std::array<NamedColumn, 4> named(const EventColumns& columns) {
+std::array<NamedColumn, 5> named(const EventColumns& columns) {
   return {{{"sigma_s", &columns.sigma_s},
            {"width_s", &columns.width_s},
            {"temperature_c", &columns.temperature_c},
-           {"pressure_mbar", &columns.pressure_mbar}}};
+           {"pressure_mbar", &columns.pressure_mbar},
+           {"humidity_percent", &columns.humidity_percent}}};
 }
 
 } // namespace

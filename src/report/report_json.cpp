@@ -14,6 +14,7 @@ Json change_object(const Change& change) {
           {"at_s", json_number(change.at_s)},
           {"kind", name_of(change.kind)},
           {"kind_gain_2logL", json_number(change.kind_gain)},
+          {"noted", change.noted},
           {"rate_change", json_number(change.rate_change)},
           {"rate_change_sigma", json_number(change.rate_change_sigma)},
           {"rate_excess_before", json_number(change.rate_before)},
@@ -89,6 +90,9 @@ Json covariates_object(const std::vector<CovariateEffect>& effects) {
                     {"coefficient", json_number(effect.coefficient)},
                     {"sigma", json_number(effect.sigma)},
                     {"lag_s", json_number(effect.lag_s)},
+                    {"interpolation_sigma", json_number(effect.interpolation_sigma)},
+                    {"readings_step_s", json_number(effect.step_s)},
+                    {"known_share", json_number(effect.known_share)},
                     {"significant", effect.significant()},
                     {"helps", effect.helps()},
                     {"time_error_without_s", json_number(effect.without_s)},
@@ -126,6 +130,43 @@ Json causes_object(const std::vector<Suspicion>& suspicions) {
   return json;
 }
 
+Json entry_object(const LogbookEntry& entry, double at_s) {
+  return {{"at_s", json_number(at_s)},
+          {"what", name_of(entry.what)},
+          {"value", json_number(entry.value)},
+          {"sigma", json_number(entry.sigma)},
+          {"note", entry.note}};
+}
+
+Json logbook_object(const LogbookCheck& check) {
+  Json json{{"source", check.source}, {"entries", Json::array()}, {"unwritten", Json::array()}};
+  for (const EntryFinding& finding : check.entries) {
+    Json entry = entry_object(finding.entry, finding.at_s);
+    entry["verdict"] = name_of(finding.verdict);
+    entry["found"] = json_number(finding.found);
+    entry["found_sigma"] = json_number(finding.found_sigma);
+    entry["found_at_s"] = json_number(finding.found_at_s);
+    json["entries"].push_back(std::move(entry));
+  }
+  for (const UnwrittenFinding& finding : check.unwritten)
+    json["unwritten"].push_back(entry_object(finding.entry, finding.at_s));
+  return json;
+}
+
+Json isochronism_object(const Isochronism& found) {
+  Json json{{"amplitude_rad", json_number(found.amplitude_rad)},
+            {"slope_per_rad", json_number(found.slope)},
+            {"sigma", json_number(found.sigma)}};
+  json["fitted_slope_per_rad"] =
+      found.fitted_slope ? json_number(*found.fitted_slope) : Json(nullptr);
+  if (found.curve)
+    json["curve"] = {{"amplitude_rad", found.curve->amplitude_rad},
+                     {"circular", found.curve->circular},
+                     {"escapement", found.curve->escapement},
+                     {"sum", found.curve->sum}};
+  return json;
+}
+
 Json report_object(const Analysis& data) {
   Json json = json_with_schema("goingrate.report");
   json["summary"] = report_sentences(data);
@@ -136,8 +177,10 @@ Json report_object(const Analysis& data) {
   json["amplitude_at_start"] = amplitude_object(amplitude_at(data.beats, false));
   json["amplitude_at_end"] = amplitude_object(amplitude_at(data.beats, true));
   json["diary"] = diary_object(data.diary);
+  if (data.logbook) json["kept_diary"] = logbook_object(*data.logbook);
   json["causes"] = causes_object(data.suspicions);
   json["covariates"] = covariates_object(data.covariates);
+  if (data.isochronism) json["isochronism"] = isochronism_object(*data.isochronism);
   json["fit"] = fit_object(data.fit);
   if (data.fit.decay) json["decay"] = decay_object(*data.fit.decay);
   json["spectrum"] = averaged_spectrum_object(data.drive);

@@ -2,6 +2,7 @@
 #include "goingrate/report/report.hpp"
 
 #include "fault_counts.hpp"
+#include "logbook_words.hpp"
 #include "mean_amplitude.hpp"
 #include "parameter_words.hpp"
 #include "rms_words.hpp"
@@ -38,6 +39,7 @@ public:
     add_drive();
     for (const CovariateEffect& effect : data_.covariates)
       add_covariate(effect);
+    add_isochronism();
     add_deviation();
     return std::move(rows_);
   }
@@ -49,11 +51,13 @@ private:
 
   void add_going();
   void add_stretches();
+  void add_logbook();
   [[nodiscard]] double cut_at(double begin_s) const;
   void add_amplitudes();
   void add_fit();
   void add_drive();
   void add_covariate(const CovariateEffect& effect);
+  void add_isochronism();
   void add_deviation();
   [[nodiscard]] std::string value_of(const FittedParameter& parameter) const;
   [[nodiscard]] std::string name_of_parameter(const FittedParameter& parameter) const;
@@ -84,6 +88,22 @@ void Numbers::add_going() {
   if (!rate.nominal_is_known || swings_freely) return;
   add("rate over the whole log, end to end", words_.rate(rate.rate_excess, rate.rate_excess_sigma));
   add_stretches();
+  add_logbook();
+}
+
+// What was planned, beside what the log shows.
+void Numbers::add_logbook() {
+  if (!data_.logbook) return;
+  for (const EntryFinding& finding : data_.logbook->entries) {
+    const LogbookEntry& entry = finding.entry;
+    const std::string planned = value_in_words(entry.what, entry.value, entry.sigma, words_);
+    const std::string found =
+        value_in_words(entry.what, finding.found, finding.found_sigma, words_);
+    if (planned.empty() && found.empty()) continue;
+    add(fmt::format("  {} noted for {}", in_words(entry.what), words_.short_moment(finding.at_s)),
+        fmt::format("{}{}", planned.empty() ? "" : planned + " planned, ",
+                    found.empty() ? std::string(name_of(finding.verdict)) : found + " found"));
+  }
 }
 
 // The change at which a stretch begins; the stretch has the beat before it.
@@ -154,19 +174,23 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
 }
 
 std::string Numbers::value_of(const FittedParameter& p) const {
-  if (p.unit == "rad") return words_.angle(p.value, p.sigma);
+  const double sigma = p.status == ParameterStatus::fixed ? 0.0 : p.sigma;
+  if (p.unit == "rad") return words_.angle(p.value, sigma);
   const bool small = p.name == "jitter_rms" || p.name == "walk_rms";
-  if (small) return with_sigma(1e6 * p.value, 1e6 * p.sigma) + " µs";
-  return with_sigma(p.value, p.sigma) + (p.unit.empty() ? "" : " " + p.unit);
+  if (small) return with_sigma(1e6 * p.value, 1e6 * sigma) + " µs";
+  return with_sigma(p.value, sigma) + (p.unit.empty() ? "" : " " + p.unit);
 }
 
 void Numbers::add_fit() {
   const FitSummary& fit = data_.fit;
   if (!fit.has_result()) return;
   for (const FittedParameter& p : fit.parameters) {
-    const bool fitted = p.status == ParameterStatus::free || p.status == ParameterStatus::prior;
     const bool told = data_.drive.split && is_noise_of_drive(p.name);
-    if (fitted && !told && std::isfinite(p.value)) add(name_of_parameter(p), value_of(p));
+    if (told || !std::isfinite(p.value)) continue;
+    const std::string_view known = p.status == ParameterStatus::fixed   ? ", given"
+                                   : p.status == ParameterStatus::prior ? ", with what was given"
+                                                                        : "";
+    add(name_of_parameter(p), value_of(p).append(known));
   }
   const FittedParameter* friction = fit.find("epsilon");
   const bool knows_friction = friction != nullptr && std::isfinite(friction->value);
@@ -200,6 +224,20 @@ void Numbers::add_covariate(const CovariateEffect& effect) {
   add(fmt::format("  time error without and with {} taken off", effect.name),
       fmt::format("{} and {} s (rms, on the other half)", number(effect.without_s),
                   number(effect.with_s)));
+}
+
+void Numbers::add_isochronism() {
+  if (!data_.isochronism) return;
+  const Isochronism& found = *data_.isochronism;
+  const std::string_view unit = words_.angle_unit().name;
+  const double per = 1.0 / words_.angle_unit().factor;
+  const std::string slope = words_.rate(per * found.slope, per * found.sigma);
+  add(fmt::format("rate per {} of amplitude, near {}", unit,
+                  words_.angle(found.amplitude_rad, 0.0)),
+      fmt::format("{}/{}{}", slope, unit,
+                  found.fitted_slope ? fmt::format(" (the fitted clock: {})",
+                                                   words_.rate(per * *found.fitted_slope, 0.0))
+                                     : ""));
 }
 
 std::string Numbers::deviation(const DeviationRow& row) const {

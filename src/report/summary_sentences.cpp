@@ -2,6 +2,7 @@
 #include "goingrate/report/report.hpp"
 
 #include "cause_words.hpp"
+#include "logbook_words.hpp"
 #include "wording.hpp"
 
 #include "log/usual_step.hpp"
@@ -44,13 +45,17 @@ bool is_drift(Cause cause) {
   return cause == Cause::growing_friction || cause == Cause::length_drift;
 }
 
+// The keeper says that it happened, and the log does not show it.
+bool is_only_noted(const Change& change) { return change.noted && change.significance == 0.0; }
+
 /// Writes the sentences of one log.
 class Sentences {
 public:
   explicit Sentences(const Analysis& data)
       : data_(data), words_(data), sees_amplitude_(sees_amplitude(data)) {
     for (const Change& change : data.diary.changes)
-      if (!is_in_one(data.diary, change.at_s)) changes_.push_back(&change);
+      if (!is_in_one(data.diary, change.at_s) && !is_only_noted(change))
+        changes_.push_back(&change);
     for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
       if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)))
         suspicions_.push_back(suspicion);
@@ -76,6 +81,7 @@ private:
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
     say(whether_worse());
+    if (data_.logbook) say(logbook_sentence(*data_.logbook, words_));
     say_what_it_suffers_from();
     say(what_to_do());
   }

@@ -50,7 +50,7 @@ struct DateAndTime {
 
 DateAndTime date_and_time(const Instant& at) {
   using namespace std::chrono;
-  const sys_seconds time{seconds{at.seconds}};
+  const sys_seconds time{seconds{at.seconds + (at.fraction < 0.5 ? 0 : 1)}};
   const auto day = floor<days>(time);
   const year_month_day date{day};
   const hh_mm_ss clock{time - day};

@@ -2,8 +2,11 @@
 
 #include "goingrate/base/random.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <utility>
 
 namespace goingrate {
 namespace {
@@ -62,14 +65,6 @@ TEST(CovariateTest, AWanderSharedByChanceIsNotTakenForAnAnswer) {
   EXPECT_LE(ordinary, 24); // and one in 13 of 40
 }
 
-TEST(CovariateTest, DensityIsThatOfTheStandardAtmosphere) {
-  const std::vector<double> temperature{15.0, 20.0, std::nan("")}, pressure{1013.25, 990.0, 1000.0};
-  const std::vector<double> density = air_density(temperature, pressure);
-  EXPECT_NEAR(density[0], 1.2250, 5e-5); // ISO 2533: 1.225 kg/m^3
-  EXPECT_NEAR(density[1], 1.2250 * (990.0 / 1013.25) * (288.15 / 293.15), 5e-5);
-  EXPECT_TRUE(std::isnan(density[2]));
-}
-
 TEST(CovariateTest, ALagIsFound) {
   const auto effects =
       covariate_effects(made({.coefficient = 1e-6, .lag_s = 4000.0, .white = 1e-6}, 3));
@@ -85,6 +80,42 @@ TEST(CovariateTest, TheHalfNotSeenIsTheJudge) {
   const auto none = covariate_effects(made({}, 6)).at(0);
   EXPECT_FALSE(none.helps());
   EXPECT_NE(covariate_text(none).find("nothing that stands out"), std::string::npos);
+}
+
+TEST(CovariateTest, PartsAreFoundTogether) {
+  // Pressure follows the temperature closely; the rate answers to the temperature alone.
+  TimingData data = made({.coefficient = 1e-6}, 7);
+  std::vector<double> pressure;
+  for (std::size_t i = 0; i < data.size(); ++i)
+    pressure.push_back(6.0 * std::sin(2.0 * std::numbers::pi * data.elapsed_s[i] / 20000.0) +
+                       0.5 * std::sin(2.0 * std::numbers::pi * data.elapsed_s[i] / 3000.0));
+  data.terms.push_back(rate_term("pressure", "1/mbar", data, pressure));
+  const auto parts = weather_parts(data);
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_NEAR(parts[0].coefficient, 1e-6, 4.0 * parts[0].sigma);
+  EXPECT_LT(std::abs(parts[1].coefficient), 4.0 * parts[1].sigma);
+  EXPECT_GT(std::abs(covariate_effects(data).at(1).coefficient), 10.0 * parts[1].sigma)
+      << "alone it stands for the temperature";
+}
+
+TEST(CovariateTest, WhatIsNotKnownIsLeftOut) {
+  double z2 = 0.0;
+  constexpr int logs = 40;
+  for (std::uint64_t seed = 1; seed <= logs; ++seed) {
+    TimingData data = made({.coefficient = 1e-7, .white = 1e-5}, seed);
+    RateTerm& term = data.terms.front();
+    std::vector<double> value;
+    for (std::size_t i = 0; i < data.size(); ++i)
+      value.push_back(i == 0 ? std::nan("")
+                             : (term.advance_s[i] - term.advance_s[i - 1]) / 2.0);
+    for (const auto& [from, to] : {std::pair{0, 3000}, {9000, 14000}, {30000, 33000}})
+      std::fill(value.begin() + from, value.begin() + to, std::nan(""));
+    term = rate_term("temperature", "1/K", data, value);
+    const CovariateEffect effect = covariate_effects(data).at(0);
+    EXPECT_NEAR(effect.known_share, 1.0 - 11000.0 / 40000.0, 0.01); // blocks
+    z2 += std::pow((effect.coefficient - 1e-7) / effect.sigma, 2) / logs;
+  }
+  EXPECT_NEAR(z2, 1.2, 0.75); // as where all is known
 }
 
 TEST(CovariateTest, ShortLogsAndSteadyCausesHaveNone) {

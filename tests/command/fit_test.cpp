@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -94,6 +95,43 @@ TEST_F(CommandTest, TheRateFollowsTemperatureOrPressureWhereTheLogHasThem) {
       const auto& fit = result.contains("fit") ? result["fit"] : result;
       EXPECT_NEAR(value_of(fit, name), -6e-6, 1.2e-7) << command; // four sigma
     }
+}
+
+TEST_F(CommandTest, WeatherMayStandInAFileOfItsOwn) {
+  // The same log with a temperature at each beat, and with readings every ten minutes elsewhere.
+  put("warm.toml", "[clock]\nnominal_period = 2.0\nepsilon = 2.5e-4\nmu = 2e-5\nphi0 = 0.03\n"
+                   "[start]\namplitude = \"stationary\"\n[run]\nperiods = 10000\n"
+                   "[length]\ntemperature_coefficient = 1.2e-5\n"
+                   "[temperature]\nsine = [{amplitude = 1.0, period = 7200.0},"
+                   " {amplitude = 2.0, period = 16000.0}]\n"
+                   "[sensor]\njitter_rms = 3e-4\ntemperature_rms = 0.002\n");
+  ASSERT_EQ(run("simulate warm.toml -o whole.csv").code, 0);
+  std::string log, weather = "time_s,temperature_c\n";
+  std::istringstream lines(content(folder_ / "whole.csv"));
+  double next_s = 0.0;
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('#')) continue;
+    const std::size_t comma = line.rfind(',');
+    last = line.substr(0, line.find(',')) + line.substr(comma) + "\n";
+    log += line.substr(0, comma) + "\n";
+    if (line.starts_with("time_s") || std::stod(line) < next_s) continue;
+    weather += last;
+    next_s = std::stod(line) + 600.0;
+  }
+  put("log.csv", log);
+  put("weather.csv", weather + last); // a thermometer does not stop before the clock
+  const auto effect = [&](const std::string& words) {
+    const Outcome outcome = run("report " + words + " -o page.html --json r.json");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return json("r.json")["covariates"][0];
+  };
+  const auto own = effect("whole.csv"), split = effect("log.csv --weather weather.csv");
+  EXPECT_EQ(split["name"], "temperature");
+  EXPECT_NEAR(split["readings_step_s"].get<double>(), 600.0, 2.0); // a beat
+  EXPECT_GT(split["interpolation_sigma"].get<double>(), 0.0);
+  EXPECT_LT(std::abs(split["coefficient"].get<double>() - own["coefficient"].get<double>()),
+            0.2 * split["sigma"].get<double>());
 }
 
 TEST_F(CommandTest, AFitComesBackFromItsFileAndOptionsWin) {

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 TEST_F(CommandTest, HelpExplainsItsTopics) {
   const Outcome list = run("help");
   ASSERT_EQ(list.code, 0);
-  for (const char* topic : {"formats", "scenario", "noise", "identifiability"}) {
+  for (const char* topic : {"formats", "scenario", "noise", "diary", "identifiability"}) {
     EXPECT_NE(list.out.find(topic), std::string::npos);
     EXPECT_GT(run(std::string("help ") + topic).out.size(), 500u) << topic;
   }
@@ -100,9 +100,9 @@ std::size_t widest_line(const std::string& text) {
 TEST_F(CommandTest, HelpAndSummaryFitATerminalOfEightyColumns) {
   EXPECT_LE(widest_line(run("--help").out), 80u);
   for (const char* command : {"simulate", "rate", "fit", "spectrum", "stability", "report", "map",
-                              "chart", "paper", "help"})
+                              "chart", "paper", "compare", "help"})
     EXPECT_LE(widest_line(run(std::string(command) + " --help").out), 80u) << command;
-  for (const char* topic : {"", "formats", "scenario", "noise", "identifiability"})
+  for (const char* topic : {"", "formats", "scenario", "noise", "diary", "identifiability"})
     EXPECT_LE(widest_line(run(std::string("help ") + topic).out), 80u) << topic;
   for (const char* log : {"interruption", "jump"}) {
     const std::string path = (source / "data/logs" / (std::string(log) + ".csv")).string();
@@ -115,7 +115,8 @@ TEST_F(CommandTest, HelpAndSummaryFitATerminalOfEightyColumns) {
 TEST_F(CommandTest, HelpListsEveryCommand) {
   const Outcome help = run("--help");
   for (const char* name :
-       {"report", "rate", "fit", "spectrum", "stability", "simulate", "map", "chart", "paper"})
+       {"report", "rate", "fit", "spectrum", "stability", "compare", "simulate", "map", "chart",
+        "paper"})
     EXPECT_NE(help.out.find(fmt::format("\n  {} ", name)), std::string::npos) << name;
   EXPECT_EQ(run("--version").out.substr(0, 10), "goingrate ");
 }

@@ -86,7 +86,7 @@ std::vector<Malformed> logs() {
       {"Utf16BigEndian", rate, "\xfe\xff" + utf16(beats(5)), 3, "found text in UTF-16"},
       {"Utf16WithoutMark", rate, utf16(beats(5)), 3, "bad.log:1:2: found the binary byte 0x00"},
       {"OnlyNuls", rate, nuls, 3, "found the binary byte 0x00"},
-      {"Directory", "rate . -o out.csv", "", 3, "bad.log:1:1: found an empty file, expected a log"},
+      {"Directory", "rate . -o out.csv", "", 3, "files, none of them a log, expected logs of a clock"},
       {"Absent", "rate no.log -o out.csv", "", 3, "no.log: found no file of that name"},
       {"ConstantTimes", rate + " --format timestamps", repeated("5.5\n", 20), 3,
        "two events at one time in most places"},

@@ -25,7 +25,8 @@ struct Analysed {
 };
 
 Analysed analysed(const SharedLog& log, const py::dict& asked, std::optional<double> nut_pitch_m,
-                  std::optional<double> rod_length_m, bool profiles, const py::object& progress) {
+                  std::optional<double> rod_length_m, bool profiles,
+                  const std::optional<std::string>& diary, const py::object& progress) {
   if (log->good.empty())
     throw NumericsError(log->log.source + ": read as phases only, it has no beats to analyse");
   const FitRequest fit = fit_request_of(asked);
@@ -34,6 +35,7 @@ Analysed analysed(const SharedLog& log, const py::dict& asked, std::optional<dou
   request.fit = fit_options(fit, *log);
   request.finds_events = finds_events(fit);
   request.traces_profiles = profiles;
+  if (diary) request.logbook = read_logbook(*diary);
   request.nut_pitch_m = nut_pitch_m;
   request.rod_length_m = rod_length_m;
   request.now = [&](std::string_view what) { waiting.tell(what); };
@@ -71,6 +73,9 @@ py::list covariates_of(const Analysed& self) {
     one["coefficient"] = effect.coefficient;
     one["sigma"] = effect.sigma;
     one["lag_s"] = effect.lag_s;
+    one["interpolation_sigma"] = effect.interpolation_sigma;
+    one["readings_step_s"] = effect.step_s;
+    one["known_share"] = effect.known_share;
     one["without_s"] = effect.without_s;
     one["with_s"] = effect.with_s;
     effects.append(one);
@@ -89,6 +94,7 @@ void bind_analysis(py::module_& module) {
       .def_property_readonly("history", &history_of)
       .def_property_readonly("covariates", &covariates_of)
       .def("json", [](const Analysed& self) { return report_json(self.data); })
+      .def("diary_text", [](const Analysed& self) { return logbook_text(findings_of(self.data)); })
       .def("text", [](const Analysed& self) { return report_text(self.data); })
       .def("html",
            [](const Analysed& self) {
@@ -107,7 +113,7 @@ void bind_analysis(py::module_& module) {
             return restored;
           }));
   module.def("analyse", &analysed, py::arg("log"), py::arg("asked"), py::arg("nut_pitch_m"),
-             py::arg("rod_length_m"), py::arg("profiles"), py::arg("progress"));
+             py::arg("rod_length_m"), py::arg("profiles"), py::arg("diary"), py::arg("progress"));
 }
 
 } // namespace goingrate::python

@@ -51,6 +51,9 @@ LoadRequest request_of(const py::dict& options) {
   put("find_sensor_offset", request.find_sensor_offset);
   put("gap_probability", request.gap_probability);
   put("only_phases", request.phases_will_do);
+  put("weather", request.weather.files);
+  put("weather_zone", request.weather.zone);
+  put("weather_offset_s", request.weather.offset_s);
   return request;
 }
 
@@ -84,7 +87,7 @@ SharedLog read_text(const py::bytes& text, const std::string& name, const py::di
 // unknown.
 struct EventArrays {
   Array<std::int64_t> seconds;
-  Array<double> fraction, amplitude_rad, width_s, temperature_c, pressure_mbar;
+  Array<double> fraction, amplitude_rad, width_s, temperature_c, pressure_mbar, humidity_percent;
   Array<std::uint8_t> edge;
 };
 
@@ -107,7 +110,8 @@ ClockLog log_of(const EventArrays& arrays, const std::string& name) {
     return std::vector<double>(values.begin(), values.end());
   };
   log.columns = {
-      copied(arrays.width_s), {}, copied(arrays.temperature_c), copied(arrays.pressure_mbar)};
+      copied(arrays.width_s), {}, copied(arrays.temperature_c), copied(arrays.pressure_mbar),
+      copied(arrays.humidity_percent)};
   log.directions_are_open = !edges;
   return log;
 }
@@ -117,7 +121,7 @@ SharedLog from_arrays(const Array<std::int64_t>& seconds, const Array<double>& f
                       const std::vector<Array<double>>& columns, const std::string& name,
                       const py::dict& options) {
   const EventArrays arrays{seconds,       fraction,      amplitude_rad, columns.at(0),
-                           columns.at(1), columns.at(2), edge};
+                           columns.at(1), columns.at(2), columns.at(3),  edge};
   const LoadRequest request = request_of(options);
   ClockLog log = log_of(arrays, name);
   const Waiting waiting{py::none()};
@@ -254,6 +258,7 @@ template <class Class> void add_arrays(Class& log) {
   column("sigma_s", &EventColumns::sigma_s);
   column("temperature_c", &EventColumns::temperature_c);
   column("pressure_mbar", &EventColumns::pressure_mbar);
+  column("humidity_percent", &EventColumns::humidity_percent);
   log.def_property_readonly("events",
                             [](py::object self) {
                               return beats_view(events_of(self.cast<const NumberedLog&>()), self);

@@ -22,12 +22,13 @@ namespace goingrate {
 GOINGRATE_MEMBERS(Instant, seconds, fraction)
 GOINGRATE_MEMBERS(Beat, time, cycle, amplitude_rad, line, segment, flag, edge)
 GOINGRATE_MEMBERS(LineIssue, line, column, kind, found, action, last_line, lines, scattered)
-GOINGRATE_MEMBERS(EventColumns, width_s, sigma_s, temperature_c, pressure_mbar)
+GOINGRATE_MEMBERS(EventColumns, width_s, sigma_s, temperature_c, pressure_mbar, humidity_percent)
 GOINGRATE_MEMBERS(GridData, tau0_s, phase_s)
 GOINGRATE_MEMBERS(Assumption, text, setting, value)
 GOINGRATE_MEMBERS(LogFile, name, lines_before, events_before)
-GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, has_amplitude,
-                  directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
+GOINGRATE_MEMBERS(JoinedWeather, quantity, source, readings, step_s, sigma, events_without)
+GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, weather,
+                  has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, missed, spurious, rivals,
                   bounces, segments, longest_countable_gap)
@@ -39,10 +40,11 @@ GOINGRATE_MEMBERS(RateSummary, crossings, periods, duration_s, nominal_period_s,
                   slope_rate_excess)
 GOINGRATE_MEMBERS(PartRate, segment, from_cycle, to_cycle, start, rate, amplitude_rad)
 
-GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s)
+GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s, is_known, sigma, step_s)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
                   terms, time_noise, amplitude_noise)
-GOINGRATE_MEMBERS(FitEvent, cycle, names, movable)
+GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
+GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)
 GOINGRATE_MEMBERS(FitOptions, dynamics, noise, escapement, events, possible_events, fixed, priors,
                   freed, start, profiles)
@@ -85,7 +87,7 @@ GOINGRATE_MEMBERS(DriveAnalysis, rates, rate_spectrum, lines, response, split, s
 
 GOINGRATE_MEMBERS(Change, cycle, at_s, rate_change, rate_change_sigma, amplitude_slope_change,
                   significance, stands_out, kind, next_kind, gain, kind_gain, rate_before,
-                  rate_before_sigma, rate_after, rate_after_sigma)
+                  rate_before_sigma, rate_after, rate_after_sigma, noted, planned)
 GOINGRATE_MEMBERS(Relaxation, time_constant_s, sigma_s, window_s, limit_rad, rms_rad, exponential,
                   shorter_window_s, longer_window_s)
 GOINGRATE_MEMBERS(Interruption, begin, end, amplitude_before_rad, amplitude_after_rad, rate_change,
@@ -94,11 +96,18 @@ GOINGRATE_MEMBERS(Diary, changes, interruptions)
 GOINGRATE_MEMBERS(CauseNumbers, at_s, until_s, size, sigma, amplitude_rad, amplitude_sigma_rad,
                   period_s, places)
 GOINGRATE_MEMBERS(Suspicion, cause, gain, evidence, alternatives, advice, numbers)
-GOINGRATE_MEMBERS(CovariateEffect, name, unit, coefficient, sigma, lag_s, without_s, with_s)
+GOINGRATE_MEMBERS(CovariateEffect, name, unit, coefficient, sigma, lag_s, without_s, with_s,
+                  interpolation_sigma, step_s, known_share)
 GOINGRATE_MEMBERS(DrivePoint, at_s, relative, sigma)
 GOINGRATE_MEMBERS(DriveHistory, points, step_rms, block_s, from_amplitude, from_rate)
 GOINGRATE_MEMBERS(NutTurns, turns, sigma, raise_m)
+GOINGRATE_MEMBERS(IsochronismCurve, amplitude_rad, circular, escapement, sum)
+GOINGRATE_MEMBERS(Isochronism, amplitude_rad, slope, sigma, fitted_slope, curve)
+GOINGRATE_MEMBERS(LogbookEntry, time, whole_day, what, value, sigma, note, line)
+GOINGRATE_MEMBERS(EntryFinding, entry, at_s, verdict, found_at_s, found, found_sigma)
+GOINGRATE_MEMBERS(UnwrittenFinding, entry, at_s)
+GOINGRATE_MEMBERS(LogbookCheck, source, entries, unwritten)
 GOINGRATE_MEMBERS(Analysis, log, numbered, beats, rate, stretches, now, diary, fit, drive,
-                  suspicions, covariates, deviation, history, nut, sensor)
+                  suspicions, covariates, isochronism, deviation, history, nut, logbook, sensor)
 
 } // namespace goingrate

@@ -55,6 +55,15 @@ class Analysis(Report):
         return self.to_dict()["diary"]
 
     @property
+    def kept_diary(self) -> dict[str, Any] | None:
+        """The keeper's entries, planned against found, and what is unwritten; None without any."""
+        return self.to_dict().get("kept_diary")
+
+    def diary_csv(self) -> str:
+        """What the log shows, as a diary in the format that `analyse` takes."""
+        return self._core.diary_text()
+
+    @property
     def covariates(self) -> list[dict[str, Any]]:
         """How the rate depends on temperature and pressure, where the log has them."""
         return self._core.covariates
@@ -97,6 +106,7 @@ def analyse(
     par: str | os.PathLike[str] | None = None,
     nut_pitch_m: float | None = None,
     pendulum_length_m: float | None = None,
+    diary: str | os.PathLike[str] | None = None,
     profiles: bool = True,
     progress: Progress | None = None,
 ) -> Analysis:
@@ -111,6 +121,8 @@ def analyse(
         By how much a turn of the rating nut moves the bob, m: gives the turns to zero rate.
     pendulum_length_m : float, optional
         For the nut; that of a mathematical pendulum if not given.
+    diary : path, optional
+        What was done to the clock: CSV with time, what, value, sigma, note.
     profiles : bool
         Trace profile likelihoods, for the figures of the page; a third of the time.
     progress : callable, optional
@@ -127,5 +139,14 @@ def analyse(
             raise ValueError(f"{name}: found {value}, expected above 0")
     asked = request(fix, free, prior, events, model, noise, escapement, par)
     return Analysis(
-        log, _core.analyse(log._core, asked, nut_pitch_m, pendulum_length_m, profiles, progress)
+        log,
+        _core.analyse(
+            log._core,
+            asked,
+            nut_pitch_m,
+            pendulum_length_m,
+            profiles,
+            None if diary is None else os.fspath(diary),
+            progress,
+        ),
     )

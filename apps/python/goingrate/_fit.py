@@ -253,7 +253,8 @@ def fit(
         Parameters that are held: T0 (s), epsilon, mu, phi0 (rad), lambda0, mu@1 ...
     free : list of str, optional
         Parameters that are fitted only if named: quadratic_drag, dry_friction, offset (rad), drift
-        (1/day), and where the log has such columns temperature (1/K), pressure (1/mbar), density.
+        (1/day), and where the log has such columns temperature (1/K), pressure (1/mbar),
+        humidity (1/%), density.
     prior : dict of str to (value, sigma), or list of "NAME=VALUE+-SIGMA", optional
         Knowledge from elsewhere.
     events : list of str, 'auto' or 'none', optional

@@ -64,7 +64,7 @@ class Log:
     edge : array_like of str or int, shape (n,), optional
         'up' or 'down' (0 or 1). Without it all events are upward crossings, unless the intervals
         alternate.
-    width_s, temperature_c, pressure_mbar : array_like, shape (n,), optional
+    width_s, temperature_c, pressure_mbar, humidity_percent : array_like, shape (n,), optional
         How long a flag was seen; the air.
     name : str
         What messages call the log.
@@ -98,6 +98,7 @@ class Log:
         width_s: Any = None,
         temperature_c: Any = None,
         pressure_mbar: Any = None,
+        humidity_percent: Any = None,
         name: str = "array",
         nominal_period_s: float | None = None,
         both_edges: bool = False,
@@ -130,6 +131,7 @@ class Log:
                 column("width_s", width_s),
                 column("temperature_c", temperature_c),
                 column("pressure_mbar", pressure_mbar),
+                column("humidity_percent", humidity_percent),
             ],
             name,
             options,
@@ -227,6 +229,11 @@ class Log:
     def pressure_mbar(self) -> Array | None:
         """Air pressure, mbar, shape (n,); None without such a column."""
         return self._core.pressure_mbar
+
+    @property
+    def humidity_percent(self) -> Array | None:
+        """Relative humidity, %, shape (n,); None without such a column."""
+        return self._core.humidity_percent
 
     @property
     def phase_s(self) -> Array | None:

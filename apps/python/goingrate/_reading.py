@@ -90,6 +90,9 @@ def read(
     sensor_offset_rad: float | str | None = None,
     gap_probability: float | None = None,
     only_phases: bool = False,
+    weather: File | Sequence[File] | None = None,
+    weather_zone: str | None = None,
+    weather_offset_s: float | None = None,
     unpacked_limit: int | None = None,
     name: str | None = None,
     progress: Progress | None = None,
@@ -135,6 +138,13 @@ def read(
         Split the log at a gap whose count is right with less than this probability, 0.5 to 1.
     only_phases : bool
         Data on a grid may be those of anything: they are taken as they are, for `deviation`.
+    weather : path or list of paths, optional
+        Tables with a header that names a time, and a temperature, a pressure or a humidity, at
+        another cadence; they are interpolated to the beats.
+    weather_zone : str, optional
+        Of their dates, where these name none and the log's are in another: "+01:00".
+    weather_offset_s : float, optional
+        Added to their times, s.
     unpacked_limit : int, optional
         Bytes that a packed log may have unpacked.
     name : str, optional
@@ -173,6 +183,9 @@ def read(
         sensor_offset_rad=sensor_offset_rad,
         gap_probability=gap_probability,
         only_phases=only_phases,
+        weather=None if weather is None else _paths(weather),
+        weather_zone=weather_zone,
+        weather_offset_s=weather_offset_s,
         unpacked_limit=unpacked_limit,
     )
     if isinstance(columns, str):

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "goingrate/analysis/load.hpp"
+#include "goingrate/analysis/logbook_check.hpp"
 #include "goingrate/causes/covariates.hpp"
 #include "goingrate/causes/diagnosis.hpp"
 #include "goingrate/causes/diary.hpp"
+#include "goingrate/causes/isochronism.hpp"
 #include "goingrate/clock/rating_nut.hpp"
 #include "goingrate/drive/drive_history.hpp"
 #include "goingrate/drive/drive_split.hpp"
@@ -32,9 +34,11 @@ struct Analysis {
   DriveAnalysis drive;
   std::vector<Suspicion> suspicions;       ///< the greatest gain first
   std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
+  std::optional<Isochronism> isochronism{}; ///< rate against amplitude, where the log has amplitudes
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
   std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
   std::optional<NutTurns> nut{};           ///< to bring the rate as it is now to zero
+  std::optional<LogbookCheck> logbook{};   ///< the keeper's, if it was given
   SensorFindings sensor{};                 ///< beat error, and where the sensor stands
 };
 
@@ -47,9 +51,10 @@ TimingData fit_data(const NumberedLog& loaded);
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
 /// Turns the changes of a diary into events of a fit, whose dates the fit may move. An event
-/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). At most four
-/// changes that stand out become events, and at most four others possible events, which the fit
-/// takes if they pay.
+/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). Of the changes
+/// that the keeper noted at most four that stand out and four others become events, of the rest at
+/// most four that stand out, and at most four others possible events, which the fit takes if they
+/// pay.
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// The options with the sensor's place (`offset`) free, where the beat error shows that the sensor
@@ -67,6 +72,7 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
 struct AnalysisRequest {
   FitOptions fit{};
   bool finds_events = true;    ///< where `fit` names none: those of the diary
+  std::optional<Logbook> logbook{}; ///< what the keeper of the clock wrote down
   bool traces_profiles = true; ///< for the figures; takes up to half as long again as all the rest
   std::optional<double> nut_pitch_m{};  ///< of the rating nut; if given, `nut` has the turns
   std::optional<double> rod_length_m{}; ///< of the equivalent simple pendulum; else from the period

@@ -4,6 +4,7 @@
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/reading.hpp"
+#include "goingrate/log/weather.hpp"
 
 #include <optional>
 #include <span>
@@ -17,6 +18,7 @@ struct LoadRequest {
   std::string path; ///< a file, gzip or not, a folder of files, or "-" for standard input
   std::vector<std::string> more{}; ///< files and folders of the same clock, see read_log_files()
   ReadingOptions reading{};
+  WeatherRequest weather{};
   bool both_edges = false;                ///< the log holds both directions without labels
   std::optional<double> dead_time_s{};    ///< of a contact that bounces; 0: none
   std::optional<double> flag_width_rad{}; ///< as seen from the pivot
@@ -44,7 +46,7 @@ struct NumberedLog {
   SensorFindings sensor;
 };
 
-/// Reads the log, marks bounces, labels directions, numbers the beats, settles the nominal period,
+/// Reads the log and its weather, marks bounces, labels directions, numbers the beats, settles the nominal period,
 /// finds amplitudes and the sensor's place, and numbers again where that moved the times. Data on a
 /// grid are not numbered: their places are given. What was assumed is in `log.assumptions`.
 ///

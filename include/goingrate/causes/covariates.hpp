@@ -7,6 +7,12 @@
 // scatter may still increase the time error; so each half of the log is compensated with the
 // coefficient found in the other half, and the time errors are compared. Limit: a covariate that
 // only drifts through the log cannot be distinguished from a drift of the clock.
+//
+// Errors of interpolation between readings scatter the rate that is explained, which the noise that
+// is fitted takes in. So far as they are errors of the readings they also make the coefficient too
+// small, by the share that they have in the variance of the covariate: that much is added to sigma.
+// Where the covariate is not known, rate and covariate are put on straight lines and sigma raised
+// for the part of the log that is left.
 #pragma once
 
 #include "goingrate/fit/timing_data.hpp"
@@ -21,10 +27,13 @@ namespace goingrate {
 struct CovariateEffect {
   std::string name, unit;   ///< unit of the coefficient: 1/K, 1/mbar, m^3/kg
   double coefficient = 0.0; ///< b, relative rate per unit
-  double sigma = 0.0;
+  double sigma = 0.0;       ///< with what the interpolation of the covariate may add to it
   double lag_s = 0.0;     ///< time constant of the lag; 0 if the log shows none
   double without_s = 0.0; ///< rms time error over the other half, its mean rate removed, s
   double with_s = 0.0;    ///< the same with the coefficient
+  double interpolation_sigma = 0.0; ///< of a value between two readings; 0: one at each beat
+  double step_s = 0.0;              ///< between two readings; 0 as well
+  double known_share = 1.0;         ///< of the log; the rest is left out
   /// Whether the coefficient is beyond three sigma.
   [[nodiscard]] bool significant() const { return std::abs(coefficient) > 3.0 * sigma; }
   /// Whether compensating lowers the time error over the half that the coefficient was not fitted
@@ -36,6 +45,17 @@ struct CovariateEffect {
 /// of fewer than 256 beats gives none. CovariateTest.FindsACoefficientWithItsSigma,
 /// CovariateTest.AWanderSharedByChanceIsNotTakenForAnAnswer. Cost: O(N).
 std::vector<CovariateEffect> covariate_effects(const TimingData& data);
+
+/// What one quantity does to the rate beside the others.
+struct WeatherPart {
+  std::string name, unit;
+  double coefficient = 0.0, sigma = 0.0; ///< relative rate per unit
+};
+
+/// The coefficients of temperature, pressure and humidity, as many as the data have, found together
+/// (without lags), so that none stands for another. Nothing for data that have none, or with fewer
+/// than 256 beats. (CovariateTest.PartsAreFoundTogether)
+std::vector<WeatherPart> weather_parts(const TimingData& data);
 
 /// A sentence about one covariate.
 std::string covariate_text(const CovariateEffect& effect);

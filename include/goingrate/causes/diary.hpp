@@ -1,6 +1,7 @@
 // Dated changes of a clock's going, found in its log.
 #pragma once
 
+#include "goingrate/fit/fit_event.hpp"
 #include "goingrate/log/beats.hpp"
 
 #include <optional>
@@ -42,6 +43,8 @@ struct Change {
   /// five.
   double rate_before = 0.0, rate_before_sigma = 0.0;
   double rate_after = 0.0, rate_after_sigma = 0.0;
+  bool noted = false;                      ///< the keeper of the clock wrote it down, with its kind
+  std::optional<PlannedRatio> planned{}; ///< of the parameter of that kind, if that was noted too
 };
 
 /// An exponential approach of the amplitude to a limit, A = limit + (start - limit) exp(-t/time).

@@ -27,6 +27,7 @@
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
+#include "goingrate/fit/fit_event.hpp"
 #include "goingrate/fit/decay.hpp"
 #include "goingrate/fit/timing_data.hpp"
 
@@ -38,13 +39,6 @@
 #include <vector>
 
 namespace goingrate {
-
-/// Parameters that change at a cycle.
-struct FitEvent {
-  std::int64_t cycle = 0;         ///< counted from the first beat of the data
-  std::vector<std::string> names; ///< of mu, epsilon, phi0, T0 (or impulse, impulse_angle)
-  bool movable = false;           ///< found by a search: the fit may shift it by some cycles
-};
 
 /// A value known from elsewhere.
 struct Prior {

@@ -3,6 +3,7 @@
 
 #include "goingrate/log/beats.hpp"
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,9 @@ struct RateTerm {
   std::string unit;              ///< of the coefficient: 1/K, 1/mbar, 1/day
   std::vector<double> advance_s; ///< one a beat: the integral of the value over the time so far, so
                                  ///< that the clock is ahead by coefficient * advance
+  std::vector<std::uint8_t> is_known{}; ///< 1 or 0 for each beat; empty: all are
+  double sigma = 0.0;            ///< of a value that was interpolated between readings
+  double step_s = 0.0;           ///< between those readings; 0: there is one at each beat
 };
 
 /// Times and amplitudes of a run of good beats; all vectors have one entry a beat.
@@ -40,18 +44,10 @@ struct TimingData {
 /// Throws ArgumentError for fewer than three beats. The data have the term "drift".
 TimingData timing_data(std::span<const Beat> beats);
 
-/// The term of a series with one value a beat; the mean over time is taken off, values that are
-/// not known (NaN) are those of the beat before.
+/// The term of a series with one value a beat; the mean over time is taken off. Values that are not
+/// known (NaN) lie on the line between their neighbours, at the ends they are the nearest.
 RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
                    std::span<const double> values);
-
-/// Density of dry air, p/(287.05 J/(kg K) T), kg/m^3, one entry for each of `temperature_c`
-/// (degrees C) and `pressure_mbar`, of equal length; NaN where either is not known. A pendulum
-/// floats in it and carries some along: its rate falls as the density rises. Moisture, which is
-/// left out, makes air lighter by up to one per cent.
-/// (CovariateTest.DensityIsThatOfTheStandardAtmosphere)
-std::vector<double> air_density(std::span<const double> temperature_c,
-                                std::span<const double> pressure_mbar);
 
 /// Standard deviations as TimingData has them: over their rms. Those that are not known are taken
 /// for the rms. Empty if all lie within a tenth of it: nothing would be gained.

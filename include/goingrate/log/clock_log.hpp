@@ -5,6 +5,7 @@
 #include "goingrate/base/instant.hpp"
 #include "goingrate/log/layout.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -83,6 +84,12 @@ struct EventColumns {
   std::vector<double> sigma_s{};       ///< standard deviation of the time
   std::vector<double> temperature_c{}; ///< degrees Celsius
   std::vector<double> pressure_mbar{};
+  std::vector<double> humidity_percent{}; ///< relative
+
+  /// Every column.
+  std::array<std::vector<double>*, 5> all() {
+    return {&width_s, &sigma_s, &temperature_c, &pressure_mbar, &humidity_percent};
+  }
 };
 
 /// Data on a grid: no beats, but how far the clock was off at equal intervals.
@@ -121,6 +128,28 @@ struct LogFile {
   std::size_t events_before = 0;  ///< as they were read, before anything was put in order
 };
 
+/// What the times of a log count from.
+enum class TimeOrigin : std::uint8_t {
+  none, ///< something of the log's own
+  unix, ///< 1970-01-01 UTC: dates, and counters of that kind
+  mjd,  ///< 1858-11-17
+};
+
+/// From the beginning of the count to 1970, s; 0 for `none`.
+std::int64_t seconds_before_1970(TimeOrigin origin);
+/// "dates" or "times without a date".
+std::string_view times_of(TimeOrigin origin);
+
+/// A quantity of the weather that stood in files of its own, at the events.
+struct JoinedWeather {
+  std::string quantity; ///< temperature, pressure, humidity
+  std::string source;   ///< the file, or words for several
+  std::size_t readings = 0;
+  double step_s = 0.0;               ///< the usual time between two readings
+  double sigma = 0.0;                ///< of an interpolated value, °C, mbar or %
+  std::size_t events_without = 0; ///< in holes, and beyond the first or last reading
+};
+
 /// A log: events in order of time, or blocks of them where the time goes back.
 struct ClockLog {
   std::string source;         ///< file name as given, or words for several
@@ -129,6 +158,8 @@ struct ClockLog {
   std::vector<Beat> events; ///< of data on a grid, one for each value, with its cycle
   std::optional<GridData> grid;
   EventColumns columns;
+  TimeOrigin origin = TimeOrigin::none;
+  std::vector<JoinedWeather> weather; ///< what of `columns` was interpolated
   bool has_amplitude = false;
   bool directions_are_open = false; ///< times of crossings, and nothing says of which direction
   std::optional<double> nominal_period_s; ///< if the log states one

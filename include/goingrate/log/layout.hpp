@@ -42,6 +42,7 @@ enum class ColumnRole : std::uint8_t {
   edge,     ///< up or down; of a gate's two edges up-in, up-out, down-in, down-out
   temperature,
   pressure,
+  humidity,
   channel, ///< chA, chB, TI(A->B)
 };
 
@@ -49,7 +50,8 @@ enum class ColumnRole : std::uint8_t {
 struct LogColumn {
   ColumnRole role = ColumnRole::ignored;
   TimeUnit unit{};    ///< of a time
-  double scale = 1.0; ///< what other numbers are multiplied by to get rad, s, degrees C or mbar
+  double scale = 1.0; ///< what other numbers are multiplied by to get rad, s, degrees C, mbar or %
+  double offset = 0.0; ///< added after that: degrees have several zeros
   std::string name{};
 };
 

@@ -29,6 +29,8 @@ struct ReadingOptions {
   bool decimal_comma = false;
   std::string channel{};                  ///< of a TICC
   std::optional<double> rest_angle_rad{}; ///< of angle samples: where the pendulum hangs
+  double zone_s = 0.0; ///< of dates that name no zone: east of Greenwich, s
+  bool weather = false; ///< a table of the weather: two readings are enough, of any distance
   bool strict = false;                    ///< the first issue is an error
   std::uint64_t unpacked_limit = usual_unpacked_limit; ///< of a packed file, bytes
   std::function<void(double)> progress{}; ///< told now and then which part has been read

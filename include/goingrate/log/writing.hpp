@@ -14,7 +14,8 @@ namespace goingrate {
 
 /// The columns of a native log beside time_s, and what its header states.
 struct NativeColumns {
-  bool edge = false, width = false, amplitude = false, temperature = false, pressure = false;
+  bool edge = false, width = false, amplitude = false, temperature = false, pressure = false,
+       humidity = false;
   int decimals = 9; ///< of times and widths
   std::optional<double> nominal_period_s{};
   std::optional<double> flag_width_rad{};
@@ -24,7 +25,7 @@ struct NativeColumns {
 NativeColumns native_columns(const SensorSettings& sensor, double nominal_period_s);
 
 /// The native text of a log: '#' header lines, a row of column names (time_s, and edge, width_s,
-/// amplitude_rad, temperature_c, pressure_mbar where the log has them), one row an event with
+/// amplitude_rad, temperature_c, pressure_mbar, humidity_percent where the log has them), one row an event with
 /// `decimals` digits of the second. Times are those of the flag's leading edge where widths are
 /// given, as the reader expects.
 /// read_log gives back the same events, to the last bit if `decimals` is as large as the times'

@@ -1,0 +1,59 @@
+// goingrate compare: several clocks beside each other.
+#include "common.hpp"
+#include "plot.hpp"
+
+#include "goingrate/base/atomic_file.hpp"
+#include "goingrate/report/compare_report.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace goingrate::apps {
+
+namespace {
+
+struct CompareCommand {
+  LogOptions log;
+  std::vector<std::string> paths; // one clock each
+  std::string output, rates, json, plot;
+};
+
+void run(const CompareCommand& options, const GlobalOptions& global) {
+  std::vector<NumberedLog> logs;
+  for (const std::string& path : options.paths) {
+    LogOptions one = options.log;
+    one.paths = {path};
+    logs.push_back(load(one, global));
+  }
+  const Comparison comparison = compare(logs);
+  Files files{{options.json, compare_json(comparison)},
+              {table_output(options.output, options.json), compare_text(comparison)}};
+  if (!options.rates.empty()) files.emplace_back(options.rates, compare_table(comparison));
+  if (!options.plot.empty())
+    files.emplace_back(options.plot, plotted(options.plot, compare_figures(comparison)));
+  write_whole_files(files);
+}
+
+} // namespace
+
+void add_compare(CLI::App& program, const GlobalOptions& global) {
+  auto* command = program.add_subcommand(
+      "compare", "several clocks: their rates, deviations of each, of differences, and alone");
+  auto options = std::make_shared<CompareCommand>();
+  command
+      ->add_option("logs", options->paths,
+                   "the logs, one of each clock, in the same time; a folder or a ZIP is the log of "
+                   "one clock")
+      ->required()
+      ->expected(2, -1);
+  add_log_settings(*command, options->log);
+  command->add_option("-o,--output", options->output, "the tables; standard output if not given");
+  command->add_option("--rates", options->rates, "write the rates on one time axis as CSV");
+  add_json_option(*command, options->json);
+  add_plot_option(*command, options->plot, "rates and deviations");
+  command->footer("Three clocks or more tell what each does alone (three-cornered hat).\n"
+                  "Example:\n  goingrate compare hall.csv study.csv workshop.csv");
+  command->callback([options, &global] { run(*options, global); });
+}
+
+} // namespace goingrate::apps

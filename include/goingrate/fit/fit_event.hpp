@@ -1,0 +1,26 @@
+// Parameters of a clock that change at a known or found time.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// A change that somebody made on purpose: new over old, as intended, and how well it was done.
+struct PlannedRatio {
+  double ratio = 1.0;
+  double sigma = 0.0; ///< above 0
+};
+
+/// Parameters that change at a cycle.
+struct FitEvent {
+  std::int64_t cycle = 0;         ///< counted from the first beat of the data
+  std::vector<std::string> names; ///< of mu, epsilon, phi0, T0 (or impulse, impulse_angle)
+  bool movable = false;           ///< found by a search: the fit may shift it by some cycles
+  /// What is known beforehand of the first of `names`: its value after the event over that before.
+  std::optional<PlannedRatio> planned{};
+};
+
+} // namespace goingrate

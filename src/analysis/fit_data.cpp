@@ -1,0 +1,123 @@
+// What the fit is given of a log: times, amplitudes, and what outside the clock may drive its rate.
+#include "goingrate/analysis/analyse.hpp"
+
+#include "goingrate/log/weather.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace goingrate {
+
+namespace {
+
+// The values of a column at the good beats, which keep the order of the events.
+std::vector<double> at_good_beats(const std::vector<double>& column, const NumberedLog& loaded) {
+  std::vector<double> values;
+  values.reserve(loaded.good.size());
+  const std::vector<Beat>& events = loaded.beats.beats;
+  for (std::size_t i = 0; i < events.size(); ++i)
+    if (events[i].flag == BeatFlag::good && events[i].segment == loaded.good.front().segment)
+      values.push_back(column[i]);
+  return values;
+}
+
+// The standard deviation of amplitudes that come from a flag's dark time, which jitters alike at
+// every beat, in units of that jitter: of the median amplitude of neighbours, for noise must not
+// weigh itself.
+std::vector<double> width_noise(const TimingData& data, const std::vector<double>& width_s) {
+  constexpr std::size_t reach = 10; // beats either way
+  std::vector<double> sigmas;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    std::vector<double> near;
+    for (std::size_t k = i > reach ? i - reach : 0; k < std::min(data.size(), i + reach + 1); ++k) {
+      const double sigma = amplitude_sigma_from_width(width_s[k], 1.0, data.amplitude_rad[k],
+                                                      data.reference_period_s);
+      if (std::isfinite(sigma)) near.push_back(sigma);
+    }
+    if (near.empty()) {
+      sigmas.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
+    std::nth_element(near.begin(), middle, near.end());
+    sigmas.push_back(*middle);
+  }
+  return sigmas;
+}
+
+const RateTerm* find(const std::vector<RateTerm>& terms, std::string_view name) {
+  const auto term = std::find_if(terms.begin(), terms.end(),
+                                 [&](const RateTerm& known) { return known.name == name; });
+  return term == terms.end() ? nullptr : &*term;
+}
+
+double mean_of_known(const std::vector<double>& values, double otherwise) {
+  double sum = 0.0, count = 0.0;
+  for (const double v : values) {
+    if (std::isnan(v)) continue;
+    sum += v;
+    ++count;
+  }
+  return count > 0.0 ? sum / count : otherwise;
+}
+
+// Of the density in the mean weather, from those of what it is made of.
+double density_sigma(const EventColumns& columns, const std::vector<RateTerm>& terms) {
+  const auto sigma_of = [&](std::string_view name) {
+    const RateTerm* term = find(terms, name);
+    return term != nullptr ? term->sigma : 0.0;
+  };
+  const double t = mean_of_known(columns.temperature_c, 20.0);
+  const double p = mean_of_known(columns.pressure_mbar, 1013.25);
+  const double h = mean_of_known(columns.humidity_percent, 50.0);
+  const double dt = sigma_of("temperature"), dp = sigma_of("pressure"), dh = sigma_of("humidity");
+  const std::vector<double> rho = air_density(std::vector{t, t + dt, t, t},
+                                              std::vector{p, p, p + dp, p},
+                                              std::vector{h, h, h, h + dh});
+  return std::hypot(rho[1] - rho[0], rho[2] - rho[0], rho[3] - rho[0]);
+}
+
+// How the values of the terms were had, where they were interpolated.
+void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
+  double longest_step_s = 0.0;
+  for (const JoinedWeather& weather : log.weather) {
+    for (RateTerm& term : terms) {
+      if (term.name != weather.quantity) continue;
+      term.sigma = std::isnan(weather.sigma) ? 0.0 : weather.sigma;
+      term.step_s = weather.step_s;
+    }
+    longest_step_s = std::max(longest_step_s, weather.step_s);
+  }
+  for (RateTerm& term : terms)
+    if (term.name == "density" && longest_step_s > 0.0) {
+      term.sigma = density_sigma(log.columns, terms);
+      term.step_s = longest_step_s;
+    }
+}
+
+} // namespace
+
+TimingData fit_data(const NumberedLog& loaded) {
+  TimingData data = timing_data(loaded.good);
+  const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
+    if (!column.empty())
+      data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
+  };
+  const EventColumns& columns = loaded.log.columns;
+  if (!columns.sigma_s.empty())
+    data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
+  if (!columns.width_s.empty() && data.has_amplitude())
+    data.amplitude_noise =
+        relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
+  add("temperature", "1/K", columns.temperature_c);
+  add("pressure", "1/mbar", columns.pressure_mbar);
+  add("humidity", "1/%", columns.humidity_percent);
+  if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
+    add("density", "m^3/kg", air_density(columns.temperature_c, columns.pressure_mbar,
+                                         columns.humidity_percent));
+  put_interpolation(loaded.log, data.terms);
+  return data;
+}
+
+} // namespace goingrate

@@ -1,0 +1,333 @@
+#include "goingrate/analysis/logbook_check.hpp"
+
+#include "goingrate/analysis/analyse.hpp"
+
+#include "base/scaled_time.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double alike_sigma = 2.0, tell_apart_sigma = 3.0;
+
+std::optional<ChangeKind> kind_of(LogbookWord word) {
+  switch (word) {
+  case LogbookWord::rate:
+    return ChangeKind::regulation;
+  case LogbookWord::weight:
+    return ChangeKind::drive;
+  case LogbookWord::clean:
+    return ChangeKind::friction;
+  default:
+    return {};
+  }
+}
+
+std::string_view parameter_of(LogbookWord word) {
+  return word == LogbookWord::rate ? "T0" : word == LogbookWord::weight ? "mu" : "epsilon";
+}
+
+// What an entry says of the parameter of its kind: new over old.
+std::optional<PlannedRatio> planned_by(const LogbookEntry& entry) {
+  if (!(entry.sigma > 0.0) || std::isnan(entry.value)) return {};
+  if (entry.what == LogbookWord::rate) // a shorter period is a faster clock
+    return PlannedRatio{1.0 - entry.value / seconds_per_day, entry.sigma / seconds_per_day};
+  if (!(entry.value > -1.0)) return {};
+  return PlannedRatio{1.0 + entry.value, entry.sigma};
+}
+
+/// When a thing noted at `at_s` may have been, s after the first beat.
+struct Span {
+  double from_s, to_s;
+  explicit Span(const LogbookEntry& entry, double at_s)
+      : from_s(at_s - note_tolerance_s),
+        to_s(at_s + note_tolerance_s + (entry.whole_day ? seconds_per_day : 0.0)) {}
+  [[nodiscard]] bool holds(double at_s) const { return at_s >= from_s && at_s <= to_s; }
+};
+
+// Of the changes that nobody else noted, the one that goes with the entry: the nearest, or, where
+// only the day is known, the most significant.
+Change* change_for(const LogbookEntry& entry, double at_s, std::vector<Change>& changes) {
+  const Span span(entry, at_s);
+  Change* best = nullptr;
+  const auto is_better = [&](const Change& a, const Change& b) {
+    return entry.whole_day ? a.significance > b.significance
+                           : std::abs(a.at_s - at_s) < std::abs(b.at_s - at_s);
+  };
+  for (Change& change : changes)
+    if (!change.noted && span.holds(change.at_s) && (best == nullptr || is_better(change, *best)))
+      best = &change;
+  return best;
+}
+
+Change change_at(double at_s, std::span<const Beat> beats) {
+  Change change;
+  const auto beat = std::find_if(beats.begin(), beats.end(), [&](const Beat& b) {
+    return b.time - beats.front().time >= at_s;
+  });
+  change.cycle = beat->cycle;
+  change.at_s = beat->time - beats.front().time;
+  change.rate_change = change.rate_change_sigma = unknown;
+  change.amplitude_slope_change = unknown;
+  change.stands_out = false;
+  return change;
+}
+
+/// What the log shows, and who wrote it down.
+class Check {
+public:
+  explicit Check(const Analysis& data)
+      : data_(data), first_(data.beats.front().time),
+        last_s_(data.beats.back().time - data.beats.front().time),
+        findings_(findings_of(data).entries), written_(findings_.size(), false) {}
+
+  LogbookCheck run(const Logbook& logbook) {
+    LogbookCheck check;
+    check.source = logbook.source;
+    for (const LogbookEntry& entry : logbook.entries)
+      check.entries.push_back(finding(entry));
+    for (std::size_t i = 0; i < findings_.size(); ++i)
+      if (!written_[i]) check.unwritten.push_back({findings_[i], findings_[i].time - first_});
+    return check;
+  }
+
+private:
+  EntryFinding finding(const LogbookEntry& entry) {
+    EntryFinding found{.entry = entry, .at_s = entry.time - first_};
+    const Span span(entry, found.at_s);
+    if (const auto seen = finding_for(entry, span)) {
+      written_[*seen] = true;
+      found.found_at_s = findings_[*seen].time - first_;
+      found.verdict = EntryVerdict::seen;
+      if (entry.what == LogbookWord::set && findings_[*seen].what == LogbookWord::set) {
+        found.found = findings_[*seen].value;
+        found.found_sigma = findings_[*seen].sigma;
+      }
+    } else if (span.to_s < 0.0 || span.from_s > last_s_) {
+      found.verdict = EntryVerdict::outside;
+      return found;
+    }
+    if (kind_of(entry.what)) measure(entry, found);
+    judge(entry, found);
+    return found;
+  }
+
+  // The nearest finding of the kind of the entry; of notes, and of the winding, that of any kind.
+  [[nodiscard]] std::optional<std::size_t> finding_for(const LogbookEntry& entry,
+                                                       const Span& span) const {
+    const bool any = entry.what == LogbookWord::note || entry.what == LogbookWord::wind;
+    std::optional<std::size_t> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < findings_.size(); ++i) {
+      const double at_s = findings_[i].time - first_;
+      const double apart = std::abs(findings_[i].time - entry.time);
+      if (!span.holds(at_s) || apart >= least || (!any && findings_[i].what != entry.what)) continue;
+      best = i;
+      least = apart;
+    }
+    return best;
+  }
+
+  // The change of the rate between what is known before and after, or of a parameter of the fit.
+  void measure(const LogbookEntry& entry, EntryFinding& found) const {
+    const double at_s = std::isnan(found.found_at_s) ? found.at_s : found.found_at_s;
+    const Change* change = nullptr;
+    for (const Change& known : data_.diary.changes)
+      if (known.noted && known.kind == *kind_of(entry.what) &&
+          (change == nullptr || std::abs(known.at_s - at_s) < std::abs(change->at_s - at_s)))
+        change = &known;
+    if (change == nullptr || !Span(entry, found.at_s).holds(change->at_s)) return;
+    if (entry.what == LogbookWord::rate) {
+      found.found = seconds_per_day * (change->rate_after - change->rate_before);
+      found.found_sigma =
+          seconds_per_day * std::hypot(change->rate_before_sigma, change->rate_after_sigma);
+    } else {
+      take_ratio(entry, *change, found);
+    }
+  }
+
+  void take_ratio(const LogbookEntry& entry, const Change& change, EntryFinding& found) const {
+    const std::string name(parameter_of(entry.what));
+    const FittedParameter* before = data_.fit.find(name);
+    for (std::size_t k = 0; k < data_.fit.events.size(); ++k) {
+      const FittedParameter* after = data_.fit.find(fmt::format("{}@{}", name, k + 1));
+      if (after == nullptr || before == nullptr) continue;
+      const bool is_it = data_.fit.events[k].cycle + data_.beats.front().cycle == change.cycle;
+      if (is_it && before->sigma > 0.0 && after->sigma > 0.0) {
+        const double ratio = after->value / before->value;
+        found.found = ratio - 1.0;
+        found.found_sigma = std::abs(ratio) * std::hypot(after->sigma / after->value,
+                                                         before->sigma / before->value);
+      }
+      before = after;
+    }
+  }
+
+  static void judge(const LogbookEntry& entry, EntryFinding& found) {
+    const double from_zero = std::abs(found.found) / found.found_sigma;
+    if (!std::isfinite(from_zero)) return;
+    if (std::isnan(entry.value)) {
+      if (from_zero > tell_apart_sigma) found.verdict = EntryVerdict::seen;
+      return;
+    }
+    const double from_plan =
+        std::abs(found.found - entry.value) / std::hypot(found.found_sigma, entry.sigma);
+    if (from_plan <= alike_sigma)
+      found.verdict = from_zero > alike_sigma ? EntryVerdict::as_planned : EntryVerdict::unclear;
+    else if (from_zero <= alike_sigma)
+      found.verdict = EntryVerdict::not_seen;
+    else
+      found.verdict = std::min(from_plan, from_zero) > tell_apart_sigma ? EntryVerdict::differs
+                                                                        : EntryVerdict::unclear;
+  }
+
+  const Analysis& data_;
+  Instant first_;
+  double last_s_;
+  std::vector<LogbookEntry> findings_;
+  std::vector<bool> written_; // of the findings
+};
+
+LogbookEntry entry_of(const Change& change, const Analysis& data) {
+  LogbookEntry entry;
+  entry.time = data.beats.front().time + change.at_s;
+  const double rate = seconds_per_day * (change.rate_after - change.rate_before);
+  const double sigma =
+      seconds_per_day * std::hypot(change.rate_before_sigma, change.rate_after_sigma);
+  switch (change.kind) {
+  case ChangeKind::regulation:
+    entry.what = LogbookWord::rate;
+    entry.value = rate;
+    entry.sigma = std::isfinite(sigma) ? sigma : 0.0;
+    break;
+  case ChangeKind::drive:
+    entry.what = LogbookWord::weight;
+    break;
+  case ChangeKind::friction:
+    entry.what = LogbookWord::clean;
+    break;
+  case ChangeKind::unclear:
+    break;
+  }
+  if (change.kind != ChangeKind::regulation && std::isfinite(rate))
+    entry.note = fmt::format("{}: the mean rate changed by {:.3g} s/day",
+                             change.kind == ChangeKind::unclear ? "unclear" : name_of(change.kind),
+                             rate);
+  return entry;
+}
+
+void add_interruptions(const Analysis& data, std::vector<LogbookEntry>& entries) {
+  for (const Interruption& event : data.diary.interruptions) {
+    LogbookEntry entry;
+    entry.time = data.beats.front().time + event.begin.at_s;
+    entry.note = fmt::format("the drive was interrupted for {:.0f} s",
+                             event.end.at_s - event.begin.at_s);
+    entries.push_back(std::move(entry));
+  }
+}
+
+// Stops of the clock, and settings of what its times are compared with.
+void add_gap(const Gap& gap, const Beat& before, const Beat& after, const Beats& numbered,
+             std::vector<LogbookEntry>& entries) {
+  LogbookEntry entry;
+  if (gap.kind == GapKind::stop) {
+    entry.what = LogbookWord::stop;
+    entry.time = before.time;
+    entries.push_back(entry);
+    entry.what = LogbookWord::start;
+    entry.time = after.time;
+    entries.push_back(entry);
+  } else if (gap.kind == GapKind::step) {
+    entry.what = LogbookWord::set;
+    entry.time = after.time;
+    const double passed = after.time - before.time;
+    entry.value = -std::remainder(passed, numbered.typical_period_s); // forward: beats come early
+    entry.sigma = numbered.scatter_s;
+    entries.push_back(entry);
+  }
+}
+
+void add_gaps(const Analysis& data, std::vector<LogbookEntry>& entries) {
+  std::vector<const Beat*> good;
+  for (const Beat& beat : data.numbered.beats)
+    if (beat.flag == BeatFlag::good) good.push_back(&beat);
+  for (const Gap& gap : data.numbered.gaps) {
+    const auto after = std::partition_point(good.begin(), good.end(), [&](const Beat* beat) {
+      return beat->cycle <= gap.after_cycle;
+    });
+    if (after != good.begin() && after != good.end())
+      add_gap(gap, **std::prev(after), **after, data.numbered, entries);
+  }
+}
+
+} // namespace
+
+std::string_view name_of(EntryVerdict verdict) {
+  switch (verdict) {
+  case EntryVerdict::as_planned:
+    return "as planned";
+  case EntryVerdict::differs:
+    return "differs";
+  case EntryVerdict::seen:
+    return "seen";
+  case EntryVerdict::not_seen:
+    return "not seen";
+  case EntryVerdict::unclear:
+    return "unclear";
+  case EntryVerdict::outside:
+    break;
+  }
+  return "outside the log";
+}
+
+void take_entries(const Logbook& logbook, std::span<const Beat> beats, Diary& diary) {
+  const Instant first = beats.front().time;
+  for (const LogbookEntry& entry : logbook.entries) {
+    const double at_s = entry.time - first;
+    const bool is_within = at_s > 0.0 && entry.time < beats.back().time;
+    const auto kind = kind_of(entry.what);
+    if (!kind) continue;
+    Change* change = change_for(entry, at_s, diary.changes);
+    if (change == nullptr && is_within) {
+      const auto place =
+          std::upper_bound(diary.changes.begin(), diary.changes.end(), at_s,
+                           [](double t, const Change& known) { return t < known.at_s; });
+      change = &*diary.changes.insert(place, change_at(at_s, beats));
+    }
+    if (change == nullptr) continue;
+    change->noted = true;
+    change->kind = *kind;
+    change->planned = planned_by(entry);
+  }
+}
+
+LogbookCheck check_logbook(const Logbook& logbook, const Analysis& data) {
+  return Check(data).run(logbook);
+}
+
+Logbook findings_of(const Analysis& data) {
+  Logbook logbook;
+  logbook.source = data.log.source;
+  logbook.origin = data.log.origin;
+  const auto is_in_one = [&](const Change& change) {
+    return std::any_of(data.diary.interruptions.begin(), data.diary.interruptions.end(),
+                       [&](const Interruption& event) {
+                         return change.at_s >= event.begin.at_s && change.at_s <= event.end.at_s;
+                       });
+  };
+  for (const Change& change : data.diary.changes)
+    if ((!change.noted || change.significance > 0.0) && !is_in_one(change))
+      logbook.entries.push_back(entry_of(change, data));
+  add_interruptions(data, logbook.entries);
+  add_gaps(data, logbook.entries);
+  std::stable_sort(logbook.entries.begin(), logbook.entries.end(),
+                   [](const LogbookEntry& a, const LogbookEntry& b) { return a.time < b.time; });
+  return logbook;
+}
+
+} // namespace goingrate
