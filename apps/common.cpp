@@ -156,6 +156,11 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       ->group(group);
   command.add_flag("--decimal-comma", options.decimal_comma, "12,5 is twelve and a half")
       ->group(group);
+  command
+      .add_option("--date-order", options.date_order,
+                  "what comes first in dates such as 03/04/2013: day or month")
+      ->check(one_of({"day", "month"}))
+      ->group(group);
   offers(command.add_option("--channel", options.channel, "of a TICC: chA, chB"), {"chA", "chB"})
       ->group(group);
   command
@@ -181,6 +186,7 @@ ReadingOptions reading_options(const LogOptions& options) {
   reading.wrap_s = options.wrap_s;
   reading.rest_angle_rad = options.rest_angle_rad;
   reading.decimal_comma = options.decimal_comma;
+  if (!options.date_order.empty()) reading.month_first = options.date_order == "month";
   reading.channel = options.channel;
   reading.strict = options.strict;
   reading.unpacked_limit = static_cast<std::uint64_t>(options.unpacked_limit_gib * gib);
@@ -296,6 +302,8 @@ std::string_view option_of(Setting setting) {
     return "--tau0";
   case Setting::decimal_comma:
     return "--decimal-comma";
+  case Setting::date_order:
+    return "--date-order";
   case Setting::channel:
     return "--channel";
   case Setting::rest_angle:

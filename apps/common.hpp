@@ -35,6 +35,7 @@ struct LogOptions {
   std::optional<double> wrap_s, rest_angle_rad;
   double tau0_s = 0.0; ///< 0: not given
   bool decimal_comma = false;
+  std::string date_order; // day or month; empty: not given
   std::string channel;
   bool strict = false;
   WeatherRequest weather;

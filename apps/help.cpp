@@ -34,6 +34,8 @@ error. Several files, a folder or a ZIP are read as one log of one clock.
   table           columns by their names: CSV, semicolon, tab, blanks; Vernier,
                   phyphox
   angle           samples of an angle; crossings by local fits
+  xy              time and place of the bob (Tracker): angles about the centre of
+                  the circle through the places
   native          what simulate writes: '#' lines 'key: value', then named
                   columns
 These override what was recognised: --format, --unit, --column time=2,

@@ -92,37 +92,52 @@ std::optional<std::int64_t> zone(Taker& text, bool& given) {
   return west ? -east : east;
 }
 
-// "2013-02-22", or "22.02.2013": with points and the year behind, the day comes first. With strokes
-// it may be the month, so that form is not read.
-std::optional<std::chrono::year_month_day> day_of(Taker& text) {
+std::optional<std::chrono::year_month_day> date_of(int year, int month, int day) {
+  const std::chrono::year_month_day ymd{std::chrono::year(year),
+                                        std::chrono::month(static_cast<unsigned>(month)),
+                                        std::chrono::day(static_cast<unsigned>(day))};
+  return ymd.ok() ? std::optional(ymd) : std::nullopt;
+}
+
+// "2013-02-22".
+std::optional<std::chrono::year_month_day> day_with_year_in_front(Taker& text) {
   Taker forwards(text);
-  auto year = forwards.number(4, 4);
-  std::optional<int> month, day;
-  if (year) {
-    if (!forwards.any_of("-_/.")) return {};
-    month = forwards.number(1, 2);
-    if (!month || !forwards.any_of("-_/.")) return {};
-    day = forwards.number(1, 2);
-  } else {
-    forwards = text;
-    day = forwards.number(1, 2);
-    if (!day || !forwards.any_of(".")) return {};
-    month = forwards.number(1, 2);
-    if (!month || !forwards.any_of(".")) return {};
-    year = forwards.number(4, 4);
-  }
-  if (!year || !day) return {};
-  const std::chrono::year_month_day ymd{std::chrono::year(*year),
-                                        std::chrono::month(static_cast<unsigned>(*month)),
-                                        std::chrono::day(static_cast<unsigned>(*day))};
-  if (!ymd.ok()) return {};
+  const auto year = forwards.number(4, 4);
+  if (!year || !forwards.any_of("-_/.")) return {};
+  const auto month = forwards.number(1, 2);
+  if (!month || !forwards.any_of("-_/.")) return {};
+  const auto day = forwards.number(1, 2);
+  if (!day) return {};
   text = forwards;
-  return ymd;
+  return date_of(*year, *month, *day);
+}
+
+// "22.02.2013", in which the day comes first, or "22/02/2013", in which it may be the month.
+std::optional<std::chrono::year_month_day> day_with_year_behind(Taker& text, DateOrder order) {
+  Taker forwards(text);
+  const auto first = forwards.number(1, 2);
+  const bool strokes = forwards.any_of("/");
+  if (!first || (!strokes && !forwards.any_of("."))) return {};
+  const auto second = forwards.number(1, 2);
+  if (!second || !forwards.any_of(strokes ? "/" : ".")) return {};
+  const auto year = forwards.number(4, 4);
+  if (!year) return {};
+  text = forwards;
+  const auto day_first = date_of(*year, *second, *first);
+  const auto month_first = date_of(*year, *first, *second);
+  if (!strokes || order == DateOrder::day_first) return day_first;
+  if (order == DateOrder::month_first) return month_first;
+  return day_first ? day_first : month_first;
+}
+
+std::optional<std::chrono::year_month_day> day_of(Taker& text, DateOrder order) {
+  const auto day = day_with_year_in_front(text);
+  return day ? day : day_with_year_behind(text, order);
 }
 
 } // namespace
 
-std::optional<CalendarTime> parse_calendar(std::string_view text, char point) {
+std::optional<CalendarTime> parse_calendar(std::string_view text, char point, DateOrder order) {
   CalendarTime result;
   Taker alone(text);
   if (const auto time = time_of_day(alone, ":", point)) {
@@ -132,7 +147,7 @@ std::optional<CalendarTime> parse_calendar(std::string_view text, char point) {
     return result;
   }
   Taker date(text);
-  const auto ymd = day_of(date);
+  const auto ymd = day_of(date, order);
   if (!ymd || !date.any_of(" \tTt_-")) return {};
   date.blanks();
   const auto time = time_of_day(date, ":-_", point);

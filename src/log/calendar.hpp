@@ -16,8 +16,16 @@ struct CalendarTime {
   bool has_zone = false; ///< the text names a zone; a date without one is taken as UTC
 };
 
+/// Which number of 03/04/2013 is the day.
+enum class DateOrder : std::uint8_t {
+  either,      ///< the first, or, where that is no date, the second
+  day_first,
+  month_first,
+};
+
 /// Parses a timestamp such as 2013-02-22 23:38:00.2279906, which consists of:
-/// - a date: year, month and day separated by '-', '_', '/' or '.', or in the form 22.02.2013;
+/// - a date: year, month and day separated by '-', '_', '/' or '.', or in the forms 22.02.2013
+///   and 22/02/2013, or 02/22/2013, as `order` says;
 /// - a blank, 'T', '_' or '-';
 /// - hours, minutes and, optionally, seconds, separated by ':', '-' or '_', and AM or PM if hours
 ///   are counted to twelve;
@@ -25,7 +33,8 @@ struct CalendarTime {
 /// A time of day alone, separated by ':', is accepted too. `point` is the decimal separator. The
 /// fraction of the second keeps all its digits (CalendarTest.ReadsWhatLoggersWrite). Returns
 /// nullopt if `text` has any other form.
-std::optional<CalendarTime> parse_calendar(std::string_view text, char point = '.');
+std::optional<CalendarTime> parse_calendar(std::string_view text, char point = '.',
+                                           DateOrder order = DateOrder::either);
 
 /// Seconds east of Greenwich of "Z", "UTC", "GMT", "+01:00", "-0530" or "+01"; nothing for other
 /// text.

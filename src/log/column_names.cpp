@@ -175,7 +175,7 @@ constexpr std::array<RoleWord, 38> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"heure", ColumnRole::time},
                                                {"richtung", ColumnRole::edge},
                                                {"error", ColumnRole::clock_error}}};
-constexpr std::array<RoleWord, 10> short_names{{{"t", ColumnRole::time},
+constexpr std::array<RoleWord, 11> short_names{{{"t", ColumnRole::time},
                                                {"rh", ColumnRole::humidity},
                                                {"mjd", ColumnRole::time},
                                                {"utc", ColumnRole::time},
@@ -184,7 +184,8 @@ constexpr std::array<RoleWord, 10> short_names{{{"t", ColumnRole::time},
                                                {"phi", ColumnRole::angle},
                                                {"\xce\xb8", ColumnRole::angle}, // theta
                                                {"\xcf\x86", ColumnRole::angle}, // phi
-                                               {"x", ColumnRole::position}}};
+                                               {"x", ColumnRole::position},
+                                               {"y", ColumnRole::height}}};
 
 ColumnRole role_of(std::string_view name) {
   while (!name.empty() && name.back() == ' ')

@@ -10,6 +10,8 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <set>
+#include <string>
 
 namespace goingrate {
 
@@ -65,6 +67,7 @@ void Detection::settle_times() {
     layout_.date_begins_run = layout_.find(ColumnRole::date) && is_number(*at);
     layout_.calendar = is_calendar(*at) || (layout_.find(ColumnRole::date) && !is_number(*at));
     const bool date = sample.has_date || layout_.find(ColumnRole::date);
+    if (date) settle_date_order(layout_.find(ColumnRole::date).value_or(*at));
     if (layout_.calendar && !date) layout_.wrap_s = 86400.0;
     if (options_.wrap_s) layout_.wrap_s = options_.wrap_s;
     refuse_fast_counter(sample);
@@ -96,6 +99,35 @@ void Detection::settle_times() {
     if (layout_.columns[i].role == ColumnRole::ignored && samples_[i].smooth &&
         samples_[i].crossings >= 3)
       layout_.swinging = i;
+}
+
+// Of dates with strokes. One that exists in one order only settles it; else the number that changes
+// from day to day is that of the day.
+void Detection::settle_date_order(std::size_t column) {
+  std::size_t strokes = 0, day_first = 0, month_first = 0;
+  std::set<std::string> firsts, seconds;
+  std::vector<Field> fields;
+  for (const HeadLine& row : head_.rows) {
+    split_fields(row.text, head_.separator, fields);
+    if (column >= fields.size()) continue;
+    const std::string_view text = fields[column].text;
+    const std::string date(text.substr(0, text.find_first_of(" Tt")));
+    const std::size_t one = date.find('/');
+    if (one == std::string::npos || one > 2) continue;
+    const auto is_date = [&](DateOrder order) {
+      return parse_calendar(date + " 0:0", '.', order).has_value() ? 1U : 0U;
+    };
+    ++strokes;
+    day_first += is_date(DateOrder::day_first);
+    month_first += is_date(DateOrder::month_first);
+    firsts.insert(date.substr(0, one));
+    seconds.insert(date.substr(one + 1, date.find('/', one + 1) - one - 1));
+  }
+  if (strokes == 0) return;
+  layout_.month_first = options_.month_first.value_or(
+      month_first != day_first ? month_first > day_first : seconds.size() > firsts.size());
+  if (options_.month_first || month_first != day_first || firsts.size() != seconds.size()) return;
+  assume("in dates such as 03/04/2013 the day comes first", Setting::date_order, "month");
 }
 
 // Refuses whole numbers that wrap every few lines, just below the capacity of a counter: they do

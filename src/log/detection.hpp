@@ -46,6 +46,9 @@ private:
            // Invalid dates further on are left to the reader, which reports their place.
            (column == 0 && !is_number(0) && parse_calendar(first_[0].text, layout_.point));
   }
+  [[nodiscard]] bool is_edge(std::size_t column) const {
+    return column < samples_.size() && samples_[column].edges * 2 > samples_[column].rows;
+  }
   void set(std::size_t column, ColumnRole role, double scale = 1.0) {
     layout_.columns[column].role = role;
     layout_.columns[column].scale = scale;
@@ -63,6 +66,7 @@ private:
   void fill_time();
   void check_needed_columns();
   void settle_times();
+  void settle_date_order(std::size_t column);
   [[nodiscard]] bool unit_is_given(ColumnRole role) const;
   void settle_unit(LogColumn& column, const ColumnSample& sample);
   void settle_angle_unit();

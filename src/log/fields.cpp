@@ -13,6 +13,15 @@ namespace goingrate {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+// "t=12.5": the number behind a key.
+std::size_t key_length(std::string_view text) {
+  std::size_t length = 0;
+  while (length < text.size() && is_letter(text[length]))
+    ++length;
+  return length > 0 && length + 1 < text.size() && text[length] == '=' ? length + 1 : 0;
+}
 
 Field trimmed(std::string_view text, std::size_t column) {
   while (!text.empty() && is_blank(text.front())) {
@@ -26,6 +35,12 @@ Field trimmed(std::string_view text, std::size_t column) {
   return {text, column};
 }
 
+// The first field has no key: "SampleRate=1000" is a line of settings.
+Field without_key(Field field, bool is_first) {
+  const std::size_t key = is_first ? 0 : key_length(field.text);
+  return {field.text.substr(key), field.column + key};
+}
+
 void split_at_blanks(std::string_view line, std::vector<Field>& fields) {
   std::size_t i = 0;
   while (i < line.size() && fields.size() <= most_fields) {
@@ -34,7 +49,9 @@ void split_at_blanks(std::string_view line, std::vector<Field>& fields) {
     const std::size_t begin = i;
     while (i < line.size() && !is_blank(line[i]))
       ++i;
-    if (i > begin) fields.push_back(trimmed(line.substr(begin, i - begin), begin + 1));
+    if (i == begin) continue;
+    const Field field = trimmed(line.substr(begin, i - begin), begin + 1);
+    fields.push_back(without_key(field, fields.empty()));
   }
 }
 
@@ -51,7 +68,8 @@ void split_fields(std::string_view line, char separator, std::vector<Field>& fie
   for (std::size_t i = 0; i <= line.size() && fields.size() <= most_fields; ++i) {
     if (i < line.size() && line[i] == '"') quoted = !quoted;
     if (i < line.size() && (quoted || line[i] != separator)) continue;
-    fields.push_back(trimmed(line.substr(begin, i - begin), begin + 1));
+    const Field field = trimmed(line.substr(begin, i - begin), begin + 1);
+    fields.push_back(without_key(field, fields.empty()));
     begin = i + 1;
   }
 }

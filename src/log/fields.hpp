@@ -9,7 +9,8 @@
 
 namespace goingrate {
 
-/// One field of a line, without blanks and quotes around it.
+/// One field of a line, without blanks and quotes around it, and, behind the first, without a key:
+/// "t=12.5" is 12.5.
 struct Field {
   std::string_view text;
   std::size_t column = 1; ///< from 1

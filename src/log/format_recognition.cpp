@@ -44,7 +44,7 @@ LogFormat Detection::format_of_contents() const {
   if (timed && is_number(1) && (name.ends_with(".xtt") || name.ends_with(".xtt.gz")))
     return LogFormat::phase;
   for (std::size_t i = 0; i < head_.columns; ++i)
-    if (is_calendar(i)) return LogFormat::table;
+    if (is_calendar(i) || is_edge(i)) return LogFormat::table;
   if (timed || !options_.columns.empty()) return LogFormat::table;
   const HeadLine& first = head_.rows.front();
   throw ImpossibleReading(log_.place(first.number), shown(first.text), "a known layout",

@@ -8,7 +8,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::array<std::pair<LogFormat, std::string_view>, 10> formats{{
+constexpr std::array<std::pair<LogFormat, std::string_view>, 11> formats{{
     {LogFormat::native, "native"},
     {LogFormat::timestamps, "timestamps"},
     {LogFormat::clock_error, "clock-error"},
@@ -19,9 +19,10 @@ constexpr std::array<std::pair<LogFormat, std::string_view>, 10> formats{{
     {LogFormat::ticc_interval, "ticc-interval"},
     {LogFormat::table, "table"},
     {LogFormat::angle, "angle"},
+    {LogFormat::xy, "xy"},
 }};
 
-constexpr std::array<std::pair<ColumnRole, std::string_view>, 17> roles{{
+constexpr std::array<std::pair<ColumnRole, std::string_view>, 18> roles{{
     {ColumnRole::ignored, "ignored"},
     {ColumnRole::time, "time"},
     {ColumnRole::date, "date"},
@@ -33,6 +34,7 @@ constexpr std::array<std::pair<ColumnRole, std::string_view>, 17> roles{{
     {ColumnRole::amplitude, "amplitude"},
     {ColumnRole::angle, "angle"},
     {ColumnRole::position, "position"},
+    {ColumnRole::height, "height"},
     {ColumnRole::width, "width"},
     {ColumnRole::edge, "edge"},
     {ColumnRole::temperature, "temperature"},
@@ -88,6 +90,8 @@ std::string_view in_words(LogFormat format) {
     return "columns with names";
   case LogFormat::angle:
     return "samples of the angle";
+  case LogFormat::xy:
+    return "samples of the bob's place";
   case LogFormat::timestamps:
     break;
   }

@@ -25,6 +25,7 @@ Layout Detection::run() {
     apply_columns(options_.columns, head_, layout_);
     if (!options_.format) layout_.format = format_of_names();
   }
+  if (layout_.format == LogFormat::xy) layout_.format = LogFormat::angle; // from here on the same
   check_needed_columns();
   layout_.tau0_s = options_.tau0_s.value_or(options_.nominal_period_s.value_or(1.0));
   settle_times();
@@ -111,6 +112,8 @@ void Detection::fill_time() {
     return;
   }
   guess_time(samples_, layout_);
+  for (std::size_t i = 0; i < head_.columns && head_.names.empty(); ++i)
+    if (is_edge(i)) set(i, ColumnRole::edge);
 }
 
 // Sets the roles of columns that no header names.
@@ -145,6 +148,12 @@ void Detection::fill_columns(bool named) {
   case LogFormat::angle:
     fill_time();
     if (head_.columns > 1) set(1, ColumnRole::angle);
+    break;
+  case LogFormat::xy:
+    fill_time();
+    if (head_.columns < 3) break;
+    set(1, ColumnRole::position);
+    set(2, ColumnRole::height);
     break;
   case LogFormat::native:
   case LogFormat::timestamps:

@@ -1,6 +1,7 @@
 #include "lines.hpp"
 
 #include "growth.hpp"
+#include "labx.hpp"
 #include "zip.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
@@ -179,20 +180,48 @@ private:
   bool inside_ = false;
 };
 
+// Up to so many bytes.
+std::string taken_from(ByteSource& source, std::size_t size) {
+  std::string bytes(size, '\0');
+  std::size_t count = 0;
+  while (count < size) {
+    const std::size_t more = source.read(bytes.data() + count, size - count);
+    if (more == 0) break;
+    count += more;
+  }
+  bytes.resize(count);
+  return bytes;
+}
+
+// A measurement that is no text in lines becomes a table; any other source stays as it is.
+std::unique_ptr<ByteSource> as_table(std::unique_ptr<ByteSource> source, const std::string& path) {
+  std::string beginning = taken_from(*source, 2);
+  if (beginning != "<?" && beginning != "<c")
+    return std::make_unique<PeekedSource>(std::move(source), std::move(beginning));
+  constexpr std::size_t enough = 1024, most = 256 << 20; // bytes: to know it; of a measurement
+  beginning += taken_from(*source, enough);
+  if (!is_labx(beginning))
+    return std::make_unique<PeekedSource>(std::move(source), std::move(beginning));
+  while (beginning.size() < most) {
+    const std::string more = taken_from(*source, chunk);
+    beginning += more;
+    if (more.size() < chunk) break;
+  }
+  return std::make_unique<PeekedSource>(std::move(source), table_of_labx(beginning, path));
+}
+
 } // namespace
 
 std::unique_ptr<ByteSource> open_source(const std::string& path, std::uint64_t unpacked_limit,
                                         std::function<bool()> wait) {
-  if (auto entry = open_in_zip(path, unpacked_limit)) return entry;
+  if (auto entry = open_in_zip(path, unpacked_limit)) return as_table(std::move(entry), path);
+  const bool is_followed = wait != nullptr;
   std::unique_ptr<ByteSource> source = std::make_unique<FileSource>(path, std::move(wait));
-  std::string first(2, '\0');
-  std::size_t count = source->read(first.data(), 2);
-  if (count == 1) count += source->read(first.data() + 1, 1);
-  first.resize(count);
+  std::string first = taken_from(*source, 2);
   const bool packed = first == "\x1f\x8b";
   source = std::make_unique<PeekedSource>(std::move(source), std::move(first));
   if (packed) source = std::make_unique<GzipSource>(std::move(source), path, unpacked_limit);
-  return source;
+  return is_followed ? std::move(source) : as_table(std::move(source), path);
 }
 
 LineReader::LineReader(std::string_view text, std::string name)

@@ -1,6 +1,7 @@
 #include "log_head.hpp"
 
 #include "calendar.hpp"
+#include "column_names.hpp"
 #include "separators.hpp"
 #include "typical_period.hpp"
 
@@ -67,6 +68,9 @@ bool is_date(std::string_view text) {
   return text.size() >= 8 && parse_calendar(fmt::format("{} 0:0", text)).has_value();
 }
 
+// "tick", "down": a direction in front of the numbers.
+bool is_edge_word(std::string_view text) { return text.size() > 1 && edge_named(text).has_value(); }
+
 // Whether a line looks like data: its first field is a value, or one of its first is a time.
 bool is_row(std::string_view line, char separator, char point) {
   std::vector<Field> fields;
@@ -76,6 +80,7 @@ bool is_row(std::string_view line, char separator, char point) {
   for (std::size_t i = 0; i < looked_at; ++i) {
     const std::string_view text = fields[i].text;
     if (is_value(text, point) || is_date(text)) return true;
+    if (i == 0 && is_edge_word(text)) continue;
     if (i == 0 && !text.empty() && separator == ' ' && !says_nothing(text)) return false;
   }
   return false;
@@ -275,6 +280,8 @@ ColumnSample LogHead::sample(std::size_t column) const {
       result.whole = result.whole && time->time.fraction == 0.0;
     } else if (is_date(text)) {
       ++result.dates;
+    } else if (is_edge_word(text)) {
+      ++result.edges;
     }
   }
   if (values.empty()) return result;

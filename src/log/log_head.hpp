@@ -22,6 +22,7 @@ struct ColumnSample {
   std::size_t numbers = 0;   ///< rows with a number
   std::size_t calendars = 0; ///< rows with a date or a time of day
   std::size_t dates = 0;     ///< rows with a date alone
+  std::size_t edges = 0;     ///< rows with the word of a direction
   std::size_t rows = 0;
   bool whole = true; ///< all numbers without decimals
   bool has_date = false;

@@ -2,9 +2,11 @@
 
 #include "beginning.hpp"
 #include "issue_list.hpp"
+#include "labx.hpp"
 #include "layout_detection.hpp"
 #include "repairs.hpp"
 #include "row_reader.hpp"
+#include "swing_circle.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -96,14 +98,37 @@ void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout&
                    fmt::format("at least {}", fewest));
 }
 
+// Places of the bob become angles about the centre of its arc; whether they could.
+bool take_angles(std::vector<AngleSample>& samples, const std::vector<double>& heights,
+                 ClockLog& log) {
+  std::vector<double> x;
+  for (const AngleSample& sample : samples)
+    x.push_back(sample.angle);
+  const auto circle = circle_through(x, heights);
+  if (!circle) {
+    log.assumptions.push_back({"the arc is too flat to tell the length of the pendulum: only x is "
+                               "read, and there are no amplitudes",
+                               Setting::columns, "angle=N"});
+    return false;
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    samples[i].angle = circle->angle_of(x[i], heights[i]);
+  log.assumptions.push_back(
+      {fmt::format("angles are those about ({:.4g}, {:.4g}), the centre of the circle through the "
+                   "places: a pendulum {:.6g} ± {:.2g} long, in their unit",
+                   circle->x, circle->y, circle->radius, circle->radius_sigma)});
+  return true;
+}
+
 // Samples of an angle become the events.
 void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOptions& options,
                     ClockLog& log, IssueList& issues) {
   auto samples = rows.samples();
+  const bool in_rad = layout.find(ColumnRole::angle) ||
+                      (!rows.heights().empty() && take_angles(samples, rows.heights(), log));
   if (layout.newest_first) std::reverse(samples.begin(), samples.end());
   std::stable_sort(samples.begin(), samples.end(),
                    [](const AngleSample& a, const AngleSample& b) { return a.time < b.time; });
-  const bool in_rad = layout.find(ColumnRole::angle).has_value();
   const auto swings = crossings_of_samples(samples, options.rest_angle_rad, in_rad);
   if (swings.samples_per_period > 0.0 && swings.samples_per_period < fewest_samples_per_period)
     throw InputError(
@@ -213,7 +238,7 @@ bool is_same(const Layout& a, const Layout& b) {
            one.unit == other.unit;
   };
   return a.format == b.format && a.separator == b.separator && a.point == b.point &&
-         a.calendar == b.calendar && a.channel == b.channel && a.newest_first == b.newest_first &&
+         a.calendar == b.calendar && a.month_first == b.month_first && a.channel == b.channel && a.newest_first == b.newest_first &&
          std::equal(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(),
                     same_column);
 }
@@ -270,7 +295,10 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
 }
 
 ClockLog read_log(std::string_view text, const std::string& source, const ReadingOptions& options) {
-  LineReader lines(text, source);
+  constexpr std::size_t enough = 1024; // bytes, to know a measurement
+  const bool is_table = !is_labx(text.substr(0, enough));
+  const std::string table = is_table ? std::string() : table_of_labx(text, source);
+  LineReader lines(is_table ? text : std::string_view(table), source);
   return read_lines(lines, options);
 }
 

@@ -28,7 +28,10 @@ RowReader::RowReader(const Layout& layout, const ReadingOptions& options, ClockL
       amplitude_(layout.find(ColumnRole::amplitude)), angle_(layout.find(ColumnRole::angle)),
       width_(layout.find(ColumnRole::width)), edge_(layout.find(ColumnRole::edge)),
       channel_(layout.find(ColumnRole::channel)), zone_s_(options.zone_s) {
-  if (!angle_) angle_ = layout.find(ColumnRole::position);
+  if (!angle_) {
+    angle_ = layout.find(ColumnRole::position);
+    if (angle_) height_ = layout.find(ColumnRole::height);
+  }
   for (std::size_t i = 0; i < weather_.size(); ++i)
     weather_[i] = layout.find(weather_quantities[i].role);
   plain_ = layout.columns.size() == 1 && time_ && !layout.calendar &&
@@ -89,21 +92,28 @@ void RowReader::add(const Line& line) {
   const auto time = time_of(line);
   if (!time) return;
   if (angle_) {
-    const double angle = number_at(line, angle_, "an angle");
-    if (std::isnan(angle)) {
-      ++rejected_;
-      const Field& field = fields_[*angle_];
-      if (says_nothing(field.text))
-        issues_.add(line.number, field.column, IssueKind::no_value, "no angle", "sample left out");
-    } else {
-      samples_.push_back({*time, angle * layout_.columns[*angle_].scale, line.number});
-    }
+    add_sample(line, *time);
     return;
   }
   Beat beat = event_at(*time, half_period_ && row_++ % 2 == 1 ? Edge::down : Edge::up, line.number);
   if (edge_ && !read_edge(line, beat)) return;
   beat.amplitude_rad = amplitude_at(line);
   accept(line, beat);
+}
+
+void RowReader::add_sample(const Line& line, const Instant& time) {
+  const double angle = number_at(line, angle_, height_ ? "a position" : "an angle");
+  const double height = height_ ? number_at(line, height_, "a height") : 0.0;
+  if (std::isnan(angle) || std::isnan(height)) {
+    ++rejected_;
+    const Field& field = fields_[std::isnan(angle) ? *angle_ : *height_];
+    if (says_nothing(field.text))
+      issues_.add(line.number, field.column, IssueKind::no_value,
+                  height_ ? "no place of the bob" : "no angle", "sample left out");
+    return;
+  }
+  samples_.push_back({time, angle * layout_.columns[*angle_].scale, line.number});
+  if (height_) heights_.push_back(height);
 }
 
 RowReader::Taken RowReader::add_plain_times(std::string_view text, std::uint32_t number) {

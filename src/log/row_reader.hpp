@@ -1,6 +1,7 @@
 // From lines to events, by a known layout.
 #pragma once
 
+#include "calendar.hpp"
 #include "fields.hpp"
 #include "issue_list.hpp"
 #include "lines.hpp"
@@ -44,6 +45,8 @@ public:
   void finish();
 
   [[nodiscard]] const std::vector<AngleSample>& samples() const { return samples_; }
+  /// One a sample, where the log has the place of the bob; else empty.
+  [[nodiscard]] const std::vector<double>& heights() const { return heights_; }
   /// Lines that should have held data, and those of them that gave nothing.
   [[nodiscard]] std::size_t data_lines() const { return data_lines_; }
   [[nodiscard]] std::size_t rejected() const { return rejected_; }
@@ -70,6 +73,7 @@ private:
   void add_on_grid(const Line& line, std::size_t column);
   void leave_place(const Line& line, std::size_t column, IssueKind kind, std::string found);
   [[nodiscard]] Field time_field();
+  [[nodiscard]] DateOrder date_order() const;
   [[nodiscard]] std::optional<Instant> parsed_time(std::string_view text) const;
   [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
   bool is_cut_short(const Line& line, std::string_view text);
@@ -81,6 +85,7 @@ private:
   double amplitude_at(const Line& line);
   bool read_edge(const Line& line, Beat& beat);
 
+  void add_sample(const Line& line, const Instant& time);
   void accept(const Line& line, Beat beat);
   void push(const Beat& beat);
   void append(const Line& line, const Beat& beat, double width_s);
@@ -90,13 +95,14 @@ private:
   ClockLog& log_;
   IssueList issues_;
   Unwrapper unwrap_;
-  Place time_, date_, period_, half_period_, error_, phase_, frequency_, amplitude_, angle_, width_,
-      edge_, channel_;
+  Place time_, date_, period_, half_period_, error_, phase_, frequency_, amplitude_, angle_, height_,
+      width_, edge_, channel_;
   std::array<Place, weather_quantities.size()> weather_;
   std::vector<Field> fields_;
   std::string date_and_time_; // of two columns
   double zone_s_;             // of dates that name none, east of Greenwich
   std::vector<AngleSample> samples_;
+  std::vector<double> heights_;
   std::size_t data_lines_ = 0, rejected_ = 0, other_channels_ = 0;
   std::size_t time_length_ = 0; // of the text of the time in the line before
   std::int64_t row_ = 0;        // of half-periods

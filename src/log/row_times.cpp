@@ -23,6 +23,10 @@ std::optional<Instant> RowReader::time_of(const Line& line) {
   return written_time(line);
 }
 
+DateOrder RowReader::date_order() const {
+  return layout_.month_first ? DateOrder::month_first : DateOrder::day_first;
+}
+
 // The text of the time, after that of the date if it has a column of its own.
 Field RowReader::time_field() {
   const Field& time = fields_[*time_];
@@ -36,12 +40,12 @@ std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
   if (!layout_.calendar) {
     const auto count = parse_instant(text, layout_.columns[*time_].unit, layout_.point);
     if (!layout_.date_begins_run) return count;
-    const auto date = parse_calendar(fields_[*date_].text, layout_.point);
+    const auto date = parse_calendar(fields_[*date_].text, layout_.point, date_order());
     if (!count || !date) return {};
     const Instant sum = date->time + count->fraction;
     return Instant{sum.seconds + count->seconds, sum.fraction};
   }
-  const auto time = parse_calendar(text, layout_.point);
+  const auto time = parse_calendar(text, layout_.point, date_order());
   if (!time) return {};
   const bool moves = zone_s_ != 0.0 && time->has_date && !time->has_zone;
   return moves ? time->time + -zone_s_ : time->time;
@@ -131,7 +135,7 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
 Instant RowReader::pause_before(const Instant& period) {
   if (!layout_.coarse_time) return {};
   const std::string_view text = fields_[*layout_.coarse_time].text;
-  const auto calendar = parse_calendar(text, layout_.point);
+  const auto calendar = parse_calendar(text, layout_.point, date_order());
   const auto stamp =
       calendar ? std::optional(calendar->time)
                : parse_instant(text, layout_.columns[*layout_.coarse_time].unit, layout_.point);

@@ -27,12 +27,15 @@ std::optional<DateAndTime> date_and_time(std::span<const ColumnSample> samples) 
 std::size_t likely_time(std::span<const ColumnSample> samples) {
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (is_mostly(samples[i].calendars, samples[i])) return i;
-  if (samples.empty() || !counts_lines(samples[0])) return 0;
+  std::size_t first = 0; // column of numbers: words of a direction may stand before it
+  while (first + 1 < samples.size() && is_mostly(samples[first].edges, samples[first]))
+    ++first;
+  if (samples.empty() || !counts_lines(samples[first])) return first;
   constexpr double least_rising_share = 0.9; // of the steps: a clock may be set back now and then
-  for (std::size_t i = 1; i < samples.size(); ++i)
+  for (std::size_t i = first + 1; i < samples.size(); ++i)
     if (is_mostly(samples[i].numbers, samples[i]) && samples[i].rising > least_rising_share)
       return i;
-  return 0;
+  return first;
 }
 
 // Of two columns named as times: dates that stay for a run of lines, and numbers that rise within

@@ -4,6 +4,7 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
+#include "goingrate/log/logbook.hpp"
 #include "goingrate/log/rates.hpp"
 #include "goingrate/log/reading.hpp"
 
@@ -16,12 +17,15 @@ namespace {
 
 using namespace goingrate;
 
-// The first byte of the input chooses the options, so that the fuzzer reaches every format.
+// The first byte of the input chooses the options, so that the fuzzer reaches every format, the
+// weather and a keeper's diary.
+constexpr std::uint8_t weather = 12, logbook = 13;
 ReadingOptions options_of(std::uint8_t choice) {
   ReadingOptions options;
-  constexpr std::uint8_t formats = 10;
+  constexpr std::uint8_t formats = 11;
   const std::uint8_t format = choice % 16;
   if (format < formats) options.format = static_cast<LogFormat>(format);
+  options.weather = format == weather;
   options.decimal_comma = (choice & 0x10) != 0;
   if ((choice & 0x20) != 0) options.wrap_s = 65536e-6;
   if ((choice & 0x40) != 0) options.nominal_period_s = 2.0;
@@ -78,9 +82,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t before = fuzz::peak_bytes();
   const auto taken = [&] { return fuzz::peak_bytes() - before; };
   try {
+    if (data[0] % 16 == logbook) {
+      demand(!logbook_text(parse_logbook(text, "fuzz")).empty(), "entries can be written");
+      demand(taken() <= limit(400), "memory of the logbook in proportion"); // an entry and its line
+      return 0;
+    }
     ClockLog log = read_log(text, "fuzz", options_of(data[0]));
     demand(taken() <= limit(48), "memory of the reader in proportion"); // an event takes 40
-    use(std::move(log));
+    if (data[0] % 16 != weather) use(std::move(log)); // weather is no clock
   } catch (const InputError&) {    // what bad input is answered with
   } catch (const ArgumentError&) { // a column that is not there
   }

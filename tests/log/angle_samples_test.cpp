@@ -243,12 +243,40 @@ TEST(AngleSamplesTest, EveryKindOfSamplesIsRead) {
       EXPECT_NEAR(log.events[k].time.to_double(), passage_time(k),
                   5.0 * log.columns.sigma_s[k] + 5e-4)
           << sampled.name;
-    const bool angles = sampled.name != std::string_view("TrackerPositions");
-    EXPECT_EQ(std::isnan(log.events[40].amplitude_rad), !angles);
-    if (angles) {
-      EXPECT_NEAR(log.events[40].amplitude_rad, 0.3 * std::exp(-passage_time(40) / 80.0), 2e-3);
-    }
+    EXPECT_NEAR(log.events[40].amplitude_rad, 0.3 * std::exp(-passage_time(40) / 80.0), 2e-3)
+        << sampled.name;
   }
+}
+
+TEST(AngleSamplesTest, PlacesOfTheBobAreAnglesAboutTheCentre) {
+  // Pixels from the corner of a picture, downwards, a tilted camera, and noise of half a pixel.
+  const auto text = [](double swing, double noise_px) {
+    RandomStream noise(11, StreamPurpose::amplitude_noise);
+    std::string lines = "t,x,y\n";
+    for (int i = 0; i < 3000; ++i) {
+      const double t = i / 60.0;
+      const double angle = 0.03 + swing * std::exp(-t / 200.0) * std::cos(2.0 * std::numbers::pi * t);
+      lines += fmt::format("{:.4f},{:.2f},{:.2f}\n", t,
+                           640.0 + 500.0 * std::sin(angle) + noise_px * noise.normal(),
+                           -40.0 + 500.0 * std::cos(angle) + noise_px * noise.normal());
+    }
+    return lines;
+  };
+  const ClockLog log = read_log(text(0.3, 0.5), "video");
+  EXPECT_EQ(log.format, LogFormat::angle);
+  const double t = log.events[40].time.to_double();
+  EXPECT_NEAR(log.events[40].amplitude_rad, 0.3 * std::exp(-t / 200.0), 3e-3); // length to 0.3 %
+  bool told = false;
+  for (const Assumption& assumption : log.assumptions)
+    told = told || assumption.text.find("a pendulum 5") != std::string::npos ||
+           assumption.text.find("a pendulum 49") != std::string::npos;
+  EXPECT_TRUE(told);
+  const ClockLog flat = read_log(text(0.004, 0.5), "video");
+  EXPECT_TRUE(std::isnan(flat.events[40].amplitude_rad)) << "an arc of two pixels, bent by none";
+  ReadingOptions forced;
+  forced.format = LogFormat::xy;
+  const std::string bare = text(0.3, 0.5).substr(6);
+  EXPECT_EQ(read_log(bare, "bare", forced).events.size(), log.events.size());
 }
 
 TEST(AngleSamplesTest, AVideoOfARingDown) {

@@ -384,6 +384,97 @@ TEST(CalendarTest, ReadsWhatLoggersWrite) {
     EXPECT_FALSE(parse_calendar(text)) << text;
 }
 
+TEST(CalendarTest, StrokesMayHaveEitherOrder) {
+  const auto seconds = [](const char* text, DateOrder order) {
+    const auto time = parse_calendar(text, '.', order);
+    return time ? time->time.seconds : -1;
+  };
+  constexpr std::int64_t april = 1365026400, march = 1362434400; // 3 April and 4 March 2013, 22 h
+  EXPECT_EQ(seconds("03/04/2013 22:00:00", DateOrder::day_first), april);
+  EXPECT_EQ(seconds("03/04/2013 10:00:00 PM", DateOrder::month_first), march);
+  EXPECT_EQ(seconds("03/04/2013 22:00:00", DateOrder::either), april);
+  EXPECT_EQ(seconds("22/02/2013 23:38:00", DateOrder::month_first), -1);
+  EXPECT_EQ(seconds("02/22/2013 23:38:00", DateOrder::either), 1361576280);
+}
+
+TEST(FormatsTest, TheOrderOfADateIsFoundOrTold) {
+  const auto text = [](const char* first_day, const char* second_day) {
+    std::string lines;
+    for (int i = 0; i < 20; ++i)
+      lines += fmt::format("{} 23:{:02}:{:02}\n", first_day, 59 - (19 - i) * 2 / 60, 20 + 2 * i);
+    for (int i = 0; i < 20; ++i)
+      lines += fmt::format("{} 0:00:{:02}\n", second_day, 2 * i);
+    return lines;
+  };
+  const auto step = [](const ClockLog& log) { return log.events[20].time - log.events[19].time; };
+  const auto first = [](const ClockLog& log) { return log.events[0].time.seconds; };
+  // Only one order exists; both do, and the number that changes is the day's.
+  EXPECT_EQ(step(read_log(text("02/22/2013", "02/23/2013"), "x")), 2.0);
+  EXPECT_EQ(step(read_log(text("22/02/2013", "23/02/2013"), "x")), 2.0);
+  EXPECT_EQ(step(read_log(text("02/03/2013", "02/04/2013"), "x")), 2.0);
+  EXPECT_EQ(step(read_log(text("03/02/2013", "04/02/2013"), "x")), 2.0);
+  const std::string open = text("03/04/2013", "03/04/2013").substr(0, 20 * 20);
+  const ClockLog guessed = read_log(open, "x");
+  EXPECT_EQ(first(guessed) / 86400, 15798) << "3 April";
+  EXPECT_TRUE(std::any_of(guessed.assumptions.begin(), guessed.assumptions.end(),
+                          [](const Assumption& a) { return a.setting == Setting::date_order; }));
+  ReadingOptions told;
+  told.month_first = true;
+  EXPECT_EQ(first(read_log(open, "x", told)) / 86400, 15768) << "4 March";
+}
+
+TEST(FormatsTest, AMeasurementOfCassyIsATable) {
+  const auto values = [](auto value) {
+    std::string text = "<values count=\"40\">";
+    for (int i = 0; i < 40; ++i)
+      text += value(i);
+    return text + "</values></channel>";
+  };
+  const std::string measurement =
+      "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<cassylab version=\"1.8\">\n<cassys/><ios/>"
+      "<channels count=\"3\"><channel><quantity>Index</quantity><unit/>" +
+      values([](int) { return std::string("<value/>"); }) +
+      "<channel><quantity>Zeit</quantity><symbol>t</symbol><unit>s</unit>" +
+      values([](int i) { return fmt::format("<value>{:.4f}</value>\n", 2.0001 * i); }) +
+      "<channel><quantity>Temperatur</quantity><unit>&#176;C</unit>" +
+      values([](int i) { return i == 5 ? "<value />" : fmt::format("<value>{}</value>", 20 + i); }) +
+      "</channels></cassylab>\n";
+  const ClockLog log = read_log(measurement, "m.labx");
+  ASSERT_EQ(log.events.size(), 40u);
+  EXPECT_NEAR(log.events[39].time - log.events[0].time, 39 * 2.0001, 1e-9);
+  EXPECT_EQ(log.columns.temperature_c.at(6), 26.0);
+  EXPECT_TRUE(std::isnan(log.columns.temperature_c.at(5)));
+  const std::string path = testing::TempDir() + "goingrate_m.labx";
+  std::ofstream(path, std::ios::binary) << measurement;
+  EXPECT_EQ(read_log_file(path).events.size(), 40u);
+  std::remove(path.c_str());
+  for (const char* cut : {"<cassylab", "<cassylab><channels><channel><values><value>1", "<cassylab/>",
+                          "<cassylab><channels></channels></cassylab>"})
+    EXPECT_THROW((void)read_log(cut, "cut"), InputError) << cut;
+}
+
+TEST(FormatsTest, SettingsBeforeTheHeaderAreNoData) {
+  std::string text = "SampleRate=1000\nGain=2\ntime_s,edge\n";
+  for (int i = 0; i < 20; ++i)
+    text += fmt::format("{}.25,{}\n", i, i % 2 == 0 ? "up" : "down");
+  const ClockLog log = read_log(text, "x");
+  EXPECT_EQ(log.events.size(), 20u);
+  EXPECT_EQ(log.events[1].edge, Edge::down);
+  EXPECT_TRUE(log.issues.empty());
+}
+
+TEST(FormatsTest, WordsAndKeysMayStandBeforeTheNumbers) {
+  std::string text;
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format("{} {} t={:.6f}\n", i % 2 == 0 ? "tick" : "tock", i,
+                        1000.0 + i + (i % 2 == 0 ? 0.0 : 0.02));
+  const ClockLog log = read_log(text, "x");
+  ASSERT_EQ(log.events.size(), 40u);
+  EXPECT_EQ(log.events[1].edge, Edge::down);
+  EXPECT_NEAR(log.events[1].time - log.events[0].time, 1.02, 1e-12);
+  EXPECT_TRUE(log.issues.empty());
+}
+
 TEST(FormatsTest, PointsOfADateAreNoDecimalPoints) {
   std::string text = "Zeit;Periode (s)\n";
   for (int i = 0; i < 30; ++i)

@@ -40,6 +40,7 @@ LoadRequest request_of(const py::dict& options) {
   put("wrap_s", reading.wrap_s);
   put("tau0_s", reading.tau0_s);
   put("decimal_comma", reading.decimal_comma);
+  put("month_first", reading.month_first);
   put("channel", reading.channel);
   put("rest_angle_rad", reading.rest_angle_rad);
   put("strict", reading.strict);
@@ -191,6 +192,8 @@ const char* keyword_of(Setting setting) {
     return "tau0_s";
   case Setting::decimal_comma:
     return "decimal_comma";
+  case Setting::date_order:
+    return "date_order";
   case Setting::channel:
     return "channel";
   case Setting::rest_angle:

@@ -71,6 +71,14 @@ def _paths(source: Any) -> list[str]:
     return [_path(part) for part in source]
 
 
+def _month_first(date_order: str | None) -> bool | None:
+    if date_order is None:
+        return None
+    if date_order not in ("day", "month"):
+        raise ValueError(f"date_order: found {date_order!r}, expected 'day' or 'month'")
+    return date_order == "month"
+
+
 def read(
     source: Source,
     *,
@@ -81,6 +89,7 @@ def read(
     wrap_s: float | None = None,
     tau0_s: float | None = None,
     decimal_comma: bool = False,
+    date_order: str | None = None,
     channel: str | None = None,
     rest_angle_rad: float | None = None,
     strict: bool = False,
@@ -120,6 +129,8 @@ def read(
         Between values of phase, frequency or intervals, s.
     decimal_comma : bool
         12,5 is twelve and a half.
+    date_order : 'day' or 'month', optional
+        What comes first in dates such as 03/04/2013.
     channel : str, optional
         Of a TICC: chA, chB.
     rest_angle_rad : float, optional
@@ -174,6 +185,7 @@ def read(
         wrap_s=wrap_s,
         tau0_s=tau0_s,
         decimal_comma=decimal_comma,
+        month_first=_month_first(date_order),
         channel=channel,
         rest_angle_rad=rest_angle_rad,
         strict=strict,

@@ -107,6 +107,7 @@ enum class Setting : std::uint8_t {
   wrap,
   tau0,
   decimal_comma,
+  date_order,
   channel,
   rest_angle,
   nominal_period,

@@ -23,6 +23,7 @@ enum class LogFormat {
   ticc_interval, ///< TAPR TICC: "interval TI(A->B)"
   table,         ///< columns with names
   angle,         ///< samples of the angle; crossings are found by local fits
+  xy,            ///< samples of the bob's place: time, x, y; read as angles about the centre
 };
 
 /// What a column holds.
@@ -38,6 +39,7 @@ enum class ColumnRole : std::uint8_t {
   amplitude,
   angle,
   position, ///< sideways displacement; its unit does not matter
+  height,   ///< beside it, in the same unit: both give the angle about the centre of the arc
   width,    ///< how long the flag was seen, s
   edge,     ///< up or down; of a gate's two edges up-in, up-out, down-in, down-out
   temperature,
@@ -63,6 +65,7 @@ struct Layout {
   std::uint32_t first_line = 1; ///< line of the first data
   std::vector<LogColumn> columns;
   bool calendar = false;        ///< times are dates or times of day
+  bool month_first = false;     ///< in dates such as 03/04/2013
   std::optional<double> wrap_s; ///< at which times begin again from nothing
   double tau0_s = 1.0;          ///< of phase, frequency and intervals
   std::string channel;          ///< of the TICC that is read; others are left out

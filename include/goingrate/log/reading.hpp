@@ -29,6 +29,7 @@ struct ReadingOptions {
   bool decimal_comma = false;
   std::string channel{};                  ///< of a TICC
   std::optional<double> rest_angle_rad{}; ///< of angle samples: where the pendulum hangs
+  std::optional<bool> month_first{}; ///< in dates such as 03/04/2013; else the day comes first
   double zone_s = 0.0; ///< of dates that name no zone: east of Greenwich, s
   bool weather = false; ///< a table of the weather: two readings are enough, of any distance
   bool strict = false;                    ///< the first issue is an error
