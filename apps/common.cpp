@@ -314,6 +314,8 @@ std::string_view option_of(Setting setting) {
     return "--both-edges";
   case Setting::flag_width:
     return "--flag-width";
+  case Setting::weather_zone:
+    return "--weather-zone";
   }
   return {};
 }

@@ -181,7 +181,8 @@ void run(const std::string& name) {
   std::string list;
   for (const Topic& t : topics)
     list += fmt::format("  {:<16} {}\n", t.name, t.about);
-  std::fputs(("goingrate help TOPIC, of\n" + list).c_str(), stdout);
+  std::fputs(("goingrate help TOPIC, of\n" + list + "goingrate --help lists the commands.\n").c_str(),
+             stdout);
 }
 
 } // namespace

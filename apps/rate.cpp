@@ -118,7 +118,7 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
   add_json_option(*command, options->json);
   auto* plot = add_plot_option(*command, options->plot, "rate, and amplitude, against time");
   command->add_option("--block", options->block_s, "rates of blocks of so many seconds instead")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command
       ->add_option("--running", options->running_cycles,
                    "add a column with the rate over the last so many cycles")
@@ -139,7 +139,7 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
       ->add_option("--alarm", options->alarm_s,
                    "with --follow: say when no beat has come for so many seconds; five periods if "
                    "not given")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->needs(following);
   command->footer("Example:\n  goingrate rate data/logs/jump.csv -o jump-rate.csv");
   command->callback([options, &global] { run(*options, global); });

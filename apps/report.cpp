@@ -93,7 +93,11 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
   Analysis data = analysis_of(options, global);
   name_options(data.fit);
   if (options.nut_pitch_mm > 0.0 && !data.nut)
-    say(global, "no turns of the rating nut: the rate takes a nominal period (--nominal-period)");
+    say(global, data.rate.nominal_is_known
+                    ? "no turns of the rating nut: events so far apart are those of a wheel; give "
+                      "the length of the pendulum (--pendulum-length)"
+                    : "no turns of the rating nut: the rate takes a nominal period "
+                      "(--nominal-period)");
   const std::string page =
       options.output.empty() ? page_name(options.log.paths.front()) : options.output;
   const bool talk = options.json != "-" && page != "-";

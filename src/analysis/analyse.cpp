@@ -118,7 +118,7 @@ std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& dia
                                    double nominal_period_s) {
   std::vector<Instant> cuts;
   for (const Change& change : diary.changes)
-    cuts.push_back(beats.front().time + change.at_s);
+    if (!change.is_only_noted()) cuts.push_back(beats.front().time + change.at_s);
   return rates_between(beats, cuts, nominal_period_s);
 }
 
@@ -184,10 +184,24 @@ std::optional<RmsEstimate> fast_drive(const DriveAnalysis& drive, const FitSumma
 // Turns of the rating nut for the clock as it goes now, where the pitch is given and a nominal
 // period is known.
 std::optional<NutTurns> nut_turns(const AnalysisRequest& request, const RateSummary& rate) {
-  if (!request.nut_pitch_m || !rate.nominal_is_known) return {};
+  constexpr double longest_swing_s = 6.0; // of a pendulum of nine metres; else events are a wheel's
+  const bool is_swing = rate.nominal_period_s < longest_swing_s || request.rod_length_m;
+  if (!request.nut_pitch_m || !rate.nominal_is_known || !is_swing) return {};
   const double length_m = request.rod_length_m.value_or(mathematical_length(rate.nominal_period_s));
   return turns_to_zero_rate({*request.nut_pitch_m, length_m}, rate.rate_excess,
                             rate.rate_excess_sigma);
+}
+
+bool knows_a_plan(const FitOptions& options) {
+  return std::any_of(options.events.begin(), options.events.end(),
+                     [](const FitEvent& event) { return event.planned.has_value(); });
+}
+
+FitOptions without_plans(FitOptions options) {
+  options.profiles = false;
+  for (FitEvent& event : options.events)
+    event.planned.reset();
+  return options;
 }
 
 } // namespace
@@ -198,6 +212,21 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   level_interruptions(diary, levelled);
   add_small_changes(diagnosis_input(levelled, loaded, diary, {}, {}), loaded.good, diary);
   return diary;
+}
+
+// Two things may have been done at once. What was planned is that of the first.
+static void merge_those_of_one_beat(std::vector<FitEvent>& events) {
+  std::vector<FitEvent> merged;
+  for (FitEvent& event : events) {
+    if (merged.empty() || merged.back().cycle != event.cycle) {
+      merged.push_back(std::move(event));
+      continue;
+    }
+    std::vector<std::string>& names = merged.back().names;
+    for (std::string& name : event.names)
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+  }
+  events = std::move(merged);
 }
 
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options) {
@@ -218,6 +247,7 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
       add(change, options.events);
   std::stable_sort(options.events.begin(), options.events.end(),
                    [](const FitEvent& a, const FitEvent& b) { return a.cycle < b.cycle; });
+  merge_those_of_one_beat(options.events);
   options.possible_events.clear();
   for (const Change& change : strongest_changes(noticed, most_events, false))
     add(change, options.possible_events);
@@ -283,6 +313,10 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   if (request.finds_events && asked.events.empty())
     ask_for_changes(data.diary, loaded.good.front().cycle, asked);
   tell("fitting the model");
+  const bool has_plans = logbook && knows_a_plan(asked);
+  const FitSummary alone =
+      has_plans ? fit_clock(times, loaded.nominal_period_s, without_plans(asked)) : FitSummary{};
+  if (has_plans) asked = without_what_is_excluded(std::move(asked), alone);
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
   if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(data.fit, loaded.good, data.diary);
@@ -318,7 +352,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   data.beats.assign(loaded.good.begin(), loaded.good.end());
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);
-  if (logbook) data.logbook = check_logbook(*logbook, data);
+  if (logbook) data.logbook = check_logbook(*logbook, data, has_plans ? alone : data.fit);
   return data;
 }
 

@@ -16,16 +16,22 @@ namespace {
 
 constexpr std::size_t fewest_common = 64, most_blocks = 240;
 
-/// A series with one value a beat, on the straight line between them. To be asked at rising times.
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// A series with one value a beat, on the straight line between them; NaN where more than one beat
+/// is missing. To be asked at rising times.
 class Between {
 public:
   Between(std::span<const Beat> beats, std::vector<double> values)
       : beats_(beats), values_(std::move(values)) {}
   double at(const Instant& time) {
+    constexpr std::int64_t most_cycles = 2; // from one beat to the next
     while (i_ + 2 < beats_.size() && beats_[i_ + 1].time <= time)
       ++i_;
-    const double step = beats_[i_ + 1].time - beats_[i_].time;
-    return std::lerp(values_[i_], values_[i_ + 1], (time - beats_[i_].time) / step);
+    const Beat &before = beats_[i_], &after = beats_[i_ + 1];
+    if (after.cycle - before.cycle > most_cycles) return unknown;
+    return std::lerp(values_[i_], values_[i_ + 1],
+                     (time - before.time) / (after.time - before.time));
   }
 
 private:
@@ -45,20 +51,29 @@ struct CommonTimes {
 void refuse_mixed_times(std::span<const NumberedLog> logs) {
   const ClockLog& first = logs.front().log;
   for (const NumberedLog& one : logs)
-    if (one.log.origin != first.origin)
+    if ((one.log.origin == TimeOrigin::none) != (first.origin == TimeOrigin::none))
       throw InputError({one.log.source}, times_of(one.log.origin),
-                       fmt::format("times counted as in {}: {}", first.source,
-                                   first.origin == TimeOrigin::mjd ? "days (MJD)"
-                                                                   : times_of(first.origin)));
+                       fmt::format("{}, as in {}", times_of(first.origin), first.source));
+}
+
+// A time of this log in the common count, which is that of 1970 where there are dates.
+Instant in_common(const NumberedLog& one, Instant time) {
+  time.seconds -= seconds_before_1970(one.log.origin);
+  return time;
+}
+
+Instant in_own(const NumberedLog& one, Instant time) {
+  time.seconds += seconds_before_1970(one.log.origin);
+  return time;
 }
 
 CommonTimes common_times(std::span<const NumberedLog> logs) {
   refuse_mixed_times(logs);
-  CommonTimes common{logs.front().good.front().time, 0.0, 0};
-  Instant end = logs.front().good.back().time;
+  CommonTimes common{in_common(logs.front(), logs.front().good.front().time), 0.0, 0};
+  Instant end = in_common(logs.front(), logs.front().good.back().time);
   for (const NumberedLog& one : logs) {
-    common.start = std::max(common.start, one.good.front().time);
-    end = std::min(end, one.good.back().time);
+    common.start = std::max(common.start, in_common(one, one.good.front().time));
+    end = std::min(end, in_common(one, one.good.back().time));
     common.step_s = std::max(common.step_s, one.nominal_period_s);
   }
   const double length = end - common.start;
@@ -69,21 +84,27 @@ CommonTimes common_times(std::span<const NumberedLog> logs) {
   return common;
 }
 
-std::vector<double> sampled(Between series, const CommonTimes& times) {
+bool is_known(double value) { return !std::isnan(value); }
+
+std::vector<double> sampled(const NumberedLog& one, std::vector<double> at_beats,
+                            const CommonTimes& times) {
+  Between series(one.good, std::move(at_beats));
   std::vector<double> values;
   values.reserve(times.count);
   for (std::size_t k = 0; k < times.count; ++k)
-    values.push_back(series.at(times.at(k)));
-  const double first = values.front();
+    values.push_back(series.at(in_own(one, times.at(k))));
+  const auto first = std::find_if(values.begin(), values.end(), is_known);
+  const double from = first == values.end() ? 0.0 : *first;
   for (double& value : values)
-    value -= first;
+    value -= from;
   return values;
 }
 
-std::span<const Beat> within(std::span<const Beat> beats, const CommonTimes& times) {
-  const Instant end = times.at(times.count - 1);
+std::span<const Beat> within(const NumberedLog& one, const CommonTimes& times) {
+  const std::span<const Beat> beats = one.good;
+  const Instant start = in_own(one, times.start), end = in_own(one, times.at(times.count - 1));
   const auto from = std::partition_point(beats.begin(), beats.end(),
-                                         [&](const Beat& b) { return b.time < times.start; });
+                                         [&](const Beat& b) { return b.time < start; });
   const auto to =
       std::partition_point(from, beats.end(), [&](const Beat& b) { return b.time <= end; });
   return {from, to};
@@ -93,9 +114,14 @@ ComparedClock compared(const NumberedLog& one, const CommonTimes& times,
                        std::span<const std::size_t> factors) {
   ComparedClock clock;
   clock.source = one.log.source;
-  clock.rate = summarise_rates(within(one.good, times), one.nominal_period_s);
+  const std::span<const Beat> common = within(one, times);
+  if (common.size() < fewest_common)
+    throw InputError({one.log.source},
+                     fmt::format("{} beats in the hours that all logs have", common.size()),
+                     fmt::format("at least {}", fewest_common));
+  clock.rate = summarise_rates(common, one.nominal_period_s);
   clock.rate.nominal_is_known = one.nominal_is_known;
-  clock.error_s = sampled({one.good, clock_error(one.good, one.nominal_period_s)}, times);
+  clock.error_s = sampled(one, clock_error(one.good, one.nominal_period_s), times);
   clock.deviation = stability_table(DeviationKind::oadev, clock.error_s, times.step_s, factors);
   const TimingData data = fit_data(one);
   clock.weather = weather_parts(data);
@@ -104,7 +130,7 @@ ComparedClock compared(const NumberedLog& one, const CommonTimes& times,
   for (const WeatherPart& part : clock.weather) {
     const auto term = std::find_if(data.terms.begin(), data.terms.end(),
                                    [&](const RateTerm& t) { return t.name == part.name; });
-    const std::vector<double> advance = sampled({one.good, term->advance_s}, times);
+    const std::vector<double> advance = sampled(one, term->advance_s, times);
     for (std::size_t k = 0; k < advance.size(); ++k)
       clock.own_error_s[k] -= part.coefficient * advance[k];
   }
@@ -113,21 +139,25 @@ ComparedClock compared(const NumberedLog& one, const CommonTimes& times,
   return clock;
 }
 
+// Of the blocks in which both are known.
 double correlation(std::span<const double> a, std::span<const double> b) {
-  const auto mean = [](std::span<const double> x) {
-    double sum = 0.0;
-    for (const double v : x)
-      sum += v;
-    return sum / static_cast<double>(x.size());
-  };
-  const double mean_a = mean(a), mean_b = mean(b);
+  double mean_a = 0.0, mean_b = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!is_known(a[i] + b[i])) continue;
+    mean_a += a[i];
+    mean_b += b[i];
+    ++count;
+  }
+  mean_a /= count;
+  mean_b /= count;
   double aa = 0.0, bb = 0.0, ab = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!is_known(a[i] + b[i])) continue;
     aa += (a[i] - mean_a) * (a[i] - mean_a);
     bb += (b[i] - mean_b) * (b[i] - mean_b);
     ab += (a[i] - mean_a) * (b[i] - mean_b);
   }
-  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
+  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : unknown;
 }
 
 std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -242,9 +272,16 @@ std::vector<double> block_rates_of(std::span<const double> error_s, double step_
                                    std::size_t count) {
   std::vector<double> rates;
   for (std::size_t b = 0; b < count; ++b) {
-    const std::size_t from = b * (error_s.size() - 1) / count,
-                      to = (b + 1) * (error_s.size() - 1) / count;
-    rates.push_back((error_s[to] - error_s[from]) / (step_s * static_cast<double>(to - from)));
+    std::size_t from = b * (error_s.size() - 1) / count, to = (b + 1) * (error_s.size() - 1) / count;
+    const std::size_t half = (to - from) / 2;
+    while (from < to && !is_known(error_s[from]))
+      ++from;
+    while (from < to && !is_known(error_s[to]))
+      --to;
+    const bool is_seen = to - from > half; // of the block
+    rates.push_back(is_seen ? (error_s[to] - error_s[from]) /
+                                  (step_s * static_cast<double>(to - from))
+                            : unknown);
   }
   return rates;
 }
@@ -279,8 +316,10 @@ Comparison compare(std::span<const NumberedLog> logs) {
     for (std::size_t j = i + 1; j < logs.size(); ++j) {
       const ComparedClock &a = result.clocks[i], &b = result.clocks[j];
       all.push_back(table_of(a.error_s, b.error_s));
-      if (has_weather) own.push_back(table_of(own_of(a), own_of(b)));
       result.pairs.push_back({i, j, correlation(rates[i], rates[j]), all.back()});
+      if (!has_weather) continue;
+      own.push_back(table_of(own_of(a), own_of(b)));
+      result.pairs.back().own_deviation = own.back();
     }
   if (logs.size() < 3) return result;
   result.hat = hat_of(all, logs.size());

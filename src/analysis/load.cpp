@@ -237,6 +237,9 @@ NumberedLog load_events(ClockLog log, const LoadRequest& request) {
     throw InputError({log.source, 0, 0}, fmt::format("{} events", log.events.size()),
                      fmt::format("at least {}", fewest_events));
   if (!log.nominal_period_s) log.nominal_period_s = request.reading.nominal_period_s;
+  constexpr double years_s = 1e8; // as for a text: no logger has counted so long
+  if (log.origin == TimeOrigin::none && log.events.front().time.to_double() > years_s)
+    log.origin = TimeOrigin::unix;
   LoadRequest named = request;
   named.path = log.source;
   return Loading(std::move(log), named).run();

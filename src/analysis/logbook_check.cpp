@@ -78,11 +78,33 @@ Change change_at(double at_s, std::span<const Beat> beats) {
   return change;
 }
 
+// Things done within a minute of each other are one change, that of the first of them.
+void take_entry(const LogbookEntry& entry, std::span<const Beat> beats, Diary& diary) {
+  constexpr double at_once_s = 60.0;
+  const double at_s = entry.time - beats.front().time;
+  Change* change = change_for(entry, at_s, diary.changes);
+  const auto is_taken = [&](const Change& known) {
+    return known.noted && std::abs(known.at_s - at_s) < at_once_s;
+  };
+  const bool is_within = at_s > 0.0 && entry.time < beats.back().time;
+  if (change == nullptr && is_within && !entry.whole_day &&
+      std::none_of(diary.changes.begin(), diary.changes.end(), is_taken)) {
+    const auto place =
+        std::upper_bound(diary.changes.begin(), diary.changes.end(), at_s,
+                         [](double t, const Change& known) { return t < known.at_s; });
+    change = &*diary.changes.insert(place, change_at(at_s, beats));
+  }
+  if (change == nullptr) return;
+  change->noted = true;
+  change->kind = *kind_of(entry.what);
+  change->planned = planned_by(entry);
+}
+
 /// What the log shows, and who wrote it down.
 class Check {
 public:
-  explicit Check(const Analysis& data)
-      : data_(data), first_(data.beats.front().time),
+  Check(const Analysis& data, const FitSummary& fit)
+      : data_(data), fit_(fit), first_(data.beats.front().time),
         last_s_(data.beats.back().time - data.beats.front().time),
         findings_(findings_of(data).entries), written_(findings_.size(), false) {}
 
@@ -104,29 +126,57 @@ private:
       written_[*seen] = true;
       found.found_at_s = findings_[*seen].time - first_;
       found.verdict = EntryVerdict::seen;
-      if (entry.what == LogbookWord::set && findings_[*seen].what == LogbookWord::set) {
-        found.found = findings_[*seen].value;
-        found.found_sigma = findings_[*seen].sigma;
-      }
-    } else if (span.to_s < 0.0 || span.from_s > last_s_) {
+      if (entry.what == LogbookWord::set) take_setting(entry, findings_[*seen], found);
+    } else if (is_outside(entry, found.at_s)) {
       found.verdict = EntryVerdict::outside;
       return found;
     }
     if (kind_of(entry.what)) measure(entry, found);
+    const bool is_measured = std::isfinite(found.found_sigma);
+    if (kind_of(entry.what) && !is_measured && found.verdict == EntryVerdict::not_seen)
+      found.verdict = EntryVerdict::unclear;
     judge(entry, found);
     return found;
   }
 
-  // The nearest finding of the kind of the entry; of notes, and of the winding, that of any kind.
+  // What changes the rate is seen in the part that was analysed, a stop in the whole log.
+  [[nodiscard]] bool is_outside(const LogbookEntry& entry, double at_s) const {
+    const double to_s = at_s + (entry.whole_day ? seconds_per_day : 0.0);
+    const bool of_rate = kind_of(entry.what).has_value();
+    const double begin_s = of_rate ? 0.0 : data_.numbered.beats.front().time - first_;
+    const double end_s = of_rate ? last_s_ : data_.numbered.beats.back().time - first_;
+    return to_s < begin_s || at_s > end_s;
+  }
+
+  // Beats tell a setting but for whole periods: those are as planned.
+  void take_setting(const LogbookEntry& entry, const LogbookEntry& seen,
+                    EntryFinding& found) const {
+    found.found = seen.value;
+    found.found_sigma = seen.sigma;
+    if (!std::isnan(entry.value))
+      found.found = entry.value + std::remainder(seen.value - entry.value,
+                                                 data_.numbered.typical_period_s);
+  }
+
+  // Beats that go on displaced may be those of a clock that stood still for a while.
+  static bool may_be(LogbookWord entry, LogbookWord seen) {
+    const bool stood = entry == LogbookWord::stop || entry == LogbookWord::start;
+    const bool was_wound = entry == LogbookWord::wind && seen == LogbookWord::note;
+    return entry == seen || (stood && seen == LogbookWord::set) || was_wound;
+  }
+
+  // The nearest finding of the kind of the entry that no other entry names; of notes that of any
+  // kind, of the winding an interruption of the drive.
   [[nodiscard]] std::optional<std::size_t> finding_for(const LogbookEntry& entry,
                                                        const Span& span) const {
-    const bool any = entry.what == LogbookWord::note || entry.what == LogbookWord::wind;
+    const bool any = entry.what == LogbookWord::note;
     std::optional<std::size_t> best;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < findings_.size(); ++i) {
       const double at_s = findings_[i].time - first_;
       const double apart = std::abs(findings_[i].time - entry.time);
-      if (!span.holds(at_s) || apart >= least || (!any && findings_[i].what != entry.what)) continue;
+      if (written_[i] || !span.holds(at_s) || apart >= least || (!any && !may_be(entry.what, findings_[i].what)))
+        continue;
       best = i;
       least = apart;
     }
@@ -152,19 +202,12 @@ private:
   }
 
   void take_ratio(const LogbookEntry& entry, const Change& change, EntryFinding& found) const {
-    const std::string name(parameter_of(entry.what));
-    const FittedParameter* before = data_.fit.find(name);
-    for (std::size_t k = 0; k < data_.fit.events.size(); ++k) {
-      const FittedParameter* after = data_.fit.find(fmt::format("{}@{}", name, k + 1));
-      if (after == nullptr || before == nullptr) continue;
-      const bool is_it = data_.fit.events[k].cycle + data_.beats.front().cycle == change.cycle;
-      if (is_it && before->sigma > 0.0 && after->sigma > 0.0) {
-        const double ratio = after->value / before->value;
-        found.found = ratio - 1.0;
-        found.found_sigma = std::abs(ratio) * std::hypot(after->sigma / after->value,
-                                                         before->sigma / before->value);
-      }
-      before = after;
+    for (std::size_t k = 0; k < fit_.events.size(); ++k) {
+      if (fit_.events[k].cycle + data_.beats.front().cycle != change.cycle) continue;
+      const auto ratio = ratio_at(fit_, parameter_of(entry.what), k + 1);
+      if (!ratio) continue;
+      found.found = ratio->ratio - 1.0;
+      found.found_sigma = ratio->sigma;
     }
   }
 
@@ -187,10 +230,11 @@ private:
   }
 
   const Analysis& data_;
+  const FitSummary& fit_; // without what was planned
   Instant first_;
   double last_s_;
   std::vector<LogbookEntry> findings_;
-  std::vector<bool> written_; // of the findings
+  std::vector<bool> written_; // the findings that an entry names
 };
 
 LogbookEntry entry_of(const Change& change, const Analysis& data) {
@@ -231,9 +275,9 @@ void add_interruptions(const Analysis& data, std::vector<LogbookEntry>& entries)
   }
 }
 
-// Stops of the clock, and settings of what its times are compared with.
-void add_gap(const Gap& gap, const Beat& before, const Beat& after, const Beats& numbered,
-             std::vector<LogbookEntry>& entries) {
+// A stop of the clock, or a setting of what its times are compared with, between two beats.
+void add_break(const Gap& gap, const Beat& before, const Beat& after, const Beats& numbered,
+               std::vector<LogbookEntry>& entries) {
   LogbookEntry entry;
   if (gap.kind == GapKind::stop) {
     entry.what = LogbookWord::stop;
@@ -248,20 +292,25 @@ void add_gap(const Gap& gap, const Beat& before, const Beat& after, const Beats&
     const double passed = after.time - before.time;
     entry.value = -std::remainder(passed, numbered.typical_period_s); // forward: beats come early
     entry.sigma = numbered.scatter_s;
+    entry.note = "displaced by so much, or whole periods more: set, or the clock stood still";
     entries.push_back(entry);
   }
 }
 
-void add_gaps(const Analysis& data, std::vector<LogbookEntry>& entries) {
-  std::vector<const Beat*> good;
-  for (const Beat& beat : data.numbered.beats)
-    if (beat.flag == BeatFlag::good) good.push_back(&beat);
-  for (const Gap& gap : data.numbered.gaps) {
-    const auto after = std::partition_point(good.begin(), good.end(), [&](const Beat* beat) {
-      return beat->cycle <= gap.after_cycle;
-    });
-    if (after != good.begin() && after != good.end())
-      add_gap(gap, **std::prev(after), **after, data.numbered, entries);
+// Of all parts of the log: where a new one begins, the gap after the last beat of the old says why.
+void add_breaks(const Analysis& data, std::vector<LogbookEntry>& entries) {
+  const Beat* before = nullptr;
+  for (const Beat& beat : data.numbered.beats) {
+    if (beat.flag != BeatFlag::good) continue;
+    if (before != nullptr && beat.segment != before->segment) {
+      const auto gap = std::find_if(data.numbered.gaps.begin(), data.numbered.gaps.end(),
+                                    [&](const Gap& known) {
+                                      return !known.bridged && known.after_cycle == before->cycle;
+                                    });
+      if (gap != data.numbered.gaps.end())
+        add_break(*gap, *before, beat, data.numbered, entries);
+    }
+    before = &beat;
   }
 }
 
@@ -282,32 +331,52 @@ std::string_view name_of(EntryVerdict verdict) {
   case EntryVerdict::outside:
     break;
   }
-  return "outside the log";
+  return "outside of what was analysed";
 }
 
 void take_entries(const Logbook& logbook, std::span<const Beat> beats, Diary& diary) {
-  const Instant first = beats.front().time;
-  for (const LogbookEntry& entry : logbook.entries) {
-    const double at_s = entry.time - first;
-    const bool is_within = at_s > 0.0 && entry.time < beats.back().time;
-    const auto kind = kind_of(entry.what);
-    if (!kind) continue;
-    Change* change = change_for(entry, at_s, diary.changes);
-    if (change == nullptr && is_within) {
-      const auto place =
-          std::upper_bound(diary.changes.begin(), diary.changes.end(), at_s,
-                           [](double t, const Change& known) { return t < known.at_s; });
-      change = &*diary.changes.insert(place, change_at(at_s, beats));
-    }
-    if (change == nullptr) continue;
-    change->noted = true;
-    change->kind = *kind;
-    change->planned = planned_by(entry);
-  }
+  for (const bool whole_day : {false, true}) // who knows the time is asked first
+    for (const LogbookEntry& entry : logbook.entries)
+      if (entry.whole_day == whole_day && kind_of(entry.what)) take_entry(entry, beats, diary);
 }
 
-LogbookCheck check_logbook(const Logbook& logbook, const Analysis& data) {
-  return Check(data).run(logbook);
+std::optional<FoundRatio> ratio_at(const FitSummary& fit, std::string_view name, std::size_t k) {
+  const FittedParameter* after = fit.find(fmt::format("{}@{}", name, k));
+  const FittedParameter* before = nullptr;
+  for (std::size_t earlier = k; earlier-- > 0 && before == nullptr;)
+    before = fit.find(earlier == 0 ? std::string(name) : fmt::format("{}@{}", name, earlier));
+  if (after == nullptr || before == nullptr) return {};
+  const auto relative = [](const FittedParameter& p) { return p.sigma / std::abs(p.value); };
+  const double a = relative(*after), b = before->status == ParameterStatus::fixed ? 0.0 : relative(*before);
+  if (!std::isfinite(a) || !std::isfinite(b)) return {};
+  const auto place = [&](const FittedParameter& p) {
+    return std::find(fit.correlated.begin(), fit.correlated.end(), p.name) - fit.correlated.begin();
+  };
+  const auto i = static_cast<std::size_t>(place(*after)), j = static_cast<std::size_t>(place(*before));
+  const bool known = i < fit.correlation.size() && j < fit.correlation.size();
+  const double together = known ? fit.correlation[i][j] : 0.0;
+  const double ratio = after->value / before->value;
+  return FoundRatio{ratio, std::abs(ratio) *
+                               std::sqrt(std::max(0.0, a * a + b * b - 2.0 * together * a * b))};
+}
+
+FitOptions without_what_is_excluded(FitOptions options, const FitSummary& alone) {
+  constexpr double exclusion_sigma = 5.0;
+  for (std::size_t k = 0; k < options.events.size(); ++k) {
+    auto& planned = options.events[k].planned;
+    if (!planned) continue;
+    const bool same = k < alone.events.size() && alone.events[k].cycle == options.events[k].cycle;
+    const auto found =
+        same ? ratio_at(alone, options.events[k].names.front(), k + 1) : std::nullopt;
+    if (found && std::abs(found->ratio - planned->ratio) >
+                     exclusion_sigma * std::hypot(found->sigma, planned->sigma))
+      planned.reset();
+  }
+  return options;
+}
+
+LogbookCheck check_logbook(const Logbook& logbook, const Analysis& data, const FitSummary& fit) {
+  return Check(data, fit).run(logbook);
 }
 
 Logbook findings_of(const Analysis& data) {
@@ -324,9 +393,11 @@ Logbook findings_of(const Analysis& data) {
     if ((!change.noted || change.significance > 0.0) && !is_in_one(change))
       logbook.entries.push_back(entry_of(change, data));
   add_interruptions(data, logbook.entries);
-  add_gaps(data, logbook.entries);
+  add_breaks(data, logbook.entries);
   std::stable_sort(logbook.entries.begin(), logbook.entries.end(),
                    [](const LogbookEntry& a, const LogbookEntry& b) { return a.time < b.time; });
+  for (LogbookEntry& entry : logbook.entries)
+    entry.has_zone = data.log.zone_s.has_value();
   return logbook;
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <optional>
 
 namespace goingrate {
 
@@ -148,11 +149,34 @@ double attenuation(const Answer& answer, const RateTerm& term) {
   return std::min(1.0, error2 / variance);
 }
 
+// Blocks in which a covariate is not known get the straight line between their neighbours.
+void put_lines(const std::vector<double>& known, std::vector<double>& series) {
+  constexpr double enough = 0.5; // of a block
+  std::optional<std::size_t> before;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!(known[i] > enough)) continue;
+    for (std::size_t k = before.value_or(i) + 1; k < i; ++k)
+      series[k] = std::lerp(series[*before], series[i],
+                            static_cast<double>(k - *before) / static_cast<double>(i - *before));
+    if (!before) std::fill(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(i), series[i]);
+    before = i;
+  }
+  if (before)
+    std::fill(series.begin() + static_cast<std::ptrdiff_t>(*before), series.end(), series[*before]);
+}
+
 constexpr std::size_t least_beats = 256, most_blocks = 1024, least_blocks = 32; // 16 in a half
 
-bool varies(const RateTerm& term) {
-  return std::any_of(term.advance_s.begin(), term.advance_s.end(),
-                     [](double v) { return std::abs(v) > 1e-9; });
+// What runs along a straight line cannot be told from a drift of the clock.
+bool bends(const std::vector<double>& value) {
+  constexpr double rounding = 1e-10; // of the variance
+  const double mean = mean_of(value);
+  double all = 0.0, bent = 0.0;
+  for (const double v : value)
+    all += (v - mean) * (v - mean);
+  for (const double c : cosines(value, true))
+    bent += c * c;
+  return bent > rounding * all && all > 0.0;
 }
 
 } // namespace
@@ -163,9 +187,9 @@ std::vector<CovariateEffect> covariate_effects(const TimingData& data) {
   const RateBlocks blocks = rate_blocks(data, std::min(most_blocks, data.size() / 8));
   for (std::size_t k = 0; k < data.terms.size(); ++k) {
     const RateTerm& term = data.terms[k];
-    if (term.name == "drift" || !varies(term)) continue;
+    if (term.name == "drift") continue;
     const Answer answer = answer_in(blocks, k);
-    if (answer.rate.size() < least_blocks) continue;
+    if (answer.rate.size() < least_blocks || !bends(answer.value)) continue;
     const Regression all(answer.rate, answer.value, answer.block_s);
     const std::size_t half = answer.rate.size() / 2;
     const HeldOut second = judged(answer, half, true);
@@ -187,16 +211,21 @@ std::vector<WeatherPart> weather_parts(const TimingData& data) {
   std::vector<WeatherPart> parts;
   if (data.size() < least_beats) return parts;
   const RateBlocks blocks = rate_blocks(data, std::min(most_blocks, data.size() / 8));
-  std::vector<std::vector<double>> causes;
+  std::vector<double> rate = blocks.rate;
+  std::vector<std::vector<double>> values;
   for (std::size_t k = 0; k < data.terms.size(); ++k) {
     const RateTerm& term = data.terms[k];
-    if (term.name == "drift" || term.name == "density" || !varies(term)) continue;
+    if (term.name == "drift" || term.name == "density" || !bends(blocks.values[k])) continue;
     parts.push_back({term.name, term.unit, 0.0, 0.0});
-    causes.push_back(cosines(blocks.values[k], true));
+    values.push_back(blocks.values[k]);
+    put_lines(blocks.known[k], rate); // as the values there
   }
   if (parts.empty()) return parts;
+  std::vector<std::vector<double>> causes;
+  for (const std::vector<double>& value : values)
+    causes.push_back(cosines(value, true));
   constexpr std::size_t first = 2; // the mean and the line
-  const RateRegression found = regress(cosines(blocks.rate, true), causes, RateNoise(first, {}));
+  const RateRegression found = regress(cosines(rate, true), causes, RateNoise(first, {}));
   for (std::size_t k = 0; k < parts.size(); ++k) {
     parts[k].coefficient = found.coefficients[k];
     parts[k].sigma = found.sigmas[k];

@@ -255,8 +255,8 @@ private:
 
   [[nodiscard]] Suspicion wander(double gain) const {
     const char* what = "the rate wanders more than white noise would";
-    const std::vector<Cause> outside{Cause::unlogged_weather, Cause::length_drift,
-                                     Cause::log_clock};
+    std::vector<Cause> outside{Cause::length_drift, Cause::log_clock};
+    if (!knows_weather()) outside.insert(outside.begin(), Cause::unlogged_weather);
     if (!account_.sees_amplitude())
       return {Cause::slow_drive, gain, what, outside,
               "Log the amplitude: it tells a drive that wanders from all other causes."};

@@ -50,7 +50,7 @@ Experiment predicted(const std::string& what, const Fitted& fitted, const FitOpt
   problem.priors = make_priors(options, problem.parameters, x);
   const auto at = evaluate(problem, x);
   if (!at) return experiment;
-  const Certainty known = certainty(problem, *at, {});
+  const Certainty known = certainty(problem, x, *at, {});
   for (const Slot& slot : problem.parameters.slots)
     if (slot.free && slot.event == 0 && slot.quantity >= Quantity::epsilon &&
         slot.quantity <= Quantity::phi0 && known.sigma(slot.index) < 1.0 / 3.0)

@@ -306,15 +306,9 @@ std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
   for (const Slot& other : parameters.slots)
     if (other.quantity == slot.quantity && other.event < slot.event) before = &other;
   if (before == nullptr) return {};
-  // To first order about the old value at x and the new one that was planned.
-  const double old = before->value(x), expected = event.planned->ratio * old;
-  const double slope = slot.slope_at(expected), target = slot.coordinate_of(expected);
-  CoordinatePrior prior{slot.index, target, event.planned->sigma * old / slope, true};
-  if (!before->free) return prior;
-  prior.other = before->index;
-  prior.share = event.planned->ratio * before->slope_at(old) / slope;
-  prior.centre = target - prior.share * x[before->index];
-  return prior;
+  const double sigma = event.planned->sigma * std::abs(before->value(x));
+  return CoordinatePrior{slot.index, 0.0, sigma, true,
+                         RatioOfSlots{slot, *before, event.planned->ratio}};
 }
 
 } // namespace

@@ -88,7 +88,7 @@ void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
   if (places.size() < 2) return;
   const auto at = evaluate(problem, places.front().x);
   if (!at) return;
-  const Certainty known = certainty(problem, *at, {});
+  const Certainty known = certainty(problem, places.front().x, *at, {});
   std::vector<Minimum> kept;
   for (const Minimum& place : places)
     if (std::all_of(kept.begin(), kept.end(),

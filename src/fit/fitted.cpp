@@ -127,7 +127,7 @@ void finish(Fitted& fitted) {
   }
   fitted.seen = std::move(*seen);
   fitted.widening = widening_of(fitted);
-  fitted.known = certainty(fitted.problem, *at, fitted.widening);
+  fitted.known = certainty(fitted.problem, fitted.minimum.x, *at, fitted.widening);
 }
 
 bool is_rounding(const Fitted& fitted) {

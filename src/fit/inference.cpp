@@ -129,7 +129,8 @@ double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<co
   return largest_relative_sigma * (lambda2 / 16.0 + std::abs(clock.fast_gain()));
 }
 
-Certainty certainty(const FitProblem& problem, const Evaluation& at, const Widening& widening) {
+Certainty certainty(const FitProblem& problem, std::span<const double> x, const Evaluation& at,
+                    const Widening& widening) {
   const auto n = at.triangle.rows();
   Certainty known;
   known.distrusted.assign(static_cast<std::size_t>(n), false);
@@ -147,7 +148,7 @@ Certainty certainty(const FitProblem& problem, const Evaluation& at, const Widen
   for (const CoordinatePrior& prior : problem.priors) {
     Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n);
     for (Eigen::Index k = 0; k < n; ++k)
-      row += prior.slope(static_cast<std::size_t>(k)) * known.unwidened.row(k);
+      row += prior.slope(x, static_cast<std::size_t>(k)) * known.unwidened.row(k);
     middle += (1.0 - times) * row.transpose() * row;
   }
   const Eigen::LLT<Eigen::MatrixXd> root(middle);

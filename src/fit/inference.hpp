@@ -42,8 +42,9 @@ struct Certainty {
   }
 };
 
-Certainty certainty(const FitProblem& problem, const Evaluation& at_minimum,
-                    const Widening& widening);
+/// At the minimum x.
+Certainty certainty(const FitProblem& problem, std::span<const double> x,
+                    const Evaluation& at_minimum, const Widening& widening);
 
 /// Another place the search came to rest at, no worse than three sigma from the best.
 struct Rival {

@@ -229,7 +229,7 @@ void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& su
 void add_priors(const FitProblem& problem, std::span<const double> x, RowStack& rows) {
   for (const CoordinatePrior& prior : problem.priors)
     rows.add(prior.pull(x),
-             [&](Eigen::Index k) { return prior.slope(static_cast<std::size_t>(k)); });
+             [&](Eigen::Index k) { return prior.slope(x, static_cast<std::size_t>(k)); });
 }
 
 template <class T> std::vector<T> jets_at(std::span<const double> x) {

@@ -35,23 +35,33 @@ struct Correction {
   std::vector<ResponseAt> responses;
 };
 
-/// A prior on one search coordinate, either weak or stated by the user; or on what is left of it
-/// when a share of another is taken off.
+/// That a parameter after an event is a multiple of what it was before: either may be held.
+struct RatioOfSlots {
+  Slot after, before;
+  double ratio = 1.0;
+};
+
+/// A prior on one search coordinate, either weak or stated by the user; or on a ratio, of which
+/// sigma is in the unit of the parameter.
 struct CoordinatePrior {
   std::size_t index;
   double centre;
   double sigma;
   bool stated = false;
-  std::optional<std::size_t> other{};
-  double share = 0.0; ///< of `other`
+  std::optional<RatioOfSlots> planned{}; ///< then `index` and `centre` are not used
 
   /// How far x is from the centre, in sigma.
   [[nodiscard]] double pull(std::span<const double> x) const {
-    return (x[index] - (other ? share * x[*other] : 0.0) - centre) / sigma;
+    if (!planned) return (x[index] - centre) / sigma;
+    return (planned->after.value(x) - planned->ratio * planned->before.value(x)) / sigma;
   }
   /// d pull / d x[k].
-  [[nodiscard]] double slope(std::size_t k) const {
-    return (k == index ? 1.0 / sigma : 0.0) - (other && k == *other ? share / sigma : 0.0);
+  [[nodiscard]] double slope(std::span<const double> x, std::size_t k) const {
+    if (!planned) return k == index ? 1.0 / sigma : 0.0;
+    const auto part = [&](const Slot& slot) {
+      return slot.free && slot.index == k ? slot.slope(x) : 0.0;
+    };
+    return (part(planned->after) - planned->ratio * part(planned->before)) / sigma;
   }
 };
 

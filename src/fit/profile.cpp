@@ -206,7 +206,7 @@ private:
   [[nodiscard]] double prior_on(double coordinate) const {
     double own = 0.0;
     for (const CoordinatePrior& prior : problem_.priors)
-      if (prior.index == k_ && !prior.other)
+      if (prior.index == k_ && !prior.planned)
         own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
     return own;
   }
@@ -289,36 +289,37 @@ const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few
 
 } // namespace
 
-// One of the two coordinates of a prior is held: what is left is a prior on the other.
-static void hold(CoordinatePrior& prior, std::size_t index, double coordinate) {
-  if (!prior.other || (prior.index != index && *prior.other != index)) return;
-  if (*prior.other == index)
-    prior = {prior.index, prior.centre + prior.share * coordinate, prior.sigma, prior.stated};
-  else
-    prior = {*prior.other, (coordinate - prior.centre) / prior.share, prior.sigma / prior.share,
-             prior.stated};
+namespace {
+
+// Of the slots that stay free those behind the held one move up.
+void hold(Slot& slot, std::size_t index, std::span<const double> x) {
+  if (!slot.free) return;
+  if (slot.index == index) {
+    slot.fixed_value = slot.value(x);
+    slot.free = false;
+  } else if (slot.index > index) {
+    --slot.index;
+  }
 }
+
+} // namespace
 
 FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate) {
   FitProblem held = problem;
   std::vector<double> x(problem.parameters.free_count, 0.0);
   x[index] = coordinate;
-  for (Slot& slot : held.parameters.slots) {
-    if (!slot.free) continue;
-    if (slot.index == index) {
-      slot.fixed_value = slot.value(std::span<const double>(x));
-      slot.free = false;
-    } else if (slot.index > index) {
-      --slot.index;
-    }
-  }
+  for (Slot& slot : held.parameters.slots)
+    hold(slot, index, x);
   --held.parameters.free_count;
   std::erase_if(held.priors,
-                [&](const CoordinatePrior& p) { return p.index == index && !p.other; });
+                [&](const CoordinatePrior& p) { return p.index == index && !p.planned; });
   for (CoordinatePrior& prior : held.priors) {
-    hold(prior, index, coordinate);
-    if (prior.index > index) --prior.index;
-    if (prior.other && *prior.other > index) --*prior.other;
+    if (prior.planned) {
+      hold(prior.planned->after, index, x);
+      hold(prior.planned->before, index, x);
+    } else if (prior.index > index) {
+      --prior.index;
+    }
   }
   if (!held.bounds.empty())
     held.bounds.erase(held.bounds.begin() + static_cast<std::ptrdiff_t>(index));

@@ -39,7 +39,7 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   if (!home.usable) return false;
   const auto there = evaluate(check, home.x);
   if (!there) return false;
-  const Certainty known = certainty(check, *there, {});
+  const Certainty known = certainty(check, home.x, *there, {});
   std::vector<std::vector<double>> starts = others;
   if (!all_but_known(check, known, home.x))
     for (auto& point : along_the_valley(known, home.x))
@@ -109,7 +109,7 @@ Fitted twin_fit(const Fitted& home) {
   const bool is_near = twin.minimum.value < home.minimum.value + largest_deficit;
   const auto at = evaluate(home.problem, home.minimum.x);
   const bool is_other =
-      at && certainty(home.problem, *at, {}).tells_apart(twin.minimum.x, home.minimum.x);
+      at && certainty(home.problem, home.minimum.x, *at, {}).tells_apart(twin.minimum.x, home.minimum.x);
   return is_near && is_other ? twin : Fitted{};
 }
 

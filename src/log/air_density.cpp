@@ -41,9 +41,8 @@ std::vector<double> air_density(std::span<const double> temperature_c,
   std::vector<double> result;
   result.reserve(temperature_c.size());
   for (std::size_t i = 0; i < temperature_c.size(); ++i) {
-    const bool known = !humidity_percent.empty() && !std::isnan(humidity_percent[i]);
-    result.push_back(density(temperature_c[i], pascals * pressure_mbar[i],
-                             known ? 0.01 * humidity_percent[i] : usual));
+    const double humidity = humidity_percent.empty() ? usual : 0.01 * humidity_percent[i];
+    result.push_back(density(temperature_c[i], pascals * pressure_mbar[i], humidity));
   }
   return result;
 }

@@ -143,6 +143,7 @@ std::optional<CalendarTime> parse_calendar(std::string_view text, char point, Da
   if (const auto time = time_of_day(alone, ":", point)) {
     const auto east = zone(alone, result.has_zone);
     if (!east) return {};
+    result.zone_s = static_cast<double>(*east);
     result.time = *time;
     return result;
   }
@@ -154,6 +155,7 @@ std::optional<CalendarTime> parse_calendar(std::string_view text, char point, Da
   if (!time) return {};
   const auto east = zone(date, result.has_zone);
   if (!east) return {};
+  result.zone_s = static_cast<double>(*east);
   const std::int64_t days = std::chrono::sys_days(*ymd).time_since_epoch().count();
   result.has_date = true;
   result.time = {time->seconds + days * 86400 - *east, time->fraction};

@@ -13,6 +13,7 @@ namespace goingrate {
 struct CalendarTime {
   Instant time; ///< with a date: s since 1970-01-01 UTC; without: s since midnight, in its own zone
   bool has_date = false;
+  double zone_s = 0.0;   ///< east of Greenwich
   bool has_zone = false; ///< the text names a zone; a date without one is taken as UTC
 };
 

@@ -94,11 +94,36 @@ void Detection::settle_times() {
     if (label && step > 0.0 && step < 1e9) layout_.label_step_s = step;
   }
   if (at) refuse_what_was_not_measured(*at);
+  if (at && layout_.format != LogFormat::angle) refuse_unread_samples(*at);
   if (layout_.format != LogFormat::angle) return;
   for (std::size_t i = 0; i < samples_.size(); ++i)
     if (layout_.columns[i].role == ColumnRole::ignored && samples_[i].smooth &&
         samples_[i].crossings >= 3)
       layout_.swinging = i;
+}
+
+// Refuses times much closer together than beats beside a column that swings and has no known name:
+// they are those of samples.
+void Detection::refuse_unread_samples(std::size_t time) const {
+  const TimeUnit& unit = layout_.columns[time].unit;
+  const double step_s = samples_[time].typical_step * unit.seconds * std::pow(10.0, unit.power);
+  constexpr double shortest_beat_s = 0.08; // of a fast watch
+  if (!(step_s > 0.0 && step_s < shortest_beat_s) || options_.format || !options_.columns.empty())
+    return;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    if (layout_.columns[i].role != ColumnRole::ignored || !samples_[i].smooth ||
+        samples_[i].crossings < 3)
+      continue;
+    const std::string angle = fmt::format("angle={}", i + 1);
+    throw ImpossibleReading(
+        log_.place(head_.rows.front().number),
+        fmt::format("times {:.3g} s apart beside column {}, which swings", step_s, i + 1),
+        "beats, or samples of an angle",
+        {{.words = fmt::format("column {} holds the angle (an angular velocity is divided by 2π/T "
+                               "first)",
+                               i + 1),
+          .columns = {angle}}});
+  }
 }
 
 // Of dates with strokes. One that exists in one order only settles it; else the number that changes

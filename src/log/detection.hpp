@@ -74,6 +74,7 @@ private:
   void settle_tau0();
   void refuse_fast_counter(const ColumnSample& sample) const;
   void refuse_what_was_not_measured(std::size_t time) const;
+  void refuse_unread_samples(std::size_t time) const;
   void say_which_time();
 
   const LogHead& head_;

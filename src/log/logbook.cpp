@@ -55,7 +55,6 @@ public:
         take_entry(line);
     }
     if (!has_header_) refuse(1, "an empty file", "a header with time and what");
-    if (logbook_.entries.empty()) refuse(1, "a header and no entries", "entries");
     std::stable_sort(
         logbook_.entries.begin(), logbook_.entries.end(),
         [](const LogbookEntry& a, const LogbookEntry& b) { return a.time < b.time; });
@@ -109,6 +108,10 @@ private:
     take_time(field(Column::time), entry);
     entry.value = number_in(field(Column::value)).value_or(entry.value);
     entry.sigma = number_in(field(Column::sigma)).value_or(0.0);
+    constexpr double largest_rate = 4320.0; // s/day: 5 %, no pendulum clock is off by more
+    if (entry.what == LogbookWord::rate && std::abs(entry.value) > largest_rate)
+      refuse(field(Column::value).column, shown(field(Column::value).text),
+             "a change of the rate in s/day, 4320 at most");
     if (entry.sigma < 0.0) refuse(field(Column::sigma).column, "a negative sigma", "0 or more");
     const bool has_value = entry.what == LogbookWord::rate || entry.what == LogbookWord::weight ||
                            entry.what == LogbookWord::clean || entry.what == LogbookWord::set;
@@ -160,6 +163,7 @@ private:
     const std::string day = std::string(field.text) + " 00:00:00";
     if (const auto date = parse_calendar(field.text); date && date->has_date) {
       entry.time = date->time;
+      entry.has_zone = date->has_zone;
     } else if (const auto first = parse_calendar(day); first && first->has_date) {
       entry.time = first->time;
       entry.whole_day = true;
@@ -199,9 +203,10 @@ std::string time_text(const LogbookEntry& entry, TimeOrigin origin) {
   const auto midnight = std::chrono::floor<std::chrono::days>(moment);
   const std::chrono::year_month_day date{midnight};
   const std::chrono::hh_mm_ss clock{moment - midnight};
-  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}", static_cast<int>(date.year()),
+  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}{}", static_cast<int>(date.year()),
                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                     clock.hours().count(), clock.minutes().count(), clock.seconds().count());
+                     clock.hours().count(), clock.minutes().count(), clock.seconds().count(),
+                     entry.has_zone ? "Z" : "");
 }
 
 } // namespace
@@ -217,12 +222,17 @@ Logbook parse_logbook(std::string_view text, const std::string& source) {
 }
 
 Logbook brought_to(const ClockLog& log, Logbook logbook) {
-  if ((logbook.origin == TimeOrigin::none) != (log.origin == TimeOrigin::none))
+  if (!logbook.entries.empty() &&
+      (logbook.origin == TimeOrigin::none) != (log.origin == TimeOrigin::none))
     throw InputError({logbook.source, logbook.entries.front().line, 1}, times_of(logbook.origin),
                      fmt::format("{}, as in {}", times_of(log.origin), log.source));
   const std::int64_t shift = seconds_before_1970(log.origin) - seconds_before_1970(logbook.origin);
-  for (LogbookEntry& entry : logbook.entries)
+  for (LogbookEntry& entry : logbook.entries) {
     entry.time.seconds += shift;
+    const bool is_local = !entry.has_zone && log.origin != TimeOrigin::none && log.zone_s;
+    if (is_local) entry.time = entry.time + -*log.zone_s;
+    entry.has_zone = entry.has_zone || is_local;
+  }
   logbook.origin = log.origin;
   return logbook;
 }

@@ -74,7 +74,7 @@ private:
   void leave_place(const Line& line, std::size_t column, IssueKind kind, std::string found);
   [[nodiscard]] Field time_field();
   [[nodiscard]] DateOrder date_order() const;
-  [[nodiscard]] std::optional<Instant> parsed_time(std::string_view text) const;
+  std::optional<Instant> parsed_time(std::string_view text);
   [[nodiscard]] bool is_sentinel(std::string_view text, const Instant& time) const;
   bool is_cut_short(const Line& line, std::string_view text);
   [[nodiscard]] std::optional<Instant> time_before(std::size_t back) const;

@@ -36,7 +36,7 @@ Field RowReader::time_field() {
   return {date_and_time_, date.column};
 }
 
-std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
+std::optional<Instant> RowReader::parsed_time(std::string_view text) {
   if (!layout_.calendar) {
     const auto count = parse_instant(text, layout_.columns[*time_].unit, layout_.point);
     if (!layout_.date_begins_run) return count;
@@ -47,6 +47,7 @@ std::optional<Instant> RowReader::parsed_time(std::string_view text) const {
   }
   const auto time = parse_calendar(text, layout_.point, date_order());
   if (!time) return {};
+  if (time->has_date && time->has_zone && !log_.zone_s) log_.zone_s = time->zone_s;
   const bool moves = zone_s_ != 0.0 && time->has_date && !time->has_zone;
   return moves ? time->time + -zone_s_ : time->time;
 }

@@ -201,7 +201,7 @@ private:
                      same ? fmt::format("the same times as in {}", parts_[before].path)
                           : fmt::format("times that overlap those of {}, which end in its line {}",
                                         parts_[before].path, log_.place(a.last_line).line),
-                     "files of one clock, one after the other");
+                     "files of one clock, one after the other; several clocks are compared, not joined");
   }
 
   // The period of one file, if it holds enough to tell, as the numbering would find it.

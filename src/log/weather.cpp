@@ -22,7 +22,19 @@ constexpr double longest_hole = 3.0; // usual steps over which is interpolated
 struct Reading {
   Instant time;
   double value = 0.0;
+  double usual_step_s = 0.0; ///< of its file
 };
+
+double usual_step(const std::vector<Reading>& readings) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < readings.size(); ++i)
+    steps.push_back(readings[i].time - readings[i - 1].time);
+  return steps.empty() ? 0.0 : median(steps);
+}
+
+bool is_hole(const Reading& a, const Reading& b) {
+  return b.time - a.time > longest_hole * std::max(a.usual_step_s, b.usual_step_s);
+}
 
 /// The readings of one quantity, in order of time, and the curve between them: straight lines, or a
 /// cubic spline where neighbours foretell a reading better by cubics than by lines.
@@ -30,16 +42,13 @@ class Series {
 public:
   explicit Series(std::vector<Reading> readings)
       : readings_(std::move(readings)), bend_(readings_.size(), 0.0) {
-    std::vector<double> steps;
-    for (std::size_t i = 1; i < readings_.size(); ++i)
-      steps.push_back(step(i));
-    step_s_ = median(steps);
+    step_s_ = usual_step(readings_);
     const double straight = left_out_rms(1), cubic = left_out_rms(2);
     sigma_ = 2.0 / 3.0 * std::fmin(straight, cubic); // NaN if neither can be had
     if (!(cubic < straight)) return;
     std::size_t first = 0;
     for (std::size_t i = 1; i <= size(); ++i)
-      if (i == size() || step(i) > longest_hole * step_s_) {
+      if (i == size() || is_hole(readings_[i - 1], readings_[i])) {
         bend(first, i);
         first = i;
       }
@@ -54,7 +63,7 @@ public:
     find(time);
     const Reading &a = readings_[last_], &b = readings_[last_ + 1];
     const double h = b.time - a.time;
-    if (h > longest_hole * step_s_) return unknown;
+    if (is_hole(a, b)) return unknown;
     const double right = (time - a.time) / h, left = 1.0 - right;
     return left * a.value + right * b.value +
            h * h / 6.0 *
@@ -128,7 +137,7 @@ private:
     for (std::size_t i = reach; i + reach < size(); ++i) {
       bool has_hole = false;
       for (std::size_t k = i - reach + 1; k <= i + reach; ++k)
-        has_hole = has_hole || step(k) > longest_hole * step_s_;
+        has_hole = has_hole || is_hole(readings_[k - 1], readings_[k]);
       if (has_hole) continue;
       const double d = readings_[i].value - foretold(i, reach);
       sum2 += d * d;
@@ -163,12 +172,19 @@ std::vector<Reading> readings_of(const ClockLog& file, const WeatherQuantity& qu
   std::vector<Reading> readings;
   for (std::size_t i = 0; i < values.size(); ++i)
     if (std::isfinite(values[i])) readings.push_back({file.events[i].time, values[i]});
+  if (readings.empty() && !values.empty())
+    throw InputError(file.place(file.events.front().line),
+                     fmt::format("{} lines without {}", values.size(), quantity.article_and_name),
+                     "readings below its name");
   std::stable_sort(readings.begin(), readings.end(),
                    [](const Reading& a, const Reading& b) { return a.time < b.time; });
   const auto repeated =
       std::unique(readings.begin(), readings.end(),
                   [](const Reading& a, const Reading& b) { return a.time == b.time; });
   readings.erase(repeated, readings.end());
+  const double step_s = usual_step(readings);
+  for (Reading& reading : readings)
+    reading.usual_step_s = step_s;
   return readings;
 }
 
@@ -176,9 +192,10 @@ class Joining {
 public:
   Joining(ClockLog& log, const WeatherRequest& request) : log_(log), request_(request) {
     constexpr double largest_offset_s = 1e9;
-    const auto zone = request.zone.empty() ? 0 : zone_named(request.zone);
-    if (!zone) throw ArgumentError("weather-zone", request.zone, "an offset such as +01:00, or Z");
-    zone_s_ = static_cast<double>(*zone);
+    const auto zone = zone_named(request.zone);
+    if (!zone && !request.zone.empty())
+      throw ArgumentError("weather-zone", request.zone, "an offset such as +01:00, or Z");
+    zone_s_ = zone ? static_cast<double>(*zone) : log.zone_s.value_or(0.0);
     if (!(std::abs(request.offset_s) <= largest_offset_s))
       throw ArgumentError("weather-offset", request.offset_s, "between -1e9 and 1e9 s");
   }
@@ -196,6 +213,9 @@ private:
     options.weather = true;
     options.zone_s = zone_s_;
     ClockLog file = read_log_file(path, options);
+    if (file.origin == TimeOrigin::unix && !file.zone_s && request_.zone.empty())
+      log_.assumptions.push_back(
+          {fmt::format("{}: its dates are in the zone of the log's", path), Setting::weather_zone});
     for (const Assumption& assumption : file.assumptions)
       log_.assumptions.push_back({fmt::format("{}: {}", path, assumption.text)});
     for (LineIssue& issue : file.issues)

@@ -27,15 +27,21 @@ std::string cell(double value) {
                               : fmt::format(" {:>{}}", "–", width);
 }
 
+std::string going(const RateSummary& rate) {
+  if (!rate.nominal_is_known)
+    return fmt::format("a mean period of {} s, its rate not known without a nominal period",
+                       with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12));
+  return fmt::format("{} {} s/day", rate.rate_excess < 0.0 ? "loses" : "gains",
+                     with_sigma(seconds_per_day * std::abs(rate.rate_excess),
+                                seconds_per_day * rate.rate_excess_sigma));
+}
+
 std::string clocks_text(const Comparison& comparison) {
   std::string text;
   for (std::size_t i = 0; i < comparison.clocks.size(); ++i) {
     const ComparedClock& clock = comparison.clocks[i];
-    const double rate = seconds_per_day * clock.rate.rate_excess;
-    text += fmt::format("{} {}: {} {} s/day over {} beats\n", letter(i), file_name(clock.source),
-                        rate < 0.0 ? "loses" : "gains",
-                        with_sigma(std::abs(rate), seconds_per_day * clock.rate.rate_excess_sigma),
-                        clock.rate.crossings);
+    text += fmt::format("{} {}: {} over {} beats\n", letter(i), file_name(clock.source),
+                        going(clock.rate), clock.rate.crossings);
     for (const WeatherPart& part : clock.weather)
       text += fmt::format("    {} s/day per {} of {}\n",
                           with_sigma(seconds_per_day * part.coefficient,
@@ -45,8 +51,10 @@ std::string clocks_text(const Comparison& comparison) {
   return text;
 }
 
-std::string deviations_text(const Comparison& comparison) {
-  std::string text = "\nAllan deviation of each, and of the differences\n";
+std::string deviations_text(const Comparison& comparison, std::string_view title,
+                            DeviationTable ComparedClock::*of_clock,
+                            DeviationTable ClockPair::*of_pair) {
+  std::string text = fmt::format("\n{}\n", title);
   text += fmt::format("{:>9}", "τ/s");
   for (std::size_t i = 0; i < comparison.clocks.size(); ++i)
     text += fmt::format(" {:>{}}", letter(i), width);
@@ -56,19 +64,25 @@ std::string deviations_text(const Comparison& comparison) {
   const auto& rows = comparison.clocks.front().deviation.rows;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     text += fmt::format("{:>9.6g}", rows[r].tau_s);
-    for (const ComparedClock& clock : comparison.clocks)
-      text += cell(clock.deviation.rows[r].value);
+    for (const ComparedClock& clock : comparison.clocks) // one without weather is what it is
+      text += cell(((clock.*of_clock).rows.empty() ? clock.deviation : clock.*of_clock).rows[r].value);
     for (const ClockPair& pair : comparison.pairs)
-      text += cell(pair.deviation.rows[r].value);
+      text += cell((pair.*of_pair).rows[r].value);
     text += '\n';
   }
-  text += "\nCorrelation of the rates, means over ";
+  return text;
+}
+
+std::string correlations_text(const Comparison& comparison) {
+  std::string text = "\nCorrelation of the rates, means over ";
   const double block_s = comparison.step_s *
                          static_cast<double>(comparison.clocks.front().error_s.size() - 1) /
                          static_cast<double>(comparison.blocks);
   text += fmt::format("{:.4g} s:", block_s);
   for (const ClockPair& pair : comparison.pairs)
-    text += fmt::format(" {}: {:+.2f}", name_of_pair(pair), pair.correlation);
+    text += std::isnan(pair.correlation)
+                ? fmt::format(" {}: –", name_of_pair(pair))
+                : fmt::format(" {}: {:+.2f}", name_of_pair(pair), pair.correlation);
   return text + '\n';
 }
 
@@ -96,6 +110,17 @@ std::string hat_text(const std::vector<HatRow>& rows, std::string_view title) {
   return text;
 }
 
+std::string warning_of_company(const Comparison& comparison) {
+  constexpr double together = 0.5;
+  std::string text;
+  for (const ClockPair& pair : comparison.pairs)
+    if (!comparison.hat.empty() && std::abs(pair.correlation) > together)
+      text += fmt::format("{} and {} vary together, and this table does not hold for them as it "
+                          "stands: weather that is logged is taken off.\n",
+                          letter(pair.first), letter(pair.second));
+  return text;
+}
+
 Json hat_object(const std::vector<HatRow>& rows) {
   Json json = Json::array();
   for (const HatRow& row : rows) {
@@ -117,12 +142,17 @@ Json clock_object(const ComparedClock& clock) {
                        {"unit", part.unit},
                        {"coefficient", json_number(part.coefficient)},
                        {"sigma", json_number(part.sigma)}});
+  const auto known = [&](double rate) {
+    return clock.rate.nominal_is_known ? json_number(rate) : Json(nullptr);
+  };
   Json json{{"source", clock.source},
             {"nominal_period_s", clock.rate.nominal_period_s},
             {"crossings", clock.rate.crossings},
-            {"rate_excess", json_number(clock.rate.rate_excess)},
-            {"rate_excess_sigma", json_number(clock.rate.rate_excess_sigma)},
-            {"rate_s_per_day", json_number(seconds_per_day * clock.rate.rate_excess)},
+            {"nominal_period_is_known", clock.rate.nominal_is_known},
+            {"mean_period_s", json_number(clock.rate.mean_period_s)},
+            {"rate_excess", known(clock.rate.rate_excess)},
+            {"rate_excess_sigma", known(clock.rate.rate_excess_sigma)},
+            {"rate_s_per_day", known(seconds_per_day * clock.rate.rate_excess)},
             {"weather", std::move(weather)},
             {"stability", stability_object(clock.deviation)}};
   if (!clock.own_error_s.empty())
@@ -157,13 +187,23 @@ void add_deviation(const DeviationTable& table, std::string label, int colour, F
 } // namespace
 
 std::string compare_text(const Comparison& comparison) {
-  return clocks_text(comparison) + deviations_text(comparison) +
-         hat_text(comparison.hat, "Allan deviation of each clock alone, by the differences") +
-         hat_text(comparison.own_hat, "The same without the weather");
+  const bool has_weather = !comparison.pairs.front().own_deviation.rows.empty();
+  return clocks_text(comparison) +
+         deviations_text(comparison, "Allan deviation of each, and of the differences",
+                         &ComparedClock::deviation, &ClockPair::deviation) +
+         (has_weather ? deviations_text(comparison, "The same without the weather",
+                                        &ComparedClock::own_deviation, &ClockPair::own_deviation)
+                      : "") +
+         correlations_text(comparison) +
+         hat_text(comparison.hat, "Allan deviation of each clock alone, by the differences, if their "
+                                  "noises are independent") +
+         warning_of_company(comparison) +
+         hat_text(comparison.own_hat, "Each clock alone, without the weather");
 }
 
 std::string compare_json(const Comparison& comparison) {
   Json json = json_with_schema("goingrate.compare");
+  json["start_s"] = format_instant(comparison.start, 9);
   json["step_s"] = comparison.step_s;
   json["common_s"] =
       comparison.step_s * static_cast<double>(comparison.clocks.front().error_s.size() - 1);
@@ -171,10 +211,14 @@ std::string compare_json(const Comparison& comparison) {
   for (const ComparedClock& clock : comparison.clocks)
     json["clocks"].push_back(clock_object(clock));
   json["differences"] = Json::array();
-  for (const ClockPair& pair : comparison.pairs)
-    json["differences"].push_back({{"clocks", {pair.first + 1, pair.second + 1}},
-                                   {"rate_correlation", json_number(pair.correlation)},
-                                   {"stability", stability_object(pair.deviation)}});
+  for (const ClockPair& pair : comparison.pairs) {
+    Json difference{{"clocks", {pair.first + 1, pair.second + 1}},
+                    {"rate_correlation", json_number(pair.correlation)},
+                    {"stability", stability_object(pair.deviation)}};
+    if (!pair.own_deviation.rows.empty())
+      difference["stability_without_weather"] = stability_object(pair.own_deviation);
+    json["differences"].push_back(std::move(difference));
+  }
   json["alone"] = hat_object(comparison.hat);
   json["alone_without_weather"] = hat_object(comparison.own_hat);
   return json_text(json);
@@ -191,7 +235,7 @@ std::string compare_table(const Comparison& comparison) {
   for (std::size_t b = 0; b < comparison.blocks; ++b) {
     text += fmt::format("{:.6g}", middle_of_block(comparison, b));
     for (const std::vector<double>& rate : rates)
-      text += fmt::format(",{:.6g}", rate[b]);
+      text += std::isnan(rate[b]) ? "," : fmt::format(",{:.6g}", rate[b]);
     text += '\n';
   }
   return text;

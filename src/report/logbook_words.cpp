@@ -26,6 +26,10 @@ bool is_missed(const EntryFinding& finding) {
          finding.entry.what != LogbookWord::note;
 }
 
+bool is_outside(const EntryFinding& finding) {
+  return finding.verdict == EntryVerdict::outside;
+}
+
 bool has_other_size(const EntryFinding& finding) {
   return finding.verdict == EntryVerdict::differs;
 }
@@ -70,10 +74,12 @@ std::string logbook_sentence(const LogbookCheck& check, const Wording& words) {
     text += fmt::format(", {} with another size than was planned", other);
   if (missed > 0) {
     const auto first = std::find_if(check.entries.begin(), check.entries.end(), is_missed);
-    text += fmt::format("; {} not show, the first of {}",
-                        number_of(missed, "entry does", "entries do"),
-                        words.short_moment(first->at_s));
+    text += fmt::format("; {} not: {}, {}{}", number_of(missed, "does", "do"),
+                        in_words(first->entry.what), words.short_moment(first->at_s),
+                        missed > 1 ? " and later" : "");
   }
+  if (const std::size_t outside = count(check, is_outside); outside > 0)
+    text += fmt::format("; {} outside of what was analysed", number_of(outside, "lies", "lie"));
   if (!check.unwritten.empty())
     text += fmt::format("; {} that the log shows {} not written down",
                         number_of(check.unwritten.size(), "change", "changes"),

@@ -62,7 +62,8 @@ std::string change_table(const Analysis& data, const Wording& words) {
     const Change& change = diary.changes[i];
     const bool known = data.rate.nominal_is_known;
     table.row({fmt::format("{}", i + 1), words.moment(change.at_s), fmt::format("{}", change.cycle),
-               change.kind == ChangeKind::unclear ? "–" : std::string(name_of(change.kind)),
+               (change.kind == ChangeKind::unclear ? "–" : std::string(name_of(change.kind))) +
+                   (change.is_only_noted() ? " (only in the diary)" : ""),
                known ? rate_or_dash(change.rate_before, change.rate_before_sigma, words) : "–",
                known ? rate_or_dash(change.rate_after, change.rate_after_sigma, words) : "–"});
   }

@@ -188,7 +188,7 @@ void Numbers::add_fit() {
     const bool told = data_.drive.split && is_noise_of_drive(p.name);
     if (told || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed   ? ", given"
-                                   : p.status == ParameterStatus::prior ? ", with what was given"
+                                   : p.status == ParameterStatus::prior ? ", with what else is known"
                                                                         : "";
     add(name_of_parameter(p), value_of(p).append(known));
   }

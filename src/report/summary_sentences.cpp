@@ -45,16 +45,13 @@ bool is_drift(Cause cause) {
   return cause == Cause::growing_friction || cause == Cause::length_drift;
 }
 
-// The keeper says that it happened, and the log does not show it.
-bool is_only_noted(const Change& change) { return change.noted && change.significance == 0.0; }
-
 /// Writes the sentences of one log.
 class Sentences {
 public:
   explicit Sentences(const Analysis& data)
       : data_(data), words_(data), sees_amplitude_(sees_amplitude(data)) {
     for (const Change& change : data.diary.changes)
-      if (!is_in_one(data.diary, change.at_s) && !is_only_noted(change))
+      if (!is_in_one(data.diary, change.at_s) && !change.is_only_noted())
         changes_.push_back(&change);
     for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
       if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)))
@@ -76,12 +73,13 @@ private:
   }
 
   void say_how_the_clock_goes() {
+    say(which_part());
     say(going());
     say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
     say(whether_worse());
-    if (data_.logbook) say(logbook_sentence(*data_.logbook, words_));
+    if (data_.logbook && !data_.logbook->entries.empty()) say(logbook_sentence(*data_.logbook, words_));
     say_what_it_suffers_from();
     say(what_to_do());
   }
@@ -89,6 +87,7 @@ private:
   void say_what_it_suffers_from();
   void say_how_it_comes_to_rest();
   void say_what_the_model_tells();
+  [[nodiscard]] std::string which_part() const;
   [[nodiscard]] std::string going() const;
   [[nodiscard]] std::string interruption(const Interruption& event) const;
   [[nodiscard]] std::string whether_worse() const;
@@ -132,6 +131,15 @@ std::string Sentences::rate_words(double rate, double sigma) const {
 // Whether the rate in the end is not that of the last stretch.
 bool Sentences::moves_on() const {
   return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
+}
+
+// Of a log in several parts.
+std::string Sentences::which_part() const {
+  if (data_.numbered.segments < 2) return {};
+  return fmt::format("This log is in {} parts that could not be joined; what follows is about the "
+                     "longest, from {} to {}.",
+                     data_.numbered.segments, words_.short_moment(0.0),
+                     words_.short_moment(data_.rate.duration_s));
 }
 
 std::string Sentences::going() const {

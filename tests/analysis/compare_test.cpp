@@ -126,6 +126,26 @@ TEST(CompareTest, WhatTheWeatherDoesToAllIsTakenOff) {
   EXPECT_LT(at(result.own_hat, 4096.0).variance, 5.0 * white); // some ten averages
 }
 
+TEST(CompareTest, GapsAreLeftOut) {
+  const auto with_gap = [](std::uint64_t seed) {
+    RandomStream jitter(seed, StreamPurpose::jitter);
+    ClockLog log;
+    log.source = "gap";
+    log.nominal_period_s = 2.0;
+    for (int i = 0; i < 10000; ++i)
+      if (seed != 1 || i < 3000 || i >= 6000)
+        log.events.push_back(event_at(Instant::from_seconds(2.0 * i + 1e-4 * jitter.normal())));
+    return load_events(std::move(log), {});
+  };
+  std::vector<NumberedLog> logs;
+  logs.push_back(with_gap(1));
+  logs.push_back(with_gap(2));
+  const Comparison result = compare(logs);
+  const double expected = std::sqrt(3.0) * 1e-4 / 2.0; // of white jitter, at 2 s
+  EXPECT_NEAR(result.clocks[0].deviation.rows[0].value, expected, 0.05 * expected);
+  EXPECT_NEAR(result.pairs[0].deviation.rows[0].value, std::sqrt(2.0) * expected, 0.07 * expected);
+}
+
 TEST(CompareTest, WhatCannotBeComparedIsRefused) {
   std::vector<NumberedLog> logs;
   logs.push_back(made({}, 4000.0, 1));

@@ -91,5 +91,51 @@ TEST(LogbookCheckTest, WhatWasPlannedIsKnownToTheFit) {
   EXPECT_GT(std::abs(ratio(free) - 2.0), 4e-7) << "the log alone does not tell so well";
 }
 
+TEST(LogbookCheckTest, ThingsDoneAtOnceAreOneChange) {
+  const Analysis data = analysed(regulated(4000, {{4000.0, 2.0}}, 7),
+                                 "time,what,value,sigma\n4000,rate,2,0.2\n4000,clean,,\n"
+                                 "4000,wind,,\n6000,clean,,\n6000,weight,0.05,0.001\n");
+  const auto& entries = data.logbook->entries;
+  EXPECT_EQ(entries[0].verdict, EntryVerdict::as_planned);
+  EXPECT_EQ(entries[1].verdict, EntryVerdict::unclear) << "not by itself";
+  EXPECT_EQ(entries[2].verdict, EntryVerdict::not_seen) << "the change is named already";
+  EXPECT_TRUE(data.logbook->unwritten.empty());
+}
+
+TEST(LogbookCheckTest, ADayLeavesChangesToThoseWhoKnowTheTime) {
+  ClockLog log = regulated(4000, {{4000.0, 2.0}}, 8);
+  for (Beat& beat : log.events)
+    beat.time.seconds += 1364637600; // 2013-03-30 10:00
+  const Analysis data = analysed(log, "time,what,value,sigma\n2013-03-30,clean,,\n"
+                                      "2013-03-30 11:05,rate,2,0.2\n2013-03-31,rate,1,\n");
+  const auto& entries = data.logbook->entries;
+  EXPECT_EQ(entries[0].verdict, EntryVerdict::unclear);
+  EXPECT_EQ(entries[1].verdict, EntryVerdict::as_planned);
+  EXPECT_EQ(entries[2].verdict, EntryVerdict::outside);
+}
+
+TEST(LogbookCheckTest, ASettingIsKnownButForWholePeriods) {
+  ClockLog log = regulated(4000, {}, 9);
+  for (std::size_t i = 2000; i < log.events.size(); ++i)
+    log.events[i].time = log.events[i].time + -0.4;
+  const Analysis data = analysed(log, "time,what,value,sigma\n4010,set,60.4,0.1\n");
+  EXPECT_EQ(data.logbook->entries[0].verdict, EntryVerdict::as_planned);
+  EXPECT_NEAR(data.logbook->entries[0].found, 60.4, 0.01);
+}
+
+TEST(LogbookCheckTest, APlanThatTheLogExcludesIsLeftOut) {
+  AnalysisRequest request;
+  request.traces_profiles = false;
+  request.fit.fixed = {{"T0", 2.0}};
+  request.logbook =
+      parse_logbook("time,what,value,sigma\n300,weight,-0.4,0.002\n", "diary"); // it was doubled
+  const Analysis data =
+      analyse(load({.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv"}), request);
+  EXPECT_EQ(data.fit.status, FitStatus::converged);
+  EXPECT_EQ(data.logbook->entries[0].verdict, EntryVerdict::differs);
+  EXPECT_NEAR(data.logbook->entries[0].found, 1.0, 4.0 * data.logbook->entries[0].found_sigma);
+  EXPECT_LT(data.logbook->entries[0].found_sigma, 1e-3) << "before and after go together";
+}
+
 } // namespace
 } // namespace goingrate

@@ -82,6 +82,13 @@ TEST(CovariateTest, TheHalfNotSeenIsTheJudge) {
   EXPECT_NE(covariate_text(none).find("nothing that stands out"), std::string::npos);
 }
 
+TEST(CovariateTest, AStraightLineIsNoAnswer) {
+  TimingData data = made({}, 9);
+  data.terms = {rate_term("temperature", "1/K", data, data.elapsed_s)};
+  EXPECT_TRUE(covariate_effects(data).empty()) << "it is a drift";
+  EXPECT_TRUE(weather_parts(data).empty());
+}
+
 TEST(CovariateTest, PartsAreFoundTogether) {
   // Pressure follows the temperature closely; the rate answers to the temperature alone.
   TimingData data = made({.coefficient = 1e-6}, 7);

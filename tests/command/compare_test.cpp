@@ -41,7 +41,7 @@ TEST_F(CompareCommandTest, WhatCannotBeComparedIsRefused) {
                    "2013-03-30 10:00:06\n");
   const Outcome mixed = run("compare a.csv dated.csv");
   EXPECT_EQ(mixed.code, 3);
-  EXPECT_NE(mixed.err.find("dated.csv: found dates, expected times counted as in a.csv"),
+  EXPECT_NE(mixed.err.find("dated.csv: found dates, expected times without a date, as in a.csv"),
             std::string::npos)
       << mixed.err;
 }

@@ -453,6 +453,19 @@ TEST(FormatsTest, AMeasurementOfCassyIsATable) {
     EXPECT_THROW((void)read_log(cut, "cut"), InputError) << cut;
 }
 
+TEST(FormatsTest, SamplesOfAnUnknownNameAreNoBeats) {
+  std::string text = "\"Time (s)\",\"Gyroscope x (rad/s)\",\"Gyroscope y (rad/s)\"\n";
+  for (int i = 0; i < 2000; ++i)
+    text += fmt::format("{:.4f},{:.6f},0.001\n", 0.01 * i, std::sin(0.035 * i));
+  try {
+    (void)read_log(text, "gyro.csv");
+    FAIL();
+  } catch (const ImpossibleReading& error) {
+    EXPECT_NE(std::string(error.what()).find("column 2, which swings"), std::string::npos);
+    EXPECT_EQ(error.others().at(0).columns, std::vector<std::string>{"angle=2"});
+  }
+}
+
 TEST(FormatsTest, SettingsBeforeTheHeaderAreNoData) {
   std::string text = "SampleRate=1000\nGain=2\ntime_s,edge\n";
   for (int i = 0; i < 20; ++i)

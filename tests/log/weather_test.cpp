@@ -171,6 +171,28 @@ TEST_F(WeatherTest, DatesZonesAndOffsetsAreBroughtTogether) {
   EXPECT_THROW(joined(log, hours, {.zone = "Dublin"}), ArgumentError);
 }
 
+TEST_F(WeatherTest, DatesWithoutAZoneAreInThatOfTheLog) {
+  std::string text;
+  for (int i = 0; i < 60; ++i)
+    text += fmt::format("2013-03-30T10:{:02}:{:02}+01:00\n", i / 30, 2 * i % 60);
+  const ClockLog log = joined(read_log(text, "clock"), "time,temperature (C)\n2013-03-30 10:00:00,20\n"
+                                                       "2013-03-30 11:00:00,21\n");
+  EXPECT_NEAR(log.columns.temperature_c.front(), 20.0, 1e-5);
+}
+
+TEST_F(WeatherTest, FilesOfTwoCadencesHaveNoHoles) {
+  std::string slow = "time_s,temperature_c\n", fast = slow;
+  for (int t = 0; t < 300; t += 60)
+    slow += fmt::format("{},20\n", t);
+  for (int t = 300; t <= 600; t += 2)
+    fast += fmt::format("{},20\n", t);
+  put("slow.csv", slow);
+  put("fast.csv", fast);
+  ClockLog log = clock(299);
+  join_weather(log, {.files = {path("slow.csv"), path("fast.csv")}});
+  EXPECT_EQ(log.weather.at(0).events_without, 0u);
+}
+
 TEST_F(WeatherTest, FilesByDayAreJoinedAndTwoSensorsRefused) {
   put("1.csv", "time_s,temperature_c\n0,20\n100,21\n200,22\n");
   put("2.csv", "time_s,temperature_c\n300,23\n400,24\n500,25\n600,26\n");
@@ -188,6 +210,7 @@ TEST_F(WeatherTest, WhatCannotBeIsRefusedInWords) {
   refused(log, "time_s,width\n0,20\n300,21\n600,22\n", "expected a header that names a time, and a");
   refused(log, "0,20\n300,21\n600,22\n", "expected a header");
   refused(log, "time_s,temperature_c\n", "");
+  refused(log, "time_s,temperature_c\n0,nan\n300,nan\n600,nan\n", "3 lines without a temperature");
   refused(log, "time_s,temperature_c\n0,20\n", "found 1 reading, expected at least 2");
   refused(log, "date,temperature_c\n2013-03-30 10:00:00,20\n2013-03-30 11:00:00,21\n",
           "w.csv:2:1: found dates, expected times without a date, as in clock");
@@ -205,7 +228,8 @@ TEST_F(WeatherTest, DensityIsThatOfPublishedTables) {
   EXPECT_NEAR(density[0], 1.19569, 1e-5);    // Gupta, Mass Metrology, table of moist air
   EXPECT_NEAR(density[1], 1.2255, 5e-5);     // dry, of real air: ISO 2533's 1.2250 over Z = 0.99959
   EXPECT_NEAR(density[2], 1.1992, 1.2e-4);   // CIPM-81/91, which is 6.4e-5 lower, rounded
-  EXPECT_EQ(density[3], density[2]);         // 50 % where it is not known
+  EXPECT_TRUE(std::isnan(density[3])); // no jump to another humidity in a hole
+  EXPECT_EQ(air_density(temperature, pressure)[2], density[2]) << "50 % where there is none at all";
   EXPECT_TRUE(std::isnan(density[4]));
   const std::vector<double> wet = air_density(std::vector{20.0}, std::vector{1013.25},
                                               std::vector{100.0});

@@ -207,3 +207,33 @@ def test_real_logs_are_read_as_the_command_reads_them(command_json):
     ours = gr.rate(gr.read(logs[0])).to_dict()
     theirs = command_json("rate", logs[0])
     assert ours["rate_excess"] == theirs["rate_excess"]
+
+
+def test_weather_of_its_own_and_clocks_compared(tmp_path):
+    clocks = []
+    for k in range(3):
+        noise = np.random.default_rng(k).normal(0, 1e-4, 2000)
+        path = tmp_path / f"{k}.csv"
+        np.savetxt(path, 2.0 * np.arange(2000) + noise, fmt="%.6f")
+        clocks.append(path)
+    weather = tmp_path / "weather.csv"
+    weather.write_text("time_s,temperature_c\n0,20\n2000,22\n4000,21\n")
+    log = gr.read(clocks[0], weather=weather)
+    assert log.temperature_c is not None
+    assert log.temperature_c[500] == pytest.approx(21.0, abs=1e-3)
+    comparison = gr.compare([gr.read(path) for path in clocks])
+    result = comparison.to_dict()
+    assert len(result["differences"]) == 3 and len(result["alone"]) > 3
+    assert comparison.rates_csv().startswith("time_s,rate_1_s_per_day,")
+    with pytest.raises(ValueError):
+        gr.compare([log])
+
+
+def test_a_diary_is_checked(tmp_path):
+    diary = tmp_path / "diary.csv"
+    diary.write_text("time,what,value,sigma,note\n310,weight,1.0,0.1,heavier\n")
+    analysis = gr.analyse(gr.read(LOGS / "jump.csv"), diary=diary, profiles=False)
+    assert analysis.kept_diary["entries"][0]["verdict"] == "as planned"
+    assert analysis.diary_csv().startswith("time,what,value,sigma,note\n")
+    again = pickle.loads(pickle.dumps(analysis))
+    assert again.kept_diary == analysis.kept_diary

@@ -9,6 +9,7 @@
 
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/report/compare_report.hpp"
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/report.hpp"
 
@@ -83,6 +84,17 @@ py::list covariates_of(const Analysed& self) {
   return effects;
 }
 
+// JSON, text and rates as CSV of clocks beside each other.
+std::vector<std::string> compared(const std::vector<SharedLog>& logs) {
+  const Waiting waiting{py::none()};
+  std::vector<NumberedLog> copies;
+  copies.reserve(logs.size());
+  for (const SharedLog& log : logs)
+    copies.push_back(copy_of(*log));
+  const Comparison comparison = compare(copies);
+  return {compare_json(comparison), compare_text(comparison), compare_table(comparison)};
+}
+
 } // namespace
 
 void bind_analysis(py::module_& module) {
@@ -112,6 +124,7 @@ void bind_analysis(py::module_& module) {
                     restored.fit.data, restored.fit.first_cycle, restored.fit.nominal_period_s);
             return restored;
           }));
+  module.def("compare", &compared, py::arg("logs"));
   module.def("analyse", &analysed, py::arg("log"), py::arg("asked"), py::arg("nut_pitch_m"),
              py::arg("rod_length_m"), py::arg("profiles"), py::arg("diary"), py::arg("progress"));
 }

@@ -27,7 +27,7 @@ GOINGRATE_MEMBERS(GridData, tau0_s, phase_s)
 GOINGRATE_MEMBERS(Assumption, text, setting, value)
 GOINGRATE_MEMBERS(LogFile, name, lines_before, events_before)
 GOINGRATE_MEMBERS(JoinedWeather, quantity, source, readings, step_s, sigma, events_without)
-GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, weather,
+GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, zone_s, weather,
                   has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, missed, spurious, rivals,
@@ -103,7 +103,7 @@ GOINGRATE_MEMBERS(DriveHistory, points, step_rms, block_s, from_amplitude, from_
 GOINGRATE_MEMBERS(NutTurns, turns, sigma, raise_m)
 GOINGRATE_MEMBERS(IsochronismCurve, amplitude_rad, circular, escapement, sum)
 GOINGRATE_MEMBERS(Isochronism, amplitude_rad, slope, sigma, fitted_slope, curve)
-GOINGRATE_MEMBERS(LogbookEntry, time, whole_day, what, value, sigma, note, line)
+GOINGRATE_MEMBERS(LogbookEntry, time, whole_day, has_zone, what, value, sigma, note, line)
 GOINGRATE_MEMBERS(EntryFinding, entry, at_s, verdict, found_at_s, found, found_sigma)
 GOINGRATE_MEMBERS(UnwrittenFinding, entry, at_s)
 GOINGRATE_MEMBERS(LogbookCheck, source, entries, unwritten)

@@ -22,6 +22,7 @@ from ._clock import (
     map,
     operating_point,
 )
+from ._compare import Comparison, compare
 from ._core import version as __version__
 from ._deviation import DEVIATION_KINDS, Deviation, deviation
 from ._fit import Fit, fit
@@ -36,6 +37,7 @@ from .errors import ImpossibleReading, InputError, InputNotFoundError, NumericsE
 __all__ = [
     "DEVIATION_KINDS",
     "Analysis",
+    "Comparison",
     "Correlation",
     "Deviation",
     "Fit",
@@ -60,6 +62,7 @@ __all__ = [
     "Truth",
     "__version__",
     "analyse",
+    "compare",
     "deviation",
     "fit",
     "integrate",

@@ -59,6 +59,11 @@ class Analysis(Report):
         """The keeper's entries, planned against found, and what is unwritten; None without any."""
         return self.to_dict().get("kept_diary")
 
+    @property
+    def isochronism(self) -> dict[str, Any] | None:
+        """Slope of the rate against the amplitude, and the fitted clock's curves; or None."""
+        return self.to_dict().get("isochronism")
+
     def diary_csv(self) -> str:
         """What the log shows, as a diary in the format that `analyse` takes."""
         return self._core.diary_text()

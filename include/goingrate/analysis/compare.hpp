@@ -18,7 +18,7 @@ namespace goingrate {
 struct ComparedClock {
   std::string source;
   RateSummary rate;                  ///< of the common hours
-  std::vector<double> error_s;       ///< of the hands, from 0 at the first common time
+  std::vector<double> error_s;       ///< of the hands, from 0 on; NaN where it is not known
   std::vector<WeatherPart> weather;  ///< what the weather does, all parts found together
   std::vector<double> own_error_s;   ///< without these parts; empty if there are none
   DeviationTable deviation{};        ///< overlapping Allan, against the loggers' time
@@ -30,6 +30,7 @@ struct ClockPair {
   std::size_t first = 0, second = 0; ///< of the clocks
   double correlation = 0.0;          ///< of the rates in blocks; see Comparison::blocks
   DeviationTable deviation{};
+  DeviationTable own_deviation{}; ///< without the weather; no rows where neither has any
 };
 
 /// The Allan variance of one clock alone, from the differences. An estimate may be negative where
@@ -59,7 +60,8 @@ struct Comparison {
   std::size_t blocks = 0;      ///< of equal length, for rates on one axis
 };
 
-/// Compares the clocks of two logs or more. Errors between beats are those on the straight line.
+/// Compares the clocks of two logs or more. Errors between beats are those on the straight line,
+/// also over one missing beat; where more are missing they are unknown.
 ///
 /// Of n >= 3 clocks whose noises are independent the variances follow from those of the
 /// differences, s_ij = v_i + v_j, by least squares: v_i = (S_i - T)/(n - 2), S_i = sum_j s_ij,
@@ -68,11 +70,13 @@ struct Comparison {
 /// by the clock they share. The upper limit is the variance with which an estimate as low as this
 /// one would come in 5 of 100 cases. (CompareTest.TheHatCoversAsOftenAsItSays)
 ///
-/// Throws InputError if the logs have less than 64 common times, or some have dates and others not;
+/// Throws InputError if the logs have less than 64 common times, one has fewer than 64 beats there,
+/// or some have dates and others not;
 /// ArgumentError for fewer than two logs.
 Comparison compare(std::span<const NumberedLog> logs);
 
-/// Mean rates (relative) in `count` blocks of equal length of an error sampled every `step_s`.
+/// Mean rates (relative) in `count` blocks of equal length of an error sampled every `step_s`; NaN
+/// for a block of which half is not known.
 std::vector<double> block_rates_of(std::span<const double> error_s, double step_s,
                                    std::size_t count);
 

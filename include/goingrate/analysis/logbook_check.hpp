@@ -15,6 +15,8 @@
 namespace goingrate {
 
 struct Analysis;
+struct FitOptions;
+struct FitSummary;
 
 /// What the log says of an entry.
 enum class EntryVerdict : std::uint8_t {
@@ -60,10 +62,22 @@ inline constexpr double note_tolerance_s = 900.0;
 /// change begins where the entry says. Values with a sigma become what is known beforehand.
 void take_entries(const Logbook& logbook, std::span<const Beat> beats, Diary& diary);
 
+/// The ratio that parameter `name` has after event k (from 1) of a fit to what it was before, with
+/// its standard deviation, in which the two go together as the fit says; nothing where the fit does
+/// not determine both.
+struct FoundRatio {
+  double ratio = 1.0, sigma = 0.0;
+};
+std::optional<FoundRatio> ratio_at(const FitSummary& fit, std::string_view name, std::size_t k);
+
+/// The options without what was planned where `alone`, a fit that does not know it, excludes it by
+/// five sigma.
+FitOptions without_what_is_excluded(FitOptions options, const FitSummary& alone);
+
 /// Compares. A change of the rate is the difference of the mean rates up to the neighbouring
-/// changes and entries, of drive and friction that of the fit's parameters.
-/// (LogbookCheckTest.PlannedAgainstFound)
-LogbookCheck check_logbook(const Logbook& logbook, const Analysis& data);
+/// changes and entries, of drive and friction that of the parameters of `fit`, which must not know
+/// what was planned. (LogbookCheckTest.PlannedAgainstFound)
+LogbookCheck check_logbook(const Logbook& logbook, const Analysis& data, const FitSummary& fit);
 
 /// All that the log shows, as a logbook in the log's own times: changes, stops, settings.
 Logbook findings_of(const Analysis& data);

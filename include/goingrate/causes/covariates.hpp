@@ -41,7 +41,8 @@ struct CovariateEffect {
   [[nodiscard]] bool helps() const { return significant() && with_s < without_s; }
 };
 
-/// The effects of the data's terms other than "drift". Terms that do not vary are left out; a log
+/// The effects of the data's terms other than "drift". Terms that do not vary, or only along a
+/// straight line, are left out; a log
 /// of fewer than 256 beats gives none. CovariateTest.FindsACoefficientWithItsSigma,
 /// CovariateTest.AWanderSharedByChanceIsNotTakenForAnAnswer. Cost: O(N).
 std::vector<CovariateEffect> covariate_effects(const TimingData& data);

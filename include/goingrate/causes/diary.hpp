@@ -45,6 +45,8 @@ struct Change {
   double rate_after = 0.0, rate_after_sigma = 0.0;
   bool noted = false;                      ///< the keeper of the clock wrote it down, with its kind
   std::optional<PlannedRatio> planned{}; ///< of the parameter of that kind, if that was noted too
+  /// Whether the keeper says that it happened, and the search found nothing there.
+  [[nodiscard]] bool is_only_noted() const { return noted && significance == 0.0; }
 };
 
 /// An exponential approach of the amplitude to a limit, A = limit + (start - limit) exp(-t/time).

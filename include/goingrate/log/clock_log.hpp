@@ -113,6 +113,7 @@ enum class Setting : std::uint8_t {
   nominal_period,
   both_edges,
   flag_width,
+  weather_zone,
 };
 
 /// Something taken for granted.
@@ -160,6 +161,7 @@ struct ClockLog {
   std::optional<GridData> grid;
   EventColumns columns;
   TimeOrigin origin = TimeOrigin::none;
+  std::optional<double> zone_s; ///< that the dates name, east of Greenwich; the first of them
   std::vector<JoinedWeather> weather; ///< what of `columns` was interpolated
   bool has_amplitude = false;
   bool directions_are_open = false; ///< times of crossings, and nothing says of which direction

@@ -27,6 +27,7 @@ std::string_view name_of(LogbookWord word);
 struct LogbookEntry {
   Instant time; ///< counted as the log's times are
   bool whole_day = false; ///< only the date is given; `time` is its first moment
+  bool has_zone = false;  ///< the date names its zone; else it is that of the log's dates
   LogbookWord what = LogbookWord::note;
   double value = std::numeric_limits<double>::quiet_NaN(); ///< as planned; NaN: none
   double sigma = 0.0;                                       ///< of what was planned
@@ -38,12 +39,12 @@ struct LogbookEntry {
 struct Logbook {
   std::string source;
   TimeOrigin origin = TimeOrigin::none;
-  std::vector<LogbookEntry> entries;
+  std::vector<LogbookEntry> entries; ///< may be none
 };
 
 /// Reads a table with the columns time, what, value, sigma and note in any order, separated by
 /// commas, semicolons or tabs; only time and what are needed, fields may be quoted, '#' begins a
-/// comment. Times are dates (with the time of day or alone, in UTC), or seconds as in a log without
+/// comment. Times are dates (with the time of day or alone), or seconds as in a log without
 /// dates. Throws InputError (file, line, column) for anything else: it was written by hand, and
 /// nothing of it is left out.
 Logbook read_logbook(const std::string& path);
@@ -51,11 +52,13 @@ Logbook read_logbook(const std::string& path);
 /// The same from a text.
 Logbook parse_logbook(std::string_view text, const std::string& source);
 
-/// The same with times counted as those of `log` are. Throws InputError if one has dates and the
+/// The same with times counted as those of `log` are: dates that name no zone are in that of the
+/// log's dates, or in UTC where these name none either. Throws InputError if one has dates and the
 /// other has none.
 Logbook brought_to(const ClockLog& log, Logbook logbook);
 
-/// The text of such a file, times as the origin has them: dates to the second, or seconds.
+/// The text of such a file, times as the origin has them: dates to the second, with a Z for UTC
+/// where an entry has a zone, or seconds.
 std::string logbook_text(const Logbook& logbook);
 
 } // namespace goingrate

@@ -13,7 +13,7 @@ namespace goingrate {
 /// Files with temperature, pressure or humidity, and how their times compare with those of a log.
 struct WeatherRequest {
   std::vector<std::string> files{};
-  std::string zone{};    ///< of dates that name none, as +01:00; empty: that of the log's dates
+  std::string zone{};    ///< of dates that name none, as +01:00; empty: what the log's dates name, or UTC
   double offset_s = 0.0; ///< added to all times of the weather, s
 };
 
@@ -24,7 +24,7 @@ struct WeatherRequest {
 /// temperature (°C, °F, K), pressure (mbar, Pa, kPa, inHg, mmHg) and humidity (%). Columns and
 /// units are known by their names; a unit that is not named is settled by the size of the values.
 /// Several files of one quantity are joined in order of time. Between two readings the value is
-/// interpolated, unless they are more than three usual intervals apart: there, and outside the
+/// interpolated, unless they are more than three usual intervals of their file apart: there, and outside the
 /// readings, it is NaN. The curve is the straight line, or a cubic spline where cubics through four
 /// neighbours foretell a reading better than lines: in smooth courses, not in rough or noisy ones.
 /// The standard deviation of an interpolated value is 2/3 of the rms by which readings left out differ
@@ -40,9 +40,8 @@ void join_weather(ClockLog& log, const WeatherRequest& request);
 
 /// Density of moist air by the CIPM-2007 equation (Picard et al., Metrologia 45 (2008) 149), with
 /// 400 ppm of carbon dioxide, kg/m^3; one entry for each of `temperature_c` (degrees C) and
-/// `pressure_mbar`, of equal length, NaN where either is not known. `humidity_percent` is empty or
-/// of that length; where it is not known 50 % is taken, and the density is right to 0.5 % at 20
-/// degrees. The equation holds to 22e-6 from 15 to 27 degrees and 600 to 1100 mbar, and is smooth
+/// `pressure_mbar`, of equal length, NaN where one of them is not known. `humidity_percent` is of
+/// that length, or empty: then 50 % is taken, and the density is right to 0.5 % at 20 degrees. The equation holds to 22e-6 from 15 to 27 degrees and 600 to 1100 mbar, and is smooth
 /// beyond. A pendulum floats in the air and carries some along: its rate falls as the density
 /// rises. (WeatherTest.DensityIsThatOfPublishedTables)
 std::vector<double> air_density(std::span<const double> temperature_c,
