@@ -52,7 +52,7 @@ void add_compare(CLI::App& program, const GlobalOptions& global) {
   add_json_option(*command, options->json);
   add_plot_option(*command, options->plot, "rates and deviations");
   command->footer("Three clocks or more tell what each does alone (three-cornered hat).\n"
-                  "Example:\n  goingrate compare hall.csv study.csv workshop.csv");
+                  "Example:\n  goingrate compare data/logs/jump.csv data/logs/interruption.csv");
   command->callback([options, &global] { run(*options, global); });
 }
 

@@ -34,15 +34,17 @@ error. Several files, a folder or a ZIP are read as one log of one clock.
   table           columns by their names: CSV, semicolon, tab, blanks; Vernier,
                   phyphox
   angle           samples of an angle; crossings by local fits
-  xy              time and place of the bob (Tracker): angles about the centre of
-                  the circle through the places
+  xy              time and place of the bob (Tracker): angles about the centre
+                  of the circle through the places
   native          what simulate writes: '#' lines 'key: value', then named
                   columns
 These override what was recognised: --format, --unit, --column time=2,
---decimal-comma, --wrap, --channel, --both-edges, --nominal-period (s), --tau0
-(s, between values of phase, frequency and intervals), --rest-angle (rad, at
-which a pendulum recorded as angle samples hangs). A compressed log may unpack
-to 4 GiB at most; --unpacked-limit changes that.
+--decimal-comma, --date-order (day or month, of 03/04/2013), --wrap, --channel,
+--both-edges, --nominal-period (s), --tau0 (s, between values of phase,
+frequency and intervals), --rest-angle (rad, at which a pendulum recorded as
+angle samples hangs). A compressed log may unpack to 4 GiB at most;
+--unpacked-limit changes that. --weather FILE brings temperature, pressure and
+humidity from a table with a header, at another cadence.
 --dead-time (s): events that follow an edge within it are bounces of a contact;
 without the option the dead time is estimated from the log. Where times go back,
 a new segment begins.

@@ -244,13 +244,17 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
     add(change, options.events);
   for (const bool stand_out : {true, false})
     for (const Change& change : strongest_changes(noted, most_events, stand_out))
-      add(change, options.events);
-  std::stable_sort(options.events.begin(), options.events.end(),
-                   [](const FitEvent& a, const FitEvent& b) { return a.cycle < b.cycle; });
+      if (!change.is_only_noted() || change.planned) add(change, options.events);
+  const auto is_before = [](const FitEvent& a, const FitEvent& b) { return a.cycle < b.cycle; };
+  std::stable_sort(options.events.begin(), options.events.end(), is_before);
   merge_those_of_one_beat(options.events);
   options.possible_events.clear();
   for (const Change& change : strongest_changes(noticed, most_events, false))
     add(change, options.possible_events);
+  for (const Change& change : strongest_changes(noted, most_events, false))
+    if (change.is_only_noted() && !change.planned) add(change, options.possible_events);
+  std::stable_sort(options.possible_events.begin(), options.possible_events.end(), is_before);
+  merge_those_of_one_beat(options.possible_events);
 }
 
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded) {
@@ -283,6 +287,7 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   input.data = &times;
   input.nominal_period_s = loaded.nominal_period_s;
   input.changes = diary.changes;
+  std::erase_if(input.changes, [](const Change& change) { return change.is_only_noted(); });
   input.lines = drive.lines;
   if (drive.response) // of corner 2 epsilon / T0
     input.relaxation_s = 1.0 / (two_pi * drive.response->corner_hz);

@@ -239,7 +239,7 @@ NumberedLog load_events(ClockLog log, const LoadRequest& request) {
   if (!log.nominal_period_s) log.nominal_period_s = request.reading.nominal_period_s;
   constexpr double years_s = 1e8; // as for a text: no logger has counted so long
   if (log.origin == TimeOrigin::none && log.events.front().time.to_double() > years_s)
-    log.origin = TimeOrigin::unix;
+    log.origin = TimeOrigin::epoch;
   LoadRequest named = request;
   named.path = log.source;
   return Loading(std::move(log), named).run();

@@ -159,7 +159,7 @@ private:
   }
 
   void take_time(const Field& field, LogbookEntry& entry) {
-    TimeOrigin origin = TimeOrigin::unix;
+    TimeOrigin origin = TimeOrigin::epoch;
     const std::string day = std::string(field.text) + " 00:00:00";
     if (const auto date = parse_calendar(field.text); date && date->has_date) {
       entry.time = date->time;

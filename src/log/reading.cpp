@@ -253,7 +253,7 @@ bool are_dates(const Layout& layout, const Instant& first) {
 static TimeOrigin origin_of(const Layout& layout, const Instant& first) {
   if (!are_dates(layout, first)) return TimeOrigin::none;
   const bool days = layout.columns[*layout.find(ColumnRole::time)].unit == in_days;
-  return days && !layout.calendar ? TimeOrigin::mjd : TimeOrigin::unix;
+  return days && !layout.calendar ? TimeOrigin::mjd : TimeOrigin::epoch;
 }
 
 // Those of a file are not all of one length.

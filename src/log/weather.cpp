@@ -213,7 +213,7 @@ private:
     options.weather = true;
     options.zone_s = zone_s_;
     ClockLog file = read_log_file(path, options);
-    if (file.origin == TimeOrigin::unix && !file.zone_s && request_.zone.empty())
+    if (file.origin == TimeOrigin::epoch && !file.zone_s && request_.zone.empty())
       log_.assumptions.push_back(
           {fmt::format("{}: its dates are in the zone of the log's", path), Setting::weather_zone});
     for (const Assumption& assumption : file.assumptions)

@@ -26,6 +26,10 @@ bool is_missed(const EntryFinding& finding) {
          finding.entry.what != LogbookWord::note;
 }
 
+bool is_unclear(const EntryFinding& finding) {
+  return finding.verdict == EntryVerdict::unclear;
+}
+
 bool is_outside(const EntryFinding& finding) {
   return finding.verdict == EntryVerdict::outside;
 }
@@ -78,6 +82,8 @@ std::string logbook_sentence(const LogbookCheck& check, const Wording& words) {
                         in_words(first->entry.what), words.short_moment(first->at_s),
                         missed > 1 ? " and later" : "");
   }
+  if (const std::size_t unclear = count(check, is_unclear); unclear > 0)
+    text += fmt::format("; of {} it does not tell", unclear);
   if (const std::size_t outside = count(check, is_outside); outside > 0)
     text += fmt::format("; {} outside of what was analysed", number_of(outside, "lies", "lie"));
   if (!check.unwritten.empty())

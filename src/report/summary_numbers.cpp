@@ -186,7 +186,7 @@ void Numbers::add_fit() {
   if (!fit.has_result()) return;
   for (const FittedParameter& p : fit.parameters) {
     const bool told = data_.drive.split && is_noise_of_drive(p.name);
-    if (told || !std::isfinite(p.value)) continue;
+    if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed   ? ", given"
                                    : p.status == ParameterStatus::prior ? ", with what else is known"
                                                                         : "";

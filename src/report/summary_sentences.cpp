@@ -227,7 +227,7 @@ std::string Sentences::whether_worse() const {
     trend = "its rate is not steady, but no trend through the log shows";
   else if (suspicions_.empty())
     trend =
-        data_.diary.changes.empty()
+        changes_.empty() && data_.diary.interruptions.empty()
             ? "nothing in this log shows that anything is wrong with the clock, or that it is "
               "getting worse"
             : "apart from that, nothing shows that anything is wrong with the clock, or that it "

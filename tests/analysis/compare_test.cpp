@@ -154,7 +154,7 @@ TEST(CompareTest, WhatCannotBeComparedIsRefused) {
   EXPECT_THROW((void)compare(logs), InputError) << "five common periods";
   logs.pop_back();
   NumberedLog dated = made({}, 4000.0, 2);
-  dated.log.origin = TimeOrigin::unix;
+  dated.log.origin = TimeOrigin::epoch;
   logs.push_back(std::move(dated));
   EXPECT_THROW((void)compare(logs), InputError);
 }

@@ -70,8 +70,8 @@ TEST_F(CommandTest, HelpOnFormatsNamesEveryOptionThatReads) {
 
 TEST_F(CommandTest, EachHelpHasAnExampleThatRuns) {
   fs::create_symlink(source / "data", folder_ / "data");
-  for (const char* command : {"simulate", "rate", "fit", "spectrum", "stability", "report", "map",
-                              "chart", "paper", "help"}) {
+  for (const char* command : {"simulate", "rate", "fit", "spectrum", "stability", "report",
+                              "compare", "map", "chart", "paper", "help"}) {
     const Outcome help = run(fmt::format("{} --help", command));
     EXPECT_EQ(help.code, 0);
     const std::size_t at = help.out.find("Example:");

@@ -17,7 +17,7 @@ TEST(LogbookTest, ReadsWhatKeepersWrite) {
                                      "clean;31.03.2013;oiled;;\r\n",
                                      "book");
   ASSERT_EQ(book.entries.size(), 3u);
-  EXPECT_EQ(book.origin, TimeOrigin::unix);
+  EXPECT_EQ(book.origin, TimeOrigin::epoch);
   const LogbookEntry& rate = book.entries[0]; // in order of time
   EXPECT_EQ(rate.what, LogbookWord::rate);
   EXPECT_EQ(rate.time.seconds, 1364638500);

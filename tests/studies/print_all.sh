@@ -18,6 +18,8 @@ print bias 400 "$base"
 print coverage 300 "$base"
 print drive_split 208 40 "$base"
 print noisy_drive 60 "$base"
+print weather 100 "$base"
+print isochronism 300 "$base"
 for name in solvers fit_speed fit_peer reading stability python; do
   print "$name"
 done

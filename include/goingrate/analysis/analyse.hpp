@@ -52,9 +52,9 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
 /// Turns the changes of a diary into events of a fit, whose dates the fit may move. An event
 /// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). Of the changes
-/// that the keeper noted at most four that stand out and four others become events, of the rest at
-/// most four that stand out, and at most four others possible events, which the fit takes if they
-/// pay.
+/// that the keeper noted at most four that stand out, and four others whose size was planned, become
+/// events, of the rest at most four that stand out. At most four others of each become possible
+/// events, which the fit takes if they pay.
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// The options with the sensor's place (`offset`) free, where the beat error shows that the sensor

@@ -133,7 +133,7 @@ struct LogFile {
 /// What the times of a log count from.
 enum class TimeOrigin : std::uint8_t {
   none, ///< something of the log's own
-  unix, ///< 1970-01-01 UTC: dates, and counters of that kind
+  epoch, ///< 1970-01-01 UTC: dates, and counters of that kind
   mjd,  ///< 1858-11-17
 };
 
