@@ -232,7 +232,7 @@ def test_weather_of_its_own_and_clocks_compared(tmp_path):
 def test_a_diary_is_checked(tmp_path):
     diary = tmp_path / "diary.csv"
     diary.write_text("time,what,value,sigma,note\n310,weight,1.0,0.1,heavier\n")
-    analysis = gr.analyse(gr.read(LOGS / "jump.csv"), diary=diary, profiles=False)
+    analysis = gr.analyse(gr.read(SOURCE / "data/logs/jump.csv"), diary=diary, profiles=False)
     assert analysis.kept_diary["entries"][0]["verdict"] == "as planned"
     assert analysis.diary_csv().startswith("time,what,value,sigma,note\n")
     again = pickle.loads(pickle.dumps(analysis))
