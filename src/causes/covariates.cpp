@@ -77,36 +77,39 @@ struct Answer {
   double filled_share = 0.0; ///< of these blocks: straight lines over holes
 };
 
+// A share of the beats of a block.
+bool is_known(double share) { return share > 0.5; }
+
+// Blocks in which a covariate is not known get the straight line between their neighbours.
+void put_lines(const std::vector<double>& known, std::vector<double>& series) {
+  std::optional<std::size_t> before;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!is_known(known[i])) continue;
+    for (std::size_t k = before.value_or(i) + 1; k < i; ++k)
+      series[k] = std::lerp(series[*before], series[i],
+                            static_cast<double>(k - *before) / static_cast<double>(i - *before));
+    if (!before)
+      std::fill(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(i), series[i]);
+    before = i;
+  }
+  if (before)
+    std::fill(series.begin() + static_cast<std::ptrdiff_t>(*before), series.end(), series[*before]);
+}
+
 Answer answer_in(const RateBlocks& blocks, std::size_t term) {
   Answer answer{blocks.rate, blocks.values[term], blocks.length_s};
   const std::vector<double>& known = blocks.known[term];
   if (known.empty()) return answer;
-  constexpr double enough = 0.5; // of a block
-  const auto is_known = [&](double share) { return share > enough; };
   const auto first = std::find_if(known.begin(), known.end(), is_known) - known.begin();
   const auto last = std::find_if(known.rbegin(), known.rend(), is_known).base() - known.begin();
-  answer.rate.clear();
-  answer.value.clear();
-  std::size_t filled = 0;
-  for (auto b = first; b < last; ++b) {
-    const auto i = static_cast<std::size_t>(b);
-    if (is_known(known[i])) {
-      for (std::size_t k = 1; k <= filled; ++k) { // of the line over the hole before
-        const double share = static_cast<double>(k) / static_cast<double>(filled + 1);
-        const std::size_t at = answer.rate.size() - filled + k - 1, before = at - k;
-        answer.rate[at] = std::lerp(answer.rate[before], blocks.rate[i], share);
-        answer.value[at] = std::lerp(answer.value[before], blocks.values[term][i], share);
-      }
-      filled = 0;
-    } else {
-      ++filled;
-    }
-    answer.rate.push_back(blocks.rate[i]);
-    answer.value.push_back(blocks.values[term][i]);
+  for (std::vector<double>* series : {&answer.rate, &answer.value}) {
+    put_lines(known, *series);
+    *series = {series->begin() + first, series->begin() + std::max(first, last)};
   }
-  const auto blocks_known = static_cast<double>(std::count_if(known.begin(), known.end(), is_known));
+  const auto blocks_known = static_cast<double>(std::ranges::count_if(known, is_known));
   answer.known_share = blocks_known / static_cast<double>(known.size());
-  answer.filled_share = 1.0 - blocks_known / static_cast<double>(std::max<std::size_t>(1, answer.rate.size()));
+  const auto blocks_taken = static_cast<double>(std::max<std::size_t>(1, answer.rate.size()));
+  answer.filled_share = 1.0 - blocks_known / blocks_taken;
   return answer;
 }
 
@@ -147,22 +150,6 @@ double attenuation(const Answer& answer, const RateTerm& term) {
     variance += c * c / static_cast<double>(answer.value.size());
   const double error2 = term.sigma * term.sigma * std::min(1.0, term.step_s / answer.block_s);
   return std::min(1.0, error2 / variance);
-}
-
-// Blocks in which a covariate is not known get the straight line between their neighbours.
-void put_lines(const std::vector<double>& known, std::vector<double>& series) {
-  constexpr double enough = 0.5; // of a block
-  std::optional<std::size_t> before;
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    if (!(known[i] > enough)) continue;
-    for (std::size_t k = before.value_or(i) + 1; k < i; ++k)
-      series[k] = std::lerp(series[*before], series[i],
-                            static_cast<double>(k - *before) / static_cast<double>(i - *before));
-    if (!before) std::fill(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(i), series[i]);
-    before = i;
-  }
-  if (before)
-    std::fill(series.begin() + static_cast<std::ptrdiff_t>(*before), series.end(), series[*before]);
 }
 
 constexpr std::size_t least_beats = 256, most_blocks = 1024, least_blocks = 32; // 16 in a half

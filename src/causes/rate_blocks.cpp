@@ -43,7 +43,7 @@ std::vector<double> differences(const TimingData& data, const std::vector<double
   return means;
 }
 
-// The share of the beats of each block at which the term is known; empty if it is at all.
+// The share of the beats of each block at which the term is known; empty if known at all of them.
 std::vector<double> known_shares(const TimingData& data, const RateTerm& term, double begin_s,
                                  double length_s, std::size_t count) {
   if (term.is_known.empty()) return {};

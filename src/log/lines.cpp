@@ -26,7 +26,6 @@ namespace {
 constexpr std::size_t chunk = 1 << 18;         // stays in the second-level cache
 constexpr std::size_t longest_line = 16 << 20; // no log has one; a file without line ends would
 
-// A file descriptor, read as it comes.
 // Why a file cannot be opened, as what was found in its place.
 std::string found_instead(int error) {
   if (error == ENOENT || error == ENOTDIR) return "no file of that name";
@@ -34,6 +33,7 @@ std::string found_instead(int error) {
   return std::strerror(error);
 }
 
+// A file descriptor, read as it comes.
 class FileSource : public ByteSource {
 public:
   FileSource(const std::string& path, std::function<bool()> wait)
