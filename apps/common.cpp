@@ -6,6 +6,7 @@
 #include "terminal.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -130,8 +131,10 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
 
 void add_reading_options(CLI::App& command, LogOptions& options) {
   constexpr const char* group = "How the log is read (found out and said if not given)";
+  std::vector<std::string> formats = format_names();
+  formats.insert(formats.end(), {"labx", "zip"}); // these are seen by themselves
   command.add_option("--format", options.format, "what kind of log it is")
-      ->check(one_of(format_names()))
+      ->check(one_of(formats))
       ->group(group);
   std::vector<std::string> roles = role_names();
   for (std::string& role : roles)
@@ -161,7 +164,16 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
                   "what comes first in dates such as 03/04/2013: day or month")
       ->check(one_of({"day", "month"}))
       ->group(group);
-  offers(command.add_option("--channel", options.channel, "of a TICC: chA, chB"), {"chA", "chB"})
+  auto* channel =
+      command.add_option("--channel", options.channels,
+                         "of a TICC: chA, chB; of a recording: beat=1 for the clock, pps=2 for a "
+                         "reference that clicks once a second");
+  offers(channel, {"chA", "chB", "beat=", "pps="})->allow_extra_args(false)->group(group);
+  command
+      .add_option("--clock-ppm", options.clock_ppm,
+                  "of a recording: the standard deviation of the sampling rate, parts in a million")
+      ->check(not_negative() & CLI::Range(0.0, 1e5))
+      ->capture_default_str()
       ->group(group);
   command
       .add_option("--rest-angle", options.rest_angle_rad,
@@ -176,9 +188,35 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
   command.add_flag("--strict", options.strict, "the first line at fault is an error")->group(group);
 }
 
+namespace {
+
+// "chB", or "beat=1", "pps=2".
+void take_channel(const std::string& words, ReadingOptions& reading) {
+  const std::size_t equals = words.find('=');
+  const std::string role = words.substr(0, equals);
+  if (equals == std::string::npos) {
+    reading.channel = words;
+    return;
+  }
+  std::size_t number = 0;
+  const char* end = words.data() + words.size();
+  const auto parsed = std::from_chars(words.data() + equals + 1, end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end || (role != "beat" && role != "pps"))
+    throw CLI::ValidationError("--channel", fmt::format("found {}, expected chA, chB, beat=NUMBER "
+                                                        "or pps=NUMBER",
+                                                        words));
+  if (role == "beat") reading.beat_channel = number;
+  if (role == "pps") reading.pps_channel = number;
+}
+
+} // namespace
+
 ReadingOptions reading_options(const LogOptions& options) {
   ReadingOptions reading;
-  if (!options.format.empty()) reading.format = format_named(options.format);
+  if (options.format == "labx")
+    reading.format = LogFormat::table;
+  else if (!options.format.empty())
+    reading.format = format_named(options.format);
   if (options.nominal_period_s > 0.0) reading.nominal_period_s = options.nominal_period_s;
   if (options.tau0_s > 0.0) reading.tau0_s = options.tau0_s;
   if (!options.unit.empty()) reading.unit = unit_named(options.unit);
@@ -187,7 +225,9 @@ ReadingOptions reading_options(const LogOptions& options) {
   reading.rest_angle_rad = options.rest_angle_rad;
   reading.decimal_comma = options.decimal_comma;
   if (!options.date_order.empty()) reading.month_first = options.date_order == "month";
-  reading.channel = options.channel;
+  for (const std::string& channel : options.channels)
+    take_channel(channel, reading);
+  reading.clock_ppm = options.clock_ppm;
   reading.strict = options.strict;
   reading.unpacked_limit = static_cast<std::uint64_t>(options.unpacked_limit_gib * gib);
   return reading;
@@ -306,6 +346,10 @@ std::string_view option_of(Setting setting) {
     return "--date-order";
   case Setting::channel:
     return "--channel";
+  case Setting::pps_channel:
+    return "--channel pps=NUMBER";
+  case Setting::clock_ppm:
+    return "--clock-ppm";
   case Setting::rest_angle:
     return "--rest-angle";
   case Setting::nominal_period:

@@ -36,7 +36,8 @@ struct LogOptions {
   double tau0_s = 0.0; ///< 0: not given
   bool decimal_comma = false;
   std::string date_order; // day or month; empty: not given
-  std::string channel;
+  std::vector<std::string> channels; ///< of a TICC, or ROLE=NUMBER of a recording
+  double clock_ppm = usual_clock_ppm;
   bool strict = false;
   WeatherRequest weather;
   std::optional<double> dead_time_s;

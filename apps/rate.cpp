@@ -70,16 +70,10 @@ void write_others(std::vector<StreamedFile>& files, const RateOptions& options, 
   });
 }
 
-RateSummary summary_of(const NumberedLog& loaded) {
-  RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
-  summary.nominal_is_known = loaded.nominal_is_known;
-  return summary;
-}
-
 void run(const RateOptions& options, const GlobalOptions& global) {
   if (options.follow) return follow(options.log, options.alarm_s, global);
   NumberedLog loaded = load(options.log, global);
-  const RateSummary summary = summary_of(loaded);
+  const RateSummary summary = mean_rate(loaded);
   bool elsewhere = false; // standard output has another result
   for (const std::string& path :
        {options.json, options.phase, options.par, options.ticc, options.native})
@@ -103,7 +97,7 @@ Job add_rate_job(CLI::App& command) {
   return {[options] { return *options; },
           [](NumberedLog loaded) {
             JobOutcome outcome;
-            outcome.result = rate_json(loaded.log, loaded.beats, summary_of(loaded), loaded.sensor);
+            outcome.result = rate_json(loaded.log, loaded.beats, mean_rate(loaded), loaded.sensor);
             return outcome;
           }};
 }

@@ -4,7 +4,7 @@
 # docstring names exists. Argument: the folder of the project.
 set -euo pipefail
 cd "$1"
-rooms=(base clock dynamics log spectra fit drive causes analysis report)
+rooms=(base clock dynamics sound log spectra fit drive causes analysis report)
 fault=0
 for i in "${!rooms[@]}"; do
   for ((j = i + 1; j < ${#rooms[@]}; j++)); do
@@ -24,7 +24,7 @@ if grep -rn '#include "\.\./' src include apps; then
   echo "another room is included by its name, not by a way to it"
   fault=1
 fi
-if grep -rnE '#include "(base|clock|dynamics|log|spectra|fit|drive|causes|analysis|report)/' include; then
+if grep -rnE '#include "(base|clock|dynamics|sound|log|spectra|fit|drive|causes|analysis|report)/' include; then
   echo "an installed header includes one that is not installed"
   fault=1
 fi

@@ -74,6 +74,7 @@
 #include "goingrate/report/paper.hpp"
 #include "goingrate/report/report.hpp"
 #include "goingrate/report/tables.hpp"
+#include "goingrate/sound/ticks.hpp"
 #include "goingrate/spectra/lines.hpp"
 #include "goingrate/spectra/multitaper.hpp"
 #include "goingrate/spectra/spectrum.hpp"

@@ -304,8 +304,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
     if (request.now) request.now(fmt::format("{} of {}: {}", ++step, steps, what));
   };
   Analysis data;
-  data.rate = summarise_rates(loaded.good, loaded.nominal_period_s);
-  data.rate.nominal_is_known = loaded.nominal_is_known;
+  data.rate = mean_rate(loaded);
   const TimingData times = fit_data(loaded);
   data.diary = diary_of(loaded, times);
   std::optional<Logbook> logbook;

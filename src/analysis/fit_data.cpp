@@ -100,6 +100,7 @@ void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
 
 TimingData fit_data(const NumberedLog& loaded) {
   TimingData data = timing_data(loaded.good);
+  data.time_base_sigma = loaded.log.time_base_sigma;
   const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
     if (!column.empty())
       data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));

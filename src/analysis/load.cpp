@@ -189,6 +189,10 @@ private:
     ClockLog& log = loaded_.log;
     auto& beats = loaded_.beats.beats;
     loaded_.sensor.beat_error_s = beat_error(beats);
+    if (loaded_.sensor.beat_error_s && log.sound)
+      loaded_.sensor.beat_error_s->sigma =
+          2.0 * std::hypot(0.5 * loaded_.sensor.beat_error_s->sigma, log.sound->tick.rise_s,
+                           log.sound->tock.rise_s);
     if (!request_.find_sensor_offset && !request_.sensor_offset_rad) return;
     const auto place = request_.find_sensor_offset ? found_offset() : request_.sensor_offset_rad;
     if (!place) return;
@@ -243,6 +247,13 @@ NumberedLog load_events(ClockLog log, const LoadRequest& request) {
   LoadRequest named = request;
   named.path = log.source;
   return Loading(std::move(log), named).run();
+}
+
+RateSummary mean_rate(const NumberedLog& loaded) {
+  RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
+  summary.nominal_is_known = loaded.nominal_is_known;
+  add_time_base(summary, loaded.log.time_base_sigma);
+  return summary;
 }
 
 PhaseSeries phase_series(const NumberedLog& loaded) {

@@ -273,6 +273,22 @@ void state_decay(const Decay& decay, FitSummary& summary) {
   summary.decay = decay;
 }
 
+// A period in seconds is as right as what the times were taken with.
+void widen_by_time_base(double time_base_sigma, FitSummary& summary) {
+  for (FittedParameter& p : summary.parameters) {
+    const bool is_T0 = p.name.substr(0, p.name.find('@')) == "T0";
+    if (!is_T0 || p.status == ParameterStatus::fixed || !std::isfinite(p.sigma)) continue;
+    const double common = time_base_sigma * p.value;
+    const auto widen = [&](double& end, double widths) {
+      end = p.value + std::copysign(std::hypot(end - p.value, widths * common), end - p.value);
+    };
+    constexpr double z95 = 1.959964;
+    widen(p.low68, 1.0), widen(p.high68, 1.0);
+    widen(p.low95, z95), widen(p.high95, z95);
+    p.sigma = std::hypot(p.sigma, common);
+  }
+}
+
 // A search and where it came to rest, which lies in it.
 struct Searched {
   std::unique_ptr<ModelSearch> search;
@@ -345,6 +361,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   state(fitted, *end.search, nominal_period_s, summary);
   if (summary.status != FitStatus::contradicts_log)
     if (const auto decay = decay_of(fitted, end.search->options())) state_decay(*decay, summary);
+  if (data.time_base_sigma > 0.0) widen_by_time_base(data.time_base_sigma, summary);
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, end.search->options());
   return summary;

@@ -3,6 +3,8 @@
 #include "beginning.hpp"
 #include "zip.hpp"
 
+#include "sound/recording.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -35,6 +37,10 @@ bool is_folder(const std::string& path) {
   return fs::is_directory(path, ignored);
 }
 
+std::vector<std::string> files_of(const std::string& path, std::uint64_t unpacked_limit) {
+  return is_zip(path) ? files_in_zip(path, unpacked_limit) : files_in(path);
+}
+
 bool has_names(const Layout& layout) {
   return std::any_of(layout.columns.begin(), layout.columns.end(),
                      [](const LogColumn& column) { return !column.name.empty(); });
@@ -51,13 +57,11 @@ public:
   std::vector<FilePart> run(const std::vector<std::string>& paths,
                             std::vector<Assumption>& assumptions) {
     for (const std::string& path : paths) {
-      const bool zip = is_zip(path);
-      if (!zip && !is_folder(path)) {
+      if (!holds_files(path)) {
         add(path, false);
         continue;
       }
-      for (const std::string& file :
-           zip ? files_in_zip(path, options_.unpacked_limit) : files_in(path))
+      for (const std::string& file : files_of(path, options_.unpacked_limit))
         add(file, true);
     }
     look_by_others();
@@ -95,6 +99,9 @@ private:
     LineReader lines(open_source(part.path, options_.unpacked_limit), part.path);
     const std::string_view head = lines.head(lines_to_know);
     part.lines_expected = lines.lines_expected();
+    if (is_sound(head))
+      throw InputError({part.path}, "a recording of sound among several files",
+                       "one recording by itself: nothing says when another began");
     ClockLog said;
     said.source = part.path;
     Layout layout;
@@ -224,6 +231,14 @@ std::string names_of(const std::vector<FilePart>& parts) {
 }
 
 } // namespace
+
+std::optional<std::string> lone_recording(const std::string& path, const ReadingOptions& options) {
+  if (!holds_files(path)) return {};
+  const auto files = files_of(path, options.unpacked_limit);
+  if (files.size() != 1) return {};
+  LineReader first(open_source(files.front(), options.unpacked_limit), files.front());
+  return is_sound(first.head(1)) ? std::optional(files.front()) : std::nullopt;
+}
 
 bool holds_files(const std::string& path) { return is_folder(path) || is_zip(path); }
 

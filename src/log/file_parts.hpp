@@ -29,6 +29,9 @@ std::vector<FilePart> file_parts(const std::vector<std::string>& paths,
                                  const ReadingOptions& options,
                                  std::vector<Assumption>& assumptions);
 
+/// The recording of sound that is all that a folder or a ZIP holds, if it is.
+std::optional<std::string> lone_recording(const std::string& path, const ReadingOptions& options);
+
 /// Whether a path is a folder or a ZIP.
 bool holds_files(const std::string& path);
 

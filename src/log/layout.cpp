@@ -8,7 +8,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::array<std::pair<LogFormat, std::string_view>, 11> formats{{
+constexpr std::array<std::pair<LogFormat, std::string_view>, 12> formats{{
     {LogFormat::native, "native"},
     {LogFormat::timestamps, "timestamps"},
     {LogFormat::clock_error, "clock-error"},
@@ -20,6 +20,7 @@ constexpr std::array<std::pair<LogFormat, std::string_view>, 11> formats{{
     {LogFormat::table, "table"},
     {LogFormat::angle, "angle"},
     {LogFormat::xy, "xy"},
+    {LogFormat::sound, "wav"},
 }};
 
 constexpr std::array<std::pair<ColumnRole, std::string_view>, 18> roles{{
@@ -92,6 +93,8 @@ std::string_view in_words(LogFormat format) {
     return "samples of the angle";
   case LogFormat::xy:
     return "samples of the bob's place";
+  case LogFormat::sound:
+    return "a recording of sound";
   case LogFormat::timestamps:
     break;
   }

@@ -155,6 +155,7 @@ void Detection::fill_columns(bool named) {
     set(1, ColumnRole::position);
     set(2, ColumnRole::height);
     break;
+  case LogFormat::sound: // no text
   case LogFormat::native:
   case LogFormat::timestamps:
   case LogFormat::table:

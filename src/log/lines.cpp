@@ -318,6 +318,18 @@ std::string read_text(const std::string& path, std::uint64_t unpacked_limit) {
   }
 }
 
+std::string LineReader::all() {
+  std::string bytes(rest_);
+  rest_ = {};
+  if (!source_ || at_end_) return bytes;
+  at_end_ = true;
+  while (true) {
+    std::string more = taken_from(*source_, std::max(chunk, bytes.size()));
+    if (more.empty()) return bytes;
+    bytes += more;
+  }
+}
+
 std::optional<double> LineReader::fraction_read() const {
   if (!source_ || !source_->size() || *source_->size() == 0) return {};
   return static_cast<double>(source_->taken()) / static_cast<double>(*source_->size());

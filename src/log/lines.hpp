@@ -49,6 +49,9 @@ public:
   /// ten times as many, or 16 MiB): to find out what it is. Only before the first next().
   std::string_view head(std::size_t lines);
 
+  /// All bytes, of what is no text after all. Only before the first next().
+  std::string all();
+
   /// Whether `head` was all of it.
   [[nodiscard]] bool whole_is_in_head() const { return whole_is_in_head_; }
 

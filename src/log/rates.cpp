@@ -78,6 +78,13 @@ std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const 
   return series;
 }
 
+void add_time_base(RateSummary& summary, double time_base_sigma) {
+  summary.time_base_sigma = time_base_sigma;
+  summary.rate_excess_sigma = std::hypot(summary.rate_excess_sigma, time_base_sigma);
+  summary.mean_period_sigma_s =
+      std::hypot(summary.mean_period_sigma_s, summary.mean_period_s * time_base_sigma);
+}
+
 namespace {
 
 // The clock's error at a beat, without a vector of all: x_i = n_i T0 - (t_i - t_0).

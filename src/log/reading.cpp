@@ -6,6 +6,7 @@
 #include "layout_detection.hpp"
 #include "repairs.hpp"
 #include "row_reader.hpp"
+#include "sound_log.hpp"
 #include "swing_circle.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -217,11 +218,23 @@ bool add_next(LineReader& lines, RowReader& rows) {
   return line.has_value();
 }
 
+void refuse_another_format(bool sound, const std::string& name, const ReadingOptions& options) {
+  if (options.format && sound != (*options.format == LogFormat::sound))
+    throw InputError({name}, sound ? in_words(LogFormat::sound) : "no sound that is known",
+                     sound ? in_words(*options.format) : "a recording: WAV, FLAC or OGG");
+}
+
 ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   check(options);
   ClockLog log;
   log.source = lines.name();
   const std::string_view beginning = lines.head(lines_to_know);
+  const bool sound = is_sound(beginning);
+  refuse_another_format(sound, lines.name(), options);
+  if (sound) {
+    const std::string bytes = lines.all();
+    return read_recording(Recording::in_memory(bytes, lines.name()), lines.name(), options);
+  }
   const Layout layout = settle_layout(beginning, lines.whole_is_in_head(), log, options);
   RowReader rows(layout, options, log);
   rows.reserve(room_for(lines.lines_expected()));
@@ -303,6 +316,11 @@ ClockLog read_log(std::string_view text, const std::string& source, const Readin
 }
 
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options) {
+  if (is_sound_on_disk(path)) { // hours of it need not lie in memory
+    check(options);
+    refuse_another_format(true, path, options);
+    return read_recording(Recording::on_disk(path), path, options);
+  }
   LineReader lines(open_source(path, options.unpacked_limit), path);
   return read_lines(lines, options);
 }

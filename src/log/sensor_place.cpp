@@ -169,7 +169,7 @@ std::optional<AmplitudeSummary> summarise_amplitudes(std::span<const Beat> good)
 
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats) {
   std::vector<double> errors;
-  for_each_swing(beats, [&](const Swing& swing) { errors.push_back(2.0 * swing.late_s); });
+  for_each_swing(beats, [&](const Swing& swing) { errors.push_back(4.0 * swing.late_s); });
   if (errors.size() < fewest_swings) return {};
   return robust_mean(errors);
 }

@@ -235,6 +235,9 @@ private:
 ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOptions& options) {
   if (paths.size() == 1 && !holds_files(paths.front()))
     return read_log_file(paths.front(), options);
+  if (paths.size() == 1)
+    if (const auto recording = lone_recording(paths.front(), options))
+      return read_log_file(*recording, options);
   return Joining(options).run(paths);
 }
 

@@ -124,12 +124,6 @@ std::vector<Stretch> sample_stretches(std::size_t size) {
   return sample;
 }
 
-double median(std::span<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source,
                              std::optional<double> nominal_s) {
   auto intervals = sampled_intervals(events);

@@ -1,6 +1,8 @@
 // The period of a log before anything is numbered, from a bounded sample of its intervals.
 #pragma once
 
+#include "base/robust.hpp"
+
 #include "goingrate/log/clock_log.hpp"
 
 #include <optional>
@@ -19,9 +21,6 @@ struct Stretch {
 /// All of `size` events if there are at most 1e5, else twenty stretches of 5000 spread evenly: a
 /// sample that sees all of the log and costs the same however long it is.
 std::vector<Stretch> sample_stretches(std::size_t size);
-
-/// The median of `values`, which are reordered; they must not be empty.
-double median(std::span<double> values);
 
 /// The bulk of the intervals between upward crossings, each over the whole number of periods that
 /// it holds.

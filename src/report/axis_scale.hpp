@@ -8,7 +8,7 @@
 
 namespace goingrate {
 
-struct Tick {
+struct AxisTick {
   double place = 0.0; ///< on the axis, from 0 to 1
   std::string label;  ///< empty for a minor tick
 };
@@ -19,7 +19,7 @@ struct AxisScale {
   bool logarithmic = false;
   double from = 0.0; ///< value, or its decimal logarithm, at place 0
   double to = 1.0;   ///< likewise at place 1
-  std::vector<Tick> ticks;
+  std::vector<AxisTick> ticks;
   std::string title;
 
   /// NaN for a value that cannot be shown.

@@ -53,7 +53,7 @@ public:
     for (const Series& series : figure.series)
       series_.push_back(within(series, axes));
     std::size_t longest = 0;
-    for (const Tick& tick : y_.ticks)
+    for (const AxisTick& tick : y_.ticks)
       longest = std::max(longest, characters(tick.label));
     left_ = std::max(least_left, 28.0 + character * static_cast<double>(longest)); // 28: the title
     right_ = width - std::max(least_right, 6.0 + character * half_of_last_label(x_));
@@ -155,7 +155,7 @@ void Drawing::draw_grid() {
   std::string labels;
   const auto out = std::back_inserter(labels);
   bool lower = false; // every other name, so that long ones have room
-  for (const Tick& tick : x_.ticks) {
+  for (const AxisTick& tick : x_.ticks) {
     const std::string x = coordinate(left_ + (right_ - left_) * tick.place);
     (tick.label.empty() ? minor : lines) +=
         fmt::format("M{} {}V{}", x, coordinate(top_), coordinate(bottom_));
@@ -164,7 +164,7 @@ void Drawing::draw_grid() {
                    coordinate(bottom_ + (lower ? 41.0 : 21.0)), escape_markup(tick.label));
     lower = !lower && figure_.x.names.size() > 4;
   }
-  for (const Tick& tick : y_.ticks) {
+  for (const AxisTick& tick : y_.ticks) {
     const double y = bottom_ - plot_height * tick.place;
     (tick.label.empty() ? minor : lines) +=
         fmt::format("M{} {}H{}", coordinate(left_), coordinate(y), coordinate(right_));

@@ -165,7 +165,7 @@ std::vector<Look> series_looks(const Figure& figure) {
 
 double half_of_last_label(const AxisScale& x) {
   double reach = 0.0;
-  for (const Tick& tick : x.ticks)
+  for (const AxisTick& tick : x.ticks)
     if (tick.place > 0.85) reach = 0.5 * static_cast<double>(characters(tick.label));
   return reach;
 }

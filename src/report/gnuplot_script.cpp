@@ -33,9 +33,9 @@ constexpr double edge = 0.05;           // that stays white whatever stands besi
 constexpr double character = 0.14;      // width of one at 8 points
 constexpr double tick_character = 0.17; // digits are wider
 
-std::size_t longest(const std::vector<Tick>& ticks) {
+std::size_t longest(const std::vector<AxisTick>& ticks) {
   std::size_t length = 0;
-  for (const Tick& tick : ticks)
+  for (const AxisTick& tick : ticks)
     length = std::max(length, characters(tick.label));
   return length;
 }
@@ -178,7 +178,7 @@ std::string tick_label(const std::string& label) {
 
 std::string ticks_text(const AxisScale& scale, bool labelled) {
   std::string text;
-  for (const Tick& tick : scale.ticks) {
+  for (const AxisTick& tick : scale.ticks) {
     if (!text.empty()) text += ", ";
     text +=
         tick_label(labelled ? tick.label : "") + " " + number(gnuplot::value_at(scale, tick.place));

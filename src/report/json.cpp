@@ -37,6 +37,19 @@ Json part_object(const PartRate& part, bool nominal_is_known) {
           {"amplitude_rad", json_number(part.amplitude_rad)}};
 }
 
+namespace {
+
+Json sound_object(const SoundFindings& sound, double time_base_sigma) {
+  return {{"sampling_rate_hz", json_number(sound.rate_hz)},
+          {"duration_s", json_number(sound.duration_s)},
+          {"tocks", sound.has_tocks},
+          {"drowned", sound.drowned},
+          {"pps", sound.has_pps},
+          {"time_base_sigma_ppm", json_number(1e6 * time_base_sigma)}};
+}
+
+} // namespace
+
 Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                  const SensorFindings& sensor) {
   Json json = json_with_schema("goingrate.rate");
@@ -63,10 +76,13 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                             {"kind", name_of(gap.kind)}});
   json["longest_countable_gap"] = beats.longest_countable_gap;
   json["segment_rates"] = Json::array();
-  for (const PartRate& part : segment_rates(beats.beats, summary.nominal_period_s))
+  for (PartRate& part : segment_rates(beats.beats, summary.nominal_period_s)) {
+    add_time_base(part.rate, summary.time_base_sigma);
     json["segment_rates"].push_back(part_object(part, summary.nominal_is_known));
+  }
   json["format"] = name_of(log.format);
   json["beat_error_s"] = estimate_object(sensor.beat_error_s);
+  if (log.sound) json["sound"] = sound_object(*log.sound, log.time_base_sigma);
   json["sensor_offset_rad"] = estimate_object(sensor.offset_rad);
   if (sensor.amplitude) {
     const AmplitudeSummary& amplitude = *sensor.amplitude;

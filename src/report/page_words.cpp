@@ -23,7 +23,7 @@ constexpr std::array<Word, 12> glossary{{
     {"a ± b", "b is one standard deviation (1 σ): the truth is within it in about two cases of "
               "three, and within twice as much in 19 of 20."},
     {"amplitude", "how far the pendulum swings from the vertical to either side."},
-    {"beat error", "half of what tick and tock differ by. A clock that is out of beat makes one, "
+    {"beat error", "what tick and tock differ by; others call half of it so. A clock that is out of beat makes one, "
                    "and so does a sensor that does not stand where the pendulum hangs at rest."},
     {"drive μ",
      "the push that keeps the pendulum going, as its torque over the moment of inertia."},

@@ -205,7 +205,9 @@ std::string part_rate_text(const PartRate& part, bool nominal_is_known) {
 
 std::string segment_lines(const Beats& beats, const RateSummary& summary) {
   constexpr std::size_t most = 6; // enough to see; --json has all
-  const auto segments = segment_rates(beats.beats, summary.nominal_period_s);
+  auto segments = segment_rates(beats.beats, summary.nominal_period_s);
+  for (PartRate& part : segments)
+    add_time_base(part.rate, summary.time_base_sigma);
   std::string text;
   for (std::size_t i = 0; i < std::min(most, segments.size()); ++i) {
     const PartRate& part = segments[i];
@@ -220,9 +222,9 @@ std::string segment_lines(const Beats& beats, const RateSummary& summary) {
 std::string sensor_lines(const RateSummary& summary, const SensorFindings& sensor) {
   std::string text;
   if (const auto& error = sensor.beat_error_s)
-    text += fmt::format("beat error {} ms, longer on the {}\n",
+    text += fmt::format("beat error {} ms (half of it: {:.3g} ms), longer on the {}\n",
                         with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma),
-                        error->value > 0.0 ? "left (from down to up)" : "right (from up to down)");
+                        0.5e3 * std::abs(error->value), error->value > 0.0 ? "left (from down to up)" : "right (from up to down)");
   if (const auto& amplitude = sensor.amplitude) {
     text += fmt::format("amplitude {:.6g} mrad in the mean, each known to {:.2g} mrad",
                         1e3 * amplitude->mean_rad, 1e3 * amplitude->sigma_rad);

@@ -383,6 +383,7 @@ std::vector<Figure> report_figures(const Analysis& data) {
   if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1)
     figures.push_back(spectrum_figure(data));
   if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
+  add(figures, beat_figure(data.log));
   if (fitted) add(figures, correlation_figure(data.fit));
   if (fitted) add(figures, interval_figure(data.fit));
   if (fitted) add(figures, profile_figure(data.fit));

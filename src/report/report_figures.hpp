@@ -13,6 +13,9 @@ namespace goingrate {
 /// nothing without amplitudes or for fewer than two stretches.
 std::optional<Figure> rate_amplitude_figure(const Analysis& data);
 
+/// The mean tick and tock of a recording of sound.
+std::optional<Figure> beat_figure(const ClockLog& log);
+
 /// mu(t)/mu0 with one sigma either way; nothing without a history. `time` = seconds *
 /// `time_factor`.
 std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, double time_factor,

@@ -42,6 +42,9 @@ LoadRequest request_of(const py::dict& options) {
   put("decimal_comma", reading.decimal_comma);
   put("month_first", reading.month_first);
   put("channel", reading.channel);
+  put("beat_channel", reading.beat_channel);
+  put("pps_channel", reading.pps_channel);
+  put("clock_ppm", reading.clock_ppm);
   put("rest_angle_rad", reading.rest_angle_rad);
   put("strict", reading.strict);
   put("unpacked_limit", reading.unpacked_limit);
@@ -196,6 +199,10 @@ const char* keyword_of(Setting setting) {
     return "date_order";
   case Setting::channel:
     return "channel";
+  case Setting::pps_channel:
+    return "pps_channel";
+  case Setting::clock_ppm:
+    return "clock_ppm";
   case Setting::rest_angle:
     return "rest_angle_rad";
   case Setting::nominal_period:

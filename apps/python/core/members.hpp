@@ -27,8 +27,10 @@ GOINGRATE_MEMBERS(GridData, tau0_s, phase_s)
 GOINGRATE_MEMBERS(Assumption, text, setting, value)
 GOINGRATE_MEMBERS(LogFile, name, lines_before, events_before)
 GOINGRATE_MEMBERS(JoinedWeather, quantity, source, readings, step_s, sigma, events_without)
+GOINGRATE_MEMBERS(MeanBeat, begin_s, step_s, rise_s, power)
+GOINGRATE_MEMBERS(SoundFindings, rate_hz, duration_s, drowned, has_tocks, has_pps, tick, tock)
 GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, zone_s, weather,
-                  has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
+                  sound, time_base_sigma, has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, missed, spurious, rivals,
                   bounces, segments, longest_countable_gap)
@@ -37,12 +39,12 @@ GOINGRATE_MEMBERS(AmplitudeSummary, mean_rad, rms_rad, sigma_rad)
 GOINGRATE_MEMBERS(SensorFindings, beat_error_s, offset_rad, at_vertical, amplitude)
 GOINGRATE_MEMBERS(RateSummary, crossings, periods, duration_s, nominal_period_s, nominal_is_known,
                   mean_period_s, mean_period_sigma_s, last_period_s, rate_excess, rate_excess_sigma,
-                  slope_rate_excess)
+                  slope_rate_excess, time_base_sigma)
 GOINGRATE_MEMBERS(PartRate, segment, from_cycle, to_cycle, start, rate, amplitude_rad)
 
 GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s, is_known, sigma, step_s)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
-                  terms, time_noise, amplitude_noise)
+                  terms, time_noise, amplitude_noise, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
 GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)

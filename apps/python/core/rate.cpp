@@ -19,9 +19,7 @@ namespace {
 
 RateSummary rate_of(const NumberedLog& loaded) {
   const Waiting waiting{py::none()};
-  RateSummary summary = summarise_rates(loaded.good, loaded.nominal_period_s);
-  summary.nominal_is_known = loaded.nominal_is_known;
-  return summary;
+  return mean_rate(loaded);
 }
 
 // One row a part, as arrays under the names of the command's table.

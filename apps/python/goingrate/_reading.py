@@ -91,6 +91,9 @@ def read(
     decimal_comma: bool = False,
     date_order: str | None = None,
     channel: str | None = None,
+    beat_channel: int | None = None,
+    pps_channel: int | None = None,
+    clock_ppm: float | None = None,
     rest_angle_rad: float | None = None,
     strict: bool = False,
     both_edges: bool = False,
@@ -133,6 +136,13 @@ def read(
         What comes first in dates such as 03/04/2013.
     channel : str, optional
         Of a TICC: chA, chB.
+    beat_channel : int, optional
+        Of a recording of sound: the channel in which the clock is heard, from 1.
+    pps_channel : int, optional
+        Of a recording: the channel in which a reference clicks once a second.
+    clock_ppm : float, optional
+        Of a recording without such a channel: the standard deviation of its sampling rate, parts in
+        a million; 50 if not given.
     rest_angle_rad : float, optional
         Of samples of an angle: where the pendulum hangs.
     strict : bool
@@ -187,6 +197,9 @@ def read(
         decimal_comma=decimal_comma,
         month_first=_month_first(date_order),
         channel=channel,
+        beat_channel=beat_channel,
+        pps_channel=pps_channel,
+        clock_ppm=clock_ppm,
         rest_angle_rad=rest_angle_rad,
         strict=strict,
         both_edges=both_edges,

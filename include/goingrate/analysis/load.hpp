@@ -3,6 +3,7 @@
 
 #include "goingrate/log/amplitude.hpp"
 #include "goingrate/log/beats.hpp"
+#include "goingrate/log/rates.hpp"
 #include "goingrate/log/reading.hpp"
 #include "goingrate/log/weather.hpp"
 
@@ -62,6 +63,9 @@ NumberedLog load_text(std::string_view text, const LoadRequest& request);
 /// request's reading only the nominal period counts, and not that if the log states one. Throws
 /// InputError as well for fewer than three events.
 NumberedLog load_events(ClockLog log, const LoadRequest& request);
+
+/// Its rate from end to end, with what is known of the nominal period and of the time base.
+RateSummary mean_rate(const NumberedLog& loaded);
 
 /// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on
 /// a grid as they were read, also where they are no clock's; else of the longest segment.

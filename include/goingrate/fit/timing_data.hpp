@@ -34,6 +34,7 @@ struct TimingData {
   /// Standard deviations of the times and of the amplitudes, one a beat, over the rms of all; empty
   /// where all are alike. Under noise of the drive those of the times are taken for alike.
   std::vector<double> time_noise{}, amplitude_noise{};
+  double time_base_sigma = 0.0; ///< relative, of the rate of what took the times: T0 answers to it
 
   /// Number of beats.
   [[nodiscard]] std::size_t size() const { return cycle.size(); }

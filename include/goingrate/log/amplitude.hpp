@@ -68,8 +68,9 @@ struct SensorFindings {
   std::optional<AmplitudeSummary> amplitude{};
 };
 
-/// Beat error, s: half of how much longer the pendulum is on the left (from a downward crossing to
-/// the next upward one) than on the right; its scatter gives sigma. Nothing without 3 whole swings.
+/// Beat error, s: how much longer the pendulum is on the left (from a downward crossing to the next
+/// upward one) than on the right; half of it is what others call by the same name. Its scatter
+/// gives sigma. Nothing without 3 whole swings.
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats);
 
 /// The angle (rad) at which the sensor stands, of numbered beats with amplitudes. With both

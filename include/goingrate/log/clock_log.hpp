@@ -4,6 +4,7 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/instant.hpp"
 #include "goingrate/log/layout.hpp"
+#include "goingrate/sound/ticks.hpp"
 
 #include <array>
 #include <cstddef>
@@ -114,6 +115,8 @@ enum class Setting : std::uint8_t {
   both_edges,
   flag_width,
   weather_zone,
+  pps_channel,
+  clock_ppm,
 };
 
 /// Something taken for granted.
@@ -152,6 +155,16 @@ struct JoinedWeather {
   std::size_t events_without = 0; ///< in holes, and beyond the first or last reading
 };
 
+/// What a recording of sound was found to be.
+struct SoundFindings {
+  double rate_hz = 0.0;
+  double duration_s = 0.0;
+  std::int64_t drowned = 0; ///< beats expected that do not stand out of the noise
+  bool has_tocks = false;
+  bool has_pps = false; ///< a second channel tells the seconds
+  MeanBeat tick, tock;
+};
+
 /// A log: events in order of time, or blocks of them where the time goes back.
 struct ClockLog {
   std::string source;         ///< file name as given, or words for several
@@ -163,6 +176,10 @@ struct ClockLog {
   TimeOrigin origin = TimeOrigin::none;
   std::optional<double> zone_s; ///< that the dates name, east of Greenwich; the first of them
   std::vector<JoinedWeather> weather; ///< what of `columns` was interpolated
+  std::optional<SoundFindings> sound; ///< if it is a recording
+  /// Standard deviation of the rate of the clock that all times were taken with, where it is known:
+  /// it is that of the log's rate as well, whatever its length.
+  double time_base_sigma = 0.0;
   bool has_amplitude = false;
   bool directions_are_open = false; ///< times of crossings, and nothing says of which direction
   std::optional<double> nominal_period_s; ///< if the log states one

@@ -24,6 +24,7 @@ enum class LogFormat {
   table,         ///< columns with names
   angle,         ///< samples of the angle; crossings are found by local fits
   xy,            ///< samples of the bob's place: time, x, y; read as angles about the centre
+  sound,         ///< a recording: WAV, FLAC, OGG; ticks are found by find_ticks
 };
 
 /// What a column holds.

@@ -25,6 +25,7 @@ struct RateSummary {
   double rate_excess = 0.0;       ///< T0 / mean period - 1, from end to end (eq. ratemeas)
   double rate_excess_sigma = 0.0; ///< from jitter and the scatter of block rates, see below
   double slope_rate_excess = 0.0; ///< the same from a straight line fitted to the clock's error
+  double time_base_sigma = 0.0; ///< of the rate of what took the times; the sigmas above hold it
 };
 
 /// A period as it is told: on a quarter of a second if it is within 0.2 % of one.
@@ -45,6 +46,9 @@ double nominal_period(const ClockLog& log, const Beats& beats,
 /// it covers as it should or a little more, for slower wander it grows with it
 /// (RatesTest.MeanRateSigmaCovers, RatesTest.JitterTellsOnTheEndsAlone).
 RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s);
+
+/// Adds the standard deviation of the time base's rate to the sigmas of rate and period.
+void add_time_base(RateSummary& summary, double time_base_sigma);
 
 /// The rate of a part of a log.
 struct PartRate {

@@ -18,6 +18,10 @@ namespace goingrate {
 /// A few megabytes of gzip can hold a thousand times as much.
 inline constexpr std::uint64_t usual_unpacked_limit = std::uint64_t{4} << 30;
 
+/// Parts in 10^6 that the sampling rate of a telephone or a sound card is off, where nobody has
+/// measured it.
+inline constexpr double usual_clock_ppm = 50.0;
+
 /// What the reader may be told instead of finding out.
 struct ReadingOptions {
   std::optional<LogFormat> format{};
@@ -28,6 +32,9 @@ struct ReadingOptions {
   std::optional<double> tau0_s{};     ///< between values of phase, frequency or intervals
   bool decimal_comma = false;
   std::string channel{};                  ///< of a TICC
+  std::size_t beat_channel = 1;           ///< of a recording: in which the clock is heard
+  std::optional<std::size_t> pps_channel{}; ///< in which a reference clicks once a second
+  double clock_ppm = usual_clock_ppm; ///< standard deviation of a recorder's sampling rate, 1e-6
   std::optional<double> rest_angle_rad{}; ///< of angle samples: where the pendulum hangs
   std::optional<bool> month_first{}; ///< in dates such as 03/04/2013; else the day comes first
   double zone_s = 0.0; ///< of dates that name no zone: east of Greenwich, s
@@ -77,7 +84,10 @@ std::vector<OtherReading> readings_for_phases(const GridData& grid);
 /// is restored by sorting, a log with the newest line first is turned round; where the time goes
 /// back and goes on from there a block of its own begins. Amplitudes outside 0 to pi rad and widths
 /// outside 0 to 1e6 s are taken as unknown, times beyond 4e18 s and clock errors beyond 1e9 s left
-/// out; all are told. Angle samples become crossings, see crossings_of_samples. Throws InputError
+/// out; all are told. Angle samples become crossings, see crossings_of_samples. A recording of
+/// sound (WAV, FLAC, OGG and what else libsndfile reads) becomes the beats that find_ticks finds in
+/// it, ticks as upward crossings and tocks as downward ones, with their standard deviations. Throws
+/// InputError
 /// (file, line, column, found, expected) if the text is empty, in UTF-16, binary in its first line
 /// or in half of them (holes of zeros are left out), of no known format, has more than 256 columns
 /// or a line of more than 16 MiB, unpacks to more than the limit, if fewer than half of its lines

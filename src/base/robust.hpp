@@ -1,0 +1,19 @@
+// Statistics that outliers do not move.
+#pragma once
+
+#include <span>
+
+namespace goingrate {
+
+/// The median of `values`, which are reordered; they must not be empty.
+double median(std::span<double> values);
+
+/// 1.4826 times the median absolute deviation from the median: the standard deviation of normal
+/// values. `values` are changed; they must not be empty.
+double robust_sigma(std::span<double> values);
+
+/// The mean without a tenth of the values at either end. `values` are reordered; they must not be
+/// empty.
+double trimmed_mean(std::span<double> values);
+
+} // namespace goingrate

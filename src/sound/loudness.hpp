@@ -1,0 +1,30 @@
+// How much louder than the background a recording is, in bins of about a millisecond.
+#pragma once
+
+#include "whitening.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace goingrate {
+
+/// Powers of a whitened recording over those of its background.
+struct Loudness {
+  std::int64_t hop = 0;         ///< samples a bin
+  std::vector<float> above;     ///< ln(power/background) in each bin, within bounds; 0: like it
+  std::vector<float> floor_log; ///< ln of the background's median power, one for each `floor_bins`
+  double noise = 0.0;           ///< standard deviation of `above` between beats, robust
+
+  static constexpr std::size_t floor_bins = 256;
+  /// The background's mean power a sample around a place (in samples).
+  [[nodiscard]] double background(double at) const;
+};
+
+/// Measures it. The background is the median over 1.3 s: ticks are shorter than the silence between
+/// them.
+Loudness measure_loudness(Whitening& sound, std::int64_t count, double rate_hz,
+                          const std::function<void(double)>& progress);
+
+} // namespace goingrate

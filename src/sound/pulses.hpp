@@ -1,0 +1,38 @@
+// Pulses of a reference clock, one a second, in a channel of a recording.
+#pragma once
+
+#include "goingrate/sound/ticks.hpp"
+
+#include <vector>
+
+namespace goingrate {
+
+/// The seconds that a channel tells.
+class SecondPulses {
+public:
+  /// Finds the leading edges: the steepest rises or falls, whichever are steeper, where they reach
+  /// half of the median size of one a second, to a fraction of a sample. Pulses that are missing are
+  /// counted over; what is no whole second from the others is left out.
+  explicit SecondPulses(const SoundSamples& samples);
+
+  /// Pulses found; fewer than three tell nothing.
+  [[nodiscard]] std::size_t count() const { return places_.size(); }
+
+  /// Seconds from the first pulse to a place (in samples): between straight lines fitted to the
+  /// eight pulses around it.
+  [[nodiscard]] double time_at(double place) const;
+
+  /// The mean sampling rate, Hz.
+  [[nodiscard]] double rate_hz() const;
+  /// Standard deviation of that rate, relative: from the scatter of the pulses.
+  [[nodiscard]] double rate_sigma() const;
+
+private:
+  void count_from(const std::vector<double>& places, std::size_t first);
+
+  double nominal_hz_;
+  std::vector<double> places_;  // in samples
+  std::vector<double> seconds_; // whole
+};
+
+} // namespace goingrate

@@ -1,0 +1,45 @@
+// Files of sound: WAV, FLAC, OGG and what else libsndfile reads.
+#pragma once
+
+#include "goingrate/sound/ticks.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace goingrate {
+
+/// Whether a file that begins so holds sound.
+bool is_sound(std::string_view beginning);
+
+/// The same of a regular file, neither packed nor in a ZIP.
+bool is_sound_on_disk(const std::string& path);
+
+/// An open file of sound, on disk or in memory.
+class Recording {
+public:
+  /// Throws InputError if it is damaged, holds no sample, or has more than 64 channels.
+  static Recording on_disk(const std::string& path);
+  /// The same of its bytes, which must live as long; `name` names it in messages.
+  static Recording in_memory(std::string_view bytes, const std::string& name);
+  Recording(Recording&&) noexcept;
+  Recording& operator=(Recording&&) noexcept;
+  ~Recording();
+
+  [[nodiscard]] double rate_hz() const;
+  /// Samples of each channel, as the file's head states it; never below 1.
+  [[nodiscard]] std::int64_t count() const;
+  [[nodiscard]] std::size_t channels() const;
+  /// One of the channels, counted from 1, for as long as the recording lives. Reading throws
+  /// InputError where the file is damaged.
+  [[nodiscard]] SoundSamples channel(std::size_t number);
+
+private:
+  struct File;
+  explicit Recording(std::unique_ptr<File> file);
+  std::unique_ptr<File> file_;
+};
+
+} // namespace goingrate

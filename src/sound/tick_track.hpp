@@ -1,0 +1,29 @@
+// The course of a clock's beats through its noise, to a millisecond.
+#pragma once
+
+#include "loudness.hpp"
+#include "tick_period.hpp"
+
+#include <vector>
+
+namespace goingrate {
+
+/// A beat as the loudness shows it.
+struct RoughTick {
+  double bin = 0.0;  ///< where it begins
+  bool is_tock = false;
+  bool stands_out = true; ///< of the noise; else only expected there
+};
+
+/// What the track found.
+struct TickTrack {
+  std::vector<RoughTick> ticks;
+  TickPattern pattern; ///< refined
+};
+
+/// Follows the beats: the likeliest course of the phase under a likelihood of the loudness given a
+/// beat that sounds like the mean, learnt on the way, with small steps from period to period and
+/// rare jumps (Viterbi).
+TickTrack track_ticks(const Loudness& loudness, TickPattern pattern);
+
+} // namespace goingrate

@@ -1,0 +1,83 @@
+#include "goingrate/sound/ticks.hpp"
+
+#include "loudness.hpp"
+#include "tick_band.hpp"
+#include "tick_period.hpp"
+#include "tick_times.hpp"
+#include "tick_track.hpp"
+#include "whitening.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <algorithm>
+
+namespace goingrate {
+
+namespace {
+
+/// Listens to a recording, first to all of it and then in the band of the beats.
+class Listening {
+public:
+  using Part = std::function<void(double)>;
+
+  Listening(const SoundSamples& samples, std::optional<double> nominal_period_s,
+            std::function<Part(double, double)> tell)
+      : samples_(samples), nominal_s_(nominal_period_s), tell_(std::move(tell)), sound_(samples) {}
+
+  TickTrain run() {
+    if (!hears_a_clock()) return {};
+    sound_.follow_by(band_of_ticks(sound_, loudness_, track_ticks(loudness_, pattern_)));
+    if (!hears(tell_(listened, listened_again))) return {};
+    return time_ticks(sound_, loudness_, track_ticks(loudness_, pattern_), samples_.rate_hz,
+                      tell_(listened_again, 1.0));
+  }
+
+private:
+  static constexpr double listened = 0.3, listened_again = 0.8; // shares of the time
+
+  // In all of the sound, or else in one of the bands where clocks are heard.
+  bool hears_a_clock() {
+    if (hears(tell_(0.0, listened))) return true;
+    for (const double frequency_hz : {3000.0, 1500.0, 6000.0}) {
+      if (2.0 * frequency_hz > 0.5 * samples_.rate_hz) continue;
+      sound_.follow_by(band_around(frequency_hz, samples_.rate_hz));
+      if (hears(tell_(listened, listened))) return true;
+    }
+    return false;
+  }
+
+  bool hears(const Part& progress) {
+    constexpr std::size_t fewest_bins = 256; // a quarter of a second
+    loudness_ = measure_loudness(sound_, samples_.count, samples_.rate_hz, progress);
+    if (loudness_.above.size() < fewest_bins) return false;
+    const double bins_a_second = samples_.rate_hz / static_cast<double>(loudness_.hop);
+    const auto nominal = nominal_s_ ? std::optional(*nominal_s_ * bins_a_second) : std::nullopt;
+    const auto pattern = find_pattern(loudness_, bins_a_second, nominal);
+    if (pattern) pattern_ = *pattern;
+    return pattern.has_value();
+  }
+
+  const SoundSamples& samples_;
+  std::optional<double> nominal_s_;
+  std::function<Part(double, double)> tell_;
+  Whitening sound_;
+  Loudness loudness_;
+  TickPattern pattern_;
+};
+
+} // namespace
+
+TickTrain find_ticks(const SoundSamples& samples, std::optional<double> nominal_period_s,
+                     const std::function<void(double)>& progress) {
+  if (!(samples.rate_hz >= 4e3 && samples.rate_hz <= 4e5))
+    throw ArgumentError("sampling rate", samples.rate_hz, "between 4 kHz and 400 kHz");
+  if (nominal_period_s && !(*nominal_period_s >= 0.1 && *nominal_period_s <= 5.0))
+    throw ArgumentError("nominal-period", *nominal_period_s, "between 0.1 and 5 s, of a sound");
+  const auto tell = [&](double from, double to) -> std::function<void(double)> {
+    if (!progress) return nullptr;
+    return [&progress, from, to](double part) { progress(from + (to - from) * part); };
+  };
+  return Listening(samples, nominal_period_s, tell).run();
+}
+
+} // namespace goingrate

@@ -1,0 +1,32 @@
+// Whitening by linear prediction: what of each sample those before it do not foretell.
+#pragma once
+
+#include "goingrate/sound/ticks.hpp"
+
+#include <span>
+#include <vector>
+
+namespace goingrate {
+
+/// A prediction-error filter for a whole recording.
+class Whitening {
+public:
+  /// Learns it (autocorrelation method, Levinson's recursion) from blocks all over the recording,
+  /// each counted alike, however loud.
+  explicit Whitening(const SoundSamples& samples);
+
+  /// Lets it be followed by a symmetric filter of an odd number of taps, instead of any before.
+  void follow_by(std::span<const float> symmetric);
+
+  /// Fills `to` with whitened samples from `first` on.
+  void read(std::int64_t first, std::span<float> to);
+
+private:
+  const SoundSamples& samples_;
+  std::vector<float> prediction_; // of the sample itself, of the one before it, ...
+  std::vector<float> filter_;     // all that is done, from `ahead_` samples later on
+  std::size_t ahead_ = 0;
+  std::vector<float> raw_;
+};
+
+} // namespace goingrate
