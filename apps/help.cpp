@@ -36,6 +36,8 @@ error. Several files, a folder or a ZIP are read as one log of one clock.
   angle           samples of an angle; crossings by local fits
   xy              time and place of the bob (Tracker): angles about the centre
                   of the circle through the places
+  labx            a measurement of CASSY Lab 2: a table
+  zip             one log or several, packed
   wav             a recording of the ticking: WAV, FLAC, OGG; --channel beat=1,
                   --channel pps=2 for a reference that clicks once a second
   native          what simulate writes: '#' lines 'key: value', then named
@@ -45,9 +47,10 @@ These override what was recognised: --format, --unit, --column time=2,
 --both-edges, --nominal-period (s), --tau0 (s, between values of phase,
 frequency and intervals), --rest-angle (rad, at which a pendulum recorded as
 angle samples hangs). A compressed log may unpack to 4 GiB at most;
---unpacked-limit changes that. A recording's sampling rate is taken to be right to
-50 parts in a million; --clock-ppm says otherwise. --weather FILE brings temperature, pressure and
-humidity from a table with a header, at another cadence.
+--unpacked-limit changes that. A recording's sampling rate is taken to be right
+to 50 parts in a million; --clock-ppm says otherwise. --weather FILE brings
+temperature, pressure and humidity from a table with a header, at another
+cadence.
 --dead-time (s): events that follow an edge within it are bounces of a contact;
 without the option the dead time is estimated from the log. Where times go back,
 a new segment begins.

@@ -82,7 +82,7 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
   }
   json["format"] = name_of(log.format);
   json["beat_error_s"] = estimate_object(sensor.beat_error_s);
-  if (log.sound) json["sound"] = sound_object(*log.sound, log.time_base_sigma);
+  json["sound"] = log.sound ? sound_object(*log.sound, log.time_base_sigma) : Json(nullptr);
   json["sensor_offset_rad"] = estimate_object(sensor.offset_rad);
   if (sensor.amplitude) {
     const AmplitudeSummary& amplitude = *sensor.amplitude;

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double shortest_s = 0.045, // between two sounds: 43,200 beats an hour are 0.083 s apart
     longest_s = 3.6,                 // of a period
-    farthest_s = 11.0,               // lag looked at: three of the longest periods
-    window_s = 30.0;
-constexpr std::size_t most_windows = 40, coarse = 2; // bins
+    farthest_s = 22.0,               // lag looked at: six of the longest periods
+    window_s = 60.0;
+constexpr std::size_t most_windows = 20, coarse = 2; // bins
 constexpr double nominal_is_right_to = 0.03;         // half an hour a day
 
 // Sums of the values before each.

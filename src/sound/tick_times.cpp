@@ -3,7 +3,6 @@
 #include "base/robust.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -19,10 +18,6 @@ constexpr double lead_s = 8e-3, tail_s = 24e-3, // of a beat, from where it begi
     step_s = 62.5e-6,                           // of its power
     reach_s = 4e-3;                             // a rough place is right to three milliseconds
 constexpr std::size_t most_learnt_from = 600;
-// Powers are smoothed by weights 1, 2, 1: each tells as much as 16/6 bins, and the noise of
-// neighbours is correlated by 2/3 and 1/6.
-constexpr double bins_in_one = 16.0 / 6.0;
-constexpr std::array<double, 3> noise_correlation{1.0, 4.0 / 6.0, 1.0 / 6.0};
 constexpr std::size_t longest_correlation = 32; // bins: 2 ms, several periods of a click's tone
 
 /// Sizes of a beat's power in bins.
@@ -33,12 +28,17 @@ struct Grid {
     lead = static_cast<std::size_t>(std::lround(lead_s / step));
     size = lead + static_cast<std::size_t>(std::lround(tail_s / step));
     reach = static_cast<std::ptrdiff_t>(std::lround(reach_s / step));
-    degrees = bins_in_one * static_cast<double>(samples);
   }
   std::int64_t samples = 1; ///< a bin
   std::size_t lead = 0, size = 0;
   std::ptrdiff_t reach = 0;
-  double degrees = 1.0; ///< of freedom of one power
+  double degrees = 1.0;                 ///< of freedom of one power of the background
+  std::vector<double> correlation{1.0}; ///< of its powers so many bins apart
+
+  // How many neighbours are as good as one.
+  [[nodiscard]] double alike() const {
+    return 2.0 * std::accumulate(correlation.begin(), correlation.end(), 0.0) - 1.0;
+  }
 };
 
 /// The power around a place where a beat may begin.
@@ -84,6 +84,34 @@ private:
   const Grid& grid_;
   std::vector<float> samples_, bins_;
 };
+
+// Measures the background halfway between beats: power is chi-square of as many degrees as its
+// scatter tells, in the band of the beats fewer than there are samples.
+void measure_background(Snippets& snippets, const TickTrack& track, Grid& grid) {
+  constexpr std::size_t most = 300, lags = 24;
+  std::vector<double> products(lags, 0.0), sizes(lags, 1e-12), squares;
+  const std::size_t every = track.ticks.size() / most + 1;
+  for (std::size_t i = 0; i + 1 < track.ticks.size(); i += every) {
+    const Snippet snippet = snippets.read(0.5 * (track.ticks[i].bin + track.ticks[i + 1].bin));
+    std::vector<double> powers(snippet.powers.begin(), snippet.powers.end());
+    const double mean = trimmed_mean(powers);
+    std::vector<double> off;
+    constexpr double largest = 4.0; // what is louder is no background
+    for (const float power : snippet.powers)
+      off.push_back(std::min(static_cast<double>(power) / mean - 1.0, largest));
+    for (std::size_t lag = 0; lag < lags; ++lag)
+      for (std::size_t k = lag; k < off.size(); ++k)
+        products[lag] += off[k] * off[k - lag], sizes[lag] += 1.0;
+  }
+  const double variance = products[0] / sizes[0];
+  if (!(variance > 0.0)) return;
+  grid.degrees = 2.0 / variance;
+  grid.correlation.clear();
+  for (std::size_t lag = 0; lag < lags; ++lag) { // Bartlett's weights leave no negative variance
+    const double weight = 1.0 - static_cast<double>(lag) / lags;
+    grid.correlation.push_back(weight * products[lag] / sizes[lag] / variance);
+  }
+}
 
 /// What ticks, or tocks, are like: power over their own strength, its relative variance from beat
 /// to beat, and how far that is alike in bins so far apart.
@@ -236,7 +264,7 @@ private:
 
   // How far other places, as likely as they are, lie from the best: in noise there are several.
   [[nodiscard]] double spread(std::ptrdiff_t best) const {
-    constexpr double alike = 1.0 + 2.0 * (noise_correlation[1] + noise_correlation[2]);
+    const double alike = std::max(1.0, grid_.alike());
     double sum = 0.0, squares = 0.0;
     for (std::size_t i = 0; i < misfits_.size(); ++i) {
       const double off = static_cast<double>(i) - static_cast<double>(best);
@@ -261,7 +289,7 @@ private:
       by_own[k] = weights_[k] * slope * own_[k];
       information += weights_[k] * slope * slope;
     }
-    const double variance = correlated(by_noise, noise_correlation) +
+    const double variance = correlated(by_noise, grid_.correlation) +
                             correlated(by_own, kind_.correlation);
     return std::sqrt(std::max(variance, 0.0)) / information;
   }
@@ -529,8 +557,9 @@ void drop_repeated(std::vector<Tick>& ticks, double period) {
 
 TickTrain time_ticks(Whitening& sound, const Loudness& loudness, const TickTrack& track,
                      double rate_hz, const std::function<void(double)>& progress) {
-  const Grid grid(rate_hz);
+  Grid grid(rate_hz);
   Snippets snippets(sound, loudness, grid);
+  measure_background(snippets, track, grid);
   TickTrain train;
   train.period = track.pattern.period * static_cast<double>(loudness.hop);
   train.has_tocks = track.pattern.has_tocks;

@@ -79,11 +79,11 @@ private:
     return score;
   }
 
-  // Beats are drowned, so that silence says little. Far above what tells a beat the score grows like
-  // a logarithm: a loud bang is not worth many beats.
+  // Beats are drowned, so that silence says little. What tells a beat for sure comes up to twice as
+  // much: a loud bang is not worth many beats.
   static float bounded(float value) {
     constexpr float least = -4.0F, enough = 12.0F;
-    if (value > enough) return enough * (1.0F + std::log(value / enough));
+    if (value > enough) return enough * (2.0F - enough / value);
     return std::max(value, least);
   }
 
@@ -130,7 +130,8 @@ public:
   }
 
 private:
-  static constexpr double step_cost = 3.0, jump_cost = 25.0; // nats: of a bin a period; of anywhere
+  // Nats: of a bin a period; of anywhere, which two periods of the clearest beats are not worth.
+  static constexpr double step_cost = 3.0, jump_cost = 100.0;
   static constexpr std::int8_t jump = 2;
 
   // The best way to the phase f: from f - taken.

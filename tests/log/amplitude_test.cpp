@@ -101,7 +101,7 @@ TEST(AmplitudeTest, OffsetFromBothDirections) {
   EXPECT_NEAR(offset->value, 4e-3, 4e-6);
   const auto error = beat_error(beats.beats);
   ASSERT_TRUE(error);
-  EXPECT_NEAR(error->value, 2.0 * std::asin(4e-3 / 0.039086) * 2.0 / two_pi, 1e-4);
+  EXPECT_NEAR(error->value, 4.0 * std::asin(4e-3 / 0.039086) * 2.0 / two_pi, 1e-4);
 }
 
 TEST(AmplitudeTest, HalfPeriodsGiveTheAmplitudeIfTheOffsetIsKnown) {

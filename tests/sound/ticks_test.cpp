@@ -78,6 +78,7 @@ TEST(TicksTest, GoesOnAfterSecondsOfNothing) {
   const TickScore result = score(clock);
   EXPECT_EQ(result.found, result.beats);
   EXPECT_EQ(result.false_beats, 0U);
+  EXPECT_FALSE(result.swaps) << "a tick stays a tick";
 }
 
 TEST(TicksTest, OneSoundAPeriodIfTheNominalPeriodSaysSo) {

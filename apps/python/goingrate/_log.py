@@ -287,7 +287,7 @@ class Log:
 
     @property
     def beat_error_s(self) -> tuple[float, float] | None:
-        """Beat error and its standard deviation, s; None unless both directions were logged."""
+        """Beat error, tick - tock, and its standard deviation, s; None without both directions."""
         return self._core.beat_error_s
 
     @property
