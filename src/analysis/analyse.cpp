@@ -329,10 +329,14 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   if (request.finds_events) drop_what_no_fit_demands(data.fit, data.diary);
   put_rates(loaded.good, loaded.nominal_period_s, data.diary);
   data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
-  for (PartRate& stretch : data.stretches)
-    stretch.rate.nominal_is_known = loaded.nominal_is_known;
   data.now = rate_now(loaded.good, data.stretches.back(), loaded.nominal_period_s);
-  data.now.rate.nominal_is_known = loaded.nominal_is_known;
+  const auto complete = [&](RateSummary& rate) {
+    rate.nominal_is_known = loaded.nominal_is_known;
+    add_time_base(rate, loaded.log.time_base_sigma);
+  };
+  for (PartRate& stretch : data.stretches)
+    complete(stretch.rate);
+  complete(data.now.rate);
   tell("looking at weather and amplitude");
   data.covariates = covariate_effects(times);
   data.isochronism = isochronism(times, data.fit);

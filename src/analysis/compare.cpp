@@ -121,6 +121,7 @@ ComparedClock compared(const NumberedLog& one, const CommonTimes& times,
                      fmt::format("at least {}", fewest_common));
   clock.rate = summarise_rates(common, one.nominal_period_s);
   clock.rate.nominal_is_known = one.nominal_is_known;
+  add_time_base(clock.rate, one.log.time_base_sigma);
   clock.error_s = sampled(one, clock_error(one.good, one.nominal_period_s), times);
   clock.deviation = stability_table(DeviationKind::oadev, clock.error_s, times.step_s, factors);
   const TimingData data = fit_data(one);

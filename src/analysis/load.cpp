@@ -189,6 +189,7 @@ private:
     ClockLog& log = loaded_.log;
     auto& beats = loaded_.beats.beats;
     loaded_.sensor.beat_error_s = beat_error(beats);
+    loaded_.sensor.sides_are_unknown = log.sound.has_value();
     if (loaded_.sensor.beat_error_s && log.sound)
       loaded_.sensor.beat_error_s->sigma =
           2.0 * std::hypot(0.5 * loaded_.sensor.beat_error_s->sigma, log.sound->tick.rise_s,

@@ -286,7 +286,13 @@ void widen_by_time_base(double time_base_sigma, FitSummary& summary) {
     widen(p.low68, 1.0), widen(p.high68, 1.0);
     widen(p.low95, z95), widen(p.high95, z95);
     p.sigma = std::hypot(p.sigma, common);
+    p.sigma_by_law = std::hypot(p.sigma_by_law, common);
   }
+  for (DerivedQuantity& quantity : summary.combinations)
+    if (quantity.name == "mean period")
+      quantity.sigma = std::hypot(quantity.sigma, time_base_sigma * quantity.value);
+  DerivedQuantity& rate = summary.rate_s_per_day;
+  rate.sigma = std::hypot(rate.sigma, seconds_gained_per_day(time_base_sigma));
 }
 
 // A search and where it came to rest, which lies in it.

@@ -234,10 +234,28 @@ std::string names_of(const std::vector<FilePart>& parts) {
 
 std::optional<std::string> lone_recording(const std::string& path, const ReadingOptions& options) {
   if (!holds_files(path)) return {};
-  const auto files = files_of(path, options.unpacked_limit);
-  if (files.size() != 1) return {};
-  LineReader first(open_source(files.front(), options.unpacked_limit), files.front());
-  return is_sound(first.head(1)) ? std::optional(files.front()) : std::nullopt;
+  std::vector<std::string> recordings, others;
+  for (const std::string& file : files_of(path, options.unpacked_limit)) {
+    LineReader first(open_source(file, options.unpacked_limit), file);
+    (is_sound(first.head(1)) ? recordings : others).push_back(file);
+  }
+  if (recordings.empty()) return {};
+  const auto refuse = [&](const std::string& found) {
+    throw InputError({recordings.front()}, found,
+                     "one recording by itself: nothing says when another began");
+  };
+  if (recordings.size() > 1)
+    refuse(fmt::format("{} recordings of sound in {}", recordings.size(), path));
+  const bool has_log = std::any_of(others.begin(), others.end(), [&](const std::string& file) {
+    try {
+      std::vector<Assumption> unused;
+      return !Looking(options).run({file}, unused).empty();
+    } catch (const InputError&) { // notes
+      return false;
+    }
+  });
+  if (has_log) refuse("a recording of sound among logs");
+  return recordings.front();
 }
 
 bool holds_files(const std::string& path) { return is_folder(path) || is_zip(path); }

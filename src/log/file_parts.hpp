@@ -29,7 +29,8 @@ std::vector<FilePart> file_parts(const std::vector<std::string>& paths,
                                  const ReadingOptions& options,
                                  std::vector<Assumption>& assumptions);
 
-/// The recording of sound that is all that a folder or a ZIP holds, if it is.
+/// The recording of sound that is the only log in a folder or a ZIP, if it is. Throws InputError for
+/// several, and for one among logs.
 std::optional<std::string> lone_recording(const std::string& path, const ReadingOptions& options);
 
 /// Whether a path is a folder or a ZIP.

@@ -3,6 +3,8 @@
 #include "lines.hpp"
 #include "row_reader.hpp"
 
+#include "sound/recording.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -87,6 +89,8 @@ struct LogFollower::Parts {
   void settle() {
     for (std::size_t line_count = layout ? 1 : enough_lines;; line_count += 1 + line_count / 8) {
       const std::string_view text = lines->head(line_count);
+      if (is_sound(text))
+        throw InputError({path}, "a recording of sound", "a log that grows line by line");
       const std::string_view whole_lines = text.substr(0, text.rfind('\n') + 1);
       if (const auto start = find_start(whole_lines, options, layout)) return use(*start);
       const bool is_all = lines->whole_is_in_head();

@@ -85,6 +85,11 @@ void add_time_base(RateSummary& summary, double time_base_sigma) {
       std::hypot(summary.mean_period_sigma_s, summary.mean_period_s * time_base_sigma);
 }
 
+double own_rate_sigma(const RateSummary& summary) {
+  const double all = summary.rate_excess_sigma, common = summary.time_base_sigma;
+  return std::sqrt(std::max(0.0, all * all - common * common));
+}
+
 namespace {
 
 // The clock's error at a beat, without a vector of all: x_i = n_i T0 - (t_i - t_0).

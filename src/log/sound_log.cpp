@@ -41,7 +41,7 @@ public:
            Setting::clock_ppm});
       return;
     }
-    pulses_.emplace(recording.channel(*options.pps_channel));
+    pulses_.emplace(recording.channel(*options.pps_channel, options.unpacked_limit));
     constexpr double fewest = 3.0;
     const double seconds = log.sound->duration_s;
     if (static_cast<double>(pulses_->count()) < std::max(fewest, 0.5 * seconds))
@@ -62,6 +62,8 @@ public:
   [[nodiscard]] double time_of(double place) const {
     return pulses_ ? pulses_->time_at(place) : place / rate_hz_;
   }
+  [[nodiscard]] bool covers(double place) const { return !pulses_ || pulses_->covers(place); }
+  [[nodiscard]] double sigma_s() const { return pulses_ ? pulses_->time_sigma_s() : 0.0; }
 
 private:
   double rate_hz_;
@@ -97,12 +99,18 @@ void say_what_is_heard(ClockLog& log, const TickTrain& train) {
   log.assumptions.push_back(
       {fmt::format("{} beats are heard in {:.6g} s{}", train.ticks.size(), log.sound->duration_s,
                    train.drowned > 0
-                       ? fmt::format(", {} more are drowned by noise", train.drowned)
+                       ? fmt::format(", {} more are not", train.drowned)
                        : std::string())});
-  if (train.has_tocks)
-    log.assumptions.push_back({"every other sound is a tock, half a period after its tick; which of "
-                               "the two is the tick cannot be heard",
-                               Setting::nominal_period});
+  const double period_s = train.period / log.sound->rate_hz;
+  if (train.is_even)
+    log.assumptions.push_back(
+        {fmt::format("the sounds come at equal intervals: tick and tock of a clock of {:.4g} s; if "
+                     "each is a period, the nominal period is {:.4g} s",
+                     period_s, 0.5 * period_s),
+         Setting::nominal_period});
+  else if (train.has_tocks)
+    log.assumptions.push_back(
+        {"ticks and tocks in turn; which of the two is the tick cannot be heard"});
   else
     log.assumptions.push_back({"one sound a period"});
 }
@@ -114,12 +122,15 @@ ClockLog read_recording(Recording recording, const std::string& name,
   if (!(options.clock_ppm >= 0.0 && options.clock_ppm <= 1e5))
     throw ArgumentError("clock-ppm", options.clock_ppm, "between 0 and 1e5");
   check_rate(recording, name);
+  if (options.pps_channel == options.beat_channel)
+    throw ArgumentError("pps channel", static_cast<double>(options.beat_channel),
+                        "another channel than that of the beats");
   check_channel("beat channel", options.beat_channel, recording);
   if (options.pps_channel) check_channel("pps channel", *options.pps_channel, recording);
   ClockLog log;
   log.source = name;
   log.format = LogFormat::sound;
-  const SoundSamples sound = recording.channel(options.beat_channel);
+  const SoundSamples sound = recording.channel(options.beat_channel, options.unpacked_limit);
   log.sound.emplace();
   log.sound->rate_hz = sound.rate_hz;
   log.sound->duration_s = static_cast<double>(sound.count) / sound.rate_hz;
@@ -133,13 +144,24 @@ ClockLog read_recording(Recording recording, const std::string& name,
                                        train.ticks.size(), log.sound->duration_s)
                          : fmt::format("{:.4g} s of sound in which nothing repeats",
                                        log.sound->duration_s),
-                     "the ticks of one clock, of a period between 0.1 and 3.6 s");
+                     "the ticks of one clock, of a period between 0.15 and 3.6 s");
+  std::size_t left_out = 0;
   for (const Tick& tick : train.ticks) {
+    if (!time_base.covers(tick.at)) {
+      ++left_out;
+      continue;
+    }
     log.events.push_back(event_at(Instant::from_seconds(time_base.time_of(tick.at)),
                                   tick.is_tock ? Edge::down : Edge::up,
                                   static_cast<std::uint32_t>(log.events.size() + 1)));
-    log.columns.sigma_s.push_back(tick.sigma / sound.rate_hz);
+    log.columns.sigma_s.push_back(std::hypot(tick.sigma / sound.rate_hz, time_base.sigma_s()));
   }
+  if (left_out > 0)
+    log.assumptions.push_back(
+        {fmt::format("{} beats are left out: no pulse of the reference is near them", left_out)});
+  if (log.events.size() < fewest)
+    throw InputError({name}, fmt::format("{} beats near pulses of the reference", log.events.size()),
+                     fmt::format("at least {}", fewest));
   log.sound->drowned = train.drowned;
   log.sound->has_tocks = train.has_tocks;
   log.sound->tick = std::move(train.tick);

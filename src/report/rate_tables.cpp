@@ -221,7 +221,11 @@ std::string segment_lines(const Beats& beats, const RateSummary& summary) {
 
 std::string sensor_lines(const RateSummary& summary, const SensorFindings& sensor) {
   std::string text;
-  if (const auto& error = sensor.beat_error_s)
+  if (const auto& error = sensor.beat_error_s; error && sensor.sides_are_unknown)
+    text += fmt::format("beat error {} ms (half of it: {:.3g} ms), on either side\n",
+                        with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma),
+                        0.5e3 * std::abs(error->value));
+  else if (error)
     text += fmt::format("beat error {} ms (half of it: {:.3g} ms), longer on the {}\n",
                         with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma),
                         0.5e3 * std::abs(error->value), error->value > 0.0 ? "left (from down to up)" : "right (from up to down)");

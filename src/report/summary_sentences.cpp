@@ -202,7 +202,7 @@ std::string Sentences::changes() const {
       return fmt::format(
           "Its rate changed {}, by {}", words_.moment(first.at_s),
           words_.rate(after.rate_excess - before.rate_excess,
-                      std::hypot(before.rate_excess_sigma, after.rate_excess_sigma)));
+                      std::hypot(own_rate_sigma(before), own_rate_sigma(after))));
     return fmt::format(
         "Its rate changed {}, from {} before to {}{} after{}", words_.moment(first.at_s),
         words_.rate(before.rate_excess, before.rate_excess_sigma), moves_on() ? "a mean of " : "",

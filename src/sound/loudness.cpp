@@ -45,8 +45,9 @@ float sound_median(std::span<const float> values) {
   return least_share * copy.size() <= values.size() ? silent : static_cast<float>(median(copy));
 }
 
-// Medians of blocks, and of five blocks in a row; in silence that of the sound before it, or after.
-std::vector<float> background_of(std::span<const float> log_power) {
+// Medians of blocks, and of five blocks in a row; in silence that of the sound before it, or after,
+// and `least` where there is nothing between the beats.
+std::vector<float> background_of(std::span<const float> log_power, float least) {
   std::vector<float> medians, smooth;
   for (std::size_t from = 0; from < log_power.size(); from += Loudness::floor_bins)
     medians.push_back(sound_median(
@@ -61,7 +62,7 @@ std::vector<float> background_of(std::span<const float> log_power) {
       std::find_if(smooth.begin(), smooth.end(), [](float value) { return value > silent; });
   float before = first == smooth.end() ? silent : *first;
   for (float& value : smooth)
-    before = value = value > silent ? value : before;
+    before = value = std::max(least, value > silent ? value : before);
   return smooth;
 }
 
@@ -83,9 +84,14 @@ Loudness measure_loudness(Whitening& sound, std::int64_t count, double rate_hz,
   loudness.above = powers(sound, count, loudness.hop, progress);
   auto& above = loudness.above;
   if (above.empty()) return loudness;
+  double mean = 0.0;
+  for (const float power : above)
+    mean += static_cast<double>(power) / static_cast<double>(above.size());
   for (float& power : above)
     power = std::max(std::log(power), silent);
-  loudness.floor_log = background_of(above);
+  constexpr double finest = 1e-7; // of the mean power: 70 dB below it nothing is background
+  loudness.floor_log =
+      background_of(above, static_cast<float>(std::log(std::max(finest * mean, 1e-25))));
   std::vector<double> quiet;
   for (std::size_t i = 0; i < above.size(); ++i) {
     const float floor = loudness.floor_log[i / Loudness::floor_bins];

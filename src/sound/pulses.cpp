@@ -122,15 +122,34 @@ double SecondPulses::time_at(double place) const {
 
 double SecondPulses::rate_hz() const { return line_through(seconds_, places_).slope; }
 
+bool SecondPulses::covers(double place) const {
+  constexpr double near = 2.0; // s
+  const auto after = std::lower_bound(places_.begin(), places_.end(), place);
+  const double reach = near * nominal_hz_;
+  const bool later = after != places_.end() && *after - place < reach;
+  const bool earlier = after != places_.begin() && place - *(after - 1) < reach;
+  return later || earlier;
+}
+
+// Of one pulse about the line through its neighbours, in samples: from second differences, which a
+// drift of the sampling rate does not enter.
+double SecondPulses::scatter() const {
+  std::vector<double> squares;
+  for (std::size_t i = 1; i + 1 < places_.size(); ++i)
+    if (seconds_[i + 1] - seconds_[i - 1] == 2.0)
+      squares.push_back(std::pow(places_[i + 1] - 2.0 * places_[i] + places_[i - 1], 2) / 6.0);
+  return squares.empty() ? 1.0 : std::sqrt(trimmed_mean(squares));
+}
+
+// The end of a line through eight points is known to 0.65 of the scatter of one, its middle to 0.35.
 double SecondPulses::rate_sigma() const {
-  const Line line = line_through(seconds_, places_);
-  double misfits = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const double off = seconds_[i] - line.seconds;
-    misfits += std::pow(places_[i] - line.place - off * line.slope, 2);
-    squares += off * off;
-  }
-  return std::sqrt(misfits / static_cast<double>(places_.size() - 2) / squares) / line.slope;
+  constexpr double end = 0.65;
+  return std::sqrt(2.0) * end * scatter() / (places_.back() - places_.front());
+}
+
+double SecondPulses::time_sigma_s() const {
+  constexpr double middle = 0.35;
+  return middle * scatter() / nominal_hz_;
 }
 
 } // namespace goingrate

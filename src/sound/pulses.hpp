@@ -18,16 +18,21 @@ public:
   /// Pulses found; fewer than three tell nothing.
   [[nodiscard]] std::size_t count() const { return places_.size(); }
 
-  /// Seconds from the first pulse to a place (in samples): between straight lines fitted to the
-  /// eight pulses around it.
+  /// Seconds from the first pulse to a place (in samples): by the straight line through the eight
+  /// pulses around it.
   [[nodiscard]] double time_at(double place) const;
+  /// Whether there are pulses within two seconds before and after a place.
+  [[nodiscard]] bool covers(double place) const;
 
   /// The mean sampling rate, Hz.
   [[nodiscard]] double rate_hz() const;
-  /// Standard deviation of that rate, relative: from the scatter of the pulses.
+  /// Standard deviation of that rate, relative: both ends by their pulses' scatter.
   [[nodiscard]] double rate_sigma() const;
+  /// Standard deviation of a time, s, in the midst of pulses.
+  [[nodiscard]] double time_sigma_s() const;
 
 private:
+  [[nodiscard]] double scatter() const;
   void count_from(const std::vector<double>& places, std::size_t first);
 
   double nominal_hz_;

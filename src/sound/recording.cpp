@@ -69,60 +69,76 @@ struct Recording::File {
       throw InputError({name}, fmt::format("a recording that cannot be read: {}",
                                            sf_strerror(nullptr)),
                        "sound as WAV, FLAC or OGG");
-    if (info.frames < 1 || info.samplerate < 1 || info.channels < 1 ||
-        info.channels > most_channels)
-      throw InputError({name},
-                       fmt::format("{} samples of {} channels at {} Hz", info.frames,
-                                   info.channels, info.samplerate),
-                       fmt::format("a recording of 1 to {} channels", most_channels));
+    if (info.frames < 1)
+      throw InputError({name}, "a recording without a sample",
+                       "sound: where a recorder broke off, its program may mend the file");
+    if (info.channels > most_channels)
+      throw InputError({name}, fmt::format("{} channels", info.channels),
+                       fmt::format("1 to {}", most_channels));
   }
 
-  // Lossy codecs do not come to the same samples after a jump as on the way.
-  [[nodiscard]] bool jumps_badly() const {
-    const int type = info.format & SF_FORMAT_TYPEMASK;
-    return type != SF_FORMAT_WAV && type != SF_FORMAT_WAVEX && type != SF_FORMAT_RF64 &&
-           type != SF_FORMAT_AIFF && type != SF_FORMAT_FLAC;
+  // Lossy codecs do not come to the same samples after a jump as on the way; a stream does not know
+  // its length.
+  [[nodiscard]] bool is_read_as_a_whole() const {
+    const int type = info.format & SF_FORMAT_TYPEMASK, packing = info.format & SF_FORMAT_SUBMASK;
+    const bool plain = packing <= SF_FORMAT_PCM_32 || packing == SF_FORMAT_PCM_U8 ||
+                       packing == SF_FORMAT_FLOAT || packing == SF_FORMAT_DOUBLE ||
+                       packing == SF_FORMAT_ULAW || packing == SF_FORMAT_ALAW;
+    constexpr sf_count_t longest = sf_count_t{1} << 40; // 200 days at 48 kHz
+    return type == SF_FORMAT_OGG || !plain || info.seekable == 0 || info.frames > longest;
   }
 
   // A channel as a whole, 16 bits a sample.
-  std::vector<std::int16_t> unpacked(std::size_t channel) {
-    constexpr std::int64_t at_once = 1 << 16;
-    constexpr std::int64_t most = std::int64_t{1} << 31; // 4 GiB: 12 hours at 48 kHz
-    if (info.frames > most)
-      throw InputError({name}, fmt::format("{} samples that must be unpacked to be read",
-                                           info.frames),
-                       fmt::format("at most {}, or a WAV or FLAC, which are read in pieces", most));
+  std::vector<std::int16_t> unpacked(std::size_t channel, std::uint64_t limit) {
+    constexpr std::size_t at_once = 1 << 16;
     std::vector<std::int16_t> all;
-    std::vector<float> some;
-    while (static_cast<std::int64_t>(all.size()) < info.frames) {
-      const auto first = static_cast<std::int64_t>(all.size());
-      some.resize(static_cast<std::size_t>(std::min(at_once, info.frames - first)));
-      read(channel, first, some);
-      for (const float value : some)
-        all.push_back(static_cast<std::int16_t>(std::lround(loudest * std::clamp(value, -1.0F, 1.0F))));
+    std::vector<float> some(at_once);
+    while (const sf_count_t got = next(channel, some)) {
+      for (const float value : std::span(some).first(static_cast<std::size_t>(got)))
+        all.push_back(
+            static_cast<std::int16_t>(std::lround(loudest * std::clamp(value, -1.0F, 1.0F))));
+      if (sizeof(std::int16_t) * all.size() > limit)
+        throw InputError({name},
+                         fmt::format("a channel of sound that unpacks to more than {} bytes", limit),
+                         "no more, or a higher limit for what may be unpacked");
     }
+    sf_seek(sound.get(), 0, SEEK_SET); // for another channel
+    at = 0;
     return all;
   }
   static constexpr float loudest = 32767.0F; // of 16 bits
 
+  // The next samples of one channel; how many there were.
+  sf_count_t next(std::size_t channel, std::span<float> to) {
+    const auto channels = static_cast<std::size_t>(info.channels);
+    frames.resize(to.size() * channels);
+    const sf_count_t got =
+        sf_readf_float(sound.get(), frames.data(), static_cast<sf_count_t>(to.size()));
+    for (std::size_t i = 0; i < static_cast<std::size_t>(got); ++i) {
+      to[i] = frames[i * channels + channel];
+      constexpr float largest = 1e15F; // of which the square is a float
+      if (!(std::abs(to[i]) < largest))
+        throw InputError({name},
+                         fmt::format("what is no number {:.6g} s from the beginning",
+                                     static_cast<double>(at + static_cast<sf_count_t>(i)) /
+                                         info.samplerate),
+                         "a recording of finite samples");
+    }
+    at += got;
+    return got;
+  }
+
   // Samples of one channel that lie in the recording.
   void read(std::size_t channel, sf_count_t first, std::span<float> to) {
     const bool placed = at == first || sf_seek(sound.get(), first, SEEK_SET) == first;
-    const auto channels = static_cast<std::size_t>(info.channels);
-    frames.resize(to.size() * channels);
-    const auto wanted = static_cast<sf_count_t>(to.size());
-    const sf_count_t got = placed ? sf_readf_float(sound.get(), frames.data(), wanted) : 0;
-    if (got < wanted) // or a head that states more than there is
+    at = first;
+    const sf_count_t got = placed ? next(channel, to) : 0;
+    if (got < static_cast<sf_count_t>(to.size())) // or a head that states more than there is
       throw InputError({name},
                        fmt::format("a recording that cannot be read on {:.4g} s from its beginning",
                                    static_cast<double>(first + got) / info.samplerate),
                        fmt::format("sound to its end, after {:.4g} s",
                                    static_cast<double>(info.frames) / info.samplerate));
-    at = first + got;
-    for (std::size_t i = 0; i < to.size(); ++i) {
-      const float value = frames[i * channels + channel];
-      to[i] = value > -1e6F && value < 1e6F ? value : 0.0F; // no sound is so loud, or no number
-    }
   }
 };
 
@@ -168,14 +184,15 @@ Recording Recording::in_memory(std::string_view bytes, const std::string& name) 
 }
 
 double Recording::rate_hz() const { return file_->info.samplerate; }
-std::int64_t Recording::count() const { return file_->info.frames; }
 std::size_t Recording::channels() const { return static_cast<std::size_t>(file_->info.channels); }
 
-SoundSamples Recording::channel(std::size_t number) {
-  if (file_->jumps_badly()) {
-    SoundSamples samples{rate_hz(), count(), nullptr};
-    samples.read = [all = std::make_shared<const std::vector<std::int16_t>>(
-                        file_->unpacked(number - 1))](std::int64_t first, std::span<float> to) {
+SoundSamples Recording::channel(std::size_t number, std::uint64_t unpacked_limit) {
+  SoundSamples samples{rate_hz(), file_->info.frames, nullptr};
+  if (file_->is_read_as_a_whole()) {
+    const auto all = std::make_shared<const std::vector<std::int16_t>>(
+        file_->unpacked(number - 1, unpacked_limit));
+    samples.count = static_cast<std::int64_t>(all->size());
+    samples.read = [all](std::int64_t first, std::span<float> to) {
       for (std::size_t i = 0; i < to.size(); ++i) {
         const std::int64_t at = first + static_cast<std::int64_t>(i);
         const bool inside = at >= 0 && at < static_cast<std::int64_t>(all->size());
@@ -185,7 +202,6 @@ SoundSamples Recording::channel(std::size_t number) {
     };
     return samples;
   }
-  SoundSamples samples{rate_hz(), count(), nullptr};
   samples.read = [file = file_.get(), number](std::int64_t first, std::span<float> to) {
     const auto size = static_cast<std::int64_t>(to.size());
     const std::int64_t from = std::clamp<std::int64_t>(-first, 0, size);

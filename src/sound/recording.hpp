@@ -1,4 +1,4 @@
-// Files of sound: WAV, FLAC, OGG and what else libsndfile reads.
+// Files of sound: WAV, RF64, AIFF, FLAC and OGG, by libsndfile.
 #pragma once
 
 #include "goingrate/sound/ticks.hpp"
@@ -29,12 +29,12 @@ public:
   ~Recording();
 
   [[nodiscard]] double rate_hz() const;
-  /// Samples of each channel, as the file's head states it; never below 1.
-  [[nodiscard]] std::int64_t count() const;
   [[nodiscard]] std::size_t channels() const;
   /// One of the channels, counted from 1, for as long as the recording lives. Reading throws
-  /// InputError where the file is damaged.
-  [[nodiscard]] SoundSamples channel(std::size_t number);
+  /// InputError where the file is damaged or holds what is no number. What cannot be read in pieces
+  /// (OGG, packed samples in a WAV, a head that does not state its length) is unpacked as a whole,
+  /// to `unpacked_limit` bytes at most.
+  [[nodiscard]] SoundSamples channel(std::size_t number, std::uint64_t unpacked_limit);
 
 private:
   struct File;

@@ -78,6 +78,7 @@ std::vector<float> band_of_ticks(Whitening& sound, const Loudness& loudness,
   const std::size_t every = track.ticks.size() / most + 1;
   for (std::size_t i = 0; i + 1 < track.ticks.size(); i += every) {
     const RoughTick& tick = track.ticks[i];
+    if (!tick.clock_goes) continue;
     const auto middle = static_cast<std::int64_t>(0.5 * (tick.bin + track.ticks[i + 1].bin));
     beats.add(static_cast<std::int64_t>(tick.bin) * loudness.hop);
     between.add(middle * loudness.hop);

@@ -12,8 +12,8 @@ namespace goingrate {
 
 namespace {
 
-constexpr double shortest_s = 0.045, // between two sounds: 43,200 beats an hour are 0.083 s apart
-    longest_s = 3.6,                 // of a period
+constexpr double shortest_s = 0.07, // between two sounds: 43,200 beats an hour are 0.083 s apart
+    longest_s = 3.7,                // of a period
     farthest_s = 22.0,               // lag looked at: six of the longest periods
     window_s = 60.0;
 constexpr std::size_t most_windows = 20, coarse = 2; // bins
@@ -53,7 +53,8 @@ struct Windows {
 Windows spread_windows(std::size_t bins, double bins_a_second) {
   Windows windows;
   windows.size = std::min(bins, static_cast<std::size_t>(window_s * bins_a_second));
-  const std::size_t fit = windows.size == 0 ? 0 : bins / windows.size;
+  const std::size_t fit =
+      windows.size == 0 ? 0 : (bins + windows.size - 1) / windows.size; // the last two overlap
   const std::size_t count = std::min(most_windows, fit);
   for (std::size_t i = 0; i < count; ++i)
     windows.begins.push_back(count < 2 ? 0 : i * (bins - windows.size) / (count - 1));
@@ -191,7 +192,7 @@ std::optional<TickPattern> find_pattern(const Loudness& loudness, double bins_a_
   if (!(from < to)) return {};
   const double lag = best_lag(correlation, from, to);
   constexpr double clear = 5.0; // standard deviations, of the best of some thousand lags
-  if (repeats(correlation, lag) < clear * chance(correlation, shortest_s * coarse_a_second))
+  if (!(repeats(correlation, lag) > clear * chance(correlation, shortest_s * coarse_a_second)))
     return {};
   TickPattern pattern;
   pattern.period = lag * static_cast<double>(coarse);
@@ -202,7 +203,10 @@ std::optional<TickPattern> find_pattern(const Loudness& loudness, double bins_a_
   } else {
     pattern.tock_after = pattern.period;
     pattern.period *= 2.0;
+    pattern.is_even = true;
   }
+  const double period_s = pattern.period / bins_a_second;
+  if (period_s < 2.0 * shortest_s || period_s > longest_s) return {};
   return pattern;
 }
 

@@ -11,6 +11,7 @@ namespace goingrate {
 struct TickPattern {
   double period = 0.0;    ///< of the oscillation
   bool has_tocks = true;  ///< false: one sound a period
+  bool is_even = false;   ///< one sound repeats, and is taken for both
   double tock_after = 0.0; ///< from a tick to its tock
 };
 

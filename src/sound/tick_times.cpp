@@ -28,6 +28,7 @@ struct Grid {
     lead = static_cast<std::size_t>(std::lround(lead_s / step));
     size = lead + static_cast<std::size_t>(std::lround(tail_s / step));
     reach = static_cast<std::ptrdiff_t>(std::lround(reach_s / step));
+    degrees = static_cast<double>(samples);
   }
   std::int64_t samples = 1; ///< a bin
   std::size_t lead = 0, size = 0;
@@ -329,6 +330,7 @@ public:
     place_as_expected();
     learn_from_one();
     settle();
+    if (best_places_.empty()) return best_; // no beat lies near where it should
     kind_ = best_;
     places_ = best_places_;
     learn_correlation();
@@ -494,7 +496,8 @@ private:
     const auto first = kind_.shape.begin() + static_cast<std::ptrdiff_t>(onset);
     const auto next = std::min<std::ptrdiff_t>(kind_.shape.end() - first, grid_.reach / 4);
     const double half = 0.5 * *std::max_element(first, first + std::max<std::ptrdiff_t>(1, next));
-    kind_.rise = static_cast<double>(first_above(std::max(half, begun)) - onset);
+    const auto rise = static_cast<double>(first_above(std::max(half, begun)) - onset);
+    kind_.rise = std::max(0.5, rise); // where in a bin it begins is not known
     const std::ptrdiff_t by =
         static_cast<std::ptrdiff_t>(onset) - static_cast<std::ptrdiff_t>(grid_.lead);
     std::vector<double> after;
@@ -563,6 +566,7 @@ TickTrain time_ticks(Whitening& sound, const Loudness& loudness, const TickTrack
   TickTrain train;
   train.period = track.pattern.period * static_cast<double>(loudness.hop);
   train.has_tocks = track.pattern.has_tocks;
+  train.is_even = track.pattern.is_even;
   const Kind tick = learnt(snippets, grid, track, false);
   const Kind tock = train.has_tocks ? learnt(snippets, grid, track, true) : Kind{};
   Fit fit_tick(grid, tick), fit_tock(grid, tock);
@@ -578,7 +582,8 @@ TickTrain time_ticks(Whitening& sound, const Loudness& loudness, const TickTrack
     const Snippet snippet = snippets.read(rough.bin, rough.is_tock ? tock.after : tick.after);
     const Place place = rough.is_tock ? fit_tock(snippet) : fit_tick(snippet);
     constexpr double worst_s = 2e-3; // of a place: it is then not found, but expected
-    if (!place.inside || place.sigma * static_cast<double>(grid.samples) > worst_s * rate_hz) {
+    const bool known = place.sigma * static_cast<double>(grid.samples) <= worst_s * rate_hz;
+    if (!place.inside || !known) {
       ++train.drowned;
       continue;
     }

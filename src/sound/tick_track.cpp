@@ -184,21 +184,45 @@ std::vector<double> one_a_period(const std::vector<double>& bins, double period)
   return result;
 }
 
-// The best place near an expected one. A beat is expected there: it is taken for one unless the
-// loudness speaks against it.
+// The best place near an expected one.
 RoughTick place_near(std::span<const float> score, double bin, bool is_tock) {
   constexpr std::ptrdiff_t reach = 3;
   constexpr double usual = 1.5; // bins that beats are off the smooth course
-  RoughTick tick{bin, is_tock, false};
-  double best = 0.0;
+  RoughTick tick{bin, is_tock, -std::numeric_limits<double>::infinity()};
   const auto middle = static_cast<std::ptrdiff_t>(std::lround(bin));
   for (std::ptrdiff_t i = middle - reach; i <= middle + reach; ++i) {
     if (i < 0 || i >= static_cast<std::ptrdiff_t>(score.size())) continue;
     const double off = (static_cast<double>(i) - bin) / usual;
     const double value = static_cast<double>(score[static_cast<std::size_t>(i)]) - 0.5 * off * off;
-    if (value > best) best = value, tick.bin = static_cast<double>(i), tick.stands_out = true;
+    if (value > tick.score) tick.score = value, tick.bin = static_cast<double>(i);
   }
   return tick;
+}
+
+// Judges beats by what places score where none is. The clock goes where many of the beats around
+// are better than nearly all of these; there a beat is expected, and taken for one unless it is no
+// better than most of them.
+void judge(std::vector<RoughTick>& ticks, std::vector<double> control) {
+  if (control.empty()) return;
+  const auto quantile = [&](double share) {
+    const auto at = control.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(control.size() - 1));
+    std::nth_element(control.begin(), at, control.end());
+    return *at;
+  };
+  constexpr double nearly_all = 0.98, most = 0.8;
+  const double clear = std::max(0.0, quantile(nearly_all)), least = std::max(0.0, quantile(most));
+  constexpr std::size_t around = 10; // beats on either side
+  constexpr double many = 0.25;      // of them: noise comes to a fiftieth
+  std::vector<double> sums{0.0};
+  for (const RoughTick& tick : ticks)
+    sums.push_back(sums.back() + (tick.score > clear ? 1.0 : 0.0));
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const std::size_t from = i < around ? 0 : i - around;
+    const std::size_t to = std::min(ticks.size(), i + around + 1);
+    ticks[i].clock_goes = sums[to] - sums[from] >= many * static_cast<double>(to - from);
+    ticks[i].stands_out = ticks[i].clock_goes && ticks[i].score > least;
+  }
 }
 
 // The loudness halfway between beats.
@@ -218,12 +242,15 @@ Background between_beats(std::span<const float> above, std::span<const RoughTick
   return {mean, std::sqrt(std::max(1e-6, sum2 / count - mean * mean))};
 }
 
-// The mean loudness around beats of one kind, over that between beats; of faint ones too: they are
-// what a faint clock has. `count` is that of the beats.
+// The mean loudness around beats of one kind, over that between beats, while the clock goes; of
+// faint ones too: they are what a faint clock has. `count` is that of the beats.
 Shape mean_shape(std::span<const float> above, std::span<const RoughTick> ticks, bool tocks,
                  double background, double& count) {
   std::vector<std::size_t> firsts;
+  const bool goes = std::any_of(ticks.begin(), ticks.end(),
+                                [](const RoughTick& tick) { return tick.clock_goes; });
   for (const RoughTick& tick : ticks) {
+    if (goes && !tick.clock_goes) continue;
     const auto first = static_cast<std::ptrdiff_t>(tick.bin) - lead;
     if (tick.is_tock == tocks && first >= 0 &&
         first + lead + tail < static_cast<std::ptrdiff_t>(above.size()))
@@ -269,7 +296,7 @@ public:
     for (const float value : loudness.above)
       sum += static_cast<double>(value), sum2 += static_cast<double>(value * value);
     const auto count = static_cast<double>(loudness.above.size());
-    background_ = {sum / count, std::sqrt(sum2 / count - sum * sum / count / count)};
+    background_ = {sum / count, std::sqrt(std::max(1e-6, sum2 / count - sum * sum / count / count))};
   }
 
   TickTrack run() {
@@ -304,6 +331,12 @@ private:
       take(ticks, bin, false);
       if (pattern.has_tocks) take(tocks, bin + pattern.tock_after, true);
     }
+    std::vector<double> control;
+    for (std::size_t i = 0; i + 1 < track_.ticks.size(); ++i) {
+      const double between = 0.5 * (track_.ticks[i].bin + track_.ticks[i + 1].bin);
+      control.push_back(place_near(track_.ticks[i].is_tock ? tocks : ticks, between, false).score);
+    }
+    judge(track_.ticks, std::move(control));
     refine(bins);
     background_ = between_beats(loudness_.above, track_.ticks);
   }

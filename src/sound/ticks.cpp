@@ -71,8 +71,9 @@ TickTrain find_ticks(const SoundSamples& samples, std::optional<double> nominal_
                      const std::function<void(double)>& progress) {
   if (!(samples.rate_hz >= 4e3 && samples.rate_hz <= 4e5))
     throw ArgumentError("sampling rate", samples.rate_hz, "between 4 kHz and 400 kHz");
-  if (nominal_period_s && !(*nominal_period_s >= 0.1 && *nominal_period_s <= 5.0))
-    throw ArgumentError("nominal-period", *nominal_period_s, "between 0.1 and 5 s, of a sound");
+  if (nominal_period_s && !(*nominal_period_s >= 0.15 && *nominal_period_s <= 3.6))
+    throw ArgumentError("nominal-period", *nominal_period_s,
+                        "between 0.15 and 3.6 s, of what is heard");
   const auto tell = [&](double from, double to) -> std::function<void(double)> {
     if (!progress) return nullptr;
     return [&progress, from, to](double part) { progress(from + (to - from) * part); };

@@ -70,6 +70,9 @@ TEST_F(SoundLogTest, PulsesOfASecondChannelMakeTheRateAbsolute) {
   const RateSummary rate = mean_rate(log);
   EXPECT_LT(rate.mean_period_sigma_s, 2e-6); // two ends to a tenth of a sample over 89 s
   EXPECT_NEAR(rate.mean_period_s, 1.0002, 3.0 * rate.mean_period_sigma_s);
+  reading.beat_channel = 2;
+  EXPECT_THROW((void)loaded("both.wav", reading), ArgumentError) << "a clock against itself";
+  reading.beat_channel = 1;
   ClockSound slow = heard;
   slow.period_s = 1.4;
   write_sound(path("two.wav"), {samples, record(slow).samples}, 22050.0);

@@ -212,7 +212,7 @@ Recorded record(const ClockSound& clock) {
     const bool tock = n % 2 != 0;
     const double at_s = begin_s + static_cast<double>(n / 2) * clock.period_s +
                         (tock ? half_s : 0.0) + clock.jitter_s * normal(random);
-    if (at_s > clock.seconds - 0.05) break;
+    if (at_s > std::min(clock.seconds - 0.05, clock.stops_at_s)) break;
     if (clock.is_silent || (tock && clock.silent_tocks)) continue;
     const double at = at_s * clock.rate_hz, level = std::exp(0.1 * normal(random));
     for (Click click : clicks_of(clock, tock)) {

@@ -81,6 +81,19 @@ TEST(TicksTest, GoesOnAfterSecondsOfNothing) {
   EXPECT_FALSE(result.swaps) << "a tick stays a tick";
 }
 
+TEST(TicksTest, AClockThatStopsIsNotHeardOn) {
+  for (const double stops_at_s : {12.0, 25.0, 60.0})
+    for (const double loudness_db : {30.0, 15.0}) {
+      ClockSound clock = clock_of(1.0, loudness_db, 15);
+      clock.seconds = 120.0;
+      clock.stops_at_s = stops_at_s;
+      clock.tick_minus_tock_s = 0.02;
+      const TickScore result = score(clock);
+      EXPECT_GE(result.recall(), 0.9) << stops_at_s << " s, " << loudness_db << " dB"; // the last
+      EXPECT_LE(result.false_beats, 6U) << stops_at_s << " s, " << loudness_db << " dB"; // five beats
+    }
+}
+
 TEST(TicksTest, OneSoundAPeriodIfTheNominalPeriodSaysSo) {
   ClockSound clock = clock_of(1.0, 20.0, 12);
   clock.silent_tocks = true;

@@ -36,7 +36,7 @@ GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, missed, spuri
                   bounces, segments, longest_countable_gap)
 GOINGRATE_MEMBERS(SensorEstimate, value, sigma)
 GOINGRATE_MEMBERS(AmplitudeSummary, mean_rad, rms_rad, sigma_rad)
-GOINGRATE_MEMBERS(SensorFindings, beat_error_s, offset_rad, at_vertical, amplitude)
+GOINGRATE_MEMBERS(SensorFindings, beat_error_s, sides_are_unknown, offset_rad, at_vertical, amplitude)
 GOINGRATE_MEMBERS(RateSummary, crossings, periods, duration_s, nominal_period_s, nominal_is_known,
                   mean_period_s, mean_period_sigma_s, last_period_s, rate_excess, rate_excess_sigma,
                   slope_rate_excess, time_base_sigma)

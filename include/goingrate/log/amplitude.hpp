@@ -63,6 +63,7 @@ struct SensorEstimate {
 /// What the log tells beside the rate, as far as it can.
 struct SensorFindings {
   std::optional<SensorEstimate> beat_error_s{};
+  bool sides_are_unknown = false; ///< of ticks that are heard nothing says on which side they are
   std::optional<SensorEstimate> offset_rad{};
   bool at_vertical = false; ///< the times were moved there
   std::optional<AmplitudeSummary> amplitude{};

@@ -50,6 +50,10 @@ RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s
 /// Adds the standard deviation of the time base's rate to the sigmas of rate and period.
 void add_time_base(RateSummary& summary, double time_base_sigma);
 
+/// The sigma of a rate without that of the time base, which differences of rates of one log do not
+/// have.
+double own_rate_sigma(const RateSummary& summary);
+
 /// The rate of a part of a log.
 struct PartRate {
   std::uint32_t segment = 0;

@@ -85,7 +85,7 @@ std::vector<OtherReading> readings_for_phases(const GridData& grid);
 /// back and goes on from there a block of its own begins. Amplitudes outside 0 to pi rad and widths
 /// outside 0 to 1e6 s are taken as unknown, times beyond 4e18 s and clock errors beyond 1e9 s left
 /// out; all are told. Angle samples become crossings, see crossings_of_samples. A recording of
-/// sound (WAV, FLAC, OGG and what else libsndfile reads) becomes the beats that find_ticks finds in
+/// sound (WAV, RF64, AIFF, FLAC, OGG) becomes the beats that find_ticks finds in
 /// it, ticks as upward crossings and tocks as downward ones, with their standard deviations. Throws
 /// InputError
 /// (file, line, column, found, expected) if the text is empty, in UTF-16, binary in its first line

@@ -45,6 +45,7 @@ struct TickTrain {
   std::vector<Tick> ticks;      ///< in order of time
   double period = 0.0;          ///< of the oscillation, tick and tock, in samples: about
   bool has_tocks = false;       ///< false: one sound a period
+  bool is_even = false;         ///< the sounds come at equal intervals: each may be a period as well
   std::int64_t drowned = 0;     ///< beats expected that do not stand out of the noise
   MeanBeat tick, tock;
 };
@@ -56,8 +57,8 @@ struct TickTrain {
 ///
 /// Returns no ticks where nothing periodic stands out. Accuracy and coverage of sigma:
 /// TicksTest.TimesAreRightWithinTheirSigma; noises, rates and faults: tests/studies/sound.txt. Cost
-/// O(N), some 15 ns a sample; memory 9 bytes a millisecond and 2 kB a beat. Throws ArgumentError for
-/// a sampling rate outside 4 kHz to 400 kHz, or a nominal period outside 0.1 to 5 s.
+/// O(N), some 30 ns a sample; memory 13 bytes a millisecond. The samples must be finite. Throws ArgumentError for
+/// a sampling rate outside 4 kHz to 400 kHz, or a nominal period outside 0.15 to 3.6 s.
 TickTrain find_ticks(const SoundSamples& samples, std::optional<double> nominal_period_s = {},
                      const std::function<void(double)>& progress = nullptr);
 
