@@ -190,9 +190,8 @@ private:
     if (kept.empty() && parts_.size() == 1) std::rethrow_exception(first);
     if (kept.empty())
       throw InputError({paths.front()},
-                       parts_.empty()
-                           ? "no file in it"
-                           : fmt::format("{} files, none of them a log", parts_.size()),
+                       parts_.empty() ? "no file in it"
+                                      : fmt::format("{} files, none of them a log", parts_.size()),
                        "logs of a clock");
     parts_ = std::move(kept);
   }

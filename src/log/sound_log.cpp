@@ -45,10 +45,11 @@ public:
     constexpr double fewest = 3.0;
     const double seconds = log.sound->duration_s;
     if (static_cast<double>(pulses_->count()) < std::max(fewest, 0.5 * seconds))
-      throw InputError({name},
-                       fmt::format("{} pulses that are whole seconds apart in channel {}, in {:.4g} s",
-                                   pulses_->count(), *options.pps_channel, seconds),
-                       "one a second, in half of them at least");
+      throw InputError(
+          {name},
+          fmt::format("{} pulses that are whole seconds apart in channel {}, in {:.4g} s",
+                      pulses_->count(), *options.pps_channel, seconds),
+          "one a second, in half of them at least");
     log.time_base_sigma = pulses_->rate_sigma();
     log.sound->has_pps = true;
     log.assumptions.push_back(
@@ -96,11 +97,9 @@ void settle_nominal_period(ClockLog& log, double period_s, const ReadingOptions&
 }
 
 void say_what_is_heard(ClockLog& log, const TickTrain& train) {
-  log.assumptions.push_back(
-      {fmt::format("{} beats are heard in {:.6g} s{}", train.ticks.size(), log.sound->duration_s,
-                   train.drowned > 0
-                       ? fmt::format(", {} more are not", train.drowned)
-                       : std::string())});
+  log.assumptions.push_back({fmt::format(
+      "{} beats are heard in {:.6g} s{}", train.ticks.size(), log.sound->duration_s,
+      train.drowned > 0 ? fmt::format(", {} more are not", train.drowned) : std::string())});
   const double period_s = train.period / log.sound->rate_hz;
   if (train.is_even)
     log.assumptions.push_back(
@@ -138,13 +137,13 @@ ClockLog read_recording(Recording recording, const std::string& name,
   TickTrain train = find_ticks(sound, options.nominal_period_s, options.progress);
   constexpr std::size_t fewest = 6; // three periods
   if (train.ticks.size() < fewest)
-    throw InputError({name},
-                     train.period > 0.0
-                         ? fmt::format("{} beats that stand out of the noise in {:.4g} s",
-                                       train.ticks.size(), log.sound->duration_s)
-                         : fmt::format("{:.4g} s of sound in which nothing repeats",
-                                       log.sound->duration_s),
-                     "the ticks of one clock, of a period between 0.15 and 3.6 s");
+    throw InputError(
+        {name},
+        train.period > 0.0
+            ? fmt::format("{} beats that stand out of the noise in {:.4g} s", train.ticks.size(),
+                          log.sound->duration_s)
+            : fmt::format("{:.4g} s of sound in which nothing repeats", log.sound->duration_s),
+        "the ticks of one clock, of a period between 0.15 and 3.6 s");
   std::size_t left_out = 0;
   for (const Tick& tick : train.ticks) {
     if (!time_base.covers(tick.at)) {
@@ -160,7 +159,8 @@ ClockLog read_recording(Recording recording, const std::string& name,
     log.assumptions.push_back(
         {fmt::format("{} beats are left out: no pulse of the reference is near them", left_out)});
   if (log.events.size() < fewest)
-    throw InputError({name}, fmt::format("{} beats near pulses of the reference", log.events.size()),
+    throw InputError({name},
+                     fmt::format("{} beats near pulses of the reference", log.events.size()),
                      fmt::format("at least {}", fewest));
   log.sound->drowned = train.drowned;
   log.sound->has_tocks = train.has_tocks;

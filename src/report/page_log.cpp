@@ -169,7 +169,8 @@ std::string key_figures(const Analysis& data) {
                     : std::string("from the first beat to the last"));
   if (const auto& error = data.sensor.beat_error_s)
     cards += card("Beat error", measured(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms",
-                  "what tick and tock differ by (half of it is also called so): the clock is out of beat, or the sensor "
+                  "what tick and tock differ by (half of it is also called so): the clock is out "
+                  "of beat, or the sensor "
                   "stands off the middle");
   for (const bool end : {false, true}) {
     const MeanAmplitude mean = amplitude_at(data.beats, end);

@@ -228,7 +228,8 @@ std::string sensor_lines(const RateSummary& summary, const SensorFindings& senso
   else if (error)
     text += fmt::format("beat error {} ms (half of it: {:.3g} ms), longer on the {}\n",
                         with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma),
-                        0.5e3 * std::abs(error->value), error->value > 0.0 ? "left (from down to up)" : "right (from up to down)");
+                        0.5e3 * std::abs(error->value),
+                        error->value > 0.0 ? "left (from down to up)" : "right (from up to down)");
   if (const auto& amplitude = sensor.amplitude) {
     text += fmt::format("amplitude {:.6g} mrad in the mean, each known to {:.2g} mrad",
                         1e3 * amplitude->mean_rad, 1e3 * amplitude->sigma_rad);

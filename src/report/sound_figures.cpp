@@ -19,16 +19,16 @@ Series loudness(const MeanBeat& beat, std::string label, int colour) {
 
 std::optional<Figure> beat_figure(const ClockLog& log) {
   if (!log.sound || log.sound->tick.power.empty()) return {};
-  Figure figure{"mean-beat",
-                "One beat",
-                "How loud the mean tick and the mean tock are over the noise around them. A beat is "
-                "timed from where it first stands out, at 0; what comes before the loudest click, "
-                "and how far apart the clicks are, shows the escapement at work.",
-                {"time since the beat begins", "ms"},
-                {"power over the background", "dB"},
-                {loudness(log.sound->tick, "tick", 0)}};
-  if (!log.sound->tock.power.empty())
-    figure.series.push_back(loudness(log.sound->tock, "tock", 1));
+  Figure figure{
+      "mean-beat",
+      "One beat",
+      "How loud the mean tick and the mean tock are over the noise around them. A beat is "
+      "timed from where it first stands out, at 0; what comes before the loudest click, "
+      "and how far apart the clicks are, shows the escapement at work.",
+      {"time since the beat begins", "ms"},
+      {"power over the background", "dB"},
+      {loudness(log.sound->tick, "tick", 0)}};
+  if (!log.sound->tock.power.empty()) figure.series.push_back(loudness(log.sound->tock, "tock", 1));
   return figure;
 }
 

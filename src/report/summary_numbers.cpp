@@ -81,7 +81,7 @@ void Numbers::add_going() {
   else
     add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
   if (const auto& error = data_.sensor.beat_error_s)
-    add("beat error, what tick and tock differ by (half of it is also called so)",
+    add("beat error, tick − tock",
         with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms");
   const bool swings_freely =
       data_.fit.has_result() && data_.fit.model.escapement == Escapement::none;

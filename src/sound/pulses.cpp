@@ -85,8 +85,8 @@ SecondPulses::SecondPulses(const SoundSamples& samples) : nominal_hz_(samples.ra
   const double usual = median(sizes);
   std::vector<double> places;
   for (std::size_t i = 0; i < steps.places.size(); ++i) {
-    const bool again = !places.empty() && static_cast<double>(steps.places[i]) - places.back() <
-                                              0.5 * samples.rate_hz;
+    const bool again = !places.empty() &&
+                       static_cast<double>(steps.places[i]) - places.back() < 0.5 * samples.rate_hz;
     if (steps.sizes[i] > 0.5 * usual && !again)
       places.push_back(half_way(samples, steps.places[i], sign));
   }
@@ -113,8 +113,8 @@ double SecondPulses::time_at(double place) const {
   const auto after = static_cast<std::size_t>(
       std::lower_bound(places_.begin(), places_.end(), place) - places_.begin());
   const std::size_t count = std::min(around, places_.size());
-  const std::size_t first = std::min(after < around / 2 ? 0 : after - around / 2,
-                                     places_.size() - count);
+  const std::size_t first =
+      std::min(after < around / 2 ? 0 : after - around / 2, places_.size() - count);
   const Line line = line_through(std::span(seconds_).subspan(first, count),
                                  std::span(places_).subspan(first, count));
   return line.seconds + (place - line.place) / line.slope;
@@ -141,7 +141,8 @@ double SecondPulses::scatter() const {
   return squares.empty() ? 1.0 : std::sqrt(trimmed_mean(squares));
 }
 
-// The end of a line through eight points is known to 0.65 of the scatter of one, its middle to 0.35.
+// The end of a line through eight points is known to 0.65 of the scatter of one, its middle to
+// 0.35.
 double SecondPulses::rate_sigma() const {
   constexpr double end = 0.65;
   return std::sqrt(2.0) * end * scatter() / (places_.back() - places_.front());

@@ -11,8 +11,8 @@ namespace goingrate {
 class SecondPulses {
 public:
   /// Finds the leading edges: the steepest rises or falls, whichever are steeper, where they reach
-  /// half of the median size of one a second, to a fraction of a sample. Pulses that are missing are
-  /// counted over; what is no whole second from the others is left out.
+  /// half of the median size of one a second, to a fraction of a sample. Pulses that are missing
+  /// are counted over; what is no whole second from the others is left out.
   explicit SecondPulses(const SoundSamples& samples);
 
   /// Pulses found; fewer than three tell nothing.

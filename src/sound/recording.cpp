@@ -66,8 +66,8 @@ struct Recording::File {
 
   void check() const {
     if (!sound)
-      throw InputError({name}, fmt::format("a recording that cannot be read: {}",
-                                           sf_strerror(nullptr)),
+      throw InputError({name},
+                       fmt::format("a recording that cannot be read: {}", sf_strerror(nullptr)),
                        "sound as WAV, FLAC or OGG");
     if (info.frames < 1)
       throw InputError({name}, "a recording without a sample",
@@ -98,9 +98,9 @@ struct Recording::File {
         all.push_back(
             static_cast<std::int16_t>(std::lround(loudest * std::clamp(value, -1.0F, 1.0F))));
       if (sizeof(std::int16_t) * all.size() > limit)
-        throw InputError({name},
-                         fmt::format("a channel of sound that unpacks to more than {} bytes", limit),
-                         "no more, or a higher limit for what may be unpacked");
+        throw InputError(
+            {name}, fmt::format("a channel of sound that unpacks to more than {} bytes", limit),
+            "no more, or a higher limit for what may be unpacked");
     }
     sf_seek(sound.get(), 0, SEEK_SET); // for another channel
     at = 0;
@@ -118,11 +118,11 @@ struct Recording::File {
       to[i] = frames[i * channels + channel];
       constexpr float largest = 1e15F; // of which the square is a float
       if (!(std::abs(to[i]) < largest))
-        throw InputError({name},
-                         fmt::format("what is no number {:.6g} s from the beginning",
-                                     static_cast<double>(at + static_cast<sf_count_t>(i)) /
-                                         info.samplerate),
-                         "a recording of finite samples");
+        throw InputError(
+            {name},
+            fmt::format("what is no number {:.6g} s from the beginning",
+                        static_cast<double>(at + static_cast<sf_count_t>(i)) / info.samplerate),
+            "a recording of finite samples");
     }
     at += got;
     return got;

@@ -9,8 +9,9 @@
 namespace goingrate {
 
 /// A symmetric filter, of an odd number of taps, whose power response is S/(N (N + S)): S and N are
-/// the mean spectra of the beats of a track and of what is between them. Power behind it tells beats
-/// of Gaussian noise with that spectrum from the background better than behind any other filter.
+/// the mean spectra of the beats of a track and of what is between them. Power behind it tells
+/// beats of Gaussian noise with that spectrum from the background better than behind any other
+/// filter.
 std::vector<float> band_of_ticks(Whitening& sound, const Loudness& loudness,
                                  const TickTrack& track);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double shortest_s = 0.07, // between two sounds: 43,200 beats an hour are 0.083 s apart
     longest_s = 3.7,                // of a period
-    farthest_s = 22.0,               // lag looked at: six of the longest periods
+    farthest_s = 22.0,              // lag looked at: six of the longest periods
     window_s = 60.0;
 constexpr std::size_t most_windows = 20, coarse = 2; // bins
 constexpr double nominal_is_right_to = 0.03;         // half an hour a day
@@ -40,8 +40,8 @@ std::vector<float> beat_like(std::span<const float> above) {
   std::vector<float> result;
   constexpr double most = 2.0; // a sound of its own does not tell more than several beats
   for (std::size_t i = 0; i < above.size(); i += coarse)
-    result.push_back(static_cast<float>(std::clamp(
-        mean_around(sums, i, beat) - mean_around(sums, i, syllable), -most, most)));
+    result.push_back(static_cast<float>(
+        std::clamp(mean_around(sums, i, beat) - mean_around(sums, i, syllable), -most, most)));
   return result;
 }
 
@@ -151,8 +151,8 @@ std::optional<double> second_sound(const Loudness& loudness, const Windows& wind
     for (std::size_t i = 0; i < size; ++i)
       for (std::size_t k = 0; k < width; ++k)
         smooth[i] += folded[(i + k) % size] / counts[(i + k) % size];
-    const auto first = static_cast<std::size_t>(
-        std::max_element(smooth.begin(), smooth.end()) - smooth.begin());
+    const auto first =
+        static_cast<std::size_t>(std::max_element(smooth.begin(), smooth.end()) - smooth.begin());
     for (std::size_t i = 0; i < size; ++i)
       mean[i] += smooth[(first + i) % size];
   }
@@ -178,10 +178,9 @@ std::optional<TickPattern> find_pattern(const Loudness& loudness, double bins_a_
   const Windows windows = spread_windows(loudness.above.size(), bins_a_second);
   if (windows.begins.empty()) return {};
   const double coarse_a_second = bins_a_second / static_cast<double>(coarse);
-  const auto lags = std::min(windows.size / coarse / 2,
-                             static_cast<std::size_t>(farthest_s * coarse_a_second));
-  const auto correlation =
-      without_hum(autocorrelation(loudness, windows, lags), coarse_a_second);
+  const auto lags =
+      std::min(windows.size / coarse / 2, static_cast<std::size_t>(farthest_s * coarse_a_second));
+  const auto correlation = without_hum(autocorrelation(loudness, windows, lags), coarse_a_second);
   double from = shortest_s * coarse_a_second;
   double to = std::min(longest_s * coarse_a_second, static_cast<double>(lags) - 2.0);
   if (nominal) {

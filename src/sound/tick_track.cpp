@@ -296,7 +296,8 @@ public:
     for (const float value : loudness.above)
       sum += static_cast<double>(value), sum2 += static_cast<double>(value * value);
     const auto count = static_cast<double>(loudness.above.size());
-    background_ = {sum / count, std::sqrt(std::max(1e-6, sum2 / count - sum * sum / count / count))};
+    background_ = {sum / count,
+                   std::sqrt(std::max(1e-6, sum2 / count - sum * sum / count / count))};
   }
 
   TickTrack run() {
@@ -360,7 +361,8 @@ private:
     const std::ptrdiff_t moved_tock = learn(tock_, true);
     std::vector<double> after;
     for (std::size_t i = 0; i + 1 < track_.ticks.size(); ++i)
-      if (track_.ticks[i].stands_out && track_.ticks[i + 1].stands_out && track_.ticks[i + 1].is_tock)
+      if (track_.ticks[i].stands_out && track_.ticks[i + 1].stands_out &&
+          track_.ticks[i + 1].is_tock)
         after.push_back(track_.ticks[i + 1].bin - track_.ticks[i].bin);
     if (!after.empty())
       track_.pattern.tock_after = median(after) + static_cast<double>(moved_tock - moved);

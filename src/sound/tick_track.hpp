@@ -10,10 +10,10 @@ namespace goingrate {
 
 /// A beat as the loudness shows it.
 struct RoughTick {
-  double bin = 0.0;  ///< where it begins
+  double bin = 0.0; ///< where it begins
   bool is_tock = false;
-  double score = 0.0; ///< ln(likelihood with a beat / without), at the best of the places tried
-  bool clock_goes = true;  ///< the beats around it are heard
+  double score = 0.0;     ///< ln(likelihood with a beat / without), at the best of the places tried
+  bool clock_goes = true; ///< the beats around it are heard
   bool stands_out = true; ///< of the noise, while the clock goes; else only expected there
 };
 

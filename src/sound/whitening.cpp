@@ -7,7 +7,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t order = 24;    // half a millisecond at 48 kHz
+constexpr std::size_t order = 24; // half a millisecond at 48 kHz
 constexpr std::size_t taps = order + 3;
 constexpr std::int64_t block = 4096; // samples
 constexpr std::int64_t most_blocks = 256;

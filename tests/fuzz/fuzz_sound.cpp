@@ -43,8 +43,9 @@ void listen_to_samples(const std::uint8_t* data, std::size_t size, bool nominal)
     for (std::size_t i = 0; i < to.size(); ++i) {
       const std::int64_t at = first + static_cast<std::int64_t>(i);
       const bool inside = at >= 0 && at < 12000;
-      to[i] = inside ? (static_cast<float>(data[static_cast<std::size_t>(at) % size]) - 128.0F) / 128.0F
-                     : 0.0F;
+      to[i] =
+          inside ? (static_cast<float>(data[static_cast<std::size_t>(at) % size]) - 128.0F) / 128.0F
+                 : 0.0F;
     }
   };
   demand_finite(find_ticks(samples, nominal ? std::optional(0.5) : std::nullopt), samples.count);

@@ -24,15 +24,18 @@ struct Click {
 };
 
 std::vector<Click> clicks_of(const ClockSound& clock, bool tock) {
-  const double pitch = (tock && !clock.tocks_are_ticks ? 0.8 : 1.0) * std::min(1.0, clock.rate_hz / 22e3);
+  const double pitch =
+      (tock && !clock.tocks_are_ticks ? 0.8 : 1.0) * std::min(1.0, clock.rate_hz / 22e3);
   const double level = tock && !clock.tocks_are_ticks ? 0.7 : 1.0;
-  if (!clock.triple) return {{0.0, level, 3100.0 * pitch, 2e-3}, {0.0, 0.4 * level, 5700.0 * pitch, 1e-3}};
+  if (!clock.triple)
+    return {{0.0, level, 3100.0 * pitch, 2e-3}, {0.0, 0.4 * level, 5700.0 * pitch, 1e-3}};
   return {{0.0, 0.35 * level, 4200.0 * pitch, 0.8e-3},
           {3.1e-3, 0.6 * level, 3300.0 * pitch, 1e-3},
           {tock ? 8.3e-3 : 7.4e-3, level, 2900.0 * pitch, 1.5e-3}};
 }
 
-void add_click(std::vector<float>& to, double rate, double begin, const Click& click, double phase) {
+void add_click(std::vector<float>& to, double rate, double begin, const Click& click,
+               double phase) {
   constexpr double attack_s = 5e-5;
   const auto first = static_cast<std::ptrdiff_t>(std::ceil(begin));
   const auto last = static_cast<std::ptrdiff_t>(begin + 12.0 * click.decay_s * rate);
@@ -224,7 +227,8 @@ Recorded record(const ClockSound& clock) {
   }
   if (clock.clip_at > 0.0)
     for (float& value : recorded.samples)
-      value = std::clamp(value, static_cast<float>(-clock.clip_at), static_cast<float>(clock.clip_at));
+      value =
+          std::clamp(value, static_cast<float>(-clock.clip_at), static_cast<float>(clock.clip_at));
   if (clock.gap_s > 0.0) {
     const auto middle = static_cast<std::ptrdiff_t>(size / 2);
     const auto length = static_cast<std::ptrdiff_t>(clock.gap_s * clock.rate_hz);

@@ -20,8 +20,8 @@ struct ClockSound {
   Noise noise = Noise::white;
   bool triple = false; ///< three clicks, of which the first is the weakest; else one
   double jitter_s = 0.0;
-  double clip_at = 0.0; ///< in units of the loudest click; 0: nowhere
-  double gap_s = 0.0;   ///< in the middle, of digital silence
+  double clip_at = 0.0;    ///< in units of the loudest click; 0: nowhere
+  double gap_s = 0.0;      ///< in the middle, of digital silence
   double stops_at_s = 1e9; ///< nothing but noise from then on
   bool tocks_are_ticks = false;
   bool silent_tocks = false;

@@ -90,7 +90,8 @@ TEST(TicksTest, AClockThatStopsIsNotHeardOn) {
       clock.tick_minus_tock_s = 0.02;
       const TickScore result = score(clock);
       EXPECT_GE(result.recall(), 0.9) << stops_at_s << " s, " << loudness_db << " dB"; // the last
-      EXPECT_LE(result.false_beats, 6U) << stops_at_s << " s, " << loudness_db << " dB"; // five beats
+      EXPECT_LE(result.false_beats, 6U)
+          << stops_at_s << " s, " << loudness_db << " dB"; // five beats
     }
 }
 

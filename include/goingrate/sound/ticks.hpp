@@ -1,9 +1,9 @@
 // Ticks and tocks in a recording of a clock: when each began, and how well that is known.
 //
-// Model: whitened by linear prediction, the background is noise of slowly varying power f(t); a tick
-// adds power a g(t - t_i), where g, the mean beat, is learnt from the recording, of ticks and of
-// tocks each. Power in short bins is then f + a g within the scatter of chi-square, and of the beats
-// themselves; times are where the logarithms of both fit best.
+// Model: whitened by linear prediction, the background is noise of slowly varying power f(t); a
+// tick adds power a g(t - t_i), where g, the mean beat, is learnt from the recording, of ticks and
+// of tocks each. Power in short bins is then f + a g within the scatter of chi-square, and of the
+// beats themselves; times are where the logarithms of both fit best.
 #pragma once
 
 #include <cstdint>
@@ -31,22 +31,22 @@ struct Tick {
 
 /// The mean sound of a tick or of a tock: its power over that of the background.
 struct MeanBeat {
-  double begin_s = 0.0;       ///< of the first value, from where the beat begins
-  double step_s = 0.0;        ///< between values
-  /// In which it rises from where it first stands out to half of its first click: what its beginning
-  /// is known to. It is one for all beats of a kind, so that it enters a difference of tick and tock
-  /// and no rate.
+  double begin_s = 0.0; ///< of the first value, from where the beat begins
+  double step_s = 0.0;  ///< between values
+  /// In which it rises from where it first stands out to half of its first click: what its
+  /// beginning is known to. It is one for all beats of a kind, so that it enters a difference of
+  /// tick and tock and no rate.
   double rise_s = 0.0;
-  std::vector<double> power;  ///< over that of the background in the middle of the recording
+  std::vector<double> power; ///< over that of the background in the middle of the recording
 };
 
 /// What a recording holds.
 struct TickTrain {
-  std::vector<Tick> ticks;      ///< in order of time
-  double period = 0.0;          ///< of the oscillation, tick and tock, in samples: about
-  bool has_tocks = false;       ///< false: one sound a period
-  bool is_even = false;         ///< the sounds come at equal intervals: each may be a period as well
-  std::int64_t drowned = 0;     ///< beats expected that do not stand out of the noise
+  std::vector<Tick> ticks;  ///< in order of time
+  double period = 0.0;      ///< of the oscillation, tick and tock, in samples: about
+  bool has_tocks = false;   ///< false: one sound a period
+  bool is_even = false;     ///< the sounds come at equal intervals: each may be a period as well
+  std::int64_t drowned = 0; ///< beats expected that do not stand out of the noise
   MeanBeat tick, tock;
 };
 
@@ -57,8 +57,9 @@ struct TickTrain {
 ///
 /// Returns no ticks where nothing periodic stands out. Accuracy and coverage of sigma:
 /// TicksTest.TimesAreRightWithinTheirSigma; noises, rates and faults: tests/studies/sound.txt. Cost
-/// O(N), some 30 ns a sample; memory 13 bytes a millisecond. The samples must be finite. Throws ArgumentError for
-/// a sampling rate outside 4 kHz to 400 kHz, or a nominal period outside 0.15 to 3.6 s.
+/// O(N), some 30 ns a sample; memory 13 bytes a millisecond. The samples must be finite. Throws
+/// ArgumentError for a sampling rate outside 4 kHz to 400 kHz, or a nominal period outside 0.15
+/// to 3.6 s.
 TickTrain find_ticks(const SoundSamples& samples, std::optional<double> nominal_period_s = {},
                      const std::function<void(double)>& progress = nullptr);
 

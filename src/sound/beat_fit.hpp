@@ -1,0 +1,74 @@
+// The mean beat fitted to one beat.
+#pragma once
+
+#include "beat_powers.hpp"
+
+#include <span>
+#include <vector>
+
+namespace goingrate {
+
+/// What ticks, or tocks, are like: power over their own strength, its relative variance from beat
+/// to beat, and how far that is alike in bins so far apart.
+struct BeatKind {
+  std::vector<double> shape;
+  std::vector<double> variance;
+  std::vector<double> correlation{1.0};
+  double rise = 0.0;  // bins
+  double after = 0.0; // bins that it begins after the rough places
+};
+
+/// Where a beat begins in its snippet.
+struct BeatPlace {
+  double bin = 0.0, sigma = 0.0;
+  double strength = 0.0;
+  double quality = 0.0; // log-likelihood, but for a constant
+  bool inside = false;
+};
+
+/// Fits the mean beat to one.
+class BeatFit {
+public:
+  BeatFit(const BeatGrid& grid, const BeatKind& kind) : grid_(grid), kind_(kind) {}
+
+  BeatPlace operator()(const BeatSnippet& snippet);
+
+private:
+  // In units of the background; at least one that can be told from none.
+  [[nodiscard]] double strength_at(const BeatSnippet& snippet, std::ptrdiff_t shift) const;
+
+  // A hundredth of the strength is added: the foot of a loud beat changes by orders of magnitude
+  // within a bin, and would be all that counts.
+  static constexpr double foot = 0.01;
+
+  void take_logs(const BeatSnippet& snippet, double strength);
+
+  // Expected logarithms and the inverse of their variances.
+  void foretell(double strength);
+
+  [[nodiscard]] double misfit(std::ptrdiff_t shift) const;
+
+  [[nodiscard]] std::ptrdiff_t best_shift();
+
+  // Between bins by the parabola through three misfits.
+  [[nodiscard]] BeatPlace placed(std::ptrdiff_t best, double strength) const;
+
+  // Of all powers of the snippet, those around the beat being background; but for a constant.
+  [[nodiscard]] double log_likelihood(std::ptrdiff_t best, double strength) const;
+
+  // How far other places, as likely as they are, lie from the best: in noise there are several.
+  [[nodiscard]] double spread(std::ptrdiff_t best) const;
+
+  // Of the place, in bins: the estimate is a sum of the logarithms' errors, each times weight and
+  // slope.
+  [[nodiscard]] double sigma() const;
+
+  static double correlated(std::span<const double> terms, std::span<const double> correlation);
+
+  const BeatGrid& grid_;
+  const BeatKind& kind_;
+  std::vector<float> logs_, misfits_;
+  std::vector<double> expected_, weights_, noise_, own_;
+};
+
+} // namespace goingrate

@@ -1,0 +1,57 @@
+// The power of single beats in short bins, and that of the background between them.
+#pragma once
+
+#include "loudness.hpp"
+#include "tick_track.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace goingrate {
+
+/// Sizes of a beat's power in bins.
+struct BeatGrid {
+  explicit BeatGrid(double rate_hz);
+  std::int64_t samples = 1; ///< a bin
+  std::size_t lead = 0, size = 0;
+  std::ptrdiff_t reach = 0;
+  double degrees = 1.0;                 ///< of freedom of one power of the background
+  std::vector<double> correlation{1.0}; ///< of its powers so many bins apart
+
+  // How many neighbours are as good as one.
+  [[nodiscard]] double alike() const {
+    return 2.0 * std::accumulate(correlation.begin(), correlation.end(), 0.0) - 1.0;
+  }
+};
+
+/// The power around a place where a beat may begin.
+struct BeatSnippet {
+  std::int64_t first = 0;    // sample
+  double background = 1.0;   // power
+  double expected = 0.0;     // where the beat begins, in bins
+  std::vector<float> powers; // `reach` more than the grid on both sides
+};
+
+/// Reads snippets.
+class SnippetReader {
+public:
+  SnippetReader(Whitening& sound, const Loudness& loudness, const BeatGrid& grid)
+      : sound_(sound), loudness_(loudness), grid_(grid) {}
+
+  // Around a rough place; `after` as of the kind.
+  BeatSnippet read(double bin, double after = 0.0);
+
+private:
+  Whitening& sound_;
+  const Loudness& loudness_;
+  const BeatGrid& grid_;
+  std::vector<float> samples_, bins_;
+};
+
+/// Measures the background halfway between beats: power is chi-square of as many degrees as its
+/// scatter tells, in the band of the beats fewer than there are samples.
+void measure_background(SnippetReader& snippets, const TickTrack& track, BeatGrid& grid);
+
+} // namespace goingrate
