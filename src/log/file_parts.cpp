@@ -37,10 +37,6 @@ bool is_folder(const std::string& path) {
   return fs::is_directory(path, ignored);
 }
 
-std::vector<std::string> files_of(const std::string& path, std::uint64_t unpacked_limit) {
-  return is_zip(path) ? files_in_zip(path, unpacked_limit) : files_in(path);
-}
-
 bool has_names(const Layout& layout) {
   return std::any_of(layout.columns.begin(), layout.columns.end(),
                      [](const LogColumn& column) { return !column.name.empty(); });
@@ -61,7 +57,8 @@ public:
         add(path, false);
         continue;
       }
-      for (const std::string& file : files_of(path, options_.unpacked_limit))
+      for (const std::string& file :
+           is_zip(path) ? files_in_zip(path, options_.unpacked_limit) : files_in(path))
         add(file, true);
     }
     look_by_others();
@@ -99,9 +96,8 @@ private:
     LineReader lines(open_source(part.path, options_.unpacked_limit), part.path);
     const std::string_view head = lines.head(lines_to_know);
     part.lines_expected = lines.lines_expected();
-    if (is_sound(head))
-      throw InputError({part.path}, "a recording of sound among several files",
-                       "one recording by itself: nothing says when another began");
+    part.is_recording = is_sound(head);
+    if (part.is_recording) return;
     ClockLog said;
     said.source = part.path;
     Layout layout;
@@ -145,7 +141,7 @@ private:
   [[nodiscard]] const FilePart* example() const {
     const FilePart* best = nullptr;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      if (open_[i].fault) continue;
+      if (open_[i].fault || parts_[i].is_recording) continue;
       if (has_names(parts_[i].layout)) return &parts_[i];
       if (best == nullptr || parts_[i].lines_expected > best->lines_expected) best = &parts_[i];
     }
@@ -161,7 +157,7 @@ private:
       FilePart& part = parts_[i];
       const bool tells = !open_[i].fault && (has_names(part.layout) || !has_names(layout)) &&
                          part.lines_expected >= fewest_lines;
-      if (tells || &part == found) continue;
+      if (tells || &part == found || part.is_recording) continue;
       if (!open_[i].fault && part.layout.columns.size() != layout.columns.size()) continue;
       try {
         look_at(part, &layout);
@@ -194,6 +190,10 @@ private:
                                       : fmt::format("{} files, none of them a log", parts_.size()),
                        "logs of a clock");
     parts_ = std::move(kept);
+    for (const FilePart& part : parts_)
+      if (part.is_recording && parts_.size() > 1)
+        throw InputError({part.path}, "a recording of sound among several files",
+                         "one recording by itself: nothing says when another began");
   }
 
   ReadingOptions options_;
@@ -230,32 +230,6 @@ std::string names_of(const std::vector<FilePart>& parts) {
 }
 
 } // namespace
-
-std::optional<std::string> lone_recording(const std::string& path, const ReadingOptions& options) {
-  if (!holds_files(path)) return {};
-  std::vector<std::string> recordings, others;
-  for (const std::string& file : files_of(path, options.unpacked_limit)) {
-    LineReader first(open_source(file, options.unpacked_limit), file);
-    (is_sound(first.head(1)) ? recordings : others).push_back(file);
-  }
-  if (recordings.empty()) return {};
-  const auto refuse = [&](const std::string& found) {
-    throw InputError({recordings.front()}, found,
-                     "one recording by itself: nothing says when another began");
-  };
-  if (recordings.size() > 1)
-    refuse(fmt::format("{} recordings of sound in {}", recordings.size(), path));
-  const bool has_log = std::any_of(others.begin(), others.end(), [&](const std::string& file) {
-    try {
-      std::vector<Assumption> unused;
-      return !Looking(options).run({file}, unused).empty();
-    } catch (const InputError&) { // notes
-      return false;
-    }
-  });
-  if (has_log) refuse("a recording of sound among logs");
-  return recordings.front();
-}
 
 bool holds_files(const std::string& path) { return is_folder(path) || is_zip(path); }
 

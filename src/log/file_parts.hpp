@@ -16,6 +16,7 @@ struct FilePart {
   Layout layout;
   ClockLog said; ///< what its head states and what was assumed of it
   std::size_t lines_expected = 0;
+  bool is_recording = false;   ///< of sound, and has no layout; then it is the only part
   std::optional<Instant> date; ///< a time among its first lines, where times tell the day
 };
 
@@ -28,10 +29,6 @@ struct FilePart {
 std::vector<FilePart> file_parts(const std::vector<std::string>& paths,
                                  const ReadingOptions& options,
                                  std::vector<Assumption>& assumptions);
-
-/// The recording of sound that is the only log in a folder or a ZIP, if it is. Throws InputError for
-/// several, and for one among logs.
-std::optional<std::string> lone_recording(const std::string& path, const ReadingOptions& options);
 
 /// Whether a path is a folder or a ZIP.
 bool holds_files(const std::string& path);

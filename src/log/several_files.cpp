@@ -26,6 +26,11 @@ public:
   ClockLog run(const std::vector<std::string>& paths) {
     std::vector<Assumption> told;
     parts_ = file_parts(paths, options_, told);
+    if (parts_.front().is_recording) {
+      log_ = read_log_file(parts_.front().path, options_);
+      log_.assumptions.insert(log_.assumptions.end(), told.begin(), told.end());
+      return std::move(log_);
+    }
     for (std::size_t i = 0; i < parts_.size(); ++i)
       read(i);
     log_.assumptions.insert(log_.assumptions.end(), told.begin(), told.end());
@@ -197,11 +202,12 @@ private:
     const bool same = a.count == b.count && a.first == b.first && a.last == b.last;
     const bool ordered = parts_[i].date || layout_.format == LogFormat::angle;
     if (!same && !(ordered && a.last - b.first >= period_s)) return;
-    throw InputError(log_.place(b.first_line),
-                     same ? fmt::format("the same times as in {}", parts_[before].path)
-                          : fmt::format("times that overlap those of {}, which end in its line {}",
-                                        parts_[before].path, log_.place(a.last_line).line),
-                     "files of one clock, one after the other; several clocks are compared, not joined");
+    throw InputError(
+        log_.place(b.first_line),
+        same ? fmt::format("the same times as in {}", parts_[before].path)
+             : fmt::format("times that overlap those of {}, which end in its line {}",
+                           parts_[before].path, log_.place(a.last_line).line),
+        "files of one clock, one after the other; several clocks are compared, not joined");
   }
 
   // The period of one file, if it holds enough to tell, as the numbering would find it.
@@ -235,9 +241,6 @@ private:
 ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOptions& options) {
   if (paths.size() == 1 && !holds_files(paths.front()))
     return read_log_file(paths.front(), options);
-  if (paths.size() == 1)
-    if (const auto recording = lone_recording(paths.front(), options))
-      return read_log_file(*recording, options);
   return Joining(options).run(paths);
 }
 

@@ -198,7 +198,8 @@ std::string Sentences::changes() const {
   if (changes_.size() == 1 && data_.stretches.size() == 2) {
     const RateSummary& before = data_.stretches[0].rate;
     const RateSummary& after = data_.stretches[1].rate;
-    if (!data_.rate.nominal_is_known)
+    // A rate that the time base leaves open has changes that it does not.
+    if (!data_.rate.nominal_is_known || data_.rate.time_base_sigma > 0.0)
       return fmt::format(
           "Its rate changed {}, by {}", words_.moment(first.at_s),
           words_.rate(after.rate_excess - before.rate_excess,

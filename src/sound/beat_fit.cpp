@@ -47,12 +47,11 @@ void BeatFit::foretell(double strength) {
   for (std::size_t k = 0; k < grid_.size; ++k) {
     const double sound = strength * kind_.shape[k];
     const double all = 1.0 + sound + foot * strength;
-    const double noise = (1.0 + 2.0 * sound) / (all * all) / grid_.degrees; // half its variance
-    const double own = sound / all;
-    expected_[k] = std::log(all) - noise;
-    noise_[k] = std::sqrt(2.0 * noise);
-    own_[k] = std::sqrt(kind_.variance[k]) * own;
-    weights_[k] = 1.0 / (2.0 * noise + own_[k] * own_[k]);
+    const double noise = grid_.log_variance(sound, foot * strength);
+    expected_[k] = std::log(all) - 0.5 * noise; // the mean of a logarithm
+    noise_[k] = std::sqrt(noise);
+    own_[k] = std::sqrt(kind_.variance[k]) * sound / all;
+    weights_[k] = 1.0 / (noise + own_[k] * own_[k]);
   }
 }
 
@@ -102,15 +101,15 @@ BeatPlace BeatFit::placed(std::ptrdiff_t best, double strength) const {
 
 double BeatFit::log_likelihood(std::ptrdiff_t best, double strength) const {
   const double silence = 1.0 + foot * strength;
-  const double noise = 1.0 / (silence * silence) / grid_.degrees; // half its variance
+  const double noise = grid_.log_variance(0.0, foot * strength);
   double sum = 0.0;
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     const auto log = static_cast<double>(logs_[i]);
     const std::ptrdiff_t k = static_cast<std::ptrdiff_t>(i) - best;
     const bool inside = k >= 0 && k < static_cast<std::ptrdiff_t>(grid_.size);
-    const double weight = inside ? weights_[static_cast<std::size_t>(k)] : 0.5 / noise;
+    const double weight = inside ? weights_[static_cast<std::size_t>(k)] : 1.0 / noise;
     const double expected =
-        inside ? expected_[static_cast<std::size_t>(k)] : std::log(silence) - noise;
+        inside ? expected_[static_cast<std::size_t>(k)] : std::log(silence) - 0.5 * noise;
     // The last term makes a density of the logarithm one of the power.
     sum += 0.5 * (std::log(weight) - weight * (log - expected) * (log - expected)) - log;
   }

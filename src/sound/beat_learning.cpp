@@ -146,7 +146,7 @@ private:
       const double all = 1.0 + sound;
       const double power = std::max(1e-6, 1.0 + power_at(snippets_[i], places_[i].bin, k));
       values.push_back(std::log(power / all));
-      noise += 2.0 * (1.0 + 2.0 * sound) / (all * all) / grid_.degrees;
+      noise += grid_.log_variance(sound);
       own += sound * sound / (all * all);
     }
     if (values.empty() || !(own > 0.0)) return 0.0;
@@ -164,7 +164,7 @@ private:
       std::vector<double> own(grid_.size, 0.0);
       for (std::size_t k = 0; k < grid_.size; ++k) {
         const double sound = places_[i].strength * kind_.shape[k], all = 1.0 + sound;
-        const double noise = 2.0 * (1.0 + 2.0 * sound) / (all * all) / grid_.degrees;
+        const double noise = grid_.log_variance(sound);
         const double variance = kind_.variance[k] * sound * sound / (all * all);
         const double power = std::max(1e-6, 1.0 + power_at(snippets_[i], places_[i].bin, k));
         constexpr double most = 3.0; // standard deviations

@@ -20,6 +20,13 @@ struct BeatGrid {
   double degrees = 1.0;                 ///< of freedom of one power of the background
   std::vector<double> correlation{1.0}; ///< of its powers so many bins apart
 
+  // Variance of the logarithm of a power that is background (1), a beat's sound and `added`: that
+  // of noise in which a known sound stands.
+  [[nodiscard]] double log_variance(double sound, double added = 0.0) const {
+    const double all = 1.0 + sound + added;
+    return 2.0 * (1.0 + 2.0 * sound) / (all * all) / degrees;
+  }
+
   // How many neighbours are as good as one.
   [[nodiscard]] double alike() const {
     return 2.0 * std::accumulate(correlation.begin(), correlation.end(), 0.0) - 1.0;

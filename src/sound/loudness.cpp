@@ -92,14 +92,10 @@ Loudness measure_loudness(Whitening& sound, std::int64_t count, double rate_hz,
   constexpr double finest = 1e-7; // of the mean power: 70 dB below it nothing is background
   loudness.floor_log =
       background_of(above, static_cast<float>(std::log(std::max(finest * mean, 1e-25))));
-  std::vector<double> quiet;
   for (std::size_t i = 0; i < above.size(); ++i) {
     const float floor = loudness.floor_log[i / Loudness::floor_bins];
     above[i] = above[i] > silent ? std::clamp(above[i] - floor, lowest, highest) : 0.0F;
-    constexpr std::size_t every = 7; // enough to know the scatter
-    if (i % every == 0) quiet.push_back(static_cast<double>(above[i]));
   }
-  loudness.noise = std::max(1e-3, robust_sigma(quiet));
   return loudness;
 }
 

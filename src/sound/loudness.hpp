@@ -15,7 +15,6 @@ struct Loudness {
   std::int64_t hop = 0;         ///< samples a bin
   std::vector<float> above;     ///< ln(power/background) in each bin, within bounds; 0: like it
   std::vector<float> floor_log; ///< ln of the background's median power, one for each `floor_bins`
-  double noise = 0.0;           ///< standard deviation of `above` between beats, robust
 
   static constexpr std::size_t floor_bins = 256;
   /// The background's mean power a sample around a place (in samples).

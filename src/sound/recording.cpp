@@ -102,8 +102,10 @@ struct Recording::File {
             {name}, fmt::format("a channel of sound that unpacks to more than {} bytes", limit),
             "no more, or a higher limit for what may be unpacked");
     }
-    sf_seek(sound.get(), 0, SEEK_SET); // for another channel
     at = 0;
+    if (sf_seek(sound.get(), 0, SEEK_SET) != 0 && info.channels > 1) // for another of them
+      throw InputError({name}, "a recording of several channels that cannot be read twice",
+                       "a WAV or FLAC that states its length");
     return all;
   }
   static constexpr float loudest = 32767.0F; // of 16 bits

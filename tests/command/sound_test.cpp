@@ -91,7 +91,7 @@ TEST_F(SoundCommandTest, SeveralRecordingsAreNotJoined) {
   put("one/log.txt", "0\n1\n2\n3\n4\n5\n6\n7\n8\n9\n");
   const Outcome mixed = run("rate one -o a.csv");
   EXPECT_EQ(mixed.code, 3);
-  EXPECT_NE(mixed.err.find("a recording of sound among logs"), std::string::npos) << mixed.err;
+  EXPECT_NE(mixed.err.find("a recording of sound among several files"), std::string::npos) << mixed.err;
   const Outcome followed = run("rate --follow b.wav");
   EXPECT_EQ(followed.code, 3);
   EXPECT_NE(followed.err.find("expected a log that grows line by line"), std::string::npos);
