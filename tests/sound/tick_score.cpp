@@ -64,7 +64,11 @@ TickScore score(const ClockSound& clock, std::optional<double> nominal_period_s)
       result.within95 += off < 1.96 * sigmas[kind][i] ? 1 : 0;
     }
   }
-  if (!sizes.empty()) result.scatter_s = 1.4826 * median(sizes);
+  if (sizes.empty()) return result;
+  result.scatter_s = 1.4826 * median(sizes);
+  std::vector<double> stated = sigmas[0];
+  stated.insert(stated.end(), sigmas[1].begin(), sigmas[1].end());
+  result.sigma_s = median(stated);
   return result;
 }
 

@@ -12,6 +12,7 @@ struct TickScore {
   std::size_t within68 = 0, within95 = 0; ///< of those found, from the median error of their kind
   double bias_s[2] = {0.0, 0.0};          ///< median error of ticks, of tocks
   double scatter_s = 0.0;                 ///< 1.48 times the median size of what is left
+  double sigma_s = 0.0;                   ///< the median of those stated
   double period_s = 0.0;
   bool swaps = false; ///< a tick becomes a tock on the way
 

@@ -31,6 +31,7 @@ TEST(TicksTest, TimesAreRightWithinTheirSigma) {
       EXPECT_LE(result.false_beats, 1U) << period_s << " s, " << loudness_db << " dB";
       EXPECT_FALSE(result.swaps);
       EXPECT_NEAR(result.period_s, period_s, 2e-4 * period_s); // a tenth of a bin in 60 s and more
+      EXPECT_LT(result.sigma_s, 3.0 * result.scatter_s) << loudness_db << " dB"; // nor far too large
       found += result.found;
       within68 += result.within68;
       within95 += result.within95;
