@@ -157,6 +157,11 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
   command.add_option("--tau0", options.tau0_s, "s between values of phase, frequency or intervals")
       ->check(positive())
       ->group(group);
+  command
+      .add_option("--counter-hz", options.counter_hz,
+                  "of a log in cycles of a counter: how many it counts in a second")
+      ->check(positive() & CLI::Range(1.0, 1e12))
+      ->group(group);
   command.add_flag("--decimal-comma", options.decimal_comma, "12,5 is twelve and a half")
       ->group(group);
   command
@@ -219,6 +224,7 @@ ReadingOptions reading_options(const LogOptions& options) {
     reading.format = format_named(options.format);
   if (options.nominal_period_s > 0.0) reading.nominal_period_s = options.nominal_period_s;
   if (options.tau0_s > 0.0) reading.tau0_s = options.tau0_s;
+  if (options.counter_hz > 0.0) reading.counter_hz = options.counter_hz;
   if (!options.unit.empty()) reading.unit = unit_named(options.unit);
   reading.columns = options.columns;
   reading.wrap_s = options.wrap_s;
@@ -340,6 +346,8 @@ std::string_view option_of(Setting setting) {
     return "--wrap";
   case Setting::tau0:
     return "--tau0";
+  case Setting::counter_rate:
+    return "--counter-hz";
   case Setting::decimal_comma:
     return "--decimal-comma";
   case Setting::date_order:

@@ -34,6 +34,7 @@ struct LogOptions {
   std::string unit;
   std::optional<double> wrap_s, rest_angle_rad;
   double tau0_s = 0.0; ///< 0: not given
+  double counter_hz = 0.0; ///< 0: not given
   bool decimal_comma = false;
   std::string date_order; // day or month; empty: not given
   std::vector<std::string> channels; ///< of a TICC, or ROLE=NUMBER of a recording

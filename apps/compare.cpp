@@ -26,6 +26,9 @@ void run(const CompareCommand& options, const GlobalOptions& global) {
     logs.push_back(load(one, global));
   }
   const Comparison comparison = compare(logs);
+  if (logs.front().log.origin == TimeOrigin::none)
+    say(global, "assumed: the logs have no dates; their times count from one moment, as those of "
+                "recordings do that were begun together");
   Files files{{options.json, compare_json(comparison)},
               {table_output(options.output, options.json), compare_text(comparison)}};
   if (!options.rates.empty()) files.emplace_back(options.rates, compare_table(comparison));

@@ -7,6 +7,8 @@
 # being killed at work, against one process. Takes two minutes.
 # With --notebooks first: those of data/course/notebooks alone, executed; their pages come to
 # build/release/notebooks.
+# With --web: the page that runs in a browser is built, its numbers are held against the command's on logs of all
+# formats, and it is used in headless Chromium. Takes half an hour on two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh
@@ -30,8 +32,15 @@ if [ "${1:-}" = --cluster ]; then
   cmake --build --preset release -j2 --target goingrate_command
   GOINGRATE_CLUSTER=all exec tests/cluster/run.sh build/release/goingrate . build/release/cluster
 fi
-# Without them the test of a batch's shares leaves Slurm and GNU parallel out.
-[ -z "${CI:-}" ] || goingrate_setup slurm-wlm parallel
+if [ "${1:-}" = --web ]; then
+  goingrate_setup libgtest-dev emscripten dpkg-dev chromium zip unzip
+  cmake --preset release > /dev/null
+  cmake --build --preset release -j2 --target goingrate_command
+  exec tests/web/run.sh build/release/goingrate . build/web
+fi
+# Without them the test of a batch's shares leaves Slurm and GNU parallel out, and that of the page which runs in
+# a browser is skipped.
+[ -z "${CI:-}" ] || goingrate_setup slurm-wlm parallel emscripten chromium zip unzip
 # For the notebooks, and for what of Python is skipped without.
 goingrate_setup python3-pandas python3-matplotlib python3-pip mypy jupyter-nbconvert python3-ipykernel \
   python3-lmfit python3-iminuit python3-distributed

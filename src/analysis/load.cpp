@@ -1,5 +1,6 @@
 #include "goingrate/analysis/load.hpp"
 
+#include "log/unused_options.hpp"
 #include "log/usual_step.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -23,6 +24,7 @@ public:
   }
 
   NumberedLog run() {
+    tell_unused(loaded_.log, request_.reading);
     join_weather(loaded_.log, request_.weather);
     if (loaded_.log.grid)
       take_grid();

@@ -175,7 +175,7 @@ constexpr std::array<RoleWord, 38> role_words{{{"uncertainty", ColumnRole::ignor
                                                {"heure", ColumnRole::time},
                                                {"richtung", ColumnRole::edge},
                                                {"error", ColumnRole::clock_error}}};
-constexpr std::array<RoleWord, 11> short_names{{{"t", ColumnRole::time},
+constexpr std::array<RoleWord, 16> short_names{{{"t", ColumnRole::time},
                                                {"rh", ColumnRole::humidity},
                                                {"mjd", ColumnRole::time},
                                                {"utc", ColumnRole::time},
@@ -184,6 +184,11 @@ constexpr std::array<RoleWord, 11> short_names{{{"t", ColumnRole::time},
                                                {"phi", ColumnRole::angle},
                                                {"\xce\xb8", ColumnRole::angle}, // theta
                                                {"\xcf\x86", ColumnRole::angle}, // phi
+                                               {"tick_block", ColumnRole::tick_dark},
+                                               {"tick", ColumnRole::tick_light},
+                                               {"tock_block", ColumnRole::tock_dark},
+                                               {"tock", ColumnRole::tock_light},
+                                               {"tick_total_f_hat_hz", ColumnRole::counter_rate},
                                                {"x", ColumnRole::position},
                                                {"y", ColumnRole::height}}};
 

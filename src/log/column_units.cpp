@@ -3,6 +3,7 @@
 #include "detection.hpp"
 
 #include "column_names.hpp"
+#include "gate_intervals.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -85,6 +86,7 @@ void Detection::settle_times() {
     }
   if (layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency))
     if (!options_.tau0_s && !options_.nominal_period_s) settle_tau0();
+  if (layout_.format == LogFormat::ticktock) settle_counter();
   settle_angle_unit();
   settle_weather_units();
   if (at && layout_.find(ColumnRole::clock_error)) {
@@ -100,6 +102,23 @@ void Detection::settle_times() {
     if (layout_.columns[i].role == ColumnRole::ignored && samples_[i].smooth &&
         samples_[i].crossings >= 3)
       layout_.swinging = i;
+}
+
+// How fast the counter runs, and what tells where rows were lost.
+void Detection::settle_counter() {
+  layout_.counter_hz = options_.counter_hz.value_or(usual_counter_hz);
+  if (options_.counter_hz)
+    for (LogColumn& column : layout_.columns)
+      if (column.role == ColumnRole::counter_rate) column.role = ColumnRole::ignored;
+  const auto measured = layout_.find(ColumnRole::counter_rate);
+  if (measured)
+    assume(fmt::format("the counter's rate is that of column {}, {}", *measured + 1,
+                       shown(layout_.columns[*measured].name)),
+           Setting::counter_rate);
+  else if (!options_.counter_hz)
+    assume(fmt::format("the counter runs at {:.0f} Hz", usual_counter_hz), Setting::counter_rate);
+  for (std::size_t i = 0; i < layout_.columns.size(); ++i)
+    if (layout_.columns[i].name == "pps_seq_row") layout_.coarse_time = i;
 }
 
 // Refuses times much closer together than beats beside a column that swings and has no known name:

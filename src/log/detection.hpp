@@ -57,6 +57,9 @@ private:
   Layout weather();
   bool read_names();
   void leave_out(std::size_t column);
+  [[nodiscard]] bool has_intervals() const;
+  std::size_t settle_intervals();
+  void settle_counter();
   [[nodiscard]] LogFormat format_of_names() const;
   [[nodiscard]] LogFormat format_of_contents() const;
   [[nodiscard]] LogFormat format_of_one_column() const;

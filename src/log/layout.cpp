@@ -8,7 +8,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::array<std::pair<LogFormat, std::string_view>, 12> formats{{
+constexpr std::array<std::pair<LogFormat, std::string_view>, 13> formats{{
     {LogFormat::native, "native"},
     {LogFormat::timestamps, "timestamps"},
     {LogFormat::clock_error, "clock-error"},
@@ -19,11 +19,12 @@ constexpr std::array<std::pair<LogFormat, std::string_view>, 12> formats{{
     {LogFormat::ticc_interval, "ticc-interval"},
     {LogFormat::table, "table"},
     {LogFormat::angle, "angle"},
+    {LogFormat::ticktock, "ticktock"},
     {LogFormat::xy, "xy"},
     {LogFormat::sound, "wav"},
 }};
 
-constexpr std::array<std::pair<ColumnRole, std::string_view>, 18> roles{{
+constexpr std::array<std::pair<ColumnRole, std::string_view>, 23> roles{{
     {ColumnRole::ignored, "ignored"},
     {ColumnRole::time, "time"},
     {ColumnRole::date, "date"},
@@ -37,6 +38,11 @@ constexpr std::array<std::pair<ColumnRole, std::string_view>, 18> roles{{
     {ColumnRole::position, "position"},
     {ColumnRole::height, "height"},
     {ColumnRole::width, "width"},
+    {ColumnRole::tick_dark, "tick-dark"},
+    {ColumnRole::tick_light, "tick-light"},
+    {ColumnRole::tock_dark, "tock-dark"},
+    {ColumnRole::tock_light, "tock-light"},
+    {ColumnRole::counter_rate, "counter-rate"},
     {ColumnRole::edge, "edge"},
     {ColumnRole::temperature, "temperature"},
     {ColumnRole::pressure, "pressure"},
@@ -91,6 +97,8 @@ std::string_view in_words(LogFormat format) {
     return "columns with names";
   case LogFormat::angle:
     return "samples of the angle";
+  case LogFormat::ticktock:
+    return "intervals between a light gate's edges, an oscillation a line";
   case LogFormat::xy:
     return "samples of the bob's place";
   case LogFormat::sound:

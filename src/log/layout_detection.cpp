@@ -1,6 +1,7 @@
 #include "detection.hpp"
 
 #include "column_names.hpp"
+#include "gate_intervals.hpp"
 #include "issue_list.hpp"
 #include "time_columns.hpp"
 #include "weather_quantities.hpp"
@@ -75,6 +76,7 @@ bool Detection::read_names() {
   }
   for (const std::size_t i : settle_named_times(samples_, layout_))
     leave_out(i);
+  known -= settle_intervals();
   if (head_.names.size() != head_.columns && known > 0) {
     const std::size_t line =
         head_.titles.empty() ? head_.rows.front().number - 1 : head_.titles.back().number;
@@ -94,7 +96,29 @@ void Detection::leave_out(std::size_t column) {
   layout_.columns[column].role = ColumnRole::ignored;
 }
 
+// Whether all four intervals between a light gate's edges are there.
+bool Detection::has_intervals() const {
+  return std::all_of(gate_intervals.begin(), gate_intervals.end(),
+                     [&](ColumnRole role) { return layout_.find(role).has_value(); });
+}
+
+// Fewer than four are none; returns how many columns lost their role. With them, a time beside them
+// is only that of the computer that wrote them down.
+std::size_t Detection::settle_intervals() {
+  const bool whole = has_intervals();
+  std::size_t left_out = 0;
+  for (LogColumn& column : layout_.columns) {
+    const bool part = is_gate_interval(column.role) || column.role == ColumnRole::counter_rate;
+    const bool time = column.role == ColumnRole::time || column.role == ColumnRole::date;
+    if (whole ? !time : !part) continue;
+    column.role = ColumnRole::ignored;
+    ++left_out;
+  }
+  return left_out;
+}
+
 LogFormat Detection::format_of_names() const {
+  if (has_intervals()) return LogFormat::ticktock;
   if (layout_.find(ColumnRole::angle) || layout_.find(ColumnRole::position))
     return LogFormat::angle; // native logs have no such columns
   if (!head_.names.empty() && layout_.separator == ',' &&
@@ -149,6 +173,10 @@ void Detection::fill_columns(bool named) {
     fill_time();
     if (head_.columns > 1) set(1, ColumnRole::angle);
     break;
+  case LogFormat::ticktock:
+    for (std::size_t i = 0; i < std::min(head_.columns, gate_intervals.size()); ++i)
+      set(i, gate_intervals[i]);
+    break;
   case LogFormat::xy:
     fill_time();
     if (head_.columns < 3) break;
@@ -193,10 +221,11 @@ void Detection::check_needed_columns() {
   }
   const bool timed = has(ColumnRole::time) || has(ColumnRole::period) ||
                      has(ColumnRole::half_period) || has(ColumnRole::phase) ||
-                     has(ColumnRole::frequency);
+                     has(ColumnRole::frequency) || has_intervals();
   const bool complete =
       timed &&
       (layout_.format != LogFormat::angle || has(ColumnRole::angle) || has(ColumnRole::position)) &&
+      (layout_.format != LogFormat::ticktock || has_intervals()) &&
       (layout_.format != LogFormat::clock_error || has(ColumnRole::clock_error)) &&
       (layout_.format != LogFormat::native || head_.names.size() > 0);
   if (complete) return;
@@ -207,6 +236,10 @@ void Detection::check_needed_columns() {
   };
   if (layout_.format == LogFormat::native)
     throw InputError(place, shown(line.text), "a header row with time_s");
+  if (layout_.format == LogFormat::ticktock)
+    refuse("columns tick, tick_block, tock and tock_block",
+           {.words = "they are columns 1 to 4",
+            .columns = {"tick-light=1", "tick-dark=2", "tock-light=3", "tock-dark=4"}});
   if (layout_.format == LogFormat::angle)
     refuse("columns for a time and an angle",
            {.words = "they are columns 1 and 2", .columns = {"time=1", "angle=2"}});

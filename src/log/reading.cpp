@@ -184,6 +184,8 @@ void check(const ReadingOptions& options) {
   };
   within("nominal-period", options.nominal_period_s, 1e-9);
   within("tau0", options.tau0_s, 1e-9);
+  if (options.counter_hz && !(*options.counter_hz >= 1.0 && *options.counter_hz <= 1e12))
+    throw ArgumentError("counter-hz", *options.counter_hz, "between 1 and 1e12 Hz");
   if (options.wrap_s != 0.0) within("wrap", options.wrap_s, 1e-9);
   if (options.rest_angle_rad && !(std::abs(*options.rest_angle_rad) <= std::numbers::pi))
     throw ArgumentError("rest-angle", *options.rest_angle_rad, "between -pi and pi rad");

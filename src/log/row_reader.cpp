@@ -46,7 +46,7 @@ void RowReader::reserve(std::size_t lines) {
   if (layout_.format == LogFormat::angle)
     reserve_large(samples_, lines);
   else
-    reserve_large(log_.events, lines);
+    reserve_large(log_.events, layout_.format == LogFormat::ticktock ? 2 * lines : lines);
 }
 
 void RowReader::reject(const Line& line, std::size_t column, IssueKind kind, std::string found) {
@@ -87,6 +87,7 @@ void RowReader::add(const Line& line) {
     --data_lines_;
     return;
   }
+  if (layout_.format == LogFormat::ticktock) return add_oscillation(line);
   if (phase_) return add_on_grid(line, *phase_);
   if (frequency_) return add_on_grid(line, *frequency_);
   const auto time = time_of(line);
@@ -273,7 +274,10 @@ void RowReader::finish() {
     log_.assumptions.push_back(
         {fmt::format("{} lines of other channels than {}", other_channels_, layout_.channel),
          Setting::channel});
-  if (width_ || !log_.columns.width_s.empty())
+  if (layout_.format == LogFormat::ticktock)
+    log_.assumptions.push_back({"times are the middles of the intervals in which the flag covers "
+                                "the sensor"});
+  else if (width_ || !log_.columns.width_s.empty())
     log_.assumptions.push_back(
         {"times are those of the flag's leading edge; half its width is added to each"});
 }

@@ -69,9 +69,17 @@ private:
   std::optional<Instant> written_time(const Line& line);
   std::optional<Instant> accumulated_time(const Line& line, std::size_t column);
   Instant pause_before(const Instant& period);
+  void wait(const Instant& interval);
+  [[nodiscard]] Instant accumulated() const;
   void add_phase(std::uint32_t line, double error_s);
   void add_on_grid(const Line& line, std::size_t column);
   void leave_place(const Line& line, std::size_t column, IssueKind kind, std::string found);
+  // Intervals of a light gate, s, as gate_intervals orders them (gate_rows.cpp).
+  using Oscillation = std::array<double, 4>;
+  void add_oscillation(const Line& line);
+  std::optional<Oscillation> oscillation_at(const Line& line);
+  double counter_rate_at(const Line& line);
+
   [[nodiscard]] Field time_field();
   [[nodiscard]] DateOrder date_order() const;
   std::optional<Instant> parsed_time(std::string_view text);
@@ -109,6 +117,7 @@ private:
   std::int64_t whole_s_ = 0;    // what was accumulated: whole seconds and the rest
   TwoPart<double> part_s_{};
   double last_period_s_ = 0.0;
+  std::optional<Oscillation> oscillation_; // of the row before
   std::optional<Instant> stamp_; // the coarse time of the line before
   bool plain_;                   // nothing but seconds, one number a line
   bool in_order_ = true;

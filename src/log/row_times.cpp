@@ -167,15 +167,21 @@ std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t
   } else {
     last_period_s_ = size;
   }
-  const Instant pause = pause_before(*period);
-  whole_s_ += period->seconds + pause.seconds;
-  part_s_ += period->fraction;
+  wait(pause_before(*period));
+  wait(*period);
+  return accumulated();
+}
+
+void RowReader::wait(const Instant& interval) {
+  whole_s_ += interval.seconds;
+  part_s_ += interval.fraction;
   if (part_s_.hi >= 1.0) {
     part_s_ += -1.0;
     ++whole_s_;
   }
-  return Instant{whole_s_, 0.0} + part_s_.value();
 }
+
+Instant RowReader::accumulated() const { return Instant{whole_s_, 0.0} + part_s_.value(); }
 
 // An empty place of the grid.
 void RowReader::leave_place(const Line& line, std::size_t column, IssueKind kind,

@@ -133,6 +133,10 @@ ClockLog read_recording(Recording recording, const std::string& name,
   log.sound.emplace();
   log.sound->rate_hz = sound.rate_hz;
   log.sound->duration_s = static_cast<double>(sound.count) / sound.rate_hz;
+  if (recording.missing_bytes() > 0)
+    log.assumptions.push_back(
+        {fmt::format("the recording breaks off: its head states {} bytes more; what is there is read",
+                     recording.missing_bytes())});
   const TimeBase time_base(recording, options, name, log);
   TickTrain train = find_ticks(sound, options.nominal_period_s, options.progress);
   constexpr std::size_t fewest = 6; // three periods

@@ -3,12 +3,22 @@
 #include <cstddef>
 
 // The assembler reads the files, which g++ and clang both leave to it: a megabyte of text as an
-// array in C++ would take the compiler many seconds.
+// array in C++ would take the compiler many seconds. That of WebAssembly wants a section for each,
+// and to be told how long it is.
+#ifdef __wasm__
+#define SECTION(name) ".section .rodata." name ",\"\",@\n"
+#define END_OF_SECTION ""
+#else
+#define SECTION(name) ".pushsection .rodata\n"
+#define END_OF_SECTION ".popsection\n"
+#endif
 #define EMBED(name, path)                                                                          \
-  __asm__(".pushsection .rodata\n"                                                                 \
-          ".global goingrate_" #name "_begin\n.global goingrate_" #name "_end\n"                   \
+  __asm__(SECTION("goingrate_" #name)                                                              \
+          ".globl goingrate_" #name "_begin\n.globl goingrate_" #name "_end\n"                     \
           "goingrate_" #name "_begin:\n.incbin \"" path "\"\n"                                     \
-          "goingrate_" #name "_end:\n.byte 0\n.popsection\n");                                     \
+          ".size goingrate_" #name "_begin, .-goingrate_" #name "_begin\n"                         \
+          "goingrate_" #name "_end:\n.byte 0\n"                                                    \
+          ".size goingrate_" #name "_end, 1\n" END_OF_SECTION);                                    \
   extern "C" const char goingrate_##name##_begin[];                                                \
   extern "C" const char goingrate_##name##_end[]
 

@@ -50,6 +50,28 @@ sf_count_t read_from(void* to, sf_count_t count, void* user) {
 sf_count_t write_nothing(const void*, sf_count_t, void*) { return 0; }
 sf_count_t place_in(void* user) { return static_cast<Bytes*>(user)->at; }
 
+constexpr std::size_t head_size = 12; // bytes that tell the kind and the length
+
+// Bytes that a WAV or AIFF says it has; 0 where it says nothing: a stream has all ones, or none.
+std::uint64_t stated_size(std::string_view head) {
+  if (head.size() < head_size) return 0;
+  const bool little = head.starts_with("RIFF"), big = head.starts_with("FORM");
+  if (!little && !big) return 0;
+  std::uint64_t size = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    size = size << 8U | static_cast<unsigned char>(head[little ? 7 - i : 4 + i]);
+  constexpr std::uint64_t before = 8, stream = 0xFFFFFF00;
+  return size == 0 || size >= stream ? 0 : size + before;
+}
+
+std::string head_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(head_size, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head;
+}
+
 struct Close {
   void operator()(SNDFILE* file) const { sf_close(file); }
 };
@@ -59,6 +81,7 @@ struct Close {
 struct Recording::File {
   std::string name;
   Bytes bytes;
+  std::uint64_t stated = 0, size = 0; // bytes, by its head and in truth
   SF_INFO info{};
   std::unique_ptr<SNDFILE, Close> sound;
   sf_count_t at = 0;           // frame that is read next
@@ -155,10 +178,7 @@ bool is_sound(std::string_view beginning) {
 bool is_sound_on_disk(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return false;
-  std::ifstream file(path, std::ios::binary);
-  std::string beginning(12, '\0');
-  file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
-  return is_sound(beginning.substr(0, static_cast<std::size_t>(file.gcount())));
+  return is_sound(head_of(path));
 }
 
 Recording::Recording(std::unique_ptr<File> file) : file_(std::move(file)) {}
@@ -170,6 +190,9 @@ Recording Recording::on_disk(const std::string& path) {
   auto file = std::make_unique<File>();
   file->name = path;
   note_input(path);
+  std::error_code ignored;
+  file->stated = stated_size(head_of(path));
+  file->size = std::filesystem::file_size(path, ignored);
   file->sound.reset(sf_open(path.c_str(), SFM_READ, &file->info));
   file->check();
   return Recording(std::move(file));
@@ -179,6 +202,8 @@ Recording Recording::in_memory(std::string_view bytes, const std::string& name) 
   auto file = std::make_unique<File>();
   file->name = name;
   file->bytes.all = bytes;
+  file->stated = stated_size(bytes);
+  file->size = bytes.size();
   SF_VIRTUAL_IO access{length_of, seek_in, read_from, write_nothing, place_in};
   file->sound.reset(sf_open_virtual(&access, SFM_READ, &file->info, &file->bytes));
   file->check();
@@ -187,6 +212,11 @@ Recording Recording::in_memory(std::string_view bytes, const std::string& name) 
 
 double Recording::rate_hz() const { return file_->info.samplerate; }
 std::size_t Recording::channels() const { return static_cast<std::size_t>(file_->info.channels); }
+
+std::uint64_t Recording::missing_bytes() const {
+  constexpr std::uint64_t slack = 8; // of programs that count the beginning of the head as well
+  return file_->stated > file_->size + slack ? file_->stated - file_->size : 0;
+}
 
 SoundSamples Recording::channel(std::size_t number, std::uint64_t unpacked_limit) {
   SoundSamples samples{rate_hz(), file_->info.frames, nullptr};

@@ -30,6 +30,9 @@ public:
 
   [[nodiscard]] double rate_hz() const;
   [[nodiscard]] std::size_t channels() const;
+  /// Bytes that a WAV or AIFF says it has and that are not there: its recorder broke off, or a copy
+  /// did. 0 for other kinds, and where the head says nothing.
+  [[nodiscard]] std::uint64_t missing_bytes() const;
   /// One of the channels, counted from 1, for as long as the recording lives. Reading throws
   /// InputError where the file is damaged or holds what is no number. What cannot be read in pieces
   /// (OGG, packed samples in a WAV, a head that does not state its length) is unpacked as a whole,

@@ -172,6 +172,18 @@ TEST(LoadTest, DatesWithAllTheirDigitsComeBeforePeriods) {
   EXPECT_NEAR(log.beats.typical_period_s, 3.3737, 1e-5);
 }
 
+TEST(LoadTest, WhatIsToldAndNotUsedIsSaid) {
+  LoadRequest request;
+  request.path = "log";
+  request.reading.rest_angle_rad = 0.01;
+  request.reading.clock_ppm = 3.0;
+  const NumberedLog log = load_text(seconds(100, 2.0), request);
+  std::vector<Setting> unused;
+  for (const Assumption& one : log.log.assumptions)
+    if (one.text.ends_with("not used")) unused.push_back(one.setting);
+  EXPECT_EQ(unused, (std::vector{Setting::rest_angle, Setting::clock_ppm}));
+}
+
 TEST(LoadTest, GridDataAreNotNumbered) {
   LoadRequest request;
   request.path = "x";

@@ -33,7 +33,7 @@ expect() { # LINE WORDS
   [ "$found" = "$2" ] || fault "'$1' is completed by '$found', expected '$2'"
 }
 expect 'goingrate re' 'report'
-expect 'goingrate rate --format t' 'timestamps ticc ticc-interval table'
+expect 'goingrate rate --format t' 'timestamps ticc ticc-interval table ticktock'
 expect 'goingrate rate my.log --format=per' 'periods'
 expect 'goingrate fit my.log --noise ' 'jitter drive both slow auto'
 expect 'goingrate fit my.log --model=m' 'map'

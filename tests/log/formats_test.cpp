@@ -436,8 +436,9 @@ TEST(FormatsTest, AMeasurementOfCassyIsATable) {
       values([](int) { return std::string("<value/>"); }) +
       "<channel><quantity>Zeit</quantity><symbol>t</symbol><unit>s</unit>" +
       values([](int i) { return fmt::format("<value>{:.4f}</value>\n", 2.0001 * i); }) +
-      "<channel><quantity>Temperatur</quantity><unit>&#176;C</unit>" +
-      values([](int i) { return i == 5 ? "<value />" : fmt::format("<value>{}</value>", 20 + i); }) +
+      "<channel><quantity>Temperatur</quantity><unit>&#176;C</unit>" + values([](int i) {
+        return i == 5 ? "<value />" : fmt::format("<value>{}</value>", 20 + i);
+      }) +
       "</channels></cassylab>\n";
   const ClockLog log = read_log(measurement, "m.labx");
   ASSERT_EQ(log.events.size(), 40u);
@@ -448,9 +449,78 @@ TEST(FormatsTest, AMeasurementOfCassyIsATable) {
   std::ofstream(path, std::ios::binary) << measurement;
   EXPECT_EQ(read_log_file(path).events.size(), 40u);
   std::remove(path.c_str());
-  for (const char* cut : {"<cassylab", "<cassylab><channels><channel><values><value>1", "<cassylab/>",
-                          "<cassylab><channels></channels></cassylab>"})
+  for (const char* cut : {"<cassylab", "<cassylab><channels><channel><values><value>1",
+                          "<cassylab/>", "<cassylab><channels></channels></cassylab>"})
     EXPECT_THROW((void)read_log(cut, "cut"), InputError) << cut;
+}
+
+// A light gate's four intervals, of a period of 2.0001 s; the flag is in the gate for 20 ms, the
+// tick takes 1.004 s. The counter runs at `rate`.
+std::string gate_row(double rate, double tick_light = 0.984) {
+  const auto cycles = [&](double seconds) { return std::llround(seconds * rate); };
+  return fmt::format("{},{},{},{}", cycles(tick_light), cycles(0.020), cycles(0.9761),
+                     cycles(0.020));
+}
+
+TEST(FormatsTest, IntervalsOfALightGateAreBothPassages) {
+  std::string text = "tick,tick_block,tock,tock_block\n";
+  for (int i = 0; i < 30; ++i)
+    text += gate_row(16e6) + '\n';
+  const ClockLog log = read_log(text, "gate.csv");
+  EXPECT_EQ(log.format, LogFormat::ticktock);
+  EXPECT_TRUE(says(log, "16000000 Hz"));
+  ASSERT_EQ(log.events.size(), 60u);
+  for (std::size_t i = 0; i < 60; ++i) { // whole cycles: 31 ns
+    EXPECT_EQ(log.events[i].edge, i % 2 == 0 ? Edge::up : Edge::down);
+    const double expected = 0.01 + 2.0001 * static_cast<double>(i / 2) + (i % 2 == 1 ? 1.004 : 0.0);
+    EXPECT_NEAR(log.events[i].time.to_double(), expected, 1e-12) << i;
+    EXPECT_NEAR(log.columns.width_s.at(i), 0.020, 1e-12);
+  }
+  // The same without a header, of a counter of another rate.
+  std::string bare;
+  for (int i = 0; i < 30; ++i)
+    bare += gate_row(1e6) + '\n';
+  const ClockLog slow =
+      read_log(bare, "bare.csv", {.format = LogFormat::ticktock, .counter_hz = 1e6});
+  ASSERT_EQ(slow.events.size(), 60u);
+  EXPECT_NEAR(slow.events[59].time - slow.events[0].time, 29 * 2.0001 + 1.004, 1e-12);
+}
+
+TEST(FormatsTest, AGatesCounterHasTheRateBesideIt) {
+  // As the firmware's receiver writes it: 40 parts in a million fast, two rows lost after the tenth
+  // and one broken.
+  std::string text = "host_utc_iso,tick,tick_adj,tick_block,tock,tock_block,tick_total_f_hat_hz,"
+                     "pps_seq_row\n";
+  const double rate = 16e6 * (1.0 + 40e-6);
+  double s = 0.0;
+  for (int i = 0; i < 30; ++i) {
+    s += 2.0001;
+    if (i == 10 || i == 11) continue;
+    const std::string row = gate_row(rate);
+    const std::size_t comma = row.find(',');
+    text += fmt::format("2026-03-01T10:00:{:02}Z,{},0{},{:.0f},{}\n", i, row.substr(0, comma),
+                        i == 20 ? ",x,x,x" : row.substr(comma), rate, 7 + static_cast<int>(s));
+  }
+  const ClockLog log = read_log(text, "smp.csv");
+  EXPECT_EQ(log.format, LogFormat::ticktock);
+  ASSERT_EQ(log.events.size(), 2u * 27);
+  const auto after = [&](std::size_t i) { return log.events[i].time - log.events[0].time; };
+  const double rounded = 4 * 0.5 / 16e6; // four counts of whole cycles an oscillation
+  EXPECT_NEAR(after(18), 9 * 2.0001, 9 * rounded);
+  EXPECT_NEAR(after(20), 12 * 2.0001, 1e-3); // two rows: 4 whole seconds of the reference
+  EXPECT_NEAR(after(36) - after(34), 2 * 2.0001, 2 * rounded); // over the broken row
+  ASSERT_EQ(log.issues.size(), 1u);
+  EXPECT_EQ(log.issues[0].line, 20u);
+}
+
+TEST(FormatsTest, AGateWithoutAllIntervalsIsToldSo) {
+  try {
+    (void)read_log("tick,tick_block,tock\n15740800,320000,15620800\n15740800,320000,15620800\n",
+                   "gate.csv", {.format = LogFormat::ticktock});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("tock_block"), std::string::npos) << error.what();
+  }
 }
 
 TEST(FormatsTest, SamplesOfAnUnknownNameAreNoBeats) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -130,6 +131,13 @@ TEST_F(SoundLogTest, SaysWhatIsWrong) {
             std::string::npos);
   std::ofstream(path("broken.wav"), std::ios::binary) << "RIFF\x10\x20\x30\x40WAVEfmt nonsense";
   EXPECT_NE(fault("broken.wav").find("broken.wav: found a recording"), std::string::npos);
+  write_sound(path("cut.wav"), {record(clock()).samples}, 22050.0);
+  std::filesystem::resize_file(path("cut.wav"), 2'000'000); // half of it
+  const NumberedLog cut = loaded("cut.wav");
+  EXPECT_TRUE(std::any_of(cut.log.assumptions.begin(), cut.log.assumptions.end(),
+                          [](const Assumption& one) {
+                            return one.text.find("the recording breaks off") != std::string::npos;
+                          }));
   write_sound(path("short.flac"), {pulses(8000.0, 0.0, 3.0)}, 8000.0);
   std::filesystem::resize_file(path("short.flac"), 12000);
   EXPECT_NE(fault("short.flac").find("cannot be read on"), std::string::npos);

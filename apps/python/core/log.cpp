@@ -39,6 +39,7 @@ LoadRequest request_of(const py::dict& options) {
   put("columns", reading.columns);
   put("wrap_s", reading.wrap_s);
   put("tau0_s", reading.tau0_s);
+  put("counter_hz", reading.counter_hz);
   put("decimal_comma", reading.decimal_comma);
   put("month_first", reading.month_first);
   put("channel", reading.channel);
@@ -193,6 +194,8 @@ const char* keyword_of(Setting setting) {
     return "wrap_s";
   case Setting::tau0:
     return "tau0_s";
+  case Setting::counter_rate:
+    return "counter_hz";
   case Setting::decimal_comma:
     return "decimal_comma";
   case Setting::date_order:

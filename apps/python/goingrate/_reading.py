@@ -88,6 +88,7 @@ def read(
     unit: str | None = None,
     wrap_s: float | None = None,
     tau0_s: float | None = None,
+    counter_hz: float | None = None,
     decimal_comma: bool = False,
     date_order: str | None = None,
     channel: str | None = None,
@@ -130,6 +131,8 @@ def read(
         The times begin again every so many s; 0: they never do.
     tau0_s : float, optional
         Between values of phase, frequency or intervals, s.
+    counter_hz : float, optional
+        Of a log in cycles of a counter: how many it counts in a second.
     decimal_comma : bool
         12,5 is twelve and a half.
     date_order : 'day' or 'month', optional
@@ -194,6 +197,7 @@ def read(
         unit=unit,
         wrap_s=wrap_s,
         tau0_s=tau0_s,
+        counter_hz=counter_hz,
         decimal_comma=decimal_comma,
         month_first=_month_first(date_order),
         channel=channel,

@@ -107,6 +107,7 @@ enum class Setting : std::uint8_t {
   unit,
   wrap,
   tau0,
+  counter_rate,
   decimal_comma,
   date_order,
   channel,

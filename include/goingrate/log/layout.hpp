@@ -23,6 +23,7 @@ enum class LogFormat {
   ticc_interval, ///< TAPR TICC: "interval TI(A->B)"
   table,         ///< columns with names
   angle,         ///< samples of the angle; crossings are found by local fits
+  ticktock,      ///< an oscillation a line: four intervals between a light gate's edges
   xy,            ///< samples of the bob's place: time, x, y; read as angles about the centre
   sound,         ///< a recording: WAV, FLAC, OGG; ticks are found by find_ticks
 };
@@ -42,6 +43,11 @@ enum class ColumnRole : std::uint8_t {
   position, ///< sideways displacement; its unit does not matter
   height,   ///< beside it, in the same unit: both give the angle about the centre of the arc
   width,    ///< how long the flag was seen, s
+  tick_dark,  ///< cycles of a counter: the flag in the gate on its way up,
+  tick_light, ///< then out of it until it returns,
+  tock_dark,  ///< in it on its way down,
+  tock_light, ///< and out of it until the next oscillation
+  counter_rate, ///< Hz, of that counter
   edge,     ///< up or down; of a gate's two edges up-in, up-out, down-in, down-out
   temperature,
   pressure,
@@ -69,6 +75,7 @@ struct Layout {
   bool month_first = false;     ///< in dates such as 03/04/2013
   std::optional<double> wrap_s; ///< at which times begin again from nothing
   double tau0_s = 1.0;          ///< of phase, frequency and intervals
+  double counter_hz = 0.0;      ///< rate of a counter, where no column tells it
   std::string channel;          ///< of the TICC that is read; others are left out
   bool newest_first = false;
   /// Of periods that are added up: a column of coarser times, which tells pauses.

@@ -30,6 +30,7 @@ struct ReadingOptions {
   std::optional<TimeUnit> unit{};     ///< of the times (in_days: MJD)
   std::optional<double> wrap_s{};     ///< times begin again after so much; 0: they never do
   std::optional<double> tau0_s{};     ///< between values of phase, frequency or intervals
+  std::optional<double> counter_hz{}; ///< of a counter whose cycles a log gives
   bool decimal_comma = false;
   std::string channel{};                  ///< of a TICC
   std::size_t beat_channel = 1;           ///< of a recording: in which the clock is heard

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# run.sh GOINGRATE SOURCE FOLDER [FORM]: the page that runs in a browser, in one of three forms.
+# whole (if none is named): it is built into FOLDER; its numbers are those of the command GOINGRATE on logs of all
+#   formats; it does in headless Chromium what it says; it takes a million lines; cpack ships it.
+# short: it is built; fewer logs, fewer parts.
+# replay: nothing is compiled to WebAssembly but checked to pass its compiler, and the page gives back what GOINGRATE
+#   wrote before. For those who have a few minutes and no libraries yet.
+# Pictures stay in FOLDER/pictures, to be looked at.
+set -euo pipefail
+goingrate=$(realpath "$1") source=$(realpath "$2") form=${4:-whole}
+for needed in em++ node; do
+  command -v "$needed" > /dev/null || { echo "no $needed here: skipped"; exit 77; }
+done
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+tests=$source/tests/web
+mkdir -p "$3"
+folder=$(realpath "$3")
+page=$folder/goingrate.html
+
+in_browser() {
+  [ -n "$chromium" ] || { echo "no chromium here: the page is not opened"; return 0; }
+  node "$tests/page.mjs" "$page" "$goingrate" "$source" "$folder/pictures" "$chromium" "$@"
+}
+
+if [ "$form" = replay ]; then
+  "$tests/portable.sh" "$source" "$folder"
+  node "$tests/replay.mjs" "$goingrate" "$source" "$folder"
+  node "$source/apps/web/assemble.mjs" "$source" "$folder"
+  "$tests/self_contained.sh" "$page"
+  in_browser report hostile looks keyboard worksheets
+  exit
+fi
+"$source/apps/web/build.sh"
+"$tests/self_contained.sh" "$page"
+if [ "$form" = short ]; then
+  node "$tests/same_numbers.mjs" "$page" "$goingrate" "$source" "$folder/logs" 4
+  in_browser report hostile looks
+else
+  node "$tests/same_numbers.mjs" "$page" "$goingrate" "$source" "$folder/logs"
+  in_browser
+  in_browser largest
+  "$tests/package.sh" "$source" "$folder"
+fi
