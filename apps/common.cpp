@@ -169,10 +169,10 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
                   "what comes first in dates such as 03/04/2013: day or month")
       ->check(one_of({"day", "month"}))
       ->group(group);
-  auto* channel =
-      command.add_option("--channel", options.channels,
-                         "of a TICC: chA, chB; of a recording: beat=1 for the clock, pps=2 for a "
-                         "reference that clicks once a second");
+  auto* channel = command.add_option(
+      "--channel", options.channels,
+      "of a TICC: chA, chB; of a recording: beat=1, or 1 alone, for the one in which "
+      "the clock is heard, pps=2 for a reference that clicks once a second");
   offers(channel, {"chA", "chB", "beat=", "pps="})->allow_extra_args(false)->group(group);
   command
       .add_option("--clock-ppm", options.clock_ppm,
@@ -195,20 +195,22 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
 
 namespace {
 
-// "chB", or "beat=1", "pps=2".
+// "chB", or "beat=1", "1" (the same), "pps=2".
 void take_channel(const std::string& words, ReadingOptions& reading) {
   const std::size_t equals = words.find('=');
-  const std::string role = words.substr(0, equals);
-  if (equals == std::string::npos) {
+  const bool is_number =
+      !words.empty() && words.find_first_not_of("0123456789") == std::string::npos;
+  if (equals == std::string::npos && !is_number) {
     reading.channel = words;
     return;
   }
+  const std::string role = is_number ? "beat" : words.substr(0, equals);
   std::size_t number = 0;
   const char* end = words.data() + words.size();
-  const auto parsed = std::from_chars(words.data() + equals + 1, end, number);
+  const auto parsed = std::from_chars(words.data() + (is_number ? 0 : equals + 1), end, number);
   if (parsed.ec != std::errc() || parsed.ptr != end || (role != "beat" && role != "pps"))
-    throw CLI::ValidationError("--channel", fmt::format("found {}, expected chA, chB, beat=NUMBER "
-                                                        "or pps=NUMBER",
+    throw CLI::ValidationError("--channel", fmt::format("found {}, expected chA, chB, NUMBER, "
+                                                        "beat=NUMBER or pps=NUMBER",
                                                         words));
   if (role == "beat") reading.beat_channel = number;
   if (role == "pps") reading.pps_channel = number;
@@ -366,6 +368,8 @@ std::string_view option_of(Setting setting) {
     return "--both-edges";
   case Setting::flag_width:
     return "--flag-width";
+  case Setting::weather:
+    return "--weather";
   case Setting::weather_zone:
     return "--weather-zone";
   }

@@ -19,6 +19,8 @@ struct CompareCommand {
 };
 
 void run(const CompareCommand& options, const GlobalOptions& global) {
+  if (options.paths.size() < 2)
+    throw UsageError("compare needs the logs of two clocks or more; found one");
   std::vector<NumberedLog> logs;
   for (const std::string& path : options.paths) {
     LogOptions one = options.log;
@@ -44,11 +46,11 @@ void add_compare(CLI::App& program, const GlobalOptions& global) {
       "compare", "several clocks: their rates, deviations of each, of differences, and alone");
   auto options = std::make_shared<CompareCommand>();
   command
-      ->add_option("logs", options->paths,
-                   "the logs, one of each clock, in the same time; a folder or a ZIP is the log of "
-                   "one clock")
-      ->required()
-      ->expected(2, -1);
+      ->add_option(
+          "logs", options->paths,
+          "the logs of two clocks or more, one of each, in the same time; a folder or a ZIP "
+          "is the log of one clock")
+      ->required();
   add_log_settings(*command, options->log);
   command->add_option("-o,--output", options->output, "the tables; standard output if not given");
   command->add_option("--rates", options->rates, "write the rates on one time axis as CSV");

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 
 namespace goingrate::apps {
 
@@ -27,11 +28,19 @@ std::string other_readings(const ImpossibleReading& error) {
   return text;
 }
 
+// What must be left out is said as a sentence: its reason first.
+std::string words_for_option(const ArgumentError& error) {
+  constexpr std::string_view leave_out = "left out: ";
+  if (!error.legal().starts_with(leave_out)) return std::string("--") + error.what();
+  return fmt::format("{}; leave --{} {} out", error.legal().substr(leave_out.size()), error.name(),
+                     error.value());
+}
+
 std::string words_for(const ArgumentError& error, const CLI::App* program) {
   if (program == nullptr) return error.what();
   for (const CLI::App* command : program->get_subcommands())
     if (command->get_option_no_throw("--" + error.name()) != nullptr)
-      return std::string("--") + error.what();
+      return words_for_option(error);
   return error.what();
 }
 

@@ -43,10 +43,19 @@ PhaseSeries phase_of(const StabilityCommand& options, const NumberedLog& loaded)
   return series;
 }
 
+std::vector<double> averaging_times(const std::string& taus) {
+  try {
+    return numbers_in("taus", taus);
+  } catch (const ArgumentError&) {
+    throw ArgumentError("taus", taus,
+                        "octave, decade, all, or numbers in seconds, such as 3,30,300");
+  }
+}
+
 std::vector<std::size_t> factors_of(const std::string& taus, std::size_t points, double tau0_s,
                                     DeviationKind kind) {
   if (auto factors = factors_named(taus, points, kind)) return std::move(*factors);
-  return factors_for(numbers_in("taus", taus), points, tau0_s, kind);
+  return factors_for(averaging_times(taus), points, tau0_s, kind);
 }
 
 std::vector<std::string> kind_names() {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The rules of the house: each room includes only itself and those below it, what is installed is what
-# users call, Ceres and FFTW stay out of it, the library does not know the command, and every test that a
-# docstring names exists. Argument: the folder of the project.
+# users call, Ceres and FFTW stay out of it, the library does not know the command, constants are named by
+# nouns, and every test that a docstring names exists. Argument: the folder of the project.
 set -euo pipefail
 cd "$1"
 rooms=(base clock dynamics sound log spectra fit drive causes analysis report)
@@ -45,6 +45,12 @@ if grep -rn '#include "goingrate/\(clock\|dynamics\|log\)/' include/goingrate/sp
 fi
 if grep -rnE '#include <(ceres|fftw3)' include; then
   echo "a public header includes Ceres or FFTW"
+  fault=1
+fi
+# `enough` does not say of what: a limit, a count, a share.
+adjectives='enough|near|close|clear|many|few|little|alike|same|surely|brief|apart|around|far|badly|much|small|large'
+if grep -rnE "\bconstexpr [^;/]*\b($adjectives) *[={]" src include apps tests --include='*.cpp' --include='*.hpp'; then
+  echo "a constant is named by an adjective: say what it is, and its unit"
   fault=1
 fi
 for library in 'ceres/' fftw3; do

@@ -156,6 +156,43 @@ void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary
   });
 }
 
+// Cycles in which a swing answers to a change of the fitted clock; 0 if its friction is not known.
+double answer_cycles(const FitSummary& fit) {
+  const FittedParameter* friction = fit.find("epsilon");
+  const bool is_known = friction != nullptr && friction->value > 0.0;
+  return is_known ? 1.0 / (two_pi * friction->value) : 0.0;
+}
+
+// What the fit was told of and does without: the course of the rate dates a change within some
+// beats and may take one for two. What may have been counts where the swing still answers to a
+// change that the fit has.
+void drop_what_the_fit_dropped(const FitOptions& asked, const FitSummary& fit, std::int64_t first,
+                               Diary& diary) {
+  if (fit.status != FitStatus::converged || !misses_nothing(fit) || fit.events.empty()) return;
+  const double reach = answer_cycles(fit);
+  std::vector<FitEvent> told;
+  for (const FitEvent& event : asked.events)
+    if (event.movable) told.push_back(event);
+  for (const FitEvent& event : asked.possible_events)
+    if (event.movable &&
+        std::any_of(fit.events.begin(), fit.events.end(), [&](const FitEvent& own) {
+          return std::abs(static_cast<double>(own.cycle - event.cycle)) < reach;
+        }))
+      told.push_back(event);
+  std::vector<bool> kept(told.size(), false);
+  for (const FitEvent& event : fit.events) {
+    const auto nearest =
+        std::min_element(told.begin(), told.end(), [&](const FitEvent& a, const FitEvent& b) {
+          return std::abs(a.cycle - event.cycle) < std::abs(b.cycle - event.cycle);
+        });
+    if (nearest != told.end()) kept[static_cast<std::size_t>(nearest - told.begin())] = true;
+  }
+  for (std::size_t i = 0; i < told.size(); ++i)
+    std::erase_if(diary.changes, [&](const Change& change) {
+      return !kept[i] && !change.noted && change.cycle == first + told[i].cycle;
+    });
+}
+
 // The course of a swing that dies away, or of a drive that varies slowly, looks like changes. Where
 // such a model, asked for them, explains the log without any, there were none.
 void drop_what_no_fit_demands(const FitSummary& fit, Diary& diary) {
@@ -163,10 +200,9 @@ void drop_what_no_fit_demands(const FitSummary& fit, Diary& diary) {
   const bool dies_away = fit.model.escapement == Escapement::none && fit.decay && !fit.model.walk;
   const bool wanders =
       fit.model.slow && fit.find("slow_rms") != nullptr && std::isfinite(fit["slow_rms"].value);
-  std::erase_if(diary.changes,
-                [&](const Change& change) {
-                  return !change.noted && (dies_away || (wanders && !change.stands_out));
-                });
+  std::erase_if(diary.changes, [&](const Change& change) {
+    return !change.noted && (dies_away || (wanders && !change.stands_out));
+  });
 }
 
 // The rms of the fast drive, as far as the log tells it: without a high end if only its least is
@@ -224,7 +260,8 @@ static void merge_those_of_one_beat(std::vector<FitEvent>& events) {
     }
     std::vector<std::string>& names = merged.back().names;
     for (std::string& name : event.names)
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+      if (std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(std::move(name));
   }
   events = std::move(merged);
 }
@@ -322,6 +359,8 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
       has_plans ? fit_clock(times, loaded.nominal_period_s, without_plans(asked)) : FitSummary{};
   if (has_plans) asked = without_what_is_excluded(std::move(asked), alone);
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
+  if (request.finds_events)
+    drop_what_the_fit_dropped(asked, data.fit, loaded.good.front().cycle, data.diary);
   if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(data.fit, loaded.good, data.diary);
     drop_wakes(data.fit, loaded.good, data.diary);

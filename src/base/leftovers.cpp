@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view mark = ".part-goingrate-";
 constexpr std::size_t letters = 6; // as mkostemp makes them
 
-// The names of all drafts in a folder, whosoever they are.
+// The names of all drafts in a folder, whichever process wrote them.
 std::set<std::string> drafts_in(const fs::path& folder) {
   std::set<std::string> names;
   std::error_code unreadable; // then nothing is swept there

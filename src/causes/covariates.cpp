@@ -106,7 +106,8 @@ Answer answer_in(const RateBlocks& blocks, std::size_t term) {
     put_lines(known, *series);
     *series = {series->begin() + first, series->begin() + std::max(first, last)};
   }
-  const auto blocks_known = static_cast<double>(std::ranges::count_if(known, is_known));
+  const auto blocks_known =
+      static_cast<double>(std::count_if(known.begin(), known.end(), is_known));
   answer.known_share = blocks_known / static_cast<double>(known.size());
   const auto blocks_taken = static_cast<double>(std::max<std::size_t>(1, answer.rate.size()));
   answer.filled_share = 1.0 - blocks_known / blocks_taken;

@@ -31,7 +31,7 @@ std::vector<double> speed_of(const std::vector<double>& x, double block_s) {
   return speed;
 }
 
-// Of a block mean: what single amplitudes scatter by from beat to beat.
+// Standard deviation of a block mean.
 double sigma_of_means(const TimingData& data, std::size_t blocks) {
   std::vector<double> known;
   for (const double a : data.amplitude_rad)
@@ -60,15 +60,17 @@ public:
   }
 
   [[nodiscard]] double slope() const { return found_[0]; }
-  /// With what the errors of the amplitudes, which are known to a tenth or so, may do to it, and
-  /// what the relation, which is of first order in the friction, is off by.
+  /// Includes the uncertainty of the amplitude noise and of the first-order relation.
   [[nodiscard]] double sigma() const {
-    constexpr double error_known_to = 0.2; // of their variance
-    constexpr double relation_known_to = 5e-3; // tests/studies/isochronism.txt: below 8e-3
-    return std::hypot(std::sqrt(covariance_(0, 0)), error_known_to * share_ * found_[0],
-                      relation_known_to * found_[0]);
+    constexpr double relative_sigma_of_error_variance = 0.2;
+    // Of the first-order relation; no study measures it. sigma/slope is never smaller: its median
+    // over the longest logs of tests/studies/isochronism.txt is 0.0064.
+    constexpr double relative_model_error = 5e-3;
+    return std::hypot(std::sqrt(covariance_(0, 0)),
+                      relative_sigma_of_error_variance * share_ * found_[0],
+                      relative_model_error * found_[0]);
   }
-  /// Of what the amplitudes seem to vary by, weighted as the regression does.
+  /// Noise share of the weighted amplitude variance.
   [[nodiscard]] double share_of_errors() const { return share_; }
 
 private:
@@ -82,7 +84,8 @@ private:
       const Eigen::Vector2d x(amplitude_[k], speed_[k]);
       seen += weight * x * x.transpose();
       right += weight * rate_[k] * x;
-      const double turn = std::numbers::pi * static_cast<double>(k) / static_cast<double>(rate_.size());
+      const double turn =
+          std::numbers::pi * static_cast<double>(k) / static_cast<double>(rate_.size());
       error(0, 0) += weight * error2_;
       error(1, 1) += weight * error2_ * std::pow(std::sin(turn) / block_s_, 2);
     }
@@ -107,7 +110,7 @@ ClockParameters driven(ClockParameters clock, double factor) {
   return clock;
 }
 
-// The factor of the drive at which the clock swings so far; nothing if none does.
+// The factor of the drive at which the clock reaches this amplitude; nullopt if none does.
 std::optional<double> drive_for(const ClockParameters& clock, double amplitude) {
   double low = 1e-3, high = 1e3;
   const auto swings_less = [&](double factor) {

@@ -14,7 +14,7 @@ void demand_positive(const char* name, double value) {
   if (!(value > 0.0) || !std::isfinite(value)) throw ArgumentError(name, value, "above 0");
 }
 
-// What a nut or a pendulum could be, and numbers that stay numbers.
+// The plausible range, without overflow.
 void demand_between(const char* name, double value, double least, double most) {
   if (!(value >= least && value <= most))
     throw ArgumentError(name, value, fmt::format("between {} and {} m", least, most));

@@ -8,8 +8,8 @@ namespace goingrate {
 
 namespace {
 
-// A dotted key or header of so many levels would end the stack; no scenario has more than two. Dots
-// in strings and comments are no levels.
+// A very deep key would overflow toml++'s stack; no scenario has more than two levels. Dots in
+// strings and comments are no levels.
 void refuse_deep_keys(std::string_view text, const std::string& source) {
   constexpr int most_levels = 64;
   std::size_t line = 1, start = 0;
@@ -41,7 +41,7 @@ void refuse_deep_keys(std::string_view text, const std::string& source) {
   }
 }
 
-// `has_lines`: the text is that of a file, and its places count.
+// `has_lines`: the text is that of a file; messages may cite its lines.
 toml::table parsed(std::string_view text, const std::string& source, bool has_lines) {
   refuse_deep_keys(text, source);
   try {
@@ -70,8 +70,8 @@ std::string with_quotes(const std::string& change) {
     word.remove_prefix(1);
   while (!word.empty() && word.back() == ' ')
     word.remove_suffix(1);
-  const bool own = word == "true" || word == "false" || word == "inf" || word == "nan";
-  if (own || !is_bare_word(word)) return change;
+  const bool is_toml_literal = word == "true" || word == "false" || word == "inf" || word == "nan";
+  if (is_toml_literal || !is_bare_word(word)) return change;
   return fmt::format("{}='{}'", change.substr(0, equals), word);
 }
 
@@ -81,7 +81,7 @@ toml::table parsed_override(const std::string& change) {
   return parsed(with_quotes(change), change, false);
 }
 
-// Moves, so that each value remembers which change it came from.
+// Moves nodes: a copy loses its source, which messages name.
 void merge(toml::table& base, toml::table&& change) {
   for (auto&& [key, node] : change) {
     toml::node* old = base.get(key.str());

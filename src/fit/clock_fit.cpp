@@ -323,6 +323,21 @@ Searched searched_with_changes(const TimingData& data, const FitOptions& options
   return better ? std::move(changed) : std::move(plain);
 }
 
+// Without those of the changes that the log does not demand.
+Searched without_needless_changes(const TimingData& data, Searched found) {
+  const double date = std::log(static_cast<double>(data.size()));
+  while (found.fitted->minimum.usable) {
+    const auto fewer = without_needless_change(*found.fitted, found.search->options());
+    if (!fewer) break;
+    Searched without = searched(data, *fewer);
+    if (!without.fitted->minimum.usable) break;
+    const Fitted beside = on_few_beats(*without.fitted, {*found.fitted->problem.data, 1.0});
+    if (!beside.minimum.usable || !(beside.bic < found.fitted->bic + date)) break;
+    found = std::move(without);
+  }
+  return found;
+}
+
 // What timing_data() makes is so; what was put together by hand may not be.
 void check(const TimingData& data) {
   constexpr std::size_t fewest_beats = 3;
@@ -356,7 +371,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
     throw ArgumentError("nominal_period", nominal_period_s, "a positive number of seconds");
   check(data);
   FitSummary summary;
-  const Searched end = searched_with_changes(data, options);
+  const Searched end = without_needless_changes(data, searched_with_changes(data, options));
   const Fitted& fitted = *end.fitted;
   if (!fitted.minimum.usable) {
     summary.status = FitStatus::no_valid_model;

@@ -49,11 +49,11 @@ DerivedQuantity unless_undetermined(DerivedQuantity quantity) {
   return quantity;
 }
 
-bool friction_known(const FitProblem& problem, const Certainty& known) {
-  bool trusted = true;
-  for (const Slot& slot : problem.parameters.slots)
-    if (slot.quantity == Quantity::epsilon && slot.free) trusted = !known.distrusted[slot.index];
-  return trusted;
+// What is not stated by itself is not stated in disguise either: where the friction is undetermined
+// the linear sigmas of what hangs on it are those of one place of a long valley.
+bool friction_known(const FitSummary& summary) {
+  const FittedParameter* friction = summary.find("epsilon");
+  return friction == nullptr || friction->status != ParameterStatus::undetermined;
 }
 
 // The variance that noise of the drive adds to the times, s^2 a cycle: by the slow gain if the log
@@ -169,8 +169,7 @@ private:
   const Rivals& rivals_;
 };
 
-void state_stationary(const FitProblem& problem, const Certainty& known, const AtPlace& place,
-                      FitSummary& summary) {
+void state_stationary(const FitProblem& problem, const AtPlace& place, FitSummary& summary) {
   const bool driven = problem.parameters.escapement != Escapement::none;
   const bool linear = !problem.parameters.has(Quantity::quadratic_drag) &&
                       !problem.parameters.has(Quantity::dry_friction);
@@ -185,7 +184,7 @@ void state_stationary(const FitProblem& problem, const Certainty& known, const A
   // Without an observed relaxation the stationary state is unknown too.
   // A pendulum without a drive has no stationary amplitude, and Q depends on the amplitude unless
   // friction is linear.
-  if (!std::isfinite(summary.decay_time.value) || !friction_known(problem, known) ||
+  if (!std::isfinite(summary.decay_time.value) || !friction_known(summary) ||
       (!driven && !linear))
     for (DerivedQuantity* quantity :
          {&summary.q_factor, &summary.decay_time, &summary.stationary_amplitude})
@@ -207,7 +206,7 @@ void state_combinations(const FitProblem& problem, const AtPlace& place, FitSumm
             return slot.value(at) / before - 1.0;
           }));
   add_if_known(summary.decay_time);
-  if (problem.parameters.escapement == Escapement::none) return;
+  if (problem.parameters.escapement == Escapement::none || !friction_known(summary)) return;
   const auto relaxation = place.of_clock("relaxation time", "of the squared amplitude", "s",
                                          [](const FinalClock& c) { return 0.5 * c.decay_time(); });
   const auto fast = place.of_clock("fast gain", "rate per relative drive, amplitude frozen", "",
@@ -245,7 +244,7 @@ void doubt_T0_without_gain(FitSummary& summary) {
 void state_derived(const FitProblem& problem, std::span<const double> x, const Certainty& known,
                    const Rivals& rivals, double nominal_period_s, FitSummary& summary) {
   const AtPlace place(problem, x, known, rivals);
-  state_stationary(problem, known, place, summary);
+  state_stationary(problem, place, summary);
   const DerivedQuantity period = mean_period(problem, x, known, rivals, summary.time_widening);
   summary.rate_s_per_day = {"rate", "T0_nominal/mean period - 1", "s/day",
                             seconds_gained_per_day(nominal_period_s / period.value - 1.0),

@@ -153,10 +153,10 @@ std::optional<Fitted> with_every_law(const Fitted& fitted, const FitOptions& opt
 }
 
 bool is_at_rest(const Fitted& all, const Evaluation& at) {
-  constexpr double little = 0.1; // of L: half a sigma
+  constexpr double rest_gain = 0.1; // of ln L: half a sigma
   const Eigen::VectorXd here = vector_of(all.minimum.x);
   const Eigen::VectorXd step = cone_about(all, here, at).likeliest() - here;
-  return promised_gain(at, step) < little;
+  return promised_gain(at, step) < rest_gain;
 }
 
 } // namespace goingrate::timing_model

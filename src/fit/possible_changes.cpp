@@ -1,9 +1,14 @@
 #include "possible_changes.hpp"
 
+#include "date_search.hpp"
 #include "fit_setup.hpp"
 #include "fit_starts.hpp"
+#include "reference_run.hpp"
+#include "rivals.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace goingrate::timing_model {
 
@@ -50,6 +55,133 @@ double promised_gain(const Fitted& fitted, const FitOptions& wider) {
   problem.priors = make_priors(wider, problem.parameters, x);
   const auto there = evaluate(problem, x);
   return there ? 0.5 * there->projected.squaredNorm() : 0.0;
+}
+
+namespace {
+
+// The slot of the same quantity that is in force before an event.
+const Slot* before(const Parameters& parameters, const Slot& changed) {
+  const Slot* last = nullptr;
+  for (const Slot& slot : parameters.slots)
+    if (slot.quantity == changed.quantity && slot.term == changed.term &&
+        slot.event < changed.event && (last == nullptr || slot.event > last->event))
+      last = &slot;
+  return last;
+}
+
+// A change as a constraint: by how much each of its parameters differs from what was in force
+// before, in coordinates, and the derivatives of that.
+struct Difference {
+  Eigen::VectorXd size;
+  Eigen::MatrixXd gradient; // a row for each parameter
+};
+
+Difference difference_at(const Fitted& fitted, std::size_t event) {
+  const std::span<const double> x = fitted.minimum.x;
+  std::vector<double> sizes;
+  std::vector<Eigen::RowVectorXd> rows;
+  for (const Slot& slot : fitted.problem.parameters.slots) {
+    if (slot.event != event || !slot.free) continue;
+    const Slot* other = before(fitted.problem.parameters, slot);
+    if (other == nullptr) continue;
+    const double value = other->value(x);
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(x.size()));
+    row[static_cast<Eigen::Index>(slot.index)] = 1.0;
+    if (other->free)
+      row[static_cast<Eigen::Index>(other->index)] = -other->slope(x) / slot.slope_at(value);
+    sizes.push_back(x[slot.index] - slot.coordinate_of(value));
+    rows.push_back(std::move(row));
+  }
+  Difference difference{Eigen::VectorXd(static_cast<Eigen::Index>(sizes.size())),
+                        Eigen::MatrixXd(static_cast<Eigen::Index>(sizes.size()),
+                                        static_cast<Eigen::Index>(x.size()))};
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    difference.size[static_cast<Eigen::Index>(k)] = sizes[k];
+    difference.gradient.row(static_cast<Eigen::Index>(k)) = rows[k];
+  }
+  return difference;
+}
+
+// Where the fit would be without a change, and the 2 log L that this would cost, both by the
+// curvature at its minimum.
+struct WithoutChange {
+  std::vector<double> x;
+  double cost = 0.0;
+};
+
+WithoutChange foreseen_without(const Fitted& fitted, std::size_t event) {
+  const Difference difference = difference_at(fitted, event);
+  const Eigen::MatrixXd spread = difference.gradient * fitted.known.unwidened; // half a covariance
+  const Eigen::VectorXd weighted = (spread * spread.transpose()).ldlt().solve(difference.size);
+  const Eigen::VectorXd step = fitted.known.unwidened * (spread.transpose() * weighted);
+  WithoutChange there{fitted.minimum.x, difference.size.dot(weighted)};
+  for (std::size_t k = 0; k < there.x.size(); ++k)
+    there.x[k] = std::clamp(there.x[k] - step[static_cast<Eigen::Index>(k)],
+                            fitted.problem.bounds[k][0], fitted.problem.bounds[k][1]);
+  return there;
+}
+
+// In which a swing answers to a change.
+double answer_cycles(const Fitted& fitted) {
+  const Slot* friction = fitted.problem.parameters.find(Quantity::epsilon);
+  const double epsilon =
+      friction == nullptr ? 0.0 : friction->value(std::span<const double>(fitted.minimum.x));
+  return epsilon > 0.0 ? 1.0 / (2.0 * std::numbers::pi * epsilon) : 0.0;
+}
+
+bool is_near_its_like(const std::vector<FitEvent>& events, std::size_t event, double cycles) {
+  return std::any_of(events.begin(), events.end(), [&](const FitEvent& other) {
+    return &other != &events[event] && other.movable && other.names == events[event].names &&
+           std::abs(static_cast<double>(other.cycle - events[event].cycle)) < cycles;
+  });
+}
+
+// The same model without an event, from where that is foreseen; the dates of the others may move.
+Fitted fitted_without(const Fitted& fitted, std::size_t event, FitOptions& fewer) {
+  Fitted there = fitted;
+  there.rivals.clear();
+  there.ends.clear();
+  there.problem = make_problem(*fitted.problem.data, fewer, fitted.model);
+  there.problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
+  const auto x = same_place(fitted.problem.parameters, foreseen_without(fitted, event).x,
+                            there.problem.parameters);
+  there.problem.priors = make_priors(fewer, there.problem.parameters, x);
+  if (fitted.dynamics != FitDynamics::averaged1)
+    if (auto correction = difference_to(fitted.dynamics, there.problem, x))
+      there.problem.correction = std::move(*correction);
+  there.minimum = minimise(there.problem, x, {100});
+  if (!there.minimum.usable) return there;
+  finish(there);
+  if (there.minimum.usable) move_dates(there, fewer);
+  return there;
+}
+
+} // namespace
+
+std::optional<FitOptions> without_needless_change(const Fitted& fitted, const FitOptions& options) {
+  constexpr std::size_t beats_looked_at = 3000;
+  const TimingData& data = *fitted.problem.data;
+  const double date = std::log(static_cast<double>(data.size())); // BIC counts sizes only
+  std::optional<Fitted> beside; // the fit on the beats that are looked at
+  FewBeats few;
+  for (std::size_t event = 0; event < options.events.size(); ++event) {
+    const FitEvent& change = options.events[event];
+    if (!change.movable || change.planned) continue;
+    const double price = date * static_cast<double>(1 + change.names.size());
+    if (foreseen_without(fitted, event + 1).cost > price &&
+        !is_near_its_like(options.events, event, answer_cycles(fitted)))
+      continue;
+    if (!beside) {
+      few = few_beats(data, fitted.problem.parameters.event_cycles, beats_looked_at);
+      beside = data.size() > 3 * beats_looked_at ? on_few_beats(fitted, few) : fitted;
+    }
+    if (!beside->minimum.usable) return {};
+    FitOptions fewer = options;
+    fewer.events.erase(fewer.events.begin() + static_cast<std::ptrdiff_t>(event));
+    const Fitted without = fitted_without(*beside, event + 1, fewer);
+    if (without.minimum.usable && without.bic < beside->bic + date) return fewer;
+  }
+  return {};
 }
 
 } // namespace goingrate::timing_model

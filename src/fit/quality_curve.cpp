@@ -59,7 +59,7 @@ private:
   // where the model does not hold.
   [[nodiscard]] std::optional<double> root_at(double v) const {
     constexpr int most_steps = 12;
-    constexpr double enough = 5e-3; // of L, where half or two are looked for
+    constexpr double converged_gain = 5e-3; // of ln L, where half or two are looked for
     Eigen::VectorXd x = cone_.likeliest_at(h_, v);
     const auto place = [&](const Eigen::VectorXd& at) {
       return std::span(at.data(), all_.minimum.x.size());
@@ -78,7 +78,7 @@ private:
         next = minus_log_likelihood(all_.problem, place(there));
       }
       if (!(next && *next < *value)) break;
-      const bool done = *value - *next < enough;
+      const bool done = *value - *next < converged_gain;
       x = there;
       value = next;
       if (done) break;
@@ -89,14 +89,14 @@ private:
 
   // The root goes nearly straight from 0 at the best: by false position from the parabola's end.
   [[nodiscard]] double searched_end(double z, double end, double side) const {
-    constexpr double close = 0.05, farthest = 4.0; // of z; of the parabola's distance
+    constexpr double tolerance = 0.05, farthest = 4.0; // of z; of the parabola's distance
     const double from = best();
     double v = std::isfinite(end) ? end : from + side * z * sigma_;
     double inside = from, root_inside = 0.0;
     std::optional<double> outside, root_outside;
     for (int round = 0; round < 8; ++round) {
       const auto root = root_at(v);
-      if (root && std::abs(*root - z) < close * z) return v;
+      if (root && std::abs(*root - z) < tolerance * z) return v;
       if (root && *root < z) {
         inside = v;
         root_inside = *root;
@@ -133,8 +133,8 @@ DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
 constexpr double z95 = 1.959964;
 
 bool is_straight(const std::array<double, 2>& in68, double best) {
-  constexpr double surely = 0.02; // relative sigma: no bend of the ridge shows
-  return in68[1] - in68[0] < 2.0 * surely * best;
+  constexpr double straight_relative_sigma = 0.02; // no bend of the ridge shows
+  return in68[1] - in68[0] < 2.0 * straight_relative_sigma * best;
 }
 
 } // namespace

@@ -12,8 +12,8 @@ namespace goingrate::timing_model {
 double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x);
 
 /// The difference between the crossings of `dynamics` (averaged2 or map) and the averaged ones at
-/// x, both undisturbed; nothing if that clock stops before the log ends, or does not know the laws.
-/// Cost: 40 to 600 ns a period until the clock has settled, nothing after.
+/// x, both undisturbed; nothing if that clock stops before the log ends, or those dynamics do not
+/// support the laws. Cost: 40 to 600 ns a period until the clock has settled, nothing after.
 std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
                                         std::span<const double> x);
 

@@ -77,7 +77,7 @@ RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
 }
 
 std::vector<double> relative_noise(std::span<const double> sigmas) {
-  constexpr double alike = 0.1;
+  constexpr double largest_spread = 0.1; // of sigmas that count as one
   double sum2 = 0.0, known = 0.0;
   for (const double sigma : sigmas) {
     if (!(sigma > 0.0) || !std::isfinite(sigma)) continue;
@@ -90,7 +90,7 @@ std::vector<double> relative_noise(std::span<const double> sigmas) {
   bool differ = false;
   for (const double sigma : sigmas) {
     relative.push_back(sigma > 0.0 && std::isfinite(sigma) ? sigma / rms : 1.0);
-    differ = differ || std::abs(relative.back() - 1.0) > alike;
+    differ = differ || std::abs(relative.back() - 1.0) > largest_spread;
   }
   return differ ? relative : std::vector<double>{};
 }

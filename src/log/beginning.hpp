@@ -12,28 +12,28 @@
 
 namespace goingrate {
 
-inline constexpr std::size_t lines_to_know = 400; ///< of the head: settles formats and units
+inline constexpr std::size_t head_lines = 400; ///< settle formats and units
 
-/// Throws ArgumentError for what could not be counted with, however the file looks.
+/// Throws ArgumentError for options that are invalid for any file.
 void check(const ReadingOptions& options);
 
-/// What the log is, from its first lines, which are not needed any more then; `whole` if they are
-/// all of it. What was assumed is added to `log`. Throws InputError if they are no log.
+/// Determines the layout from the first lines, which are not needed any more then; `whole` if they
+/// are all of it. What was assumed is added to `log`. Throws InputError if they are no log.
 Layout settle_layout(std::string_view text, bool whole, ClockLog& log,
                      const ReadingOptions& options);
 
 /// Whether the rows of one may be read as those of the other.
 bool is_same(const Layout& a, const Layout& b);
 
-/// Whether times tell the day: dates, MJD, or seconds since 1970 (from 1973 on; no logger has run
-/// so long). `first` is one of them.
+/// Whether times are calendar times: dates, MJD, or seconds since 1970, which seconds above 1e8 are
+/// taken for. That is 1973; a logger's own counter would have to run for three years to reach it.
+/// `first` is one of the times.
 bool are_dates(const Layout& layout, const Instant& first);
 
 /// Lines to make room for.
 std::size_t room_for(std::size_t lines_expected);
 
-/// Adds all lines that are left of a text. `progress` is told now and then which part of it that
-/// is.
+/// Adds all lines that are left of a text. `progress` receives the share read.
 void add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress);
 
 /// What can be found, mended or refused only when all lines have been read: `log` is ready then.

@@ -1,8 +1,10 @@
 #include "file_parts.hpp"
 
 #include "beginning.hpp"
+#include "weather_quantities.hpp"
 #include "zip.hpp"
 
+#include "base/robust.hpp"
 #include "sound/recording.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -37,6 +39,18 @@ bool is_folder(const std::string& path) {
   return fs::is_directory(path, ignored);
 }
 
+bool holds_weather(const Layout& layout) {
+  return std::any_of(weather_quantities.begin(), weather_quantities.end(),
+                     [&](const WeatherQuantity& quantity) { return layout.find(quantity.role); });
+}
+
+double usual_step_s(const std::vector<Beat>& events) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < events.size(); ++i)
+    steps.push_back(events[i].time - events[i - 1].time);
+  return steps.empty() ? 0.0 : median(steps);
+}
+
 bool has_names(const Layout& layout) {
   return std::any_of(layout.columns.begin(), layout.columns.end(),
                      [](const LogColumn& column) { return !column.name.empty(); });
@@ -62,6 +76,7 @@ public:
         add(file, true);
     }
     look_by_others();
+    leave_weather_out(assumptions);
     leave_out(paths, assumptions);
     return std::move(parts_);
   }
@@ -78,7 +93,7 @@ private:
       throw ArgumentError("log", path, "a regular file, where there are several");
     if (path == "-") throw ArgumentError("log", path, "a file, where there are several");
     if (!known_.insert(fs::weakly_canonical(path, ignored).string()).second)
-      throw ArgumentError("log", path, "given once");
+      throw ArgumentError("log", path, "named once, by itself or by its folder");
     FilePart part;
     part.path = path;
     Open open{in_folder, nullptr};
@@ -94,7 +109,7 @@ private:
   // By its own layout, or as if it had the layout `known`.
   void look_at(FilePart& part, const Layout* known) {
     LineReader lines(open_source(part.path, options_.unpacked_limit), part.path);
-    const std::string_view head = lines.head(lines_to_know);
+    const std::string_view head = lines.head(head_lines);
     part.lines_expected = lines.lines_expected();
     part.is_recording = is_sound(head);
     if (part.is_recording) return;
@@ -121,6 +136,7 @@ private:
           "a log of which at least half can be read");
     part.layout = std::move(layout);
     part.said = std::move(said);
+    part.step_s = usual_step_s(log.events);
     part.date = date_of(part.layout, log, rows);
   }
 
@@ -164,6 +180,30 @@ private:
         open_[i].fault = nullptr;
       } catch (const InputError&) { // it stays what it was by itself
       }
+    }
+  }
+
+  // In a folder: readings of the weather that come much more seldom than another file's times.
+  void leave_weather_out(std::vector<Assumption>& assumptions) {
+    constexpr double times_rarer = 10.0;
+    const auto is_beside_a_log = [&](std::size_t at) {
+      for (std::size_t i = 0; i < parts_.size(); ++i)
+        if (!open_[i].fault && parts_[i].step_s > 0.0 &&
+            times_rarer * parts_[i].step_s < parts_[at].step_s)
+          return true;
+      return false;
+    };
+    std::vector<std::size_t> weather;
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      if (open_[i].in_folder && !open_[i].fault && holds_weather(parts_[i].layout) &&
+          is_beside_a_log(i))
+        weather.push_back(i);
+    for (auto at = weather.rbegin(); at != weather.rend(); ++at) {
+      assumptions.push_back({fmt::format("left out as the weather beside the log: {}",
+                                         fs::path(parts_[*at].path).filename().string()),
+                             Setting::weather, parts_[*at].path});
+      parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(*at));
+      open_.erase(open_.begin() + static_cast<std::ptrdiff_t>(*at));
     }
   }
 

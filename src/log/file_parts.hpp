@@ -17,11 +17,13 @@ struct FilePart {
   ClockLog said; ///< what its head states and what was assumed of it
   std::size_t lines_expected = 0;
   bool is_recording = false;   ///< of sound, and has no layout; then it is the only part
+  double step_s = 0.0;         ///< usual, between its first times
   std::optional<Instant> date; ///< a time among its first lines, where times tell the day
 };
 
 /// The files that `paths` name, folders and ZIPs opened, in the order in which they are to be read;
-/// files of a folder that hold no log are left out and told in `assumptions`. A file without a
+/// files of a folder that hold no log, or the weather beside logs, are left out and told in
+/// `assumptions`. A file without a
 /// header, or too short to tell its layout, has that of the others if it can be read so. Throws
 /// InputError for a file that is no log, for a folder without one, and where some files have dates
 /// and others have none, or another scale of time; ArgumentError for a path given twice or that is

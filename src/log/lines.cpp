@@ -198,11 +198,12 @@ std::unique_ptr<ByteSource> as_table(std::unique_ptr<ByteSource> source, const s
   std::string beginning = taken_from(*source, 2);
   if (beginning != "<?" && beginning != "<c")
     return std::make_unique<PeekedSource>(std::move(source), std::move(beginning));
-  constexpr std::size_t enough = 1024, most = 256 << 20; // bytes: to know it; of a measurement
-  beginning += taken_from(*source, enough);
+  constexpr std::size_t head_bytes = 1024;      // tell a measurement
+  constexpr std::size_t most_bytes = 256 << 20; // of a measurement
+  beginning += taken_from(*source, head_bytes);
   if (!is_labx(beginning))
     return std::make_unique<PeekedSource>(std::move(source), std::move(beginning));
-  while (beginning.size() < most) {
+  while (beginning.size() < most_bytes) {
     const std::string more = taken_from(*source, chunk);
     beginning += more;
     if (more.size() < chunk) break;

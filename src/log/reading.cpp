@@ -230,7 +230,7 @@ ClockLog read_lines(LineReader& lines, const ReadingOptions& options) {
   check(options);
   ClockLog log;
   log.source = lines.name();
-  const std::string_view beginning = lines.head(lines_to_know);
+  const std::string_view beginning = lines.head(head_lines);
   const bool sound = is_sound(beginning);
   refuse_another_format(sound, lines.name(), options);
   if (sound) {
@@ -253,7 +253,8 @@ bool is_same(const Layout& a, const Layout& b) {
            one.unit == other.unit;
   };
   return a.format == b.format && a.separator == b.separator && a.point == b.point &&
-         a.calendar == b.calendar && a.month_first == b.month_first && a.channel == b.channel && a.newest_first == b.newest_first &&
+         a.calendar == b.calendar && a.month_first == b.month_first && a.channel == b.channel &&
+         a.newest_first == b.newest_first &&
          std::equal(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(),
                     same_column);
 }
@@ -310,8 +311,8 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
 }
 
 ClockLog read_log(std::string_view text, const std::string& source, const ReadingOptions& options) {
-  constexpr std::size_t enough = 1024; // bytes, to know a measurement
-  const bool is_table = !is_labx(text.substr(0, enough));
+  constexpr std::size_t head_bytes = 1024; // tell a measurement
+  const bool is_table = !is_labx(text.substr(0, head_bytes));
   const std::string table = is_table ? std::string() : table_of_labx(text, source);
   LineReader lines(is_table ? text : std::string_view(table), source);
   return read_lines(lines, options);

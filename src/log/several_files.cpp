@@ -46,7 +46,7 @@ private:
   void read(std::size_t i) {
     FilePart& part = parts_[i];
     LineReader lines(open_source(part.path, options_.unpacked_limit), part.path);
-    (void)lines.head(lines_to_know); // settles how lines end
+    (void)lines.head(head_lines); // settles how lines end
     lines.count_from(lines_read_);
     log_.source = part.path;
     log_.files.push_back({part.path, lines_read_, read_so_far()});

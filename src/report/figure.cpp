@@ -116,7 +116,7 @@ private:
 
 void Drawing::lay_out_legend() {
   constexpr double sample = 36.0;
-  constexpr double apart = 20.0;
+  constexpr double spacing = 20.0;
   double x = left_;
   double y = space_above + 8.0;
   if (figure_.series.size() > 1) {
@@ -127,7 +127,7 @@ void Drawing::lay_out_legend() {
         y += legend_row;
       }
       legend_.push_back({x, y});
-      x += needed + apart;
+      x += needed + spacing;
     }
     top_ = y + legend_row - 6.0;
   }

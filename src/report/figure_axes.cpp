@@ -65,10 +65,10 @@ Interval bulk_of(const Series& series) {
   std::vector<double> values;
   for (const double value : series.y)
     if (can_be_shown(value, false)) values.push_back(value);
-  constexpr std::size_t few = 20;
+  constexpr std::size_t least_count = 20;
   constexpr Interval all{-std::numeric_limits<double>::infinity(),
                          std::numeric_limits<double>::infinity()};
-  if (values.size() < few) return all;
+  if (values.size() < least_count) return all;
   const std::size_t left_out = std::max<std::size_t>(1, values.size() / 100);
   const auto at = [&](std::size_t place) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(place);

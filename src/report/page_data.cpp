@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t budget = 800'000;     // numbers: two megabytes as text
 constexpr std::size_t line_length = 20'000; // as many as a wide screen shows at a zoom of five
-constexpr std::size_t brief = 1000;         // values that are listed as they are
+constexpr std::size_t longest_list = 1000;  // values that are listed as they are
 
 const char* name_of(Series::Style style) {
   switch (style) {
@@ -36,7 +36,7 @@ public:
   std::size_t add(std::vector<double> values) {
     for (std::size_t i = 0; i < kept_.size(); ++i)
       if (kept_[i] == values) return i; // one with NaN equals none, which costs its room only
-    if (values.size() <= brief)
+    if (values.size() <= longest_list)
       json_.push_back(values);
     else
       json_.push_back({{"count", values.size()}, {"packed", packed(values)}});

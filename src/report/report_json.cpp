@@ -100,7 +100,7 @@ Json covariates_object(const std::vector<CovariateEffect>& effects) {
   return json;
 }
 
-// A report is to be held by a page: of a long log its spectrum is averaged in narrow bands.
+// Long spectra are averaged in narrow bands so that the page stays small.
 Json averaged_spectrum_object(const DriveAnalysis& drive) {
   Json json = spectrum_object(drive);
   constexpr std::size_t longest = 4096;

@@ -123,8 +123,8 @@ bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
 }
 
 std::string Sentences::rate_words(double rate, double sigma) const {
-  constexpr double surely = 2.0; // sigma: a sign that may as well be the other is none
-  return std::abs(rate) > surely * sigma ? words_.going(rate, sigma)
+  constexpr double least_significance = 2.0; // sigma: a sign that may as well be the other is none
+  return std::abs(rate) > least_significance * sigma ? words_.going(rate, sigma)
                                          : "has a rate of " + words_.rate(rate, sigma);
 }
 
@@ -243,10 +243,10 @@ std::string Sentences::whether_worse() const {
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
   const Suspicion& first = suspicions_.front();
-  constexpr double same = 0.01; // of the log: dates of one change
+  constexpr double dating_share = 0.01; // of the log: dates of one change
   const bool told =
       changes_.size() == 1 && is_step(first.cause) &&
-      std::abs(first.numbers.at_s - changes_.front()->at_s) < same * data_.rate.duration_s;
+      std::abs(first.numbers.at_s - changes_.front()->at_s) < dating_share * data_.rate.duration_s;
   const std::string advice = first.advice.empty() ? "" : " " + first.advice;
   say(explanation(first, words_, sees_amplitude_, told ? "then" : "") + advice);
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),

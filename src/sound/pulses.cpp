@@ -109,12 +109,12 @@ void SecondPulses::count_from(const std::vector<double>& places, std::size_t fir
 }
 
 double SecondPulses::time_at(double place) const {
-  constexpr std::size_t around = 8;
+  constexpr std::size_t line_pulses = 8;
   const auto after = static_cast<std::size_t>(
       std::lower_bound(places_.begin(), places_.end(), place) - places_.begin());
-  const std::size_t count = std::min(around, places_.size());
+  const std::size_t count = std::min(line_pulses, places_.size());
   const std::size_t first =
-      std::min(after < around / 2 ? 0 : after - around / 2, places_.size() - count);
+      std::min(after < line_pulses / 2 ? 0 : after - line_pulses / 2, places_.size() - count);
   const Line line = line_through(std::span(seconds_).subspan(first, count),
                                  std::span(places_).subspan(first, count));
   return line.seconds + (place - line.place) / line.slope;
@@ -123,9 +123,9 @@ double SecondPulses::time_at(double place) const {
 double SecondPulses::rate_hz() const { return line_through(seconds_, places_).slope; }
 
 bool SecondPulses::covers(double place) const {
-  constexpr double near = 2.0; // s
+  constexpr double reach_s = 2.0;
   const auto after = std::lower_bound(places_.begin(), places_.end(), place);
-  const double reach = near * nominal_hz_;
+  const double reach = reach_s * nominal_hz_;
   const bool later = after != places_.end() && *after - place < reach;
   const bool earlier = after != places_.begin() && place - *(after - 1) < reach;
   return later || earlier;

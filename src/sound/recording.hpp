@@ -11,7 +11,7 @@
 
 namespace goingrate {
 
-/// Whether a file that begins so holds sound.
+/// Whether a file whose first bytes are `beginning` holds sound.
 bool is_sound(std::string_view beginning);
 
 /// The same of a regular file, neither packed nor in a ZIP.
@@ -22,7 +22,7 @@ class Recording {
 public:
   /// Throws InputError if it is damaged, holds no sample, or has more than 64 channels.
   static Recording on_disk(const std::string& path);
-  /// The same of its bytes, which must live as long; `name` names it in messages.
+  /// The same of its bytes, which must outlive the object; `name` names it in messages.
   static Recording in_memory(std::string_view bytes, const std::string& name);
   Recording(Recording&&) noexcept;
   Recording& operator=(Recording&&) noexcept;
@@ -34,7 +34,7 @@ public:
   /// did. 0 for other kinds, and where the head says nothing.
   [[nodiscard]] std::uint64_t missing_bytes() const;
   /// One of the channels, counted from 1, for as long as the recording lives. Reading throws
-  /// InputError where the file is damaged or holds what is no number. What cannot be read in pieces
+  /// InputError where the file is damaged or holds NaN or infinity. What cannot be read in pieces
   /// (OGG, packed samples in a WAV, a head that does not state its length) is unpacked as a whole,
   /// to `unpacked_limit` bytes at most.
   [[nodiscard]] SoundSamples channel(std::size_t number, std::uint64_t unpacked_limit);

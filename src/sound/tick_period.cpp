@@ -165,8 +165,9 @@ std::optional<double> second_sound(const Loudness& loudness, const Windows& wind
   const double middle = work[size / 2];
   constexpr double below = 0.16; // of normal values, one standard deviation
   const double scatter = middle - work[static_cast<std::size_t>(below * static_cast<double>(size))];
-  constexpr double clear = 6.0, least_share = 0.15; // of the louder one
-  if (*best - middle < clear * scatter || *best - middle < least_share * (mean[0] - middle))
+  constexpr double scatter_factor = 6.0, least_share = 0.15; // of the louder one
+  if (*best - middle < scatter_factor * scatter ||
+      *best - middle < least_share * (mean[0] - middle))
     return {};
   return static_cast<double>(best - mean.begin());
 }
@@ -190,8 +191,9 @@ std::optional<TickPattern> find_pattern(const Loudness& loudness, double bins_a_
   }
   if (!(from < to)) return {};
   const double lag = best_lag(correlation, from, to);
-  constexpr double clear = 5.0; // standard deviations, of the best of some thousand lags
-  if (!(repeats(correlation, lag) > clear * chance(correlation, shortest_s * coarse_a_second)))
+  constexpr double significance = 5.0; // sigma, of the best of some thousand lags
+  if (!(repeats(correlation, lag) >
+        significance * chance(correlation, shortest_s * coarse_a_second)))
     return {};
   TickPattern pattern;
   pattern.period = lag * static_cast<double>(coarse);

@@ -21,7 +21,7 @@ using Shape = std::vector<double>; // mean loudness around a beat, from `lead` b
 struct Background {
   double mean = 0.0, sigma = 1.0;
 };
-constexpr double alike = 2.0; // neighbouring bins, as far as a sound lasts
+constexpr double correlated_bins = 2.0; // as far as a sound lasts
 
 // A burst that dies away within some milliseconds, until the recording's own is known.
 Shape first_shape() {
@@ -36,7 +36,7 @@ class Scores {
 public:
   Scores(std::span<const float> above, const Background& background)
       : above_(above), background_(background),
-        variance_(alike * background.sigma * background.sigma) {}
+        variance_(correlated_bins * background.sigma * background.sigma) {}
 
   // Of a beat whose mean loudness is known.
   [[nodiscard]] std::vector<float> of_known(const Shape& shape) const {
@@ -82,8 +82,8 @@ private:
   // Beats are drowned, so that silence says little. What tells a beat for sure comes up to twice as
   // much: a loud bang is not worth many beats.
   static float bounded(float value) {
-    constexpr float least = -4.0F, enough = 12.0F;
-    if (value > enough) return enough * (2.0F - enough / value);
+    constexpr float least = -4.0F, knee = 12.0F;
+    if (value > knee) return knee * (2.0F - knee / value);
     return std::max(value, least);
   }
 
@@ -212,15 +212,15 @@ void judge(std::vector<RoughTick>& ticks, std::vector<double> control) {
   };
   constexpr double nearly_all = 0.98, most = 0.8;
   const double clear = std::max(0.0, quantile(nearly_all)), least = std::max(0.0, quantile(most));
-  constexpr std::size_t around = 10; // beats on either side
-  constexpr double many = 0.25;      // of them: noise comes to a fiftieth
+  constexpr std::size_t beats_on_either_side = 10;
+  constexpr double going_share = 0.25; // of them: noise comes to a fiftieth
   std::vector<double> sums{0.0};
   for (const RoughTick& tick : ticks)
     sums.push_back(sums.back() + (tick.score > clear ? 1.0 : 0.0));
   for (std::size_t i = 0; i < ticks.size(); ++i) {
-    const std::size_t from = i < around ? 0 : i - around;
-    const std::size_t to = std::min(ticks.size(), i + around + 1);
-    ticks[i].clock_goes = sums[to] - sums[from] >= many * static_cast<double>(to - from);
+    const std::size_t from = i < beats_on_either_side ? 0 : i - beats_on_either_side;
+    const std::size_t to = std::min(ticks.size(), i + beats_on_either_side + 1);
+    ticks[i].clock_goes = sums[to] - sums[from] >= going_share * static_cast<double>(to - from);
     ticks[i].stands_out = ticks[i].clock_goes && ticks[i].score > least;
   }
 }
@@ -271,9 +271,9 @@ Shape mean_shape(std::span<const float> above, std::span<const RoughTick> ticks,
 // and of what is not quite aligned.
 std::ptrdiff_t onset_shift(const Shape& shape, double noise) {
   constexpr double begun = 0.1; // of the logarithm
-  constexpr double clear = 6.0;
+  constexpr double noise_factor = 6.0;
   const double level =
-      std::max(begun * *std::max_element(shape.begin(), shape.end()), clear * noise);
+      std::max(begun * *std::max_element(shape.begin(), shape.end()), noise_factor * noise);
   for (std::size_t k = 0; k < shape.size(); ++k)
     if (shape[k] > level) return static_cast<std::ptrdiff_t>(k) - lead;
   return 0;

@@ -61,6 +61,31 @@ TEST(NoticedTest, AChangeOfFrictionAndItsDate) {
   }
 }
 
+// The course of the rate dates the change some beats off, in some logs twice: the fit tells that
+// one date is enough. The true one is 1500.
+TEST(NoticedTest, AChangeOfFrictionIsOneChange) {
+  constexpr const char* scenario = R"(
+[run]
+periods = 4000
+[[event]]
+at_period = 1500
+epsilon = 3.2e-4
+[sensor]
+jitter_rms = 2e-5
+amplitude_rms = 5e-5
+)";
+  for (const std::uint64_t seed : {12U, 21U, 22U, 34U}) {
+    const Analysis found = analysed(std::string(clock_b) + scenario, seed);
+    ASSERT_EQ(found.fit.events.size(), 1U) << seed;
+    EXPECT_EQ(found.fit.events[0].cycle, 1500) << seed;
+    ASSERT_EQ(found.diary.changes.size(), 1U) << seed;
+    EXPECT_EQ(found.diary.changes[0].kind, ChangeKind::friction) << seed;
+    EXPECT_EQ(found.diary.changes[0].cycle, 1500) << seed;
+    expect_value(found.fit, "epsilon", 2.5e-4);
+    expect_value(found.fit, "epsilon@1", 3.2e-4);
+  }
+}
+
 // Impulses then explain the log as well; what is stated must hold.
 TEST(NoticedTest, AChangeOfFrictionWithTheLengthUnknown) {
   const FitSummary fit = analysed(std::string(clock_b) + change_of_friction, 5).fit;

@@ -36,7 +36,10 @@ TEST_F(CompareCommandTest, ThreeClocksAreToldApart) {
 
 TEST_F(CompareCommandTest, WhatCannotBeComparedIsRefused) {
   simulate("a.csv", 1, "");
-  EXPECT_EQ(run("compare a.csv").code, 2);
+  const Outcome alone = run("compare a.csv");
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_NE(alone.err.find("compare needs the logs of two clocks or more; found one"),
+            std::string::npos);
   put("dated.csv", "2013-03-30 10:00:00\n2013-03-30 10:00:02\n2013-03-30 10:00:04\n"
                    "2013-03-30 10:00:06\n");
   const Outcome mixed = run("compare a.csv dated.csv");
@@ -69,13 +72,12 @@ TEST_F(CompareCommandTest, ADiaryIsCheckedThroughTheReport) {
               4.0 * kept["entries"][0]["found_sigma"].get<double>());
   EXPECT_NE(outcome.out.find("keeper's diary"), std::string::npos);
   EXPECT_EQ(content(folder_ / "found.csv").substr(0, 27), "time,what,value,sigma,note\n");
-  EXPECT_NE(content(folder_ / "p.html").find("diary beside the log"),
-            std::string::npos);
+  EXPECT_NE(content(folder_ / "p.html").find("diary beside the log"), std::string::npos);
   put("wrong.csv", "time,what\n1,wound\n");
-  EXPECT_EQ(run("report " + (source / "data/logs/jump.csv").string() +
-                " --diary wrong.csv -o p.html")
-                .code,
-            3);
+  EXPECT_EQ(
+      run("report " + (source / "data/logs/jump.csv").string() + " --diary wrong.csv -o p.html")
+          .code,
+      3);
 }
 
 } // namespace

@@ -82,8 +82,8 @@ while IFS='|' read -r arguments expected; do
 done << 'ERRORS'
 fit my.log --fix t0=2|--fix = 't0': must be
 fit my.log --fix t0=2|(did you mean T0?)
-fit my.log --free temperature|this log has no temperature column
-fit my.log --free density|this log has no temperature column
+fit my.log --free temperature|this log has no temperature column; leave --free temperature out
+fit my.log --free density|this log has no temperature column; leave --free density out
 spectrum my.log --against pressure --coherence c.csv|this log has no pressure column
 spectrum my.log --against amplitude --coherence c.csv|this log has no amplitude column
 rate my.log --format perods|(did you mean periods?)

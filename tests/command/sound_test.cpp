@@ -91,7 +91,8 @@ TEST_F(SoundCommandTest, SeveralRecordingsAreNotJoined) {
   put("one/log.txt", "0\n1\n2\n3\n4\n5\n6\n7\n8\n9\n");
   const Outcome mixed = run("rate one -o a.csv");
   EXPECT_EQ(mixed.code, 3);
-  EXPECT_NE(mixed.err.find("a recording of sound among several files"), std::string::npos) << mixed.err;
+  EXPECT_NE(mixed.err.find("a recording of sound among several files"), std::string::npos)
+      << mixed.err;
   const Outcome followed = run("rate --follow b.wav");
   EXPECT_EQ(followed.code, 3);
   EXPECT_NE(followed.err.find("expected a log that grows line by line"), std::string::npos);
@@ -103,7 +104,10 @@ TEST_F(SoundCommandTest, ChannelsAreCountedAndNamed) {
   EXPECT_EQ(run("rate a.wav --channel beat=2 --channel pps=1 --json a.json -o a.csv").code, 0);
   EXPECT_TRUE(json("a.json")["sound"]["pps"].get<bool>());
   EXPECT_LT(json("a.json")["sound"]["time_base_sigma_ppm"].get<double>(), 2.0);
-  for (const char* wrong : {"beat=0", "pps=3", "beat=x", "tick=1", "beat="}) {
+  EXPECT_EQ(run("rate a.wav --channel 2 --channel pps=1 --json b.json -o b.csv").code, 0);
+  EXPECT_EQ(json("b.json"), json("a.json")) << "a bare number is that of the clock's channel";
+  for (const char* wrong :
+       {"beat=0", "0", "3", "99999999999999999999", "pps=3", "beat=x", "tick=1", "beat="}) {
     const Outcome outcome = run(std::string("rate a.wav --channel ") + wrong);
     EXPECT_EQ(outcome.code, 2) << wrong;
   }

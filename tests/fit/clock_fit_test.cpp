@@ -186,6 +186,34 @@ TEST(ClockFitTest, AnAmplitudeColumnTellsTheAmplitudeOfAStationaryClockButNotIts
   EXPECT_TRUE(std::isnan(fit.stationary_amplitude.value)) << "where it tends hangs on the friction";
 }
 
+TEST(ClockFitTest, WhatHangsOnAnUndeterminedFrictionIsNotStated) {
+  // Sixty beats with a jump: the friction is never told, and linear sigmas of what follows from it
+  // are too small by far.
+  Scenario scenario = test::at_point_a(60);
+  scenario.clock = {2.0, 2e-3, 2e-4, 0.03};
+  ClockEvent event;
+  event.at_period = 20;
+  event.mu = 4e-4;
+  scenario.events = {event};
+  scenario.sensor.jitter_rms_s = 1e-4;
+  FitOptions options;
+  options.fixed["T0"] = 2.0;
+  options.events = {{20, {"mu"}}};
+  int undetermined = 0;
+  for (std::uint64_t seed = 5000; seed < 5020; ++seed) {
+    SCOPED_TRACE(seed);
+    const FitSummary fit = fit_of(scenario, seed, options);
+    if (fit["epsilon"].status != ParameterStatus::undetermined) continue;
+    ++undetermined;
+    for (const DerivedQuantity* quantity :
+         {&fit.q_factor, &fit.decay_time, &fit.stationary_amplitude})
+      EXPECT_TRUE(std::isnan(quantity->value)) << quantity->name;
+    for (const char* name : {"relaxation time", "fast gain", "slow gain"})
+      EXPECT_EQ(fit.combination(name), nullptr) << name;
+  }
+  EXPECT_GT(undetermined, 0);
+}
+
 TEST(ClockFitTest, TimesAndAmplitudesTogetherFreeT0) {
   Scenario scenario = test::jump_from_a_to_b(1000, 1e-5);
   FitOptions options;

@@ -218,6 +218,24 @@ TEST_F(SeveralFilesTest, AnotherClockIsRefused) {
   EXPECT_NE(text.find("b.txt: found beats 1.5 s apart"), std::string::npos) << text;
 }
 
+TEST_F(SeveralFilesTest, TheWeatherInAFolderIsToldAndNoLog) {
+  std::string day, weather = "timestamp,temperature_c,pressure_hpa\n";
+  for (int i = 0; i < 600; ++i)
+    day += fmt::format("2026-03-01 10:{:02}:{:02}.125\n", 2 * i / 60 % 60, 2 * i % 60);
+  for (int i = 0; i < 8; ++i)
+    weather += fmt::format("2026-03-01 {:02}:{:02}:00,{:.1f},1013.2\n", 10 + i / 6, 10 * (i % 6),
+                           18.0 + 0.1 * i);
+  std::filesystem::create_directory(path("room"));
+  std::ofstream(path("room/day.txt")) << day;
+  std::ofstream(path("room/weather.csv")) << weather;
+  const ClockLog log = read_log_files({path("room")});
+  EXPECT_EQ(log.events.size(), 600u);
+  const auto told = std::find_if(log.assumptions.begin(), log.assumptions.end(),
+                                 [](const Assumption& a) { return a.setting == Setting::weather; });
+  ASSERT_NE(told, log.assumptions.end());
+  EXPECT_EQ(told->value, path("room/weather.csv"));
+}
+
 TEST_F(SeveralFilesTest, WhatIsNoLogInAFolderIsLeftOutAndTold) {
   put("a.txt", beats(1.5e9, 100));
   put("b.txt", beats(1.5e9 + 1000.0, 100));

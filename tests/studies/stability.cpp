@@ -43,8 +43,8 @@ std::vector<double> walk(std::size_t points) {
 double median_seconds(Kind kind, const std::vector<double>& phase, const DeviationOptions& options,
                       const std::vector<std::size_t>& factors, DeviationTable& table) {
   std::vector<double> seconds;
-  constexpr double enough = 0.3; // s in all; short runs scatter most
-  for (double spent = 0.0; seconds.size() < 3 || (spent < enough && seconds.size() < 51);
+  constexpr double budget_s = 0.3; // in all; short runs scatter most
+  for (double spent = 0.0; seconds.size() < 3 || (spent < budget_s && seconds.size() < 51);
        spent += seconds.back()) {
     seconds.push_back(
         thread_seconds([&] { table = stability_table(kind, phase, 1.0, factors, options); }));

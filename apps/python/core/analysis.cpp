@@ -19,7 +19,7 @@ namespace goingrate::python {
 
 namespace {
 
-// An analysis with what its fit was made of.
+// An analysis with the data and options of its fit.
 struct Analysed {
   Analysis data{};
   Fitted fit{};

@@ -48,13 +48,13 @@ py::list points_of(const py::dict& known, double phi0, bool first_order) {
   return points;
 }
 
-// A law written in Python. Called with the lock held; a result that is no number ends the run.
+// A law written in Python. The GIL must be held; a non-numeric result raises.
 ForceLaw law_of(const py::object& callable) {
   return [callable](double phi, double velocity) { return callable(phi, velocity).cast<double>(); };
 }
 
-// The paper's escapement: the direction of the motion stands for what it remembers, as long as each
-// swing reaches phi0.
+// The paper's escapement. While every swing reaches phi0, the sign of the velocity determines the
+// torque's last switch.
 ForceLaw torque_of(double mu, double phi0) {
   return [mu, phi0](double phi, double velocity) {
     const bool helps_right = velocity > 0.0 ? phi < phi0 : phi < -phi0;
@@ -66,7 +66,8 @@ struct Course {
   std::vector<double> period_excess, velocity;
 };
 
-// Period by period until the pendulum stops; at once if nobody else may run meanwhile.
+// Period by period until the pendulum stops. Checks for Ctrl-C each period, because the GIL is
+// held.
 Course course_of(CustomPendulum& pendulum, std::size_t periods, std::string& ended) {
   Course course;
   for (std::size_t i = 0; i < periods; ++i) {

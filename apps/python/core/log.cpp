@@ -214,6 +214,8 @@ const char* keyword_of(Setting setting) {
     return "both_edges";
   case Setting::flag_width:
     return "flag_width_rad";
+  case Setting::weather:
+    return "weather";
   case Setting::weather_zone:
     return "weather_zone";
   }

@@ -8,11 +8,9 @@
 // coefficient found in the other half, and the time errors are compared. Limit: a covariate that
 // only drifts through the log cannot be distinguished from a drift of the clock.
 //
-// Errors of interpolation between readings scatter the rate that is explained, which the noise that
-// is fitted takes in. So far as they are errors of the readings they also make the coefficient too
-// small, by the share that they have in the variance of the covariate: that much is added to sigma.
-// Where the covariate is not known, rate and covariate are put on straight lines and sigma raised
-// for the part of the log that is left.
+// Interpolation errors add noise, which the fit includes. So far as they are errors of the readings
+// they also make the coefficient too small, by the share that they have in the variance of the
+// covariate: that much is added to sigma. Gaps are bridged by lines; sigma is raised accordingly.
 #pragma once
 
 #include "goingrate/fit/timing_data.hpp"
@@ -26,14 +24,16 @@ namespace goingrate {
 /// The effect of one covariate on the rate.
 struct CovariateEffect {
   std::string name, unit;   ///< unit of the coefficient: 1/K, 1/mbar, m^3/kg
-  double coefficient = 0.0; ///< b, relative rate per unit
-  double sigma = 0.0;       ///< with what the interpolation of the covariate may add to it
-  double lag_s = 0.0;     ///< time constant of the lag; 0 if the log shows none
-  double without_s = 0.0; ///< rms time error over the other half, its mean rate removed, s
-  double with_s = 0.0;    ///< the same with the coefficient
-  double interpolation_sigma = 0.0; ///< of a value between two readings; 0: one at each beat
-  double step_s = 0.0;              ///< between two readings; 0 as well
-  double known_share = 1.0;         ///< of the log; the rest is left out
+  double coefficient = 0.0; ///< b, relative rate per unit of the covariate, in `unit`
+  double sigma = 0.0;       ///< of it, in `unit`, with what interpolating the covariate may add
+  double lag_s = 0.0;       ///< time constant of the lag, s; 0 if the log shows none
+  double without_s = 0.0;   ///< rms time error over the other half, its mean rate removed, s
+  double with_s = 0.0;      ///< the same with the coefficient, s
+  /// Of a value between two readings, in the unit of the covariate (K, mbar, kg/m^3); 0 if there is
+  /// a reading at each beat.
+  double interpolation_sigma = 0.0;
+  double step_s = 0.0;      ///< between two readings, s; 0 if there is one at each beat
+  double known_share = 1.0; ///< of the log, 0 to 1; the rest is left out
   /// Whether the coefficient is beyond three sigma.
   [[nodiscard]] bool significant() const { return std::abs(coefficient) > 3.0 * sigma; }
   /// Whether compensating lowers the time error over the half that the coefficient was not fitted

@@ -12,7 +12,7 @@ namespace goingrate {
 struct MethodChoice {
   Method method = Method::direct;
   double error_bound_s = 0.0; ///< largest error of a crossing time over the run; 0: to rounding
-  double tolerance_s = 0.0;   ///< what was asked for; 0: to rounding
+  double tolerance_s = 0.0;   ///< what was asked for; 0: to rounding only
   std::string reason;         ///< in words
 };
 
@@ -26,8 +26,8 @@ struct MethodEstimate {
 /// Bounds for the methods that know the scene's clock laws.
 ///
 /// The error of one period of a method is measured: at amplitudes over the range that the scene
-/// runs through and at the drive's extremes its change of lambda^2 and its T - 2 pi are held
-/// against direct integration. The bound over the run is
+/// runs through and at the drive's extremes its change of lambda^2 and its T - 2 pi are compared
+/// with direct integration. The bound over the run is
 ///   N max|dT| + N (pi/8 + slope) min(N, 1/(4 pi eps)) max|d lambda^2|,
 /// the second term being what errors of the amplitude, collected over a relaxation time, do to the
 /// period; both times a safety factor of 2. Exact methods have the bound of their rounding.

@@ -115,6 +115,7 @@ enum class Setting : std::uint8_t {
   nominal_period,
   both_edges,
   flag_width,
+  weather,
   weather_zone,
   pps_channel,
   clock_ppm,

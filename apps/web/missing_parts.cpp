@@ -1,0 +1,27 @@
+// What the system that WebAssembly runs on has not: special functions of the standard library, and other
+// programs to start.
+#include "missing_parts.hpp"
+
+#include <boost/math/special_functions/ellint_1.hpp>
+#include <boost/math/special_functions/ellint_2.hpp>
+#include <cerrno>
+#include <spawn.h>
+
+#if !defined(__cpp_lib_math_special_functions)
+double std::comp_ellint_1(double k) { return boost::math::ellint_1(k); }
+double std::comp_ellint_2(double k) { return boost::math::ellint_2(k); }
+#endif
+
+extern "C" {
+
+// No gnuplot: its figures are left out, as where it is not installed.
+int posix_spawnp(pid_t*, const char*, const posix_spawn_file_actions_t*, const posix_spawnattr_t*, char* const[],
+                 char* const[]) {
+  return ENOSYS;
+}
+
+int posix_spawn_file_actions_init(posix_spawn_file_actions_t*) { return 0; }
+int posix_spawn_file_actions_adddup2(posix_spawn_file_actions_t*, int, int) { return 0; }
+int posix_spawn_file_actions_destroy(posix_spawn_file_actions_t*) { return 0; }
+
+} // extern "C"

@@ -1,0 +1,112 @@
+// The form of assumptions: each field is an option of the command. What the command found out by itself is
+// shown in the field; what is entered there is said to it.
+import { byId, element } from "./elements.js";
+
+const formats = ["timestamps", "periods", "clock-error", "phase", "frequency", "ticc", "ticc-interval", "table",
+  "angle", "ticktock", "xy", "labx", "zip", "wav", "native"];
+
+// kind: number, text, flag, or a list of choices. `words` may be given several times, separated by blanks.
+const groups = [
+  { title: "How the log is read", fields: [
+    { option: "--format", label: "Format", kind: formats },
+    { option: "--nominal-period", label: "Nominal period T0, s", kind: "number", hint: "the period to compare with" },
+    { option: "--unit", label: "Unit of the times", kind: ["s", "ms", "us", "ns", "min", "h", "d", "mjd"] },
+    { option: "--column", label: "Columns", kind: "words", hint: "ROLE=PLACE[:UNIT] each: time=2 amplitude=5:mrad" },
+    { option: "--wrap", label: "Times begin again every, s", kind: "number", hint: "0: they never do" },
+    { option: "--tau0", label: "Time between values, s", kind: "number", hint: "of phase, frequency or intervals" },
+    { option: "--date-order", label: "In dates such as 03/04/2013, first comes", kind: ["day", "month"] },
+    { option: "--counter-hz", label: "Rate of a counter, Hz", kind: "number", hint: "of ticktock" },
+    { option: "--decimal-comma", label: "12,5 is twelve and a half", kind: "flag" },
+    { option: "--channel", label: "Channel", kind: "words", hint: "chA of a TICC; beat=1 pps=2 of a recording" },
+    { option: "--clock-ppm", label: "σ of a recording's sampling rate, parts in a million", kind: "number", hint: "50" },
+  ] },
+  { title: "The sensor", fields: [
+    { option: "--both-edges", label: "Both directions, without labels", kind: "flag" },
+    { option: "--flag-width", label: "Angle of the flag from the pivot, rad", kind: "number", hint: "not given" },
+    { option: "--sensor-offset", label: "Angle at which the sensor stands, rad", kind: "text", hint: "a number, or auto" },
+    { option: "--dead-time", label: "A contact bounces for, s", kind: "number" },
+    { option: "--rest-angle", label: "Angle at which the pendulum hangs, rad", kind: "number", hint: "of angle samples" },
+    { option: "--gap-probability", label: "Split at a gap less certain than", kind: "number", hint: "a probability" },
+    { option: "--weather-zone", label: "Time zone of the weather files", kind: "text", hint: "+01:00" },
+  ] },
+  { title: "The model", fields: [
+    { option: "--fix", label: "Hold parameters", kind: "words", hint: "T0=2 mu=2e-5" },
+    { option: "--free", label: "Fit these too", kind: "text", hint: "drift,offset,dry_friction" },
+    { option: "--prior", label: "Known from elsewhere", kind: "words", hint: "lambda0=0.05+-0.005" },
+    { option: "--event", label: "Changes", kind: "words", hint: "auto, none, or CYCLE:NAME: 150:mu" },
+    { option: "--model", label: "Equations", kind: ["auto", "averaged1", "averaged2", "map"] },
+    { option: "--noise", label: "Noise", kind: ["auto", "jitter", "drive", "both", "slow"] },
+    { option: "--escapement", label: "Escapement", kind: ["auto", "constant-torque", "single-impulse", "none"] },
+    { option: "--nut-pitch", label: "Pitch of the rating nut, mm a turn", kind: "number", hint: "not given" },
+    { option: "--pendulum-length", label: "Length of the pendulum, m", kind: "number", hint: "for the nut" },
+  ] },
+];
+
+const idOf = (option) => `set${option.slice(1)}`;
+const fields = groups.flatMap((group) => group.fields);
+
+function controlOf({ option, kind, hint }) {
+  const id = idOf(option);
+  if (kind === "flag") return element("input", { id, type: "checkbox" });
+  if (Array.isArray(kind))
+    return element("select", { id }, element("option", { value: "" }, "found out"),
+      ...kind.map((choice) => element("option", { value: choice }, choice)));
+  return element("input", { id, type: "text", placeholder: hint ?? "found out", autocomplete: "off", spellcheck: false,
+    inputMode: kind === "number" ? "decimal" : undefined });
+}
+
+/** Fills the form; `changed` is called when the reader has changed a field. */
+export function buildSettings(form, changed) {
+  for (const { title, fields: members } of groups)
+    form.append(element("fieldset", {}, element("legend", {}, title), ...members.map((field) =>
+      element("div", { className: field.kind === "flag" ? "field flag" : "field" },
+        element("label", { htmlFor: idOf(field.option) }, field.label), controlOf(field)))));
+  form.addEventListener("change", changed);
+  form.addEventListener("submit", (event) => event.preventDefault());
+}
+
+const shared = new Set(groups[0].fields.concat(groups[1].fields).map((field) => field.option));
+
+/** The words that say what was entered; `forReport`: with those of the model. */
+export function settingWords(forReport, hasWeather) {
+  return fields.flatMap(({ option, kind }) => {
+    if ((!forReport && !shared.has(option)) || (option === "--weather-zone" && !hasWeather)) return [];
+    const control = byId(idOf(option));
+    if (kind === "flag") return control.checked ? [option] : [];
+    const value = control.value.trim();
+    if (!value) return [];
+    // "--option=value": a value may begin with a minus.
+    return kind === "words" ? value.split(/\s+/).map((word) => `${option}=${word}`) : [`${option}=${value}`];
+  });
+}
+
+/** Shows in the fields what the command assumed: lines that end in "(--option value)". */
+export function showAssumed(lines) {
+  for (const field of fields) {
+    const control = byId(idOf(field.option));
+    const found = lines.map((line) => line.match(/\((--[a-z0-9-]+)(?: (.*))?\)$/)).find((m) => m?.[1] === field.option);
+    const value = /[A-Z]$/.test(found?.[2] ?? "") ? undefined : found?.[2]; // "time=N" is no value
+    if (Array.isArray(field.kind)) control.options[0].textContent = value ? `found out: ${value}` : "found out";
+    else if (field.kind !== "flag") control.placeholder = value ? `found out: ${value}` : field.hint ?? "found out";
+  }
+}
+
+export function clearSettings() {
+  for (const { option, kind } of fields) {
+    const control = byId(idOf(option));
+    if (kind === "flag") control.checked = false;
+    else control.value = "";
+  }
+}
+
+/** Enters options given as words: "--format periods --unit us". */
+export function enterOptions(text) {
+  for (const part of text.split(/(?:^|\s)(?=--)/)) {
+    const [option, ...values] = part.trim().split(/\s+/);
+    const field = fields.find((known) => known.option === option);
+    if (!field) continue;
+    const control = byId(idOf(option));
+    if (field.kind === "flag") control.checked = true;
+    else control.value = field.kind === "words" && control.value ? `${control.value} ${values.join(" ")}` : values.join(" ");
+  }
+}

@@ -1,0 +1,44 @@
+// One run of the command, in a worker that ends with it: so its memory is fresh, and to cancel it is to end the
+// worker. Told {module, words, files}; tells of stages while it works and at the end {code, out, err, files}.
+"use strict";
+
+const textOf = (bytes) => new TextDecoder().decode(new Uint8Array(bytes));
+
+// All files below a folder, by their paths in it.
+function filesIn(FS, folder, prefix = "") {
+  return FS.readdir(folder).filter((name) => name !== "." && name !== "..").flatMap((name) => {
+    const path = `${folder}/${name}`;
+    if (FS.isDir(FS.stat(path).mode)) return filesIn(FS, path, `${prefix}${name}/`);
+    return [{ path: prefix + name, bytes: FS.readFile(path) }];
+  });
+}
+
+async function run({ module, words, files }) {
+  const out = [], err = [];
+  let code = 0;
+  const program = await startGoingrate({
+    // Not a terminal: a note stays on its line.
+    preRun: [({ FS }) => FS.init(() => null, (byte) => out.push(byte), (byte) => err.push(byte))],
+    instantiateWasm(imports, done) {
+      WebAssembly.instantiate(module, imports).then((instance) => done(instance, module));
+      return {};
+    },
+    onStage: (stage, share) => postMessage({ stage, share }),
+    onExit: (status) => { code = status; },
+  });
+  const { FS } = program;
+  FS.mkdir("/logs");
+  FS.mkdir("/out");
+  FS.chdir("/logs");
+  for (const { name, bytes } of files) FS.writeFile(name, bytes, { canOwn: true });
+  try {
+    program.callMain(words);
+  } catch (error) {
+    if (error?.name !== "ExitStatus") throw error;
+    code = error.status;
+  }
+  const made = filesIn(FS, "/out");
+  postMessage({ done: { code, out: textOf(out), err: textOf(err), files: made } }, made.map((file) => file.bytes.buffer));
+}
+
+onmessage = ({ data }) => run(data).catch((error) => postMessage({ broken: String(error?.message ?? error) }));

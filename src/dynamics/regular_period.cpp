@@ -1,0 +1,63 @@
+// A period of an undisturbed clock, in more digits than a double has.
+#include "goingrate/dynamics/direct.hpp"
+
+#include <cmath>
+
+namespace goingrate {
+
+namespace {
+
+template <class T> SwingProfile<T> converted(const SwingProfile<double>& from) {
+  SwingProfile<T> to{from.kick_at_start, {}, {}};
+  for (const auto& s : from.rise)
+    to.rise.push_back({s.until, s.constant, s.slope, s.kick});
+  for (const auto& s : from.fall)
+    to.fall.push_back({s.until, s.constant, s.slope, s.kick});
+  return to;
+}
+
+} // namespace
+
+RegularPeriod<long double> regular_period(const ClockParameters& clock, long double speed2,
+                                          long double factor) {
+  using T = long double;
+  const SwingFriction<T> friction{clock.epsilon, clock.quadratic_drag, clock.dry_friction};
+  const T mu = clock.acting_torque() * factor;
+  const bool tabulated =
+      clock.escapement == Escapement::profile || clock.escapement == Escapement::single_impulse;
+  const PeriodProfile profile = tabulated ? period_profile(clock) : PeriodProfile{};
+  RegularPeriod<T> period;
+  for (const bool right : {true, false}) {
+    const T v = std::sqrt(speed2 + period.speed2_change);
+    HalfSwing<T> swing;
+    if (tabulated)
+      swing = half_swing(v, friction, converted<T>(right ? profile.right : profile.left), factor);
+    else if (clock.is_plain())
+      swing = half_swing<T>(v, clock.epsilon, mu, clock.phi0, true);
+    else
+      swing = half_swing<T>(v, friction, mu, clock.phi0, true);
+    const bool switches = tabulated || mu == 0 || swing.switched;
+    if (swing.status != SwingStatus::crossed || !switches) return {};
+    period.speed2_change += swing.speed2_change;
+    period.excess += swing.excess;
+    if (right) period.half_excess = period.excess;
+  }
+  period.regular = true;
+  return period;
+}
+
+double speed_after_half(const ClockParameters& clock, double velocity, double factor) {
+  return DirectPendulum(clock, velocity).speed_at_half(factor);
+}
+
+double DirectPendulum::speed_at_half(double factor) const {
+  const auto swing = half(true, factor);
+  if (swing.status != SwingStatus::crossed) return velocity();
+  TwoPart<double> speed2 = v2_;
+  speed2 += swing.speed2_change;
+  return std::sqrt(speed2.value());
+}
+
+double turning_angle_of_velocity(double velocity) { return 2.0 * std::asin(0.5 * velocity); }
+
+} // namespace goingrate
