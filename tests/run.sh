@@ -38,9 +38,8 @@ if [ "${1:-}" = --web ]; then
   cmake --build --preset release -j2 --target goingrate_command
   exec tests/web/run.sh build/release/goingrate . build/web
 fi
-# Without them the test of a batch's shares leaves Slurm and GNU parallel out, and that of the page which runs in
-# a browser is skipped.
-[ -z "${CI:-}" ] || goingrate_setup slurm-wlm parallel emscripten chromium zip unzip
+# Without them the test of a batch's shares leaves Slurm and GNU parallel out.
+[ -z "${CI:-}" ] || goingrate_setup slurm-wlm parallel
 # For the notebooks, and for what of Python is skipped without.
 goingrate_setup python3-pandas python3-matplotlib python3-pip mypy jupyter-nbconvert python3-ipykernel \
   python3-lmfit python3-iminuit python3-distributed

@@ -53,4 +53,18 @@ void DirectPendulum::rescale(double ratio) {
   v2_ = {v * v, std::fma(v, v, -v * v)};
 }
 
+double speed_after_half(const ClockParameters& clock, double velocity, double factor) {
+  return DirectPendulum(clock, velocity).speed_at_half(factor);
+}
+
+double DirectPendulum::speed_at_half(double factor) const {
+  const auto swing = half(true, factor);
+  if (swing.status != SwingStatus::crossed) return velocity();
+  TwoPart<double> speed2 = v2_;
+  speed2 += swing.speed2_change;
+  return std::sqrt(speed2.value());
+}
+
+double turning_angle_of_velocity(double velocity) { return 2.0 * std::asin(0.5 * velocity); }
+
 } // namespace goingrate
