@@ -34,8 +34,8 @@ error. Several files, a folder or a ZIP are read as one log of one clock.
   table           columns by their names: CSV, semicolon, tab, blanks; Vernier,
                   phyphox
   angle           samples of an angle; crossings by local fits
-  ticktock        tick,tick_block,tock,tock_block: how long a flag leaves a light
-                  gate open and covers it, in cycles; --counter-hz
+  ticktock        tick,tick_block,tock,tock_block: how long a flag leaves a
+                  light gate open and covers it, in cycles; --counter-hz
   xy              time and place of the bob (Tracker): angles about the centre
                   of the circle through the places
   labx            a measurement of CASSY Lab 2: a table

@@ -184,8 +184,7 @@ void state_stationary(const FitProblem& problem, const AtPlace& place, FitSummar
   // Without an observed relaxation the stationary state is unknown too.
   // A pendulum without a drive has no stationary amplitude, and Q depends on the amplitude unless
   // friction is linear.
-  if (!std::isfinite(summary.decay_time.value) || !friction_known(summary) ||
-      (!driven && !linear))
+  if (!std::isfinite(summary.decay_time.value) || !friction_known(summary) || (!driven && !linear))
     for (DerivedQuantity* quantity :
          {&summary.q_factor, &summary.decay_time, &summary.stationary_amplitude})
       quantity->value = quantity->sigma = unknown;
@@ -206,17 +205,16 @@ void state_combinations(const FitProblem& problem, const AtPlace& place, FitSumm
             return slot.value(at) / before - 1.0;
           }));
   add_if_known(summary.decay_time);
-  if (problem.parameters.escapement == Escapement::none || !friction_known(summary)) return;
+  if (problem.parameters.escapement == Escapement::none) return;
   const auto relaxation = place.of_clock("relaxation time", "of the squared amplitude", "s",
                                          [](const FinalClock& c) { return 0.5 * c.decay_time(); });
   const auto fast = place.of_clock("fast gain", "rate per relative drive, amplitude frozen", "",
                                    [](const FinalClock& c) { return c.fast_gain(); });
   const auto slow = place.of_clock("slow gain", "rate per relative drive, amplitude settled", "",
                                    [](const FinalClock& c) { return c.slow_gain(); });
-  add_if_known(relaxation);
-  add_if_known(summary.stationary_amplitude);
-  add_if_known(fast);
-  add_if_known(slow);
+  if (friction_known(summary))
+    for (const DerivedQuantity& quantity : {relaxation, summary.stationary_amplitude, fast, slow})
+      add_if_known(quantity);
   const FittedParameter* drive = summary.find("drive_rms");
   if (drive == nullptr || drive->status != ParameterStatus::undetermined ||
       summary.model.escapement != Escapement::constant_torque)
