@@ -156,20 +156,15 @@ void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary
   });
 }
 
-// Cycles in which a swing answers to a change of the fitted clock; 0 if its friction is not known.
-double answer_cycles(const FitSummary& fit) {
-  const FittedParameter* friction = fit.find("epsilon");
-  const bool is_known = friction != nullptr && friction->value > 0.0;
-  return is_known ? 1.0 / (two_pi * friction->value) : 0.0;
-}
-
 // What the fit was told of and does without: the course of the rate dates a change within some
 // beats and may take one for two. What may have been counts where the swing still answers to a
 // change that the fit has.
-void drop_what_the_fit_dropped(const FitOptions& asked, const FitSummary& fit, std::int64_t first,
-                               Diary& diary) {
+void drop_what_the_fit_dropped(const FitOptions& asked, const FitSummary& fit,
+                               const NumberedLog& loaded, Diary& diary) {
   if (fit.status != FitStatus::converged || !misses_nothing(fit) || fit.events.empty()) return;
-  const double reach = answer_cycles(fit);
+  const std::int64_t first = loaded.good.front().cycle;
+  const double reach =
+      fit.decay_time.value / loaded.nominal_period_s; // cycles; NaN reaches nothing
   std::vector<FitEvent> told;
   for (const FitEvent& event : asked.events)
     if (event.movable) told.push_back(event);
@@ -359,8 +354,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
       has_plans ? fit_clock(times, loaded.nominal_period_s, without_plans(asked)) : FitSummary{};
   if (has_plans) asked = without_what_is_excluded(std::move(asked), alone);
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
-  if (request.finds_events)
-    drop_what_the_fit_dropped(asked, data.fit, loaded.good.front().cycle, data.diary);
+  if (request.finds_events) drop_what_the_fit_dropped(asked, data.fit, loaded, data.diary);
   if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(data.fit, loaded.good, data.diary);
     drop_wakes(data.fit, loaded.good, data.diary);

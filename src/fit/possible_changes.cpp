@@ -111,7 +111,7 @@ struct WithoutChange {
 
 WithoutChange foreseen_without(const Fitted& fitted, std::size_t event) {
   const Difference difference = difference_at(fitted, event);
-  const Eigen::MatrixXd spread = difference.gradient * fitted.known.unwidened; // half a covariance
+  const Eigen::MatrixXd spread = difference.gradient * fitted.known.unwidened; // a root of its covariance
   const Eigen::VectorXd weighted = (spread * spread.transpose()).ldlt().solve(difference.size);
   const Eigen::VectorXd step = fitted.known.unwidened * (spread.transpose() * weighted);
   WithoutChange there{fitted.minimum.x, difference.size.dot(weighted)};

@@ -1,5 +1,5 @@
-// Changes that may have been: whether a fit without them asks for them, and whether one with them can
-// do without. Private to the fit room.
+// Changes that may have been: whether a fit without them asks for them, and whether one with them
+// can do without. Private to the fit room.
 #pragma once
 
 #include "fitted.hpp"
@@ -20,8 +20,9 @@ double promised_gain(const Fitted& fitted, const FitOptions& wider);
 /// The options without one change, the dates of the others moved, if the log does not demand that
 /// change: the fit without it has the better BIC, its date counted as a parameter. Changes whose
 /// date is given, or that were planned, stay. Tried are those smaller than BIC asks for, and those
-/// so near another of their kind that the swing has not answered to the first when the second comes:
-/// two dates about one change, neither of them right, look so. Of a log longer than 9000 beats 3000 are looked at.
+/// so near another of their kind that the swing has not answered to the first when the second
+/// comes: two dates about one change, neither of them right, look so. Of a log longer than 9000
+/// beats 3000 are looked at.
 std::optional<FitOptions> without_needless_change(const Fitted& fitted, const FitOptions& options);
 
 } // namespace goingrate::timing_model

@@ -35,13 +35,24 @@ std::optional<RowReader::Oscillation> RowReader::oscillation_at(const Line& line
   return seconds;
 }
 
-// Two passages: each the middle of a dark interval, and its length. A row that cannot be read is
-// taken to last as long as the one before, so that what follows keeps its time.
+// Of a row of the wrong length: whether it begins as rows do, and is none of a program's words.
+bool RowReader::is_begun_row() const {
+  const std::string_view first = fields_.front().text;
+  return parse_number(first, layout_.point) || parse_calendar(first, layout_.point);
+}
+
+// A row that cannot be read is taken to last as long as the one before, so that what follows keeps
+// its time.
+void RowReader::pass_oscillation() {
+  const auto& [tick_light, tick_dark, tock_light, tock_dark] = *oscillation_;
+  wait(Instant::from_seconds(tick_dark + tick_light + tock_dark + tock_light));
+}
+
+// Two passages: each the middle of a dark interval, and its length.
 void RowReader::add_oscillation(const Line& line) {
   const auto read = oscillation_at(line);
   if (!read && !oscillation_) return;
-  const Oscillation& now = read ? *read : *oscillation_;
-  const auto [tick_light, tick_dark, tock_light, tock_dark] = now;
+  const auto& [tick_light, tick_dark, tock_light, tock_dark] = read ? *read : *oscillation_;
   const double half = tick_dark + tick_light, whole = half + tock_dark + tock_light;
   wait(pause_before(Instant::from_seconds(whole)));
   if (read) {
@@ -50,7 +61,7 @@ void RowReader::add_oscillation(const Line& line) {
            tock_dark);
     oscillation_ = read;
   }
-  wait(Instant::from_seconds(whole));
+  pass_oscillation();
 }
 
 } // namespace goingrate

@@ -80,6 +80,7 @@ void RowReader::add(const Line& line) {
   split_fields(line.text, layout_.separator, fields_);
   if (!row_fits(line)) {
     if (log_.grid) log_.grid->phase_s.push_back(unknown); // its place stays
+    if (oscillation_ && is_begun_row()) pass_oscillation();
     return;
   }
   if (channel_ && !layout_.channel.empty() && fields_[*channel_].text != layout_.channel) {

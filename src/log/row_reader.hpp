@@ -77,6 +77,8 @@ private:
   // Intervals of a light gate, s, as gate_intervals orders them (gate_rows.cpp).
   using Oscillation = std::array<double, 4>;
   void add_oscillation(const Line& line);
+  void pass_oscillation();
+  [[nodiscard]] bool is_begun_row() const;
   std::optional<Oscillation> oscillation_at(const Line& line);
   double counter_rate_at(const Line& line);
 

@@ -135,7 +135,8 @@ ClockLog read_recording(Recording recording, const std::string& name,
   log.sound->duration_s = static_cast<double>(sound.count) / sound.rate_hz;
   if (recording.missing_bytes() > 0)
     log.assumptions.push_back(
-        {fmt::format("the recording breaks off: its head states {} bytes more; what is there is read",
+        {fmt::format("the recording breaks off: its head states {} bytes more; what is there is "
+                     "read",
                      recording.missing_bytes())});
   const TimeBase time_base(recording, options, name, log);
   TickTrain train = find_ticks(sound, options.nominal_period_s, options.progress);

@@ -513,6 +513,16 @@ TEST(FormatsTest, AGatesCounterHasTheRateBesideIt) {
   EXPECT_EQ(log.issues[0].line, 20u);
 }
 
+TEST(FormatsTest, AGatesRowThatIsCutShortTakesItsTime) {
+  std::string text = "tick,tick_block,tock,tock_block\n";
+  for (int i = 0; i < 30; ++i)
+    text += i == 9 ? "15744000,320\n" : i == 19 ? "STS,rebooted\n" : gate_row(16e6) + '\n';
+  const ClockLog log = read_log(text, "gate.csv");
+  ASSERT_EQ(log.events.size(), 2u * 28);
+  EXPECT_NEAR(log.events.back().time - log.events.front().time, 28 * 2.0001 + 1.004, 1e-12);
+  EXPECT_EQ(log.issues.size(), 2u);
+}
+
 TEST(FormatsTest, AGateWithoutAllIntervalsIsToldSo) {
   try {
     (void)read_log("tick,tick_block,tock\n15740800,320000,15620800\n15740800,320000,15620800\n",
