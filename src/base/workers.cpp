@@ -16,6 +16,8 @@ namespace {
 // Where memory is limited, the stacks of many threads would leave none for what they do. For each
 // thread so much is put aside until all are started: more than a thread of ours takes for itself.
 constexpr std::size_t room_a_thread = std::size_t{8} << 20;
+thread_local bool is_part_of_shared_work = false;
+
 using Room = std::unique_ptr<char[]>;
 Room put_aside() { return Room(new (std::nothrow) char[room_a_thread]); }
 
@@ -70,9 +72,14 @@ std::size_t threads_or_usual(std::size_t wanted) {
 
 void run_together(std::size_t threads, const std::function<void()>& work,
                   const std::function<void()>& give_up) {
+  if (threads <= 1 || is_part_of_shared_work) {
+    work();
+    return;
+  }
   std::exception_ptr failure;
   std::mutex failing;
   const std::function<void()> run = [&] {
+    is_part_of_shared_work = true;
     try {
       work();
     } catch (...) {
@@ -80,9 +87,10 @@ void run_together(std::size_t threads, const std::function<void()>& work,
       if (!failure) failure = std::current_exception();
       give_up();
     }
+    is_part_of_shared_work = false; // the caller's thread goes on to other work
   };
   {
-    const Others others(std::max<std::size_t>(threads, 1) - 1, run);
+    const Others others(threads - 1, run);
     run();
   }
   if (failure) std::rethrow_exception(failure);

@@ -17,8 +17,9 @@ std::thread thread_if_possible(std::function<void()> work);
 std::size_t threads_or_usual(std::size_t wanted);
 
 /// Calls `work` from `threads` threads at a time, the caller's among them, and returns when all are
-/// done. Where fewer can be started, by a limit on threads or on memory, there are fewer. The first
-/// exception of any of them is thrown here, after `give_up`.
+/// done. Where fewer can be started, by a limit on threads or on memory, there are fewer; work that
+/// is itself a part of shared work has the one thread it runs in. The first exception of any of
+/// them is thrown here, after `give_up`.
 void run_together(std::size_t threads, const std::function<void()>& work,
                   const std::function<void()>& give_up);
 
@@ -40,6 +41,11 @@ void share_out(std::size_t count, std::size_t threads, MakeWorker make_worker) {
 /// The same for work that needs nothing of its own in each thread.
 template <class Work> void share(std::size_t count, std::size_t threads, const Work& work) {
   share_out(count, threads, [&] { return [&](std::size_t i) { work(i); }; });
+}
+
+/// The same by a thread a processor.
+template <class Work> void share(std::size_t count, const Work& work) {
+  share(count, threads_or_usual(0), work);
 }
 
 } // namespace goingrate

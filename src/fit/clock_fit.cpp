@@ -8,6 +8,7 @@
 #include "reference_run.hpp"
 #include "ring_down.hpp"
 
+#include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
 
@@ -123,10 +124,12 @@ void attach_shifts(const Parameters& parameters, const std::map<std::string, dou
 void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
                      const std::vector<Interval>& ends, FitSummary& summary) {
   const Parameters& parameters = all.problem.parameters;
-  for (const Slot& slot : parameters.slots)
+  share(parameters.slots.size(), [&](std::size_t i) {
+    const Slot& slot = parameters.slots[i];
     for (FittedParameter& p : summary.parameters)
       if (slot.free && p.name == parameters.name_of(slot) && std::isfinite(p.value))
         p.profile = profile_points(all, few, slot, ends[slot.index]);
+  });
 }
 
 ClockTwin clock_at(const Fitted& fitted, std::span<const double> x, double behind) {

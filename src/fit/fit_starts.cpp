@@ -3,6 +3,7 @@
 #include "change_starts.hpp"
 #include "inference.hpp"
 
+#include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
@@ -49,19 +50,19 @@ void match_mean_rate(const FitProblem& problem, std::vector<double>& x) {
 
 std::vector<Minimum> screened(const FitProblem& problem,
                               const std::vector<std::vector<double>>& points) {
-  std::vector<Minimum> tried;
-  for (const auto& point : points) {
-    std::vector<double> matched = point;
+  std::vector<Minimum> tried(points.size());
+  share(points.size(), [&](std::size_t i) {
+    std::vector<double> matched = points[i];
     match_mean_rate(problem, matched);
-    Minimum start; // as it is, or with the mean rate of the log
-    for (const auto& x : {matched, point}) {
+    Minimum& start = tried[i]; // as it is, or with the mean rate of the log
+    for (const auto& x : {matched, points[i]}) {
       const auto value = minus_log_likelihood(problem, x);
       if (!value || (!start.x.empty() && *value >= start.value)) continue;
       start.value = *value;
       start.x = x;
     }
-    if (!start.x.empty()) tried.push_back(std::move(start));
-  }
+  });
+  std::erase_if(tried, [](const Minimum& start) { return start.x.empty(); });
   std::sort(tried.begin(), tried.end(), by_value);
   return tried;
 }
@@ -119,20 +120,23 @@ std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
          screened(problem, starts_by_change(problem.parameters, all, tried.front().x)))
       tried.push_back(std::move(start));
   }
-  const auto score = [&](Minimum& start, int iterations) {
-    problem.priors = make_priors(options, problem.parameters, start.x);
-    start = minimise(problem, start.x, {iterations, 1e-2, 1e4});
+  const auto score = [&](int iterations) {
+    share(tried.size(), [&](std::size_t i) {
+      if (tried[i].converged) return;
+      FitProblem own = problem;
+      own.priors = make_priors(options, own.parameters, tried[i].x);
+      tried[i] = minimise(own, tried[i].x, {iterations, 1e-2, 1e4});
+    });
   };
   const auto keep_usable = [&] {
     std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
     std::sort(tried.begin(), tried.end(), by_value);
+    if (!tried.empty()) problem.priors = make_priors(options, problem.parameters, tried.front().x);
     drop_duplicates(problem, tried);
   };
-  for (Minimum& start : tried)
-    score(start, 8);
+  score(8);
   keep_usable();
-  for (Minimum& start : tried)
-    if (!start.converged) score(start, 60);
+  score(60);
   keep_usable();
   return tried;
 }

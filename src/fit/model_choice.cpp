@@ -4,6 +4,7 @@
 #include "reference_run.hpp"
 #include "thinning.hpp"
 
+#include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
 
@@ -16,6 +17,8 @@ namespace goingrate::timing_model {
 namespace {
 
 constexpr double least_white_p = 1e-2; // p below which the innovations call for a better model
+
+bool by_bic(const Fitted& a, const Fitted& b) { return a.bic < b.bic; }
 
 // The largest shift, in sigma, of a clock parameter that the log determines.
 double largest_shift(const Fitted& fitted, const std::map<std::string, double>& shifts) {
@@ -216,7 +219,7 @@ void ModelSearch::add_terms(Fitted& fitted) {
   for (;;) {
     const bool is_white = white(fitted);
     if (is_white && fitted.model.escapement != Escapement::none) return;
-    std::optional<Fitted> best;
+    std::vector<ModelChoice> models;
     for (int term = 0; term < terms; ++term) {
       const bool is_friction = term == 1 || term == 2;
       if (is_white && !is_friction) continue;
@@ -224,13 +227,22 @@ void ModelSearch::add_terms(Fitted& fitted) {
       if (model.name() == fitted.model.name()) continue;
       if (term == 0 && options_.noise != FitNoise::automatic) continue;
       if (term == 3 && !data.has_amplitude()) continue;
-      Fitted other = fit_from(fitted, options_, model);
-      if (!other.minimum.usable || !refine(other, fitted.dynamics)) continue;
-      if (!best || other.bic < best->bic) best = std::move(other);
-      if (term == 0 && data.size() > long_log_beats && white(*best) && best->bic < fitted.bic)
-        break;
+      models.push_back(model);
     }
-    if (!best || best->bic >= fitted.bic) return;
+    std::vector<Fitted> ends(models.size());
+    const auto fit = [&](std::size_t i) {
+      ends[i] = fit_from(fitted, options_, models[i]);
+      if (!ends[i].minimum.usable || !refine(ends[i], fitted.dynamics))
+        ends[i].bic = std::numeric_limits<double>::infinity();
+    };
+    const bool noise_first = data.size() > long_log_beats && !models.empty() &&
+                             models.front().noise() != fitted.model.noise();
+    if (noise_first) fit(0);
+    if (!noise_first || !white(ends.front()) || ends.front().bic >= fitted.bic)
+      share(models.size() - (noise_first ? 1 : 0),
+            [&](std::size_t i) { fit(i + (noise_first ? 1 : 0)); });
+    const auto best = std::min_element(ends.begin(), ends.end(), by_bic);
+    if (best == ends.end() || best->bic >= fitted.bic) return;
     tried(fitted, fmt::format("BIC worse by {:.3g} than the next{}", fitted.bic - best->bic,
                               moved_by(fitted, *best)));
     fitted = std::move(*best);

@@ -4,6 +4,7 @@
 #include "refinement.hpp"
 #include "rivals.hpp"
 
+#include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
@@ -202,11 +203,12 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     tried = screened(fewest, points);
     constexpr std::size_t to_score = 4;
     if (tried.size() > to_score) tried.resize(to_score);
-    for (Minimum& start : tried) {
-      few.priors = make_priors(options, few.parameters, start.x);
-      if (is_extended) extend(few, start.x);
-      start = minimise(few, start.x, {40, 1e-2});
-    }
+    share(tried.size(), [&](std::size_t i) {
+      FitProblem own = few;
+      own.priors = make_priors(options, own.parameters, tried[i].x);
+      if (is_extended) extend(own, tried[i].x);
+      tried[i] = minimise(own, tried[i].x, {40, 1e-2});
+    });
     std::sort(tried.begin(), tried.end(), by_value);
   }
   if (tried.empty()) return fitted;

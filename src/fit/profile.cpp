@@ -2,6 +2,8 @@
 
 #include "valley.hpp"
 
+#include "base/workers.hpp"
+
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
@@ -335,16 +337,17 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
   for (const Slot& slot : problem.parameters.slots)
     if (slot.free && !is_noise(slot.quantity) && slot.coordinate == Coordinate::logarithm)
       largest = std::max(largest, known.sigma(slot.index));
-  for (const Slot& slot : problem.parameters.slots) {
-    if (!slot.free) continue;
+  share(problem.parameters.slots.size(), [&](std::size_t i) {
+    const Slot& slot = problem.parameters.slots[i];
+    if (!slot.free) return;
     const std::size_t k = slot.index;
     const double sigma = known.sigma(k), x = all.minimum.x[k];
     const double tolerable = tolerable_sigma(problem, slot, all.minimum.x);
     const bool lopsided = is_noise(slot.quantity) || may_vanish(slot);
-    if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[k]) continue;
+    if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[k]) return;
     if (largest < small_relative_sigma && !may_vanish(slot)) {
       result[k] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
-      continue;
+      return;
     }
     // A parameter known this poorly, or a model that does not hold, is not worth a search for the
     // ends of a likelihood that is no parabola.
@@ -355,7 +358,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
     const double least = !problem.bounds.empty() && problem.bounds[k][0] == 0.0 ? 0.0 : -infinite;
     const auto at = [&](double end) { return std::max(least, x + end * unit); };
     result[k] = {at(z.low68), at(z.high68), at(z.low95), at(z.high95)};
-  }
+  });
   return result;
 }
 

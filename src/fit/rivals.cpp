@@ -4,6 +4,8 @@
 #include "refinement.hpp"
 #include "twin.hpp"
 
+#include "base/workers.hpp"
+
 #include <algorithm>
 
 namespace goingrate::timing_model {
@@ -44,19 +46,21 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   if (!all_but_known(check, known, home.x))
     for (auto& point : along_the_valley(known, home.x))
       starts.push_back(std::move(point));
-  std::vector<Minimum> found{home};
-  Minimum best = home;
+  std::vector<Minimum> found(starts.size());
   constexpr double largest_deficit = 4.5; // of L: three sigma
   constexpr double largest_first_order_error =
       100.0; // of L, 14 sigma: the error that first order may make
-  for (const auto& start : starts) {
-    Minimum end = minimise(check, start, {60, 1e-3});
+  share(starts.size(), [&](std::size_t i) {
+    found[i] = minimise(check, starts[i], {60, 1e-3});
     // A search that has not converged may still be on its way to the best minimum.
-    if (end.usable && !end.converged && end.value < best.value + largest_first_order_error)
-      end = minimise(check, end.x, {200, 1e-3});
+    if (found[i].usable && !found[i].converged &&
+        found[i].value < home.value + largest_first_order_error)
+      found[i] = minimise(check, found[i].x, {200, 1e-3});
+  });
+  found.insert(found.begin(), home);
+  Minimum best = home;
+  for (const Minimum& end : found)
     if (end.usable && end.value < best.value) best = end;
-    found.push_back(std::move(end));
-  }
   constexpr double least_gain = 0.5; // of L
   const bool moved = best.value < home.value - least_gain;
   if (moved) fitted.minimum.x = best.x;
@@ -109,7 +113,8 @@ Fitted twin_fit(const Fitted& home) {
   const bool is_near = twin.minimum.value < home.minimum.value + largest_deficit;
   const auto at = evaluate(home.problem, home.minimum.x);
   const bool is_other =
-      at && certainty(home.problem, home.minimum.x, *at, {}).tells_apart(twin.minimum.x, home.minimum.x);
+      at &&
+      certainty(home.problem, home.minimum.x, *at, {}).tells_apart(twin.minimum.x, home.minimum.x);
   return is_near && is_other ? twin : Fitted{};
 }
 

@@ -39,9 +39,8 @@ public:
     Eigen::Map<Eigen::VectorXd> r(residual, n + 1);
     r.setZero();
     if (jacobian == nullptr || jacobian[0] == nullptr) {
-      const auto value = minus_log_likelihood(problem_, x);
+      const auto value = value_at(x);
       if (!value || *value + offset_ < 0.0) return false;
-      have_value_.push_back(x);
       r[n] = std::sqrt(2.0 * (*value + offset_));
       return true;
     }
@@ -63,12 +62,28 @@ public:
   /// Whether the search reached a point where L has a value but no finite slope.
   [[nodiscard]] bool broke_off() const { return broke_off_; }
 
+  /// L at x, which is kept: under bounds Ceres asks once for its search along a step and once more
+  /// to judge the step.
+  std::optional<double> value_at(const std::vector<double>& x) const {
+    if (const Value* known = found(x)) return known->value;
+    const auto value = minus_log_likelihood(problem_, x);
+    if (value) values_.push_back({x, *value});
+    return value;
+  }
+
 private:
+  struct Value {
+    std::vector<double> x;
+    double value;
+  };
+  [[nodiscard]] const Value* found(const std::vector<double>& x) const {
+    const auto at = std::find_if(values_.rbegin(), values_.rend(),
+                                 [&](const Value& known) { return known.x == x; });
+    return at == values_.rend() ? nullptr : &*at;
+  }
   // Ceres takes a step only to a point where it has asked for the value alone; a point that it only
   // tries in a line search is not such a step.
-  [[nodiscard]] bool has_value(const std::vector<double>& x) const {
-    return std::find(have_value_.begin(), have_value_.end(), x) != have_value_.end();
-  }
+  [[nodiscard]] bool has_value(const std::vector<double>& x) const { return found(x) != nullptr; }
   // If evaluation failed at a step already taken, Ceres would write to stderr; zero slopes end the
   // search as well.
   bool stop_here(Eigen::Map<Eigen::VectorXd>& residual, double* slopes) const {
@@ -84,7 +99,7 @@ private:
   std::size_t unknowns_;
   std::optional<Remembered> remembered_;
   mutable std::vector<double> last_u_, last_x_;
-  mutable std::vector<std::vector<double>> have_value_;
+  mutable std::vector<Value> values_;
   mutable bool broke_off_ = false;
 };
 
@@ -199,7 +214,7 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   if (summary.termination_type == ceres::FAILURE || likelihood.broke_off()) return minimum;
   minimum.x = map.x_of(u);
   // Computed afresh: too few digits are left in final_cost less offset.
-  const auto last = minus_log_likelihood(problem, minimum.x);
+  const auto last = likelihood.value_at(minimum.x);
   minimum.usable = last.has_value();
   if (last) minimum.value = *last;
   return minimum;

@@ -49,6 +49,11 @@ TEST(WorkersTest, AnExceptionEndsTheWorkAndComesOut) {
   EXPECT_LE(begun, 4);
 }
 
+TEST(WorkersTest, APartOfSharedWorkIsNotSharedAgain) {
+  share(2, 2, [&](std::size_t) { EXPECT_EQ(counted(100, 8).threads, 1u); });
+  EXPECT_EQ(counted(100, 8).threads, 8u);
+}
+
 TEST(WorkersTest, WithoutRoomForOtherThreadsTheCallersDoesIt) {
   GOINGRATE_NEEDS_MEMORY_LIMITS();
   GTEST_FLAG_SET(death_test_style, "threadsafe"); // a fresh process, without stacks to use again

@@ -1,9 +1,11 @@
 #include "goingrate/fit/clock_fit.hpp"
 
+#include "base/workers.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/random.hpp"
 #include "support/fit_scenes.hpp"
 
+#include <bit>
 #include <gtest/gtest.h>
 #include <map>
 
@@ -111,6 +113,37 @@ TEST(ClockFitTest, SoIsItWhereTheDriveIsRough) {
   Scenario scenario = test::jump_from_a_to_b(1500, 1e-5);
   scenario.drive.fast_rms = 0.03;
   EXPECT_LT(evenness_of_profiles(scenario, options, {"epsilon", "phi0", "mu", "drive_rms"}), 0.95);
+}
+
+// All numbers of a fit, to the last bit.
+std::vector<std::uint64_t> bits_of(const FitSummary& fit) {
+  std::vector<std::uint64_t> bits{fit.alternatives.size(), fit.twins.size()};
+  const auto add = [&](double number) { bits.push_back(std::bit_cast<std::uint64_t>(number)); };
+  for (const FittedParameter& p : fit.parameters) {
+    for (const double number : {p.value, p.sigma, p.low68, p.high68, p.low95, p.high95})
+      add(number);
+    for (const ProfilePoint& point : p.profile)
+      for (const double number : {point.value, point.fall})
+        add(number);
+  }
+  for (const double residual : fit.residual_s)
+    add(residual);
+  return bits;
+}
+
+TEST(ClockFitTest, TheNumberOfThreadsChangesNothing) {
+  FitOptions options;
+  options.events = {{150, {"mu"}}};
+  options.profiles = true;
+  Scenario rough = test::jump_from_a_to_b(1500, 1e-5);
+  rough.drive.fast_rms = 0.03;
+  for (const Scenario& scenario : {test::jump_from_a_to_b(1500, 1e-4), rough}) {
+    const auto shared = bits_of(fit_of(scenario, 7, options));
+    std::vector<std::vector<std::uint64_t>> alone(2); // a part of shared work has one thread
+    share(2, 2, [&](std::size_t i) { alone[i] = bits_of(fit_of(scenario, 7, options)); });
+    EXPECT_EQ(alone[0], shared);
+    EXPECT_EQ(alone[1], shared);
+  }
 }
 
 TEST(ClockFitTest, FirstOrderAloneIsShownToBeOff) {

@@ -249,7 +249,9 @@ struct FitSummary {
   [[nodiscard]] const DerivedQuantity* combination(std::string_view name) const;
 };
 
-/// Fits `data`. `nominal_period_s` only serves to state the derived rate in s a day.
+/// Fits `data`. `nominal_period_s` only serves to state the derived rate in s a day. The work is
+/// shared among all processors; their number changes no bit of the result
+/// (ClockFitTest.TheNumberOfThreadsChangesNothing).
 ///
 /// Accuracy: truth lies in the 68 % and 95 % intervals as often as it should, and sigma is that of
 /// the full simulator's Cramer-Rao bound (tests/studies/coverage.txt; HonestSigma in the tests is
