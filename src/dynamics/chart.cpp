@@ -32,9 +32,9 @@ FactorRange range_of(const ChartScene& scene) {
 }
 
 // The crossing times of the oracle, as far as the clock goes regularly.
-std::vector<long double> exact_lateness(const ChartScene& scene) {
-  std::vector<long double> lateness;
-  long double speed2 = static_cast<long double>(scene.velocity) * scene.velocity, late = 0.0L;
+std::vector<Wide> exact_lateness(const ChartScene& scene) {
+  std::vector<Wide> lateness;
+  Wide speed2 = static_cast<Wide>(scene.velocity) * scene.velocity, late = 0;
   std::size_t stretch = 0;
   for (std::size_t i = 0; i < scene.factors.size(); ++i) {
     if (stretch + 1 < scene.stretches.size() && scene.stretches[stretch + 1].from_period == i)
@@ -48,7 +48,7 @@ std::vector<long double> exact_lateness(const ChartScene& scene) {
   return lateness;
 }
 
-double largest_error(const std::vector<double>& lateness, const std::vector<long double>& exact) {
+double largest_error(const std::vector<double>& lateness, const std::vector<Wide>& exact) {
   double worst = 0.0;
   for (std::size_t i = 0; i < std::min(lateness.size(), exact.size()); ++i)
     worst = std::max(worst, static_cast<double>(std::abs(lateness[i] - exact[i])));
@@ -216,7 +216,7 @@ LimitRow limits_at(const LimitScene& at, const std::vector<ChartMethod>& methods
     if (run.status == SwingStatus::crossed && row.exact == SwingStatus::crossed) {
       const std::size_t last = run.lateness.size() - 1;
       // Where the escapement misses a switch the oracle ends and direct is the reference.
-      const long double truth = exact.size() > last ? exact[last] : direct.lateness[last];
+      const Wide truth = exact.size() > last ? exact[last] : direct.lateness[last];
       error = static_cast<double>(std::abs(run.lateness[last] - truth)) /
               (two_pi * static_cast<double>(last + 1));
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 // Vectors of eight are passed between functions of this file only, which are all inlined.
@@ -14,7 +15,6 @@ namespace goingrate {
 
 namespace {
 
-using Wide = long double;
 constexpr double patch_ratio = 1.08;
 constexpr std::size_t most_rows = 18, most_columns = 10; // Chebyshev nodes
 
@@ -173,12 +173,13 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
   half = chebyshev_of(std::move(half));
   // A steady error of the excess shows undiminished in the rate; one of v^2 is collected over a
   // relaxation time 1/(4 pi eps) and shows through dT/dx = pi/8.
-  constexpr Wide allowed_excess = 4e-19L;
+  constexpr Wide rounding = std::numeric_limits<Wide>::epsilon(); // 1e-19 of 64 bits
+  constexpr Wide allowed_excess = 4 * rounding;
   const Wide allowed_change =
-      32 * std::max<Wide>(clock.epsilon, 1e-8L) * allowed_excess + 1e-23L * high;
+      32 * std::max<Wide>(clock.epsilon, 1e-8) * allowed_excess + 1e-4 * rounding * high;
   auto counts = extent_of(change, allowed_change);
   const auto of_excess =
-      extent_of(excess, std::max<Wide>(allowed_excess, 1e-18L * static_cast<Wide>(high)));
+      extent_of(excess, std::max<Wide>(allowed_excess, 10 * rounding * static_cast<Wide>(high)));
   counts.resize(std::max(counts.size(), of_excess.size()), 0);
   for (std::size_t i = 0; i < of_excess.size(); ++i)
     counts[i] = std::max(counts[i], of_excess[i]);
@@ -201,8 +202,8 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
 MapPatch::Values MapPatch::at(double x, double factor) const {
   const double s = (x - 0.5 * (low_ + high_)) * (2.0 / (high_ - low_));
   const double t = (factor - factor_middle_) * factor_scale_;
-  const Two values = polynomial(reinterpret_cast<const Two*>(coefficients_.data()), starts_,
-                                Two{s, s}, Two{t, t});
+  const Two values =
+      polynomial(reinterpret_cast<const Two*>(coefficients_.data()), starts_, Two{s, s}, Two{t, t});
   return {values[0], values[1]};
 }
 

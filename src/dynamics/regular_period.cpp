@@ -18,9 +18,8 @@ template <class T> SwingProfile<T> converted(const SwingProfile<double>& from) {
 
 } // namespace
 
-RegularPeriod<long double> regular_period(const ClockParameters& clock, long double speed2,
-                                          long double factor) {
-  using T = long double;
+RegularPeriod<Wide> regular_period(const ClockParameters& clock, Wide speed2, Wide factor) {
+  using T = Wide;
   const SwingFriction<T> friction{clock.epsilon, clock.quadratic_drag, clock.dry_friction};
   const T mu = clock.acting_torque() * factor;
   const bool tabulated =

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace goingrate {
@@ -56,21 +57,22 @@ double rate_excess_of(double period_excess) { return -period_excess / (two_pi + 
 
 namespace {
 
-LimitCycle limit_cycle_of(long double speed2, double period_excess) {
+LimitCycle limit_cycle_of(Wide speed2, double period_excess) {
   return {static_cast<double>(std::sqrt(speed2)), period_excess, two_pi + period_excess,
           rate_excess_of(period_excess)};
 }
 
+constexpr Wide rounding = std::numeric_limits<Wide>::epsilon();
+
 // A few rounds in 64 bits take the cycle to rounding of the double it is returned in.
-std::optional<LimitCycle> polished(const ClockParameters& clock, long double speed2,
-                                   long double slope) {
-  RegularPeriod<long double> period;
+std::optional<LimitCycle> polished(const ClockParameters& clock, Wide speed2, Wide slope) {
+  RegularPeriod<Wide> period;
   for (int i = 0; i < 4; ++i) {
-    period = regular_period(clock, speed2, 1.0L);
+    period = regular_period(clock, speed2, 1.0);
     if (!period.regular) return {};
-    const long double step = period.speed2_change / slope;
+    const Wide step = period.speed2_change / slope;
     speed2 += step;
-    if (std::abs(step) < 1e-18L * speed2) break;
+    if (std::abs(step) < 10 * rounding * speed2) break;
   }
   return limit_cycle_of(speed2, static_cast<double>(period.excess));
 }
@@ -95,24 +97,25 @@ std::optional<LimitCycle> plain_limit_cycle(const ClockParameters& clock, double
     last_step = step;
   }
   if (std::abs(step) > 1e-12 * v2.value()) return {}; // no fixed point is near: about to stall
-  return polished(clock, v2.value(), 2.0L * slope);
+  return polished(clock, v2.value(), Wide(2) * slope);
 }
 
 // Secant steps on the whole period's change of v^2, for laws whose two halves may differ.
 std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, double start) {
-  long double x = static_cast<long double>(start) * start, x_before = 0.0L, change_before = 0.0L;
-  long double slope = -1e-2L; // a cautious first step; the second knows better
-  if (clock.epsilon > 0.0) slope = -4.0L * pi * clock.epsilon;
+  Wide x = static_cast<Wide>(start) * start, x_before = Wide(0), change_before = Wide(0);
+  Wide slope = Wide(-1e-2); // a cautious first step; the second knows better
+  if (clock.epsilon > 0.0) slope = Wide(-4) * pi * clock.epsilon;
   for (int i = 0; i < 100; ++i) {
-    const auto period = regular_period(clock, x, 1.0L);
+    const auto period = regular_period(clock, x, Wide(1));
     if (!period.regular) return {};
     if (i > 0 && x != x_before) slope = (period.speed2_change - change_before) / (x - x_before);
-    if (!(slope < 0.0L)) return {}; // not a cycle that attracts
+    if (!(slope < Wide(0))) return {}; // not a cycle that attracts
     x_before = x;
     change_before = period.speed2_change;
     // At most a tenth at a time: a profile's balance may be far from what its average says.
-    const long double step = std::clamp(-period.speed2_change / slope, -0.1L * x, 0.1L * x);
-    if (std::abs(step) <= 1e-17L * x) return limit_cycle_of(x, static_cast<double>(period.excess));
+    const Wide step = std::clamp(-period.speed2_change / slope, Wide(-0.1) * x, Wide(0.1) * x);
+    if (std::abs(step) <= 100 * rounding * x)
+      return limit_cycle_of(x, static_cast<double>(period.excess));
     x += step;
   }
   return {};

@@ -1,7 +1,7 @@
 // Speed against accuracy, measured here and now.
 //
 // Every method runs the same scenes; its crossing times are held against an oracle, the equation of
-// motion integrated with 64 bits (long double), which is good to 1e-18 a period. All in scaled time
+// motion integrated with 64 bits (Wide), which is good to 1e-18 a period. All in scaled time
 // and on one core.
 #pragma once
 

@@ -6,6 +6,8 @@
 #include "goingrate/dynamics/period_step.hpp"
 #include "goingrate/dynamics/swing_profile.hpp"
 
+#include <cfloat>
+
 namespace goingrate {
 
 /// The pendulum between upward crossings, for every clock law; v^2 is carried in two parts.
@@ -54,13 +56,21 @@ private:
   bool helping_ = true; // the constant torque helps the coming upward swing
 };
 
-/// One regular period from v^2, in any precision: what the return map is made of.
+/// The number with the most digits that the processor itself computes with: 64 bits of x86's long
+/// double. Elsewhere a long double is no more than a double, or is computed by software some
+/// hundred times as slowly.
+#if LDBL_MANT_DIG == 64
+using Wide = long double;
+#else
+using Wide = double;
+#endif
+
+/// One regular period from v^2: what the return map is made of.
 template <class T> struct RegularPeriod {
   bool regular = false; ///< it crossed twice, and the escapement switched in both half swings
   T speed2_change{}, half_excess{}, excess{};
 };
-RegularPeriod<long double> regular_period(const ClockParameters& clock, long double speed2,
-                                          long double factor);
+RegularPeriod<Wide> regular_period(const ClockParameters& clock, Wide speed2, Wide factor);
 
 /// |phi'| at the downward crossing that follows an upward one of `velocity` in regular operation,
 /// the drive times `factor`; `velocity` itself where there is none
