@@ -270,9 +270,14 @@ std::string split_text(const Gap& gap) {
            fmt::format("about {} beats are missing, more than this log lets count (ten times "
                        "its longest run at most); the longest part is used",
                        gap.length);
+  constexpr double least_shown = 1e-3;
+  const std::string probability =
+      gap.probability < least_shown
+          ? fmt::format("below {}", least_shown)
+          : fmt::format("{:.3f}", std::floor(gap.probability / least_shown) * least_shown);
   return place + fmt::format("about {} beats are missing, a count that is right with probability "
-                             "{:.3f}{}; the longest part is used",
-                             gap.length, std::floor(1e3 * gap.probability) * 1e-3,
+                             "{}{}; the longest part is used",
+                             gap.length, probability,
                              gap.kind == GapKind::stop ? " (the clock seems to have stopped)" : "");
 }
 

@@ -80,7 +80,7 @@ std::optional<ColumnRole> role_named(std::string_view name) { return value_in(ro
 std::string_view in_words(LogFormat format) {
   switch (format) {
   case LogFormat::native:
-    return "goingrate's native log";
+    return "a list of crossings";
   case LogFormat::clock_error:
     return "a clock-error log (label s, error s, amplitude mrad)";
   case LogFormat::periods:

@@ -1,6 +1,8 @@
 // The decay of a free swing in words and as a table.
 #include "goingrate/report/tables.hpp"
 
+#include "wording.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -18,26 +20,40 @@ std::string open_laws(const Decay& decay) {
   return fmt::format("{}", fmt::join(names, "; "));
 }
 
+// Of a law that is behind by so much in BIC, which is twice the logarithm of the odds (Schwarz,
+// Ann. Stat. 6, 461, 1978).
+std::string times_as_likely(double behind) {
+  constexpr double most_told = 1e6;
+  const double odds = std::exp(0.5 * behind);
+  return odds > most_told ? "more than a million times"
+                          : fmt::format("{} times", with_sigma(odds, 0.0, 2));
+}
+
 std::string law_sentence(const Decay& decay) {
   if (decay.laws.empty()) return {};
   if (decay.law_is_open())
     return fmt::format("The law of friction is open: this log cannot tell apart {} (the best "
-                       "first; their BIC differ by less than 6).",
+                       "first; the odds against each are below 20 to 1).",
                        open_laws(decay));
   std::string text = fmt::format("The log demands {} friction", decay.laws.front().friction);
   if (decay.laws.size() > 1)
-    text += fmt::format(" (the next, {}, is behind by {:.3g} in BIC)", decay.laws[1].friction,
-                        decay.laws[1].behind);
+    text += fmt::format(" (the next, {}, is {} less likely)", decay.laws[1].friction,
+                        times_as_likely(decay.laws[1].behind));
   return text + ".";
 }
 
-std::string time_sentence(const Decay& decay) {
-  if (!is_known(decay.time_s)) return {};
-  return fmt::format("At an amplitude of {:.4g} rad the swing dies away by a factor e in {} s.",
-                     decay.amplitude_rad, with_sigma(decay.time_s.value, decay.time_s.sigma));
+std::string angle(double rad, const DisplayUnit& unit) {
+  return fmt::format("{} {}", with_sigma(unit.factor * rad, 0.0, 4), unit.name);
 }
 
-std::string q_sentence(const Decay& decay) {
+std::string time_sentence(const Decay& decay, const DisplayUnit& unit) {
+  if (!is_known(decay.time_s)) return {};
+  return fmt::format("At an amplitude of {} the swing dies away by a factor e in {} s.",
+                     angle(decay.amplitude_rad, unit),
+                     with_sigma(decay.time_s.value, decay.time_s.sigma));
+}
+
+std::string q_sentence(const Decay& decay, const DisplayUnit& unit) {
   const auto known_at = [](const QAtAmplitude& at) { return is_known(at.q); };
   const auto& all = decay.q_at_amplitude;
   const auto last = std::find_if(all.begin(), all.end(), known_at);
@@ -50,16 +66,19 @@ std::string q_sentence(const Decay& decay) {
     text = fmt::format("Q there is {}; it goes", with_sigma(decay.q.value, decay.q.sigma));
   else
     text = "Q goes";
-  return text + fmt::format(" from {} at {:.4g} rad to {} at {:.4g} rad.",
-                            with_sigma(first->q.value, first->q.sigma), first->amplitude_rad,
-                            with_sigma(last->q.value, last->q.sigma), last->amplitude_rad);
+  return text +
+         fmt::format(" from {} at {} to {} at {}.", with_sigma(first->q.value, first->q.sigma),
+                     angle(first->amplitude_rad, unit), with_sigma(last->q.value, last->q.sigma),
+                     angle(last->amplitude_rad, unit));
 }
 
 } // namespace
 
 std::string decay_sentences(const Decay& decay) {
+  const DisplayUnit unit = angle_unit(decay);
   std::string text;
-  for (const std::string& sentence : {time_sentence(decay), q_sentence(decay), law_sentence(decay)})
+  for (const std::string& sentence :
+       {time_sentence(decay, unit), q_sentence(decay, unit), law_sentence(decay)})
     if (!sentence.empty()) text += (text.empty() ? "" : " ") + sentence;
   return text;
 }
@@ -69,9 +88,11 @@ std::string decay_text(const Decay& decay) {
   const auto& all = decay.q_at_amplitude;
   if (std::none_of(all.begin(), all.end(), [](const auto& at) { return is_known(at.q); }))
     return text;
-  text += fmt::format("  {:<16} {:<20} {}\n", "amplitude, rad", "Q, whichever law", "95 %");
+  const DisplayUnit unit = angle_unit(decay);
+  text += fmt::format("  {:<16} {:<20} {}\n", fmt::format("amplitude, {}", unit.name),
+                      "Q, whichever law", "95 %");
   for (auto at = all.rbegin(); at != all.rend(); ++at) {
-    text += fmt::format("  {:<16.4g} ", at->amplitude_rad);
+    text += fmt::format("  {:<16} ", with_sigma(unit.factor * at->amplitude_rad, 0.0, 4));
     if (!is_known(at->q)) {
       text += "undetermined\n";
       continue;

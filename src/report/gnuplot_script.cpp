@@ -17,7 +17,6 @@ namespace goingrate {
 namespace {
 
 using gnuplot::number;
-using gnuplot::quoted;
 
 constexpr double width = 8.5;
 constexpr double right_margin = 0.2;
@@ -173,7 +172,7 @@ std::string tick_label(const std::string& label) {
   std::string text;
   for (const char c : label)
     text += c == '%' ? std::string("%%") : std::string(1, c);
-  return quoted(text);
+  return gnuplot::quoted(text);
 }
 
 std::string ticks_text(const AxisScale& scale, bool labelled) {
@@ -196,7 +195,7 @@ void Script::set_axis(char name, const AxisScale& scale, const Axis& axis, bool 
   else
     write("set {}tics {} ({})\n", name, axis.names.empty() ? "mirror" : "nomirror scale 0",
           ticks_text(scale, labelled));
-  write("set {}label {}\n", name, quoted(labelled ? scale.title : ""));
+  write("set {}label {}\n", name, gnuplot::quoted(labelled ? scale.title : ""));
 }
 
 void Script::set_key(const Panel& panel) {
@@ -222,7 +221,7 @@ void Script::set_markers(const Panel& panel) {
           "dashtype (4,4) linecolor rgb '#555555'\n",
           number(placed.marker->x));
     write("set label {} at graph {:.4f}, screen {:.4f} center front\n",
-          quoted(placed.marker->label), placed.centre, part_of_height(middle));
+          gnuplot::quoted(placed.marker->label), placed.centre, part_of_height(middle));
   }
 }
 
@@ -270,7 +269,7 @@ std::string gnuplot_script(const std::vector<Figure>& figures, std::string_view 
   for (const Figure& figure : figures)
     head +=
         "# " + gnuplot::commented(figure.title) + ". " + gnuplot::commented(figure.caption) + "\n";
-  return head + pdf_terminal(script.height()) + "set output " + quoted(output) + "\n" +
+  return head + pdf_terminal(script.height()) + "set output " + gnuplot::quoted(output) + "\n" +
          script.text();
 }
 

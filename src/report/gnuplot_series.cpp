@@ -83,9 +83,10 @@ private:
   }
   void add_plot(const std::string& source, std::string_view manner, bool titled) {
     if (!curves_.plots.empty()) curves_.plots += ", \\\n     ";
-    curves_.plots += fmt::format("{} {} {}", source, manner,
-                                 titled && options_.titled ? "title " + quoted(series_.label)
-                                                           : std::string("notitle"));
+    curves_.plots +=
+        fmt::format("{} {} {}", source, manner,
+                    titled && options_.titled ? "title " + gnuplot::quoted(series_.label)
+                                              : std::string("notitle"));
   }
 
   const SeriesWithin within_;

@@ -99,8 +99,9 @@ std::string probability(double p) {
 
 std::string decay_part(const FitSummary& fit) {
   if (!fit.decay) return "";
+  const DisplayUnit unit = angle_unit(*fit.decay);
   Table table("Quality factor of the swing, whichever law the friction has",
-              {"amplitude, rad", "Q ± σ", "68 %", "95 %"});
+              {fmt::format("amplitude, {}", unit.name), "Q ± σ", "68 %", "95 %"});
   const auto range = [](double low, double high) {
     return plain_number(low, 4) +
            (std::isfinite(high) ? " to " + plain_number(high, 4) : std::string(" or more"));
@@ -108,7 +109,7 @@ std::string decay_part(const FitSummary& fit) {
   const auto& all = fit.decay->q_at_amplitude;
   for (auto at = all.rbegin(); at != all.rend(); ++at) {
     if (!std::isfinite(at->q.value)) continue;
-    table.row({plain_number(at->amplitude_rad, 4), measured(at->q.value, at->q.sigma),
+    table.row({plain_number(unit.factor * at->amplitude_rad, 4), measured(at->q.value, at->q.sigma),
                range(at->q.low68, at->q.high68), range(at->q.low95, at->q.high95)});
   }
   return paragraph(escape_markup(decay_sentences(*fit.decay))) +

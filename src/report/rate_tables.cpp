@@ -29,14 +29,15 @@ void append_number(DecimalText& line, double value, int digits) {
 struct NamedColumn {
   const char* name;
   const std::vector<double>* values;
+  int digits; // of a σ fewer: nothing is known to more, and another processor's σ has the same
 };
 
 std::array<NamedColumn, 5> named(const EventColumns& columns) {
-  return {{{"sigma_s", &columns.sigma_s},
-           {"width_s", &columns.width_s},
-           {"temperature_c", &columns.temperature_c},
-           {"pressure_mbar", &columns.pressure_mbar},
-           {"humidity_percent", &columns.humidity_percent}}};
+  return {{{"sigma_s", &columns.sigma_s, 4},
+           {"width_s", &columns.width_s, 9},
+           {"temperature_c", &columns.temperature_c, 9},
+           {"pressure_mbar", &columns.pressure_mbar, 9},
+           {"humidity_percent", &columns.humidity_percent, 9}}};
 }
 
 } // namespace
@@ -120,7 +121,7 @@ void RateTable::append_extras(DecimalText& line, const Beat* beat, double rate, 
   if (options_.running_cycles > 0)
     append_number(line, beat != nullptr ? running_rate(*beat) : unknown, 7);
   for (const NamedColumn& column : named(columns_))
-    if (!column.values->empty()) append_number(line, (*column.values)[i], 9);
+    if (!column.values->empty()) append_number(line, (*column.values)[i], column.digits);
 }
 
 // From the beat that many cycles ago, or the last before it, to this one.
@@ -253,8 +254,9 @@ std::string rate_text(const Beats& beats, const RateSummary& summary,
   if (beats.rivals > 0)
     text += fmt::format("{} cycles have a second event that could as well be the crossing\n",
                         beats.rivals);
-  if (beats.longest_countable_gap > 0)
-    text += fmt::format("a break of up to {} cycles could be counted in such a log\n",
+  if (beats.segments > 1 && beats.longest_countable_gap > 0)
+    text += fmt::format("without a doubt about the count, only breaks of up to {} cycles can be "
+                        "bridged in this log\n",
                         beats.longest_countable_gap);
   return text + sensor_lines(summary, sensor) + rate_sentence(summary);
 }

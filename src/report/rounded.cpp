@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace goingrate {
 
@@ -30,7 +31,9 @@ Rounded rounded_alone(double value, int digits) {
 } // namespace
 
 Rounded rounded(double value, double sigma, int digits) {
-  if (!(sigma > 0.0) || !std::isfinite(sigma)) return rounded_alone(value, digits);
+  constexpr double resolution = std::numeric_limits<double>::epsilon(); // of a double
+  if (!(sigma > resolution * std::abs(value)) || !std::isfinite(sigma))
+    return rounded_alone(value, digits);
   const int first = place_of(sigma); // of sigma's first digit
   const int top = place_of(std::max(std::abs(value), sigma));
   const int power = is_plain(top) ? 0 : top;

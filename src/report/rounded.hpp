@@ -11,8 +11,8 @@ struct Rounded {
   int power = 0;
 };
 
-/// To two digits of sigma; without a sigma above 0 to `digits` digits of the value, which is
-/// finite.
+/// To two digits of sigma; without a sigma above 0, or with one below the resolution of a double,
+/// to `digits` digits of the value, which is finite.
 Rounded rounded(double value, double sigma, int digits);
 
 /// "10⁻⁴"; empty for a power of 0.

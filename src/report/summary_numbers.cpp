@@ -27,6 +27,11 @@ bool is_noise_of_drive(std::string_view name) {
 
 std::string number(double value) { return with_sigma(value, 0.0, 3); }
 
+DisplayUnit unit_of_scatter(double rms_s) {
+  if (rms_s < 1e-3) return {"µs", 1e6};
+  return rms_s < 1.0 ? DisplayUnit{"ms", 1e3} : DisplayUnit{"s", 1.0};
+}
+
 /// Gathers the rows for one log.
 class Numbers {
 public:
@@ -176,8 +181,10 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
 std::string Numbers::value_of(const FittedParameter& p) const {
   const double sigma = p.status == ParameterStatus::fixed ? 0.0 : p.sigma;
   if (p.unit == "rad") return words_.angle(p.value, sigma);
-  const bool small = p.name == "jitter_rms" || p.name == "walk_rms";
-  if (small) return with_sigma(1e6 * p.value, 1e6 * sigma) + " µs";
+  if (p.name == "jitter_rms" || p.name == "walk_rms") {
+    const DisplayUnit unit = unit_of_scatter(p.value);
+    return fmt::format("{} {}", with_sigma(unit.factor * p.value, unit.factor * sigma), unit.name);
+  }
   return with_sigma(p.value, sigma) + (p.unit.empty() ? "" : " " + p.unit);
 }
 
@@ -187,9 +194,10 @@ void Numbers::add_fit() {
   for (const FittedParameter& p : fit.parameters) {
     const bool told = data_.drive.split && is_noise_of_drive(p.name);
     if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
-    const std::string_view known = p.status == ParameterStatus::fixed   ? ", given"
-                                   : p.status == ParameterStatus::prior ? ", with what else is known"
-                                                                        : "";
+    const std::string_view known = p.status == ParameterStatus::fixed ? ", given"
+                                   : p.status == ParameterStatus::prior
+                                       ? ", with what else is known"
+                                       : "";
     add(name_of_parameter(p), value_of(p).append(known));
   }
   const FittedParameter* friction = fit.find("epsilon");
@@ -235,7 +243,7 @@ void Numbers::add_isochronism() {
   add(fmt::format("rate per {} of amplitude, near {}", unit,
                   words_.angle(found.amplitude_rad, 0.0)),
       fmt::format("{}/{}{}", slope, unit,
-                  found.fitted_slope ? fmt::format(" (the fitted clock: {})",
+                  found.fitted_slope ? fmt::format(" (the fitted pendulum by itself: {})",
                                                    words_.rate(per * *found.fitted_slope, 0.0))
                                      : ""));
 }

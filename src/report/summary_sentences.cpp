@@ -64,22 +64,44 @@ public:
     else
       say_how_the_clock_goes();
     say_what_the_model_tells();
-    return std::move(sentences_);
+    leave_out_what_has_no_room();
+    std::vector<std::string> told;
+    for (Sentence& sentence : sentences_)
+      told.push_back(std::move(sentence.text));
+    return told;
   }
 
 private:
-  void say(std::string sentence) {
-    if (!sentence.empty()) sentences_.push_back(std::move(sentence));
+  // What goes first where there is more to say than a reader takes in.
+  enum class Weight { second_cause, model, logbook, main };
+  struct Sentence {
+    std::string text;
+    Weight weight;
+  };
+
+  void say(std::string sentence, Weight weight = Weight::main) {
+    if (!sentence.empty()) sentences_.push_back({std::move(sentence), weight});
+  }
+
+  void leave_out_what_has_no_room() {
+    constexpr std::size_t most_sentences = 6;
+    while (sentences_.size() > most_sentences) {
+      const auto least = std::min_element(
+          sentences_.begin(), sentences_.end(),
+          [](const Sentence& a, const Sentence& b) { return a.weight < b.weight; });
+      if (least->weight == Weight::main) return;
+      sentences_.erase(least);
+    }
   }
 
   void say_how_the_clock_goes() {
-    say(which_part());
+    say(which_beats());
     say(going());
-    say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
     say(whether_worse());
-    if (data_.logbook && !data_.logbook->entries.empty()) say(logbook_sentence(*data_.logbook, words_));
+    if (data_.logbook && !data_.logbook->entries.empty())
+      say(logbook_sentence(*data_.logbook, words_), Weight::logbook);
     say_what_it_suffers_from();
     say(what_to_do());
   }
@@ -87,6 +109,7 @@ private:
   void say_what_it_suffers_from();
   void say_how_it_comes_to_rest();
   void say_what_the_model_tells();
+  [[nodiscard]] std::string which_beats() const;
   [[nodiscard]] std::string which_part() const;
   [[nodiscard]] std::string going() const;
   [[nodiscard]] std::string interruption(const Interruption& event) const;
@@ -109,7 +132,7 @@ private:
   bool sees_amplitude_;
   std::vector<const Change*> changes_; // those that are no part of an interruption
   std::vector<Suspicion> suspicions_;  // those that are not told by it
-  std::vector<std::string> sentences_;
+  std::vector<Sentence> sentences_;
 };
 
 bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
@@ -125,7 +148,7 @@ bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
 std::string Sentences::rate_words(double rate, double sigma) const {
   constexpr double least_significance = 2.0; // sigma: a sign that may as well be the other is none
   return std::abs(rate) > least_significance * sigma ? words_.going(rate, sigma)
-                                         : "has a rate of " + words_.rate(rate, sigma);
+                                                     : "has a rate of " + words_.rate(rate, sigma);
 }
 
 // Whether the rate in the end is not that of the last stretch.
@@ -140,6 +163,12 @@ std::string Sentences::which_part() const {
                      "longest, from {} to {}.",
                      data_.numbered.segments, words_.short_moment(0.0),
                      words_.short_moment(data_.rate.duration_s));
+}
+
+// What of the clock this log holds.
+std::string Sentences::which_beats() const {
+  const std::string part = which_part(), nth = every_nth();
+  return part + (part.empty() || nth.empty() ? "" : " ") + nth;
 }
 
 std::string Sentences::going() const {
@@ -200,10 +229,9 @@ std::string Sentences::changes() const {
     const RateSummary& after = data_.stretches[1].rate;
     // A rate that the time base leaves open has changes that it does not.
     if (!data_.rate.nominal_is_known || data_.rate.time_base_sigma > 0.0)
-      return fmt::format(
-          "Its rate changed {}, by {}", words_.moment(first.at_s),
-          words_.rate(after.rate_excess - before.rate_excess,
-                      std::hypot(own_rate_sigma(before), own_rate_sigma(after))));
+      return fmt::format("Its rate changed {}, by {}", words_.moment(first.at_s),
+                         words_.rate(after.rate_excess - before.rate_excess,
+                                     std::hypot(own_rate_sigma(before), own_rate_sigma(after))));
     return fmt::format(
         "Its rate changed {}, from {} before to {}{} after{}", words_.moment(first.at_s),
         words_.rate(before.rate_excess, before.rate_excess_sigma), moves_on() ? "a mean of " : "",
@@ -239,7 +267,7 @@ std::string Sentences::whether_worse() const {
   return capitalised(told.empty() ? trend : told + "; " + trend) + ".";
 }
 
-// The likeliest cause, and the next of another kind where six sentences have room for it.
+// The likeliest cause, and the next of another kind.
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
   const Suspicion& first = suspicions_.front();
@@ -251,8 +279,8 @@ void Sentences::say_what_it_suffers_from() {
   say(explanation(first, words_, sees_amplitude_, told ? "then" : "") + advice);
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
                                   [&](const Suspicion& s) { return s.cause != first.cause; });
-  if (other == suspicions_.end() || !data_.diary.interruptions.empty()) return;
-  say(explanation(*other, words_, sees_amplitude_));
+  if (other != suspicions_.end())
+    say(explanation(*other, words_, sees_amplitude_), Weight::second_cause);
 }
 
 // What brings the rate to zero; empty if it is zero as far as the log can tell.
@@ -319,7 +347,8 @@ void Sentences::say_what_the_model_tells() {
     return;
   }
   if (fit.status == FitStatus::contradicts_log) {
-    say("The model of the pendulum does not explain this log, so none of its numbers is given.");
+    say("The model of the pendulum does not explain this log, so none of its numbers is given.",
+        Weight::model);
     return;
   }
   constexpr std::array<std::pair<std::string_view, std::string_view>, 4> names{
@@ -345,7 +374,7 @@ void Sentences::say_what_the_model_tells() {
   if (!unknown.empty())
     text += fmt::format(", {} the log does not tell {}; {}{} would", rough ? "and" : "but",
                         fmt::join(unknown, ", "), sees_amplitude_ ? "" : "amplitudes, ", remedy);
-  say(text + ".");
+  say(text + ".", Weight::model);
 }
 
 } // namespace

@@ -30,11 +30,17 @@ DisplayUnit unit_of_rates(const Analysis& data) {
   return seconds_gained_per_day(largest) < 1.0 ? thousandths_per_day : per_day;
 }
 
-DisplayUnit unit_of_angles(const Analysis& data) {
+DisplayUnit unit_of_angles(double largest_rad) {
   constexpr double wide = 0.5; // rad
-  const bool is_wide = std::any_of(data.beats.begin(), data.beats.end(),
-                                   [](const Beat& beat) { return beat.amplitude_rad > wide; });
-  return is_wide ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
+  return largest_rad > wide ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
+}
+
+DisplayUnit unit_of_angles(const Analysis& data) {
+  if (data.fit.decay) return angle_unit(*data.fit.decay);
+  double largest = 0.0;
+  for (const Beat& beat : data.beats)
+    largest = std::fmax(largest, beat.amplitude_rad); // passes over what is not known
+  return unit_of_angles(largest);
 }
 
 // Whole seconds of 1990 to 2100: no counter that began at zero has run so long.
@@ -66,6 +72,13 @@ DisplayUnit time_unit(double duration_s) {
   if (duration_s < 2.0 * 3600.0) return {"s", 1.0};
   if (duration_s < 5.0 * seconds_per_day) return {"h", 1.0 / 3600.0};
   return {"days", 1.0 / seconds_per_day};
+}
+
+DisplayUnit angle_unit(const Decay& decay) {
+  double largest = decay.amplitude_rad;
+  for (const QAtAmplitude& at : decay.q_at_amplitude)
+    largest = std::fmax(largest, at.amplitude_rad);
+  return unit_of_angles(largest);
 }
 
 Wording::Wording(const Analysis& data)

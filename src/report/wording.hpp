@@ -18,6 +18,9 @@ struct DisplayUnit {
 /// s, h or days: that of the time since the first beat, in figures and in words.
 DisplayUnit time_unit(double duration_s);
 
+/// mrad, or rad where the free swing is wider than half a radian.
+DisplayUnit angle_unit(const Decay& decay);
+
 /// The words for the numbers of one log.
 class Wording {
 public:

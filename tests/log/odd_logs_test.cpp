@@ -77,7 +77,7 @@ std::vector<Odd> odd_logs() {
        "2 other columns are not read"},
       {"BlanksBehind", "", [](int i) { return seconds(i) + "   \t "; }, "one time a line"},
       {"SeparatorBehind", "time_s,amplitude_rad,\n", [](int i) { return seconds(i) + ",0.05,"; },
-       "native"},
+       "a list of crossings"},
       {"NameOfTwoWords", "Time (s)\n# by hand\n", [](int i) { return seconds(i); }, "columns"},
       {"CommentsAndBlankLines", "\n\n",
        [](int i) { return (i == 20 ? "# checked\n\n" : "") + seconds(i); }, "one time a line"},

@@ -67,6 +67,21 @@ TEST(SummaryTest, HasThreeToSixSentences) {
   }
 }
 
+TEST(SummaryTest, WhereMoreCouldBeSaidTheLeastOfItIsLeftOut) {
+  Analysis data = with_one_change(ChangeKind::drive);
+  data.numbered.segments = 3;
+  data.diary.interruptions = some_report().diary.interruptions;
+  Suspicion first{Cause::slow_drive, 50.0, "evidence", {}, "Was it cleaned?"};
+  Suspicion second{Cause::unlogged_weather, 40.0, "evidence"};
+  data.suspicions = {first, second};
+  const auto sentences = report_sentences(data);
+  EXPECT_LE(sentences.size(), 6U) << all_of(sentences);
+  const std::string text = all_of(sentences);
+  EXPECT_NE(text.find("This log is in 3 parts"), std::string::npos) << text;
+  EXPECT_NE(text.find("Was it cleaned?"), std::string::npos) << text;
+  EXPECT_EQ(text.find("weather"), std::string::npos) << text;
+}
+
 TEST(SummaryTest, SaysWhatTheClockDoes) {
   const Analysis data = quiet_report();
   EXPECT_NE(report_sentences(data)[0].find("the clock gains 864"), std::string::npos)

@@ -28,6 +28,41 @@ TEST(TextTest, WithoutASigmaThereIsNone) {
   EXPECT_EQ(with_sigma(0.0, NAN, 3), "0");
 }
 
+TEST(TextTest, NoDigitsBeyondThoseOfADouble) {
+  EXPECT_EQ(with_sigma(46.0000000000000142, 3e-15), "46");
+  EXPECT_EQ(with_sigma(46.0, 1e-12), "46.0000000000000 ± 0.0000000000010");
+}
+
+Decay some_decay(double widest_rad) {
+  Decay decay{0.5 * widest_rad, {600.0, 5.0}, {190.0, 2.0}, {}, {}};
+  decay.q_at_amplitude = {{0.1 * widest_rad, {700.0, 5.0}}, {widest_rad, {500.0, 5.0}}};
+  decay.laws.resize(2);
+  decay.laws[0].friction = "linear";
+  decay.laws[1].friction = "quadratic";
+  return decay;
+}
+
+TEST(TextTest, ADecayHasOneUnitOfAngle) {
+  const std::string narrow = decay_text(some_decay(0.2)), wide = decay_text(some_decay(0.7));
+  EXPECT_NE(narrow.find("from 500.0 ± 5.0 at 200 mrad to 700.0 ± 5.0 at 20 mrad"),
+            std::string::npos)
+      << narrow;
+  EXPECT_EQ(narrow.find(" rad"), std::string::npos) << narrow;
+  EXPECT_EQ(wide.find("mrad"), std::string::npos) << wide;
+}
+
+TEST(TextTest, TheOddsOfALawAreInWords) {
+  Decay decay = some_decay(0.2);
+  decay.laws[1].behind = 2.0 * std::log(400.0);
+  EXPECT_NE(decay_sentences(decay).find("quadratic, is 400 times less likely"), std::string::npos);
+  decay.laws[1].behind = 1e4;
+  EXPECT_NE(decay_sentences(decay).find("is more than a million times less likely"),
+            std::string::npos);
+  decay.laws[1].behind = 2.0;
+  EXPECT_NE(decay_sentences(decay).find("the odds against each are below 20 to 1"),
+            std::string::npos);
+}
+
 Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uint16_t segment = 0) {
   return {Instant::from_seconds(t), cycle, NAN, 0, segment, flag};
 }
