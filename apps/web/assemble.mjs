@@ -68,9 +68,9 @@ function policyFor(main) {
   const report = ["wasm/src/plotly-basic.min.js"].map((name) => join(folder, name))
     .concat(["page_series.js", "page.js"].map((name) => join(project, "src/report", name)));
   const scripts = [main, ...report.map(read)].map(hashOf);
-  // blob: is the worker, the worklet and the report, which this page makes itself; plotly.js and the report
-  // have styles of their own.
-  return ["default-src 'none'", `script-src ${scripts.join(" ")} 'wasm-unsafe-eval' blob:`, "worker-src blob:",
+  // blob: is the worker and the report, which this page makes itself; plotly.js and the report have styles of
+  // their own.
+  return ["default-src 'none'", `script-src ${scripts.join(" ")} 'wasm-unsafe-eval'`, "worker-src blob:",
     "frame-src blob:", "style-src 'unsafe-inline'", "img-src data: blob:", "base-uri 'none'", "form-action 'none'"].join("; ");
 }
 
@@ -83,7 +83,6 @@ const main = `"use strict";\n${joined("main.js")}`;
 const parts = {
   main: checked(main, "the page's script"),
   worker: checked(`${read(join(folder, "wasm/goingrate.js"))}\n${source("worker.js")}`, "the worker"),
-  recorder: checked(source("recorder.js"), "the recorder"),
   command: packed(readFileSync(join(folder, "wasm/goingrate.wasm"))),
   contents: packed(contents()),
   style: source("style.css"),

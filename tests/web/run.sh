@@ -1,14 +1,17 @@
 #!/usr/bin/env bash
-# run.sh GOINGRATE SOURCE FOLDER [FORM]: the page that runs in a browser, in one of three forms.
+# run.sh GOINGRATE SOURCE FOLDER [FORM]: the page that runs in a browser, in one of four forms.
 # whole (if none is named): it is built into FOLDER; its numbers are those of the command GOINGRATE on logs of all
 #   formats; it does in headless Chromium what it says; it takes a million lines; cpack ships it.
 # short: it is built; fewer logs, fewer parts.
-# replay: nothing is compiled to WebAssembly but checked to pass its compiler, and the page gives back what GOINGRATE
-#   wrote before. For those who have a few minutes and no libraries yet.
+# portable: every source is checked to pass the compiler of WebAssembly.
+# replay: nothing is compiled to WebAssembly, and the page gives back what GOINGRATE wrote before. For those who have
+#   a few minutes and no libraries yet.
 # Pictures stay in FOLDER/pictures, to be looked at.
 set -euo pipefail
 goingrate=$(realpath "$1") source=$(realpath "$2") form=${4:-whole}
-for needed in em++ node; do
+needed_here=(node)
+[ "$form" = replay ] || needed_here+=(em++)
+for needed in "${needed_here[@]}"; do
   command -v "$needed" > /dev/null || { echo "no $needed here: skipped"; exit 77; }
 done
 chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
@@ -22,8 +25,10 @@ in_browser() {
   node "$tests/page.mjs" "$page" "$goingrate" "$source" "$folder/pictures" "$chromium" "$@"
 }
 
+if [ "$form" = portable ]; then
+  exec "$tests/portable.sh" "$source" "$folder"
+fi
 if [ "$form" = replay ]; then
-  "$tests/portable.sh" "$source" "$folder"
   node "$tests/replay.mjs" "$goingrate" "$source" "$folder"
   node "$source/apps/web/assemble.mjs" "$source" "$folder"
   "$tests/self_contained.sh" "$page"

@@ -1,7 +1,6 @@
 // The microphone as a source of ticks: what was heard in the last minute is read again every few seconds.
 import { Cancelled, start, textOf } from "./engine.js";
 import { byId, saveLink, table } from "./elements.js";
-import { scriptAddress } from "./embedded.js";
 import { useFiles } from "./logs.js";
 import { withSigma } from "./numbers.js";
 import { wavOf } from "./sound.js";
@@ -10,6 +9,7 @@ const window_s = 60; // s that are read each time
 const least_s = 8; // s before the first reading
 const pause_s = 4; // s between readings
 const longest_s = 3600; // s that are kept
+const piece_samples = 16384; // the most there is
 
 let recording = null; // {stream, context, pieces, samples, rate}
 let recorded = null; // the WAV of the last one
@@ -39,10 +39,11 @@ async function open() {
   const raw = { echoCancellation: false, noiseSuppression: false, autoGainControl: false };
   const stream = await navigator.mediaDevices.getUserMedia({ audio: raw });
   const context = new AudioContext();
-  await context.audioWorklet.addModule(scriptAddress("recorder"));
-  const node = new AudioWorkletNode(context, "recorder", { numberOfOutputs: 0 });
-  node.port.onmessage = ({ data }) => { if (recording) keep(data); };
-  context.createMediaStreamSource(stream).connect(node);
+  // A worklet would need a script with an address, which a page from a disk has not. The pieces are so long that
+  // the page may be busy for a third of a second without losing one.
+  const node = context.createScriptProcessor(piece_samples, 1, 1);
+  node.onaudioprocess = ({ inputBuffer }) => { if (recording) keep(inputBuffer.getChannelData(0).slice()); };
+  context.createMediaStreamSource(stream).connect(node).connect(context.destination); // or it would not run; it is silent
   recording = { stream, context, pieces: [], samples: 0, rate: context.sampleRate };
 }
 

@@ -2,7 +2,7 @@
 
 const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const raised = (power) => String(power).replace("-", "⁻").replace(/\d/g, (digit) => superscripts[digit]);
-const minus = (text) => text.replace("-", "−");
+const minus = (text) => (/[1-9]/.test(text) ? text.replace("-", "−") : text.replace("-", "")); // none before nothing
 
 /** A few digits, with a power of ten where there would be many zeros: 2.5×10⁻⁴. */
 export function shortNumber(value, digits = 3) {

@@ -80,12 +80,17 @@ export function settingWords(forReport, hasWeather) {
   });
 }
 
-/** Shows in the fields what the command assumed: lines that end in "(--option value)". */
+// What the command assumed instead of an option: lines that end in "(--option value)", or name the period.
+function assumedFor(option, lines) {
+  const line = lines.find((one) => one.match(/\((--[a-z0-9-]+)(?: .*)?\)$/)?.[1] === option) ?? "";
+  const value = line.match(/\(--[a-z0-9-]+ (.*)\)$/)?.[1] ?? line.match(/nominal period ([\d.]+) s/)?.[1];
+  return /[A-Z]$/.test(value ?? "") ? undefined : value; // "time=N" is no value
+}
+
+/** Shows in the fields what the command assumed. */
 export function showAssumed(lines) {
   for (const field of fields) {
-    const control = byId(idOf(field.option));
-    const found = lines.map((line) => line.match(/\((--[a-z0-9-]+)(?: (.*))?\)$/)).find((m) => m?.[1] === field.option);
-    const value = /[A-Z]$/.test(found?.[2] ?? "") ? undefined : found?.[2]; // "time=N" is no value
+    const control = byId(idOf(field.option)), value = assumedFor(field.option, lines);
     if (Array.isArray(field.kind)) control.options[0].textContent = value ? `found out: ${value}` : "found out";
     else if (field.kind !== "flag") control.placeholder = value ? `found out: ${value}` : field.hint ?? "found out";
   }

@@ -25,10 +25,13 @@ async function run({ module, words, files }) {
     },
     onStage: (stage, share) => postMessage({ stage, share }),
     onExit: (status) => { code = status; },
+    quit: (_, ended) => { throw ended; }, // and not the whole process, as under node
   });
   const { FS } = program;
+  FS.ignorePermissions = true; // its umask lets nobody read a new file
   FS.mkdir("/logs");
   FS.mkdir("/out");
+  FS.mkdir(`/out/${words[0]}`); // for what a command writes beside the report
   FS.chdir("/logs");
   for (const { name, bytes } of files) FS.writeFile(name, bytes, { canOwn: true });
   try {
