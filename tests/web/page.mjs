@@ -6,12 +6,12 @@ import { Browser, check, faultCount } from "./driver.mjs";
 import { hostile } from "./hostile.mjs";
 import { ticking, wav } from "./logs.mjs";
 import { keyboard, looks } from "./looks.mjs";
-import { cancels, largest, report, settings } from "./reports.mjs";
-import { microphone, simulator, worksheets } from "./sources.mjs";
+import { cancels, dropped, largest, report, settings } from "./reports.mjs";
+import { licences, microphone, simulator, worksheets } from "./sources.mjs";
 
 const [page, goingrate, source, folder, chromium, ...wanted] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
-const parts = { report, settings, cancels, hostile, simulator, worksheets, microphone, looks, keyboard, largest };
+const parts = { report, dropped, settings, cancels, hostile, simulator, worksheets, licences, microphone, looks, keyboard, largest };
 const heard = join(folder, "heard.wav"); // what the microphone of the tests hears
 writeFileSync(heard, wav(ticking(30, 0.5, 48000, () => 2 * Math.random() - 1), 48000));
 

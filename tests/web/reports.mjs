@@ -1,10 +1,11 @@
 // A log chosen by the page's first file input becomes the report of the native command; what is said in the form
 // is heard; a run can be cancelled.
 import { execFileSync } from "node:child_process";
-import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { fitDifference } from "./compare.mjs";
 import { check, pause } from "./driver.mjs";
+import { writeLogs } from "./logs.mjs";
 
 const shown = (id) => `!document.getElementById("${id}").hidden`;
 const idle = `document.getElementById("log-progress").hidden`;
@@ -67,6 +68,23 @@ export async function report(browser, { goingrate, source, folder }) {
   }
   check((await browser.savedBy(link("fit.par"))).bytes.toString().startsWith("# goingrate par 1"), "other commands write their files too");
   await browser.picture(join(folder, "report.png"), 1000);
+}
+
+/** A log in two files, its weather and its diary, dropped together. */
+export async function dropped(browser, { goingrate, source, folder }) {
+  const place = join(folder, "dropped");
+  mkdirSync(place, { recursive: true });
+  writeLogs(place, source, goingrate);
+  const files = ["first.txt", "second.txt", "weather.csv", "diary.csv"].map((name) => [name, readFileSync(join(place, name), "utf8")]);
+  await browser.value(`(() => { const dropped = new DataTransfer();
+    for (const [name, text] of ${JSON.stringify(files)}) dropped.items.add(new File([text], name));
+    document.documentElement.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true, cancelable: true })); })()`);
+  await browser.until(`!${idle}`, "the run begins");
+  await browser.until(done, "the report");
+  const text = await browser.value(`document.getElementById("summary").textContent`);
+  check(/rate per K of temperature/.test(text), "what is dropped is read: the weather");
+  const json = JSON.parse((await browser.savedBy(link("report.json"))).bytes);
+  check(json.rate.crossings === 1200 && json.kept_diary, `both logs, ${json.rate.crossings} beats, and the diary`);
 }
 
 export async function settings(browser, { source }) {

@@ -43,9 +43,13 @@ export async function worksheets(browser, { folder }) {
   await browser.value(`document.querySelector("#sheet button").click()`);
   await browser.until(done, "the report");
   check(await browser.value(`!document.getElementById("log-result").hidden`), "a sheet's log goes into the report");
+}
+
+/** Of the libraries that are compiled into the page, and of the others. */
+export async function licences(browser) {
   await browser.value(`location.hash = "#about"`);
-  const licences = await browser.value(`document.getElementById("licences").textContent`);
-  check(/GNU GENERAL PUBLIC LICENSE/.test(licences) && ["fftw3", "ceres-solver", "plotly.js", "libsndfile"].every((name) => licences.includes(`==== ${name}`)),
+  const terms = await browser.value(`document.getElementById("licences").textContent`);
+  check(/GNU GENERAL PUBLIC LICENSE/.test(terms) && ["fftw3", "ceres-solver", "plotly.js", "libsndfile"].every((name) => terms.includes(`==== ${name}`)),
     "the licences of what the page is made of are in it");
 }
 
