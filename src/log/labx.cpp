@@ -55,7 +55,8 @@ private:
 std::string plain(std::string_view text) {
   std::string result(text.substr(0, text.find('<')));
   std::replace_if(
-      result.begin(), result.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+      result.begin(), result.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; },
+      ' ');
   const std::size_t first = result.find_first_not_of(' ');
   if (first == std::string::npos) return {};
   return result.substr(first, result.find_last_not_of(' ') - first + 1);
@@ -97,12 +98,11 @@ std::string table_of_labx(std::string_view text, const std::string& name) {
     channels.push_back(std::move(channel));
   }
   // A channel of a few values, as of a calibration, is no column beside thousands.
-  std::erase_if(channels,
-                [&](const Channel& channel) { return 2 * channel.values.size() < rows; });
+  std::erase_if(channels, [&](const Channel& channel) { return 2 * channel.values.size() < rows; });
   if (channels.empty() || channels.size() > most_fields)
     throw InputError({name, 0, 0}, fmt::format("{} channels with values", channels.size()),
                      fmt::format("a CASSY measurement with 1 to {}", most_fields));
-  std::string table;
+  std::string table(1, ' '); // a name that begins as recordings do makes none
   for (const Channel& channel : channels)
     table += channel.name + (&channel == &channels.back() ? '\n' : '\t');
   for (std::size_t row = 0; row < rows; ++row)

@@ -454,6 +454,19 @@ TEST(FormatsTest, AMeasurementOfCassyIsATable) {
     EXPECT_THROW((void)read_log(cut, "cut"), InputError) << cut;
 }
 
+TEST(FormatsTest, AChannelOfCassyIsNoRecordingWhateverItsName) {
+  for (const std::string name : {"fLaC", "RIFF", "OggS"}) {
+    std::string values;
+    for (int i = 0; i < 8; ++i)
+      values += "<value>" + std::to_string(2 * i) + "</value>";
+    const ClockLog log = read_log("<cassylab><channels><channel><quantity>" + name +
+                                      " Zeit</quantity><unit>s</unit><values>" + values +
+                                      "</values></channel></channels></cassylab>",
+                                  "m.labx", {.columns = {"time=1"}});
+    EXPECT_EQ(log.events.size(), 8U) << name;
+  }
+}
+
 // A light gate's four intervals, of a period of 2.0001 s; the flag is in the gate for 20 ms, the
 // tick takes 1.004 s. The counter runs at `rate`.
 std::string gate_row(double rate, double tick_light = 0.984) {

@@ -20,7 +20,7 @@ print drive_split 208 40 "$base"
 print noisy_drive 60 "$base"
 print weather 100 "$base"
 print isochronism 300 "$base"
-for name in solvers fit_speed fit_peer reading stability python; do
+for name in solvers fit_speed fit_peer reading stability python web; do
   print "$name"
 done
 print diagnosis "${2:-10}" "$base" "${3:-3}"
