@@ -19,7 +19,8 @@ constexpr double patch_ratio = 1.08;
 constexpr std::size_t most_rows = 18, most_columns = 10; // Chebyshev nodes
 
 Wide node(std::size_t i, std::size_t count) {
-  return std::cos(std::numbers::pi_v<Wide> * (2 * i + 1) / (2 * count));
+  return std::cos(std::numbers::pi_v<Wide> * static_cast<Wide>(2 * i + 1) /
+                  static_cast<Wide>(2 * count));
 }
 
 // Monomial coefficients of the polynomial of degree count - 1 through values at Chebyshev nodes,
@@ -29,11 +30,15 @@ template <std::size_t most> struct Expansion {
 
   explicit Expansion(const std::vector<Wide>& values) {
     const std::size_t count = values.size();
+    const auto angle = [&](std::size_t k, std::size_t i) {
+      return std::numbers::pi_v<Wide> * static_cast<Wide>(k * (2 * i + 1)) /
+             static_cast<Wide>(2 * count);
+    };
     for (std::size_t k = 0; k < count; ++k) {
       Wide sum = 0;
       for (std::size_t i = 0; i < count; ++i)
-        sum += values[i] * std::cos(std::numbers::pi_v<Wide> * k * (2 * i + 1) / (2 * count));
-      chebyshev[k] = sum * (k == 0 ? 1 : 2) / count;
+        sum += values[i] * std::cos(angle(k, i));
+      chebyshev[k] = sum * (k == 0 ? 1 : 2) / static_cast<Wide>(count);
     }
   }
 
