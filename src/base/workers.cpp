@@ -13,11 +13,23 @@ namespace goingrate {
 
 namespace {
 
+thread_local bool is_part_of_shared_work = false;
+
+// While it lives, what this thread does is not shared again.
+class Part {
+public:
+  Part() : was_(std::exchange(is_part_of_shared_work, true)) {}
+  ~Part() { is_part_of_shared_work = was_; }
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+
+private:
+  bool was_;
+};
+
 // Where memory is limited, the stacks of many threads would leave none for what they do. For each
 // thread so much is put aside until all are started: more than a thread of ours takes for itself.
 constexpr std::size_t room_a_thread = std::size_t{8} << 20;
-thread_local bool is_part_of_shared_work = false;
-
 using Room = std::unique_ptr<char[]>;
 Room put_aside() { return Room(new (std::nothrow) char[room_a_thread]); }
 
@@ -73,21 +85,21 @@ std::size_t threads_or_usual(std::size_t wanted) {
 void run_together(std::size_t threads, const std::function<void()>& work,
                   const std::function<void()>& give_up) {
   if (threads <= 1 || is_part_of_shared_work) {
+    const Part part; // who asks for one thread gets no others by what the work does
     work();
     return;
   }
   std::exception_ptr failure;
   std::mutex failing;
   const std::function<void()> run = [&] {
-    is_part_of_shared_work = true;
     try {
+      const Part part;
       work();
     } catch (...) {
       const std::lock_guard lock(failing);
       if (!failure) failure = std::current_exception();
       give_up();
     }
-    is_part_of_shared_work = false; // the caller's thread goes on to other work
   };
   {
     const Others others(threads - 1, run);

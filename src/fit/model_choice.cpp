@@ -237,10 +237,10 @@ void ModelSearch::add_terms(Fitted& fitted) {
     };
     const bool noise_first = data.size() > long_log_beats && !models.empty() &&
                              models.front().noise() != fitted.model.noise();
+    const std::size_t begun = noise_first ? 1 : 0;
     if (noise_first) fit(0);
     if (!noise_first || !white(ends.front()) || ends.front().bic >= fitted.bic)
-      share(models.size() - (noise_first ? 1 : 0),
-            [&](std::size_t i) { fit(i + (noise_first ? 1 : 0)); });
+      share(models.size() - begun, [&](std::size_t i) { fit(begun + i); });
     const auto best = std::min_element(ends.begin(), ends.end(), by_bic);
     if (best == ends.end() || best->bic >= fitted.bic) return;
     tried(fitted, fmt::format("BIC worse by {:.3g} than the next{}", fitted.bic - best->bic,

@@ -213,7 +213,7 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
                       summary.termination_type == ceres::USER_SUCCESS;
   if (summary.termination_type == ceres::FAILURE || likelihood.broke_off()) return minimum;
   minimum.x = map.x_of(u);
-  // Computed afresh: too few digits are left in final_cost less offset.
+  // Not from final_cost: too few digits are left in it less the offset.
   const auto last = likelihood.value_at(minimum.x);
   minimum.usable = last.has_value();
   if (last) minimum.value = *last;

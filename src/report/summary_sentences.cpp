@@ -72,7 +72,7 @@ public:
   }
 
 private:
-  // What goes first where there is more to say than a reader takes in.
+  // What is left out first, where there is more to say than a reader takes in.
   enum class Weight { second_cause, model, logbook, main };
   struct Sentence {
     std::string text;

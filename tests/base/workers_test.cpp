@@ -50,7 +50,8 @@ TEST(WorkersTest, AnExceptionEndsTheWorkAndComesOut) {
 }
 
 TEST(WorkersTest, APartOfSharedWorkIsNotSharedAgain) {
-  share(2, 2, [&](std::size_t) { EXPECT_EQ(counted(100, 8).threads, 1u); });
+  for (const std::size_t threads : {1, 2})
+    share(2, threads, [&](std::size_t) { EXPECT_EQ(counted(100, 8).threads, 1u); });
   EXPECT_EQ(counted(100, 8).threads, 8u);
 }
 

@@ -4,8 +4,8 @@
 // which is renewed at crossings (Hoyng, eq. dmu). T - 2 pi, the change of v^2 and the time of the
 // downward crossing are smooth functions of the two, away from the amplitude at which the
 // escapement is just reached. On patches of x each is a product polynomial, from Chebyshev nodes
-// that are integrated with 64 bits where the processor has them (Wide). Storing T - 2 pi and the change of v^2, not T and
-// v', keeps the digits that matter.
+// that are integrated with 64 bits where the processor has them (Wide). Storing T - 2 pi and the
+// change of v^2, not T and v', keeps the digits that matter.
 //
 // Patches are 8 % wide in x and made when the motion enters them; one holds the stationary swing in
 // its middle. Their degrees come from the decay of the coefficients. Where the decay is too slow,
