@@ -19,27 +19,6 @@ std::vector<std::vector<double>> joined(std::vector<std::vector<double>> taken,
   return taken;
 }
 
-Eigen::MatrixXd whitened(const std::vector<double>& series,
-                         const std::vector<std::vector<double>>& taken, const RateNoise& noise,
-                         const std::vector<std::vector<double>>& courses) {
-  const auto rows = static_cast<Eigen::Index>(series.size());
-  const auto put = [&](const std::vector<double>& all, Eigen::MatrixXd& into, Eigen::Index column) {
-    into.col(column).setZero();
-    for (Eigen::Index k = first_cosine; k < rows; ++k)
-      into(k, column) =
-          all[static_cast<std::size_t>(k)] / std::sqrt(noise.level(static_cast<std::size_t>(k)));
-  };
-  Eigen::MatrixXd result(rows, static_cast<Eigen::Index>(courses.size()) + 1);
-  for (std::size_t i = 0; i < courses.size(); ++i)
-    put(cosines(courses[i], false), result, static_cast<Eigen::Index>(i));
-  put(series, result, result.cols() - 1);
-  if (taken.empty()) return result;
-  Eigen::MatrixXd known(rows, static_cast<Eigen::Index>(taken.size()));
-  for (std::size_t i = 0; i < taken.size(); ++i)
-    put(taken[i], known, static_cast<Eigen::Index>(i));
-  return result - known * known.colPivHouseholderQr().solve(result);
-}
-
 } // namespace
 
 std::vector<double> CourseMaker::step(double place) const {
@@ -84,6 +63,52 @@ std::vector<double> CourseMaker::wave(double period_s, double phase) const {
   for (std::size_t i = 0; i < count_; ++i)
     s[i] = std::cos(two_pi * (static_cast<double>(i) + 0.5) * length_s_ / period_s - phase);
   return s;
+}
+
+WhitenedSeries::WhitenedSeries(const std::vector<double>& series, const Series& taken,
+                               const RateNoise& noise)
+    : per_sigma_(noise.levels().rsqrt()), rest_(whitened(series)) {
+  if (taken.empty()) {
+    taken_.resize(rest_.size(), 0);
+    return;
+  }
+  Eigen::MatrixXd known(rest_.size(), static_cast<Eigen::Index>(taken.size()));
+  for (std::size_t i = 0; i < taken.size(); ++i)
+    known.col(static_cast<Eigen::Index>(i)) = whitened(taken[i]);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(known);
+  taken_ = factors.householderQ() * Eigen::MatrixXd::Identity(known.rows(), factors.rank());
+  rest_ -= taken_ * (taken_.transpose() * rest_);
+}
+
+Eigen::VectorXd WhitenedSeries::whitened(const std::vector<double>& cosines) const {
+  const Eigen::Map<const Eigen::ArrayXd> all(cosines.data(),
+                                             static_cast<Eigen::Index>(cosines.size()));
+  return all.tail(per_sigma_.size()) * per_sigma_;
+}
+
+Eigen::MatrixXd WhitenedSeries::without_taken(const Series& courses) const {
+  Eigen::MatrixXd result(rest_.size(), static_cast<Eigen::Index>(courses.size()));
+  for (std::size_t i = 0; i < courses.size(); ++i)
+    result.col(static_cast<Eigen::Index>(i)) = whitened(cosines(courses[i], false));
+  result -= taken_ * (taken_.transpose() * result);
+  return result;
+}
+
+double WhitenedSeries::gain_of(const Series& courses) const {
+  const Eigen::MatrixXd x = without_taken(courses);
+  const Eigen::VectorXd seen = x.transpose() * rest_;
+  const Eigen::MatrixXd normal = x.transpose() * x;
+  return seen.dot(normal.ldlt().solve(seen));
+}
+
+double FixedNoiseAccount::gain_of(const Courses& courses) const {
+  double gain = -price * (2 * courses.dates + courses.times);
+  if (!courses.rate.empty())
+    gain += rate.gain_of(courses.rate) - price * static_cast<double>(courses.rate.size());
+  if (amplitude && !courses.amplitude.empty())
+    gain += amplitude->gain_of(courses.amplitude) -
+            price * static_cast<double>(courses.amplitude.size());
+  return gain;
 }
 
 // The noise of a single time at either end has no partner to cancel it at low frequencies: the
@@ -131,12 +156,14 @@ double Account::gain_of(const NoiseKinds& kinds, int numbers) const {
   return rate_noise_.deviance() - other.deviance - price_ * numbers;
 }
 
-Eigen::MatrixXd Account::whitened_rate(const Series& courses) const {
-  return whitened(rate_, rate_taken_, rate_noise_, courses);
-}
-
-Eigen::MatrixXd Account::whitened_amplitude(const Series& courses) const {
-  return whitened(amplitude_, amplitude_taken_, amplitude_noise_, courses);
+FixedNoiseAccount Account::in_noise_beside(const Courses& courses) const {
+  const auto& rate_noise = courses.rate.empty() ? rate_noise_ : of_rate(courses.rate).noise;
+  FixedNoiseAccount account{WhitenedSeries(rate_, rate_taken_, rate_noise), {}, price_};
+  if (!sees_amplitude()) return account;
+  const auto& noise =
+      courses.amplitude.empty() ? amplitude_noise_ : of_amplitude(courses.amplitude).noise;
+  account.amplitude.emplace(amplitude_, amplitude_taken_, noise);
+  return account;
 }
 
 Sizes Account::sizes_of(const Courses& courses) const {

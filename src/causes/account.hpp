@@ -12,6 +12,7 @@
 #include "rate_blocks.hpp"
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace goingrate::timing_model {
@@ -50,6 +51,35 @@ struct Sizes {
   std::vector<double> rate, rate_sigma, amplitude, amplitude_sigma;
 };
 
+/// A series in units of the spread of each cosine, less what some courses explain of it.
+class WhitenedSeries {
+public:
+  using Series = std::vector<std::vector<double>>;
+  /// Of the series' cosines, those of the courses taken, and noise that was fitted.
+  WhitenedSeries(const std::vector<double>& series, const Series& taken, const RateNoise& noise);
+  [[nodiscard]] const Eigen::VectorXd& rest() const { return rest_; }
+  /// Further courses, one a column, likewise less what those taken explain of them.
+  [[nodiscard]] Eigen::MatrixXd without_taken(const Series& courses) const;
+  /// By how much further courses raise 2 log L.
+  [[nodiscard]] double gain_of(const Series& courses) const;
+
+private:
+  [[nodiscard]] Eigen::VectorXd whitened(const std::vector<double>& cosines) const;
+
+  Eigen::ArrayXd per_sigma_;
+  Eigen::MatrixXd taken_; // an orthonormal basis
+  Eigen::VectorXd rest_;
+};
+
+/// Gains in noise that stays as it is: what places and times are compared by.
+struct FixedNoiseAccount {
+  WhitenedSeries rate;
+  std::optional<WhitenedSeries> amplitude;
+  double price = 0.0;
+  /// As Account::gain_of.
+  [[nodiscard]] double gain_of(const Courses& courses) const;
+};
+
 /// What has been found so far, and by how much more would explain the log better.
 class Account {
 public:
@@ -67,11 +97,8 @@ public:
   [[nodiscard]] Sizes sizes_of(const Courses& courses) const;
   void take(const Courses& courses);
   void take(const NoiseKinds& kinds);
-  /// Courses, the series last, with a spread of 1 in each cosine, less what those taken explain.
-  [[nodiscard]] Eigen::MatrixXd
-  whitened_rate(const std::vector<std::vector<double>>& courses) const;
-  [[nodiscard]] Eigen::MatrixXd
-  whitened_amplitude(const std::vector<std::vector<double>>& courses) const;
+  /// The account with its noise fixed as it is, or as it is beside some courses.
+  [[nodiscard]] FixedNoiseAccount in_noise_beside(const Courses& courses = {}) const;
   [[nodiscard]] bool sees_amplitude() const { return !amplitude_.empty(); }
 
 private:

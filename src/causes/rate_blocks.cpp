@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <numeric>
 
@@ -117,17 +116,10 @@ std::vector<double> cosines(std::span<const double> series, bool without_line) {
     spread += t * t;
   }
   const double slope = without_line ? tilt / spread : 0.0;
-  std::vector<double> x(2 * n); // the series and its mirror
+  std::vector<double> x(n);
   for (std::size_t i = 0; i < n; ++i)
-    x[i] = x[2 * n - 1 - i] = series[i] - mean - slope * (static_cast<double>(i) - middle);
-  const auto transform = real_transform(x);
-  std::vector<double> result(n);
-  const double scale = 1.0 / std::sqrt(2.0 * static_cast<double>(n));
-  for (std::size_t k = 0; k < n; ++k) {
-    const double turn = -0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
-    result[k] = scale * (transform[k] * std::polar(1.0, turn)).real();
-  }
-  return result;
+    x[i] = series[i] - mean - slope * (static_cast<double>(i) - middle);
+  return cosine_transform(x);
 }
 
 // Spectral densities at the frequencies of the cosine transform from first_ on, one column for each
@@ -135,20 +127,26 @@ std::vector<double> cosines(std::span<const double> series, bool without_line) {
 void RateNoise::put_shapes(std::size_t cosines) {
   const auto rows = static_cast<Eigen::Index>(cosines - first_);
   if (shapes_ && shapes_->rows() == rows) return;
-  Shapes shapes(rows, parts);
+  const bool bends = kinds_.corner > 0.0;
+  Eigen::MatrixXd shapes(rows, 2 + (kinds_.wanders ? 2 : 0) + (bends ? 1 : 0));
   for (Eigen::Index row = 0; row < rows; ++row) {
     const double k = static_cast<double>(row) + static_cast<double>(first_);
     const double s = 2.0 * std::sin(0.5 * std::numbers::pi * k / static_cast<double>(cosines));
-    const double wander = kinds_.wanders ? 1.0 / s : 0.0;
-    const double bend = kinds_.corner > 0.0 ? 1.0 / (1.0 + std::pow(s / kinds_.corner, 2)) : 0.0;
-    shapes.row(row) << s * s, 1.0, wander, wander * wander, bend;
+    shapes(row, 0) = s * s;
+    shapes(row, white) = 1.0;
+    if (kinds_.wanders) {
+      shapes(row, 2) = 1.0 / s;
+      shapes(row, 3) = 1.0 / (s * s);
+    }
+    if (bends) shapes(row, shapes.cols() - 1) = 1.0 / (1.0 + std::pow(s / kinds_.corner, 2));
   }
-  shapes_ = std::make_shared<const Shapes>(std::move(shapes));
+  if (sizes_.size() == 0) sizes_ = Eigen::VectorXd::Zero(shapes.cols());
+  shapes_ = std::make_shared<const Eigen::MatrixXd>(std::move(shapes));
 }
 
 void RateNoise::fit(std::span<const double> residual) {
   put_shapes(residual.size());
-  const Shapes& shapes = *shapes_;
+  const Eigen::MatrixXd& shapes = *shapes_;
   const Eigen::ArrayXd squares =
       Eigen::Map<const Eigen::ArrayXd>(residual.data(), static_cast<Eigen::Index>(residual.size()))
           .tail(shapes.rows())
@@ -156,35 +154,46 @@ void RateNoise::fit(std::span<const double> residual) {
   // Sizes change by factors, so one that an earlier fit brought to almost nothing could not grow
   // again; each starts from at least this share.
   const double least_share = is_fitted() ? 1e-3 : 1.0;
-  for (Eigen::Index i = 0; i < parts; ++i)
-    if (const double shape = shapes.col(i).sum(); shape > 0.0)
-      sizes_[i] = std::max(sizes_[i], least_share * squares.sum() / (parts * shape));
+  const double mean_share = least_share * squares.sum() / static_cast<double>(sizes_.size());
+  sizes_ = sizes_.cwiseMax((mean_share / shapes.colwise().sum().array()).matrix().transpose());
   constexpr int rounds = 60;            // the log likelihood then changes by less than 0.1
   constexpr double largest_move = 1e-3; // of each size, relative
   constexpr double most_bent = 30.0;
   double moved = 1.0;
+  Eigen::ArrayXd weight;
+  Eigen::VectorXd seen, expected;
   for (int round = 0; round < rounds && moved > largest_move; ++round) {
-    const Eigen::ArrayXd weight = (shapes.matrix() * sizes_.matrix()).array().inverse();
-    const Sizes seen = shapes.matrix().transpose() * (squares * weight.square()).matrix();
-    const Sizes expected = shapes.matrix().transpose() * weight.matrix();
+    level_.matrix().noalias() = shapes * sizes_;
+    weight = level_.inverse();
+    expected.noalias() = shapes.transpose() * weight.matrix();
+    weight *= squares * weight;
+    seen.noalias() = shapes.transpose() * weight.matrix();
     moved = 0.0;
-    for (Eigen::Index i = 0; i < parts; ++i) {
-      if (!(expected[i] > 0.0)) continue;
+    for (Eigen::Index i = 0; i < sizes_.size(); ++i) {
       const double factor = seen[i] / expected[i];
       // A size that tends to zero never settles; it counts only while it matters beside the others.
       if (sizes_[i] * expected[i] > largest_move) moved = std::max(moved, std::abs(factor - 1.0));
       sizes_[i] *= factor;
     }
-    sizes_[4] = std::min(sizes_[4], most_bent * sizes_[1]);
+    double& bend = sizes_[sizes_.size() - 1];
+    if (kinds_.corner > 0.0) bend = std::min(bend, most_bent * sizes_[white]);
   }
-  level_ = (shapes.matrix() * sizes_.matrix()).array();
+  level_ = (shapes * sizes_).array();
   deviance_ = (level_.log() + squares / level_).sum();
 }
 
 RateRegression regress(const std::vector<double>& rate,
                        const std::vector<std::vector<double>>& causes, RateNoise noise) {
   const auto unknowns = static_cast<Eigen::Index>(causes.size());
-  const std::size_t first = noise.first();
+  const auto first = static_cast<Eigen::Index>(noise.first());
+  const auto column = [&](const std::vector<double>& series) {
+    const Eigen::Map<const Eigen::VectorXd> all(series.data(),
+                                                static_cast<Eigen::Index>(series.size()));
+    return all.tail(all.size() - first);
+  };
+  Eigen::MatrixXd courses(static_cast<Eigen::Index>(rate.size()) - first, unknowns);
+  for (Eigen::Index i = 0; i < unknowns; ++i)
+    courses.col(i) = column(causes[static_cast<std::size_t>(i)]);
   if (!noise.is_fitted() || causes.empty()) noise.fit(rate);
   RateRegression result;
   result.deviance = noise.deviance();
@@ -192,29 +201,17 @@ RateRegression regress(const std::vector<double>& rate,
   constexpr double largest_move = 0.05;
   double moved = causes.empty() ? 0.0 : 1.0;
   for (int round = 0; round < most_rounds && moved > largest_move; ++round) {
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
-    for (std::size_t k = first; k < rate.size(); ++k) {
-      const double weight = 1.0 / noise.level(k);
-      for (Eigen::Index i = 0; i < unknowns; ++i) {
-        const double x = causes[static_cast<std::size_t>(i)][k];
-        right[i] += weight * x * rate[k];
-        for (Eigen::Index j = 0; j <= i; ++j)
-          normal(i, j) += weight * x * causes[static_cast<std::size_t>(j)][k];
-      }
-    }
-    const Eigen::MatrixXd full = normal.selfadjointView<Eigen::Lower>();
-    const Eigen::MatrixXd covariance =
-        full.ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
-    const Eigen::VectorXd b = full.ldlt().solve(right);
+    const Eigen::MatrixXd weighted = courses.array().colwise() / noise.levels();
+    const Eigen::LDLT<Eigen::MatrixXd> normal(weighted.transpose() * courses);
+    const Eigen::MatrixXd covariance = normal.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+    const Eigen::VectorXd b = normal.solve(weighted.transpose() * column(rate));
     result.coefficients.assign(b.begin(), b.end());
     result.sigmas.clear();
     for (Eigen::Index i = 0; i < unknowns; ++i)
       result.sigmas.push_back(std::sqrt(std::max(0.0, covariance(i, i))));
     std::vector<double> rest = rate;
-    for (std::size_t k = 0; k < rest.size(); ++k)
-      for (Eigen::Index i = 0; i < unknowns; ++i)
-        rest[k] -= b[i] * causes[static_cast<std::size_t>(i)][k];
+    Eigen::Map<Eigen::VectorXd>(rest.data(), static_cast<Eigen::Index>(rest.size()))
+        .tail(courses.rows()) -= courses * b;
     noise.fit(rest);
     moved = std::abs(noise.deviance() - result.deviance);
     result.deviance = noise.deviance();

@@ -49,21 +49,21 @@ public:
   [[nodiscard]] double level(std::size_t k) const {
     return level_[static_cast<Eigen::Index>(k - first_)];
   }
+  /// Of all coefficients from the first on.
+  [[nodiscard]] const Eigen::ArrayXd& levels() const { return level_; }
   /// -2 log L of the residual fitted last, up to a constant.
   [[nodiscard]] double deviance() const { return deviance_; }
   [[nodiscard]] bool is_fitted() const { return level_.size() > 0; }
   [[nodiscard]] std::size_t first() const { return first_; }
 
 private:
-  static constexpr Eigen::Index parts = 5;
-  using Shapes = Eigen::Array<double, Eigen::Dynamic, parts>;
-  using Sizes = Eigen::Array<double, parts, 1>;
+  static constexpr Eigen::Index white = 1; // the column of white noise
   void put_shapes(std::size_t cosines);
 
   std::size_t first_;
   NoiseKinds kinds_;
-  std::shared_ptr<const Shapes> shapes_; // of kinds_: copies share them
-  Sizes sizes_ = Sizes::Zero();
+  std::shared_ptr<const Eigen::MatrixXd> shapes_; // of kinds_, a column a part; copies share them
+  Eigen::VectorXd sizes_;
   Eigen::ArrayXd level_;
   double deviance_ = 0.0;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <type_traits>
 
 namespace goingrate::timing_model {
 
@@ -22,8 +23,13 @@ std::vector<double> difference(std::vector<double> a, const std::vector<double>&
   return a;
 }
 
-Eigen::MatrixXd products_of(const Eigen::MatrixXd& whitened) {
-  return whitened.transpose() * whitened;
+// Scalar products of the courses with each other and, last, with the series.
+Eigen::MatrixXd products_of(const WhitenedSeries& series,
+                            const std::vector<std::vector<double>>& courses) {
+  const Eigen::MatrixXd x = series.without_taken(courses);
+  Eigen::MatrixXd products(x.cols(), x.cols() + 1);
+  products << x.transpose() * x, x.transpose() * series.rest();
+  return products;
 }
 
 } // namespace
@@ -34,14 +40,15 @@ StepScan::StepScan(const Account& account, const RateBlocks& blocks) {
   for (std::size_t block = rim; block + rim < blocks.rate.size(); ++block)
     steps.push_back(make.step(static_cast<double>(block)));
   const auto add_gains = [&](const Eigen::MatrixXd& products) {
-    const Eigen::Index last = products.cols() - 1;
+    const Eigen::Index last = products.rows();
     for (Eigen::Index i = 0; i < last; ++i)
       of_step_[static_cast<std::size_t>(i)] += std::pow(products(i, last), 2) / products(i, i);
   };
   of_step_.assign(steps.size(), 0.0);
-  rate_products_ = products_of(account.whitened_rate(steps));
+  const FixedNoiseAccount fixed = account.in_noise_beside();
+  rate_products_ = products_of(fixed.rate, steps);
   add_gains(rate_products_);
-  if (account.sees_amplitude()) add_gains(products_of(account.whitened_amplitude(steps)));
+  if (fixed.amplitude) add_gains(products_of(*fixed.amplitude, steps));
 }
 
 std::vector<std::size_t> StepScan::best_steps(std::size_t most, std::size_t apart) const {
@@ -61,7 +68,7 @@ std::vector<std::size_t> StepScan::best_steps(std::size_t most, std::size_t apar
 
 std::pair<std::size_t, std::size_t> StepScan::best_visit() const {
   constexpr Eigen::Index shortest = 4; // blocks
-  const Eigen::Index last = rate_products_.cols() - 1;
+  const Eigen::Index last = rate_products_.rows();
   std::pair<std::size_t, std::size_t> best{rim, rim + shortest};
   double most = 0.0;
   for (Eigen::Index i = 0; i < last; ++i)
@@ -83,8 +90,9 @@ FittedVisit fitted_visit(const Account& account, const RateBlocks& blocks, std::
     return Courses{
         .rate = {difference(make.step(begin), make.step(end))}, .amplitude = {}, .dates = 2};
   };
-  const auto gain = [&](double begin, double end) { return account.gain_of(courses(begin, end)); };
   FittedVisit visit{static_cast<double>(from), static_cast<double>(to), {}};
+  const FixedNoiseAccount fixed = account.in_noise_beside(courses(visit.from, visit.to));
+  const auto gain = [&](double begin, double end) { return fixed.gain_of(courses(begin, end)); };
   constexpr double reach = 1.5; // blocks
   visit.from += offset_of_best([&](double off) { return gain(visit.from + off, visit.to); }, reach);
   visit.to += offset_of_best([&](double off) { return gain(visit.from, visit.to + off); }, reach);
@@ -98,32 +106,52 @@ StepSearch::StepSearch(const Account& account, const RateBlocks& blocks, double 
                       0.5 * std::min(place, static_cast<double>(blocks.rate.size()) - place))),
       last_log_time_(std::log(block_s_ * (static_cast<double>(blocks.rate.size()) - place))) {}
 
+// Places and times are compared in fixed noise: first in what is there without the change, then in
+// that beside the best so far. The likelihood may have a peak for each number of powers, at time
+// constants that differ by a factor of two.
 FittedStep StepSearch::best(ChangeKind kind) const {
+  const FixedNoiseAccount fixed = account_.in_noise_beside();
+  std::vector<FittedStep> starts; // one for each time constant
+  const double first =
+      kind == ChangeKind::regulation ? last_log_time_ : std::log(0.3 * block_s_) + log_time_reach;
+  for (double log_time = first; log_time <= last_log_time_; log_time += 2.0 * log_time_reach)
+    starts.push_back(best_place(kind, log_time, fixed));
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const FittedStep& a, const FittedStep& b) { return a.gain > b.gain; });
   FittedStep best;
-  const auto consider = [&](double place, double log_time) {
-    FittedStep step = at(kind, place, log_time);
+  constexpr std::size_t most_starts = 4;
+  for (std::size_t i = 0; i < std::min(starts.size(), most_starts); ++i) {
+    FittedStep step = polished(kind, std::move(starts[i]));
     if (step.gain > best.gain) best = std::move(step);
-  };
-  const bool relaxes = kind != ChangeKind::regulation;
-  constexpr double fine_step = 0.7, coarse_step = 1.4; // of the logarithm of the time constant
-  const double first = relaxes ? std::log(0.3 * block_s_) : last_log_time_ - 0.5 * coarse_step;
-  const double stride = std::max(0.5, doubt_ / 4.0);
-  for (double place = place_ - doubt_; place <= place_ + doubt_; place += stride)
-    for (double log_time = first; log_time < last_log_time_; log_time += coarse_step)
-      consider(place, log_time);
-  if (best.courses.rate.empty()) return best; // the amplitude rules it out everywhere
-  for (int round = 0; round < 3; ++round) {   // place and time are almost independent
-    const double place = best.place, log_time = std::log(best.time_s);
-    consider(place + offset_of_best(
-                         [&](double off) { return at(kind, place + off, log_time).gain; }, stride),
-             log_time);
-    if (!relaxes) continue;
-    const double found = best.place;
-    consider(found, log_time + offset_of_best(
-                                   [&](double off) { return at(kind, found, log_time + off).gain; },
-                                   fine_step));
   }
   return best;
+}
+
+FittedStep StepSearch::best_place(ChangeKind kind, double log_time,
+                                  const FixedNoiseAccount& fixed) const {
+  FittedStep best;
+  for (double place = place_ - doubt_; place <= place_ + doubt_; place += stride()) {
+    FittedStep step = at(kind, place, log_time, fixed);
+    if (step.gain > best.gain) best = std::move(step);
+  }
+  return best;
+}
+
+FittedStep StepSearch::polished(ChangeKind kind, FittedStep step) const {
+  double place = step.place, log_time = std::log(step.time_s);
+  for (int round = 0; round < 3; ++round) { // place and time are almost independent
+    const FixedNoiseAccount fixed = account_.in_noise_beside(step.courses);
+    if (round == 0) place = best_place(kind, log_time, fixed).place;
+    const auto gain = [&](double at_place, double at_log_time) {
+      return at(kind, at_place, at_log_time, fixed).gain;
+    };
+    place += offset_of_best([&](double off) { return gain(place + off, log_time); }, stride());
+    if (kind != ChangeKind::regulation)
+      log_time +=
+          offset_of_best([&](double off) { return gain(place, log_time + off); }, log_time_reach);
+    step = at(kind, place, log_time, fixed);
+  }
+  return at(kind, place, log_time, account_);
 }
 
 // The amplitude and the rate are nonlinear functions of the squared amplitude, so they also contain
@@ -148,16 +176,19 @@ Courses StepSearch::courses_of(ChangeKind kind, double place, double log_time, i
   return courses;
 }
 
-FittedStep StepSearch::at(ChangeKind kind, double place, double log_time) const {
+template <class Gains>
+FittedStep StepSearch::at(ChangeKind kind, double place, double log_time,
+                          const Gains& gains) const {
   FittedStep step{.place = place, .time_s = std::exp(log_time), .courses = {}};
   const bool relaxes = kind != ChangeKind::regulation;
   const int most_powers = relaxes ? 3 : 1; // more could imitate a jump
   for (int powers = 1; powers <= most_powers; ++powers) {
     Courses courses = courses_of(kind, place, log_time, powers);
-    const double gain = account_.gain_of(courses);
+    const double gain = gains.gain_of(courses);
     if (gain <= step.gain) break;
     // A logged amplitude that does not follow rules the change out, whatever the rate does.
-    if (relaxes && account_.sees_amplitude() && account_.amplitude_gain_of(courses) < 0.0) break;
+    if constexpr (std::is_same_v<Gains, Account>)
+      if (relaxes && gains.sees_amplitude() && gains.amplitude_gain_of(courses) < 0.0) break;
     step.gain = gain;
     step.courses = std::move(courses);
   }

@@ -12,6 +12,7 @@
 
 #include "goingrate/causes/diary.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -35,7 +36,17 @@ public:
   [[nodiscard]] Sizes sizes_of(ChangeKind kind, const FittedStep& step) const;
 
 private:
-  [[nodiscard]] FittedStep at(ChangeKind kind, double place, double log_time) const;
+  // How far Brent looks to both sides, of the logarithm of the time constant.
+  static constexpr double log_time_reach = 0.35;
+  // Blocks from one place that is tried to the next.
+  [[nodiscard]] double stride() const { return std::max(0.5, doubt_ / 4.0); }
+  [[nodiscard]] FittedStep best_place(ChangeKind kind, double log_time,
+                                      const FixedNoiseAccount& fixed) const;
+  [[nodiscard]] FittedStep polished(ChangeKind kind, FittedStep step) const;
+  // With as many powers as gain more, by an Account or a FixedNoiseAccount.
+  template <class Gains>
+  [[nodiscard]] FittedStep at(ChangeKind kind, double place, double log_time,
+                              const Gains& gains) const;
   [[nodiscard]] Courses courses_of(ChangeKind kind, double place, double log_time,
                                    int powers) const;
 
@@ -57,7 +68,7 @@ public:
 private:
   static constexpr std::size_t rim = 2; // blocks: a step closer to an end may be one bad block
   std::vector<double> of_step_;         // from block `rim` on
-  Eigen::MatrixXd rate_products_;       // scalar products of the steps, the rate last
+  Eigen::MatrixXd rate_products_;       // scalar products of the steps, and with the rate
 };
 
 /// A temporary difference of the rate.

@@ -39,7 +39,8 @@ std::vector<Wide> exact_lateness(const ChartScene& scene) {
   for (std::size_t i = 0; i < scene.factors.size(); ++i) {
     if (stretch + 1 < scene.stretches.size() && scene.stretches[stretch + 1].from_period == i)
       ++stretch;
-    const auto period = regular_period(scene.stretches[stretch].clock, speed2, scene.factors[i]);
+    const auto period =
+        regular_period<Wide>(scene.stretches[stretch].clock, speed2, scene.factors[i]);
     if (!period.regular) break;
     speed2 += period.speed2_change;
     late += period.excess;

@@ -61,11 +61,11 @@ double start_velocity_of(const Scenario& scenario, Method method) {
 } // namespace
 
 ClockRun::Pendulum ClockRun::make_pendulum(const Scenario& scenario, const MethodChoice& choice,
-                                           double velocity) {
+                                           double velocity, MapDigits digits) {
   const bool halves = scenario.sensor.edges != SensorEdges::up;
   switch (choice.method) {
   case Method::map: {
-    MapPendulum map(scenario.clock, velocity, factor_range(scenario.drive));
+    MapPendulum map(scenario.clock, velocity, factor_range(scenario.drive), digits);
     map.find_halves(halves);
     return map;
   }
@@ -88,12 +88,12 @@ ClockRun::Pendulum ClockRun::make_pendulum(const Scenario& scenario, const Metho
   return DirectPendulum(scenario.clock, velocity);
 }
 
-ClockRun::ClockRun(const Scenario& scenario, std::uint64_t seed)
+ClockRun::ClockRun(const Scenario& scenario, std::uint64_t seed, MapDigits digits)
     : scenario_(checked(scenario)), choice_(choose_method(scenario)), pending_(scenario.events),
       clock_(scenario.clock), period_now_s_(scenario.clock.nominal_period_s),
       drive_(scenario.drive, scenario.clock.nominal_period_s, seed),
       start_velocity_(start_velocity_of(scenario, choice_.method)),
-      pendulum_(make_pendulum(scenario, choice_, start_velocity_)) {
+      pendulum_(make_pendulum(scenario, choice_, start_velocity_, digits)) {
   now_.velocity = start_velocity_;
   now_.nominal_period_s = period_now_s_;
   now_.amplitude_rad = turning_angle_of_velocity(start_velocity_);

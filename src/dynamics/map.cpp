@@ -18,10 +18,21 @@ namespace {
 constexpr double patch_ratio = 1.08;
 constexpr std::size_t most_rows = 18, most_columns = 10; // Chebyshev nodes
 
-Wide node(std::size_t i, std::size_t count) {
-  return std::cos(std::numbers::pi_v<Wide> * static_cast<Wide>(2 * i + 1) /
-                  static_cast<Wide>(2 * count));
+// cos(pi j / (2 count)) for count up to most_rows, from tables: the sums over nodes need the same
+// few again and again.
+Wide cosine(std::size_t j, std::size_t count) {
+  static const auto tables = [] {
+    std::array<std::vector<Wide>, most_rows + 1> of_count;
+    for (std::size_t n = 1; n <= most_rows; ++n)
+      for (std::size_t i = 0; i < 4 * n; ++i)
+        of_count[n].push_back(
+            std::cos(std::numbers::pi_v<Wide> * static_cast<Wide>(i) / static_cast<Wide>(2 * n)));
+    return of_count;
+  }();
+  return tables[count][j % (4 * count)];
 }
+
+Wide node(std::size_t i, std::size_t count) { return cosine(2 * i + 1, count); }
 
 // Monomial coefficients of the polynomial of degree count - 1 through values at Chebyshev nodes,
 // with the Chebyshev coefficients on the way.
@@ -30,14 +41,10 @@ template <std::size_t most> struct Expansion {
 
   explicit Expansion(const std::vector<Wide>& values) {
     const std::size_t count = values.size();
-    const auto angle = [&](std::size_t k, std::size_t i) {
-      return std::numbers::pi_v<Wide> * static_cast<Wide>(k * (2 * i + 1)) /
-             static_cast<Wide>(2 * count);
-    };
     for (std::size_t k = 0; k < count; ++k) {
       Wide sum = 0;
       for (std::size_t i = 0; i < count; ++i)
-        sum += values[i] * std::cos(angle(k, i));
+        sum += values[i] * cosine(k * (2 * i + 1), count);
       chebyshev[k] = sum * (k == 0 ? 1 : 2) / static_cast<Wide>(count);
     }
   }
@@ -151,13 +158,22 @@ struct Strided {
   double operator[](std::size_t i) const { return first[2 * i]; }
 };
 
+// A regular period computed with T, and the rounding of T.
+template <class T>
+RegularPeriod<Wide> widened_period(const ClockParameters& clock, Wide speed2, Wide factor) {
+  const auto period = regular_period<T>(clock, static_cast<T>(speed2), static_cast<T>(factor));
+  return {period.regular, period.speed2_change, period.half_excess, period.excess};
+}
+
 } // namespace
 
 MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
-                   const FactorRange& factors)
+                   const FactorRange& factors, MapDigits digits)
     : low_(low), high_(high), factor_middle_(0.5 * (factors.low + factors.high)),
       factor_scale_(factors.high > factors.low ? 2.0 / (factors.high - factors.low) : 0.0) {
   const std::size_t columns = factors.high > factors.low ? most_columns : 1;
+  const bool wide = digits == MapDigits::wide;
+  const auto period_at = wide ? widened_period<Wide> : widened_period<double>;
   Table change, excess, half;
   for (std::size_t i = 0; i < most_rows; ++i) {
     for (Table* table : {&change, &excess, &half})
@@ -166,7 +182,7 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
     for (std::size_t j = 0; j < columns; ++j) {
       const Wide factor =
           columns == 1 ? Wide(factor_middle_) : factor_middle_ + node(j, columns) / factor_scale_;
-      const auto period = regular_period(clock, x, factor);
+      const auto period = period_at(clock, x, factor);
       if (!period.regular) return; // not usable
       change.back().push_back(period.speed2_change);
       excess.back().push_back(period.excess);
@@ -178,8 +194,9 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
   half = chebyshev_of(std::move(half));
   // A steady error of the excess shows undiminished in the rate; one of v^2 is collected over a
   // relaxation time 1/(4 pi eps) and shows through dT/dx = pi/8.
-  constexpr Wide rounding = std::numeric_limits<Wide>::epsilon(); // 1e-19 of 64 bits
-  constexpr Wide allowed_excess = 4 * rounding;
+  const Wide rounding = wide ? std::numeric_limits<Wide>::epsilon() // 1e-19 of 64 bits
+                             : std::numeric_limits<double>::epsilon();
+  const Wide allowed_excess = 4 * rounding;
   const Wide allowed_change =
       32 * std::max<Wide>(clock.epsilon, 1e-8) * allowed_excess + 1e-4 * rounding * high;
   auto counts = extent_of(change, allowed_change);
@@ -235,8 +252,8 @@ void MapPatch::at(const std::array<double, lanes>& x, const std::array<double, l
   }
 }
 
-ReturnMap::ReturnMap(const ClockParameters& clock, const FactorRange& factors)
-    : clock_(clock), factors_(factors) {
+ReturnMap::ReturnMap(const ClockParameters& clock, const FactorRange& factors, MapDigits digits)
+    : clock_(clock), factors_(factors), digits_(digits) {
   const auto cycle = limit_cycle(clock);
   anchor_ = cycle ? cycle->velocity * cycle->velocity : 1.0;
 }
@@ -250,19 +267,21 @@ const MapPatch* ReturnMap::find(double x) {
     const double high = anchor_ * std::pow(patch_ratio, i + 0.5);
     if (!(x >= low && x < high)) continue;
     auto& patch = patches_[i];
-    if (!patch) patch = std::make_unique<MapPatch>(clock_, low, high, factors_);
+    if (!patch) patch = std::make_unique<MapPatch>(clock_, low, high, factors_, digits_);
     return patch->usable() ? patch.get() : nullptr;
   }
   return nullptr;
 }
 
-MapPendulum::MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors)
-    : direct_(clock, velocity), factors_(factors),
-      map_(std::make_unique<ReturnMap>(clock, factors)), patch_(map_->find(direct_.speed2().hi)) {}
+MapPendulum::MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors,
+                         MapDigits digits)
+    : direct_(clock, velocity), factors_(factors), digits_(digits),
+      map_(std::make_unique<ReturnMap>(clock, factors, digits)),
+      patch_(map_->find(direct_.speed2().hi)) {}
 
 void MapPendulum::set_clock(const ClockParameters& clock) {
   direct_.set_clock(clock);
-  map_ = std::make_unique<ReturnMap>(clock, factors_);
+  map_ = std::make_unique<ReturnMap>(clock, factors_, digits_);
   patch_ = nullptr;
 }
 

@@ -1,4 +1,4 @@
-// A period of an undisturbed clock, in more digits than a double has.
+// A period of an undisturbed clock, in the digits of a double or in more.
 #include "goingrate/dynamics/direct.hpp"
 
 #include <cmath>
@@ -18,8 +18,9 @@ template <class T> SwingProfile<T> converted(const SwingProfile<double>& from) {
 
 } // namespace
 
-RegularPeriod<Wide> regular_period(const ClockParameters& clock, Wide speed2, Wide factor) {
-  using T = Wide;
+template <class T>
+RegularPeriod<T> regular_period(const ClockParameters& clock, std::type_identity_t<T> speed2,
+                                std::type_identity_t<T> factor) {
   const SwingFriction<T> friction{clock.epsilon, clock.quadratic_drag, clock.dry_friction};
   const T mu = clock.acting_torque() * factor;
   const bool tabulated =
@@ -44,5 +45,10 @@ RegularPeriod<Wide> regular_period(const ClockParameters& clock, Wide speed2, Wi
   period.regular = true;
   return period;
 }
+
+template RegularPeriod<double> regular_period<double>(const ClockParameters&, double, double);
+#if LDBL_MANT_DIG == 64 // otherwise Wide is double
+template RegularPeriod<Wide> regular_period<Wide>(const ClockParameters&, Wide, Wide);
+#endif
 
 } // namespace goingrate

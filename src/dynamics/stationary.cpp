@@ -68,7 +68,7 @@ constexpr Wide rounding = std::numeric_limits<Wide>::epsilon();
 std::optional<LimitCycle> polished(const ClockParameters& clock, Wide speed2, Wide slope) {
   RegularPeriod<Wide> period;
   for (int i = 0; i < 4; ++i) {
-    period = regular_period(clock, speed2, 1.0);
+    period = regular_period<Wide>(clock, speed2, 1.0);
     if (!period.regular) return {};
     const Wide step = period.speed2_change / slope;
     speed2 += step;
@@ -106,7 +106,7 @@ std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, doub
   Wide slope = Wide(-1e-2); // a cautious first step; the second knows better
   if (clock.epsilon > 0.0) slope = Wide(-4) * pi * clock.epsilon;
   for (int i = 0; i < 100; ++i) {
-    const auto period = regular_period(clock, x, Wide(1));
+    const auto period = regular_period<Wide>(clock, x, Wide(1));
     if (!period.regular) return {};
     if (i > 0 && x != x_before) slope = (period.speed2_change - change_before) / (x - x_before);
     if (!(slope < Wide(0))) return {}; // not a cycle that attracts

@@ -24,12 +24,10 @@ std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double
   std::array<std::array<Next, 3>, 3> next; // of w = -dw, 0, dw and u = -du, 0, du
   for (const int i : {0, 1, 2})
     for (const int k : {0, 1, 2}) {
-      const Wide start = speed2 + (i - 1) * static_cast<Wide>(dw);
-      const auto period = regular_period(clock, start, 1.0 + (k - 1) * static_cast<Wide>(du));
+      const auto period = regular_period<double>(clock, speed2 + (i - 1) * dw, 1.0 + (k - 1) * du);
       if (!period.regular) return {};
       next[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] = {
-          static_cast<double>(period.speed2_change + (i - 1) * static_cast<Wide>(dw)),
-          static_cast<double>(period.excess)};
+          period.speed2_change + (i - 1) * dw, period.excess};
     }
   const auto derivatives = [&](double Next::*what) {
     const auto at = [&](std::size_t i, std::size_t k) { return next[i][k].*what; };

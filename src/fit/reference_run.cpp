@@ -67,7 +67,7 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
 class SettlingRun {
 public:
   SettlingRun(const Scenario& scenario, double reference_period_s)
-      : run_(scenario, 0), reference_period_s_(reference_period_s) {
+      : run_(scenario, 0, MapDigits::of_a_double), reference_period_s_(reference_period_s) {
     const double last =
         scenario.events.empty() ? 0.0 : static_cast<double>(*scenario.events.back().at_period);
     // The amplitude comes to rest at rate 2 epsilon: 40 times that is below rounding.

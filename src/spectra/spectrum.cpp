@@ -9,6 +9,7 @@
 #include <mutex>
 #include <new>
 #include <numbers>
+#include <optional>
 #include <type_traits>
 
 #include <fftw3.h>
@@ -50,6 +51,13 @@ int length_for_fftw(std::size_t n) {
   return static_cast<int>(n);
 }
 
+template <class Make> Plan planned(Make make) {
+  const std::lock_guard lock(planner_mutex());
+  fftw_plan plan = make();
+  if (plan == nullptr) throw std::bad_alloc(); // all that is left once the arguments are legal
+  return Plan(plan);
+}
+
 // FFTW_ESTIMATE chooses by rule, not by stopwatch, so results are the same from run to run.
 class RealFft {
 public:
@@ -77,19 +85,30 @@ public:
   }
 
 private:
-  template <class Make> static Plan planned(Make make) {
-    const std::lock_guard lock(planner_mutex());
-    fftw_plan plan = make();
-    if (plan == nullptr) throw std::bad_alloc(); // all that is left once the arguments are legal
-    return Plan(plan);
-  }
-
   std::size_t n_;
   int length_;
   Buffer<double> real_;
   Buffer<fftw_complex> complex_;
   Plan forward_;
   Plan backward_;
+};
+
+/// A cosine transform (DCT-II) in place.
+class CosineFft {
+public:
+  explicit CosineFft(std::size_t n)
+      : n_(n), values_(make_buffer<double>(n)), plan_(planned([&] {
+          return fftw_plan_r2r_1d(length_for_fftw(n), values_.get(), values_.get(), FFTW_REDFT10,
+                                  FFTW_ESTIMATE);
+        })) {}
+
+  std::span<double> values() { return {values_.get(), n_}; }
+  void run() { fftw_execute(plan_.get()); }
+
+private:
+  std::size_t n_;
+  Buffer<double> values_;
+  Plan plan_;
 };
 
 std::vector<double> hann_window(std::size_t length) {
@@ -246,6 +265,21 @@ std::vector<std::complex<double>> real_transform(std::span<const double> series)
   transform.reserve(series.size() / 2 + 1);
   for (const fftw_complex& v : fft.complex())
     transform.emplace_back(v[0], v[1]);
+  return transform;
+}
+
+std::vector<double> cosine_transform(std::span<const double> series) {
+  for (double v : series)
+    if (!std::isfinite(v)) throw ArgumentError("series", v, "finite");
+  // Planning takes longer than a short transform, and one length follows another of the same.
+  thread_local std::optional<CosineFft> fft;
+  if (!fft || fft->values().size() != series.size()) fft.emplace(series.size());
+  std::copy(series.begin(), series.end(), fft->values().begin());
+  fft->run();
+  std::vector<double> transform(fft->values().begin(), fft->values().end());
+  const double scale = 1.0 / std::sqrt(2.0 * static_cast<double>(series.size()));
+  for (double& v : transform)
+    v *= scale;
   return transform;
 }
 

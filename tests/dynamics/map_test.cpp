@@ -33,6 +33,18 @@ TEST(MapTest, CrossingTimesOfPointC) {
   }
 }
 
+TEST(MapTest, InDigitsOfADouble) {
+  for (const FactorRange& factors : {FactorRange{}, noisy}) {
+    MapPendulum pendulum(clock_c, velocity_c, factors, MapDigits::of_a_double);
+    TwoPart<double> excess;
+    constexpr int cycles = 100000;
+    for (int cycle = 1; cycle <= cycles; ++cycle)
+      excess += pendulum.advance().excess;
+    EXPECT_LT(error_of(excess, excess_c * cycles) / cycles, 2e-15); // some roundings of 2 pi - T
+    EXPECT_EQ(pendulum.fallbacks(), 0);
+  }
+}
+
 TEST(MapTest, CrossingTimesOfANoisyDrive) {
   // Between the nodes, against the integration that the nodes come from; 1e5 in tests/studies.
   MapPendulum pendulum(clock_c, velocity_c, noisy);

@@ -53,7 +53,7 @@ TEST_P(CycleResponseTest, GainsAreTheDerivativesOfTheReturnMap) {
   for (const double part : {0.0, 0.05, -0.05, 0.3, -0.3}) {
     const double w = part * speed2;
     const auto next = [&](double dw, double du) {
-      return regular_period(clock, static_cast<long double>(speed2) + w + dw, 1.0L + du);
+      return regular_period<Wide>(clock, static_cast<long double>(speed2) + w + dw, 1.0L + du);
     };
     const double dw = 1e-4 * speed2, du = 1e-3;
     const auto by = [&](auto&& of, double a, double b) {
@@ -96,7 +96,7 @@ TEST_P(CycleResponseTest, SecondDerivativesAreThoseOfTheReturnMap) {
   const double w = 0.02 * speed2, u = 0.05;
   const auto late = [&](double dw, double du) {
     return static_cast<double>(
-        regular_period(clock, static_cast<long double>(speed2) + dw, 1.0L + du).excess / two_pi);
+        regular_period<Wide>(clock, static_cast<long double>(speed2) + dw, 1.0L + du).excess / two_pi);
   };
   const double here = late(0.0, 0.0);
   // What is of fourth order in differences as wide as these, beside what a derivative comes to

@@ -54,6 +54,25 @@ TEST(Transform, EqualsTheDefiningSum) {
   }
 }
 
+TEST(Transform, OfCosinesEqualsTheDefiningSum) {
+  for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 97u, 384u, 8u}) { // 8 again: lengths may alternate
+    const std::vector<double> x = white_noise(n, n);
+    const auto transform = cosine_transform(x);
+    ASSERT_EQ(transform.size(), n);
+    const auto count = static_cast<long double>(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      long double sum = 0;
+      for (std::size_t i = 0; i < n; ++i)
+        sum += static_cast<long double>(x[i]) *
+               std::cos(std::numbers::pi_v<long double> *
+                        static_cast<long double>(k * (2 * i + 1) % (4 * n)) / (2 * count));
+      // rounding grows as eps sqrt(log N)
+      EXPECT_NEAR(transform[k], static_cast<double>(sum * std::sqrt(2 / count)), 1e-13)
+          << "n " << n << " k " << k;
+    }
+  }
+}
+
 TEST(Transform, RoundTripIsTheIdentity) {
   for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 97u, 1000u, 4099u}) {
     const std::vector<double> x = white_noise(n, 2 * n);
@@ -88,6 +107,8 @@ TEST(Transform, InverseIgnoresImaginaryPartsWithoutARealCounterpart) {
 
 TEST(Transform, RefusesWhatItCannotTransform) {
   EXPECT_THROW((void)real_transform({}), ArgumentError);
+  EXPECT_THROW((void)cosine_transform({}), ArgumentError);
+  EXPECT_THROW((void)cosine_transform(std::vector<double>{1.0, nan}), ArgumentError);
   EXPECT_THROW((void)real_transform(std::vector<double>{1.0, nan}), ArgumentError);
   const std::vector<std::complex<double>> three(3), broken(3, {0.0, infinity});
   EXPECT_EQ(inverse_real_transform(three, 5).size(), 5u);

@@ -45,7 +45,7 @@ void noisy_crossings() {
     const double factor = 1.0 + 0.3 * random.normal();
     by_direct += direct.advance(factor).excess;
     by_map += map.advance(factor).excess;
-    const auto period = regular_period(clock_c, speed2, factor);
+    const auto period = regular_period<Wide>(clock_c, speed2, factor);
     speed2 += period.speed2_change;
     exact += period.excess;
     worst_direct = std::max(worst_direct, off(by_direct));

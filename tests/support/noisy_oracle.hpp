@@ -26,7 +26,7 @@ double worst_noisy_error(Pendulum pendulum, const ClockParameters& clock, int pe
   for (int cycle = 0; cycle < periods; ++cycle) {
     const double factor = 1.0 + 0.3 * random.normal();
     excess += pendulum.advance(factor).excess;
-    const auto period = regular_period(clock, speed2, factor);
+    const auto period = regular_period<Wide>(clock, speed2, factor);
     if (!period.regular) return INFINITY;
     speed2 += period.speed2_change;
     exact += period.excess;

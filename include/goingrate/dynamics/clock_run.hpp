@@ -45,7 +45,8 @@ class ClockRun {
 public:
   /// Throws ArgumentError if the scenario is out of range or asks for a method that does not know
   /// the clock's laws, NoStationarySwing if it asks for a stationary start that does not exist.
-  ClockRun(const Scenario& scenario, std::uint64_t seed);
+  /// `digits` is what the method `map` makes its map with.
+  ClockRun(const Scenario& scenario, std::uint64_t seed, MapDigits digits = MapDigits::wide);
 
   /// The next period; nothing when the run is complete or the clock stopped (see status).
   std::optional<Period> next();
@@ -64,7 +65,7 @@ public:
 private:
   using Pendulum = std::variant<DirectPendulum, MapPendulum, AveragedPendulum, Rk4Clock>;
   static Pendulum make_pendulum(const Scenario& scenario, const MethodChoice& choice,
-                                double velocity);
+                                double velocity, MapDigits digits);
 
   void apply_due_changes();
   [[nodiscard]] bool complete() const;

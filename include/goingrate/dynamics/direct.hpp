@@ -7,6 +7,7 @@
 #include "goingrate/dynamics/swing_profile.hpp"
 
 #include <cfloat>
+#include <type_traits>
 
 namespace goingrate {
 
@@ -70,7 +71,10 @@ template <class T> struct RegularPeriod {
   bool regular = false; ///< it crossed twice, and the escapement switched in both half swings
   T speed2_change{}, half_excess{}, excess{};
 };
-RegularPeriod<Wide> regular_period(const ClockParameters& clock, Wide speed2, Wide factor);
+/// With T = double or Wide; the first is some three times as fast on x86.
+template <class T>
+RegularPeriod<T> regular_period(const ClockParameters& clock, std::type_identity_t<T> speed2,
+                                std::type_identity_t<T> factor);
 
 /// |phi'| at the downward crossing that follows an upward one of `velocity` in regular operation,
 /// the drive times `factor`; `velocity` itself where there is none

@@ -30,6 +30,10 @@ struct FactorRange {
   [[nodiscard]] bool contains(double factor) const { return factor >= low && factor <= high; }
 };
 
+/// What the periods of a map are integrated with: most digits, or those of a double, whose rounding
+/// (some 1e-15 of T - 2 pi) is the same period after period and so adds up in the time.
+enum class MapDigits { wide, of_a_double };
+
 /// One patch: polynomials in x and factor, both mapped to [-1, 1].
 class MapPatch {
 public:
@@ -38,7 +42,8 @@ public:
     double speed2_change, excess;
   };
   /// Fits the patch low <= x < high; `usable()` tells whether it may be used.
-  MapPatch(const ClockParameters& clock, double low, double high, const FactorRange& factors);
+  MapPatch(const ClockParameters& clock, double low, double high, const FactorRange& factors,
+           MapDigits digits = MapDigits::wide);
 
   /// Whether the polynomials came out close enough.
   [[nodiscard]] bool usable() const { return usable_; }
@@ -74,7 +79,8 @@ private:
 class ReturnMap {
 public:
   /// Makes no patch yet. Throws ArgumentError for parameters out of range.
-  ReturnMap(const ClockParameters& clock, const FactorRange& factors);
+  ReturnMap(const ClockParameters& clock, const FactorRange& factors,
+            MapDigits digits = MapDigits::wide);
 
   /// The patch that holds x, or nullptr if the map cannot serve there.
   [[nodiscard]] const MapPatch* find(double x);
@@ -86,6 +92,7 @@ public:
 private:
   ClockParameters clock_;
   FactorRange factors_;
+  MapDigits digits_;
   double anchor_; // a patch is centred here
   std::map<int, std::unique_ptr<MapPatch>> patches_;
 };
@@ -93,12 +100,14 @@ private:
 /// The pendulum advanced by the map, by the direct integrator where the map cannot serve.
 ///
 /// At C within 2e-14 of the exact crossing times over 2000 periods, 2e-13 over 1e5
-/// (MapTest.CrossingTimesOfPointC, MapTest.CrossingTimesOfANoisyDrive). 40 ns a period; a patch
-/// takes some milliseconds to make.
+/// (MapTest.CrossingTimesOfPointC, MapTest.CrossingTimesOfANoisyDrive); with the digits of a double
+/// its rate is within 2e-15 (MapTest.InDigitsOfADouble). 40 ns a period; a patch takes up to some
+/// milliseconds to make.
 class MapPendulum {
 public:
   /// As DirectPendulum; `factors` bounds what advance() will be given most of the time.
-  MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors);
+  MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors,
+              MapDigits digits = MapDigits::wide);
 
   /// From the present crossing on the clock has these parameters; the map is made anew.
   void set_clock(const ClockParameters& clock);
@@ -119,6 +128,7 @@ public:
 private:
   DirectPendulum direct_;
   FactorRange factors_;
+  MapDigits digits_;
   std::unique_ptr<ReturnMap> map_;
   const MapPatch* patch_ = nullptr;
   bool halves_ = true;
