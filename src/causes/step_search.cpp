@@ -9,12 +9,14 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// The offset of the greatest gain within `reach` on either side of 0, near which the search is
-// finest.
-template <class Gain> double offset_of_best(const Gain& gain, double reach) {
+// Where the gain is greatest within `reach` on either side of `x` and between two bounds. Of the
+// distance from x, so that the search is finest there.
+template <class Gain>
+double best_near(double x, double reach, double low, double high, const Gain& gain) {
   constexpr int bits = 8;
-  const auto loss = [&](double off) { return -gain(off); };
-  return boost::math::tools::brent_find_minima(loss, -reach, reach, bits).first;
+  const auto loss = [&](double off) { return -gain(x + off); };
+  const double least = std::max(-reach, low - x), most = std::min(reach, high - x);
+  return x + boost::math::tools::brent_find_minima(loss, least, most, bits).first;
 }
 
 std::vector<double> difference(std::vector<double> a, const std::vector<double>& b) {
@@ -94,8 +96,11 @@ FittedVisit fitted_visit(const Account& account, const RateBlocks& blocks, std::
   const FixedNoiseAccount fixed = account.in_noise_beside(courses(visit.from, visit.to));
   const auto gain = [&](double begin, double end) { return fixed.gain_of(courses(begin, end)); };
   constexpr double reach = 1.5; // blocks
-  visit.from += offset_of_best([&](double off) { return gain(visit.from + off, visit.to); }, reach);
-  visit.to += offset_of_best([&](double off) { return gain(visit.from, visit.to + off); }, reach);
+  const auto blocks_in_all = static_cast<double>(blocks.rate.size());
+  visit.from =
+      best_near(visit.from, reach, 0.0, visit.to, [&](double at) { return gain(at, visit.to); });
+  visit.to = best_near(visit.to, reach, visit.from, blocks_in_all,
+                       [&](double at) { return gain(visit.from, at); });
   visit.courses = courses(visit.from, visit.to);
   return visit;
 }
@@ -104,6 +109,7 @@ StepSearch::StepSearch(const Account& account, const RateBlocks& blocks, double 
     : account_(account), make_(blocks), block_s_(blocks.length_s), place_(place),
       doubt_(std::min(std::max(1.0, doubt),
                       0.5 * std::min(place, static_cast<double>(blocks.rate.size()) - place))),
+      first_log_time_(std::log(0.3 * block_s_)),
       last_log_time_(std::log(block_s_ * (static_cast<double>(blocks.rate.size()) - place))) {}
 
 // Places and times are compared in fixed noise: first in what is there without the change, then in
@@ -113,7 +119,7 @@ FittedStep StepSearch::best(ChangeKind kind) const {
   const FixedNoiseAccount fixed = account_.in_noise_beside();
   std::vector<FittedStep> starts; // one for each time constant
   const double first =
-      kind == ChangeKind::regulation ? last_log_time_ : std::log(0.3 * block_s_) + log_time_reach;
+      kind == ChangeKind::regulation ? last_log_time_ : first_log_time_ + log_time_reach;
   for (double log_time = first; log_time <= last_log_time_; log_time += 2.0 * log_time_reach)
     starts.push_back(best_place(kind, log_time, fixed));
   std::stable_sort(starts.begin(), starts.end(),
@@ -145,10 +151,11 @@ FittedStep StepSearch::polished(ChangeKind kind, FittedStep step) const {
     const auto gain = [&](double at_place, double at_log_time) {
       return at(kind, at_place, at_log_time, fixed).gain;
     };
-    place += offset_of_best([&](double off) { return gain(place + off, log_time); }, stride());
+    place = best_near(place, stride(), place_ - doubt_, place_ + doubt_,
+                      [&](double at_place) { return gain(at_place, log_time); });
     if (kind != ChangeKind::regulation)
-      log_time +=
-          offset_of_best([&](double off) { return gain(place, log_time + off); }, log_time_reach);
+      log_time = best_near(log_time, log_time_reach, first_log_time_, last_log_time_,
+                           [&](double at_log_time) { return gain(place, at_log_time); });
     step = at(kind, place, log_time, fixed);
   }
   return at(kind, place, log_time, account_);

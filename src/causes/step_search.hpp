@@ -52,7 +52,7 @@ private:
 
   const Account& account_;
   CourseMaker make_;
-  double block_s_, place_, doubt_, last_log_time_;
+  double block_s_, place_, doubt_, first_log_time_, last_log_time_;
 };
 
 /// What a step at each block, or a different rate from one block to another, would explain beside

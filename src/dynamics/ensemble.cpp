@@ -3,7 +3,7 @@
 #include "base/scaled_time.hpp"
 #include "base/workers.hpp"
 #include "goingrate/dynamics/stationary.hpp"
-#include "lanes.hpp"
+#include "base/lanes.hpp"
 
 #include <algorithm>
 #include <array>

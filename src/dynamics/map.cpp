@@ -1,7 +1,7 @@
 #include "goingrate/dynamics/map.hpp"
 
 #include "goingrate/dynamics/stationary.hpp"
-#include "lanes.hpp"
+#include "base/lanes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -207,7 +207,7 @@ double condensed_value(const FitProblem& problem, double squares, double jitter2
   return 0.5 * (squares / jitter2 + (n - 1.0) * std::log(jitter2) + std::log(n));
 }
 
-// Adds one innovation to the sums and rows.
+// Adds one innovation to the sums and to its rows.
 template <class T, class N>
 void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& sums, RowStack& rows,
              RowStack& amplitude_rows) {
@@ -215,14 +215,12 @@ void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& su
   const double white = plain(value) * root;
   sums.squares += white * white;
   sums.logs += std::log(plain(variance));
-  const auto slope = [&](Eigen::Index k) { return value.v[k] * root; };
-  rows.add(white, slope);
-  if (!of_time) amplitude_rows.add(white, slope);
+  RowStack& stack = of_time ? rows : amplitude_rows;
+  stack.add(white, [&](Eigen::Index k) { return value.v[k] * root; });
   if constexpr (!std::is_same_v<N, double>) {
     const double scale = std::sqrt(0.5) * root * root;
-    const auto spread = [&](Eigen::Index k) { return variance.v[k] * scale; };
-    rows.add((1.0 - white * white) * std::sqrt(0.5), spread);
-    if (!of_time) amplitude_rows.add((1.0 - white * white) * std::sqrt(0.5), spread);
+    stack.add((1.0 - white * white) * std::sqrt(0.5),
+              [&](Eigen::Index k) { return variance.v[k] * scale; });
   }
 }
 
@@ -288,11 +286,12 @@ std::optional<Evaluation> evaluate_with(const FitProblem& problem, std::span<con
         fold_in(value, variance, of_time, sums, rows, amplitude_rows);
       }))
     return {};
+  result.amplitude_triangle = amplitude_rows.triangle();
+  rows.add(amplitude_rows);
   add_priors(problem, x, rows);
   result.value = sums.value() + prior_cost(problem, x);
   result.triangle = rows.triangle();
   result.projected = rows.projected();
-  result.amplitude_triangle = amplitude_rows.triangle();
   return if_finite(std::move(result));
 }
 

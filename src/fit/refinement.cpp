@@ -50,6 +50,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   refined.dynamics = dynamics;
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
+  double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
     refined.problem.parameters.start_ratio =
         limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
@@ -63,7 +64,10 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     }
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
-    if (round > 1 && step->gain < least_gain) break;
+    // At a bound a step goes on hoping for what it cannot have.
+    const bool stands = here && std::abs(before - *here) < least_gain;
+    if (round > 1 && (step->gain < least_gain || stands)) break;
+    before = here.value_or(std::numeric_limits<double>::infinity());
     std::vector<double> moved = refined.minimum.x;
     constexpr double longest_step = 0.3; // along a flat ridge a step of scoring may lead anywhere
     const double part =

@@ -2,6 +2,8 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include "goingrate/spectra/spectrum.hpp"
+
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/tools/minima.hpp>
@@ -145,6 +147,20 @@ double whiteness_p(std::span<const double> white, std::size_t lags) {
 
 namespace {
 
+// At all lags at once, by the transform of the series and as many zeros (Wiener and Khinchin).
+std::vector<double> autocorrelations(std::span<const double> x, const Moments& m) {
+  std::vector<double> padded(2 * x.size(), 0.0);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    padded[i] = x[i] - m.mean;
+  auto transform = real_transform(padded);
+  for (auto& value : transform)
+    value = std::norm(value);
+  std::vector<double> sums = inverse_real_transform(transform, padded.size());
+  for (double& sum : sums)
+    sum /= static_cast<double>(x.size()) * m.variance;
+  return sums;
+}
+
 // Variance of the means of `count` batches, in units of what white noise would give.
 double batch_time(std::span<const double> x, const Moments& m, std::size_t count) {
   const std::size_t size = x.size() / count;
@@ -168,9 +184,14 @@ double correlation_time(std::span<const double> white) {
   const Moments m = moments(white);
   if (white.size() < 8 || m.variance == 0.0) return 1.0;
   double time = 1.0;
+  constexpr std::size_t few_lags = 16; // one by one they take less time than the transform
+  std::vector<double> all;
   for (std::size_t lag = 1; lag + 1 < white.size() / 4; lag += 2) {
-    const double pair = autocorrelation(white, m.mean, m.variance, lag) +
-                        autocorrelation(white, m.mean, m.variance, lag + 1);
+    if (lag > few_lags && all.empty()) all = autocorrelations(white, m);
+    const auto at = [&](std::size_t i) {
+      return all.empty() ? autocorrelation(white, m.mean, m.variance, i) : all[i];
+    };
+    const double pair = at(lag) + at(lag + 1);
     if (pair <= 0.0) break;
     time += 2.0 * pair;
   }
