@@ -38,44 +38,54 @@ public:
   /// Whether L rises as the parabola says where what the dynamics add is found at its ends: along a
   /// ridge that bends first order may see a minimum where the full equation has none.
   [[nodiscard]] bool holds_by_dynamics() const {
-    constexpr double least = 0.1, most = 2.0; // of L, for 0.5 that the parabola has at a sigma
+    constexpr double least = 0.4, most = 2.0; // roots of 0.1 and 2 of ln L, for the parabola's 1/2
     for (const double v : interval(1.0)) {
       if (!std::isfinite(v)) continue;
-      FitProblem problem = all_.problem;
-      const Eigen::VectorXd there = cone_.likeliest_at(h_, v);
-      const std::span place(there.data(), all_.minimum.x.size());
-      if (!correct(problem, all_.dynamics, place)) return false;
-      const auto value = minus_log_likelihood(problem, place);
-      if (!value) return false;
-      const double rise = (*value - all_.minimum.value) / (widening_ * widening_);
-      if (!(rise > least && rise < most)) return false;
+      const auto root = root_at(v, Corrections::of_each_place);
+      if (!(root && *root > least && *root < most)) return false;
     }
     return true;
   }
 
 private:
+  // What the dynamics add to first order: as it is at the best place, or found at each place anew.
+  enum class Corrections { of_the_best, of_each_place };
+
+  [[nodiscard]] std::optional<FitProblem> problem_at(std::span<const double> x,
+                                                     Corrections corrections) const {
+    FitProblem problem = all_.problem;
+    if (corrections == Corrections::of_each_place && !correct(problem, all_.dynamics, x)) return {};
+    return problem;
+  }
+
   // The root of the fall of 2 log L, in sigmas, with the sum held at v: each step goes to the
   // lowest place of the parabola about the last, or half as far where L does not fall. Nothing
   // where the model does not hold.
-  [[nodiscard]] std::optional<double> root_at(double v) const {
+  [[nodiscard]] std::optional<double> root_at(double v, Corrections corrections) const {
     constexpr int most_steps = 12;
     constexpr double converged_gain = 5e-3; // of ln L, where half or two are looked for
     Eigen::VectorXd x = cone_.likeliest_at(h_, v);
     const auto place = [&](const Eigen::VectorXd& at) {
       return std::span(at.data(), all_.minimum.x.size());
     };
-    auto value = minus_log_likelihood(all_.problem, place(x));
+    const auto value_at = [&](const Eigen::VectorXd& at) -> std::optional<double> {
+      const auto problem = problem_at(place(at), corrections);
+      return problem ? minus_log_likelihood(*problem, place(at)) : std::nullopt;
+    };
+    auto value = value_at(x);
     for (int step = 0; value && step < most_steps; ++step) {
-      const auto here = evaluate(all_.problem, place(x));
+      const auto problem = problem_at(place(x), corrections);
+      const auto here = problem ? evaluate(*problem, place(x)) : std::nullopt;
       if (!here) return {};
-      const Eigen::VectorXd towards = cone_about(all_, x, *here).likeliest_at(h_, v);
+      const Eigen::VectorXd towards =
+          x + with_short_noise_steps(cone_about(all_, x, *here).likeliest_at(h_, v) - x);
       double part = 1.0;
       Eigen::VectorXd there = towards;
-      auto next = minus_log_likelihood(all_.problem, place(there));
+      auto next = value_at(there);
       while (!(next && *next < *value) && part > 0.05) {
         part *= 0.5;
         there = x + part * (towards - x);
-        next = minus_log_likelihood(all_.problem, place(there));
+        next = value_at(there);
       }
       if (!(next && *next < *value)) break;
       const bool done = *value - *next < converged_gain;
@@ -87,6 +97,17 @@ private:
     return std::sqrt(2.0 * std::max(0.0, *value - all_.minimum.value)) / widening_;
   }
 
+  // While the misfit is large, a step of scoring would take all of it for noise.
+  [[nodiscard]] Eigen::VectorXd with_short_noise_steps(Eigen::VectorXd step) const {
+    constexpr double longest = 0.2; // of the logarithm of a size
+    for (const Slot& slot : all_.problem.parameters.slots)
+      if (slot.free && is_noise(slot.quantity)) {
+        double& moved = step[static_cast<Eigen::Index>(slot.index)];
+        moved = std::clamp(moved, -longest, longest);
+      }
+    return step;
+  }
+
   // The root goes nearly straight from 0 at the best: by false position from the parabola's end.
   [[nodiscard]] double searched_end(double z, double end, double side) const {
     constexpr double tolerance = 0.05, farthest = 4.0; // of z; of the parabola's distance
@@ -95,7 +116,7 @@ private:
     double inside = from, root_inside = 0.0;
     std::optional<double> outside, root_outside;
     for (int round = 0; round < 8; ++round) {
-      const auto root = root_at(v);
+      const auto root = root_at(v, Corrections::of_the_best);
       if (root && std::abs(*root - z) < tolerance * z) return v;
       if (root && *root < z) {
         inside = v;
