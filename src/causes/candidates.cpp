@@ -23,7 +23,8 @@ std::vector<Cause> same_course_as(ChangeKind kind) {
 
 Candidate step_candidate(ChangeKind kind, double place, const Account& account,
                          const RateBlocks& blocks) {
-  FittedStep found = StepSearch(account, blocks, place, 1.0).best(kind);
+  constexpr double doubt_blocks = 3.0; // a change of friction shows late, as a bend
+  FittedStep found = StepSearch(account, blocks, place, doubt_blocks).best(kind);
   return {cause_of(kind),
           std::move(found.courses),
           same_course_as(kind),

@@ -45,8 +45,32 @@ struct Look {
   }
 };
 
-Look look_at(RateBlocks blocks, double at_s, double doubt_s) {
-  const Account account(blocks, {.wanders = true});
+// The settling that goes on since the change before is no further change. The squared amplitude
+// settles exponentially; rate and amplitude, which are no linear functions of it, also with its
+// powers.
+void take_settling(const RateBlocks& blocks, Account& account) {
+  const CourseMaker make(blocks);
+  Courses best;
+  double most = 0.0;
+  const double longest_s = blocks.length_s * static_cast<double>(blocks.rate.size());
+  constexpr double time_ratio = 1.5; // of one time constant to the next
+  for (double time_s = blocks.length_s; time_s < longest_s; time_s *= time_ratio) {
+    Courses settling{.rate = {}, .amplitude = {}, .times = 1};
+    for (const double power : {1.0, 2.0, 3.0}) {
+      settling.rate.push_back(make.dying(0.0, time_s / power));
+      settling.amplitude.push_back(settling.rate.back());
+      const double gain = account.gain_of(settling);
+      if (gain <= most) continue;
+      most = gain;
+      best = settling;
+    }
+  }
+  if (most > 0.0) account.take(best);
+}
+
+Look look_at(RateBlocks blocks, const Stretch& stretch, double at_s, double doubt_s) {
+  Account account(blocks, {.wanders = true});
+  if (stretch.begin_s > 0.0) take_settling(blocks, account);
   const StepSearch search(account, blocks, (at_s - blocks.begin_s) / blocks.length_s,
                           doubt_s / blocks.length_s);
   Look look{.blocks = std::move(blocks), .steps = {}};
@@ -98,7 +122,7 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
     if (doubt_s > 0.25 * most_blocks * length_s) continue; // the change may lie outside
     auto blocks = blocks_about(data, stretch, at_s, length_s);
     if (!blocks) break;
-    Look look = look_at(std::move(*blocks), at_s, doubt_s);
+    Look look = look_at(std::move(*blocks), stretch, at_s, doubt_s);
     if (look.best_gain() > believed) looks.push_back(std::move(look));
   }
   Judgement told{.at_s = at_s};
