@@ -4,12 +4,15 @@
 #include "rolling_numbers.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/report/tables.hpp"
 
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fmt/format.h>
+#include <optional>
+#include <vector>
 
 namespace goingrate::apps {
 
@@ -86,7 +89,7 @@ public:
     log_ = &log;
     take(arrivals_.rest());
     print_new();
-    print(numbers_.rest(log));
+    print_rows(numbers_.rest(log));
   }
   void tell_assumptions(const ClockLog& log) {
     std::vector<Assumption> fresh(log.assumptions.begin() +
@@ -102,7 +105,7 @@ private:
   void take(const std::vector<Arrivals::Arrival>& arrivals) {
     for (const auto& [event, begins_anew] : arrivals) {
       if (begins_anew) {
-        print(numbers_.rest(*log_));
+        print_rows(numbers_.rest(*log_));
         numbers_.begin_anew();
         say(global_, fmt::format("{}:{}: the times begin again: a new segment",
                                  options_.paths.front(), event.line));
@@ -114,9 +117,22 @@ private:
                                options_.paths.front(), event.line));
   }
 
+  void print_rows(const std::vector<Beat>& beats) {
+    if (beats.empty()) return;
+    std::string text;
+    if (!table_) {
+      table_.emplace(RateTable::Options{numbers_.nominal_period_s(), false, 0}, no_columns_,
+                     no_gaps_);
+      text = table_->header();
+    }
+    for (const Beat& beat : beats)
+      table_->append(text, beat, 0);
+    print(text);
+  }
+
   void print_new() {
     if (log_ == nullptr) return;
-    print(numbers_.rows(*log_));
+    print_rows(numbers_.numbered(*log_));
     tell_assumptions(*log_);
     for (; issues_told_ < log_->issues.size(); ++issues_told_)
       say(global_, words_for(log_->issues[issues_told_], *log_));
@@ -127,6 +143,9 @@ private:
   Alarm alarm_;
   Arrivals arrivals_;
   RollingNumbers numbers_;
+  std::optional<RateTable> table_;
+  EventColumns no_columns_;
+  std::vector<Gap> no_gaps_;
   const ClockLog* log_ = nullptr; // none before the first event
   std::size_t assumptions_told_ = 0, issues_told_ = 0;
 };

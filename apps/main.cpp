@@ -2,6 +2,9 @@
 #include "common.hpp"
 #include "exit_code.hpp"
 #include "help.hpp"
+#ifdef GOINGRATE_MONITOR
+#include "monitor/monitor.hpp"
+#endif
 #include "terminal.hpp"
 #include "usage.hpp"
 
@@ -87,6 +90,9 @@ void add_commands(CLI::App& program, const goingrate::apps::GlobalOptions& globa
   apps::add_chart(program, global);
   apps::add_paper(program, global);
   apps::add_batch(program, global);
+#ifdef GOINGRATE_MONITOR
+  apps::add_monitor(program, global);
+#endif
   apps::add_help(program);
 }
 

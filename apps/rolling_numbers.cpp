@@ -16,25 +16,32 @@ constexpr std::size_t backlog_beats =
 
 void RollingNumbers::add(const Beat& event) { window_.push_back(event); }
 
-bool RollingNumbers::is_full() const { return window_.size() - printed_ >= backlog_beats; }
+bool RollingNumbers::is_full() const { return window_.size() - handed_out_ >= backlog_beats; }
 
 void RollingNumbers::begin_anew() {
   window_.clear();
-  printed_ = 0;
+  handed_out_ = 0;
 }
 
-std::string RollingNumbers::rows(const ClockLog& log) {
-  if (printed_ == window_.size() || window_.size() < settling_beats) return {};
-  return numbered_rows(log);
+void RollingNumbers::go_on_from(std::vector<Beat> numbered) {
+  window_ = std::move(numbered);
+  handed_out_ = window_.size();
+  for (const Beat& beat : window_)
+    if (beat.flag == BeatFlag::good) last_ = beat;
 }
 
-std::string RollingNumbers::rest(const ClockLog& log) {
-  if (printed_ == window_.size() || window_.size() < fewest_beats) return {};
-  return numbered_rows(log);
+std::vector<Beat> RollingNumbers::numbered(const ClockLog& log) {
+  if (handed_out_ == window_.size() || window_.size() < settling_beats) return {};
+  return number_new(log);
 }
 
-std::string RollingNumbers::numbered_rows(const ClockLog& log) {
-  std::string text;
+std::vector<Beat> RollingNumbers::rest(const ClockLog& log) {
+  if (handed_out_ == window_.size() || window_.size() < fewest_beats) return {};
+  return number_new(log);
+}
+
+std::vector<Beat> RollingNumbers::number_new(const ClockLog& log) {
+  std::vector<Beat> fresh;
   try {
     ClockLog part;
     part.events = window_;
@@ -42,56 +49,58 @@ std::string RollingNumbers::numbered_rows(const ClockLog& log) {
     const Beats numbered = number_beats(std::move(part.events), log.source,
                                         {options_.gap_probability, log.nominal_period_s});
     period_s_ = numbered.typical_period_s;
-    if (!table_) open_table(log, numbered, text);
+    std::vector<Assumption> unused;
+    if (nominal_period_s_ == 0.0) nominal_period_s_ = nominal_period(log, numbered, unused);
     const Shift shift = shift_of(numbered.beats);
-    for (; printed_ < window_.size(); ++printed_) {
-      Beat& beat = window_[printed_] = numbered.beats[printed_];
+    const std::int64_t last_cycle = last_ ? last_->cycle : numbered.beats.front().cycle;
+    for (; handed_out_ < window_.size(); ++handed_out_) {
+      Beat& beat = window_[handed_out_] = numbered.beats[handed_out_];
       beat.cycle += shift.cycles;
       beat.segment = static_cast<std::uint16_t>(beat.segment + shift.segments);
-      print(beat, text);
+      fresh.push_back(judged(beat));
     }
+    keep_gaps(numbered, shift, last_cycle);
   } catch (const InputError&) { // no period in these: the next ones may have one
     if (window_.size() > kept_beats) begin_anew();
   }
   forget_old();
-  return text;
+  return fresh;
 }
 
-void RollingNumbers::open_table(const ClockLog& log, const Beats& numbered, std::string& text) {
-  std::vector<Assumption> unused;
-  const double nominal = nominal_period(log, numbered, unused);
-  table_.emplace(RateTable::Options{nominal, false, 0}, no_columns_, no_gaps_);
-  text = table_->header();
+void RollingNumbers::keep_gaps(const Beats& numbered, const Shift& shift, std::int64_t from_cycle) {
+  for (Gap gap : numbered.gaps) {
+    gap.after_cycle += shift.cycles;
+    if (gap.after_cycle >= from_cycle) gaps_.push_back(gap);
+  }
 }
 
-// From the last beat that was printed as a good one and is one still; else they go on behind it.
+// From the last beat that was handed out as a good one and is one still; else they go on behind it.
 RollingNumbers::Shift RollingNumbers::shift_of(const std::vector<Beat>& numbered) const {
-  for (std::size_t i = printed_; i-- > 0;)
+  for (std::size_t i = handed_out_; i-- > 0;)
     if (window_[i].flag == BeatFlag::good && numbered[i].flag == BeatFlag::good)
       return {window_[i].cycle - numbered[i].cycle, window_[i].segment - numbered[i].segment};
   if (!last_) return {};
   const auto first =
-      std::find_if(numbered.begin() + static_cast<std::ptrdiff_t>(printed_), numbered.end(),
+      std::find_if(numbered.begin() + static_cast<std::ptrdiff_t>(handed_out_), numbered.end(),
                    [](const Beat& beat) { return beat.flag == BeatFlag::good; });
   if (first == numbered.end()) return {last_->cycle - numbered.back().cycle, 0};
   return {last_->cycle + 1 - first->cycle, last_->segment + 1 - first->segment};
 }
 
-void RollingNumbers::print(Beat beat, std::string& text) {
-  if (beat.flag == BeatFlag::good) {
-    // Another has this cycle in print: which of them was the beat cannot be told any more.
-    if (last_ && beat.cycle <= last_->cycle)
-      beat.flag = BeatFlag::rival;
-    else
-      last_ = beat;
-  }
-  table_->append(text, beat, 0);
+Beat RollingNumbers::judged(Beat beat) {
+  if (beat.flag != BeatFlag::good) return beat;
+  // Another was handed out with this cycle: which of them was the beat cannot be told any more.
+  if (last_ && beat.cycle <= last_->cycle)
+    beat.flag = BeatFlag::rival;
+  else
+    last_ = beat;
+  return beat;
 }
 
 void RollingNumbers::forget_old() {
-  if (window_.size() < 2 * kept_beats || printed_ < window_.size()) return;
+  if (window_.size() < 2 * kept_beats || handed_out_ < window_.size()) return;
   window_.erase(window_.begin(), window_.end() - static_cast<std::ptrdiff_t>(kept_beats));
-  printed_ = kept_beats;
+  handed_out_ = kept_beats;
 }
 
 } // namespace goingrate::apps

@@ -3,16 +3,15 @@
 
 #include "common.hpp"
 
-#include "goingrate/report/tables.hpp"
-
 #include <optional>
-#include <string>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace goingrate::apps {
 
-/// Numbers new events together with the last few hundred, so that what is printed is what a run
-/// over the whole log would say. What was printed is never said otherwise: cycles go on from it.
+/// Numbers new events together with the last few hundred, so that what is handed out is what a run
+/// over the whole log would say. What was handed out is never said otherwise: cycles go on from it.
 class RollingNumbers {
 public:
   explicit RollingNumbers(const LogOptions& options) : options_(options) {}
@@ -21,35 +20,39 @@ public:
   /// From now on times have nothing to do with those before: a segment of its own, whose cycles go
   /// on.
   void begin_anew();
+  /// Goes on from the last numbered beats of an earlier run.
+  void go_on_from(std::vector<Beat> numbered);
   /// Whether there is so much that it is worth numbering.
   [[nodiscard]] bool is_full() const;
-  /// The rows of the events that were added; none until there are enough to be numbered.
-  std::string rows(const ClockLog& log);
+  /// The events that were added, numbered; none until there are enough of them.
+  std::vector<Beat> numbered(const ClockLog& log);
   /// What was held back, at the end of a short log.
-  std::string rest(const ClockLog& log);
+  std::vector<Beat> rest(const ClockLog& log);
+  /// The gaps between the beats handed out since this was last asked, by the cycles as handed out.
+  std::vector<Gap> take_gaps() { return std::exchange(gaps_, {}); }
 
   [[nodiscard]] double period_s() const { return period_s_; } ///< 0 until it is known
+  /// To compare with; 0 until it is known.
+  [[nodiscard]] double nominal_period_s() const { return nominal_period_s_; }
 
 private:
-  // The way from cycles and segments of a numbering to those that are printed.
+  // The way from cycles and segments of a numbering to those that are handed out.
   struct Shift {
     std::int64_t cycles = 0;
     int segments = 0;
   };
-  std::string numbered_rows(const ClockLog& log);
+  std::vector<Beat> number_new(const ClockLog& log);
   [[nodiscard]] Shift shift_of(const std::vector<Beat>& numbered) const;
-  void open_table(const ClockLog& log, const Beats& numbered, std::string& text);
-  void print(Beat beat, std::string& text);
+  void keep_gaps(const Beats& numbered, const Shift& shift, std::int64_t from_cycle);
+  Beat judged(Beat beat);
   void forget_old();
 
   const LogOptions& options_;
-  std::vector<Beat> window_; // those that were printed are as they were printed
-  std::size_t printed_ = 0;  // of the window
-  std::optional<RateTable> table_;
-  EventColumns no_columns_;
-  std::vector<Gap> no_gaps_;
-  std::optional<Beat> last_; // the last good one that was printed
-  double period_s_ = 0.0;
+  std::vector<Beat> window_;   // those that were handed out are as they were handed out
+  std::size_t handed_out_ = 0; // of the window
+  std::optional<Beat> last_;   // the last good one that was handed out
+  std::vector<Gap> gaps_;
+  double period_s_ = 0.0, nominal_period_s_ = 0.0;
 };
 
 } // namespace goingrate::apps

@@ -86,9 +86,13 @@ private:
   // Of a pipe or a terminal; also at its end, which read() then tells. False if nobody waits on.
   [[nodiscard]] bool something_comes() const {
     pollfd descriptor{descriptor_, POLLIN, 0};
-    if (::poll(&descriptor, 1, 0) != 0) return true;
+    const auto comes = [&](int ms) { // not where a signal ended the wait
+      const int ready = ::poll(&descriptor, 1, ms);
+      return ready > 0 || (ready < 0 && errno != EINTR);
+    };
+    if (comes(0)) return true;
     while (wait_())
-      if (::poll(&descriptor, 1, wait_ms) != 0) return true;
+      if (comes(wait_ms)) return true;
     return false;
   }
   // Of a file that is followed: then what comes next is no continuation.

@@ -66,7 +66,7 @@ export class Browser {
     await this.send("Target.setAutoAttach", { autoAttach: true, waitForDebuggerOnStart: false, flatten: true });
     await this.send("Page.setDownloadBehavior", { behavior: "allow", downloadPath: this.saved });
     await this.setWidth(1000);
-    await this.send("Page.navigate", { url: pathToFileURL(resolve(page)).href + hash });
+    await this.send("Page.navigate", { url: page.startsWith("http:") ? page : pathToFileURL(resolve(page)).href + hash });
     await this.until(`document.documentElement.dataset.ready`, "the page is ready");
   }
 

@@ -1,0 +1,151 @@
+#include "alarms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate::apps {
+
+namespace {
+
+constexpr double seconds_a_day = 86400.0;
+constexpr std::size_t looked_back_minutes = 10;
+
+// The share of events that were missing or false, and the beat error, of the last minutes.
+struct LastMinutes {
+  double faulty_share = 0.0, beat_error_s = 0.0;
+  bool has_beat_error = false;
+};
+
+LastMinutes last_minutes(const GoingBlocks& minutes) {
+  GoingBlock sum;
+  const auto& all = minutes.all();
+  const std::size_t end = all.size() - 1; // the last is not complete
+  for (std::size_t i = end - std::min(end, looked_back_minutes); i < end; ++i) {
+    sum.beats += all[i].beats;
+    sum.missed += all[i].missed;
+    sum.spurious += all[i].spurious;
+    sum.beat_error_sum += all[i].beat_error_sum;
+    sum.beat_errors += all[i].beat_errors;
+  }
+  LastMinutes last;
+  if (const auto events = sum.beats + sum.missed + sum.spurious; events > 0)
+    last.faulty_share =
+        static_cast<double>(sum.missed + sum.spurious) / static_cast<double>(events);
+  last.has_beat_error = sum.beat_errors > 0;
+  last.beat_error_s = sum.beat_error_s().value_or(0.0);
+  return last;
+}
+
+std::string duration(std::int64_t minutes) {
+  return minutes < 60 ? fmt::format("{} min", minutes)
+                      : fmt::format("{:.2g} h", static_cast<double>(minutes) / 60.0);
+}
+
+} // namespace
+
+std::string_view name_of(AlarmKind kind) {
+  switch (kind) {
+  case AlarmKind::stopped:
+    return "stopped";
+  case AlarmKind::out_of_beat:
+    return "out-of-beat";
+  case AlarmKind::rate_step:
+    return "rate-step";
+  case AlarmKind::amplitude_falling:
+    return "amplitude-falling";
+  case AlarmKind::sensor_failing:
+    return "sensor-failing";
+  case AlarmKind::archive_failing:
+    return "archive-failing";
+  }
+  return "";
+}
+
+bool Alarms::is_raised(AlarmKind kind) const {
+  return raised_[static_cast<std::size_t>(kind)].has_value();
+}
+
+void Alarms::set(AlarmKind kind, bool raised, const Instant& at, const std::string& text) {
+  if (raised == is_raised(kind)) return;
+  const AlarmChange change{kind, raised, at, text};
+  raised_[static_cast<std::size_t>(kind)] = raised ? std::optional(change) : std::nullopt;
+  changes_.push_back(change);
+}
+
+std::vector<AlarmChange> Alarms::raised() const {
+  std::vector<AlarmChange> all;
+  for (const auto& alarm : raised_)
+    if (alarm) all.push_back(*alarm);
+  return all;
+}
+
+void Alarms::heard(const Going& going, double nominal_period_s, bool is_replay) {
+  if (!is_replay && going.last())
+    set(AlarmKind::stopped, false, going.last()->time, "the clock goes again");
+  if (!going.minute_is_new() || going.minutes().all().size() < 2) return;
+  look_for_steps(going, nominal_period_s, is_replay);
+  if (!is_replay) look_at_minutes(going, nominal_period_s);
+}
+
+void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is_replay) {
+  const GoingBlocks& minutes = going.minutes();
+  const std::size_t complete = minutes.all().size() - 2;
+  const Instant at = going.last()->time;
+  const auto rate = rate_.add(minutes.rate_of(complete, nominal_period_s));
+  const auto amplitude = amplitude_.add(minutes.all()[complete].amplitude_rad());
+  if (is_replay) return;
+  if (rate)
+    set(AlarmKind::rate_step, true, at,
+        fmt::format("the rate changed by {:+.2g} ± {:.1g} s/day within the last {}",
+                    rate->size * seconds_a_day, rate->sigma * seconds_a_day,
+                    duration(2 * rate->minutes)));
+  else if (!rate_.is_raised())
+    set(AlarmKind::rate_step, false, at, "the rate since the change is taken for the usual one");
+  if (amplitude && amplitude->size < 0.0)
+    set(AlarmKind::amplitude_falling, true, at,
+        fmt::format("the amplitude fell by {:.2g} ± {:.1g} mrad within the last {}",
+                    -amplitude->size * 1e3, amplitude->sigma * 1e3,
+                    duration(2 * amplitude->minutes)));
+  else if (!amplitude_.is_raised())
+    set(AlarmKind::amplitude_falling, false, at, "the amplitude holds");
+}
+
+void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
+  // Shares of events, and of the period, to raise and to clear an alarm at.
+  constexpr double faulty_raises = 0.10, faulty_clears = 0.03;
+  constexpr double uneven_raises = 0.02, uneven_clears = 0.01;
+  const LastMinutes last = last_minutes(going.minutes());
+  const Instant at = going.last()->time;
+  if (last.faulty_share > faulty_raises)
+    set(AlarmKind::sensor_failing, true, at,
+        fmt::format("{:.0f} % of the events of the last {} minutes were missing or false",
+                    100.0 * last.faulty_share, looked_back_minutes));
+  else if (last.faulty_share < faulty_clears)
+    set(AlarmKind::sensor_failing, false, at, "the sensor tells nearly every beat again");
+  const double uneven = std::abs(last.beat_error_s) / nominal_period_s;
+  if (last.has_beat_error && uneven > uneven_raises)
+    set(AlarmKind::out_of_beat, true, at,
+        fmt::format("the clock is out of beat: tick and tock differ by {:.3g} ms",
+                    1e3 * last.beat_error_s));
+  else if (uneven < uneven_clears)
+    set(AlarmKind::out_of_beat, false, at, "the clock is in beat again");
+}
+
+void Alarms::silent(double silence_s, double period_s, const Instant& now) {
+  constexpr double patience_periods = 5.0;
+  const double patience = patience_s_ > 0.0 ? patience_s_ : patience_periods * period_s;
+  if (patience > 0.0 && silence_s > patience)
+    set(AlarmKind::stopped, true, now,
+        fmt::format("no beat for {:.3g} s: has the clock stopped?", silence_s));
+}
+
+void Alarms::archive_fails(const Instant& now, const std::string& why) {
+  set(AlarmKind::archive_failing, true, now, why);
+}
+
+void Alarms::archive_works(const Instant& now) {
+  set(AlarmKind::archive_failing, false, now, "the archive is written again");
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,66 @@
+// What a clock that is watched is called out for.
+#pragma once
+
+#include "going.hpp"
+#include "step_alarm.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace goingrate::apps {
+
+enum class AlarmKind {
+  stopped,
+  out_of_beat,
+  rate_step,
+  amplitude_falling,
+  sensor_failing,
+  archive_failing
+};
+inline constexpr std::size_t alarm_kinds = 6;
+std::string_view name_of(AlarmKind kind);
+
+/// An alarm that began or ended.
+struct AlarmChange {
+  AlarmKind kind = AlarmKind::stopped;
+  bool is_raised = false;
+  Instant at;
+  std::string text; ///< what a person is told
+};
+
+/// Raises and clears alarms. Each has a limit to be raised at and a lower one to be cleared at.
+class Alarms {
+public:
+  /// `patience_s`: silence after which the clock has stopped; 0: five periods.
+  explicit Alarms(double patience_s) : patience_s_(patience_s) {}
+
+  /// After a beat: looks at the minute that is complete, if a new one began. With `replay` the past
+  /// is learnt from and nothing is raised.
+  void heard(const Going& going, double nominal_period_s, bool is_replay);
+  /// Nothing was heard for so long.
+  void silent(double silence_s, double period_s, const Instant& now);
+  void archive_fails(const Instant& now, const std::string& why);
+  void archive_works(const Instant& now);
+
+  /// What changed since this was last asked.
+  std::vector<AlarmChange> take_changes() { return std::exchange(changes_, {}); }
+  /// Those that are raised now, in the words they were raised with.
+  [[nodiscard]] std::vector<AlarmChange> raised() const;
+
+private:
+  void set(AlarmKind kind, bool raised, const Instant& at, const std::string& text);
+  [[nodiscard]] bool is_raised(AlarmKind kind) const;
+  void look_at_minutes(const Going& going, double nominal_period_s);
+  void look_for_steps(const Going& going, double nominal_period_s, bool is_replay);
+
+  double patience_s_;
+  StepAlarm rate_, amplitude_;
+  std::array<std::optional<AlarmChange>, alarm_kinds> raised_;
+  std::vector<AlarmChange> changes_;
+};
+
+} // namespace goingrate::apps

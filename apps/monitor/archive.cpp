@@ -1,0 +1,191 @@
+#include "archive.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/log/reading.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace goingrate::apps {
+
+namespace {
+
+constexpr std::string_view origin_words = "# the source's second 0: ";
+constexpr int decimals = 9; // of a second
+
+[[noreturn]] void fail(const std::string& path) { throw OutputError(path, std::strerror(errno)); }
+
+// Cuts a file behind its last whole line: what a failure of power may leave is part of a line, or
+// zeros.
+void cut_torn_line(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::size_t zero = std::min(text.find('\0'), text.size());
+  const std::size_t end = zero == 0 ? text.npos : text.rfind('\n', zero - 1);
+  const std::size_t whole = end == text.npos ? 0 : end + 1;
+  if (whole < text.size() && ::truncate(path.c_str(), static_cast<off_t>(whole)) != 0) fail(path);
+}
+
+// A new file is only safe when its folder knows it.
+void sync_folder(const std::string& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) fail(folder);
+  const bool done = ::fsync(descriptor) == 0;
+  ::close(descriptor);
+  if (!done) fail(folder);
+}
+
+bool is_day(const std::string& name) {
+  return name.size() == 14 && name.ends_with(".csv") && name[4] == '-' && name[7] == '-';
+}
+
+} // namespace
+
+std::string day_of(const Instant& time) {
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(static_cast<std::time_t>(time.seconds)));
+}
+
+Beat as_stored(Beat event) {
+  if (const auto time = parse_instant(format_instant(event.time, decimals))) event.time = *time;
+  if (!std::isnan(event.amplitude_rad))
+    event.amplitude_rad = std::strtod(fmt::format("{:.9g}", event.amplitude_rad).c_str(), nullptr);
+  return event;
+}
+
+Archive::Archive(std::string folder) : folder_(std::move(folder)) {
+  columns_.amplitude = true;
+  columns_.decimals = decimals;
+  std::error_code failed;
+  std::filesystem::create_directories(folder_, failed);
+  if (failed) throw OutputError(folder_, failed.message());
+  const std::string lock = folder_ + "/.lock";
+  lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0) fail(lock);
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(lock_);
+    throw OutputError(folder_, "another process keeps this archive");
+  }
+  read_last_day();
+}
+
+Archive::~Archive() {
+  close_day();
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void Archive::read_last_day() {
+  const auto all = days();
+  if (all.empty()) return;
+  cut_torn_line(path_of(all.back()));
+  std::ifstream file(path_of(all.back()));
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with(origin_words))
+      origin_ = parse_instant(std::string_view(line).substr(origin_words.size()));
+  for (auto day = all.rbegin(); day != all.rend() && !last_time_; ++day)
+    if (const auto events = events_of(*day); !events.empty()) last_time_ = events.back().time;
+}
+
+std::vector<std::string> Archive::days() const {
+  std::vector<std::string> days;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    if (const std::string name = entry.path().filename().string(); is_day(name))
+      days.push_back(name.substr(0, name.size() - 4));
+  std::sort(days.begin(), days.end());
+  return days;
+}
+
+std::vector<Beat> Archive::events_of(const std::string& day) const {
+  try {
+    return read_log_file(path_of(day)).events;
+  } catch (const InputError&) { // a day with fewer events than a log has
+    return {};
+  }
+}
+
+std::string Archive::path_of(const std::string& day) const { return folder_ + "/" + day + ".csv"; }
+
+void Archive::close_day() {
+  if (file_ < 0) return;
+  ::fdatasync(file_);
+  ::close(file_);
+  file_ = -1;
+}
+
+void Archive::describe(bool has_edges, std::optional<double> nominal_period_s) {
+  columns_.edge = has_edges;
+  columns_.nominal_period_s = nominal_period_s;
+}
+
+void Archive::open_day(const std::string& day) {
+  close_day();
+  const std::string path = path_of(day);
+  struct stat found {};
+  const bool is_new = ::stat(path.c_str(), &found) != 0 || found.st_size == 0;
+  file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (file_ < 0) fail(path);
+  day_ = day;
+  if (is_new) {
+    day_has_edges_ = columns_.edge;
+    write(native_log_header(columns_));
+    if (origin_) write(fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals)));
+    sync_folder(folder_);
+  } else { // of an earlier run
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);)
+      if (line.starts_with("time_s")) day_has_edges_ = line.find(",edge") != line.npos;
+  }
+}
+
+// One call a text, so that what is in the file are whole lines; what cannot be written whole is
+// taken back.
+void Archive::write(const std::string& text) {
+  struct stat before {};
+  if (::fstat(file_, &before) != 0) fail(path_of(day_));
+  is_synced_ = false;
+  const auto written = ::write(file_, text.data(), text.size());
+  if (written == static_cast<ssize_t>(text.size())) return;
+  const int error = written < 0 ? errno : ENOSPC;
+  if (::ftruncate(file_, before.st_size) != 0) errno = error;
+  throw OutputError(path_of(day_), std::strerror(error));
+}
+
+void Archive::append(const Beat& event) {
+  const std::string day = day_of(event.time);
+  if (file_ < 0 || day != day_) open_day(day);
+  NativeColumns columns = columns_;
+  columns.edge = day_has_edges_;
+  SensedEvent sensed;
+  sensed.beat = event;
+  std::string text;
+  append_native_line(text, sensed, columns);
+  write(text);
+  last_time_ = event.time;
+}
+
+void Archive::note(const std::string& text) {
+  if (file_ >= 0) write("# " + text + "\n");
+}
+
+void Archive::set_origin(const Instant& origin) {
+  origin_ = origin;
+  if (file_ >= 0) write(fmt::format("{}{}\n", origin_words, format_instant(origin, decimals)));
+}
+
+void Archive::sync() {
+  if (is_synced_) return;
+  if (file_ >= 0 && ::fdatasync(file_) != 0) fail(path_of(day_));
+  is_synced_ = true;
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,72 @@
+// The archive of a clock that is watched: one native log a day, appended to and never rewritten.
+#pragma once
+
+#include "goingrate/log/clock_log.hpp"
+#include "goingrate/log/writing.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// The day (UTC) of a time since 1970 as YYYY-MM-DD.
+std::string day_of(const Instant& time);
+
+/// The event as the archive keeps it: times to the nanosecond, amplitudes to nine digits.
+Beat as_stored(Beat event);
+
+/// Files DIR/YYYY-MM-DD.csv of the native format, the times counted from 1970 (UTC). A line is
+/// handed to the system as soon as it is appended and is safe once sync() returned. What a failure
+/// of power leaves of a line that was not safe yet is cut off when the archive is opened again
+/// (MonitorArchiveTest.ATornLineIsCutOff).
+class Archive {
+public:
+  /// Makes the folder if need be. Throws OutputError if it cannot be written, or if another
+  /// process keeps it.
+  explicit Archive(std::string folder);
+  ~Archive();
+  Archive(const Archive&) = delete;
+  Archive& operator=(const Archive&) = delete;
+
+  /// What the header of a new day says of the source: whether it tells directions, and its nominal
+  /// period.
+  void describe(bool has_edges, std::optional<double> nominal_period_s);
+  /// Appends an event whose time counts from 1970. Throws OutputError; then nothing of the event is
+  /// in the file.
+  void append(const Beat& event);
+  /// Appends a comment, which readers of logs pass over.
+  void note(const std::string& text);
+  /// All that was appended is on disk when it returns. Throws OutputError.
+  void sync();
+  [[nodiscard]] bool is_synced() const { return is_synced_; }
+
+  /// The second at which a source's own times began, as noted last; nothing for dated times.
+  [[nodiscard]] std::optional<Instant> origin() const { return origin_; }
+  void set_origin(const Instant& origin);
+  [[nodiscard]] std::optional<Instant> last_time() const { return last_time_; }
+
+  /// The days that there are, in order.
+  [[nodiscard]] std::vector<std::string> days() const;
+  /// The events of one day; none if it cannot be read.
+  [[nodiscard]] std::vector<Beat> events_of(const std::string& day) const;
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+
+private:
+  void open_day(const std::string& day);
+  void close_day();
+  void write(const std::string& text);
+  void read_last_day();
+  [[nodiscard]] std::string path_of(const std::string& day) const;
+
+  std::string folder_;
+  int lock_ = -1, file_ = -1;
+  std::string day_;       // that is open
+  NativeColumns columns_; // of a new day
+  bool day_has_edges_ = false;
+  bool is_synced_ = true;
+  std::optional<Instant> origin_, last_time_;
+};
+
+} // namespace goingrate::apps

@@ -1,0 +1,86 @@
+// A clock that is watched: every event is stored, numbered and looked at as it comes.
+#pragma once
+
+#include "alarms.hpp"
+#include "archive.hpp"
+#include "going.hpp"
+#include "index.hpp"
+
+#include "arrivals.hpp"
+#include "rolling_numbers.hpp"
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// What a watch is told.
+struct WatchOptions {
+  LogOptions log;
+  std::string folder;
+  double patience_s = 0.0;      ///< silence that is an alarm; 0: five periods
+  std::optional<Instant> start; ///< when a source without dates counts from
+  bool source_is_live = true;   ///< its events are heard as they happen
+};
+
+/// Stores, numbers and judges the events of one source, and goes on where an earlier watch of the
+/// same archive stopped, however it ended.
+class ClockWatch {
+public:
+  /// Reads the archive. Throws OutputError if it cannot be written.
+  explicit ClockWatch(WatchOptions options);
+
+  /// An event as the source tells it. `now` counts from 1970.
+  void add(const Beat& event, const ClockLog& log, const Instant& now);
+  /// Called while nothing comes.
+  void idle(const ClockLog& log, const Instant& now);
+  /// The source has ended.
+  void end(const ClockLog& log, const Instant& now);
+
+  [[nodiscard]] const Going& going() const { return going_; }
+  [[nodiscard]] double nominal_period_s() const { return numbers_.nominal_period_s(); }
+  [[nodiscard]] double period_s() const { return numbers_.period_s(); }
+  [[nodiscard]] const Alarms& alarms() const { return alarms_; }
+  [[nodiscard]] const std::deque<AlarmRecord>& alarm_records() const { return alarm_records_; }
+  [[nodiscard]] const std::deque<CountBreak>& breaks() const { return breaks_; }
+  /// Events that are safe on disk, and all that were heard, in this run.
+  [[nodiscard]] std::int64_t acknowledged() const { return acknowledged_; }
+  [[nodiscard]] std::int64_t heard() const { return heard_; }
+  /// Alarms that began or ended since this was last asked.
+  std::vector<AlarmChange> take_alarm_changes() { return std::exchange(fresh_alarms_, {}); }
+
+private:
+  void restore();
+  void replay(const std::vector<std::string>& days);
+  [[nodiscard]] Instant absolute(const Beat& event, const ClockLog& log, const Instant& now);
+  void store_pending(const Instant& now);
+  void sync(const Instant& now);
+  void take(const Beat& event, bool is_replay);
+  void number(std::vector<Beat> beats, bool is_replay);
+  void take_beat(const Beat& beat, bool is_replay);
+  void complete_day(const Beat& beat);
+  void remember_alarms();
+
+  WatchOptions options_;
+  Archive archive_;
+  ArchiveIndex index_;
+  Arrivals arrivals_;
+  RollingNumbers numbers_;
+  Going going_;
+  Alarms alarms_;
+  ClockLog log_;           // what is known of the source
+  bool has_edges_ = false; // an event of the other direction was heard
+  bool is_first_ = true;   // no event of this run yet
+  std::optional<Instant> last_stored_, last_heard_at_, last_sync_;
+  std::deque<Beat> pending_; // heard, and not stored yet
+  std::vector<Gap> gaps_;
+  std::deque<AlarmRecord> alarm_records_;
+  std::deque<CountBreak> breaks_;
+  std::vector<AlarmChange> fresh_alarms_;
+  std::int64_t acknowledged_ = 0, heard_ = 0, stored_ = 0;
+};
+
+} // namespace goingrate::apps

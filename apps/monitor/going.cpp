@@ -1,0 +1,153 @@
+#include "going.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace goingrate::apps {
+
+namespace {
+
+std::optional<double> mean(double sum, std::int64_t count) {
+  return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
+}
+
+double mean_of(const std::vector<double>& x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+}
+
+// Standard deviation of the mean of x, from the scatter of x.
+double sigma_of_mean(const std::vector<double>& x) {
+  const double middle = mean_of(x);
+  double squares = 0.0;
+  for (const double v : x)
+    squares += (v - middle) * (v - middle);
+  const auto n = static_cast<double>(x.size());
+  return std::sqrt(squares / (n - 1.0) / n);
+}
+
+constexpr std::size_t fewest_rates = 4; // to tell a scatter
+
+double sigma_with_wander(std::vector<double> rates) {
+  double sigma = 0.0;
+  for (; rates.size() >= fewest_rates;) {
+    sigma = std::max(sigma, sigma_of_mean(rates));
+    std::vector<double> pairs;
+    for (std::size_t i = 0; i + 1 < rates.size(); i += 2)
+      pairs.push_back(0.5 * (rates[i] + rates[i + 1]));
+    rates = std::move(pairs);
+  }
+  return sigma;
+}
+
+} // namespace
+
+std::optional<double> GoingBlock::amplitude_rad() const { return mean(amplitude_sum, amplitudes); }
+std::optional<double> GoingBlock::beat_error_s() const { return mean(beat_error_sum, beat_errors); }
+
+bool GoingBlocks::open(const Instant& time) {
+  const std::int64_t start = time.seconds / length_s_ * length_s_;
+  if (!blocks_.empty() && start <= blocks_.back().start_s) return false;
+  GoingBlock block;
+  block.start_s = start;
+  blocks_.push_back(block);
+  if (blocks_.size() > most_) blocks_.pop_front();
+  return true;
+}
+
+std::optional<double> GoingBlocks::rate_of(std::size_t i, double nominal_period_s) const {
+  if (i == 0 || nominal_period_s <= 0.0) return {};
+  const GoingBlock &before = blocks_[i - 1], &block = blocks_[i];
+  const std::int64_t cycles = block.last_cycle - before.last_cycle;
+  if (before.beats == 0 || block.beats == 0 || before.run != block.run || cycles <= 0) return {};
+  return static_cast<double>(cycles) * nominal_period_s / (block.last_time - before.last_time) -
+         1.0;
+}
+
+std::optional<Measured> GoingBlocks::rate_over(std::size_t count, double nominal_period_s) const {
+  if (blocks_.size() < 2) return {};
+  const std::size_t end = blocks_.size() - 1; // the last is not complete
+  std::vector<double> rates;
+  for (std::size_t i = end - std::min(end, count); i < end; ++i)
+    if (const auto rate = rate_of(i, nominal_period_s); rate && blocks_[i].run == blocks_[end].run)
+      rates.push_back(*rate);
+  if (rates.size() < fewest_rates) return {};
+  return Measured{mean_of(rates), sigma_with_wander(rates)};
+}
+
+void GoingBlocks::merge(const GoingBlock& part) {
+  open({part.start_s, 0.0});
+  GoingBlock& block = last();
+  block.beats += part.beats;
+  block.missed += part.missed;
+  block.spurious += part.spurious;
+  block.amplitude_sum += part.amplitude_sum;
+  block.amplitudes += part.amplitudes;
+  block.beat_error_sum += part.beat_error_sum;
+  block.beat_errors += part.beat_errors;
+  block.last_time = part.last_time;
+  block.last_cycle = part.last_cycle;
+  block.run = part.run;
+}
+
+void Going::restore(const std::vector<GoingBlock>& hours) {
+  for (const GoingBlock& hour : hours) {
+    hours_.merge(hour);
+    days_.merge(hour);
+    beats_ += hour.beats;
+    run_ = hour.run;
+  }
+}
+
+// The downward crossing lies between the upward one before it and this one.
+void Going::add_beat_error(const Beat& up) {
+  if (!last_ || !last_down_ || up.cycle != last_->cycle + 1 || !(last_down_->time > last_->time))
+    return;
+  const double error = (last_down_->time - last_->time) - (up.time - last_down_->time);
+  each_length([&](GoingBlocks& blocks) {
+    blocks.last().beat_error_sum += error;
+    ++blocks.last().beat_errors;
+  });
+}
+
+void Going::add(const Beat& beat, std::int64_t missed_before) {
+  minute_is_new_ = false;
+  if (beat.flag == BeatFlag::down) {
+    last_down_ = beat;
+    return;
+  }
+  if (beat.flag != BeatFlag::good) {
+    if (last_) each_length([](GoingBlocks& blocks) { ++blocks.last().spurious; });
+    return;
+  }
+  minute_is_new_ = minutes_.open(beat.time);
+  hours_.open(beat.time);
+  days_.open(beat.time);
+  add_beat_error(beat);
+  each_length([&](GoingBlocks& blocks) {
+    GoingBlock& block = blocks.last();
+    ++block.beats;
+    block.missed += missed_before;
+    block.last_time = beat.time;
+    block.last_cycle = beat.cycle;
+    block.run = run_;
+    if (!std::isnan(beat.amplitude_rad)) {
+      block.amplitude_sum += beat.amplitude_rad;
+      ++block.amplitudes;
+    }
+  });
+  if (run_of_first_ != run_) {
+    first_of_run_ = beat;
+    run_of_first_ = run_;
+  }
+  last_ = beat;
+  ++beats_;
+}
+
+std::optional<double> Going::deviation_s(double nominal_period_s) const {
+  if (!last_ || !first_of_run_ || nominal_period_s <= 0.0) return {};
+  return -residual_from_grid(last_->time, first_of_run_->time, last_->cycle - first_of_run_->cycle,
+                             nominal_period_s);
+}
+
+} // namespace goingrate::apps

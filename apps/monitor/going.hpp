@@ -1,0 +1,92 @@
+// How a watched clock goes, in blocks of a minute, an hour and a day.
+#pragma once
+
+#include "goingrate/log/clock_log.hpp"
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// What was heard within one block of time, and where the clock stood at its end.
+struct GoingBlock {
+  std::int64_t start_s = 0; ///< since 1970, a multiple of the block's length
+  std::int64_t beats = 0, missed = 0, spurious = 0;
+  double amplitude_sum = 0.0, beat_error_sum = 0.0;
+  std::int64_t amplitudes = 0, beat_errors = 0;
+  Instant last_time; ///< of the last good beat, if there is one
+  std::int64_t last_cycle = 0;
+  /// Counts go on without doubt within one run.
+  std::int64_t run = 0;
+
+  [[nodiscard]] std::optional<double> amplitude_rad() const;
+  [[nodiscard]] std::optional<double> beat_error_s() const; ///< tick less tock
+};
+
+/// A number with its standard deviation.
+struct Measured {
+  double value = 0.0, sigma = 0.0;
+};
+
+/// Blocks of one length, the oldest forgotten: constant memory.
+class GoingBlocks {
+public:
+  GoingBlocks(std::int64_t length_s, std::size_t most) : length_s_(length_s), most_(most) {}
+
+  /// The block that holds `time`; whether it is a new one. Times before the last block's stay in
+  /// the last.
+  bool open(const Instant& time);
+  [[nodiscard]] GoingBlock& last() { return blocks_.back(); }
+  [[nodiscard]] const std::deque<GoingBlock>& all() const { return blocks_; }
+  [[nodiscard]] std::int64_t length_s() const { return length_s_; }
+  /// Rate of a block against the last beat of the block before it; nothing across a break.
+  [[nodiscard]] std::optional<double> rate_of(std::size_t i, double nominal_period_s) const;
+  /// Rate over the last `count` blocks that are complete, in the run that goes on now. Its sigma is
+  /// that of a mean of the blocks' rates, of pairs of them, of fours …, the largest, so that slow
+  /// wander counts. Nothing for fewer than four rates.
+  [[nodiscard]] std::optional<Measured> rate_over(std::size_t count, double nominal_period_s) const;
+  /// Adds a block of an earlier time, or of a shorter length, to the one that holds its start.
+  void merge(const GoingBlock& part);
+
+private:
+  std::int64_t length_s_;
+  std::size_t most_;
+  std::deque<GoingBlock> blocks_;
+};
+
+/// The blocks of all lengths, fed with numbered beats.
+class Going {
+public:
+  void add(const Beat& beat, std::int64_t missed_before);
+  /// What follows is not counted on from what was before without doubt.
+  void break_count() { ++run_; }
+  /// Takes the hours of an earlier time for granted, in order.
+  void restore(const std::vector<GoingBlock>& hours);
+
+  [[nodiscard]] const GoingBlocks& minutes() const { return minutes_; }
+  [[nodiscard]] const GoingBlocks& hours() const { return hours_; }
+  [[nodiscard]] const GoingBlocks& days() const { return days_; }
+  /// Whether the last beat opened a new minute; then the one before is complete.
+  [[nodiscard]] bool minute_is_new() const { return minute_is_new_; }
+  [[nodiscard]] const std::optional<Beat>& last() const { return last_; }
+  [[nodiscard]] std::int64_t beats() const { return beats_; }
+  /// The clock's error, s, since the first beat of the run that goes on now: positive, fast.
+  [[nodiscard]] std::optional<double> deviation_s(double nominal_period_s) const;
+
+private:
+  template <class Do> void each_length(Do&& act) {
+    act(minutes_);
+    act(hours_);
+    act(days_);
+  }
+  void add_beat_error(const Beat& up);
+
+  GoingBlocks minutes_{60, 2881}, hours_{3600, 9600}, days_{86400, 7400};
+  std::optional<Beat> last_, last_down_, first_of_run_;
+  std::int64_t run_ = 0, run_of_first_ = -1, beats_ = 0;
+  bool minute_is_new_ = false;
+};
+
+} // namespace goingrate::apps

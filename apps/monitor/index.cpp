@@ -1,0 +1,202 @@
+#include "index.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <filesystem>
+#include <sqlite3.h>
+
+namespace goingrate::apps {
+
+namespace {
+
+constexpr const char* schema = R"(
+PRAGMA journal_mode = WAL;
+PRAGMA user_version = 1;
+CREATE TABLE IF NOT EXISTS day (day TEXT PRIMARY KEY);
+CREATE TABLE IF NOT EXISTS hour (start INTEGER PRIMARY KEY, beats INTEGER, missed INTEGER,
+  spurious INTEGER, amplitude_sum REAL, amplitudes INTEGER, beat_error_sum REAL,
+  beat_errors INTEGER, last_seconds INTEGER, last_fraction REAL, last_cycle INTEGER, run INTEGER);
+CREATE TABLE IF NOT EXISTS break (seconds INTEGER, fraction REAL, after_cycle INTEGER,
+  missing INTEGER, probability REAL, UNIQUE (after_cycle));
+CREATE TABLE IF NOT EXISTS alarm (at REAL, kind TEXT, raised INTEGER, text TEXT,
+  UNIQUE (at, kind, raised));
+)";
+
+} // namespace
+
+struct ArchiveIndex::Database {
+  sqlite3* handle = nullptr;
+  std::string path;
+
+  ~Database() { sqlite3_close(handle); }
+
+  [[nodiscard]] bool open() {
+    return sqlite3_open(path.c_str(), &handle) == SQLITE_OK &&
+           sqlite3_exec(handle, schema, nullptr, nullptr, nullptr) == SQLITE_OK;
+  }
+  [[noreturn]] void fail() const { throw OutputError(path, sqlite3_errmsg(handle)); }
+  void run(const char* sql) const {
+    if (sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+  }
+};
+
+namespace {
+
+// A prepared statement: values are bound in order, columns read in order.
+class Statement {
+public:
+  Statement(sqlite3* handle, const char* sql) {
+    sqlite3_prepare_v2(handle, sql, -1, &statement_, nullptr);
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  Statement& bind(std::int64_t value) {
+    sqlite3_bind_int64(statement_, ++bound_, value);
+    return *this;
+  }
+  Statement& bind(double value) {
+    sqlite3_bind_double(statement_, ++bound_, value);
+    return *this;
+  }
+  Statement& bind(const std::string& value) {
+    sqlite3_bind_text(statement_, ++bound_, value.c_str(), -1, SQLITE_TRANSIENT);
+    return *this;
+  }
+  /// Whether there is a further row; false also where the statement failed.
+  bool step() {
+    read_ = 0;
+    result_ = sqlite3_step(statement_);
+    return result_ == SQLITE_ROW;
+  }
+  [[nodiscard]] bool is_done() const { return result_ == SQLITE_DONE; }
+  std::int64_t whole() { return sqlite3_column_int64(statement_, read_++); }
+  double real() { return sqlite3_column_double(statement_, read_++); }
+  std::string text() {
+    const auto* words = sqlite3_column_text(statement_, read_++);
+    return words == nullptr ? "" : reinterpret_cast<const char*>(words);
+  }
+
+private:
+  sqlite3_stmt* statement_ = nullptr;
+  int bound_ = 0, read_ = 0, result_ = SQLITE_OK;
+};
+
+} // namespace
+
+ArchiveIndex::ArchiveIndex(const std::string& folder) : database_(std::make_unique<Database>()) {
+  database_->path = folder + "/.index.sqlite";
+  if (database_->open()) return;
+  const std::string path = database_->path;
+  database_ = std::make_unique<Database>();
+  database_->path = path;
+  std::error_code ignored;
+  for (const char* end : {"", "-wal", "-shm"})
+    std::filesystem::remove(path + end, ignored);
+  if (!database_->open()) database_->fail();
+}
+
+ArchiveIndex::~ArchiveIndex() = default;
+
+std::vector<std::string> ArchiveIndex::days() const {
+  std::vector<std::string> days;
+  Statement select(database_->handle, "SELECT day FROM day ORDER BY day");
+  while (select.step())
+    days.push_back(select.text());
+  return days;
+}
+
+std::vector<GoingBlock> ArchiveIndex::hours() const {
+  std::vector<GoingBlock> hours;
+  Statement select(database_->handle,
+                   "SELECT start, beats, missed, spurious, amplitude_sum, amplitudes, "
+                   "beat_error_sum, beat_errors, last_seconds, last_fraction, last_cycle, run "
+                   "FROM hour ORDER BY start");
+  while (select.step()) {
+    GoingBlock h;
+    h.start_s = select.whole();
+    h.beats = select.whole();
+    h.missed = select.whole();
+    h.spurious = select.whole();
+    h.amplitude_sum = select.real();
+    h.amplitudes = select.whole();
+    h.beat_error_sum = select.real();
+    h.beat_errors = select.whole();
+    h.last_time.seconds = select.whole();
+    h.last_time.fraction = select.real();
+    h.last_cycle = select.whole();
+    h.run = select.whole();
+    hours.push_back(h);
+  }
+  return hours;
+}
+
+std::vector<CountBreak> ArchiveIndex::breaks() const {
+  std::vector<CountBreak> breaks;
+  Statement select(database_->handle, "SELECT seconds, fraction, after_cycle, missing, probability "
+                                      "FROM break ORDER BY seconds DESC LIMIT 500");
+  while (select.step()) {
+    CountBreak gap;
+    gap.at.seconds = select.whole();
+    gap.at.fraction = select.real();
+    gap.after_cycle = select.whole();
+    gap.missing = select.whole();
+    gap.probability = select.real();
+    breaks.push_back(gap);
+  }
+  return breaks;
+}
+
+std::vector<AlarmRecord> ArchiveIndex::alarms() const {
+  std::vector<AlarmRecord> alarms;
+  Statement select(database_->handle,
+                   "SELECT at, kind, raised, text FROM alarm ORDER BY at DESC LIMIT 500");
+  while (select.step()) {
+    AlarmRecord alarm;
+    alarm.at_s = select.real();
+    alarm.kind = select.text();
+    alarm.is_raised = select.whole() != 0;
+    alarm.text = select.text();
+    alarms.push_back(alarm);
+  }
+  return alarms;
+}
+
+void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>& hours) {
+  database_->run("BEGIN");
+  for (const GoingBlock& h : hours) {
+    Statement insert(database_->handle,
+                     "INSERT OR REPLACE INTO hour VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    insert.bind(h.start_s).bind(h.beats).bind(h.missed).bind(h.spurious).bind(h.amplitude_sum);
+    insert.bind(h.amplitudes).bind(h.beat_error_sum).bind(h.beat_errors);
+    insert.bind(h.last_time.seconds).bind(h.last_time.fraction).bind(h.last_cycle).bind(h.run);
+    insert.step();
+    if (!insert.is_done()) database_->fail();
+  }
+  Statement insert(database_->handle, "INSERT OR REPLACE INTO day VALUES (?)");
+  insert.bind(day).step();
+  if (!insert.is_done()) database_->fail();
+  database_->run("COMMIT");
+}
+
+void ArchiveIndex::put_break(const CountBreak& gap) {
+  Statement insert(database_->handle, "INSERT OR REPLACE INTO break VALUES (?, ?, ?, ?, ?)");
+  insert.bind(gap.at.seconds).bind(gap.at.fraction).bind(gap.after_cycle).bind(gap.missing);
+  insert.bind(gap.probability).step();
+}
+
+void ArchiveIndex::put_alarm(const AlarmRecord& alarm) {
+  Statement insert(database_->handle, "INSERT OR REPLACE INTO alarm VALUES (?, ?, ?, ?)");
+  insert.bind(alarm.at_s).bind(alarm.kind).bind(std::int64_t{alarm.is_raised}).bind(alarm.text);
+  insert.step();
+}
+
+void ArchiveIndex::clear() {
+  database_->run("DELETE FROM day");
+  database_->run("DELETE FROM hour");
+  database_->run("DELETE FROM break");
+  database_->run("DELETE FROM alarm");
+}
+
+} // namespace goingrate::apps

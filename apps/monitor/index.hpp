@@ -1,0 +1,49 @@
+// The index of an archive: what its days came to. It is made again from them where it is missing.
+#pragma once
+
+#include "going.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// A place where the count was carried over beats that were not heard.
+struct CountBreak {
+  Instant at; ///< of the beat after it
+  std::int64_t after_cycle = 0, missing = 0;
+  double probability = 1.0; ///< that `missing` is right
+};
+
+/// An alarm as it is remembered.
+struct AlarmRecord {
+  double at_s = 0.0; ///< since 1970
+  std::string kind, text;
+  bool is_raised = false;
+};
+
+/// DIR/.index.sqlite, hidden so that the folder is a log. Throws OutputError where it cannot be
+/// written. A file that is no such index is replaced (MonitorIndexTest.IsMadeAgain).
+class ArchiveIndex {
+public:
+  explicit ArchiveIndex(const std::string& folder);
+  ~ArchiveIndex();
+
+  /// Days that are complete, with the blocks of their hours, in order.
+  [[nodiscard]] std::vector<std::string> days() const;
+  [[nodiscard]] std::vector<GoingBlock> hours() const;
+  [[nodiscard]] std::vector<CountBreak> breaks() const;
+  [[nodiscard]] std::vector<AlarmRecord> alarms() const;
+  void put_day(const std::string& day, const std::vector<GoingBlock>& hours);
+  void put_break(const CountBreak& gap);
+  void put_alarm(const AlarmRecord& alarm);
+  /// Everything is forgotten.
+  void clear();
+
+private:
+  struct Database;
+  std::unique_ptr<Database> database_;
+};
+
+} // namespace goingrate::apps

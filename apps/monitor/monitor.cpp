@@ -1,0 +1,168 @@
+// goingrate monitor: a clock watched for years.
+#include "monitor.hpp"
+
+#include "clock_watch.hpp"
+#include "server.hpp"
+#include "source.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <thread>
+
+namespace goingrate::apps {
+
+namespace {
+
+struct MonitorOptions {
+  LogOptions log;
+  std::string source, archive, listen, on_alarm, name, start;
+  double patience_s = 0.0;
+};
+
+// Set by a signal; a second one ends the program at once.
+std::atomic<bool> is_to_end = false;
+
+extern "C" void end_watch(int number) {
+  is_to_end = true;
+  std::signal(number, SIG_DFL);
+}
+
+Instant now() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
+  return {ns / 1'000'000'000, static_cast<double>(ns % 1'000'000'000) * 1e-9};
+}
+
+WatchOptions watch_options(const MonitorOptions& options) {
+  WatchOptions watch;
+  watch.log = options.log;
+  watch.folder = options.archive;
+  watch.patience_s = options.patience_s;
+  watch.source_is_live = !is_growing_file(options.source);
+  if (!options.start.empty()) {
+    watch.start = parse_instant(options.start);
+    if (!watch.start)
+      throw ArgumentError("--start", options.start, "seconds since 1970, such as 1764144000");
+  }
+  return watch;
+}
+
+class Monitor {
+public:
+  Monitor(const MonitorOptions& options, const GlobalOptions& global)
+      : options_(options), global_(global), watch_(watch_options(options)) {
+    if (options.listen.empty()) return;
+    server_.emplace(parse_address(options.listen));
+    say(global_, fmt::format("listening at port {}", server_->port()));
+    publish(now());
+  }
+
+  // Until the source ends, or a signal comes. A source that fails is opened again.
+  void run() {
+    while (!is_to_end) {
+      try {
+        follow();
+        if (ends_for_good(options_.source)) break;
+      } catch (const InputError& error) {
+        if (ends_for_good(options_.source)) throw;
+        say(global_, fmt::format("{}; trying again", error.what()));
+      }
+      for (int tenth = 0; tenth < 10 && !is_to_end; ++tenth) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        watch_.idle({}, now());
+        tell();
+      }
+    }
+  }
+
+private:
+  void follow() {
+    const OpenSource source(options_.source);
+    ClockLog known;
+    LogFollower log(source.path(), reading_options(options_.log), [&] {
+      watch_.idle(known, now());
+      tell();
+      return !is_to_end;
+    });
+    known = log.log();
+    while (const auto event = log.next()) {
+      watch_.add(*event, log.log(), now());
+      tell();
+    }
+    watch_.end(log.log(), now());
+    tell();
+  }
+
+  // Alarms at once, answers once a second.
+  void tell() {
+    for (const AlarmChange& change : watch_.take_alarm_changes()) {
+      say(global_, fmt::format("{} {}: {}", change.is_raised ? "alarm" : "over",
+                               name_of(change.kind), change.text));
+      if (!options_.on_alarm.empty())
+        run_on_alarm(options_.on_alarm, std::string(name_of(change.kind)), change.is_raised,
+                     change.text);
+    }
+    const auto at = std::chrono::steady_clock::now();
+    if (server_ && at - published_ >= std::chrono::seconds(1)) publish(now());
+  }
+
+  void publish(const Instant& at) {
+    published_ = std::chrono::steady_clock::now();
+    server_->publish(answers_of(watch_, options_.name, at));
+  }
+
+  const MonitorOptions& options_;
+  const GlobalOptions& global_;
+  ClockWatch watch_;
+  std::optional<MonitorServer> server_;
+  std::chrono::steady_clock::time_point published_;
+};
+
+void run(MonitorOptions options, const GlobalOptions& global) {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
+    std::signal(number, end_watch);
+  options.log.paths = {options.source};
+  if (options.name.empty()) options.name = options.source;
+  Monitor monitor(options, global);
+  monitor.run();
+}
+
+} // namespace
+
+void add_monitor(CLI::App& program, const GlobalOptions& global) {
+  auto* command =
+      program.add_subcommand("monitor", "watch a clock for years: archive, page, alarms");
+  auto options = std::make_shared<MonitorOptions>();
+  command
+      ->add_option("source", options->source,
+                   "a growing file, a FIFO, '-' for standard input, a serial device with its speed "
+                   "(/dev/ttyACM0:115200), or arecord:DEVICE for a sound card")
+      ->required();
+  command->add_option("--archive", options->archive, "the folder that keeps a file a day")
+      ->required();
+  command->add_option("--listen", options->listen,
+                      "HOST:PORT of the page; 127.0.0.1:8080 is for this computer alone");
+  command->add_option("--on-alarm", options->on_alarm,
+                      "a command of the shell, run when an alarm begins or ends; it finds "
+                      "GOINGRATE_ALARM, GOINGRATE_STATE (raised, cleared) and GOINGRATE_TEXT");
+  command->add_option("--name", options->name, "of the clock, for the page");
+  command
+      ->add_option("--patience", options->patience_s,
+                   "seconds without a beat that are an alarm; five periods if not given")
+      ->check(positive());
+  command->add_option("--start", options->start,
+                      "when a source without dates counts from, in seconds since 1970; from its "
+                      "first event if not given");
+  add_log_settings(*command, options->log);
+  command->footer("Example:\n  goingrate monitor /dev/ttyACM0:115200 --archive clock "
+                  "--listen 127.0.0.1:8080");
+  command->callback([options, &global] { run(*options, global); });
+}
+
+} // namespace goingrate::apps

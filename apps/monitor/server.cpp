@@ -1,0 +1,152 @@
+#include "server.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <condition_variable>
+#include <fmt/format.h>
+#include <functional>
+#include <httplib.h>
+#include <mutex>
+#include <thread>
+
+namespace goingrate::apps {
+
+ListenAddress parse_address(const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  ListenAddress address;
+  std::string port = text;
+  if (colon != text.npos) {
+    address.host = text.substr(0, colon);
+    port = text.substr(colon + 1);
+    if (address.host.starts_with('[') && address.host.ends_with(']')) // IPv6
+      address.host = address.host.substr(1, address.host.size() - 2);
+  }
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
+  const bool is_port = error == std::errc() && end == port.data() + port.size() &&
+                       address.port >= 0 && address.port <= 65535;
+  if (!is_port || address.host.empty())
+    throw ArgumentError("listen", text, "HOST:PORT, such as 127.0.0.1:8080");
+  return address;
+}
+
+struct MonitorServer::Parts {
+  using Field = std::string WatchAnswers::*;
+
+  void serve(const char* path, Field field, const char* type) {
+    server.Get(path, [this, field, type](const httplib::Request&, httplib::Response& response) {
+      const std::lock_guard lock(mutex);
+      response.set_content(answers.*field, type);
+    });
+  }
+
+  // An event every second, or a comment when nothing is new, so that a listener that has gone is
+  // noticed.
+  bool send_event(std::uint64_t& seen, httplib::DataSink& sink) {
+    std::unique_lock lock(mutex);
+    changed.wait_for(lock, std::chrono::seconds(5), [&] { return ends || serial != seen; });
+    if (ends) {
+      sink.done();
+      return true;
+    }
+    const std::string text = serial == seen ? ":\n\n" : "data: " + answers.now + "\n\n";
+    seen = serial;
+    lock.unlock();
+    return sink.write(text.data(), text.size());
+  }
+
+  void serve_events() {
+    server.Get("/events", [this](const httplib::Request&, httplib::Response& response) {
+      constexpr int most_listeners = 16;
+      if (listeners.fetch_add(1) >= most_listeners) {
+        listeners.fetch_sub(1);
+        response.status = 503;
+        response.set_header("Retry-After", "60");
+        return;
+      }
+      response.set_chunked_content_provider(
+          "text/event-stream",
+          [this, seen = std::uint64_t{0}](std::size_t, httplib::DataSink& sink) mutable {
+            return send_event(seen, sink);
+          },
+          [this](bool) { listeners.fetch_sub(1); });
+    });
+  }
+
+  void set_up() {
+    constexpr std::size_t threads = 24; // sixteen listeners leave eight to answer
+    server.new_task_queue = [] { return new httplib::ThreadPool(threads); };
+    constexpr std::size_t most_request_bytes = 8192;
+    server.set_payload_max_length(most_request_bytes);
+    server.set_read_timeout(10);
+    server.set_write_timeout(10);
+    server.set_keep_alive_max_count(100);
+    server.set_keep_alive_timeout(10);
+    server.set_default_headers(
+        {{"Content-Security-Policy",
+          "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+          "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+         {"X-Content-Type-Options", "nosniff"},
+         {"Referrer-Policy", "no-referrer"},
+         {"Cache-Control", "no-store"}});
+    server.Get("/", [](const httplib::Request&, httplib::Response& response) {
+      response.set_content(monitor_page, "text/html; charset=utf-8");
+    });
+    serve("/api/now", &WatchAnswers::now, "application/json");
+    serve("/api/minutes", &WatchAnswers::minutes, "application/json");
+    serve("/api/hours", &WatchAnswers::hours, "application/json");
+    serve("/api/days", &WatchAnswers::days, "application/json");
+    serve("/api/alarms", &WatchAnswers::alarms, "application/json");
+    serve("/api/breaks", &WatchAnswers::breaks, "application/json");
+    serve("/metrics", &WatchAnswers::metrics, "text/plain; version=0.0.4");
+    serve_events();
+  }
+
+  httplib::Server server;
+  std::thread thread;
+  std::mutex mutex;
+  std::condition_variable changed;
+  WatchAnswers answers;
+  std::uint64_t serial = 0;
+  bool ends = false;
+  std::atomic<int> listeners = 0;
+  int port = 0;
+};
+
+MonitorServer::MonitorServer(const ListenAddress& address) : parts_(std::make_unique<Parts>()) {
+  parts_->set_up();
+  parts_->port = address.port;
+  const bool bound = address.port == 0
+                         ? (parts_->port = parts_->server.bind_to_any_port(address.host)) > 0
+                         : parts_->server.bind_to_port(address.host, address.port);
+  if (!bound)
+    throw OutputError(fmt::format("{}:{}", address.host, address.port),
+                      "cannot listen there: the port is taken, or the address is not this "
+                      "computer's");
+  parts_->thread = std::thread([this] { parts_->server.listen_after_bind(); });
+}
+
+MonitorServer::~MonitorServer() {
+  {
+    const std::lock_guard lock(parts_->mutex);
+    parts_->ends = true;
+  }
+  parts_->changed.notify_all();
+  parts_->server.stop();
+  parts_->thread.join();
+}
+
+void MonitorServer::publish(WatchAnswers answers) {
+  {
+    const std::lock_guard lock(parts_->mutex);
+    parts_->answers = std::move(answers);
+    ++parts_->serial;
+  }
+  parts_->changed.notify_all();
+}
+
+int MonitorServer::port() const { return parts_->port; }
+
+} // namespace goingrate::apps

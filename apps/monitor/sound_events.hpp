@@ -1,0 +1,13 @@
+// Beats heard by a sound card, as lines.
+#pragma once
+
+#include <string>
+
+namespace goingrate::apps {
+
+/// Runs arecord on a device and writes a native log of the beats to a descriptor until either ends;
+/// returns an exit status. Beats are looked for in windows of a minute, the last half of which is
+/// heard again in the next, so lines come up to half a minute late. Times are the sound card's.
+int write_sound_events(const std::string& device, int to);
+
+} // namespace goingrate::apps

@@ -1,0 +1,46 @@
+// Whether a quantity that is measured once a minute has changed for good.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// A change that was found.
+struct FoundStep {
+  double size = 0.0, sigma = 0.0;
+  std::int64_t minutes = 0; ///< of the means that were compared
+};
+
+/// Looks for steps on scales of 1, 2, 4 … 512 minutes: a mean is compared with those of the eight
+/// before it, in units of what such differences were so far on that scale. Wander and the wave of a
+/// day are in that measure, so a clock is judged by its own going. The limit is the quantile of
+/// Student's t at which all scales together give `false_alarms_a_year`
+/// (MonitorStudy, tests/studies/monitor.txt).
+class StepAlarm {
+public:
+  explicit StepAlarm(double false_alarms_a_year = 0.2);
+  /// The mean of the next minute; nothing if it is not known.
+  std::optional<FoundStep> add(std::optional<double> mean);
+  /// Whether a step was found and the level since is not yet believed to hold.
+  [[nodiscard]] bool is_raised() const { return minutes_raised_ > 0; }
+
+private:
+  struct Scale {
+    double sum = 0.0;
+    std::size_t count = 0;     // minutes in the mean that is being made
+    std::deque<double> before; // the means before it
+    double square = 0.0;       // mean square of differences
+    double differences = 0.0;  // that it is the mean of
+  };
+  std::optional<FoundStep> add_to(std::size_t scale, double mean);
+
+  double false_alarms_a_year_;
+  std::vector<Scale> scales_;
+  std::int64_t minutes_raised_ = 0;
+};
+
+} // namespace goingrate::apps

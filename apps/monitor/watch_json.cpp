@@ -1,0 +1,161 @@
+#include "watch_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace goingrate::apps {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double seconds_a_day = 86400.0;
+
+Json value_or_null(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json rate_json(const std::optional<Measured>& rate) {
+  if (!rate) return nullptr;
+  return {{"s_per_day", rate->value * seconds_a_day}, {"sigma", rate->sigma * seconds_a_day}};
+}
+
+// The whole past in days, since single hours of a year are many.
+std::optional<Measured> rate_of_a_year(const Going& going, double nominal_period_s) {
+  constexpr std::size_t year_days = 365;
+  return going.days().rate_over(year_days, nominal_period_s);
+}
+
+Json blocks_json(const GoingBlocks& blocks, double nominal_period_s) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < blocks.all().size(); ++i) {
+    const GoingBlock& block = blocks.all()[i];
+    auto rate = blocks.rate_of(i, nominal_period_s);
+    if (rate) *rate *= seconds_a_day;
+    rows.push_back({block.start_s, value_or_null(rate), value_or_null(block.amplitude_rad()),
+                    value_or_null(block.beat_error_s()), block.beats, block.missed,
+                    block.spurious});
+  }
+  return {
+      {"schema", "goingrate.monitor.blocks"},
+      {"version", 1},
+      {"block_s", blocks.length_s()},
+      {"columns",
+       {"start", "rate_s_per_day", "amplitude_rad", "beat_error_s", "beats", "missed", "spurious"}},
+      {"rows", std::move(rows)}};
+}
+
+Json alarm_json(const AlarmRecord& alarm) {
+  return {
+      {"at", alarm.at_s}, {"kind", alarm.kind}, {"raised", alarm.is_raised}, {"text", alarm.text}};
+}
+
+Json now_json(const ClockWatch& watch, const std::string& name, const Instant& now) {
+  const Going& going = watch.going();
+  const double nominal = watch.nominal_period_s();
+  Json raised = Json::array();
+  for (const AlarmChange& alarm : watch.alarms().raised())
+    raised.push_back(
+        {{"kind", name_of(alarm.kind)}, {"at", alarm.at.to_double()}, {"text", alarm.text}});
+  const bool knows = going.last().has_value();
+  std::optional<double> amplitude, beat_error;
+  if (const auto& minutes = going.minutes().all(); minutes.size() > 1) {
+    amplitude = minutes[minutes.size() - 2].amplitude_rad();
+    beat_error = minutes[minutes.size() - 2].beat_error_s();
+  }
+  return {{"schema", "goingrate.monitor.now"},
+          {"version", 1},
+          {"clock", name},
+          {"now", now.to_double()},
+          {"last_beat", knows ? Json(going.last()->time.to_double()) : Json(nullptr)},
+          {"cycle", knows ? Json(going.last()->cycle) : Json(nullptr)},
+          {"beats", going.beats()},
+          {"nominal_period_s", nominal > 0.0 ? Json(nominal) : Json(nullptr)},
+          {"deviation_s", value_or_null(going.deviation_s(nominal))},
+          {"amplitude_rad", value_or_null(amplitude)},
+          {"beat_error_s", value_or_null(beat_error)},
+          {"rate",
+           {{"ten_minutes", rate_json(going.minutes().rate_over(10, nominal))},
+            {"hour", rate_json(going.minutes().rate_over(60, nominal))},
+            {"day", rate_json(going.hours().rate_over(24, nominal))},
+            {"year", rate_json(rate_of_a_year(going, nominal))}}},
+          {"alarms", std::move(raised)},
+          {"heard", watch.heard()},
+          {"acknowledged", watch.acknowledged()}};
+}
+
+// One metric in Prometheus' text format; nothing where it is not known.
+void put(std::string& text, const char* name, const char* kind, const char* help, const Json& value,
+         const std::string& labels = "") {
+  if (value.is_null()) return;
+  text += fmt::format("# HELP {0} {1}\n# TYPE {0} {2}\n{0}{3} {4}\n", name, help, kind, labels,
+                      value.dump());
+}
+
+std::string metrics_of(const Json& now) {
+  std::string text;
+  put(text, "goingrate_beats_total", "counter", "Beats that were numbered.", now["beats"]);
+  put(text, "goingrate_acknowledged_total", "counter", "Events of this run that are on disk.",
+      now["acknowledged"]);
+  put(text, "goingrate_last_beat_seconds", "gauge", "Time of the last beat since 1970.",
+      now["last_beat"]);
+  put(text, "goingrate_deviation_seconds", "gauge", "The clock's error; positive: fast.",
+      now["deviation_s"]);
+  put(text, "goingrate_amplitude_radians", "gauge", "Amplitude of the last minute.",
+      now["amplitude_rad"]);
+  put(text, "goingrate_beat_error_seconds", "gauge", "Tick less tock, last minute.",
+      now["beat_error_s"]);
+  std::string rates;
+  for (const auto& [span, rate] : now["rate"].items())
+    if (!rate.is_null())
+      rates += fmt::format("goingrate_rate_seconds_per_day{{over=\"{}\"}} {}\n", span,
+                           rate["s_per_day"].dump());
+  if (!rates.empty())
+    text += "# HELP goingrate_rate_seconds_per_day Rate; positive: gaining.\n"
+            "# TYPE goingrate_rate_seconds_per_day gauge\n" +
+            rates;
+  text += "# HELP goingrate_alarm Whether an alarm is raised.\n# TYPE goingrate_alarm gauge\n";
+  for (std::size_t kind = 0; kind < alarm_kinds; ++kind) {
+    const auto name = name_of(static_cast<AlarmKind>(kind));
+    const bool raised = std::any_of(now["alarms"].begin(), now["alarms"].end(),
+                                    [&](const Json& a) { return a["kind"] == name; });
+    text += fmt::format("goingrate_alarm{{kind=\"{}\"}} {}\n", name, raised ? 1 : 0);
+  }
+  return text;
+}
+
+template <class Records, class Make>
+std::string list_json(const char* schema, const Records& records, Make make) {
+  Json rows = Json::array();
+  for (auto record = records.rbegin(); record != records.rend(); ++record) // the newest first
+    rows.push_back(make(*record));
+  return Json{{"schema", schema}, {"version", 1}, {"rows", std::move(rows)}}.dump();
+}
+
+} // namespace
+
+WatchAnswers answers_of(const ClockWatch& watch, const std::string& name, const Instant& now) {
+  WatchAnswers answers;
+  const Json state = now_json(watch, name, now);
+  const double nominal = watch.nominal_period_s();
+  const auto dumped = [](const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  answers.now = dumped(state);
+  answers.metrics = metrics_of(state);
+  answers.minutes = dumped(blocks_json(watch.going().minutes(), nominal));
+  answers.hours = dumped(blocks_json(watch.going().hours(), nominal));
+  answers.days = dumped(blocks_json(watch.going().days(), nominal));
+  answers.alarms = list_json("goingrate.monitor.alarms", watch.alarm_records(), alarm_json);
+  answers.breaks = list_json("goingrate.monitor.breaks", watch.breaks(), [](const CountBreak& gap) {
+    return Json{{"at", gap.at.to_double()},
+                {"after_cycle", gap.after_cycle},
+                {"missing", gap.missing},
+                {"probability", gap.probability}};
+  });
+  return answers;
+}
+
+} // namespace goingrate::apps

@@ -1,0 +1,101 @@
+#include "archive.hpp"
+#include "index.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+namespace goingrate::apps {
+namespace {
+
+class MonitorArchiveTest : public testing::Test {
+protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + "archive-" +
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::remove_all(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  // Ten beats a second apart, from two seconds before a midnight on.
+  void fill(std::int64_t from = 1764201598) const {
+    Archive archive(folder_);
+    archive.describe(false, 1.0);
+    for (std::int64_t i = 0; i < 10; ++i)
+      archive.append(event_at({from + i, 0.25}));
+    archive.sync();
+    EXPECT_TRUE(archive.is_synced());
+  }
+  [[nodiscard]] std::string day(const std::string& name) const {
+    return folder_ + "/" + name + ".csv";
+  }
+
+  std::string folder_;
+};
+
+TEST_F(MonitorArchiveTest, ADayHasItsFile) {
+  fill();
+  const Archive archive(folder_);
+  EXPECT_EQ(archive.days(), (std::vector<std::string>{"2025-11-26", "2025-11-27"}));
+  const auto events = archive.events_of("2025-11-27");
+  ASSERT_EQ(events.size(), 8U);
+  EXPECT_EQ(events.front().time, (Instant{1764201600, 0.25}));
+  EXPECT_EQ(archive.last_time(), (Instant{1764201607, 0.25}));
+}
+
+TEST_F(MonitorArchiveTest, ATornLineIsCutOff) {
+  for (const std::string& torn : {std::string("17642016"), std::string(300, '\0'),
+                                  std::string("1764201608.2") + std::string(40, '\0')}) {
+    std::filesystem::remove_all(folder_);
+    fill();
+    std::ofstream(day("2025-11-27"), std::ios::app | std::ios::binary) << torn;
+    {
+      Archive archive(folder_);
+      EXPECT_EQ(archive.last_time(), (Instant{1764201607, 0.25}));
+      archive.append(event_at({1764201608, 0.25}));
+    }
+    EXPECT_EQ(Archive(folder_).events_of("2025-11-27").size(), 9U); // nothing lost, nothing more
+  }
+}
+
+TEST_F(MonitorArchiveTest, OneProcessKeepsIt) {
+  const Archive archive(folder_);
+  EXPECT_THROW(Archive{folder_}, OutputError);
+}
+
+TEST_F(MonitorArchiveTest, TheOriginIsFoundAgain) {
+  {
+    Archive archive(folder_);
+    archive.set_origin({1764201000, 0.5});
+    for (std::int64_t i = 0; i < 5; ++i)
+      archive.append(event_at({1764201600 + i, 0.0}));
+  }
+  EXPECT_EQ(Archive(folder_).origin(), (Instant{1764201000, 0.5}));
+}
+
+TEST_F(MonitorArchiveTest, TheIndexIsMadeAgainFromNothing) {
+  std::filesystem::create_directories(folder_);
+  std::ofstream(folder_ + "/.index.sqlite") << "this is no database, however long it may be";
+  ArchiveIndex index(folder_);
+  EXPECT_TRUE(index.days().empty());
+  GoingBlock hour;
+  hour.start_s = 3600;
+  hour.beats = 7;
+  hour.last_time = {7199, 0.125};
+  index.put_day("1970-01-01", {hour});
+  index.put_break({{5000, 0.5}, 12, 34, 0.75});
+  index.put_alarm({6000.0, "stopped", "it's quiet", true});
+  const ArchiveIndex again(folder_);
+  ASSERT_EQ(again.hours().size(), 1U);
+  EXPECT_EQ(again.hours()[0].beats, 7);
+  EXPECT_EQ(again.hours()[0].last_time, hour.last_time);
+  ASSERT_EQ(again.breaks().size(), 1U);
+  EXPECT_EQ(again.breaks()[0].probability, 0.75);
+  ASSERT_EQ(again.alarms().size(), 1U);
+  EXPECT_EQ(again.alarms()[0].text, "it's quiet");
+}
+
+} // namespace
+} // namespace goingrate::apps

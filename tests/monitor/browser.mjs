@@ -1,0 +1,33 @@
+// The page of a monitor in headless Chromium. Arguments: CHROMIUM ADDRESS FOLDER-FOR-PICTURES.
+import { Browser, check, faultCount, pause } from "../web/driver.mjs";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+
+const [chromium, address, folder] = process.argv.slice(2);
+const browser = new Browser(chromium);
+await browser.open(address);
+await browser.until(`document.querySelector("#rate .line")`, "the rate is drawn");
+check(await browser.value(`document.querySelector("h1").textContent`) === "<i>Hall</i> clock", "the name is text");
+check(/^The clock gains [0-9.]+ ± [0-9.]+ s\/day\.$/.test(await browser.value(`document.getElementById("says").textContent`)), "the first line tells the rate");
+const beats = () => browser.value(`[...document.querySelectorAll("#cards div")].find((d) => d.textContent.startsWith("beats")).querySelector("dd").textContent`);
+const before = Number(await beats());
+await pause(4000);
+const after = Number(await beats());
+check(after > before, `it is live: ${before} beats, then ${after}`);
+for (const scheme of ["light", "dark"]) {
+  await browser.setScheme(scheme);
+  for (const width of [390, 768, 1280]) {
+    await browser.setWidth(width);
+    const wide = await browser.value(`document.documentElement.scrollWidth`);
+    check(wide <= width, `${scheme}, ${width} px: nothing scrolls sideways (${wide})`);
+    const { data } = await browser.send("Page.captureScreenshot", { format: "png", captureBeyondViewport: true });
+    writeFileSync(join(folder, `monitor-${scheme}-${width}.png`), Buffer.from(data, "base64"));
+  }
+}
+await browser.click("input[value=hours]");
+await pause(500);
+check(await browser.value(`document.querySelector("#rate .line, #rate text") !== null`), "hours are drawn");
+check(browser.complaints.length === 0, `the console is silent ${browser.complaints.join("; ")}`);
+check(browser.requests.every((url) => url.startsWith(address)), "nothing is asked of others");
+await browser.close?.();
+process.exit(faultCount() === 0 ? 0 : 1);

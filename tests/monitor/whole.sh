@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# A monitor as a process: killed, its disk full, its source a pipe, a terminal, a file that is rotated; what it
+# serves. Argument: the command.
+set -euo pipefail
+goingrate=$1
+work=$(mktemp -d)
+trap 'kill $(jobs -p) 2> /dev/null || true; rm -rf "$work"' EXIT
+cd "$work"
+fault=0
+check() { # words, then a command that must succeed
+  local words=$1
+  shift
+  if "$@"; then echo "ok $words"; else
+    echo "not ok $words"
+    fault=1
+  fi
+}
+beats() { # of a clock that loses 3 ppm, from N to M, the times 60 times as fast as they come
+  awk -v from="$1" -v to="$2" 'BEGIN { for (n = from; n < to; ++n) printf "%.6f\n", n * 1.000003 }'
+}
+rows() { cat "$1"/*.csv 2> /dev/null | grep -c '^[0-9]' || true; }
+has_rows() { [ "$(rows "$1")" -ge "$2" ]; }
+within() { # seconds, then a command: tried until it succeeds
+  local left=$(($1 * 10))
+  shift
+  until "$@"; do
+    [ $((left--)) -gt 0 ] || return 1
+    sleep 0.1
+  done
+}
+
+# Killed while it listens to a pipe: what had come two seconds before is there, and the count goes on.
+mkfifo pipe
+"$goingrate" --quiet monitor pipe --archive killed &
+monitor=$!
+exec 3> pipe
+{ printf '# goingrate log: 1\n# nominal_period_s: 1\ntime_s\n'; beats 0 500; } >&3
+sleep 2
+kill -9 $monitor
+wait $monitor 2> /dev/null || true
+exec 3>&-
+check "kill -9 loses nothing that was acknowledged" has_rows killed 500
+printf '1764201' >> "$(ls killed/*.csv)" # a line that a failure of power tore
+"$goingrate" --quiet monitor pipe --archive killed --listen 127.0.0.1:0 2> said &
+monitor=$!
+exec 3> pipe
+{ printf '# goingrate log: 1\n# nominal_period_s: 1\ntime_s\n'; beats 600 900; } >&3
+check "it goes on in the same files" within 5 has_rows killed 800
+kill -TERM $monitor
+exec 3>&-
+check "a signal ends it" within 5 bash -c "! kill -0 $monitor 2> /dev/null"
+check "the archive is a log" bash -c "'$goingrate' --quiet rate killed -o table.csv"
+check "of 900 cycles" grep -q '^899,' table.csv
+
+# What it serves.
+python3 - "$goingrate" <<'PY' || fault=1
+import http.client, json, os, re, socket, subprocess, sys, time
+command = sys.argv[1]
+fault = 0
+def check(words, holds):
+    global fault
+    print(("ok " if holds else "not ok ") + words)
+    fault |= not holds
+master, slave = os.openpty()
+os.set_blocking(master, True)
+process = subprocess.Popen([command, "monitor", os.ttyname(slave) + ":115200", "--archive", "served", "--listen",
+                            "127.0.0.1:0", "--name", "<b>Hall & \"Dial\"</b>", "--patience", "2", "--on-alarm",
+                            "echo $GOINGRATE_ALARM $GOINGRATE_STATE >> alarms"], stderr=subprocess.PIPE, text=True)
+port = int(re.search(r"port (\d+)", process.stderr.readline()).group(1))
+def get(path, method="GET", body=None):
+    link = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+    link.request(method, path, body)
+    answer = link.getresponse()
+    return answer.status, answer.read().decode(), answer.headers
+os.write(master, b"# goingrate log: 1\n# nominal_period_s: 0.5\ntime_s\n")
+start = time.time()
+for n in range(20):
+    os.write(master, b"%.6f\n" % (n * 0.5))
+deadline = time.time() + 8
+while time.time() < deadline and json.loads(get("/api/now")[1])["beats"] < 20:
+    time.sleep(0.2)
+now = json.loads(get("/api/now")[1])
+check("a serial line is read", now["beats"] == 20)
+check("all is acknowledged", now["acknowledged"] == 20 and now["heard"] == 20)
+check("the name is as given", now["clock"] == '<b>Hall & "Dial"</b>')
+status, page, headers = get("/")
+check("the page is served under a policy", status == 200 and "default-src 'none'" in headers["Content-Security-Policy"])
+check("and does not hold the name, which is asked for", "Hall" not in page)
+for path in ("minutes", "hours", "days", "alarms", "breaks"):
+    check("/api/" + path, isinstance(json.loads(get("/api/" + path)[1])["rows"], list))
+check("metrics", "\ngoingrate_beats_total 20\n" in get("/metrics")[1])
+for path in ("/../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/api/../../alarms", "/served", "/api/now/x"):
+    check("no way to files: " + path, get(path)[0] == 404)
+check("nothing is taken", get("/api/now", "POST", "x")[0] in (404, 405) and get("/api/now", "PUT", "x")[0] in (404, 405))
+slow = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]  # that never ask
+listeners = []
+for _ in range(20):
+    link = socket.create_connection(("127.0.0.1", port), timeout=10)
+    link.sendall(b"GET /events HTTP/1.1\r\nHost: x\r\n\r\n")
+    listeners.append(link)
+began = time.time()
+check("thirty that say nothing and twenty that listen leave it answering", get("/api/now")[0] == 200)
+first = listeners[0].recv(4096).decode(errors="replace")
+check("events are sent", "text/event-stream" in first)
+for link in slow + listeners:
+    link.close()
+deadline = time.time() + 10
+while time.time() < deadline and not os.path.exists("alarms"):
+    time.sleep(0.2)
+check("a command is run when the clock stops", open("alarms").read() == "stopped raised\n")
+process.terminate()
+process.wait(timeout=15)
+check("it ends when asked", process.returncode == 0)
+sys.exit(fault)
+PY
+
+# A disk that is full: what is in the file are whole lines, and the alarm is told.
+(
+  ulimit -f 64
+  beats 0 20000 | "$goingrate" monitor - --archive full 2> full.said
+) || true
+check "a full disk leaves whole lines" bash -c "tail -c 1 full/*.csv | od -c | grep -q '\\\\n'"
+check "and is told" grep -q archive-failing full.said
+
+# A file that is rotated.
+beats 0 100 > growing.log
+"$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
+monitor=$!
+check "a file" within 5 has_rows rotated 100
+mv growing.log growing.1
+beats 100 200 > growing.log
+check "and the one after it" within 5 has_rows rotated 200
+kill $monitor
+check "by its day" test -s rotated/2025-11-27.csv
+
+# Two monitors of one archive.
+"$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
+sleep 0.5
+"$goingrate" monitor - --archive rotated < growing.log 2> refused && fault=1
+check "another process is told so" grep -q "another process keeps this archive" refused
+exit $fault
