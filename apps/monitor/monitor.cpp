@@ -160,8 +160,7 @@ void add_monitor(CLI::App& program, const GlobalOptions& global) {
                       "when a source without dates counts from, in seconds since 1970; from its "
                       "first event if not given");
   add_log_settings(*command, options->log);
-  command->footer("Example:\n  goingrate monitor /dev/ttyACM0:115200 --archive clock "
-                  "--listen 127.0.0.1:8080");
+  command->footer("Example:\n  goingrate monitor - --archive clock < data/logs/jump.csv");
   command->callback([options, &global] { run(*options, global); });
 }
 

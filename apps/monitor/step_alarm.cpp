@@ -7,7 +7,7 @@ namespace goingrate::apps {
 
 namespace {
 
-constexpr std::size_t scale_count = 10;
+constexpr std::size_t scale_count = 13;
 constexpr std::size_t compared_means = 8;
 constexpr double fewest_differences = 16.0, most_differences = 400.0;
 constexpr double minutes_a_year = 525960.0;
@@ -61,9 +61,12 @@ std::optional<FoundStep> StepAlarm::add_to(std::size_t scale, double mean) {
       level += v / static_cast<double>(compared_means);
     const double difference = mean - level, sigma = std::sqrt(s.square);
     if (s.differences >= fewest_differences && sigma > 0.0 &&
-        std::abs(difference) > sigma * limit(scale, s.differences, false_alarms_a_year_))
+        std::abs(difference) > sigma * s.limit)
       return FoundStep{difference, sigma, minutes_of(scale)};
-    s.differences = std::min(s.differences + 1.0, most_differences);
+    if (s.differences < most_differences) {
+      s.differences += 1.0;
+      s.limit = limit(scale, s.differences, false_alarms_a_year_);
+    }
     s.square += (difference * difference - s.square) / s.differences;
     s.before.pop_front();
   }

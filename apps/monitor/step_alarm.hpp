@@ -15,11 +15,11 @@ struct FoundStep {
   std::int64_t minutes = 0; ///< of the means that were compared
 };
 
-/// Looks for steps on scales of 1, 2, 4 … 512 minutes: a mean is compared with those of the eight
+/// Looks for steps on scales of 1, 2, 4 … 4096 minutes: a mean is compared with those of the eight
 /// before it, in units of what such differences were so far on that scale. Wander and the wave of a
 /// day are in that measure, so a clock is judged by its own going. The limit is the quantile of
 /// Student's t at which all scales together give `false_alarms_a_year`
-/// (MonitorStudy, tests/studies/monitor.txt).
+/// (tests/studies/monitor.txt).
 class StepAlarm {
 public:
   explicit StepAlarm(double false_alarms_a_year = 0.2);
@@ -35,6 +35,7 @@ private:
     std::deque<double> before; // the means before it
     double square = 0.0;       // mean square of differences
     double differences = 0.0;  // that it is the mean of
+    double limit = 0.0;        // in sigmas, for so many differences
   };
   std::optional<FoundStep> add_to(std::size_t scale, double mean);
 
