@@ -160,7 +160,7 @@ void add_monitor(CLI::App& program, const GlobalOptions& global) {
                       "when a source without dates counts from, in seconds since 1970; from its "
                       "first event if not given");
   add_log_settings(*command, options->log);
-  command->footer("Example:\n  goingrate monitor - --archive clock < data/logs/jump.csv");
+  command->footer("Example:\n  goingrate monitor - --archive clock < my.log");
   command->callback([options, &global] { run(*options, global); });
 }
 

@@ -133,7 +133,7 @@ check_names() {
 }
 
 : > "$here/ran"
-for command in simulate rate fit spectrum stability report compare map chart paper batch help; do
+for command in simulate rate fit spectrum stability report compare map chart paper batch monitor help; do
   goingrate "$command" --help
 done | grep -oE -- '--[a-z][a-z0-9-]*' | sort -u > "$here/options"
 printf '%s\n' --help --version --quiet >> "$here/options"

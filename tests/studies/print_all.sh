@@ -20,6 +20,8 @@ print drive_split 208 40 "$base"
 print noisy_drive 60 "$base"
 print weather 100 "$base"
 print isochronism 300 "$base"
+print ring_down 10 "$base"
+print monitor 4 "$base"
 for name in solvers fit_speed fit_peer reading stability python web; do
   print "$name"
 done
