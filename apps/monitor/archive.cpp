@@ -128,6 +128,7 @@ void Archive::describe(bool has_edges, std::optional<double> nominal_period_s) {
 }
 
 void Archive::open_day(const std::string& day) {
+  sync(); // of the day before: a failure is told, and tried again
   close_day();
   const std::string path = path_of(day);
   struct stat found {};
@@ -137,9 +138,15 @@ void Archive::open_day(const std::string& day) {
   day_ = day;
   if (is_new) {
     day_has_edges_ = columns_.edge;
-    write(native_log_header(columns_));
-    if (origin_) write(fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals)));
-    sync_folder(folder_);
+    std::string head = native_log_header(columns_);
+    if (origin_) head += fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals));
+    try {
+      write(head);
+      sync_folder(folder_);
+    } catch (const OutputError&) { // no line is to stand in a file without its header
+      close_day();
+      throw;
+    }
   } else { // of an earlier run
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);)

@@ -110,7 +110,11 @@ Instant ClockWatch::absolute(const Beat& event, const ClockLog& log, const Insta
   if (!archive_.origin() && options_.start) origin = *options_.start;
   if (last_stored_ && *last_stored_ - from(origin) > 0.0)
     origin = *last_stored_ + (numbers_.period_s() - event.time.to_double());
-  archive_.set_origin(origin);
+  try {
+    archive_.set_origin(origin);
+  } catch (const OutputError& error) { // the next day's header has it
+    alarms_.archive_fails(now, error.what());
+  }
   return from(origin);
 }
 
