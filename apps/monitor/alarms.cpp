@@ -92,8 +92,13 @@ void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is
   const GoingBlocks& minutes = going.minutes();
   const std::size_t complete = minutes.all().size() - 2;
   const Instant at = going.last()->time;
-  const auto rate = rate_.add(minutes.rate_of(complete, nominal_period_s));
-  const auto amplitude = amplitude_.add(minutes.all()[complete].amplitude_rad());
+  const std::int64_t minute = minutes.all()[complete].start_s / 60;
+  const auto rate =
+      rate_.add(rate_wave_.without(minute, minutes.rate_of(complete, nominal_period_s)));
+  const auto amplitude =
+      amplitude_.add(amplitude_wave_.without(minute, minutes.all()[complete].amplitude_rad()));
+  if (rate) rate_wave_.stepped(rate->size);
+  if (amplitude) amplitude_wave_.stepped(amplitude->size);
   if (is_replay) return;
   if (rate)
     set(AlarmKind::rate_step, true, at,

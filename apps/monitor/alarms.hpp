@@ -1,6 +1,7 @@
 // What a clock that is watched is called out for.
 #pragma once
 
+#include "daily_wave.hpp"
 #include "going.hpp"
 #include "step_alarm.hpp"
 
@@ -58,6 +59,7 @@ private:
   void look_for_steps(const Going& going, double nominal_period_s, bool is_replay);
 
   double patience_s_;
+  DailyWave rate_wave_, amplitude_wave_;
   StepAlarm rate_, amplitude_;
   std::array<std::optional<AlarmChange>, alarm_kinds> raised_;
   std::vector<AlarmChange> changes_;

@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t most_records = 500; // alarms and breaks that are remembered in memory
 constexpr std::size_t tail_beats = 200;   // that tell how the count goes on
 
+constexpr std::size_t learnt_days = 14; // that alarms are learnt from again after a start
+
 constexpr double sync_every_s = 1.0; // so that every line is safe within two
 
 template <class T> void remember(std::deque<T>& records, const T& record) {
@@ -53,14 +55,14 @@ ClockWatch::ClockWatch(WatchOptions options)
   restore();
 }
 
-// Days of the index but the last are taken from it; the last is read again with those that the
-// index does not have, for the minutes and to count on.
+// Days of the index but the last fourteen are taken from it; those are read again with the ones
+// that the index does not have: for the minutes, to count on, and for alarms to learn the clock.
 void ClockWatch::restore() {
   const auto days = archive_.days(), indexed = index_.days();
   const bool agrees =
       indexed.size() <= days.size() && std::equal(indexed.begin(), indexed.end(), days.begin());
   if (!agrees) index_.clear();
-  std::size_t taken = agrees && !indexed.empty() ? indexed.size() - 1 : 0;
+  const std::size_t taken = agrees ? indexed.size() - std::min(indexed.size(), learnt_days) : 0;
   if (taken > 0) {
     std::vector<GoingBlock> hours = index_.hours();
     std::erase_if(hours, [&](const GoingBlock& hour) {

@@ -76,14 +76,17 @@ struct MonitorServer::Parts {
   }
 
   void set_up() {
-    constexpr std::size_t threads = 24; // sixteen listeners leave eight to answer
+    // A connection holds a thread, also one that says nothing: sixteen listeners and the silent of
+    // two seconds leave some to answer.
+    constexpr std::size_t threads = 64;
+    constexpr std::time_t silence_s = 2;
     server.new_task_queue = [] { return new httplib::ThreadPool(threads); };
     constexpr std::size_t most_request_bytes = 8192;
     server.set_payload_max_length(most_request_bytes);
     server.set_read_timeout(10);
     server.set_write_timeout(10);
     server.set_keep_alive_max_count(100);
-    server.set_keep_alive_timeout(10);
+    server.set_keep_alive_timeout(silence_s);
     server.set_default_headers(
         {{"Content-Security-Policy",
           "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "

@@ -18,8 +18,8 @@ struct ListenAddress {
 ListenAddress parse_address(const std::string& text);
 
 /// Serves the page, /api/…, /metrics and /events (server-sent events) from threads of its own. A
-/// request may have 8 KiB and takes or gives at most ten seconds at a time; at most sixteen listen
-/// to events, others are told to come again.
+/// request may have 8 KiB and takes or gives at most ten seconds at a time; a connection that says
+/// nothing for two is closed; at most sixteen listen to events, others are told to come again.
 class MonitorServer {
 public:
   /// Listens at once. Throws OutputError if the address cannot be had.

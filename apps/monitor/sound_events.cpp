@@ -3,9 +3,12 @@
 #include "goingrate/sound/ticks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <fmt/format.h>
+#include <optional>
+#include <span>
 #include <unistd.h>
 #include <vector>
 
@@ -33,30 +36,56 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-std::string lines_of(const std::vector<float>& window, std::int64_t first, bool is_first,
-                     std::optional<double>& period_s) {
-  const SoundSamples samples{rate_hz, static_cast<std::int64_t>(window.size()),
-                             [&](std::int64_t from, std::span<float> to) {
-                               for (std::size_t i = 0; i < to.size(); ++i) {
-                                 const auto at = from + static_cast<std::int64_t>(i);
-                                 const bool inside =
-                                     at >= 0 && at < static_cast<std::int64_t>(window.size());
-                                 to[i] = inside ? window[static_cast<std::size_t>(at)] : 0.0F;
-                               }
-                             }};
-  const TickTrain train = find_ticks(samples, period_s);
-  if (train.ticks.empty()) return {};
-  period_s = train.period / rate_hz;
-  // The middle half of the window is told, of the first one its beginning too.
-  const double from = is_first ? 0.0 : 0.25 * static_cast<double>(window.size());
-  const double to = 0.75 * static_cast<double>(window.size());
-  std::string text;
-  for (const Tick& tick : train.ticks)
-    if (tick.at >= from && tick.at < to)
-      text += fmt::format("{:.9f},{}\n", (static_cast<double>(first) + tick.at) / rate_hz,
-                          tick.is_tock ? "down" : "up");
-  return text;
+SoundSamples samples_of(const std::vector<float>& window) {
+  const auto size = static_cast<std::int64_t>(window.size());
+  return {rate_hz, size, [&window, size](std::int64_t from, std::span<float> to) {
+            for (std::size_t i = 0; i < to.size(); ++i) {
+              const std::int64_t at = from + static_cast<std::int64_t>(i);
+              to[i] = at >= 0 && at < size ? window[static_cast<std::size_t>(at)] : 0.0F;
+            }
+          }};
 }
+
+// Hears one window after the other as one clock.
+class Listener {
+public:
+  // Lines of the beats up to three quarters of a window that begins at sample `first`: those behind
+  // are heard again, from both sides, in the next one.
+  std::string lines_of(const std::vector<float>& window, std::int64_t first) {
+    TickTrain train = find_ticks(samples_of(window), period_s_);
+    if (train.ticks.empty()) return {};
+    period_s_ = train.period / rate_hz;
+    const auto begin = static_cast<double>(first);
+    for (Tick& tick : train.ticks)
+      tick.at += begin;
+    if (is_swapped(train))
+      for (Tick& tick : train.ticks)
+        tick.is_tock = !tick.is_tock;
+    const double end = begin + 0.75 * static_cast<double>(window.size());
+    std::string text;
+    for (const Tick& tick : train.ticks)
+      if (tick.at < end && (!last_ || tick.at > last_->at + 0.1 * train.period)) {
+        text += fmt::format("{:.9f},{}\n", tick.at / rate_hz, tick.is_tock ? "down" : "up");
+        last_ = tick;
+      }
+    return text;
+  }
+
+private:
+  // Which of two sounds is the tick is one's choice; it is to be that of the window before.
+  [[nodiscard]] bool is_swapped(const TickTrain& train) const {
+    if (!last_ || !train.has_tocks) return false;
+    const auto nearest =
+        std::min_element(train.ticks.begin(), train.ticks.end(), [&](const Tick& a, const Tick& b) {
+          return std::abs(a.at - last_->at) < std::abs(b.at - last_->at);
+        });
+    const bool half_apart = std::lround(2.0 * (nearest->at - last_->at) / train.period) % 2 != 0;
+    return (nearest->is_tock != last_->is_tock) != half_apart;
+  }
+
+  std::optional<double> period_s_;
+  std::optional<Tick> last_; // that was told, in samples since the beginning
+};
 
 } // namespace
 
@@ -67,15 +96,13 @@ int write_sound_events(const std::string& device, int to) {
   if (sound == nullptr || !write_all(to, "# goingrate log: 1\ntime_s,edge\n")) return 1;
   std::vector<float> window;
   std::vector<std::int16_t> piece(4800);
-  std::optional<double> period_s;
+  Listener listener;
   std::int64_t first = 0;
-  bool is_first = true;
   for (std::size_t count; (count = std::fread(piece.data(), 2, piece.size(), sound)) > 0;) {
     for (std::size_t i = 0; i < count; ++i)
       window.push_back(static_cast<float>(piece[i]) / 32768.0F);
     if (static_cast<std::int64_t>(window.size()) < window_samples) continue;
-    if (!write_all(to, lines_of(window, first, is_first, period_s))) break;
-    is_first = false;
+    if (!write_all(to, listener.lines_of(window, first))) break;
     window.erase(window.begin(), window.begin() + step_samples);
     first += step_samples;
   }

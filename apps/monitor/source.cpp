@@ -109,10 +109,10 @@ void OpenSource::open_sound(const std::string& device) {
 
 void run_on_alarm(const std::string& command, const std::string& kind, bool is_raised,
                   const std::string& text) {
-  while (::waitpid(-1, nullptr, WNOHANG) > 0) { // those that have ended
-  }
   const pid_t child = ::fork();
+  if (child > 0) ::waitpid(child, nullptr, 0);
   if (child != 0) return;
+  if (::fork() != 0) std::_Exit(0); // the command is nobody's child: none has to wait for it
   ::setenv("GOINGRATE_ALARM", kind.c_str(), 1);
   ::setenv("GOINGRATE_STATE", is_raised ? "raised" : "cleared", 1);
   ::setenv("GOINGRATE_TEXT", text.c_str(), 1);

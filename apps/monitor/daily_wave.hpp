@@ -1,0 +1,29 @@
+// The wave of a day in a quantity that is measured once a minute.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+namespace goingrate::apps {
+
+/// Learns the wave that temperature draws every day: a level and harmonics of 24 and 12 hours, by
+/// least squares whose weights fade within weeks (DailyWaveTest).
+class DailyWave {
+public:
+  /// The mean of the minute that begins `minute` minutes after 1970, less the wave learnt before
+  /// it; nothing if it is not known.
+  std::optional<double> without(std::int64_t minute, std::optional<double> mean);
+  /// The level is another by so much: what was learnt is taken to have been at the new one.
+  void stepped(double size);
+
+private:
+  static constexpr int terms = 5;
+  using Vector = Eigen::Matrix<double, terms, 1>;
+  static Vector shape(std::int64_t minute);
+
+  Eigen::Matrix<double, terms, terms> weights_ = Eigen::Matrix<double, terms, terms>::Zero();
+  Vector sums_ = Vector::Zero();
+};
+
+} // namespace goingrate::apps

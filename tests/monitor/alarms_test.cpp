@@ -1,0 +1,213 @@
+#include "monitor/watched_clock.hpp"
+
+#include <csignal>
+#include <fstream>
+#include <numbers>
+#include <sys/resource.h>
+
+namespace goingrate::apps {
+namespace {
+
+class MonitorAlarmsTest : public WatchedClockTest {
+protected:
+  // How often an alarm of a kind was raised and ended since this was last asked.
+  struct Count {
+    int raised = 0, ended = 0;
+    bool operator==(const Count&) const = default;
+  };
+  static Count count(ClockWatch& watch, AlarmKind kind) {
+    Count count;
+    for (const AlarmChange& change : watch.take_alarm_changes()) {
+      EXPECT_EQ(name_of(change.kind), name_of(kind)) << change.text;
+      ++(change.is_raised ? count.raised : count.ended);
+    }
+    return count;
+  }
+  static constexpr Count begins{1, 0}, ends{0, 1}, silent{0, 0}, once{1, 1};
+};
+
+TEST_F(MonitorAlarmsTest, ASilentClockIsCalledStopped) {
+  ClockWatch watch(options_);
+  hear(watch, 0, 100);
+  const Instant end = began + 100.0;
+  watch.idle(log_, end + 4.0); // less than five periods
+  EXPECT_TRUE(watch.take_alarm_changes().empty());
+  watch.idle(log_, end + 6.0);
+  const auto raised = watch.take_alarm_changes();
+  ASSERT_EQ(raised.size(), 1U);
+  EXPECT_EQ(raised[0].kind, AlarmKind::stopped);
+  watch.idle(log_, end + 60.0);
+  EXPECT_TRUE(watch.take_alarm_changes().empty()); // once
+  hear(watch, 200, 300);
+  const auto over = watch.take_alarm_changes();
+  ASSERT_EQ(over.size(), 1U);
+  EXPECT_FALSE(over[0].is_raised);
+}
+
+TEST_F(MonitorAlarmsTest, AClockOutOfBeat) {
+  ClockWatch watch(options_);
+  std::int64_t n = 0;
+  const auto hear_minutes = [&](int minutes, double tick_less_tock_s) {
+    for (const std::int64_t end = n + minutes * 60; n < end; ++n) {
+      const double at = time_of(n), down = at + 0.5 * period_s + 0.5 * tick_less_tock_s;
+      hear_event(watch, event_at(Instant::from_seconds(at)), at, n);
+      hear_event(watch, event_at(Instant::from_seconds(down), Edge::down), down, n);
+    }
+    return count(watch, AlarmKind::out_of_beat);
+  };
+  EXPECT_EQ(hear_minutes(60, 0.0), silent);
+  EXPECT_EQ(hear_minutes(30, 0.015), silent); // 1.5 %
+  EXPECT_EQ(hear_minutes(30, -0.025), begins);
+  EXPECT_EQ(hear_minutes(30, -0.015), silent); // between its two limits
+  EXPECT_EQ(hear_minutes(30, 0.005), ends);
+}
+
+TEST_F(MonitorAlarmsTest, ASensorThatFails) {
+  ClockWatch watch(options_);
+  std::int64_t n = 0;
+  // Of every hundred beats so many are not heard, so many twice, half a second apart.
+  const auto hear_minutes = [&](int minutes, int missed, int doubled) {
+    for (const std::int64_t end = n + minutes * 60; n < end; ++n) {
+      const double at = time_of(n);
+      const auto place = n * 37 % 100;
+      if (place >= missed) hear_event(watch, event_at(Instant::from_seconds(at)), at, n);
+      if (place >= 100 - doubled)
+        hear_event(watch, event_at(Instant::from_seconds(at + 0.3)), at + 0.3, n);
+    }
+    return count(watch, AlarmKind::sensor_failing);
+  };
+  EXPECT_EQ(hear_minutes(30, 0, 0), silent);
+  EXPECT_EQ(hear_minutes(30, 5, 0), silent);
+  EXPECT_EQ(hear_minutes(30, 20, 0), begins);
+  EXPECT_EQ(hear_minutes(30, 5, 0), silent);
+  EXPECT_EQ(hear_minutes(30, 0, 0), ends);
+  EXPECT_EQ(hear_minutes(30, 0, 20), begins);
+}
+
+TEST_F(MonitorAlarmsTest, AnAmplitudeThatFalls) {
+  ClockWatch watch(options_);
+  std::int64_t n = 0;
+  const auto hear_hours = [&](int hours, double amplitude_rad) {
+    for (const std::int64_t end = n + hours * 3600; n < end; ++n) {
+      Beat beat = event_at(Instant::from_seconds(time_of(n)));
+      beat.amplitude_rad = amplitude_rad + 1e-4 * random_.normal();
+      hear_event(watch, beat, time_of(n), n);
+    }
+    return count(watch, AlarmKind::amplitude_falling);
+  };
+  EXPECT_EQ(hear_hours(10, 0.05), silent);
+  EXPECT_EQ(hear_hours(1, 0.049), once);   // 1e-3 against 1.3e-5 of a minute's mean
+  EXPECT_EQ(hear_hours(3, 0.050), silent); // it is well when it rises
+}
+
+TEST_F(MonitorAlarmsTest, ARateThatSteps) {
+  ClockWatch watch(options_);
+  hear(watch, 0, 36000);
+  EXPECT_EQ(count(watch, AlarmKind::rate_step), silent);
+  gain_ = 20e-6 - 1e-6; // 1e-6 against 2.4e-7 of a minute and 6e-8 of four
+  for (std::int64_t n = 36000; n < 38000; ++n) {
+    const double at = 36000.0 / (1.0 + 20e-6) + static_cast<double>(n - 36000) / (1.0 + gain_) +
+                      1e-5 * random_.normal();
+    hear_event(watch, event_at(Instant::from_seconds(at)), at, n);
+  }
+  EXPECT_EQ(count(watch, AlarmKind::rate_step), once);
+}
+
+// No file may grow beyond a size: what a full disk does to a process.
+class FullDisk {
+public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST_F(MonitorAlarmsTest, WhatComesWhileTheDiskIsFullIsWrittenLater) {
+  options_.start = began + -100.0; // so that a day begins while it is full
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 50);
+    {
+      const FullDisk disk(0);
+      hear(watch, 50, 300); // over midnight
+      EXPECT_EQ(count(watch, AlarmKind::archive_failing), begins);
+      EXPECT_EQ(watch.heard(), 300);
+      EXPECT_EQ(watch.acknowledged(), 50);
+    }
+    hear(watch, 300, 400);
+    EXPECT_EQ(count(watch, AlarmKind::archive_failing), ends);
+    EXPECT_EQ(watch.acknowledged(), 400);
+    EXPECT_EQ(watch.going().last()->cycle, 399);
+  }
+  const Archive archive(options_.folder);
+  std::size_t events = 0;
+  for (const std::string& day : archive.days())
+    events += archive.events_of(day).size();
+  EXPECT_EQ(events, 400U);
+  EXPECT_EQ(archive.days().size(), 2U);
+  EXPECT_EQ(archive.origin(), began + -100.0); // its second header has it
+}
+
+TEST_F(MonitorAlarmsTest, AnArchiveThatIsFullFromTheBeginning) {
+  ClockWatch watch(options_);
+  {
+    const FullDisk disk(0);
+    hear(watch, 0, 100);
+    EXPECT_EQ(count(watch, AlarmKind::archive_failing), begins);
+  }
+  hear(watch, 100, 200);
+  EXPECT_EQ(count(watch, AlarmKind::archive_failing), ends);
+  EXPECT_EQ(watch.acknowledged(), 200);
+}
+
+TEST(DailyWaveTest, IsLearntAndTakenOut) {
+  RandomStream random(8, StreamPurpose::jitter);
+  DailyWave wave;
+  constexpr std::int64_t day = 1440;
+  double squares = 0.0, step_seen = 0.0;
+  for (std::int64_t minute = 0; minute < 31 * day; ++minute) {
+    const double phase = 2.0 * std::numbers::pi * static_cast<double>(minute) / day;
+    const double step = minute >= 30 * day ? 2.0 : 0.0;
+    const double clock = 7.0 + 5.0 * std::sin(phase) + std::cos(2.0 * phase + 1.0);
+    const auto without = wave.without(minute, clock + step + 0.1 * random.normal());
+    ASSERT_TRUE(without);
+    const double rest = *without - 7.0;
+    if (minute >= 20 * day && minute < 30 * day) squares += rest * rest / (10.0 * day);
+    if (minute >= 30 * day) step_seen += rest / day;
+  }
+  // 0.1 of noise, and what of a wave of 5 is held back: 720 of 720 + 12,000 minutes.
+  EXPECT_LT(std::sqrt(squares), 0.1 + 0.28);
+  EXPECT_NEAR(step_seen, 2.0, 0.2); // a level is no wave; a day is a tenth of what is remembered
+  EXPECT_FALSE(wave.without(31 * day, std::nullopt));
+}
+
+TEST(StepAlarmTest, FindsAStepAndTakesTheNewLevelForTheUsual) {
+  RandomStream random(3, StreamPurpose::jitter);
+  StepAlarm alarm;
+  for (int minute = 0; minute < 3000; ++minute)
+    EXPECT_FALSE(alarm.add(random.normal())) << minute;
+  int delay = 0;
+  std::optional<FoundStep> found;
+  for (; delay < 200 && !found; ++delay)
+    found = alarm.add(random.normal() + 3.0);
+  ASSERT_TRUE(found);
+  // Of 4 minutes a mean is 3 against 0.53 of their difference: 5.7, about the limit of that scale.
+  EXPECT_LE(delay, 24);
+  EXPECT_NEAR(found->size, 3.0, 3.0);
+  EXPECT_TRUE(alarm.is_raised());
+  for (int minute = 0; minute < 2000; ++minute)
+    EXPECT_FALSE(alarm.add(random.normal() + 3.0)) << minute;
+  EXPECT_FALSE(alarm.is_raised());
+}
+
+} // namespace
+} // namespace goingrate::apps
