@@ -20,6 +20,8 @@ public:
     bool begins_anew = false; ///< its time has nothing to do with those before
   };
 
+  /// The last event that was believed before.
+  void go_on_from(const Beat& event) { last_ = event; }
   /// What can be gone on with now.
   std::vector<Arrival> add(const Beat& event);
   /// What was held at the end.

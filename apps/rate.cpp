@@ -35,7 +35,8 @@ void write_table(StreamedFile& file, const RateOptions& options, const NumberedL
         block_table(block_rates(loaded.beats.beats, loaded.nominal_period_s, options.block_s));
     return;
   }
-  RateTable table({loaded.nominal_period_s, loaded.log.has_amplitude, options.running_cycles},
+  RateTable table({loaded.nominal_period_s, loaded.log.has_amplitude, options.running_cycles,
+                   loaded.beats.step},
                   loaded.log.columns, loaded.beats.gaps);
   file.text() = table.header();
   for (std::size_t i = 0; i < loaded.beats.beats.size(); ++i) {

@@ -73,6 +73,16 @@ void Alarms::set(AlarmKind kind, bool raised, const Instant& at, const std::stri
   changes_.push_back(change);
 }
 
+void Alarms::restore(const std::vector<AlarmRecord>& records) {
+  for (const AlarmRecord& record : records)
+    for (std::size_t k = 0; k < alarm_kinds; ++k) {
+      const auto kind = static_cast<AlarmKind>(k);
+      if (record.kind != name_of(kind)) continue;
+      const AlarmChange change{kind, true, Instant::from_seconds(record.at_s), record.text};
+      raised_[k] = record.is_raised ? std::optional(change) : std::nullopt;
+    }
+}
+
 std::vector<AlarmChange> Alarms::raised() const {
   std::vector<AlarmChange> all;
   for (const auto& alarm : raised_)
@@ -81,11 +91,25 @@ std::vector<AlarmChange> Alarms::raised() const {
 }
 
 void Alarms::heard(const Going& going, double nominal_period_s, bool is_replay) {
-  if (!is_replay && going.last())
-    set(AlarmKind::stopped, false, going.last()->time, "the clock goes again");
+  if (!is_replay) goes(going.last()->time, nominal_period_s);
   if (!going.minute_is_new() || going.minutes().all().size() < 2) return;
   look_for_steps(going, nominal_period_s, is_replay);
   if (!is_replay) look_at_minutes(going, nominal_period_s);
+}
+
+// It goes again when it has gone for as long as it may be silent.
+void Alarms::goes(const Instant& at, double period_s) {
+  if (!is_raised(AlarmKind::stopped)) return;
+  if (!goes_since_) goes_since_ = at;
+  if (at - *goes_since_ >= patience_of(period_s)) {
+    set(AlarmKind::stopped, false, at, "the clock goes again");
+    goes_since_.reset();
+  }
+}
+
+double Alarms::patience_of(double period_s) const {
+  constexpr double patience_periods = 5.0;
+  return patience_s_ > 0.0 ? patience_s_ : patience_periods * period_s;
 }
 
 void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is_replay) {
@@ -133,16 +157,16 @@ void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
     set(AlarmKind::out_of_beat, true, at,
         fmt::format("the clock is out of beat: tick and tock differ by {:.3g} ms",
                     1e3 * last.beat_error_s));
-  else if (uneven < uneven_clears)
+  else if (last.has_beat_error && uneven < uneven_clears)
     set(AlarmKind::out_of_beat, false, at, "the clock is in beat again");
 }
 
 void Alarms::silent(double silence_s, double period_s, const Instant& now) {
-  constexpr double patience_periods = 5.0;
-  const double patience = patience_s_ > 0.0 ? patience_s_ : patience_periods * period_s;
-  if (patience > 0.0 && silence_s > patience)
-    set(AlarmKind::stopped, true, now,
-        fmt::format("no beat for {:.3g} s: has the clock stopped?", silence_s));
+  const double patience = patience_of(period_s);
+  if (!(patience > 0.0 && silence_s > patience)) return;
+  goes_since_.reset();
+  set(AlarmKind::stopped, true, now,
+      fmt::format("no beat for {:.3g} s: has the clock stopped?", silence_s));
 }
 
 void Alarms::archive_fails(const Instant& now, const std::string& why) {

@@ -3,6 +3,7 @@
 
 #include "daily_wave.hpp"
 #include "going.hpp"
+#include "index.hpp"
 #include "step_alarm.hpp"
 
 #include <array>
@@ -42,6 +43,8 @@ public:
   /// After a beat: looks at the minute that is complete, if a new one began. With `replay` the past
   /// is learnt from and nothing is raised.
   void heard(const Going& going, double nominal_period_s, bool is_replay);
+  /// Goes on from what an earlier run recorded, in order of time.
+  void restore(const std::vector<AlarmRecord>& records);
   /// Nothing was heard for so long.
   void silent(double silence_s, double period_s, const Instant& now);
   void archive_fails(const Instant& now, const std::string& why);
@@ -56,9 +59,12 @@ private:
   void set(AlarmKind kind, bool raised, const Instant& at, const std::string& text);
   [[nodiscard]] bool is_raised(AlarmKind kind) const;
   void look_at_minutes(const Going& going, double nominal_period_s);
+  void goes(const Instant& at, double period_s);
+  [[nodiscard]] double patience_of(double period_s) const;
   void look_for_steps(const Going& going, double nominal_period_s, bool is_replay);
 
   double patience_s_;
+  std::optional<Instant> goes_since_; // while `stopped` is raised
   DailyWave rate_wave_, amplitude_wave_;
   StepAlarm rate_, amplitude_;
   std::array<std::optional<AlarmChange>, alarm_kinds> raised_;

@@ -26,13 +26,13 @@ constexpr int decimals = 9; // of a second
 
 [[noreturn]] void fail(const std::string& path) { throw OutputError(path, std::strerror(errno)); }
 
-// Cuts a file behind its last whole line: what a failure of power may leave is part of a line, or
-// zeros.
+// Cuts a file behind its last whole line: what a failure of power may leave at the end is part of a
+// line, or zeros. Whatever else is wrong in it stays, for a person to see.
 void cut_torn_line(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const std::size_t zero = std::min(text.find('\0'), text.size());
-  const std::size_t end = zero == 0 ? text.npos : text.rfind('\n', zero - 1);
+  const std::size_t written = text.find_last_not_of('\0');
+  const std::size_t end = written == text.npos ? text.npos : text.rfind('\n', written);
   const std::size_t whole = end == text.npos ? 0 : end + 1;
   if (whole < text.size() && ::truncate(path.c_str(), static_cast<off_t>(whole)) != 0) fail(path);
 }
@@ -67,8 +67,9 @@ Archive::Archive(std::string folder) : folder_(std::move(folder)) {
   columns_.amplitude = true;
   columns_.decimals = decimals;
   std::error_code failed;
-  std::filesystem::create_directories(folder_, failed);
+  const bool is_new = std::filesystem::create_directories(folder_, failed);
   if (failed) throw OutputError(folder_, failed.message());
+  if (is_new) sync_folder(std::filesystem::absolute(folder_).lexically_normal().parent_path());
   const std::string lock = folder_ + "/.lock";
   lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (lock_ < 0) fail(lock);
@@ -108,9 +109,20 @@ std::vector<std::string> Archive::days() const {
 std::vector<Beat> Archive::events_of(const std::string& day) const {
   try {
     return read_log_file(path_of(day)).events;
-  } catch (const InputError&) { // a day with fewer events than a log has
-    return {};
+  } catch (const InputError&) { // a day with fewer events than a log has, one by one
+    return few_events_of(day);
   }
+}
+
+std::vector<Beat> Archive::few_events_of(const std::string& day) const {
+  std::vector<Beat> events;
+  try {
+    LogFollower log(path_of(day), {}, [] { return false; });
+    while (const auto event = log.next())
+      events.push_back(*event);
+  } catch (const InputError&) { // nothing but comments
+  }
+  return events;
 }
 
 std::string Archive::path_of(const std::string& day) const { return folder_ + "/" + day + ".csv"; }
@@ -136,21 +148,35 @@ void Archive::open_day(const std::string& day) {
   file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) fail(path);
   day_ = day;
-  if (is_new) {
+  bool has_header = false;
+  std::ifstream written(path);
+  for (std::string line; !is_new && std::getline(written, line);)
+    if (line.starts_with("time_s")) {
+      has_header = true;
+      day_has_edges_ = line.find(",edge") != line.npos;
+    }
+  if (!has_header) {
     day_has_edges_ = columns_.edge;
     std::string head = native_log_header(columns_);
     if (origin_) head += fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals));
-    try {
-      write(head);
-      sync_folder(folder_);
-    } catch (const OutputError&) { // no line is to stand in a file without its header
-      close_day();
-      throw;
-    }
-  } else { // of an earlier run
-    std::ifstream file(path);
-    for (std::string line; std::getline(file, line);)
-      if (line.starts_with("time_s")) day_has_edges_ = line.find(",edge") != line.npos;
+    write_or_close(head);
+    has_origin_ = true;
+  }
+  try {
+    sync_folder(folder_);
+  } catch (const OutputError&) { // an event is not safe in a file that may be gone
+    close_day();
+    throw;
+  }
+}
+
+// No line is to stand in a file without its header.
+void Archive::write_or_close(const std::string& header) {
+  try {
+    write(header);
+  } catch (const OutputError&) {
+    close_day();
+    throw;
   }
 }
 
@@ -159,6 +185,10 @@ void Archive::open_day(const std::string& day) {
 void Archive::write(const std::string& text) {
   struct stat before {};
   if (::fstat(file_, &before) != 0) fail(path_of(day_));
+  if (before.st_nlink == 0) { // somebody removed it: the next event begins it anew
+    close_day();
+    throw OutputError(path_of(day_), "the file was removed");
+  }
   is_synced_ = false;
   const auto written = ::write(file_, text.data(), text.size());
   if (written == static_cast<ssize_t>(text.size())) return;
@@ -170,6 +200,7 @@ void Archive::write(const std::string& text) {
 void Archive::append(const Beat& event) {
   const std::string day = day_of(event.time);
   if (file_ < 0 || day != day_) open_day(day);
+  if (!has_origin_ && origin_) write_origin();
   NativeColumns columns = columns_;
   columns.edge = day_has_edges_;
   SensedEvent sensed;
@@ -180,13 +211,33 @@ void Archive::append(const Beat& event) {
   last_time_ = event.time;
 }
 
-void Archive::note(const std::string& text) {
-  if (file_ >= 0) write("# " + text + "\n");
+void Archive::note(const std::string& text, const Instant& at) {
+  if (file_ < 0) open_day(day_of(last_time_ && at < *last_time_ ? *last_time_ : at));
+  write("# " + text + "\n");
+}
+
+std::vector<std::string> Archive::notes_of(const std::string& day) const {
+  std::ifstream file(path_of(day));
+  std::vector<std::string> notes;
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("# ")) notes.push_back(line.substr(2));
+  return notes;
+}
+
+bool Archive::holds(const Instant& time) const {
+  const auto events = events_of(day_of(time));
+  return std::any_of(events.begin(), events.end(),
+                     [&](const Beat& event) { return event.time == time; });
 }
 
 void Archive::set_origin(const Instant& origin) {
   origin_ = origin;
-  if (file_ >= 0) write(fmt::format("{}{}\n", origin_words, format_instant(origin, decimals)));
+  has_origin_ = false;
+}
+
+void Archive::write_origin() {
+  write(fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals)));
+  has_origin_ = true;
 }
 
 void Archive::sync() {

@@ -36,14 +36,18 @@ public:
   /// Appends an event whose time counts from 1970. Throws OutputError; then nothing of the event is
   /// in the file.
   void append(const Beat& event);
-  /// Appends a comment, which readers of logs pass over.
-  void note(const std::string& text);
+  /// Appends a comment, which readers of logs pass over, to the day that is open, or to that of
+  /// `at`. Throws OutputError.
+  void note(const std::string& text, const Instant& at);
+  /// The comments of a day.
+  [[nodiscard]] std::vector<std::string> notes_of(const std::string& day) const;
   /// All that was appended is on disk when it returns. Throws OutputError.
   void sync();
   [[nodiscard]] bool is_synced() const { return is_synced_; }
 
   /// The second at which a source's own times began, as noted last; nothing for dated times.
   [[nodiscard]] std::optional<Instant> origin() const { return origin_; }
+  /// Noted with the next event, whose time it places.
   void set_origin(const Instant& origin);
   [[nodiscard]] std::optional<Instant> last_time() const { return last_time_; }
 
@@ -51,13 +55,18 @@ public:
   [[nodiscard]] std::vector<std::string> days() const;
   /// The events of one day; none if it cannot be read.
   [[nodiscard]] std::vector<Beat> events_of(const std::string& day) const;
+  /// Whether an event of just that time is in it.
+  [[nodiscard]] bool holds(const Instant& time) const;
   [[nodiscard]] const std::string& folder() const { return folder_; }
 
 private:
   void open_day(const std::string& day);
   void close_day();
   void write(const std::string& text);
+  void write_or_close(const std::string& header);
+  void write_origin();
   void read_last_day();
+  [[nodiscard]] std::vector<Beat> few_events_of(const std::string& day) const;
   [[nodiscard]] std::string path_of(const std::string& day) const;
 
   std::string folder_;
@@ -66,6 +75,7 @@ private:
   NativeColumns columns_; // of a new day
   bool day_has_edges_ = false;
   bool is_synced_ = true;
+  bool has_origin_ = true; // the day that is open has it
   std::optional<Instant> origin_, last_time_;
 };
 

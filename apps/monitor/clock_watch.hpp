@@ -55,14 +55,19 @@ public:
 private:
   void restore();
   void replay(const std::vector<std::string>& days);
-  [[nodiscard]] Instant absolute(const Beat& event, const ClockLog& log, const Instant& now);
+  [[nodiscard]] Instant absolute(const Beat& event, const ClockLog& log) const;
+  void meet_source(const Beat& event, const ClockLog& log);
+  void choose_origin(const Instant& now);
+  void place(const ClockLog& log, const Instant& now);
+  void note_left_out(const std::vector<Beat>& events, const Instant& now);
   void store_pending(const Instant& now);
   void sync(const Instant& now);
-  void take(const Beat& event, bool is_replay);
+  void take(const Arrivals::Arrival& arrived, bool is_replay);
   void number(std::vector<Beat> beats, bool is_replay);
   void take_beat(const Beat& beat, bool is_replay);
   void complete_day(const Beat& beat);
   void remember_alarms();
+  void index_alarms(const std::vector<std::string>& days);
 
   WatchOptions options_;
   Archive archive_;
@@ -75,7 +80,13 @@ private:
   bool has_edges_ = false; // an event of the other direction was heard
   bool is_first_ = true;   // no event of this run yet
   std::optional<Instant> last_stored_, last_heard_at_, last_sync_;
-  std::deque<Beat> pending_; // heard, and not stored yet
+  bool origin_holds_ = false; // times without a date count from the archive's origin
+  bool is_unsure_ = false;    // nothing of this run was believed yet
+  bool skips_known_ = false;  // a file is read again: what is stored already is passed over
+  std::vector<Arrivals::Arrival> unplaced_; // believed, and without a place in the calendar yet
+  Instant unplaced_since_;
+  std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
+  std::deque<AlarmChange> unnoted_;       // alarms that are not in the archive yet
   std::vector<Gap> gaps_;
   std::deque<AlarmRecord> alarm_records_;
   std::deque<CountBreak> breaks_;

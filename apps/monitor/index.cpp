@@ -32,7 +32,16 @@ struct ArchiveIndex::Database {
 
   [[nodiscard]] bool open() {
     return sqlite3_open(path.c_str(), &handle) == SQLITE_OK &&
-           sqlite3_exec(handle, schema, nullptr, nullptr, nullptr) == SQLITE_OK;
+           sqlite3_exec(handle, schema, nullptr, nullptr, nullptr) == SQLITE_OK && is_sound();
+  }
+  [[nodiscard]] bool is_sound() const {
+    std::string says;
+    const auto keep = [](void* to, int, char** columns, char**) {
+      static_cast<std::string*>(to)->append(columns[0] != nullptr ? columns[0] : "");
+      return 0;
+    };
+    return sqlite3_exec(handle, "PRAGMA quick_check(1)", keep, &says, nullptr) == SQLITE_OK &&
+           says == "ok";
   }
   [[noreturn]] void fail() const { throw OutputError(path, sqlite3_errmsg(handle)); }
   void run(const char* sql) const {
@@ -81,6 +90,21 @@ public:
 private:
   sqlite3_stmt* statement_ = nullptr;
   int bound_ = 0, read_ = 0, result_ = SQLITE_OK;
+};
+
+// Takes back what was not committed.
+class Transaction {
+public:
+  explicit Transaction(sqlite3* handle) : handle_(handle) {}
+  ~Transaction() {
+    if (sqlite3_get_autocommit(handle_) == 0)
+      sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+private:
+  sqlite3* handle_;
 };
 
 } // namespace
@@ -164,6 +188,7 @@ std::vector<AlarmRecord> ArchiveIndex::alarms() const {
 }
 
 void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>& hours) {
+  const Transaction transaction(database_->handle);
   database_->run("BEGIN");
   for (const GoingBlock& h : hours) {
     Statement insert(database_->handle,
@@ -190,6 +215,7 @@ void ArchiveIndex::put_alarm(const AlarmRecord& alarm) {
   Statement insert(database_->handle, "INSERT OR REPLACE INTO alarm VALUES (?, ?, ?, ?)");
   insert.bind(alarm.at_s).bind(alarm.kind).bind(std::int64_t{alarm.is_raised}).bind(alarm.text);
   insert.step();
+  if (!insert.is_done()) database_->fail();
 }
 
 void ArchiveIndex::clear() {

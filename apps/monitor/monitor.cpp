@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace goingrate::apps {
 
@@ -44,7 +45,7 @@ WatchOptions watch_options(const MonitorOptions& options) {
   watch.log = options.log;
   watch.folder = options.archive;
   watch.patience_s = options.patience_s;
-  watch.source_is_live = !is_growing_file(options.source);
+  watch.source_is_live = !is_file(options.source);
   if (!options.start.empty()) {
     watch.start = parse_instant(options.start);
     if (!watch.start)
@@ -56,9 +57,12 @@ WatchOptions watch_options(const MonitorOptions& options) {
 class Monitor {
 public:
   Monitor(const MonitorOptions& options, const GlobalOptions& global)
-      : options_(options), global_(global), watch_(watch_options(options)) {
-    if (options.listen.empty()) return;
-    server_.emplace(parse_address(options.listen));
+      : options_(options), global_(global),
+        address_(options.listen.empty() ? std::nullopt
+                                        : std::optional(parse_address(options.listen))),
+        watch_(watch_options(options)) {
+    if (!address_) return;
+    server_.emplace(*address_);
     say(global_, fmt::format("listening at port {}", server_->port()));
     publish(now());
   }
@@ -71,7 +75,8 @@ public:
         if (ends_for_good(options_.source)) break;
       } catch (const InputError& error) {
         if (ends_for_good(options_.source)) throw;
-        say(global_, fmt::format("{}; trying again", error.what()));
+        if (std::exchange(failure_, error.what()) != failure_)
+          say(global_, fmt::format("{}; trying again", failure_));
       }
       for (int tenth = 0; tenth < 10 && !is_to_end; ++tenth) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -91,7 +96,7 @@ private:
       return !is_to_end;
     });
     known = log.log();
-    while (const auto event = log.next()) {
+    for (auto event = log.next(); event && !is_to_end; event = log.next()) {
       watch_.add(*event, log.log(), now());
       tell();
     }
@@ -119,14 +124,17 @@ private:
 
   const MonitorOptions& options_;
   const GlobalOptions& global_;
+  std::optional<ListenAddress> address_;
   ClockWatch watch_;
   std::optional<MonitorServer> server_;
   std::chrono::steady_clock::time_point published_;
+  std::string failure_; // of the source, said once
 };
 
 void run(MonitorOptions options, const GlobalOptions& global) {
   for (const int number : {SIGINT, SIGTERM, SIGHUP})
-    std::signal(number, end_watch);
+    if (std::signal(number, end_watch) == SIG_IGN) std::signal(number, SIG_IGN); // nohup
+  check_source(options.source);
   options.log.paths = {options.source};
   if (options.name.empty()) options.name = options.source;
   Monitor monitor(options, global);

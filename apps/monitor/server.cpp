@@ -6,10 +6,13 @@
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
+#include <future>
 #include <httplib.h>
 #include <mutex>
+#include <semaphore>
 #include <thread>
 
 namespace goingrate::apps {
@@ -31,6 +34,35 @@ ListenAddress parse_address(const std::string& text) {
     throw ArgumentError("listen", text, "HOST:PORT, such as 127.0.0.1:8080");
   return address;
 }
+
+namespace {
+
+// Threads that answer, and as many connections that wait for one; further ones are not accepted
+// until there is room, so that no client takes the files that the archive needs.
+class BoundedPool : public httplib::TaskQueue {
+public:
+  explicit BoundedPool(std::ptrdiff_t threads)
+      : pool_(static_cast<std::size_t>(threads)), room_(2 * threads) {}
+  void enqueue(std::function<void()> task) override {
+    while (!room_.try_acquire_for(std::chrono::milliseconds(100)))
+      if (ends_) return;
+    pool_.enqueue([this, task = std::move(task)] {
+      task();
+      room_.release();
+    });
+  }
+  void shutdown() override {
+    ends_ = true;
+    pool_.shutdown();
+  }
+
+private:
+  httplib::ThreadPool pool_;
+  std::counting_semaphore<> room_;
+  std::atomic<bool> ends_ = false;
+};
+
+} // namespace
 
 struct MonitorServer::Parts {
   using Field = std::string WatchAnswers::*;
@@ -78,12 +110,12 @@ struct MonitorServer::Parts {
   void set_up() {
     // A connection holds a thread, also one that says nothing: sixteen listeners and the silent of
     // two seconds leave some to answer.
-    constexpr std::size_t threads = 64;
+    constexpr std::ptrdiff_t threads = 64;
     constexpr std::time_t silence_s = 2;
-    server.new_task_queue = [] { return new httplib::ThreadPool(threads); };
+    server.new_task_queue = [] { return new BoundedPool(threads); };
     constexpr std::size_t most_request_bytes = 8192;
     server.set_payload_max_length(most_request_bytes);
-    server.set_read_timeout(10);
+    server.set_read_timeout(silence_s);
     server.set_write_timeout(10);
     server.set_keep_alive_max_count(100);
     server.set_keep_alive_timeout(silence_s);
@@ -109,6 +141,7 @@ struct MonitorServer::Parts {
 
   httplib::Server server;
   std::thread thread;
+  std::promise<void> ended;
   std::mutex mutex;
   std::condition_variable changed;
   WatchAnswers answers;
@@ -128,7 +161,10 @@ MonitorServer::MonitorServer(const ListenAddress& address) : parts_(std::make_un
     throw OutputError(fmt::format("{}:{}", address.host, address.port),
                       "cannot listen there: the port is taken, or the address is not this "
                       "computer's");
-  parts_->thread = std::thread([this] { parts_->server.listen_after_bind(); });
+  parts_->thread = std::thread([this] {
+    parts_->server.listen_after_bind();
+    parts_->ended.set_value();
+  });
 }
 
 MonitorServer::~MonitorServer() {
@@ -138,6 +174,10 @@ MonitorServer::~MonitorServer() {
   }
   parts_->changed.notify_all();
   parts_->server.stop();
+  // A client that sends a byte now and then would be waited for as long as it likes.
+  constexpr std::chrono::seconds patience{3};
+  if (parts_->ended.get_future().wait_for(patience) == std::future_status::timeout)
+    std::_Exit(EXIT_SUCCESS);
   parts_->thread.join();
 }
 

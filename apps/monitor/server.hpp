@@ -17,13 +17,17 @@ struct ListenAddress {
 /// Throws ArgumentError naming `option` for what is no such address.
 ListenAddress parse_address(const std::string& text);
 
-/// Serves the page, /api/…, /metrics and /events (server-sent events) from threads of its own. A
-/// request may have 8 KiB and takes or gives at most ten seconds at a time; a connection that says
-/// nothing for two is closed; at most sixteen listen to events, others are told to come again.
+/// Serves the page, /api/…, /metrics and /events (server-sent events) from 64 threads of its own;
+/// as many connections wait for one. A request may have 8 KiB; a connection that says nothing for
+/// two seconds, or takes nothing for ten, is closed; at most sixteen listen to events, others are
+/// told to come again. A client that sends byte by byte can hold a thread, and 64 of them the page,
+/// but not the archive.
 class MonitorServer {
 public:
   /// Listens at once. Throws OutputError if the address cannot be had.
   explicit MonitorServer(const ListenAddress& address);
+  /// Ends the process where a client still holds a thread after three seconds: what is to be kept
+  /// must be on disk by then.
   ~MonitorServer();
 
   /// From now on these are given.

@@ -4,15 +4,16 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -41,23 +42,35 @@ std::pair<std::string, std::string> serial_parts(const std::string& source) {
 }
 
 speed_t code_of(const std::string& speed) {
-  int baud = 0;
-  std::from_chars(speed.data(), speed.data() + speed.size(), baud);
   for (const Speed& known : speeds)
-    if (known.baud == baud) return known.code;
+    if (std::to_string(known.baud) == speed) return known.code;
   throw ArgumentError("the speed of the serial line", speed,
                       "one of 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, "
                       "921600");
 }
 
-} // namespace
-
-bool is_growing_file(const std::string& source) {
-  std::error_code unknown;
-  return source != "-" && std::filesystem::is_regular_file(source, unknown);
+// A child has neither the monitor's signals nor its files: not the lock, not the port.
+void stand_alone(int kept) {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
+    std::signal(number, SIG_DFL);
+  ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
+  constexpr int first_own = 3;
+  if (kept > first_own) ::close_range(first_own, static_cast<unsigned>(kept) - 1, 0);
+  ::close_range(static_cast<unsigned>(std::max(kept + 1, first_own)), ~0U, 0);
 }
 
-bool ends_for_good(const std::string& source) { return source == "-" || is_growing_file(source); }
+} // namespace
+
+bool is_file(const std::string& source) {
+  std::error_code unknown;
+  return std::filesystem::is_regular_file(source == "-" ? "/dev/stdin" : source, unknown);
+}
+
+bool ends_for_good(const std::string& source) { return source == "-" || is_file(source); }
+
+void check_source(const std::string& source) {
+  if (const auto [device, speed] = serial_parts(source); !device.empty()) (void)code_of(speed);
+}
 
 OpenSource::OpenSource(const std::string& source) : path_(source) {
   const auto [device, speed] = serial_parts(source);
@@ -65,6 +78,9 @@ OpenSource::OpenSource(const std::string& source) : path_(source) {
     open_sound(source.substr(sound_prefix.size()));
   else if (!device.empty())
     open_serial(device, speed);
+  else if (std::error_code unknown; std::filesystem::is_fifo(source, unknown))
+    // Open for writing too: writers may come and go, and it is not waited for the first one.
+    held_ = ::open(source.c_str(), O_RDWR | O_CLOEXEC);
 }
 
 OpenSource::~OpenSource() {
@@ -96,9 +112,12 @@ void OpenSource::open_sound(const std::string& device) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
     throw InputError({device}, std::strerror(errno), "a pipe");
+  const pid_t parent = ::getpid();
   listener_ = ::fork();
   if (listener_ == 0) {
-    ::close(pipe[0]);
+    stand_alone(pipe[1]);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL); // also where the monitor is killed
+    if (::getppid() != parent) std::_Exit(1);
     std::_Exit(write_sound_events(device, pipe[1]));
   }
   ::close(pipe[1]);
@@ -116,8 +135,7 @@ void run_on_alarm(const std::string& command, const std::string& kind, bool is_r
   ::setenv("GOINGRATE_ALARM", kind.c_str(), 1);
   ::setenv("GOINGRATE_STATE", is_raised ? "raised" : "cleared", 1);
   ::setenv("GOINGRATE_TEXT", text.c_str(), 1);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
-    std::signal(number, SIG_DFL);
+  stand_alone(STDERR_FILENO);
   ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
   std::_Exit(127);
 }

@@ -7,12 +7,14 @@
 namespace goingrate::apps {
 
 /// Whether the source is a file, whose events may be old when they are read.
-bool is_growing_file(const std::string& source);
+bool is_file(const std::string& source);
+/// Throws ArgumentError for a serial line with a speed that none has.
+void check_source(const std::string& source);
 /// Whether the source, once it has ended, will not come back: standard input and files.
 bool ends_for_good(const std::string& source);
 
 /// A source made ready to be read as a file: a serial line set to its speed, a sound card whose
-/// beats another process writes into a pipe.
+/// beats another process writes into a pipe, a FIFO held open so that its writers may come and go.
 class OpenSource {
 public:
   /// Throws InputError if it cannot be had, ArgumentError for a speed that serial lines do not
@@ -29,11 +31,11 @@ private:
   void open_sound(const std::string& device);
 
   std::string path_;
-  int held_ = -1;      // keeps a serial line's settings
+  int held_ = -1;      // keeps a serial line's settings, or a FIFO's writing end
   pid_t listener_ = 0; // of the sound
 };
 
-/// Runs a command of the shell and does not wait for it.
+/// Runs a command of the shell, with nothing to read, and does not wait for it.
 void run_on_alarm(const std::string& command, const std::string& kind, bool is_raised,
                   const std::string& text);
 

@@ -16,10 +16,9 @@ struct FoundStep {
 };
 
 /// Looks for steps on scales of 1, 2, 4 … 4096 minutes: a mean is compared with those of the eight
-/// before it, in units of what such differences were so far on that scale. Wander is in that measure,
-/// so a clock is judged by its own going. The limit is the quantile of
-/// Student's t at which all scales together give `false_alarms_a_year`
-/// (tests/studies/monitor.txt).
+/// before it, in units of what such differences were so far on that scale. Wander is in that
+/// measure, so a clock is judged by its own going. The limit is the quantile of Student's t at
+/// which all scales together give `false_alarms_a_year` (tests/studies/monitor.txt).
 class StepAlarm {
 public:
   explicit StepAlarm(double false_alarms_a_year = 0.2);

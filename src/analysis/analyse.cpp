@@ -215,8 +215,7 @@ std::optional<RmsEstimate> fast_drive(const DriveAnalysis& drive, const FitSumma
 // Turns of the rating nut for the clock as it goes now, where the pitch is given and a nominal
 // period is known.
 std::optional<NutTurns> nut_turns(const AnalysisRequest& request, const RateSummary& rate) {
-  constexpr double longest_swing_s = 6.0; // of a pendulum of nine metres; else events are a wheel's
-  const bool is_swing = rate.nominal_period_s < longest_swing_s || request.rod_length_m;
+  const bool is_swing = rate.nominal_period_s <= longest_swing_s || request.rod_length_m;
   if (!request.nut_pitch_m || !rate.nominal_is_known || !is_swing) return {};
   const double length_m = request.rod_length_m.value_or(mathematical_length(rate.nominal_period_s));
   return turns_to_zero_rate({*request.nut_pitch_m, length_m}, rate.rate_excess,

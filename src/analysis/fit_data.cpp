@@ -72,9 +72,8 @@ double density_sigma(const EventColumns& columns, const std::vector<RateTerm>& t
   const double p = mean_of_known(columns.pressure_mbar, 1013.25);
   const double h = mean_of_known(columns.humidity_percent, 50.0);
   const double dt = sigma_of("temperature"), dp = sigma_of("pressure"), dh = sigma_of("humidity");
-  const std::vector<double> rho = air_density(std::vector{t, t + dt, t, t},
-                                              std::vector{p, p, p + dp, p},
-                                              std::vector{h, h, h, h + dh});
+  const std::vector<double> rho = air_density(
+      std::vector{t, t + dt, t, t}, std::vector{p, p, p + dp, p}, std::vector{h, h, h, h + dh});
   return std::hypot(rho[1] - rho[0], rho[2] - rho[0], rho[3] - rho[0]);
 }
 
@@ -101,6 +100,10 @@ void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
 TimingData fit_data(const NumberedLog& loaded) {
   TimingData data = timing_data(loaded.good);
   data.time_base_sigma = loaded.log.time_base_sigma;
+  if (loaded.log.grid && !loaded.log.nominal_period_s)
+    data.no_swings =
+        "the log holds the clock's error at equal intervals, and does not say how long "
+        "its pendulum swings: that would be the nominal period";
   const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
     if (!column.empty())
       data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
@@ -115,8 +118,8 @@ TimingData fit_data(const NumberedLog& loaded) {
   add("pressure", "1/mbar", columns.pressure_mbar);
   add("humidity", "1/%", columns.humidity_percent);
   if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
-    add("density", "m^3/kg", air_density(columns.temperature_c, columns.pressure_mbar,
-                                         columns.humidity_percent));
+    add("density", "m^3/kg",
+        air_density(columns.temperature_c, columns.pressure_mbar, columns.humidity_percent));
   put_interpolation(loaded.log, data.terms);
   return data;
 }

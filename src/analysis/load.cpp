@@ -1,5 +1,6 @@
 #include "goingrate/analysis/load.hpp"
 
+#include "log/typical_period.hpp"
 #include "log/unused_options.hpp"
 #include "log/usual_step.hpp"
 
@@ -48,13 +49,27 @@ private:
     loaded_.log.assumptions.push_back({std::move(text), setting});
   }
 
+  // Whole swings of the pendulum between two values of a grid.
+  static std::int64_t swings_in(double tau0_s, double period_s) {
+    const double swings = std::round(tau0_s / period_s);
+    constexpr double rounding = 1e-9;
+    if (!(swings >= 1.0 && std::abs(tau0_s - swings * period_s) <= rounding * tau0_s))
+      throw ArgumentError(
+          "nominal_period", period_s,
+          fmt::format("a whole part of the interval of the values, {:.6g} s", tau0_s));
+    return static_cast<std::int64_t>(swings);
+  }
+
   // The places are given: there is nothing to number.
   void take_grid() {
     const GridData& grid = *loaded_.log.grid;
     loaded_.nominal_period_s = grid.tau0_s;
     if (request_.phases_will_do) return;
     refuse_phases_of_no_clock(grid);
+    loaded_.log.nominal_period_s = request_.reading.nominal_period_s; // of the swing, if stated
+    loaded_.nominal_period_s = loaded_.log.nominal_period_s.value_or(grid.tau0_s);
     loaded_.beats = beats_on_grid(std::move(loaded_.log.events), loaded_.log.source);
+    count_swings(swings_in(grid.tau0_s, loaded_.nominal_period_s), loaded_.beats);
     loaded_.log.events.clear();
   }
 
@@ -111,9 +126,24 @@ private:
     use_sensor_offset();
   }
 
+  // Of a wheel that closes a contact, as once a minute: too many to be missed beats, which are
+  // counted one by one.
+  [[nodiscard]] std::int64_t swings_between_contacts() const {
+    const ClockLog& log = loaded_.log;
+    if (!log.nominal_period_s) return 1;
+    constexpr double most_missed = 8.0, whole_within = 0.1;
+    const double swings = typical_period(log.events, log.source, {}).mean_s / *log.nominal_period_s;
+    const double whole = std::round(swings);
+    const bool is_wheel = whole > most_missed && std::abs(swings - whole) < whole_within;
+    return is_wheel ? static_cast<std::int64_t>(whole) : 1;
+  }
+
   void number() {
     NumberingOptions options{request_.gap_probability, loaded_.log.nominal_period_s};
+    const std::int64_t swings = swings_between_contacts();
+    if (swings > 1) *options.nominal_period_s *= static_cast<double>(swings);
     loaded_.beats = number_beats(std::move(loaded_.log.events), loaded_.log.source, options);
+    count_swings(swings, loaded_.beats);
     loaded_.log.events.clear();
   }
 

@@ -367,6 +367,16 @@ void check(const TimingData& data) {
       throw ArgumentError("data.cycle", data.cycle[i], "cycles that rise");
 }
 
+// Why no pendulum can be fitted; empty if one can.
+std::string no_pendulum(const TimingData& data, double nominal_period_s) {
+  if (!data.no_swings.empty()) return data.no_swings;
+  if (nominal_period_s <= longest_swing_s) return {};
+  return fmt::format(
+      "events {:.4g} s apart are not the swings of a pendulum, whose period would be "
+      "the nominal one",
+      nominal_period_s);
+}
+
 } // namespace
 
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options) {
@@ -374,6 +384,11 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
     throw ArgumentError("nominal_period", nominal_period_s, "a positive number of seconds");
   check(data);
   FitSummary summary;
+  summary.termination = no_pendulum(data, nominal_period_s);
+  if (!summary.termination.empty()) {
+    summary.status = FitStatus::no_valid_model;
+    return summary;
+  }
   const Searched end = without_needless_changes(data, searched_with_changes(data, options));
   const Fitted& fitted = *end.fitted;
   if (!fitted.minimum.usable) {

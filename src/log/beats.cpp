@@ -264,6 +264,18 @@ Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source) {
   return result;
 }
 
+void count_swings(std::int64_t step, Beats& numbered) {
+  for (Beat& beat : numbered.beats)
+    beat.cycle *= step;
+  for (Gap& gap : numbered.gaps) {
+    gap.after_cycle *= step;
+    gap.length *= step;
+  }
+  numbered.step = step;
+  numbered.typical_period_s /= static_cast<double>(step);
+  numbered.scatter_s /= static_cast<double>(step);
+}
+
 std::int64_t cycle_at(std::span<const Beat> beats, double time_s) {
   for (const Beat& beat : beats)
     if (beat.time - beats.front().time >= time_s) return beat.cycle - beats.front().cycle;

@@ -29,6 +29,8 @@ bool is_same(const Layout& a, const Layout& b);
 /// taken for. That is 1973; a logger's own counter would have to run for three years to reach it.
 /// `first` is one of the times.
 bool are_dates(const Layout& layout, const Instant& first);
+/// What the times count from.
+TimeOrigin origin_of(const Layout& layout, const Instant& first);
 
 /// Lines to make room for.
 std::size_t room_for(std::size_t lines_expected);

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <thread>
+#include <utility>
 
 namespace goingrate {
 
@@ -142,6 +143,7 @@ struct LogFollower::Parts {
                        "a log that grows by one event a line");
     layout = std::move(found);
     rows.emplace(*layout, options, log);
+    is_first = true;
   }
 
   // Reopens a file that was rewritten or replaced; false if the caller stops waiting.
@@ -169,6 +171,7 @@ struct LogFollower::Parts {
   std::optional<Layout> layout;
   std::optional<RowReader> rows;
   std::size_t handed_out = 0; // of log.events
+  bool is_first = true;       // no event of this layout was handed out
 };
 
 LogFollower::LogFollower(const std::string& path, const ReadingOptions& options,
@@ -189,6 +192,8 @@ std::optional<Beat> LogFollower::next() {
       return {};
   }
   const Beat beat = events[parts_->handed_out++];
+  if (std::exchange(parts_->is_first, false))
+    parts_->log.origin = origin_of(*parts_->layout, beat.time);
   // The row reader looks back at the last events, so these are kept.
   constexpr std::size_t beats_looked_back_at = 16, most_handed_out = 4096;
   if (parts_->handed_out > most_handed_out) {

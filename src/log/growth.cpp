@@ -17,11 +17,15 @@ void Growth::took(const char* bytes, std::size_t count, std::uint64_t end) {
   last_.erase(0, last_.size() - std::min(last_.size(), remembered));
 }
 
-bool Growth::begins_anew(int descriptor, const std::string& path) const {
+bool Growth::is_replaced(int descriptor, const std::string& path) {
   struct stat open {};
   struct stat named {};
   const bool there = ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0;
-  if (there && (open.st_ino != named.st_ino || open.st_dev != named.st_dev)) return true;
+  return there && (open.st_ino != named.st_ino || open.st_dev != named.st_dev);
+}
+
+bool Growth::begins_anew(int descriptor, const std::string& path) const {
+  if (is_replaced(descriptor, path)) return true;
   std::string now(last_.size(), '\0');
   const ssize_t count =
       ::pread(descriptor, now.data(), now.size(), static_cast<off_t>(end_ - last_.size()));

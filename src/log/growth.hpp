@@ -14,6 +14,8 @@ public:
   void took(const char* bytes, std::size_t count, std::uint64_t end);
   /// Whether what was read last does not stand in the file any more, or `path` is another file.
   [[nodiscard]] bool begins_anew(int descriptor, const std::string& path) const;
+  /// Whether `path` is another file, and the one that is open as it was: it may still be written.
+  [[nodiscard]] static bool is_replaced(int descriptor, const std::string& path);
 
 private:
   std::string last_; // bytes read

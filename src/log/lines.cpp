@@ -66,12 +66,13 @@ public:
         taken_ += static_cast<std::uint64_t>(count);
         if (wait_ && size_) growth_.took(to, static_cast<std::size_t>(count), taken_);
         was_at_end_ = false;
+        waits_at_end_ = 0;
         return static_cast<std::size_t>(count);
       }
       if (count < 0 && errno != EINTR) throw InputError({path_}, std::strerror(errno), "more text");
       if (count < 0) continue;
       was_at_end_ = true;
-      if (!wait_ || !size_ || has_begun_anew() || !wait_()) break; // a closed pipe does not grow
+      if (!wait_ || !size_ || !wait_()) break; // a closed pipe does not grow
       ::poll(nullptr, 0, wait_ms);
     }
     return 0;
@@ -95,9 +96,13 @@ private:
       if (comes(wait_ms)) return true;
     return false;
   }
-  // Of a file that is followed: then what comes next is no continuation.
-  [[nodiscard]] bool has_begun_anew() const {
-    return was_at_end_ && growth_.begins_anew(descriptor_, path_);
+  // Of a file that is followed: then what comes next is no continuation. One that another has
+  // replaced is read to its end first, which its writer may not have written yet.
+  [[nodiscard]] bool has_begun_anew() {
+    if (!was_at_end_ || !growth_.begins_anew(descriptor_, path_)) return false;
+    constexpr int quiet_waits = 10; // a second
+    if (!Growth::is_replaced(descriptor_, path_)) return true;
+    return ++waits_at_end_ > quiet_waits;
   }
 
   std::string path_;
@@ -107,6 +112,7 @@ private:
   std::uint64_t taken_ = 0;
   Growth growth_;
   bool was_at_end_ = false;
+  int waits_at_end_ = 0; // since the last byte, of a file that was replaced
 };
 
 // Hands out first what was already taken from a source to look at it.

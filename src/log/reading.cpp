@@ -266,7 +266,7 @@ bool are_dates(const Layout& layout, const Instant& first) {
                   first.to_double() > years_s);
 }
 
-static TimeOrigin origin_of(const Layout& layout, const Instant& first) {
+TimeOrigin origin_of(const Layout& layout, const Instant& first) {
   if (!are_dates(layout, first)) return TimeOrigin::none;
   const bool days = layout.columns[*layout.find(ColumnRole::time)].unit == in_days;
   return days && !layout.calendar ? TimeOrigin::mjd : TimeOrigin::epoch;

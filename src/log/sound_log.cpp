@@ -98,7 +98,8 @@ void settle_nominal_period(ClockLog& log, double period_s, const ReadingOptions&
 
 void say_what_is_heard(ClockLog& log, const TickTrain& train) {
   log.assumptions.push_back({fmt::format(
-      "{} beats are heard in {:.6g} s{}", train.ticks.size(), log.sound->duration_s,
+      "{} ticks{} are heard in {:.6g} s{}", train.ticks.size(), train.has_tocks ? " and tocks" : "",
+      log.sound->duration_s,
       train.drowned > 0 ? fmt::format(", {} more are not", train.drowned) : std::string())});
   const double period_s = train.period / log.sound->rate_hz;
   if (train.is_even)

@@ -135,6 +135,7 @@ double RateTable::running_rate(const Beat& beat) {
 }
 
 void RateTable::append_missing(std::string& text, std::int64_t from, std::int64_t to) const {
+  if (to - from == options_.step) return;
   const auto out = std::back_inserter(text);
   const std::string rest(extras_, ',');
   if (to - from - 1 > rows_per_gap) {
@@ -155,7 +156,7 @@ bool RateTable::is_step_after(std::int64_t cycle) {
 
 std::string rate_table(const Beats& beats, double nominal_period_s) {
   const EventColumns none;
-  RateTable table({nominal_period_s, false, 0}, none, beats.gaps);
+  RateTable table({nominal_period_s, false, 0, beats.step}, none, beats.gaps);
   std::string text = table.header();
   for (std::size_t i = 0; i < beats.beats.size(); ++i)
     table.append(text, beats.beats[i], i);

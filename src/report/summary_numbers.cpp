@@ -161,7 +161,9 @@ void Numbers::add_amplitudes() {
 
 std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
   const std::string& name = parameter.name;
-  const std::string_view meaning = meaning_of(name);
+  const bool is_heard = name == "offset" && data_.log.sound;
+  const std::string_view meaning =
+      is_heard ? "angle from the vertical at which the clock ticks" : meaning_of(name);
   const std::size_t at = name.find('@');
   std::string text(meaning.empty() ? std::string_view(name) : meaning);
   const std::string base = name.substr(0, at);
@@ -192,6 +194,9 @@ void Numbers::add_fit() {
   const FitSummary& fit = data_.fit;
   if (!fit.has_result()) return;
   for (const FittedParameter& p : fit.parameters) {
+    const bool is_open =
+        p.status == ParameterStatus::free && !(std::isfinite(p.low95) && std::isfinite(p.high95));
+    if (is_open) continue; // one ± would tell less than half of it
     const bool told = data_.drive.split && is_noise_of_drive(p.name);
     if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed ? ", given"

@@ -201,7 +201,8 @@ std::string Sentences::every_nth() const {
   if (step < 2) return {};
   const double nominal_s = data_.rate.nominal_period_s;
   if (step > 2)
-    return fmt::format("The log holds one in {} of the beats, {:.6g} s apart.", step, nominal_s);
+    return fmt::format("The log holds one in {} of the swings, whose period should be {:.6g} s.",
+                       step, nominal_s);
   return fmt::format(
       "Every second beat is missing: a period is there and back, tick and tock, and "
       "if that takes {:.6g} s here, the rate holds all the same, but the period and the "
@@ -342,6 +343,8 @@ std::string Sentences::wander() const {
 // Whether the model explains the log, and what of it the log determines.
 void Sentences::say_what_the_model_tells() {
   const FitSummary& fit = data_.fit;
+  if (!fit.has_result() && !fit.termination.empty())
+    return say(fmt::format("No pendulum was fitted: {}.", fit.termination));
   if (!fit.has_result() || fit.parameters.empty()) {
     say("No model of a pendulum could be fitted to this log.");
     return;

@@ -1,4 +1,5 @@
 // The road from a log's text to numbered beats, as every command takes it.
+#include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/load.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -265,6 +266,48 @@ TEST(LoadTest, EventsInMemoryTravelTheSameRoad) {
   few.source = "few";
   few.events = {event_at({0, 0.0}), event_at({2, 0.0})};
   EXPECT_THROW((void)load_events(std::move(few), {}), InputError);
+}
+
+TEST(LoadTest, AContactOnceAMinuteCountsSwings) {
+  std::string text =
+      seconds(400, 59.997, 1.0, 3e-3) + seconds(400, 59.997, 1.0 + 405 * 59.997, 3e-3, 2);
+  const NumberedLog log = loaded(text, 2.0);
+  EXPECT_EQ(log.beats.segments, 1u);
+  EXPECT_EQ(log.good.size(), 800u);
+  EXPECT_EQ(log.good.back().cycle, 30 * 804);
+  EXPECT_EQ(log.beats.missed, 5);
+  ASSERT_EQ(log.beats.gaps.size(), 1u);
+  EXPECT_EQ(log.beats.gaps[0].after_cycle, 30 * 399);
+  EXPECT_EQ(log.beats.gaps[0].length, 30 * 5);
+  EXPECT_NEAR(mean_rate(log).rate_excess, 3.0 / 59.997 * 1e-3, 1e-6); // 4e-3 s in 48,000 s
+  EXPECT_THROW(loaded(text, 2.05), ImpossibleReading);                // 29.27 swings
+}
+
+TEST(LoadTest, PhasesCountTheSwingsOfAStatedPeriod) {
+  LoadRequest request;
+  request.path = "phases";
+  request.reading.format = LogFormat::phase;
+  request.reading.tau0_s = 60.0;
+  const std::string text = "0.001\n0.002\n0.0025\n0.003\n";
+  EXPECT_EQ(load_text(text, request).good.back().cycle, 3);
+  request.reading.nominal_period_s = 1.5;
+  const NumberedLog log = load_text(text, request);
+  EXPECT_EQ(log.good.back().cycle, 120);
+  EXPECT_EQ(log.beats.missed, 0);
+  EXPECT_NEAR(mean_rate(log).rate_excess, 0.002 / 180.0, 1e-10);
+  request.reading.nominal_period_s = 1.7;
+  EXPECT_THROW(load_text(text, request), ArgumentError);
+}
+
+TEST(LoadTest, NoPendulumIsFittedToWhatIsNoSwing) {
+  const NumberedLog minutes = loaded(seconds(100, 60.0, 1.0, 3e-3));
+  const FitSummary fit = fit_clock(fit_data(minutes), minutes.nominal_period_s, {});
+  EXPECT_EQ(fit.status, FitStatus::no_valid_model);
+  EXPECT_NE(fit.termination.find("60 s apart"), std::string::npos);
+  LoadRequest request;
+  request.reading.format = LogFormat::phase;
+  const NumberedLog phases = load_text("0.001\n0.002\n0.0025\n0.003\n", request);
+  EXPECT_EQ(fit_clock(fit_data(phases), 1.0, {}).status, FitStatus::no_valid_model);
 }
 
 } // namespace

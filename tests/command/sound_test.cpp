@@ -29,7 +29,7 @@ TEST_F(SoundCommandTest, EveryContainerTellsTheSameClock) {
   for (const char* log : {"a.wav", "a.flac", "a.ogg", "- < a.flac"}) {
     const Outcome outcome = run(std::string("rate --json a.json -o a.csv ") + log);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.err.find("beats are heard in 60 s"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("ticks and tocks are heard in 60 s"), std::string::npos) << outcome.err;
     const auto rate = json("a.json");
     EXPECT_EQ(rate["format"], "wav");
     EXPECT_EQ(rate["segments"], 1);

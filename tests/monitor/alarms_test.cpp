@@ -59,7 +59,24 @@ TEST_F(MonitorAlarmsTest, AClockOutOfBeat) {
   EXPECT_EQ(hear_minutes(30, 0.015), silent); // 1.5 %
   EXPECT_EQ(hear_minutes(30, -0.025), begins);
   EXPECT_EQ(hear_minutes(30, -0.015), silent); // between its two limits
+  hear(watch, n, n + 1800);                    // tocks are not heard: nothing is known of the beat
+  n += 1800;
+  EXPECT_EQ(count(watch, AlarmKind::out_of_beat), silent);
   EXPECT_EQ(hear_minutes(30, 0.005), ends);
+}
+
+TEST_F(MonitorAlarmsTest, ABeatNowAndThenIsNoClockThatGoes) {
+  options_.patience_s = 3.0;
+  ClockWatch watch(options_);
+  hear(watch, 0, 50);
+  for (std::int64_t n = 54; n < 100; n += 4) {
+    watch.idle(log_, began + (time_of(n) - 0.5));
+    hear_event(watch, event_at(Instant::from_seconds(time_of(n))), time_of(n), n);
+  }
+  int changes = 0;
+  for (const AlarmChange& change : watch.take_alarm_changes())
+    changes += change.kind == AlarmKind::stopped ? 1 : 0;
+  EXPECT_EQ(changes, 1);
 }
 
 TEST_F(MonitorAlarmsTest, ASensorThatFails) {

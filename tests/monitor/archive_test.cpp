@@ -60,6 +60,37 @@ TEST_F(MonitorArchiveTest, ATornLineIsCutOff) {
   }
 }
 
+TEST_F(MonitorArchiveTest, DamageInTheMiddleCutsNothingOff) {
+  fill();
+  {
+    std::fstream file(day("2025-11-27"), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(120);
+    file.put('\0');
+  }
+  const auto size = std::filesystem::file_size(day("2025-11-27"));
+  const Archive archive(folder_);
+  EXPECT_EQ(std::filesystem::file_size(day("2025-11-27")), size);
+  EXPECT_GE(archive.events_of("2025-11-27").size(), 7U);
+}
+
+TEST_F(MonitorArchiveTest, AFileThatIsRemovedIsBegunAnew) {
+  Archive archive(folder_);
+  archive.append(event_at({1764201600, 0.0}));
+  std::filesystem::remove(day("2025-11-27"));
+  EXPECT_THROW(archive.append(event_at({1764201601, 0.0})), OutputError);
+  for (std::int64_t i = 1; i < 5; ++i)
+    archive.append(event_at({1764201600 + i, 0.0}));
+  EXPECT_EQ(archive.events_of("2025-11-27").size(), 4U);
+}
+
+TEST_F(MonitorArchiveTest, ADayMayHaveOneEvent) {
+  fill(1764201599);
+  const Archive archive(folder_);
+  ASSERT_EQ(archive.events_of("2025-11-26").size(), 1U);
+  EXPECT_TRUE(archive.holds({1764201599, 0.25}));
+  EXPECT_FALSE(archive.holds({1764201599, 0.26}));
+}
+
 TEST_F(MonitorArchiveTest, OneProcessKeepsIt) {
   const Archive archive(folder_);
   EXPECT_THROW(Archive{folder_}, OutputError);
@@ -95,6 +126,26 @@ TEST_F(MonitorArchiveTest, TheIndexIsMadeAgainFromNothing) {
   EXPECT_EQ(again.breaks()[0].probability, 0.75);
   ASSERT_EQ(again.alarms().size(), 1U);
   EXPECT_EQ(again.alarms()[0].text, "it's quiet");
+}
+
+TEST_F(MonitorArchiveTest, AnIndexThatIsDamagedIsMadeAgain) {
+  std::filesystem::create_directories(folder_);
+  {
+    ArchiveIndex index(folder_);
+    for (std::int64_t h = 0; h < 20000; ++h) {
+      GoingBlock hour;
+      hour.start_s = 3600 * h;
+      index.put_day(day_of({hour.start_s, 0.0}), {hour});
+    }
+  }
+  {
+    std::fstream file(folder_ + "/.index.sqlite", std::ios::in | std::ios::out | std::ios::binary);
+    for (int page = 20; page < 200; page += 7) {
+      file.seekp(4096 * page);
+      file << std::string(512, '\x5a');
+    }
+  }
+  EXPECT_TRUE(ArchiveIndex(folder_).days().empty());
 }
 
 } // namespace

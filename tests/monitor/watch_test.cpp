@@ -60,6 +60,134 @@ TEST_F(MonitorWatchTest, WithoutItsIndexItSaysTheSame) {
   EXPECT_EQ(told(), with);
 }
 
+// Times of a source that counts from its own second 100, with a line that says something else.
+TEST_F(MonitorWatchTest, OneWrongLineMovesNothing) {
+  for (const double wrong : {3140.0, 40.0, 9999999999.5, -5e17, 2147483648e9}) {
+    std::filesystem::remove_all(options_.folder);
+    ClockWatch watch(options_);
+    hear(watch, 0, 40, -100.0);
+    hear_event(watch, event_at(Instant::from_seconds(wrong)), 40.0, 40);
+    hear(watch, 41, 200, -100.0);
+    EXPECT_EQ(watch.going().last()->cycle, 199) << wrong;
+    EXPECT_NEAR(watch.going().last()->time - began, 199.0, 0.2) << wrong;
+    EXPECT_TRUE(watch.breaks().empty()) << wrong;
+  }
+}
+
+TEST_F(MonitorWatchTest, HalfALineAfterARestartMovesNothing) {
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 40, -5000.0);
+  }
+  ClockWatch watch(options_);
+  hear_event(watch, event_at(Instant::from_seconds(42.0)), 42.0, 42); // the end of 5042.000000
+  hear(watch, 43, 100, -5000.0);
+  EXPECT_EQ(watch.going().last()->cycle, 99);
+  EXPECT_NEAR(watch.going().last()->time - began, 99.0, 0.2);
+}
+
+TEST_F(MonitorWatchTest, AFileThatIsReadAgainIsNotStoredAgain) {
+  options_.source_is_live = false;
+  for (const bool is_dated : {false, true}) {
+    std::filesystem::remove_all(options_.folder);
+    log_.origin = is_dated ? TimeOrigin::epoch : TimeOrigin::none;
+    std::vector<Beat> file;
+    for (std::int64_t n = 0; n < 700; ++n)
+      file.push_back(event_at(is_dated ? began + time_of(n) : Instant::from_seconds(time_of(n))));
+    for (const std::size_t lines : {500, 500, 600, 700}) {
+      ClockWatch watch(options_);
+      for (std::size_t n = 0; n < lines; ++n)
+        watch.add(file[n], log_, began + 1000.0);
+      watch.end(log_, began + 1000.0);
+      EXPECT_EQ(watch.going().last()->cycle, static_cast<std::int64_t>(lines) - 1);
+    }
+    const Archive archive(options_.folder);
+    std::size_t rows = 0;
+    for (const std::string& day : archive.days())
+      rows += archive.events_of(day).size();
+    EXPECT_EQ(rows, 700U) << is_dated;
+  }
+  log_.origin = TimeOrigin::none;
+}
+
+TEST_F(MonitorWatchTest, DatesAreTheSourcesOwn) {
+  log_.origin = TimeOrigin::epoch;
+  ClockWatch watch(options_);
+  for (std::int64_t n = 0; n < 100; ++n)
+    watch.add(event_at(began + (time_of(n) - 3e8)), log_, began + time_of(n));
+  watch.end(log_, began + 100.0);
+  EXPECT_NEAR(watch.going().last()->time - (began + -3e8), 99.0, 0.2);
+}
+
+TEST_F(MonitorWatchTest, LinesWrittenBeforeItListenedAreInThePast) {
+  ClockWatch watch(options_);
+  for (std::int64_t n = 0; n < 12; ++n) // a burst, whose last line is heard as it is written
+    watch.add(event_at(Instant::from_seconds(time_of(n))), log_, began + 11.05);
+  hear(watch, 12, 60);
+  EXPECT_NEAR(watch.going().last()->time - began, 59.0, 0.2);
+}
+
+TEST_F(MonitorWatchTest, ASourceThatBeganAgainInBetweenGetsANotedOrigin) {
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 100);
+  }
+  Instant last;
+  {
+    ClockWatch watch(options_); // the logger began again at 150
+    hear(watch, 160, 300, 150.0);
+    last = watch.going().last()->time;
+    EXPECT_NEAR(last - began, 299.0, 0.2);
+  }
+  ClockWatch watch(options_); // and goes on
+  hear(watch, 310, 320, 150.0);
+  EXPECT_NEAR(watch.going().last()->time - last, 20.0, 1e-3);
+}
+
+TEST_F(MonitorWatchTest, AComputersClockThatIsSetBackStopsNoSync) {
+  ClockWatch watch(options_);
+  hear(watch, 0, 100);
+  for (std::int64_t n = 100; n < 110; ++n) {
+    const Instant now = began + (time_of(n) - 1800.0);
+    watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
+    watch.idle(log_, now + 0.5);
+  }
+  EXPECT_GE(watch.acknowledged(), 108);
+}
+
+TEST_F(MonitorWatchTest, AlarmsOutliveARestartAndTheIndex) {
+  const auto stopped = [](const ClockWatch& watch) {
+    return !watch.alarms().raised().empty() &&
+           watch.alarms().raised()[0].kind == AlarmKind::stopped;
+  };
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 100);
+    watch.idle(log_, began + 120.0);
+    EXPECT_TRUE(stopped(watch));
+  }
+  std::filesystem::remove(options_.folder + "/.index.sqlite");
+  ClockWatch watch(options_);
+  ASSERT_EQ(watch.alarm_records().size(), 1U); // read from the day's comments
+  EXPECT_EQ(watch.alarm_records()[0].text, "no beat for 21 s: has the clock stopped?");
+  EXPECT_NEAR(watch.alarm_records()[0].at_s, began.to_double() + 120.0, 1e-3);
+  EXPECT_TRUE(stopped(watch));
+  hear(watch, 200, 210);
+  EXPECT_FALSE(stopped(watch));
+}
+
+TEST_F(MonitorWatchTest, AClockThatIsSilentFromTheBeginningIsCalledStopped) {
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 100);
+  }
+  ClockWatch watch(options_);
+  watch.idle(log_, began + 200.0);
+  EXPECT_TRUE(watch.take_alarm_changes().empty());
+  watch.idle(log_, began + 206.0);
+  EXPECT_EQ(watch.take_alarm_changes().size(), 1U);
+}
+
 TEST_F(MonitorWatchTest, AnswersAreJsonAndMetrics) {
   ClockWatch watch(options_);
   hear(watch, 0, 1000);

@@ -52,6 +52,41 @@ check "a signal ends it" within 5 bash -c "! kill -0 $monitor 2> /dev/null"
 check "the archive is a log" bash -c "'$goingrate' --quiet rate killed -o table.csv"
 check "of 900 cycles" grep -q '^899,' table.csv
 
+# A FIFO whose writer has gone is a clock that is silent, and no writer at all is no reason to hang.
+mkfifo lonely
+"$goingrate" monitor lonely --archive lonely.d --patience 1 2> lonely.said &
+monitor=$!
+sleep 0.5
+{ printf '# goingrate log: 1\n# nominal_period_s: 1\ntime_s\n'; beats 0 20; } > lonely
+check "its writer has gone, and the clock is called stopped" within 8 grep -q "alarm stopped" lonely.said
+kill $monitor
+check "and a signal ends it" within 3 bash -c "! kill -0 $monitor 2> /dev/null"
+beats 0 100000000 | "$goingrate" --quiet monitor - --archive flood.d &
+monitor=$!
+sleep 2
+kill $monitor
+check "a signal ends it in a flood of lines" within 3 bash -c "! kill -0 $monitor 2> /dev/null"
+
+# A sound card whose monitor is killed: nothing keeps the archive.
+mkdir card
+printf '#!/bin/sh\nexec cat /dev/zero\n' > card/arecord
+chmod +x card/arecord
+PATH=$PWD/card:$PATH "$goingrate" --quiet monitor arecord:hw:1 --archive heard.d &
+monitor=$!
+sleep 1
+kill -9 $monitor
+wait $monitor 2> /dev/null || true
+PATH=$PWD/card:$PATH "$goingrate" --quiet monitor arecord:hw:1 --archive heard.d &
+monitor=$!
+sleep 1
+check "after kill -9 the next one listens" kill -0 $monitor
+kill $monitor
+check "until a signal" within 3 bash -c "! kill -0 $monitor 2> /dev/null"
+
+# A command of an alarm does not read the beats.
+{ beats 0 50; sleep 2; beats 60 100; } | "$goingrate" --quiet monitor - --archive kept.d --patience 1 --on-alarm cat > stolen
+check "an alarm's command has nothing to read" test ! -s stolen
+
 # What it serves.
 python3 - "$goingrate" <<'PY' || fault=1
 import atexit, glob, http.client, json, os, re, socket, subprocess, sys, time
@@ -107,12 +142,20 @@ first = listeners[0].recv(4096).decode(errors="replace")
 check("events are sent", "text/event-stream" in first)
 for link in slow + listeners:
     link.close()
+crowd = [socket.create_connection(("127.0.0.1", port), timeout=2) for _ in range(120)]
+for link in crowd:  # each sends a byte of a request now and then
+    link.sendall(b"G")
+for n in range(20, 40):
+    os.write(master, b"%.6f\n" % (n * 0.5))
+time.sleep(3)
+rows = sum(line[0].isdigit() for name in glob.glob("served/*.csv") for line in open(name))
+check("a crowd that says little does not stop the archive: %d rows" % rows, rows == 40)
 deadline = time.time() + 10
 said = ""
 while time.time() < deadline and not said:
     time.sleep(0.2)
     said = open("alarms").read() if os.path.exists("alarms") else ""
-check("a command is run when the clock stops", said == "stopped raised\n")
+check("a command is run when the clock stops", said.startswith("stopped raised\n"))
 parents = [re.sub(r".*\)", "", open(stat).read()).split()[1] for stat in glob.glob("/proc/[0-9]*/stat")]
 check("and leaves no process behind", str(process.pid) not in parents)
 process.terminate()

@@ -32,7 +32,7 @@ GOINGRATE_MEMBERS(SoundFindings, rate_hz, duration_s, drowned, has_tocks, has_pp
 GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, zone_s, weather,
                   sound, time_base_sigma, has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
-GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, missed, spurious, rivals,
+GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, step, missed, spurious, rivals,
                   bounces, segments, longest_countable_gap)
 GOINGRATE_MEMBERS(SensorEstimate, value, sigma)
 GOINGRATE_MEMBERS(AmplitudeSummary, mean_rad, rms_rad, sigma_rad)
@@ -44,7 +44,7 @@ GOINGRATE_MEMBERS(PartRate, segment, from_cycle, to_cycle, start, rate, amplitud
 
 GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s, is_known, sigma, step_s)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
-                  terms, time_noise, amplitude_noise, time_base_sigma)
+                  terms, time_noise, amplitude_noise, no_swings, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
 GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)

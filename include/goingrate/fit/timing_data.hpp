@@ -19,8 +19,8 @@ struct RateTerm {
   std::vector<double> advance_s; ///< one a beat: the integral of the value over the time so far, so
                                  ///< that the clock is ahead by coefficient * advance
   std::vector<std::uint8_t> is_known{}; ///< 1 or 0 for each beat; empty: all are
-  double sigma = 0.0;            ///< of a value that was interpolated between readings
-  double step_s = 0.0;           ///< between those readings; 0: there is one at each beat
+  double sigma = 0.0;                   ///< of a value that was interpolated between readings
+  double step_s = 0.0;                  ///< between those readings; 0: there is one at each beat
 };
 
 /// Times and amplitudes of a run of good beats; all vectors have one entry a beat.
@@ -34,6 +34,7 @@ struct TimingData {
   /// Standard deviations of the times and of the amplitudes, one a beat, over the rms of all; empty
   /// where all are alike. Under noise of the drive those of the times are taken for alike.
   std::vector<double> time_noise{}, amplitude_noise{};
+  std::string no_swings{};      ///< why these are no swings of a pendulum; empty if they are
   double time_base_sigma = 0.0; ///< relative, of the rate of what took the times: T0 answers to it
 
   /// Number of beats.
@@ -41,6 +42,9 @@ struct TimingData {
   /// Whether the log has amplitudes.
   [[nodiscard]] bool has_amplitude() const { return !amplitude_rad.empty(); }
 };
+
+/// No pendulum swings more slowly: that of 20 s is 99 m long.
+inline constexpr double longest_swing_s = 20.0;
 
 /// Throws ArgumentError for fewer than three beats. The data have the term "drift".
 TimingData timing_data(std::span<const Beat> beats);

@@ -33,6 +33,7 @@ struct Beats {
   std::vector<Gap> gaps;         ///< single missed beats too
   double typical_period_s = 0.0; ///< robust mean
   double scatter_s = 0.0;        ///< robust standard deviation of the period
+  std::int64_t step = 1;         ///< cycles from one event to the next where none is missing
   std::int64_t missed = 0;       ///< cycles missing in bridged gaps
   std::int64_t spurious = 0;     ///< events in either direction
   std::int64_t rivals = 0;
@@ -99,6 +100,9 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
 /// is a gap of known length. Throws InputError if there are fewer than three, or the time goes back
 /// (a clock's error then moves by more than the interval).
 Beats beats_on_grid(std::vector<Beat>&& events, const std::string& source);
+
+/// Counts swings where the events are `step` swings apart, as those of a wheel's contact are.
+void count_swings(std::int64_t step, Beats& numbered);
 
 /// The cycle, counted from the first of `beats`, of the first beat at or after `time_s` seconds
 /// from it; the last one's if there is none.

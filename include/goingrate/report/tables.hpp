@@ -45,6 +45,7 @@ public:
     double nominal_period_s = 0.0;
     bool amplitudes = false;         ///< adds rate_excess_at_zero_amplitude
     std::int64_t running_cycles = 0; ///< adds running_rate_excess over so many; 0: does not
+    std::int64_t step = 1;           ///< cycles from one event to the next where none is missing
   };
   /// `columns` and `gaps` are those of the log and must outlive the table.
   RateTable(const Options& options, const EventColumns& columns, const std::vector<Gap>& gaps);
