@@ -201,6 +201,11 @@ void Archive::append(const Beat& event) {
   const std::string day = day_of(event.time);
   if (file_ < 0 || day != day_) open_day(day);
   if (!has_origin_ && origin_) write_origin();
+  if (event.edge == Edge::down && !day_has_edges_) { // else it would be read as an upward one
+    write(fmt::format("# down {}\n", format_instant(event.time, decimals)));
+    last_time_ = event.time;
+    return;
+  }
   NativeColumns columns = columns_;
   columns.edge = day_has_edges_;
   SensedEvent sensed;

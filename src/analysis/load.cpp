@@ -132,9 +132,11 @@ private:
     const ClockLog& log = loaded_.log;
     if (!log.nominal_period_s) return 1;
     constexpr double most_missed = 8.0, whole_within = 0.1;
+    constexpr double most_swings = 128.0; // in a minute, of half a second; more is a wrong unit
     const double swings = typical_period(log.events, log.source, {}).mean_s / *log.nominal_period_s;
     const double whole = std::round(swings);
-    const bool is_wheel = whole > most_missed && std::abs(swings - whole) < whole_within;
+    const bool is_wheel =
+        whole > most_missed && whole <= most_swings && std::abs(swings - whole) < whole_within;
     return is_wheel ? static_cast<std::int64_t>(whole) : 1;
   }
 

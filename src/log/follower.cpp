@@ -20,7 +20,8 @@ namespace {
 
 constexpr std::size_t enough_lines = 12; // enough to recognise the layout
 constexpr std::size_t enough_events = 8; // among them, as some lines may be other text
-constexpr std::size_t most_lines = 400;  // searched for the beginning of the log
+constexpr std::string_view native_beginning = "# goingrate log:"; // then one event is enough
+constexpr std::size_t most_lines = 400; // searched for the beginning of the log
 
 // Where a log begins in a text, and its layout.
 struct Start {
@@ -60,8 +61,8 @@ std::optional<Start> find_start(std::string_view text, const ReadingOptions& ask
       ClockLog log;
       const Layout layout = settle_layout(looked_at, false, log, options);
       const std::size_t events = events_in(looked_at, layout, options);
-      if (events >= enough_events || (events > 0 && known && is_same(layout, *known)))
-        return Start{layout, text, skipped};
+      const bool is_sure = layout.format == LogFormat::native || (known && is_same(layout, *known));
+      if (events >= enough_events || (events > 0 && is_sure)) return Start{layout, text, skipped};
     } catch (const InputError&) { // no log begins at this line
     }
     const std::size_t end = text.find('\n');
@@ -88,7 +89,9 @@ struct LogFollower::Parts {
 
   // Reads more lines until a log is recognised.
   void settle() {
-    for (std::size_t line_count = layout ? 1 : enough_lines;; line_count += 1 + line_count / 8) {
+    const bool says_what_it_is = lines->head(1).starts_with(native_beginning);
+    for (std::size_t line_count = layout || says_what_it_is ? 1 : enough_lines;;
+         line_count += 1 + line_count / 8) {
       const std::string_view text = lines->head(line_count);
       if (is_sound(text))
         throw InputError({path}, "a recording of sound", "a log that grows line by line");

@@ -83,6 +83,24 @@ TEST_F(MonitorArchiveTest, AFileThatIsRemovedIsBegunAnew) {
   EXPECT_EQ(archive.events_of("2025-11-27").size(), 4U);
 }
 
+TEST_F(MonitorArchiveTest, DirectionsThatComeLateAreNotTakenForUpwardCrossings) {
+  fill();
+  {
+    Archive archive(folder_);
+    archive.describe(true, 1.0);
+    archive.append(event_at({1764201608, 0.25}));
+    archive.append(event_at({1764201608, 0.75}, Edge::down));
+    archive.append(event_at({1764288000, 0.25}, Edge::down)); // the next day
+    archive.append(event_at({1764288000, 0.75}));
+  }
+  const Archive archive(folder_);
+  EXPECT_EQ(archive.events_of("2025-11-27").size(), 9U);
+  EXPECT_EQ(archive.notes_of("2025-11-27").back(), "down 1764201608.750000000");
+  const auto next = archive.events_of("2025-11-28");
+  ASSERT_EQ(next.size(), 2U);
+  EXPECT_EQ(next[0].edge, Edge::down);
+}
+
 TEST_F(MonitorArchiveTest, ADayMayHaveOneEvent) {
   fill(1764201599);
   const Archive archive(folder_);

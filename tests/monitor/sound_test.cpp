@@ -54,7 +54,8 @@ protected:
     return heard;
   }
 
-  std::string folder_ = testing::TempDir() + "sound";
+  std::string folder_ =
+      testing::TempDir() + "sound-" + testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 TEST_F(MonitorSoundTest, WindowsAreHeardAsOneClock) {

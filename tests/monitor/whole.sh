@@ -35,7 +35,7 @@ mkfifo pipe
 monitor=$!
 exec 3> pipe
 { printf '# goingrate log: 1\n# nominal_period_s: 1\ntime_s\n'; beats 0 500; } >&3
-sleep 2
+sleep 3
 kill -9 $monitor
 wait $monitor 2> /dev/null || true
 exec 3>&-
@@ -45,10 +45,10 @@ printf '1764201' >> "$(ls killed/*.csv)" # a line that a failure of power tore
 monitor=$!
 exec 3> pipe
 { printf '# goingrate log: 1\n# nominal_period_s: 1\ntime_s\n'; beats 600 900; } >&3
-check "it goes on in the same files" within 5 has_rows killed 800
+check "it goes on in the same files" within 20 has_rows killed 800
 kill -TERM $monitor
 exec 3>&-
-check "a signal ends it" within 5 bash -c "! kill -0 $monitor 2> /dev/null"
+check "a signal ends it" within 10 bash -c "! kill -0 $monitor 2> /dev/null"
 check "the archive is a log" bash -c "'$goingrate' --quiet rate killed -o table.csv"
 check "of 900 cycles" grep -q '^899,' table.csv
 
@@ -58,14 +58,14 @@ mkfifo lonely
 monitor=$!
 sleep 0.5
 { printf '# goingrate log: 1\n# nominal_period_s: 1\ntime_s\n'; beats 0 20; } > lonely
-check "its writer has gone, and the clock is called stopped" within 8 grep -q "alarm stopped" lonely.said
+check "its writer has gone, and the clock is called stopped" within 20 grep -q "alarm stopped" lonely.said
 kill $monitor
-check "and a signal ends it" within 3 bash -c "! kill -0 $monitor 2> /dev/null"
+check "and a signal ends it" within 10 bash -c "! kill -0 $monitor 2> /dev/null"
 beats 0 100000000 | "$goingrate" --quiet monitor - --archive flood.d &
 monitor=$!
 sleep 2
 kill $monitor
-check "a signal ends it in a flood of lines" within 3 bash -c "! kill -0 $monitor 2> /dev/null"
+check "a signal ends it in a flood of lines" within 10 bash -c "! kill -0 $monitor 2> /dev/null"
 
 # A sound card whose monitor is killed: nothing keeps the archive.
 mkdir card
@@ -81,7 +81,7 @@ monitor=$!
 sleep 1
 check "after kill -9 the next one listens" kill -0 $monitor
 kill $monitor
-check "until a signal" within 3 bash -c "! kill -0 $monitor 2> /dev/null"
+check "until a signal" within 10 bash -c "! kill -0 $monitor 2> /dev/null"
 
 # A command of an alarm does not read the beats.
 { beats 0 50; sleep 2; beats 60 100; } | "$goingrate" --quiet monitor - --archive kept.d --patience 1 --on-alarm cat > stolen
@@ -112,8 +112,8 @@ os.write(master, b"# goingrate log: 1\n# nominal_period_s: 0.5\ntime_s\n")
 start = time.time()
 for n in range(20):
     os.write(master, b"%.6f\n" % (n * 0.5))
-deadline = time.time() + 8
-while time.time() < deadline and json.loads(get("/api/now")[1])["beats"] < 20:
+deadline = time.time() + 20
+while time.time() < deadline and json.loads(get("/api/now")[1])["acknowledged"] < 20:
     time.sleep(0.2)
 now = json.loads(get("/api/now")[1])
 check("a serial line is read", now["beats"] == 20)
@@ -147,10 +147,12 @@ for link in crowd:  # each sends a byte of a request now and then
     link.sendall(b"G")
 for n in range(20, 40):
     os.write(master, b"%.6f\n" % (n * 0.5))
-time.sleep(3)
-rows = sum(line[0].isdigit() for name in glob.glob("served/*.csv") for line in open(name))
+deadline, rows = time.time() + 20, 0
+while time.time() < deadline and rows < 40:
+    time.sleep(0.2)
+    rows = sum(line[0].isdigit() for name in glob.glob("served/*.csv") for line in open(name))
 check("a crowd that says little does not stop the archive: %d rows" % rows, rows == 40)
-deadline = time.time() + 10
+deadline = time.time() + 20
 said = ""
 while time.time() < deadline and not said:
     time.sleep(0.2)
@@ -176,10 +178,10 @@ check "and is told" grep -q archive-failing full.said
 beats 0 100 > growing.log
 "$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
 monitor=$!
-check "a file" within 5 has_rows rotated 100
+check "a file" within 20 has_rows rotated 100
 mv growing.log growing.1
 beats 100 200 > growing.log
-check "and the one after it" within 5 has_rows rotated 200
+check "and the one after it" within 20 has_rows rotated 200
 kill $monitor
 check "by its day" test -s rotated/2025-11-27.csv
 
