@@ -33,9 +33,9 @@ void add_parameter_options(CLI::App& command, ModelOptions& options) {
   offers(prior, names)->allow_extra_args(false);
   auto* event = command.add_option(
       "--event", options.events,
-      "parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, phi0, T0; or by "
-      "time 300s:mu; or auto to search, or none; the k-th gives mu@k [auto, or those of "
-      "--from]");
+      "parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, phi0, T0, at that "
+      "crossing; ~CYCLE:NAME at some moment of the swings about it; or by time 300s:mu; or auto "
+      "to search, or none; the k-th gives mu@k [auto, or those of --from]");
   offers(event, {"auto", "none"})->allow_extra_args(false);
 }
 

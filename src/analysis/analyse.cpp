@@ -188,6 +188,34 @@ void drop_what_the_fit_dropped(const FitOptions& asked, const FitSummary& fit,
     });
 }
 
+// Whether the clock and the jitter of its sensor are all there is in the times: no noise that wanders
+// stands in for a change.
+bool explains_all(const FitSummary& fit) {
+  constexpr double least_p = 1e-3;
+  const ModelChoice& model = fit.model;
+  return fit.status == FitStatus::converged && misses_nothing(fit) &&
+         fit.quality.p_value > least_p && !model.walk && !model.drive && !model.slow;
+}
+
+// The swing that settles after the start, or after a change, looks like more changes. Where the fit
+// explains all, those that it does not have there were not.
+void drop_what_the_swing_explains(const FitSummary& fit, std::int64_t first, Diary& diary) {
+  if (!explains_all(fit)) return;
+  std::vector<const Change*> kept;
+  for (const FitEvent& event : fit.events) {
+    const auto nearest = std::min_element(
+        diary.changes.begin(), diary.changes.end(), [&](const Change& a, const Change& b) {
+          return std::abs(a.cycle - first - event.cycle) < std::abs(b.cycle - first - event.cycle);
+        });
+    if (nearest != diary.changes.end()) kept.push_back(&*nearest);
+  }
+  Diary told{{}, diary.interruptions};
+  for (const Change& change : diary.changes)
+    if (change.noted || std::find(kept.begin(), kept.end(), &change) != kept.end())
+      told.changes.push_back(change);
+  diary = std::move(told);
+}
+
 // The course of a swing that dies away, or of a drive that varies slowly, looks like changes. Where
 // such a model, asked for them, explains the log without any, there were none.
 void drop_what_no_fit_demands(const FitSummary& fit, Diary& diary) {
@@ -268,7 +296,7 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
   const auto add = [&](const Change& change, std::vector<FitEvent>& events) {
     const std::string name = changed_by(change.kind);
     if (name == "mu" && options.escapement == Escapement::none) return;
-    events.push_back({change.cycle - first_cycle, {name}, !change.noted, change.planned});
+    events.push_back({change.cycle - first_cycle, {name}, !change.noted, change.planned, false});
   };
   options.events.clear();
   for (const Change& change : strongest_changes(noticed, most_events, true))
@@ -353,7 +381,10 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
       has_plans ? fit_clock(times, loaded.nominal_period_s, without_plans(asked)) : FitSummary{};
   if (has_plans) asked = without_what_is_excluded(std::move(asked), alone);
   data.fit = fit_clock(times, loaded.nominal_period_s, asked);
-  if (request.finds_events) drop_what_the_fit_dropped(asked, data.fit, loaded, data.diary);
+  if (request.finds_events) {
+    drop_what_the_swing_explains(data.fit, loaded.good.front().cycle, data.diary);
+    drop_what_the_fit_dropped(asked, data.fit, loaded, data.diary);
+  }
   if (request.finds_events && follows_changes(data)) {
     put_fitted_changes(data.fit, loaded.good, data.diary);
     drop_wakes(data.fit, loaded.good, data.diary);

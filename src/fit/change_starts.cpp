@@ -114,7 +114,7 @@ std::vector<double> coordinates(const Clock& clock, const Parameters& parameters
                                 std::span<const double> otherwise) {
   std::vector<double> x(otherwise.begin(), otherwise.end());
   for (const Slot& slot : parameters.slots) {
-    if (!slot.free || is_noise(slot.quantity)) continue;
+    if (!slot.free || !is_of_clock(slot.quantity)) continue;
     std::optional<double> value;
     if (slot.event > 0)
       value = clock.changed;

@@ -1,5 +1,6 @@
 #include "goingrate/fit/clock_fit.hpp"
 
+#include "change_moments.hpp"
 #include "contradictions.hpp"
 #include "experiments.hpp"
 #include "model_choice.hpp"
@@ -135,7 +136,7 @@ void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
 ClockTwin clock_at(const Fitted& fitted, std::span<const double> x, double behind) {
   ClockTwin clock{{}, 2.0 * behind};
   for (const Slot& slot : fitted.problem.parameters.slots)
-    if (slot.free && !is_noise(slot.quantity))
+    if (slot.free && is_of_clock(slot.quantity))
       clock.parameters.emplace_back(fitted.problem.parameters.name_of(slot), slot.value(x));
   return clock;
 }
@@ -153,7 +154,7 @@ void state_twins(const Fitted& fitted, const Certainty& known, FitSummary& summa
   const auto is_far = [&](std::span<const double> x) {
     const auto& slots = fitted.problem.parameters.slots;
     return std::any_of(slots.begin(), slots.end(), [&](const Slot& slot) {
-      return slot.free && !is_noise(slot.quantity) && slot.quantity != Quantity::T0 &&
+      return slot.free && is_of_clock(slot.quantity) && slot.quantity != Quantity::T0 &&
              std::abs(x[slot.index] - fitted.minimum.x[slot.index]) >=
                  separation_sigma * known.curvature_sigma(slot.index);
     });
@@ -214,6 +215,10 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.alternatives = search.alternatives();
   summary.thinning = search.thinning();
   summary.events = search.options().events;
+  for (const Slot& slot : fitted.problem.parameters.slots)
+    if (slot.quantity == Quantity::moment)
+      summary.events[slot.event - 1].cycle +=
+          std::llround(slot.value(std::span<const double>(fitted.minimum.x)));
   summary.time_widening = widening.time;
   summary.amplitude_widening = widening.amplitude;
   FewBeats some;
@@ -304,10 +309,29 @@ struct Searched {
   const Fitted* fitted = nullptr;
 };
 
-Searched searched(const TimingData& data, const FitOptions& options) {
-  Searched end{std::make_unique<ModelSearch>(data, options), nullptr};
+Searched searched(const TimingData& data, const FitOptions& options, bool moments) {
+  Searched end{std::make_unique<ModelSearch>(data, options, moments), nullptr};
   end.fitted = &end.search->run();
   return end;
+}
+
+// With every change at a crossing, or, where the times leap at one, at the moment that explains
+// them better.
+Searched searched(const TimingData& data, const FitOptions& options) {
+  Searched plain = searched(data, options, false);
+  const std::vector<FitEvent>& events = plain.search->options().events;
+  const auto open = std::count_if(events.begin(), events.end(),
+                                  [](const FitEvent& event) { return !event.has_known_moment(); });
+  if (open == 0 || !plain.fitted->minimum.usable ||
+      !leaps_at_changes(*plain.fitted, plain.search->options()))
+    return plain;
+  Searched within = searched(data, options, true);
+  if (!within.fitted->minimum.usable) return plain;
+  const Fitted beside = on_few_beats(*plain.fitted, {*within.fitted->problem.data, 1.0});
+  constexpr double two_sigma = 4.0; // of 2 log L for each moment
+  const bool better = beside.minimum.usable &&
+                      within.fitted->bic + two_sigma * static_cast<double>(open) < beside.bic;
+  return better ? std::move(within) : std::move(plain);
 }
 
 // Without the changes that may have been, or with them where the log asks for them.

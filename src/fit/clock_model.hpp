@@ -4,12 +4,14 @@
 
 #include "course.hpp"
 #include "parameters.hpp"
+#include "within_cycle.hpp"
 
 #include "base/scaled_time.hpp"
 #include "goingrate/fit/timing_data.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -24,8 +26,8 @@ template <class T> struct Going {
   T T0{};
   AveragedLaws<T> laws{};
   T amplitude2_start{};
-  double cycle = 0.0; ///< at which they began to hold,
-  T late_s{};         ///< when the clock came to it, less cycle * reference period
+  T cycle{};  ///< at which they began to hold, not always a whole one,
+  T late_s{}; ///< when the clock came to it, less cycle * reference period
 };
 
 template <class T>
@@ -96,9 +98,9 @@ public:
     if (!going_.laws.reaches(going_.amplitude2_start)) return false;
     Course<T> course(going_.laws, going_.amplitude2_start);
     std::size_t event = 0;
+    double next = next_change(event);
     for (std::size_t i = 0; i < data_.size(); ++i) {
-      while (event < parameters_.event_cycles.size() &&
-             data_.cycle[i] > parameters_.event_cycles[event])
+      for (; data_.cycle[i] > next; next = next_change(event))
         if (!pass_event(++event, course)) return false;
       const T t = (data_.elapsed_s[i] - going_.cycle * data_.reference_period_s - going_.late_s) *
                   (two_pi / going_.T0);
@@ -132,29 +134,54 @@ private:
     return value;
   }
 
+  // Of what the moment of an event makes; 0 where the event came at a crossing.
+  [[nodiscard]] T at_event(Quantity quantity, std::size_t event) const {
+    const Slot* slot = parameters_.find(quantity, event);
+    return slot == nullptr ? T(0.0) : slot->value(x_);
+  }
+  // The cycle of the change that comes after `event`.
+  [[nodiscard]] double next_change(std::size_t event) const {
+    if (event >= parameters_.event_cycles.size()) return std::numeric_limits<double>::infinity();
+    return parameters_.event_cycles[event] + plain(at_event(Quantity::moment, event + 1));
+  }
+
   // Lets the clock run to the event and applies its changes. The rate is nearly constant, so each
   // of Newton's steps gains eight digits, in the derivatives too.
   bool pass_event(std::size_t event, Course<T>& course) {
-    const double cycles = parameters_.event_cycles[event - 1] - going_.cycle;
-    T t = T(two_pi * cycles);
+    const T moment = at_event(Quantity::moment, event);
+    const T cycles = parameters_.event_cycles[event - 1] - going_.cycle + moment;
+    T t = cycles * two_pi;
     for (int round = 0; round < 3; ++round) {
       const auto state = course.at(t);
       if (!state) return false;
-      t -= (t + state->phase_excess - two_pi * cycles) / (state->rate + 1.0);
+      t -= (t + state->phase_excess - cycles * two_pi) / (state->rate + 1.0);
     }
     const auto state = course.at(t);
     if (!state) return false;
     going_.late_s += cycles * (going_.T0 - data_.reference_period_s) -
                      going_.T0 * state->phase_excess * (1.0 / two_pi);
     going_.cycle += cycles;
-    const T before = going_.T0;
-    going_.amplitude2_start = state->amplitude2;
+    const Going<T> before = going_;
     apply_changes(parameters_, x_, event, going_);
-    const T stretched = going_.T0 / before; // of the speed in rad/s lambda is T0/2 pi times
-    going_.amplitude2_start *= stretched * stretched;
+    going_.late_s += at_event(Quantity::late_leap, event);
+    const T leap = at_event(Quantity::amplitude_leap, event) + 1.0;
+    return begin(before, sqrt_of(state->amplitude2) * leap, moment, course);
+  }
+
+  // Begins a course with the laws that hold now, where the clock stands with `amplitude`.
+  bool begin(const Going<T>& before, const T& amplitude, const T& moment, Course<T>& course) {
+    const Leap<T> leap =
+        leap_between(before.laws, going_.laws, amplitude, moment, T(going_.T0 / before.T0));
+    const T grown = amplitude + leap.amplitude;
+    going_.amplitude2_start = grown * grown;
+    going_.late_s -= going_.T0 * leap.phase * (1.0 / two_pi);
     if (!going_.laws.reaches(going_.amplitude2_start)) return false;
     course = Course<T>(going_.laws, going_.amplitude2_start);
     return true;
+  }
+  static T sqrt_of(const T& value) {
+    using std::sqrt;
+    return sqrt(value);
   }
 
   const Parameters& parameters_;

@@ -14,7 +14,7 @@ bool leaves_the_domain(const Fitted& fitted) {
   constexpr double bound_margin = 1e-6; // of a logarithm
   const Parameters& parameters = fitted.problem.parameters;
   return std::any_of(parameters.slots.begin(), parameters.slots.end(), [&](const Slot& slot) {
-    return slot.free && !is_noise(slot.quantity) &&
+    return slot.free && is_of_clock(slot.quantity) &&
            fitted.minimum.x[slot.index] > fitted.problem.bounds[slot.index][1] - bound_margin;
   });
 }

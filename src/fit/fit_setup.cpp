@@ -1,5 +1,8 @@
 #include "fit_setup.hpp"
 
+#include "clock_model.hpp"
+
+#include "base/scaled_time.hpp"
 #include "base/spelling.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
@@ -17,10 +20,12 @@ namespace goingrate {
 FitEvent parse_fit_event(const std::string& text) {
   const std::size_t colon = text.find(':');
   FitEvent event;
+  event.at_crossing = !text.starts_with('~');
+  const char* digits = text.data() + (event.at_crossing ? 0 : 1);
   const char* end = text.data() + std::min(colon, text.size());
-  const auto [stop, error] = std::from_chars(text.data(), end, event.cycle);
+  const auto [stop, error] = std::from_chars(digits, end, event.cycle);
   if (colon == std::string::npos || error != std::errc() || stop != end)
-    throw ArgumentError("event", text, "CYCLE:NAME[,NAME], for instance 150:mu");
+    throw ArgumentError("event", text, "CYCLE:NAME[,NAME], for instance 150:mu, or ~150:mu");
   for (std::size_t begin = colon + 1; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
     event.names.push_back(text.substr(begin, comma - begin));
@@ -34,6 +39,11 @@ namespace timing_model {
 namespace {
 
 constexpr double typical_torque = 1e-5; // scale of a changed torque where the first is zero
+// Cycles. Who tells a date means a moment of that swing, any of which is as likely: 1/sqrt 12. A
+// search is seldom further off than this.
+constexpr double told_date_sigma = 0.289, found_date_sigma = 1.0;
+// Of the scales of the leaps: what half a cycle of a drive of 4 mu/lambda = 1 % makes.
+constexpr double leap_sigma = 2.0;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // A parameter as it is when nothing is said about it.
@@ -48,6 +58,8 @@ constexpr Kind drag_kind{Quantity::quadratic_drag, Coordinate::multiple, 1e-3};
 constexpr Kind dry_kind{Quantity::dry_friction, Coordinate::multiple, 1e-6};
 constexpr Kind offset_kind{Quantity::offset, Coordinate::multiple, 1e-3};
 constexpr Kind term_kind{Quantity::term, Coordinate::multiple, 1e-6};
+constexpr Kind moment_kind{Quantity::moment, Coordinate::multiple, 1.0};
+constexpr Kind amplitude_leap_kind{Quantity::amplitude_leap, Coordinate::multiple, 1e-3};
 
 Kind changing_kind(const std::string& name, const TimingData& data) {
   if (name == "mu" || name == "impulse")
@@ -67,6 +79,7 @@ bool may_be_zero(Quantity quantity) {
 }
 bool may_be_negative(const Slot& slot) {
   return slot.quantity == Quantity::offset || slot.quantity == Quantity::term ||
+         is_of_moment(slot.quantity) ||
          (slot.quantity == Quantity::phi0 && slot.coordinate == Coordinate::multiple);
 }
 
@@ -140,7 +153,15 @@ private:
           throw ArgumentError("event", name, "named once at each event");
         add(changing_kind(name, data_), parameters_.event_cycles.size());
       }
+      if (!event.has_known_moment()) add_moment(parameters_.event_cycles.size());
     }
+  }
+
+  void add_moment(std::size_t event) {
+    if (model_.moments == ModelChoice::Moments::of_crossings) return;
+    if (model_.moments == ModelChoice::Moments::fitted) add(moment_kind, event);
+    add({Quantity::late_leap, Coordinate::multiple, 1e-3 * data_.reference_period_s}, event);
+    add(amplitude_leap_kind, event);
   }
 
   void add_noise() {
@@ -300,7 +321,8 @@ std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
                                              std::span<const double> x) {
   if (slot.event == 0 || slot.event > options.events.size()) return {};
   const FitEvent& event = options.events[slot.event - 1];
-  if (!event.planned || parameters.name_of(slot) != fmt::format("{}@{}", event.names.front(), slot.event))
+  if (!event.planned ||
+      parameters.name_of(slot) != fmt::format("{}@{}", event.names.front(), slot.event))
     return {};
   const Slot* before = nullptr;
   for (const Slot& other : parameters.slots)
@@ -311,6 +333,39 @@ std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
                          RatioOfSlots{slot, *before, event.planned->ratio}};
 }
 
+// How large the leaps at an event can be: what half a cycle of the laws before lacks of the laws
+// after, relative to the amplitude, or in rad of the phase.
+double size_of_leaps(const Parameters& parameters, std::size_t event, std::span<const double> x) {
+  Going<double> before;
+  for (std::size_t k = 0; k < event; ++k)
+    apply_changes(parameters, x, k, before);
+  Going<double> after = before;
+  apply_changes(parameters, x, event, after);
+  const double lambda = std::sqrt(before.amplitude2_start);
+  const AveragedLaws<double>&a = before.laws, &b = after.laws;
+  return 2.0 * std::abs(a.mu - b.mu) / lambda +
+         2.0 * a.mu * std::abs(a.phi0 - b.phi0) / (lambda * lambda) +
+         2.0 * std::abs(a.epsilon - b.epsilon) + std::abs(after.T0 / before.T0 - 1.0);
+}
+
+// Any moment is as likely, so the place where it starts is none that pulls.
+CoordinatePrior prior_of_moment(const FitOptions& options, const Parameters& parameters,
+                                const Slot& slot, std::span<const double> start) {
+  if (slot.quantity == Quantity::moment) {
+    const bool found = options.events[slot.event - 1].movable;
+    return {slot.index, start[slot.index], found ? found_date_sigma : told_date_sigma, true};
+  }
+  if (parameters.find(Quantity::moment, slot.event) == nullptr)
+    return {slot.index, 0.0, leap_sigma, true};
+  // WithinCycleTest.AChangeInASwingLeapsAsTheIntegratedClockDoes
+  constexpr double error_of_first_order = 0.005;
+  const double size = error_of_first_order * size_of_leaps(parameters, slot.event, start);
+  const double unit = slot.quantity == Quantity::late_leap
+                          ? slot.scale * two_pi / parameters.find(Quantity::T0)->value(start)
+                          : slot.scale;
+  return {slot.index, 0.0, std::max(size, 1e-12) / unit, true};
+}
+
 } // namespace
 
 std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parameters& parameters,
@@ -318,6 +373,10 @@ std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parame
   std::vector<CoordinatePrior> priors;
   for (const Slot& slot : parameters.slots) {
     if (!slot.free) continue;
+    if (is_of_moment(slot.quantity)) {
+      priors.push_back(prior_of_moment(options, parameters, slot, start));
+      continue;
+    }
     const bool about_start = slot.coordinate == Coordinate::logarithm ||
                              (slot.coordinate == Coordinate::multiple && slot.event > 0);
     const double centre = about_start ? start[slot.index] : 0.0;
@@ -357,6 +416,8 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     auto& [low, high] = bounds[slot.index];
     if (slot.coordinate == Coordinate::multiple && !may_be_negative(slot)) low = 0.0;
     if (slot.quantity == Quantity::epsilon) high = slot.coordinate_of(largest_epsilon);
+    if (slot.quantity == Quantity::moment)
+      low = -8.0, high = 8.0; // cycles: beyond, the date would have moved
     if (slot.quantity == Quantity::lambda0) high = std::log(largest_lambda);
     if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors

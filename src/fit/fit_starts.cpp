@@ -84,7 +84,8 @@ std::vector<std::vector<double>> starts_of(const FitOptions& options, const Para
   return {given};
 }
 
-// Of places within a sigma of a better one, only the better one is kept.
+} // namespace
+
 void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
   if (places.size() < 2) return;
   const auto at = evaluate(problem, places.front().x);
@@ -97,8 +98,6 @@ void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
       kept.push_back(place);
   places = std::move(kept);
 }
-
-} // namespace
 
 std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
                                const NoiseGuess& noise) {

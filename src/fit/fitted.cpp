@@ -20,7 +20,7 @@ bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<
   constexpr double determined_share = 0.1; // of the largest sigma that counts as determined
   return std::all_of(
       problem.parameters.slots.begin(), problem.parameters.slots.end(), [&](const Slot& slot) {
-        return !slot.free || is_noise(slot.quantity) ||
+        return !slot.free || !is_of_clock(slot.quantity) ||
                known.sigma(slot.index) < determined_share * tolerable_sigma(problem, slot, x);
       });
 }
@@ -137,13 +137,14 @@ bool is_rounding(const Fitted& fitted) {
 double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
   double weak = 0.0;
   for (const CoordinatePrior& prior : problem.priors)
-    if (!prior.stated)
-      weak += 0.5 * std::pow(prior.pull(minimum.x), 2);
+    if (!prior.stated) weak += 0.5 * std::pow(prior.pull(minimum.x), 2);
   double seen = static_cast<double>(problem.data->size()) - 1.0;
   for (const double a : problem.data->amplitude_rad)
     seen += std::isnan(a) ? 0.0 : 1.0;
-  return 2.0 * (minimum.value - weak) +
-         static_cast<double>(problem.parameters.free_count) * std::log(seen);
+  const auto parameters = std::count_if( // a moment is a part of its event's date
+      problem.parameters.slots.begin(), problem.parameters.slots.end(),
+      [](const Slot& slot) { return slot.free && !is_of_moment(slot.quantity); });
+  return 2.0 * (minimum.value - weak) + static_cast<double>(parameters) * std::log(seen);
 }
 
 std::optional<NoiseShape> noise_shape(const Fitted& fitted) {

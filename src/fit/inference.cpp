@@ -75,6 +75,7 @@ void state_parameters(const FitProblem& problem, std::span<const double> x, cons
                       const std::vector<Interval>& intervals, const FitOptions& options,
                       FitSummary& summary) {
   for (const Slot& slot : problem.parameters.slots) {
+    if (is_of_moment(slot.quantity)) continue;
     FittedParameter parameter;
     parameter.name = problem.parameters.name_of(slot);
     parameter.unit = unit_of(problem, slot);
@@ -91,12 +92,15 @@ void state_parameters(const FitProblem& problem, std::span<const double> x, cons
 
 void state_correlation(const FitProblem& problem, const Certainty& known, FitSummary& summary) {
   const Eigen::MatrixXd covariance = known.covariance();
-  const auto n = covariance.rows();
-  for (const Slot& slot : problem.parameters.slots)
-    if (slot.free) summary.correlated.push_back(problem.parameters.name_of(slot));
-  for (Eigen::Index i = 0; i < n; ++i) {
+  std::vector<Eigen::Index> stated;
+  for (const Slot& slot : problem.parameters.slots) {
+    if (!slot.free || is_of_moment(slot.quantity)) continue;
+    summary.correlated.push_back(problem.parameters.name_of(slot));
+    stated.push_back(static_cast<Eigen::Index>(slot.index));
+  }
+  for (const Eigen::Index i : stated) {
     std::vector<double> row;
-    for (Eigen::Index k = 0; k < n; ++k)
+    for (const Eigen::Index k : stated)
       row.push_back(covariance(i, k) / std::sqrt(covariance(i, i) * covariance(k, k)));
     summary.correlation.push_back(row);
   }

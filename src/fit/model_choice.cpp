@@ -1,5 +1,6 @@
 #include "model_choice.hpp"
 
+#include "change_moments.hpp"
 #include "date_search.hpp"
 #include "reference_run.hpp"
 #include "thinning.hpp"
@@ -24,7 +25,7 @@ bool by_bic(const Fitted& a, const Fitted& b) { return a.bic < b.bic; }
 double largest_shift(const Fitted& fitted, const std::map<std::string, double>& shifts) {
   double largest = 0.0;
   for (const Slot& slot : fitted.problem.parameters.slots)
-    if (!is_noise(slot.quantity) && is_determined(fitted, slot))
+    if (is_of_clock(slot.quantity) && is_determined(fitted, slot))
       largest = std::max(largest, std::abs(shifts.at(fitted.problem.parameters.name_of(slot))));
   return largest;
 }
@@ -35,7 +36,7 @@ std::string moved_by(const Fitted& from, const Fitted& to) {
   std::string which;
   for (const Slot& slot : from.problem.parameters.slots) {
     const Slot* other = to.problem.parameters.find(slot.quantity, slot.event);
-    if (!is_determined(from, slot) || is_noise(slot.quantity) || other == nullptr) continue;
+    if (!is_determined(from, slot) || !is_of_clock(slot.quantity) || other == nullptr) continue;
     const double change =
         std::abs(slot.coordinate_of(other->value(std::span<const double>(to.minimum.x))) -
                  from.minimum.x[slot.index]) /
@@ -86,8 +87,8 @@ std::map<std::string, double> model_shifts(const Fitted& fitted, FitDynamics jud
   return in_sigma;
 }
 
-ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
-    : all_(data), options_(options), guess_(guess_noise(data)) {
+ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options, bool moments)
+    : all_(data), options_(options), moments_(moments), guess_(guess_noise(data)) {
   check_names(options, data);
   include_named_noise(options_);
   const std::size_t asked = make_parameters(options_, data, first_model()).free_count;
@@ -319,6 +320,14 @@ void ModelSearch::leave_out_contradicted_priors() {
   best_ = fit_from_scratch(working_.data, options_, best_.model, guess_);
 }
 
+// With every change at a crossing the search may pass the right clock by, for its times leap; where
+// leaps are free there is less to guide it. So both look for places to begin at.
+void ModelSearch::find_moments() {
+  ModelChoice loose = best_.model;
+  loose.moments = ModelChoice::Moments::loose;
+  scan_moments(best_, fit_from_scratch(working_.data, options_, loose, guess_), options_);
+}
+
 const Fitted& ModelSearch::run() {
   thin_if_long();
   ModelChoice model = first_model();
@@ -330,6 +339,7 @@ const Fitted& ModelSearch::run() {
   const std::vector<FitEvent> found = options_.events;
   move_dates(best_, options_);
   consider_other_laws(found);
+  if (moments_) find_moments();
   if (!best_.model.walk && !strays_by_noise()) {
     choose_dynamics();
     if (best_.dynamics != FitDynamics::averaged1)
@@ -344,6 +354,12 @@ const Fitted& ModelSearch::run() {
     if (best_.dynamics != FitDynamics::map) choose_dynamics();
   }
   tried(best_, "chosen");
+  const bool dated = std::all_of(options_.events.begin(), options_.events.end(),
+                                 [](const FitEvent& event) { return event.has_known_moment(); });
+  if (dated && leaps_at_changes(best_, options_))
+    notes_.push_back({NoteKind::misfit,
+                      "the times leap at a change that is dated by a crossing: it came at some "
+                      "moment of the swings beside; dated as such, its moment is fitted too"});
   return best_;
 }
 

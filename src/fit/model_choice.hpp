@@ -36,7 +36,8 @@ struct Working {
 /// escapement_choice.cpp, the noise in noise_choice.cpp.
 class ModelSearch {
 public:
-  ModelSearch(const TimingData& data, const FitOptions& options);
+  /// With `moments`, changes that are not told to come at a crossing come at any moment.
+  ModelSearch(const TimingData& data, const FitOptions& options, bool moments = false);
 
   /// Runs the search. The result points into this object.
   const Fitted& run();
@@ -67,6 +68,7 @@ private:
   void consider_other_laws(const std::vector<FitEvent>& found);
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void leave_out_contradicted_priors();
+  void find_moments();
   void choose_dynamics();
   void add_terms(Fitted& fitted);
   void choose_friction();
@@ -79,6 +81,7 @@ private:
 
   const TimingData& all_;
   FitOptions options_;
+  bool moments_;
   NoiseGuess guess_;
   Working working_;
   TimingData finer_; ///< the beats that thin_by_information() keeps

@@ -108,7 +108,8 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
   std::vector<std::vector<double>> points{
       carried_over(before, simpler.minimum.x, parameters, grid.front())};
   for (const Slot& slot : parameters.slots) // new terms start small
-    if (slot.free && !before.has(slot.quantity) && slot.coordinate == Coordinate::multiple)
+    if (slot.free && is_of_clock(slot.quantity) && !before.has(slot.quantity) &&
+        slot.coordinate == Coordinate::multiple)
       points.front()[slot.index] = 0.1;
   const bool drive_is_new = model.drive && !before.has(Quantity::drive_rms);
   const bool slow_is_new = model.slow && !before.has(Quantity::slow_rms);

@@ -185,7 +185,10 @@ private:
                                      ? "the number of a cycle"
                                      : "the number of a cycle after that of the EVENT before";
     FitEvent event;
-    const auto cycle = whole_number(required(1, expected));
+    std::string_view when = required(1, expected);
+    event.at_crossing = !when.starts_with('~');
+    if (!event.at_crossing) when.remove_prefix(1);
+    const auto cycle = whole_number(when);
     if (!cycle || (!events.empty() && *cycle <= events.back().cycle)) refuse(1, expected);
     event.cycle = *cycle;
     std::vector<Field> names;
@@ -332,7 +335,8 @@ std::string par_text(const FitSummary& fit, const FitOptions& options, std::int6
                   "known); 0: held\nDYNAMICS {}\nESCAPEMENT {}\nNOISE {}\n",
                   first_line, dynamics, name_of(fit.model.escapement), noise_word(fit, options));
   for (const FitEvent& event : fit.events)
-    text += fmt::format("EVENT {} {}\n", event.cycle + first_cycle, fmt::join(event.names, ","));
+    text += fmt::format("EVENT {}{} {}\n", event.has_known_moment() ? "" : "~",
+                        event.cycle + first_cycle, fmt::join(event.names, ","));
   for (const Prior& prior : options.priors)
     text += fmt::format("PRIOR {} {:.17g} {:.17g}\n", prior.name, prior.value, prior.sigma);
   for (const FittedParameter& p : fit.parameters)

@@ -39,6 +39,12 @@ std::string_view base_name(Quantity quantity, Escapement escapement) {
     return "slow_time";
   case Quantity::amplitude_rms:
     return "amplitude_rms";
+  case Quantity::moment:
+    return "moment";
+  case Quantity::late_leap:
+    return "late_leap";
+  case Quantity::amplitude_leap:
+    return "amplitude_leap";
   case Quantity::term:
     break;
   }

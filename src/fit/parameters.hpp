@@ -24,6 +24,9 @@ enum class Quantity {
   offset,          ///< of the sensor
   amplitude_scale, ///< what the amplitude column shows over what the pendulum does
   term,            ///< coefficient of a RateTerm
+  moment,          ///< cycles from the crossing that dates an event to the event itself
+  late_leap,       ///< s, of the times at an event, where its moment is left open
+  amplitude_leap,  ///< relative, of the amplitude
   jitter_rms,      ///< s, white in time
   walk_rms,        ///< s a period, white in rate, from no drive
   drive_rms,       ///< relative, white from period to period
@@ -33,6 +36,14 @@ enum class Quantity {
 };
 
 inline bool is_noise(Quantity quantity) { return quantity >= Quantity::jitter_rms; }
+/// What the moment of an event makes: it only has to be allowed for.
+inline bool is_of_moment(Quantity quantity) {
+  return quantity == Quantity::moment || quantity == Quantity::late_leap ||
+         quantity == Quantity::amplitude_leap;
+}
+inline bool is_of_clock(Quantity quantity) {
+  return !is_noise(quantity) && !is_of_moment(quantity);
+}
 
 /// How a parameter is written as the number that is searched for.
 enum class Coordinate {

@@ -26,7 +26,8 @@ std::vector<double> same_place(const Parameters& from, std::span<const double> x
     if (!slot.free) continue;
     for (const Slot& before : from.slots) // in order of events: the last is in force
       if (before.quantity == slot.quantity && before.term == slot.term &&
-          cycle_of(from, before) <= cycle_of(to, slot))
+          (is_of_moment(slot.quantity) ? cycle_of(from, before) == cycle_of(to, slot)
+                                       : cycle_of(from, before) <= cycle_of(to, slot)))
         place[slot.index] = slot.coordinate_of(before.value(x));
   }
   return place;
@@ -81,7 +82,7 @@ Difference difference_at(const Fitted& fitted, std::size_t event) {
   std::vector<double> sizes;
   std::vector<Eigen::RowVectorXd> rows;
   for (const Slot& slot : fitted.problem.parameters.slots) {
-    if (slot.event != event || !slot.free) continue;
+    if (slot.event != event || !slot.free || is_of_moment(slot.quantity)) continue;
     const Slot* other = before(fitted.problem.parameters, slot);
     if (other == nullptr) continue;
     const double value = other->value(x);
@@ -111,7 +112,8 @@ struct WithoutChange {
 
 WithoutChange foreseen_without(const Fitted& fitted, std::size_t event) {
   const Difference difference = difference_at(fitted, event);
-  const Eigen::MatrixXd spread = difference.gradient * fitted.known.unwidened; // a root of its covariance
+  const Eigen::MatrixXd spread =
+      difference.gradient * fitted.known.unwidened; // a root of its covariance
   const Eigen::VectorXd weighted = (spread * spread.transpose()).ldlt().solve(difference.size);
   const Eigen::VectorXd step = fitted.known.unwidened * (spread.transpose() * weighted);
   WithoutChange there{fitted.minimum.x, difference.size.dot(weighted)};

@@ -339,7 +339,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
       largest = std::max(largest, known.sigma(slot.index));
   share(problem.parameters.slots.size(), [&](std::size_t i) {
     const Slot& slot = problem.parameters.slots[i];
-    if (!slot.free) return;
+    if (!slot.free || is_of_moment(slot.quantity)) return;
     const std::size_t k = slot.index;
     const double sigma = known.sigma(k), x = all.minimum.x[k];
     const double tolerable = tolerable_sigma(problem, slot, all.minimum.x);

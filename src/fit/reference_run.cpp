@@ -163,9 +163,11 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
   } catch (const ArgumentError&) { // a start beyond the top, laws that averaged2 does not know
     return {};
   }
-  Parameters bare = problem.parameters; // a perfect sensor, and nothing from outside
+  // A perfect sensor, nothing from outside, and changes at crossings, as in the run.
+  Parameters bare = problem.parameters;
   std::erase_if(bare.slots, [](const Slot& slot) {
-    return slot.quantity == Quantity::offset || slot.quantity == Quantity::term;
+    return slot.quantity == Quantity::offset || slot.quantity == Quantity::term ||
+           is_of_moment(slot.quantity);
   });
   const bool disturbed = bare.has(Quantity::drive_rms) || bare.has(Quantity::slow_rms);
   ResponseAlong responses(speed2, seen.has_amplitude()); // without, the filter knows of none

@@ -26,7 +26,7 @@ std::optional<ClockStep> clock_step(const FitProblem& problem, std::span<const d
   if (!at) return {};
   Eigen::VectorXd step = -at->triangle.triangularView<Eigen::Upper>().solve(at->projected);
   for (const Slot& slot : problem.parameters.slots)
-    if (slot.free && is_noise(slot.quantity)) step[static_cast<Eigen::Index>(slot.index)] = 0.0;
+    if (slot.free && !is_of_clock(slot.quantity)) step[static_cast<Eigen::Index>(slot.index)] = 0.0;
   const Eigen::VectorXd seen = at->triangle.triangularView<Eigen::Upper>() * step;
   return ClockStep{std::move(step), 0.5 * seen.squaredNorm()};
 }

@@ -1,5 +1,7 @@
 #include "goingrate/analysis/analyse.hpp"
 
+#include "support/changed_in_a_swing.hpp"
+
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -30,8 +32,27 @@ TEST(AnalyseTest, AChangeThatTheFitExplainsIsTheCause) {
   EXPECT_NEAR(epsilon.value, 2.5e-4, 3.5 * epsilon.sigma);
 }
 
-// The nut follows the clock as it goes now: since its last change, and while the clock still settles
-// after that, in the last quarter of the log.
+// A weight is taken off in the middle of a swing, of a clock that still settles after its start:
+// the diary tells of the weight, and not of the settling.
+TEST(AnalyseTest, ASettlingSwingIsNoChange) {
+  const ClockParameters before{1.37, 1.0 / 1200.0, 4e-5, 0.02};
+  ClockParameters after = before;
+  after.mu *= 0.9;
+  const auto times =
+      test::crossings_of_a_changed_clock(before, after, 0.045, 1094.76, 2190, 8e-5, 3);
+  ClockLog log;
+  for (const double time : times)
+    log.events.push_back(event_at(Instant::from_seconds(time)));
+  const Analysis analysis = analyse(load_events(std::move(log), {}), {});
+  ASSERT_EQ(analysis.diary.changes.size(), 1u);
+  EXPECT_NEAR(static_cast<double>(analysis.diary.changes.front().cycle), 1095.0, 2.0);
+  EXPECT_EQ(analysis.diary.changes.front().kind, ChangeKind::drive);
+  const FittedParameter& T0 = analysis.fit["T0"];
+  EXPECT_NEAR(T0.value, 1.37, 3.5 * T0.sigma);
+}
+
+// The nut follows the clock as it goes now: since its last change, and while the clock still
+// settles after that, in the last quarter of the log.
 TEST(AnalyseTest, TheNutIsForTheRateOfTheEndOfTheLog) {
   LoadRequest log;
   log.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv";

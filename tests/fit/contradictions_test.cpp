@@ -77,7 +77,11 @@ TEST(ClockFitTest, NonsenseIsRefusedByName) {
   EXPECT_THROW((void)with([](FitOptions& o) { o.priors = {{"mu", 1e-5, 0.0}}; }), ArgumentError);
   EXPECT_THROW((void)parse_fit_event("mu"), ArgumentError);
   EXPECT_THROW((void)parse_fit_event("15x:mu"), ArgumentError);
+  EXPECT_THROW((void)parse_fit_event("~:mu"), ArgumentError);
   EXPECT_EQ(parse_fit_event("15:mu,epsilon").names.size(), 2u);
+  EXPECT_TRUE(parse_fit_event("15:mu").has_known_moment());
+  EXPECT_EQ(parse_fit_event("~15:mu").cycle, 15);
+  EXPECT_FALSE(parse_fit_event("~15:mu").has_known_moment());
 }
 
 TEST(ClockFitTest, DataThatDoNotFitTogetherAreRefused) {

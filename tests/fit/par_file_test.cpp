@@ -158,7 +158,7 @@ TEST(ParFileTest, WhatWasChosenIsNamedAndWhatIsNotKnownIsADash) {
   fit.dynamics = FitDynamics::averaged2;
   fit.model.escapement = Escapement::none;
   fit.model.walk = true;
-  fit.events = {{140, {"epsilon", "T0"}}};
+  fit.events = {{140, {"epsilon", "T0"}}, {190, {"mu"}, true}};
   fit.parameters = {{"T0", "s", ParameterStatus::fixed, 2.0, NAN},
                     {"epsilon", "", ParameterStatus::undetermined, NAN, NAN},
                     {"lambda0", "rad", ParameterStatus::prior, 0.1, 0.01},
@@ -169,7 +169,7 @@ TEST(ParFileTest, WhatWasChosenIsNamedAndWhatIsNotKnownIsADash) {
   const std::string text = par_text(fit, options, 10);
   for (const char* line :
        {"DYNAMICS averaged2\n", "ESCAPEMENT none\n", "NOISE auto\n", "EVENT 150 epsilon,T0\n",
-        "PRIOR lambda0 0.10000000000000001 0.02", "T0             2 0   # s\n",
+        "EVENT ~200 mu\n", "PRIOR lambda0 0.10000000000000001 0.02", "T0             2 0   # s\n",
         "epsilon        - 1\n", "lambda0        0.10000000000000001 1 0.01"})
     EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;
   EXPECT_EQ(text.find("jitter_rms"), std::string::npos) << "held by the model, not by the user";

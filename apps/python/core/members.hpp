@@ -46,12 +46,12 @@ GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s, is_known, sigma, step_s)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
                   terms, time_noise, amplitude_noise, no_swings, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
-GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned)
+GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned, at_crossing)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)
 GOINGRATE_MEMBERS(FitOptions, dynamics, noise, escapement, events, possible_events, fixed, priors,
                   freed, start, profiles)
 GOINGRATE_MEMBERS(ModelChoice, escapement, quadratic, dry, amplitude_scale, jitter, walk, drive,
-                  slow)
+                  slow, moments)
 GOINGRATE_MEMBERS(ProfilePoint, value, fall)
 GOINGRATE_MEMBERS(FittedParameter, name, unit, status, value, sigma, low68, high68, low95, high95,
                   sigma_by_law, at_bound, model_shift, profile)

@@ -72,6 +72,8 @@ struct ModelChoice {
   bool quadratic = false, dry = false;
   bool amplitude_scale = false; ///< the amplitude column is off by a factor
   bool jitter = true, walk = false, drive = false, slow = false;
+  /// What is known of when, within a swing, an event came that did not come at a crossing.
+  enum class Moments { of_crossings, loose, fitted } moments = Moments::of_crossings;
 
   /// "constant-torque, linear, jitter + drive"
   [[nodiscard]] std::string name() const;

@@ -21,6 +21,12 @@ struct FitEvent {
   bool movable = false;           ///< found by a search: the fit may shift it by some cycles
   /// What is known beforehand of the first of `names`: its value after the event over that before.
   std::optional<PlannedRatio> planned{};
+  /// It takes effect at that crossing, as a simulated change does. Otherwise, and where it is
+  /// movable, it came at some moment of the swings beside, and the fit allows for that.
+  bool at_crossing = true;
+
+  /// Whether it came just at the crossing.
+  [[nodiscard]] bool has_known_moment() const { return at_crossing && !movable; }
 };
 
 } // namespace goingrate

@@ -1,0 +1,167 @@
+#include "change_moments.hpp"
+
+#include "fit_starts.hpp"
+#include "model_fit.hpp"
+#include "profile.hpp"
+#include "rivals.hpp"
+
+#include "base/workers.hpp"
+#include "fit/timing_noise.hpp"
+
+#include <algorithm>
+
+namespace goingrate::timing_model {
+
+namespace {
+
+// Those that are below their neighbours.
+std::vector<Minimum> lowest_of_each_dip(const std::vector<Minimum>& row) {
+  std::vector<Minimum> dips;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const bool below_last = i == 0 || !by_value(row[i - 1], row[i]);
+    const bool below_next = i + 1 == row.size() || !by_value(row[i + 1], row[i]);
+    if (row[i].usable && below_last && below_next) dips.push_back(row[i]);
+  }
+  return dips;
+}
+
+// Places with every moment of one event and the clock that is best with each; those that are better
+// than their neighbours, the best first. The noise is held, for a misfit would pass for it.
+std::vector<Minimum> dips_of_moment(const FitProblem& held, const Slot& moment, bool found,
+                                    const std::vector<double>& x) {
+  constexpr double spacing_cycles = 0.125; // a leap goes to and fro in half a cycle
+  // A date that was told is the crossing next to the change; one that was found may be that beside.
+  const int to_each_side = found ? 12 : 4;
+  std::vector<Minimum> row(static_cast<std::size_t>(2 * to_each_side) + 1);
+  std::vector<double> others = x;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(moment.index));
+  share(row.size(), [&](std::size_t i) {
+    const double at = spacing_cycles * (static_cast<double>(i) - to_each_side);
+    row[i] = minimise(with_held(held, moment.index, at), others, {20, 1e-2});
+    row[i].x.insert(row[i].x.begin() + static_cast<std::ptrdiff_t>(moment.index), at);
+  });
+  std::vector<Minimum> dips = lowest_of_each_dip(row);
+  std::sort(dips.begin(), dips.end(), by_value);
+  return dips;
+}
+
+// The best moments of one event after another: where a swing is pushed in its middle its amplitude
+// and phase leap to and fro, so the likelihood has several peaks. Those of the last are all given.
+std::vector<std::vector<double>> scanned_moments(const FitProblem& problem,
+                                                 const FitOptions& options,
+                                                 const std::vector<double>& x) {
+  FitProblem held = with_noise_held(problem, x);
+  const std::size_t clock = held.parameters.free_count;
+  std::erase_if(held.priors, [&](const CoordinatePrior& p) { return p.index >= clock; });
+  std::vector<Minimum> found(1);
+  found.front().x.assign(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(clock));
+  for (const Slot& slot : held.parameters.slots) {
+    if (slot.quantity != Quantity::moment || !slot.free) continue;
+    auto dips = dips_of_moment(held, slot, options.events[slot.event - 1].movable, found.front().x);
+    if (!dips.empty()) found = std::move(dips);
+  }
+  constexpr std::size_t most_peaks = 4;
+  if (found.size() > most_peaks) found.resize(most_peaks);
+  std::vector<std::vector<double>> places;
+  for (const Minimum& dip : found) {
+    places.push_back(x);
+    std::copy(dip.x.begin(), dip.x.end(), places.back().begin());
+  }
+  return places;
+}
+
+// Every place where a search came to rest, as one of the problem.
+std::vector<std::vector<double>> places_in(const Fitted& fitted, const FitProblem& problem) {
+  std::vector<std::vector<double>> places;
+  if (!fitted.minimum.usable) return places;
+  places.push_back(fitted.minimum.x);
+  for (const Rival& rival : fitted.rivals)
+    places.push_back(rival.x);
+  places.insert(places.end(), fitted.ends.begin(), fitted.ends.end());
+  const Parameters& parameters = problem.parameters;
+  const Slot* jitter = parameters.find(Quantity::jitter_rms);
+  for (std::vector<double>& place : places) {
+    place = carried_over(fitted.problem.parameters, place, parameters,
+                         std::vector<double>(parameters.free_count, 0.0));
+    if (jitter->free) // what the leap made of it is no guide
+      place[jitter->index] = jitter->coordinate_of(guess_noise(*fitted.problem.data).jitter_s);
+  }
+  return places;
+}
+
+// The peaks of the likelihood about every place where a search came to rest, the best first.
+std::vector<Minimum> peaks_of_moments(const Fitted& fitted, const Fitted& other,
+                                      FitProblem& problem, const FitOptions& options) {
+  constexpr std::size_t scanned_beats = 400; // enough to tell peaks apart
+  const TimingData few = thinned(*problem.data, problem.parameters, scanned_beats);
+  FitProblem scanned = problem.on(few);
+  std::vector<std::vector<double>> starts;
+  for (const Fitted* search : {&fitted, &other})
+    for (const std::vector<double>& place : places_in(*search, problem)) {
+      scanned.priors = make_priors(options, problem.parameters, place);
+      for (auto& peak : scanned_moments(scanned, options, place))
+        starts.push_back(std::move(peak));
+    }
+  std::vector<Minimum> peaks(starts.size());
+  share(starts.size(), [&](std::size_t i) {
+    FitProblem own = problem;
+    own.priors = make_priors(options, own.parameters, starts[i]);
+    peaks[i].x = starts[i];
+    settle(own, peaks[i], {60, 1e-2});
+  });
+  std::erase_if(peaks, [](const Minimum& m) { return !m.usable; });
+  std::sort(peaks.begin(), peaks.end(), by_value);
+  if (!peaks.empty()) problem.priors = make_priors(options, problem.parameters, peaks.front().x);
+  drop_duplicates(problem, peaks);
+  return peaks;
+}
+
+} // namespace
+
+void scan_moments(Fitted& fitted, const Fitted& other, const FitOptions& options) {
+  constexpr std::size_t trial_beats = 3000; // those about the dates are kept
+  const TimingData& data = *fitted.problem.data;
+  const TimingData some = thinned(data, fitted.problem.parameters, trial_beats);
+  Fitted start;
+  start.model = fitted.model;
+  start.model.moments = ModelChoice::Moments::fitted;
+  start.problem = make_problem(some, options, start.model);
+  if (start.problem.parameters.free_count > most_parameters) return;
+  const std::vector<Minimum> peaks = peaks_of_moments(fitted, other, start.problem, options);
+  if (peaks.empty()) return;
+  start.minimum = peaks.front();
+  Fitted there = fit_from(start, options, start.model, &data);
+  if (!there.minimum.usable) return;
+  constexpr double largest_deficit = 4.5;             // of L: three sigma
+  constexpr double largest_first_order_error = 100.0; // of L, as in find_rivals()
+  for (const Minimum& peak : peaks) {
+    const double behind = peak.value - peaks.front().value;
+    auto place = moved_along(peak.x, peaks.front().x, there.minimum.x);
+    if (&peak != &peaks.front() && behind < largest_first_order_error) there.ends.push_back(place);
+    if (behind < largest_deficit) there.rivals.push_back({std::move(place), behind});
+  }
+  fitted = std::move(there);
+}
+
+bool leaps_at_changes(const Fitted& fitted, const FitOptions& options) {
+  if (options.events.empty() || fitted.model.moments == ModelChoice::Moments::fitted) return false;
+  FitOptions open = options;
+  for (FitEvent& event : open.events)
+    event.at_crossing = false;
+  ModelChoice model = fitted.model;
+  model.moments = ModelChoice::Moments::loose;
+  FitProblem problem = make_problem(*fitted.problem.data, open, model);
+  if (problem.parameters.free_count > most_parameters) return false;
+  problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
+  problem.correction = on_every_beat(fitted.problem).correction; // as these data are
+  const std::vector<double> none(problem.parameters.free_count, 0.0);
+  const auto x =
+      carried_over(fitted.problem.parameters, fitted.minimum.x, problem.parameters, none);
+  problem.priors = make_priors(open, problem.parameters, x);
+  const auto at = evaluate(problem, x);
+  constexpr double beyond_chance = 6.0; // of 2 log L, for two leaps: one log in twenty
+  return at &&
+         at->projected.squaredNorm() > beyond_chance * static_cast<double>(options.events.size());
+}
+
+} // namespace goingrate::timing_model
