@@ -1,12 +1,7 @@
 #include "date_search.hpp"
 
-#include "fit_starts.hpp"
 #include "model_fit.hpp"
-#include "reference_run.hpp"
 #include "refinement.hpp"
-
-#include "base/workers.hpp"
-#include "fit/timing_noise.hpp"
 
 #include <algorithm>
 #include <initializer_list>
