@@ -95,15 +95,19 @@ ChangeKind kind_of_change(const std::string& parameter) {
   return parameter == "epsilon" ? ChangeKind::friction : ChangeKind::drive;
 }
 
+std::vector<Change>::iterator nearest_change(Diary& diary, std::int64_t cycle) {
+  return std::min_element(diary.changes.begin(), diary.changes.end(),
+                          [&](const Change& a, const Change& b) {
+                            return std::abs(a.cycle - cycle) < std::abs(b.cycle - cycle);
+                          });
+}
+
 // What a fit that explains the changes says of those it was told of, in order of time: its whole
 // model tells kinds apart that the course of the rate does not.
 void put_fitted_changes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary) {
   for (const FitEvent& event : fit.events) {
     const std::int64_t cycle = beats.front().cycle + event.cycle;
-    const auto nearest = std::min_element(
-        diary.changes.begin(), diary.changes.end(), [&](const Change& a, const Change& b) {
-          return std::abs(a.cycle - cycle) < std::abs(b.cycle - cycle);
-        });
+    const auto nearest = nearest_change(diary, cycle);
     if (nearest == diary.changes.end()) return;
     nearest->kind = kind_of_change(event.names.front());
     nearest->cycle = cycle;
@@ -203,10 +207,7 @@ void drop_what_the_swing_explains(const FitSummary& fit, std::int64_t first, Dia
   if (!explains_all(fit)) return;
   std::vector<const Change*> kept;
   for (const FitEvent& event : fit.events) {
-    const auto nearest = std::min_element(
-        diary.changes.begin(), diary.changes.end(), [&](const Change& a, const Change& b) {
-          return std::abs(a.cycle - first - event.cycle) < std::abs(b.cycle - first - event.cycle);
-        });
+    const auto nearest = nearest_change(diary, first + event.cycle);
     if (nearest != diary.changes.end()) kept.push_back(&*nearest);
   }
   Diary told{{}, diary.interruptions};

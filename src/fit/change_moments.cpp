@@ -143,7 +143,7 @@ void scan_moments(Fitted& fitted, const Fitted& other, const FitOptions& options
   fitted = std::move(there);
 }
 
-bool leaps_at_changes(const Fitted& fitted, const FitOptions& options) {
+bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double beyond_chance) {
   if (options.events.empty() || fitted.model.moments == ModelChoice::Moments::fitted) return false;
   FitOptions open = options;
   for (FitEvent& event : open.events)
@@ -159,7 +159,6 @@ bool leaps_at_changes(const Fitted& fitted, const FitOptions& options) {
       carried_over(fitted.problem.parameters, fitted.minimum.x, problem.parameters, none);
   problem.priors = make_priors(open, problem.parameters, x);
   const auto at = evaluate(problem, x);
-  constexpr double beyond_chance = 6.0; // of 2 log L, for two leaps: one log in twenty
   return at &&
          at->projected.squaredNorm() > beyond_chance * static_cast<double>(options.events.size());
 }

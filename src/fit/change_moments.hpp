@@ -11,7 +11,7 @@ namespace goingrate::timing_model {
 void scan_moments(Fitted& fitted, const Fitted& other, const FitOptions& options);
 
 /// Whether the times leap where a change has them not, as one at a crossing: a step of scoring with
-/// leaps left free promises more than chance would.
-bool leaps_at_changes(const Fitted& fitted, const FitOptions& options);
+/// leaps left free promises more than `beyond_chance` of 2 log L for each change.
+bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double beyond_chance);
 
 } // namespace goingrate::timing_model

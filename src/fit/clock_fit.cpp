@@ -322,8 +322,9 @@ Searched searched(const TimingData& data, const FitOptions& options) {
   const std::vector<FitEvent>& events = plain.search->options().events;
   const auto open = std::count_if(events.begin(), events.end(),
                                   [](const FitEvent& event) { return !event.has_known_moment(); });
+  constexpr double worth_a_search = 6.0; // of two leaps: one log in twenty by chance
   if (open == 0 || !plain.fitted->minimum.usable ||
-      !leaps_at_changes(*plain.fitted, plain.search->options()))
+      !leaps_at_changes(*plain.fitted, plain.search->options(), worth_a_search))
     return plain;
   Searched within = searched(data, options, true);
   if (!within.fitted->minimum.usable) return plain;

@@ -356,7 +356,8 @@ const Fitted& ModelSearch::run() {
   tried(best_, "chosen");
   const bool dated = std::all_of(options_.events.begin(), options_.events.end(),
                                  [](const FitEvent& event) { return event.has_known_moment(); });
-  if (dated && leaps_at_changes(best_, options_))
+  constexpr double beyond_chance = 13.8; // of two leaps: one log in a thousand
+  if (dated && leaps_at_changes(best_, options_, beyond_chance))
     notes_.push_back({NoteKind::misfit,
                       "the times leap at a change that is dated by a crossing: it came at some "
                       "moment of the swings beside; dated as such, its moment is fitted too"});
