@@ -69,7 +69,10 @@ and the lengths of the two half swings give amplitudes.
     Topic{"scenario", "keys of a scenario for simulate",
           R"([clock]   nominal_period (s), epsilon, mu, phi0 (rad),
           escapement = "constant-torque", "single-impulse" (impulse, angle),
-          "profile" (rising, falling) or "none", quadratic_drag, dry_friction
+          "profile" (rising, falling) or "none", quadratic_drag, dry_friction;
+          every = 15 (the escapement acts in one period of 15) or below = 0.04
+          (when the amplitude, rad, has fallen below it); gravity_share (1:
+          gravity, 0: torsion)
 [start]   amplitude = "stationary" or phi' at the first upward crossing (rad)
 [run]     periods or duration (s); method = "auto", "direct", "map",
           "averaged1", "averaged2", "rk4" (dt, rk4_torque = "step", "stage" or

@@ -1,8 +1,10 @@
 #include "goingrate/analysis/simulated_logs.hpp"
 
+#include "goingrate/dynamics/intermittent.hpp"
 #include "goingrate/log/sensor.hpp"
 #include "goingrate/log/writing.hpp"
 
+#include <cmath>
 #include <fmt/format.h>
 
 namespace goingrate {
@@ -43,15 +45,15 @@ void add_clock(const ClockParameters& clock, Truth& truth) {
   }
 }
 
-void add_event(const ClockEvent& event, std::size_t k, Truth& truth) {
+void add_event(const ClockEvent& event, std::size_t k, double rests, Truth& truth) {
   const auto add = [&](const char* name, std::optional<double> value) {
     truth.add(fmt::format("{}@{}", name, k), value);
   };
   add("T0", event.nominal_period_s);
   add("epsilon", event.epsilon);
-  add("mu", event.mu);
+  if (event.mu) add("mu", *event.mu / rests);
   add("phi0", event.phi0);
-  add("impulse", event.impulse);
+  if (event.impulse) add("impulse", *event.impulse / rests);
   add("impulse_angle", event.impulse_angle);
 }
 
@@ -91,12 +93,20 @@ std::vector<SimulatedLog> SimulatedLogs::make(std::span<const std::uint64_t> see
 
 std::map<std::string, double> true_parameters(const Scenario& scenario) {
   Truth truth;
-  add_clock(scenario.clock, truth);
+  const ClockParameters& clock = scenario.clock;
+  const auto tooth = saw_tooth(clock);
+  // Of an escapement that waits for the amplitude the interval is an outcome.
+  const double rests = tooth ? tooth->periods : static_cast<double>(clock.every);
+  add_clock(with_drive_divided(clock, rests), truth);
   Scenario exact = scenario;
   exact.method.method = Method::direct;
-  truth.add("lambda0", ClockRun(exact, 0).start_velocity());
+  const double start = ClockRun(exact, 0).start_velocity();
+  // The first swing comes before an impulse, half a saw-tooth below the mean.
+  truth.add("lambda0", clock.is_intermittent()
+                           ? std::sqrt(start * start + energy_of_period(clock, start))
+                           : start);
   for (std::size_t k = 0; k < scenario.events.size(); ++k)
-    add_event(scenario.events[k], k + 1, truth);
+    add_event(scenario.events[k], k + 1, rests, truth);
   add_noise(scenario, truth);
   return truth.take();
 }

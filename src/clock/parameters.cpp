@@ -42,6 +42,20 @@ void check(const ClockParameters& clock) {
     throw ArgumentError("impulse", clock.impulse, "at least 0 and below 1");
   if (!(std::abs(clock.impulse_angle) < std::numbers::pi / 2.0))
     throw ArgumentError("angle", clock.impulse_angle, "between -pi/2 and pi/2 rad");
+  if (!(clock.gravity_share >= -10.0 && clock.gravity_share <= 1.0))
+    throw ArgumentError("gravity_share", clock.gravity_share, "between -10 and 1 (gravity alone)");
+  if (!(clock.every >= 1 && clock.every <= 10'000))
+    throw ArgumentError("every", static_cast<double>(clock.every), "between 1 and 1e4 periods");
+  if (!(clock.below >= 0.0 && clock.below < std::numbers::pi))
+    throw ArgumentError("below", clock.below, "at least 0 and below pi rad");
+  if (clock.every > 1 && clock.below > 0.0)
+    throw ArgumentError("below", clock.below,
+                        "0 where `every` is above 1: an escapement waits for the count or for the "
+                        "amplitude");
+  if (clock.is_intermittent() && clock.escapement == Escapement::none)
+    throw ArgumentError(clock.every > 1 ? "every" : "below",
+                        clock.every > 1 ? static_cast<double>(clock.every) : clock.below,
+                        "an escapement that acts in some periods: this pendulum has none");
   check_table("rising", clock.rising);
   check_table("falling", clock.falling);
 }

@@ -2,6 +2,7 @@
 
 #include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/clock/restoring.hpp"
 
 #include <cmath>
 
@@ -130,10 +131,8 @@ void check_event(const ClockEvent& event, ClockParameters& clock) {
 
 void check(const Scenario& scenario) {
   check(scenario.clock);
-  if (scenario.start_amplitude &&
-      !(*scenario.start_amplitude > 0.0 && *scenario.start_amplitude < 2.0))
-    throw ArgumentError("start.amplitude", *scenario.start_amplitude,
-                        "above 0 and below 2 (at 2 the pendulum turns over)");
+  if (scenario.start_amplitude)
+    check_velocity(scenario.clock, *scenario.start_amplitude, "start.amplitude");
   if (scenario.periods.has_value() == scenario.duration_s.has_value())
     throw ArgumentError("run", scenario.periods ? "periods and duration" : "no length",
                         "a run given by periods or by duration, and not by both");

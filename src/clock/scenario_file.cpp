@@ -160,6 +160,9 @@ void read_clock(Section section, ClockParameters& clock) {
   clock.impulse_angle = section.number("angle").value_or(0.0);
   clock.rising = section.points("rising");
   clock.falling = section.points("falling");
+  clock.gravity_share = section.number("gravity_share").value_or(clock.gravity_share);
+  clock.every = section.count("every").value_or(clock.every);
+  clock.below = section.number("below").value_or(clock.below);
   section.finish();
 }
 

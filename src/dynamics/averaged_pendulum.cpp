@@ -2,6 +2,7 @@
 
 #include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/clock/restoring.hpp"
 #include "goingrate/dynamics/averaged2.hpp"
 #include "goingrate/dynamics/moments.hpp"
 
@@ -12,22 +13,25 @@ namespace goingrate {
 
 using std::numbers::pi;
 
+bool knows_second_order(const ClockParameters& clock) {
+  const bool linear = clock.quadratic_drag == 0.0 && clock.dry_friction == 0.0;
+  return clock.is_plain() ||
+         (linear && clock.gravity_share == 1.0 && clock.escapement == Escapement::single_impulse);
+}
+
 AveragedPendulum::AveragedPendulum(const ClockParameters& clock, double velocity,
                                    AveragedOrder order)
     : order_(order), amplitude2_(velocity * velocity) {
-  if (!(velocity > 0.0 && velocity < 2.0))
-    throw ArgumentError("velocity", velocity,
-                        "above 0 and below 2 (where the pendulum turns over)");
+  check_velocity(clock, velocity, "velocity");
   set_clock(clock);
 }
 
 void AveragedPendulum::set_clock(const ClockParameters& clock) {
   check(clock);
-  const bool linear = clock.quadratic_drag == 0.0 && clock.dry_friction == 0.0;
-  if (order_ == AveragedOrder::second &&
-      !(clock.is_plain() || (linear && clock.escapement == Escapement::single_impulse)))
+  if (order_ == AveragedOrder::second && !knows_second_order(clock))
     throw ArgumentError("method", "averaged2",
-                        "constant torque or a single impulse, with linear friction only");
+                        "constant torque or a single impulse, with linear friction and gravity "
+                        "only");
   clock_ = clock;
   kept_ = std::expm1(-4.0 * pi * clock.epsilon);
   kept_half_ = std::expm1(-2.0 * pi * clock.epsilon);
@@ -45,8 +49,9 @@ PeriodStep AveragedPendulum::advance(double factor) {
 }
 
 double AveragedPendulum::circular(double amplitude2) const {
-  return order_ == AveragedOrder::first ? -amplitude2 / 16.0
-                                        : circular_error(std::sqrt(amplitude2));
+  return clock_.gravity_share * (order_ == AveragedOrder::first
+                                     ? -amplitude2 / 16.0
+                                     : circular_error(std::sqrt(amplitude2)));
 }
 
 PeriodStep AveragedPendulum::first_order(double factor) {

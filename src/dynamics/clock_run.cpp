@@ -2,6 +2,8 @@
 
 #include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/clock/restoring.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
 #include <algorithm>
@@ -45,12 +47,7 @@ const Scenario& checked(const Scenario& scenario) {
 double start_velocity_of(const Scenario& scenario, Method method) {
   if (scenario.start_amplitude) return *scenario.start_amplitude;
   // Each kind of equations has a stationary swing of its own.
-  std::optional<double> velocity;
-  if (method == Method::averaged1) {
-    velocity = stationary_amplitude(scenario.clock);
-  } else if (const auto cycle = limit_cycle(scenario.clock)) {
-    velocity = cycle->velocity;
-  }
+  const auto velocity = stationary_start(scenario.clock, method == Method::averaged1);
   if (!velocity)
     throw NoStationarySwing("start.amplitude", "stationary",
                             "a number: this clock has no stationary swing (it would stall, or has "
@@ -96,7 +93,7 @@ ClockRun::ClockRun(const Scenario& scenario, std::uint64_t seed, MapDigits digit
       pendulum_(make_pendulum(scenario, choice_, start_velocity_, digits)) {
   now_.velocity = start_velocity_;
   now_.nominal_period_s = period_now_s_;
-  now_.amplitude_rad = turning_angle_of_velocity(start_velocity_);
+  now_.amplitude_rad = turning_angle_of_velocity(scenario.clock.gravity_share, start_velocity_);
 }
 
 std::int64_t ClockRun::fallbacks() const {
@@ -136,7 +133,8 @@ bool ClockRun::complete() const {
 std::optional<Period> ClockRun::next() {
   if (status_ != SwingStatus::crossed || complete()) return {};
   if (!pending_.empty() || !scenario_.length.none()) apply_due_changes();
-  const double factor = drive_.next(now_.time_s.hi);
+  const bool acts = escapement_acts(clock_, now_.cycle, now_.velocity);
+  const double factor = drive_.next(now_.time_s.hi) * (acts ? 1.0 : 0.0);
   const PeriodStep step =
       std::visit([&](auto& pendulum) { return pendulum.advance(factor); }, pendulum_);
   status_ = step.status;
@@ -152,7 +150,7 @@ std::optional<Period> ClockRun::next() {
   now_.period_s = scale.nominal().hi + scale.seconds(step.excess);
   now_.rate_excess = rate_excess_of(step.excess);
   now_.velocity = std::visit([](const auto& pendulum) { return pendulum.velocity(); }, pendulum_);
-  now_.amplitude_rad = turning_angle_of_velocity(now_.velocity);
+  now_.amplitude_rad = turning_angle_of_velocity(clock_.gravity_share, now_.velocity);
   ++now_.cycle;
   return now_;
 }

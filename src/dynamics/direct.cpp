@@ -1,6 +1,6 @@
 #include "goingrate/dynamics/direct.hpp"
 
-#include "goingrate/base/errors.hpp"
+#include "goingrate/clock/restoring.hpp"
 
 #include <cmath>
 
@@ -8,9 +8,7 @@ namespace goingrate {
 
 DirectPendulum::DirectPendulum(const ClockParameters& clock, double velocity)
     : v2_{velocity * velocity, 0.0} {
-  if (!(velocity > 0.0 && velocity < 2.0))
-    throw ArgumentError("velocity", velocity,
-                        "above 0 and below 2 (where the pendulum turns over)");
+  check_velocity(clock, velocity, "velocity");
   v2_.lo = std::fma(velocity, velocity, -v2_.hi);
   set_clock(clock);
 }
@@ -25,10 +23,11 @@ HalfSwing<double> DirectPendulum::half(bool right, double factor) const {
   const double v = velocity();
   const double mu = clock_.acting_torque() * factor;
   if (clock_.is_plain()) return half_swing(v, clock_.epsilon, mu, clock_.phi0, helping_);
-  const SwingFriction<double> friction{clock_.epsilon, clock_.quadratic_drag, clock_.dry_friction};
+  const FreePendulum<double> free{clock_.epsilon, clock_.quadratic_drag, clock_.dry_friction,
+                                  clock_.gravity_share};
   if (clock_.escapement == Escapement::constant_torque)
-    return half_swing(v, friction, mu, clock_.phi0, helping_);
-  return half_swing(v, friction, right ? profile_.right : profile_.left, factor);
+    return half_swing(v, free, mu, clock_.phi0, helping_);
+  return half_swing(v, free, right ? profile_.right : profile_.left, factor);
 }
 
 PeriodStep DirectPendulum::advance(double factor) {
@@ -64,7 +63,5 @@ double DirectPendulum::speed_at_half(double factor) const {
   speed2 += swing.speed2_change;
   return std::sqrt(speed2.value());
 }
-
-double turning_angle_of_velocity(double velocity) { return 2.0 * std::asin(0.5 * velocity); }
 
 } // namespace goingrate

@@ -2,6 +2,7 @@
 
 #include "base/scaled_time.hpp"
 #include "base/workers.hpp"
+#include "goingrate/clock/restoring.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "base/lanes.hpp"
 
@@ -60,7 +61,7 @@ bool fits_lanes(const Scenario& scenario, Method method) {
       std::all_of(scenario.events.begin(), scenario.events.end(), [](const ClockEvent& event) {
         return event.at_period && !event.nominal_period_s;
       });
-  return method == Method::map && by_period && scenario.periods && scenario.length.none() &&
+  return method == Method::map && !scenario.clock.is_intermittent() && by_period && scenario.periods && scenario.length.none() &&
          scenario.sensor.edges == SensorEdges::up;
 }
 
@@ -131,7 +132,7 @@ public:
     period.down_s += -0.5 * period.period_s;
     period.rate_excess = rate_excess_of(last_excess_[k]);
     period.velocity = std::sqrt(speed2_.at(k).value());
-    period.amplitude_rad = turning_angle_of_velocity(period.velocity);
+    period.amplitude_rad = turning_angle_of_velocity(clock().gravity_share, period.velocity);
     period.mu = drive_strength(clock()) * last_factor_[k];
     return period;
   }

@@ -108,6 +108,14 @@ Table monomial_of(Table chebyshev, std::size_t rows, std::size_t columns) {
   return result;
 }
 
+Wide largest(const Table& values) {
+  Wide most = 0;
+  for (const auto& row : values)
+    for (const Wide value : row)
+      most = std::max(most, std::abs(value));
+  return most;
+}
+
 // How many coefficients each row needs so that all beyond are below `allowed`; no row needs more
 // than the one before it, as powers of x take up those of higher Chebyshev rows.
 std::vector<std::size_t> extent_of(const Table& chebyshev, Wide allowed) {
@@ -189,6 +197,7 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
       half.back().push_back(period.half_excess);
     }
   }
+  const Wide most_change = largest(change);
   change = chebyshev_of(std::move(change));
   excess = chebyshev_of(std::move(excess));
   half = chebyshev_of(std::move(half));
@@ -197,8 +206,11 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
   const Wide rounding = wide ? std::numeric_limits<Wide>::epsilon() // 1e-19 of 64 bits
                              : std::numeric_limits<double>::epsilon();
   const Wide allowed_excess = 4 * rounding;
+  // No coefficient is known better than the rounding of the change itself, which shows where
+  // friction or swing are large.
   const Wide allowed_change =
-      32 * std::max<Wide>(clock.epsilon, 1e-8) * allowed_excess + 1e-4 * rounding * high;
+      std::max(32 * std::max<Wide>(clock.epsilon, 1e-8) * allowed_excess + 1e-4 * rounding * high,
+               4 * rounding * most_change);
   auto counts = extent_of(change, allowed_change);
   const auto of_excess =
       extent_of(excess, std::max<Wide>(allowed_excess, 10 * rounding * static_cast<Wide>(high)));
@@ -275,29 +287,39 @@ const MapPatch* ReturnMap::find(double x) {
 
 MapPendulum::MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors,
                          MapDigits digits)
-    : direct_(clock, velocity), factors_(factors), digits_(digits),
-      map_(std::make_unique<ReturnMap>(clock, factors, digits)),
-      patch_(map_->find(direct_.speed2().hi)) {}
+    : direct_(clock, velocity), factors_(factors), digits_(digits) {
+  set_clock(clock);
+}
 
 void MapPendulum::set_clock(const ClockParameters& clock) {
   direct_.set_clock(clock);
-  map_ = std::make_unique<ReturnMap>(clock, factors_, digits_);
-  patch_ = nullptr;
+  driven_ = {std::make_unique<ReturnMap>(clock, factors_, digits_)};
+  resting_ = {};
+  if (clock.is_intermittent())
+    resting_.map = std::make_unique<ReturnMap>(clock, FactorRange{0.0, 0.0}, digits_);
+}
+
+const MapPatch* MapPendulum::patch_for(double factor) {
+  Served& served = factor == 0.0 && resting_.map ? resting_ : driven_;
+  if (!served.map->factors().contains(factor) || !direct_.is_regular()) return nullptr;
+  const double x = direct_.speed2().hi;
+  if (served.patch == nullptr || !served.patch->contains(x)) served.patch = served.map->find(x);
+  return served.patch;
 }
 
 void MapPendulum::rescale(double ratio) { direct_.rescale(ratio); }
 
 PeriodStep MapPendulum::advance(double factor) {
-  const double x = direct_.speed2().hi;
-  if (patch_ == nullptr || !patch_->contains(x)) patch_ = map_->find(x);
-  if (patch_ == nullptr || !factors_.contains(factor) || !direct_.is_regular()) {
+  const MapPatch* patch = patch_for(factor);
+  if (patch == nullptr) {
     ++fallbacks_;
     return direct_.advance(factor);
   }
-  const auto values = patch_->at(x, factor);
+  const double x = direct_.speed2().hi;
+  const auto values = patch->at(x, factor);
   PeriodStep step;
   step.excess = values.excess;
-  if (halves_) step.half_excess = patch_->half_excess(x, factor);
+  if (halves_) step.half_excess = patch->half_excess(x, factor);
   direct_.add_to_speed2(values.speed2_change);
   return step;
 }

@@ -1,9 +1,11 @@
 #include "goingrate/dynamics/method_choice.hpp"
 
 #include "base/scaled_time.hpp"
+#include "goingrate/clock/restoring.hpp"
 #include "goingrate/dynamics/averaged_pendulum.hpp"
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/direct.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
 #include <algorithm>
@@ -38,11 +40,13 @@ Scene scene_of(const Scenario& scenario) {
                       ? static_cast<double>(*scenario.periods)
                       : std::ceil(*scenario.duration_s / scenario.clock.nominal_period_s);
   scene.factors = factor_range(scenario.drive);
+  if (scenario.clock.is_intermittent()) scene.factors.low = std::min(scene.factors.low, 0.0);
   std::vector<double> speeds;
   if (scenario.start_amplitude) speeds.push_back(*scenario.start_amplitude);
   for (const ClockParameters& clock : scene.clocks) {
-    if (const auto cycle = limit_cycle(clock))
-      speeds.push_back(cycle->velocity);
+    if (const auto tooth = saw_tooth(clock)) speeds.push_back(std::sqrt(tooth->high2));
+    if (const auto start = stationary_start(clock, false))
+      speeds.push_back(*start);
     else if (scenario.start_amplitude) // it runs down: at most by all the friction there is
       speeds.push_back(*scenario.start_amplitude *
                        std::exp(-std::min(50.0, 2.0 * pi * clock.epsilon * scene.periods)));
@@ -53,7 +57,8 @@ Scene scene_of(const Scenario& scenario) {
   const double spread = std::min(0.5, (scene.factors.high - scene.factors.low) *
                                           std::sqrt(2.0 * pi * scenario.clock.epsilon));
   scene.low2 = *low * *low * (1.0 - spread);
-  scene.high2 = std::min(3.9, *high * *high * (1.0 + spread));
+  const double top = top_velocity(scenario.clock.gravity_share);
+  scene.high2 = std::min(0.975 * top * top, *high * *high * (1.0 + spread));
   return scene;
 }
 
@@ -112,14 +117,6 @@ double averaged_bound(const Scene& scene, AveragedOrder order) {
   return scaled * scene.clocks.front().nominal_period_s / two_pi;
 }
 
-bool knows(Method method, const std::vector<ClockParameters>& clocks) {
-  return std::all_of(clocks.begin(), clocks.end(), [&](const ClockParameters& clock) {
-    const bool linear = clock.quadratic_drag == 0.0 && clock.dry_friction == 0.0;
-    return method != Method::averaged2 || clock.is_plain() ||
-           (linear && clock.escapement == Escapement::single_impulse);
-  });
-}
-
 // Orders of magnitude on a machine of the 2020s, s; only their ratios matter.
 double cost_of(Method method, const Scene& scene) {
   const bool plain = scene.clocks.front().is_plain();
@@ -154,7 +151,7 @@ std::vector<MethodEstimate> estimate_methods(const Scenario& scenario) {
   if (averages)
     estimates.push_back({Method::averaged1, averaged_bound(scene, AveragedOrder::first_in_full),
                          cost_of(Method::averaged1, scene)});
-  if (averages && knows(Method::averaged2, scene.clocks))
+  if (averages && std::all_of(scene.clocks.begin(), scene.clocks.end(), knows_second_order))
     estimates.push_back({Method::averaged2, averaged_bound(scene, AveragedOrder::second),
                          cost_of(Method::averaged2, scene)});
   estimates.push_back({Method::map, 0.0, cost_of(Method::map, scene)});

@@ -1,5 +1,7 @@
 #include "dynamics/passage.hpp"
 
+#include "goingrate/clock/restoring.hpp"
+
 #include <algorithm>
 #include <array>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
@@ -36,6 +38,11 @@ public:
     const bool here =
         clock_.escapement == Escapement::single_impulse && rising_ && x == clock_.impulse_angle;
     return here ? clock_.impulse * factor_ : 0.0;
+  }
+
+  // (1 - s) x + s sin x
+  [[nodiscard]] double restoring(double x) const {
+    return x - clock_.gravity_share * (x - std::sin(x));
   }
 
   [[nodiscard]] double friction(double speed) const {
@@ -96,7 +103,8 @@ bool move(const ForwardMotion& motion, State& state, double x, double to, double
           const double along = reach * std::cos(psi); // dx/dpsi
           const double speed = std::sqrt(2.0 * s[0]);
           const double place = std::clamp(angle, low + inside, high - inside);
-          slope = {along * (motion.torque(place) - motion.friction(speed) - std::sin(angle)),
+          slope = {along *
+                       (motion.torque(place) - motion.friction(speed) - motion.restoring(angle)),
                    along / speed};
         },
         state, begin + i * h, next, h);
@@ -113,8 +121,8 @@ double time_from_vertical(const ClockParameters& clock, double speed, bool risin
   if (angle == 0.0) return 0.0;
   const ForwardMotion motion(clock, rising, factor);
   const double end = rising ? angle : -angle;
-  const double reach =
-      2.0 * std::asin(0.5 * std::min(speed, 2.0)); // turning angle of a free pendulum of this speed
+  const double reach = turning_angle_of_velocity(
+      clock.gravity_share, std::min(speed, top_velocity(clock.gravity_share)));
   if (!(std::abs(end) < reach)) return std::numeric_limits<double>::quiet_NaN();
   State state{0.5 * speed * speed, 0.0};
   double x = 0.0;

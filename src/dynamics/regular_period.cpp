@@ -21,7 +21,8 @@ template <class T> SwingProfile<T> converted(const SwingProfile<double>& from) {
 template <class T>
 RegularPeriod<T> regular_period(const ClockParameters& clock, std::type_identity_t<T> speed2,
                                 std::type_identity_t<T> factor) {
-  const SwingFriction<T> friction{clock.epsilon, clock.quadratic_drag, clock.dry_friction};
+  const FreePendulum<T> free{clock.epsilon, clock.quadratic_drag, clock.dry_friction,
+                             clock.gravity_share};
   const T mu = clock.acting_torque() * factor;
   const bool tabulated =
       clock.escapement == Escapement::profile || clock.escapement == Escapement::single_impulse;
@@ -31,11 +32,11 @@ RegularPeriod<T> regular_period(const ClockParameters& clock, std::type_identity
     const T v = std::sqrt(speed2 + period.speed2_change);
     HalfSwing<T> swing;
     if (tabulated)
-      swing = half_swing(v, friction, converted<T>(right ? profile.right : profile.left), factor);
+      swing = half_swing(v, free, converted<T>(right ? profile.right : profile.left), factor);
     else if (clock.is_plain())
       swing = half_swing<T>(v, clock.epsilon, mu, clock.phi0, true);
     else
-      swing = half_swing<T>(v, friction, mu, clock.phi0, true);
+      swing = half_swing<T>(v, free, mu, clock.phi0, true);
     const bool switches = tabulated || mu == 0 || swing.switched;
     if (swing.status != SwingStatus::crossed || !switches) return {};
     period.speed2_change += swing.speed2_change;

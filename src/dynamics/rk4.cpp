@@ -140,7 +140,8 @@ Rk4Clock::Rk4Clock(const ClockParameters& clock, double velocity, double dt, Tor
 void Rk4Clock::set_clock(const ClockParameters& clock) {
   check(clock);
   if (!clock.is_plain())
-    throw ArgumentError("method", "rk4", "constant torque or none, with linear friction");
+    throw ArgumentError("method", "rk4",
+                        "constant torque or none, with linear friction and gravity");
   clock_ = clock;
 }
 

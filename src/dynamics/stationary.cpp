@@ -2,12 +2,17 @@
 
 #include "base/scaled_time.hpp"
 #include "goingrate/base/sums.hpp"
+#include "goingrate/clock/restoring.hpp"
+#include "goingrate/dynamics/averaged_pendulum.hpp"
 #include "goingrate/dynamics/direct.hpp"
 #include "goingrate/dynamics/half_swing.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 #include "goingrate/dynamics/moments.hpp"
 
 #include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/tools/roots.hpp>
+#include <cfloat>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -19,13 +24,13 @@ using std::numbers::pi;
 namespace {
 
 // The largest lambda at which drive and friction balance, for laws without a formula: sought
-// downwards from 2 rad, where friction still wins.
+// downwards from the top (2 rad under gravity), where friction still wins.
 std::optional<double> balanced_amplitude(const ClockParameters& clock) {
   const auto gain = [&](double lambda) {
     return drive_moments(clock, lambda).a - friction_moment(clock, lambda);
   };
   constexpr double shrink = 0.97; // finer than any feature of a profile that a clock could feel
-  double high = 2.0;
+  double high = top_velocity(clock.gravity_share);
   if (!(gain(high) <= 0.0)) return {}; // the drive wins up to the top: no swing to rest in
   while (high > 1e-6 && gain(high * shrink) <= 0.0)
     high *= shrink;
@@ -36,9 +41,29 @@ std::optional<double> balanced_amplitude(const ClockParameters& clock) {
   return 0.5 * (low + top);
 }
 
+// The mean of an escapement that waits for the amplitude to fall, over the swings between two
+// impulses: lambda' = -friction(lambda) from lambda_+ down to the limit.
+double waiting_amplitude(const ClockParameters& clock) {
+  const double high =
+      std::sqrt(clock.below * clock.below + 2.0 * energy_of_period(clock, clock.below));
+  using Quadrature = boost::math::quadrature::gauss<double, 20>;
+  const auto time = [&](double lambda) { return 1.0 / friction_moment(clock, lambda); };
+  const auto squares = [&](double lambda) { return lambda * lambda * time(lambda); };
+  return std::sqrt(Quadrature::integrate(squares, clock.below, high) /
+                   Quadrature::integrate(time, clock.below, high));
+}
+
 } // namespace
 
 std::optional<double> stationary_amplitude(const ClockParameters& clock) {
+  if (clock.every > 1)
+    return stationary_amplitude(with_drive_divided(clock, static_cast<double>(clock.every)));
+  if (clock.below > 0.0) {
+    ClockParameters always = clock;
+    always.below = 0.0;
+    const auto reached = stationary_amplitude(always);
+    return reached && *reached > clock.below ? waiting_amplitude(clock) : reached;
+  }
   if (!clock.is_plain()) return balanced_amplitude(clock);
   const double mu = clock.acting_torque();
   if (mu <= 0.0 || clock.epsilon <= 0.0) return {};
@@ -50,7 +75,10 @@ std::optional<double> stationary_amplitude(const ClockParameters& clock) {
 std::optional<double> stationary_rate_first_order(const ClockParameters& clock) {
   const auto lambda = stationary_amplitude(clock);
   if (!lambda) return {};
-  return -*lambda * *lambda / 16.0 - drive_moments(clock, *lambda).b / *lambda;
+  // The share of periods in which the escapement acts, by the energy it has to replace.
+  const auto drive = drive_moments(clock, *lambda);
+  const double acting = clock.is_intermittent() ? friction_moment(clock, *lambda) / drive.a : 1.0;
+  return -clock.gravity_share * *lambda * *lambda / 16.0 - acting * drive.b / *lambda;
 }
 
 double rate_excess_of(double period_excess) { return -period_excess / (two_pi + period_excess); }
@@ -100,13 +128,31 @@ std::optional<LimitCycle> plain_limit_cycle(const ClockParameters& clock, double
   return polished(clock, v2.value(), Wide(2) * slope);
 }
 
-// Secant steps on the whole period's change of v^2, for laws whose two halves may differ.
-std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, double start) {
+// What a cycle of `every` periods, the first of them driven, does to x = v^2.
+template <class Period>
+RegularPeriod<Wide> cycle_from(const ClockParameters& clock, Wide x, Period period_at) {
+  RegularPeriod<Wide> cycle;
+  for (std::int64_t i = 0; i < clock.every; ++i) {
+    const auto period = period_at(x + cycle.speed2_change, i == 0 ? 1.0 : 0.0);
+    if (!period.regular) return {};
+    cycle.speed2_change += period.speed2_change;
+    cycle.excess += period.excess;
+  }
+  cycle.excess /= static_cast<Wide>(clock.every);
+  cycle.regular = true;
+  return cycle;
+}
+
+// Secant steps on the whole cycle's change of v^2, for laws whose two halves may differ.
+template <class Period>
+std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, double start,
+                                              Wide rounding_of_period, Period period_at) {
   Wide x = static_cast<Wide>(start) * start, x_before = Wide(0), change_before = Wide(0);
   Wide slope = Wide(-1e-2); // a cautious first step; the second knows better
-  if (clock.epsilon > 0.0) slope = Wide(-4) * pi * clock.epsilon;
+  if (clock.epsilon > 0.0)
+    slope = std::expm1(Wide(-4) * pi * clock.epsilon * static_cast<Wide>(clock.every));
   for (int i = 0; i < 100; ++i) {
-    const auto period = regular_period<Wide>(clock, x, Wide(1));
+    const auto period = cycle_from(clock, x, period_at);
     if (!period.regular) return {};
     if (i > 0 && x != x_before) slope = (period.speed2_change - change_before) / (x - x_before);
     if (!(slope < Wide(0))) return {}; // not a cycle that attracts
@@ -114,20 +160,36 @@ std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, doub
     change_before = period.speed2_change;
     // At most a tenth at a time: a profile's balance may be far from what its average says.
     const Wide step = std::clamp(-period.speed2_change / slope, Wide(-0.1) * x, Wide(0.1) * x);
-    if (std::abs(step) <= 100 * rounding * x)
+    if (std::abs(step) <= 100 * rounding_of_period * x)
       return limit_cycle_of(x, static_cast<double>(period.excess));
     x += step;
   }
   return {};
 }
 
+// The same for the averaged equations of first order.
+std::optional<LimitCycle> averaged_limit_cycle(const ClockParameters& clock, double start) {
+  return general_limit_cycle(clock, start, DBL_EPSILON, [&](Wide x, double factor) {
+    const double velocity = std::sqrt(static_cast<double>(x));
+    AveragedPendulum pendulum(clock, velocity, AveragedOrder::first_in_full);
+    const PeriodStep step = pendulum.advance(factor);
+    const Wide after = pendulum.velocity();
+    return RegularPeriod<Wide>{step.status == SwingStatus::crossed, after * after - x,
+                               Wide(step.half_excess), Wide(step.excess)};
+  });
+}
+
 } // namespace
 
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
-  // Beyond 2, first order starts the search over the top.
-  if (!clock.is_plain()) {
+  if (clock.below > 0.0) return {};
+  // Beyond the top, first order starts the search over it.
+  if (!clock.is_plain() || clock.every > 1) {
     const auto start = stationary_amplitude(clock);
-    return start && *start < 2.0 ? general_limit_cycle(clock, *start) : std::nullopt;
+    if (!start || !(*start < top_velocity(clock.gravity_share))) return {};
+    return general_limit_cycle(clock, *start, rounding, [&](Wide x, double factor) {
+      return regular_period<Wide>(clock, x, Wide(factor));
+    });
   }
   const double mu = clock.acting_torque();
   if (!(mu > 0.0 && clock.epsilon > 0.0)) return {};
@@ -138,8 +200,25 @@ std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
   return lambda > 0.8 * clock.phi0 && start < 2.0 ? plain_limit_cycle(clock, start) : std::nullopt;
 }
 
+std::optional<double> stationary_start(const ClockParameters& clock, bool averaged) {
+  if (clock.below > 0.0) {
+    ClockParameters always = clock;
+    always.below = 0.0;
+    const double limit = velocity_of_turning_angle(clock.gravity_share, clock.below);
+    const auto reached = stationary_start(always, averaged);
+    return reached && *reached > limit ? limit : reached;
+  }
+  const auto mean = stationary_amplitude(clock);
+  if (averaged && clock.every == 1) return mean;
+  const auto cycle = !averaged ? limit_cycle(clock)
+                     : mean    ? averaged_limit_cycle(clock, *mean)
+                               : std::nullopt;
+  if (!cycle) return {};
+  return cycle->velocity;
+}
+
 std::optional<DriveResponse> drive_response(const ClockParameters& clock) {
-  if (!clock.is_plain()) return {};
+  if (!clock.is_plain() || clock.is_intermittent()) return {};
   const auto lambda = stationary_amplitude(clock);
   if (!lambda) return {};
   const double q2 = std::pow(*lambda / clock.phi0, 2);

@@ -24,7 +24,7 @@ TEST(HalfSwingTest, PeriodOfTheFreePendulumIsTheEllipticIntegral) {
 
 TEST(HalfSwingTest, PeriodOfTheFreePendulumUpToThreeRadians) {
   const double v = 2 * std::sin(1.5); // turns round at 3 rad
-  const auto swing = half_swing(v, SwingFriction<double>{}, 0.0, 10.0, true);
+  const auto swing = half_swing(v, FreePendulum<double>{}, 0.0, 10.0, true);
   EXPECT_NEAR(swing.apex, 3.0, 1e-13); // the top is 0.14 rad away: v counts ten times there
   EXPECT_NEAR(pi + swing.excess, 2.0 * boost::math::ellint_1(v / 2.0), 1e-13);
 }
@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(HalfSwingTest, ASwitchWithinOneUlpOfTheApexIsDecidedByTheApex) {
   const double eps = 1e-4, mu = 1e-5;
-  const SwingFriction<double> friction{eps, 0, 0};
+  const FreePendulum<double> friction{eps, 0, 0};
   const double apex = half_swing(0.05, friction, mu, 1.0, true).apex; // never switches
   EXPECT_FALSE(half_swing(0.05, eps, mu, apex * (1 + 1e-15), true).switched);
   const auto just = half_swing(0.05, eps, mu, apex * (1 - 1e-13), true);
@@ -132,7 +132,7 @@ TEST(HalfSwingTest, QuadraticDragTakesItsWorkFromTheSwing) {
   // v v' = -sin phi - k v^2 while rising: v^2 is exact in closed form, and so is the fall. With
   // y = v^2: y' = -2 sin phi - 2 k y up, y' = ... + 2 k y down (y over phi).
   const double k = 0.05, v = 0.3;
-  const auto swing = half_swing(v, SwingFriction<double>{0, k, 0}, 0.0, 10.0, true);
+  const auto swing = half_swing(v, FreePendulum<double>{0, k, 0}, 0.0, 10.0, true);
   const double a = swing.apex, d = 1 + 4 * k * k;
   const auto up = [&](double phi) { return (2 * std::cos(phi) - 4 * k * std::sin(phi)) / d; };
   const auto down = [&](double phi) { return (2 * std::cos(phi) + 4 * k * std::sin(phi)) / d; };
@@ -143,18 +143,18 @@ TEST(HalfSwingTest, QuadraticDragTakesItsWorkFromTheSwing) {
 
 TEST(HalfSwingTest, DryFrictionTakesTwiceItsForceTimesTheAngle) {
   const double c = 1e-3, v = 0.2;
-  const auto swing = half_swing(v, SwingFriction<double>{0, 0, c}, 0.0, 10.0, true);
+  const auto swing = half_swing(v, FreePendulum<double>{0, 0, c}, 0.0, 10.0, true);
   EXPECT_NEAR(swing.speed2_change, -4 * c * swing.apex, 1e-16);
 }
 
 TEST(HalfSwingTest, DryFrictionHoldsASwingThatIsSmallerThanItself) {
-  EXPECT_EQ(half_swing(1e-3, SwingFriction<double>{0, 0, 1e-2}, 0.0, 10.0, true).status,
+  EXPECT_EQ(half_swing(1e-3, FreePendulum<double>{0, 0, 1e-2}, 0.0, 10.0, true).status,
             SwingStatus::stalled);
 }
 
 TEST(HalfSwingTest, AllFrictionLawsAgreeWith128Bits) {
-  const SwingFriction<double> friction{1e-3, 0.02, 1e-5};
-  const SwingFriction<Quad> wide{Quad(1e-3), Quad(0.02), Quad(1e-5)};
+  const FreePendulum<double> friction{1e-3, 0.02, 1e-5};
+  const FreePendulum<Quad> wide{Quad(1e-3), Quad(0.02), Quad(1e-5)};
   const auto fast = half_swing(0.07, friction, 2e-5, 0.03, true);
   const auto exact = half_swing(Quad(0.07), wide, Quad(2e-5), Quad(0.03), true);
   EXPECT_LT(abs(fast.excess - exact.excess), Quad(1e-16)); // what five steps may cut off
@@ -169,7 +169,7 @@ TEST(HalfSwingTest, AProfileThatIsAConstantTorqueIsTheConstantTorque) {
   profile.rise = {
       {phi0 - 5e-10, mu, 0, 0}, {phi0 + 5e-10, -slope * phi0, slope, 0}, {1e9, -mu, 0, 0}};
   profile.fall = {{0.0, -mu, 0, 0}};
-  const auto table = half_swing(0.05, SwingFriction<double>{2.5e-4, 0, 0}, profile, 1.0);
+  const auto table = half_swing(0.05, FreePendulum<double>{2.5e-4, 0, 0}, profile, 1.0);
   const auto torque = half_swing(0.05, 2.5e-4, mu, phi0, true);
   EXPECT_NEAR(table.speed2_change, torque.speed2_change, 1e-15); // the fall is 1e-9 wide
   EXPECT_NEAR(table.excess, torque.excess, 1e-12);
@@ -182,7 +182,7 @@ TEST(HalfSwingTest, AnImpulseAddsItsEnergyWhereItActs) {
   rise.fall = {{0.0, 0, 0, 0}};
   fall.rise = {{1e9, 0, 0, 0}};
   fall.fall = {{0.02, 0, 0, e}, {0.0, 0, 0, 0}};
-  const SwingFriction<double> none;
+  const FreePendulum<double> none;
   const double free = half_swing(0.05, 0.0, 0.0, 10.0, true).excess;
   for (const auto* profile : {&rise, &fall}) {
     const auto swing = half_swing(0.05, none, *profile, 1.0);

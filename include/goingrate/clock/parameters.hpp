@@ -1,6 +1,7 @@
 // The numbers that make a clock in the paper's model.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -27,8 +28,10 @@ struct TorqueTable {
   friend bool operator==(const TorqueTable&, const TorqueTable&) = default;
 };
 
-/// A pendulum clock (Hoyng, eq. ddt1, with two more friction laws), in scaled time:
-///   phi'' + 2 epsilon phi' + quadratic_drag |phi'| phi' + dry_friction sign(phi') + sin phi = m
+/// A pendulum clock (Hoyng, eq. ddt1, with two more friction laws and other restoring torques), in
+/// scaled time:
+///   phi'' + 2 epsilon phi' + quadratic_drag |phi'| phi' + dry_friction sign(phi')
+///     + (1 - s) phi + s sin phi = m,   s = gravity_share
 struct ClockParameters {
   double nominal_period_s = 2.0; ///< T0, s: small-amplitude period without friction and drive;
                                  ///< 1e-6 to 1e6
@@ -41,15 +44,23 @@ struct ClockParameters {
   double impulse = 0.0;        ///< e of a single impulse: phi'^2/2 grows by it; 0 <= impulse < 1
   double impulse_angle = 0.0;  ///< where, rad; between -pi/2 and pi/2
   TorqueTable rising{}, falling{}; ///< a profile's torque while phi rises and while it falls
+  double gravity_share = 1.0;      ///< s: 1 gravity alone, 0 torsion; a suspension spring or a
+                                   ///< balance's makes it smaller, cheeks too; -10 to 1
+  std::int64_t every = 1; ///< the escapement acts in one period of so many (Synchronome: 15), the
+                          ///< first of a run among them; 1 to 1e4
+  double below = 0.0; ///< rad; above 0, it acts only in periods that begin with a smaller turning
+                      ///< angle than this (Hipp); 0 to pi, and 0 where `every` is above 1
 
   /// The torque of the constant-torque escapement, 0 with any other.
   [[nodiscard]] double acting_torque() const {
     return escapement == Escapement::constant_torque ? mu : 0.0;
   }
-  /// Whether friction is linear and the escapement has constant torque or is absent: the laws of
-  /// the paper's main text, which the fast methods know.
+  /// Whether the escapement rests in some periods.
+  [[nodiscard]] bool is_intermittent() const { return every > 1 || below > 0.0; }
+  /// Whether, while the escapement acts, the laws are those of the paper's main text, which the
+  /// fast methods know: linear friction, gravity, an escapement of constant torque or none.
   [[nodiscard]] bool is_plain() const {
-    return quadratic_drag == 0.0 && dry_friction == 0.0 &&
+    return quadratic_drag == 0.0 && dry_friction == 0.0 && gravity_share == 1.0 &&
            (escapement == Escapement::constant_torque || escapement == Escapement::none);
   }
   friend bool operator==(const ClockParameters&, const ClockParameters&) = default;

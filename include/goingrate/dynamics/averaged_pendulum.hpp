@@ -13,13 +13,18 @@ enum class AveragedOrder {
   second,        ///< averaged2.hpp
 };
 
+/// Whether AveragedOrder::second covers the clock: constant torque, a single impulse or none, with
+/// linear friction, under gravity alone.
+bool knows_second_order(const ClockParameters& clock);
+
 /// A pendulum that obeys the averaged equations.
 ///
 /// First order works for every clock law, its moments from moments.hpp; with constant torque and
 /// linear friction lambda^2 is advanced in closed form (eq. l2jump) and the phase by Simpson's rule
 /// over the period, otherwise both by one Runge-Kutta step of a period (the equations vary slowly:
-/// 1e-13 of the phase, AveragedPendulumTest.OnePeriodAgreesWithFineSteps). Second order knows
-/// constant torque and the single impulse with linear friction.
+/// 1e-13 of the phase, AveragedPendulumTest.OnePeriodAgreesWithFineSteps). Second order is for
+/// the clocks of knows_second_order. Other restoring torques scale the circular error, to first
+/// order in what they differ from a harmonic one.
 ///
 /// In first order the velocity is lambda, the cycle average of the amplitude; in second order it is
 /// phi' at the upward crossing. The downward crossing is put in the middle of the period, where it
@@ -27,7 +32,7 @@ enum class AveragedOrder {
 /// is listed in averaged.hpp and averaged2.hpp; 20 to 50 ns a period.
 class AveragedPendulum {
 public:
-  /// Starts at an upward crossing. Throws ArgumentError for a velocity outside (0, 2), clock
+  /// Starts at an upward crossing. Throws ArgumentError as check_velocity does, for clock
   /// parameters out of range, and laws that the second order does not know.
   AveragedPendulum(const ClockParameters& clock, double velocity, AveragedOrder order);
 

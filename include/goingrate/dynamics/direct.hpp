@@ -20,8 +20,9 @@ namespace goingrate {
 /// that is not linear.
 class DirectPendulum {
 public:
-  /// Starts at an upward crossing with phi' = `velocity` (scaled, 0 < velocity < 2), the torque
-  /// helping. Throws ArgumentError naming the velocity or a clock parameter.
+  /// Starts at an upward crossing with phi' = `velocity` (scaled, above 0 and below top_velocity,
+  /// which is 2 under gravity), the torque helping. Throws ArgumentError naming the velocity or a
+  /// clock parameter.
   DirectPendulum(const ClockParameters& clock, double velocity);
 
   /// From the present crossing on the clock has these parameters.
@@ -80,8 +81,5 @@ RegularPeriod<T> regular_period(const ClockParameters& clock, std::type_identity
 /// the drive times `factor`; `velocity` itself where there is none
 /// (DirectTest.SpeedAfterHalfAPeriod).
 double speed_after_half(const ClockParameters& clock, double velocity, double factor);
-
-/// The turning angle of the free pendulum that passes the vertical with phi' = v: 2 asin(v/2).
-double turning_angle_of_velocity(double velocity);
 
 } // namespace goingrate

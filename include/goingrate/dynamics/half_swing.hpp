@@ -17,7 +17,7 @@
 //
 // Degenerate cases, each a status: the escapement is not reached (no switch; the torque stays and
 // opposes the next half swing), the pendulum does not come back through the vertical (stalled), it
-// passes the top (overturned). Grazing the switch (apex within rounding of phi0) is decided by the
+// reaches pi (overturned). Grazing the switch (apex within rounding of phi0) is decided by the
 // apex: switch if apex > phi0.
 #pragma once
 
@@ -348,25 +348,25 @@ private:
 /// up to 1.9 (HalfSwingTest); about 0.6 us for double.
 template <class T> HalfSwing<T> half_swing(T v, T eps, T mu, T phi0, bool helping) {
   using Law = ConstantTorqueSwing<T, true>;
-  return HalfSwingRun<T, Law>(v, Law({eps, T(0), T(0)}, mu, phi0, helping)).run();
+  return HalfSwingRun<T, Law>(v, Law({eps, T(0), T(0), T(1)}, mu, phi0, helping)).run();
 }
 
-/// The same with quadratic and dry friction too.
+/// The same with quadratic and dry friction too, and any restoring torque.
 template <class T>
-HalfSwing<T> half_swing(T v, const SwingFriction<T>& friction, T mu, T phi0, bool helping) {
+HalfSwing<T> half_swing(T v, const FreePendulum<T>& free, T mu, T phi0, bool helping) {
   using Law = ConstantTorqueSwing<T, false>;
-  return HalfSwingRun<T, Law>(v, Law(friction, mu, phi0, helping)).run();
+  return HalfSwingRun<T, Law>(v, Law(free, mu, phi0, helping)).run();
 }
 
 /// The same with the torque of a profile times `factor`.
 template <class T>
-HalfSwing<T> half_swing(T v, const SwingFriction<T>& friction, const SwingProfile<T>& profile,
+HalfSwing<T> half_swing(T v, const FreePendulum<T>& free, const SwingProfile<T>& profile,
                         T factor) {
   using std::sqrt;
   const T kick = profile.kick_at_start * factor;
   const T kicked = kick == 0 ? v : T(sqrt(v * v + 2 * kick));
   auto swing =
-      HalfSwingRun<T, ProfileSwing<T>>(kicked, ProfileSwing<T>(friction, profile, factor)).run();
+      HalfSwingRun<T, ProfileSwing<T>>(kicked, ProfileSwing<T>(free, profile, factor)).run();
   swing.speed2_change += 2 * kick;
   return swing;
 }

@@ -127,10 +127,16 @@ public:
 
 private:
   DirectPendulum direct_;
+  // The patch for a factor of the drive at the present v^2, if there is one.
+  const MapPatch* patch_for(double factor);
+
+  struct Served {
+    std::unique_ptr<ReturnMap> map;
+    const MapPatch* patch = nullptr;
+  };
   FactorRange factors_;
   MapDigits digits_;
-  std::unique_ptr<ReturnMap> map_;
-  const MapPatch* patch_ = nullptr;
+  Served driven_, resting_; // the second for an escapement that rests
   bool halves_ = true;
   std::int64_t fallbacks_ = 0;
 };

@@ -14,30 +14,32 @@ namespace goingrate {
 /// The amplitude at which drive and friction balance, in first order (cycle average): lambda =
 /// sqrt(2 mu phi0 / (pi epsilon)) (Hoyng, eq. statam); for other laws the largest lambda with
 /// friction_moment = a (moments.hpp), e.g. sqrt(e / (2 pi epsilon)) for a single impulse.
+/// Of an escapement that rests it is sqrt(<lambda^2>) (intermittent.hpp).
 /// Nothing if there is no drive or no friction, or if the escapement is not reached (lambda <=
 /// phi0) and the clock stalls.
 std::optional<double> stationary_amplitude(const ClockParameters& clock);
 
-/// Rate excess -lambda^2/16 - b/lambda there: -mu phi0/(8 pi eps) + eps sqrt(2 mu/(pi eps phi0) -
-/// 1) for constant torque (eq. statrate), -e/(32 pi eps) - eps tan psi1 for an impulse (eq. blow6).
-/// Off by 5.4e-9, 7.1e-8, 1.8e-8 at the paper's points A, B, C
+/// Rate excess -s lambda^2/16 - b/lambda there, s being gravity_share: -mu phi0/(8 pi eps) + eps
+/// sqrt(2 mu/(pi eps phi0) - 1) for constant torque (eq. statrate), -e/(32 pi eps) - eps tan psi1
+/// for an impulse (eq. blow6). Off by 5.4e-9, 7.1e-8, 1.8e-8 at the paper's points A, B, C
 /// (StationaryTest.FirstOrderRateDiffersFromTheExactOneAsTabulated). Nothing where it stalls.
 std::optional<double> stationary_rate_first_order(const ClockParameters& clock);
 
 /// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period, from T - 2 pi.
 double rate_excess_of(double period_excess);
 
-/// The limit cycle of the full equation of motion.
+/// The limit cycle of the full equation of motion; with `every` N, that of N periods.
 struct LimitCycle {
-  double velocity = 0.0;      ///< v*: phi' at the upward crossing
-  double period_excess = 0.0; ///< T - 2 pi, scaled, to its own rounding
+  double velocity = 0.0;      ///< v*: phi' at the upward crossing, that before the impulse of N
+  double period_excess = 0.0; ///< T - 2 pi, scaled, to its own rounding; the mean of N
   double period = 0.0;        ///< T, scaled
   double rate_excess = 0.0;   ///< 2 pi / T - 1, without cancellation
 };
 
 /// Solves v' = v for the return map of the full equation of motion, any clock law. Velocity and
 /// period within 1e-15, rate excess within 2e-15 of 128-bit values at A, B, C
-/// (StationaryTest.LimitCycleMatchesExactValues). Nothing where the clock stalls or turns over.
+/// (StationaryTest.LimitCycleMatchesExactValues). Nothing where the clock stalls or turns over, and
+/// for an escapement that waits for the amplitude to fall, whose swings do not repeat.
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock);
 
 /// How the rate answers a small relative change of the drive, mu -> mu (1 + d).
@@ -54,6 +56,11 @@ struct DriveResponse {
     return fast_gain + (slow_gain - fast_gain) / std::complex(1.0, frequency_hz / corner_hz);
   }
 };
+
+/// phi' at an upward crossing from which the clock goes on as it will: that of its limit cycle; of
+/// an escapement that waits for the amplitude to fall, the limit it waits for. `averaged`: by the
+/// averaged equations of first order, where it is lambda. Nothing where there is no such swing.
+std::optional<double> stationary_start(const ClockParameters& clock, bool averaged);
 
 /// The response in stationary operation, by eqs. dotl4 and dotpsi4. At A, B, C within 1e-3 of that
 /// of the full equation (StationaryTest.DriveResponseMatchesExactGains). Nothing where the clock

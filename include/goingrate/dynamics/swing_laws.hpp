@@ -4,17 +4,17 @@
 
 #include "goingrate/dynamics/swing_series.hpp"
 
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
 namespace goingrate {
 
-/// Friction as half_swing sees it: linear, quadratic and dry together.
-template <class T> struct SwingFriction { T epsilon{}, quadratic{}, dry{}; };
+/// The pendulum without its escapement, as half_swing sees it: friction that is linear, quadratic
+/// and dry together, and gravity's share of the restoring torque.
+template <class T> struct FreePendulum { T epsilon{}, quadratic{}, dry{}, gravity_share{1}; };
 
 /// The constant torque as half_swing sees it: +mu until phi0, then -mu, or -mu all the way.
-/// `linear_only` promises that friction is.
+/// `linear_only` promises that friction is and that gravity acts alone.
 template <class T, bool linear_only> class ConstantTorqueSwing {
 public:
   static constexpr bool any_law = !linear_only;
@@ -22,10 +22,10 @@ public:
 
   /// `helping`: the torque acts along the motion and switches at phi0; otherwise it opposes it all
   /// the way, as after a switch that was missed.
-  ConstantTorqueSwing(const SwingFriction<T>& friction, const T& mu, const T& phi0, bool helping)
-      : force_{(helping ? mu : T(-mu)) - friction.dry, T(0), 2 * friction.epsilon,
-               friction.quadratic},
-        mu_(mu), phi0_(phi0), dry_(friction.dry), to_switch_(helping && phi0 > 0) {}
+  ConstantTorqueSwing(const FreePendulum<T>& free, const T& mu, const T& phi0, bool helping)
+      : force_{(helping ? mu : T(-mu)) - free.dry, T(0), 2 * free.epsilon, free.quadratic,
+               free.gravity_share},
+        mu_(mu), phi0_(phi0), dry_(free.dry), to_switch_(helping && phi0 > 0) {}
 
   /// Until the next stop.
   [[nodiscard]] const SwingForce<T>& force() const { return force_; }
@@ -48,8 +48,8 @@ public:
   }
   /// Whether the pendulum at rest there stays there.
   [[nodiscard]] bool held(const T& phi) const {
-    using std::sin;
-    return dry_ > 0 && force_.constant - sin(phi) >= 0; // constant holds +dry here
+    // constant holds +dry here
+    return dry_ > 0 && force_.at(phi, T(0), detail::sine_defects(phi).g) >= phi;
   }
   /// Whether the escapement did.
   [[nodiscard]] bool switched() const { return switched_; }
@@ -83,8 +83,8 @@ public:
   static constexpr bool stops_at_apex = true;
 
   /// `profile` must outlive the swing.
-  ProfileSwing(const SwingFriction<T>& friction, const SwingProfile<T>& profile, const T& factor)
-      : friction_(friction), profile_(&profile), factor_(factor) {
+  ProfileSwing(const FreePendulum<T>& free, const SwingProfile<T>& profile, const T& factor)
+      : free_(free), profile_(&profile), factor_(factor) {
     set_force();
   }
 
@@ -111,8 +111,7 @@ public:
   }
   /// Whether the pendulum at rest there stays there.
   [[nodiscard]] bool held(const T& phi) const {
-    using std::sin;
-    return friction_.dry > 0 && force_.constant + force_.slope * phi - sin(phi) >= 0;
+    return free_.dry > 0 && force_.at(phi, T(0), detail::sine_defects(phi).g) >= phi;
   }
   /// Whether the escapement did.
   [[nodiscard]] bool switched() const { return true; }
@@ -124,11 +123,11 @@ private:
   void set_force() {
     const T sign = rising_ ? T(1) : T(-1);
     const SwingStretch<T>& stretch = side()[at_];
-    force_ = {stretch.constant * factor_ - sign * friction_.dry, stretch.slope * factor_,
-              2 * friction_.epsilon, sign * friction_.quadratic};
+    force_ = {stretch.constant * factor_ - sign * free_.dry, stretch.slope * factor_,
+              2 * free_.epsilon, sign * free_.quadratic, free_.gravity_share};
   }
 
-  SwingFriction<T> friction_;
+  FreePendulum<T> free_;
   const SwingProfile<T>* profile_;
   T factor_;
   SwingForce<T> force_;

@@ -1,16 +1,16 @@
 // Power series of the pendulum's motion about one point, as a deviation from harmonic motion.
 //
 // Between two stops (a switch of the torque, a turn, a passage) the equation of motion is
-//   phi'' + phi = F,   F = (phi - sin phi) + A + S phi - L phi' - K phi'^2,
-// with constants A, S, L, K. Without F the motion is a rotation in the plane (phi, phi'), which
+//   phi'' + phi = F,   F = s (phi - sin phi) + A + S phi - L phi' - K phi'^2,
+// with constants s, A, S, L, K. Without F the motion is a rotation in the plane (phi, phi'), which
 // loses no precision. What F adds, delta'' + delta = F with delta = delta' = 0 at the point of
 // expansion, is smaller than the motion by 1e-3 in a clock, and so are its rounding errors:
 // durations come out to 1e-19 instead of 1e-16.
 //
 // Coefficients, with w = phi', q = 1 - cos phi, g = phi - sin phi:
 //   w_{k+1} = (F_k - phi_k) / (k+1),       phi_{k+1} = w_k / (k+1),
-//   q_{k+1} = (A w_k - L (w^2)_k) / (k+1) - (w^2)_{k+1} / 2        (energy; if S = K = 0), or
-//   q_{k+1} = sum_j (phi - g)_j w_{k-j} / (k+1)                    (q' = w sin phi; any law),
+//   q_{k+1} = (A w_k - L (w^2)_k) / (k+1) - (w^2)_{k+1} / 2        (energy; if s = 1, S = K = 0),
+//   or q_{k+1} = sum_j (phi - g)_j w_{k-j} / (k+1)                    (q' = w sin phi; any law),
 //   g_{k+1} = sum_j q_j w_{k-j} / (k+1)                            (g' = w (1 - cos phi)).
 // Products are summed from the middle outwards, so that the coefficient that was found last is used
 // last and the processor has the others ready.
@@ -25,16 +25,18 @@
 
 namespace goingrate {
 
-/// The force besides gravity between two stops: A + S phi - L phi' - K phi'^2, scaled.
+/// The force between two stops besides a harmonic pull, scaled: A + S phi - L phi' - K phi'^2, and
+/// what gravity's share s takes from that pull, s (phi - sin phi).
 template <class T> struct SwingForce {
   T constant{};  ///< A: torque, dry friction
   T slope{};     ///< S: torque that changes with the angle
   T linear{};    ///< L = 2 epsilon
   T quadratic{}; ///< K: quadratic drag, with the sign of phi'
+  T gravity{1};  ///< s: share of the restoring torque that goes as sin phi
 
-  /// F at (phi, w), gravity's part included.
-  [[nodiscard]] T at(const T& phi, const T& w, const T& gravity) const {
-    return gravity + constant + slope * phi - w * (linear + quadratic * w);
+  /// F at (phi, w), with `defect` = phi - sin phi.
+  [[nodiscard]] T at(const T& phi, const T& w, const T& defect) const {
+    return gravity * defect + constant + slope * phi - w * (linear + quadratic * w);
   }
 };
 
@@ -172,7 +174,7 @@ private:
 
 } // namespace detail
 
-/// The series about (phi, w). `any_law`: S and K may differ from zero.
+/// The series about (phi, w). `any_law`: S and K may differ from zero, s from one.
 template <class T, bool any_law> class SwingSeries {
 public:
   // This order was fastest (measured): 22 for double, 44 for 113 bits.
@@ -288,8 +290,11 @@ private:
     half_square_ = w_[0] * w_[0] * T(0.5);
     harmonic_[0] = w_[0];
     harmonic_[1] = -phi_;
-    T force = g_[0] + (force_.constant - force_.linear * w_[0]);
-    if constexpr (any_law) force += other_force<0>();
+    T force = force_.constant - force_.linear * w_[0];
+    if constexpr (any_law)
+      force += force_.gravity * g_[0] + other_force<0>();
+    else
+      force += g_[0];
     deviation_[0] = Pair{T(0), T(0)};
     deviation_[1] = Pair{T(0), force};
     speed_delta_[0] = T(0);
@@ -307,10 +312,10 @@ private:
     T product = q_.template inner_product<k>(w_) + q_[0] * w_[k];
     if constexpr (any_law) {
       g_[k + 1] = (product + (k > 0 ? q_[k] * w_[0] : T(0))) * (T(1) / (n + 1));
-      product += other_force<k + 1>() * T(n + 1);
+      product = product * force_.gravity + other_force<k + 1>() * T(n + 1);
     }
     product -= speed_delta_[k % 2];
-    if constexpr (k > 0) product += q_[k] * w_[0];
+    if constexpr (k > 0) product += any_law ? T(q_[k] * w_[0] * force_.gravity) : q_[k] * w_[0];
     const T friction = w_[k + 1] * (force_.linear * by2);
     harmonic_[k % 2] *= -by12;
     const T speed_delta = product * by12 - friction;

@@ -1,0 +1,73 @@
+#include "goingrate/clock/restoring.hpp"
+
+#include "goingrate/base/errors.hpp"
+
+#include <boost/math/quadrature/trapezoidal.hpp>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+
+namespace goingrate {
+
+using std::numbers::pi;
+
+namespace {
+
+// sin x / x.
+double sinc(double x) { return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x; }
+
+} // namespace
+
+double velocity_of_turning_angle(double gravity_share, double angle) {
+  const double sine = 2.0 * std::sin(0.5 * angle);
+  return std::sqrt((1.0 - gravity_share) * angle * angle + gravity_share * sine * sine);
+}
+
+double turning_angle_of_velocity(double gravity_share, double velocity) {
+  if (gravity_share == 1.0) return 2.0 * std::asin(0.5 * velocity);
+  if (!(velocity <= top_velocity(gravity_share))) return std::numeric_limits<double>::quiet_NaN();
+  // Newton on v(A), kept between 0 and pi; v is concave or nearly straight, so it closes in at
+  // once.
+  double low = 0.0, high = pi, angle = std::fmin(velocity, pi);
+  for (int i = 0; i < 100; ++i) {
+    const double reached = velocity_of_turning_angle(gravity_share, angle);
+    (reached > velocity ? high : low) = angle;
+    const double slope =
+        ((1.0 - gravity_share) * angle + gravity_share * std::sin(angle)) / reached;
+    const double next = angle - (reached - velocity) / slope;
+    const double before = angle;
+    angle = next > low && next < high ? next : 0.5 * (low + high);
+    if (std::abs(angle - before) <= std::numeric_limits<double>::epsilon() * angle) break;
+  }
+  return angle;
+}
+
+double top_velocity(double gravity_share) { return velocity_of_turning_angle(gravity_share, pi); }
+
+void check_velocity(const ClockParameters& clock, double velocity, std::string_view name) {
+  const double top = top_velocity(clock.gravity_share);
+  if (velocity > 0.0 && velocity < top) return;
+  if (clock.gravity_share == 1.0)
+    throw ArgumentError(name, velocity, "above 0 and below 2 (at 2 the pendulum turns over)");
+  throw ArgumentError(name, velocity,
+                      fmt::format("above 0 and below {:.4g}, which carries this pendulum half a "
+                                  "turn from the vertical",
+                                  top));
+}
+
+double free_period_ratio(double gravity_share, double angle) {
+  if (!(angle > 0.0 && angle < pi))
+    throw ArgumentError("amplitude", angle, "above 0 and below pi rad");
+  // cos x - cos A = 2 sin((A + x)/2) sin((A - x)/2): no digits are lost where x is near A. The
+  // integrand is periodic and analytic, so that the trapezoidal rule converges exponentially.
+  const auto integrand = [&](double u) {
+    const double x = angle * std::sin(u);
+    const double r =
+        1.0 - gravity_share + gravity_share * sinc(0.5 * (angle + x)) * sinc(0.5 * (angle - x));
+    return 1.0 / std::sqrt(r);
+  };
+  return boost::math::quadrature::trapezoidal(integrand, -0.5 * pi, 0.5 * pi, 1e-14, 20) / pi;
+}
+
+} // namespace goingrate

@@ -1,0 +1,58 @@
+#include "goingrate/dynamics/intermittent.hpp"
+
+#include "goingrate/clock/restoring.hpp"
+#include "goingrate/dynamics/moments.hpp"
+#include "goingrate/dynamics/stationary.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace goingrate {
+
+using std::numbers::pi;
+
+bool escapement_acts(const ClockParameters& clock, std::int64_t cycle, double velocity) {
+  if (clock.below > 0.0)
+    return velocity < velocity_of_turning_angle(clock.gravity_share, clock.below);
+  return clock.every == 1 || cycle % clock.every == 0;
+}
+
+ClockParameters with_drive_divided(ClockParameters clock, double periods) {
+  const double share = 1.0 / periods;
+  clock.mu *= share;
+  clock.impulse *= share;
+  for (TorqueTable* table : {&clock.rising, &clock.falling})
+    for (auto& point : table->points)
+      point.torque *= share;
+  clock.every = 1;
+  clock.below = 0.0;
+  return clock;
+}
+
+double energy_of_period(const ClockParameters& clock, double lambda) {
+  return 2.0 * pi * lambda * drive_moments(clock, lambda).a;
+}
+
+std::optional<SawTooth> saw_tooth(const ClockParameters& clock) {
+  const bool linear = clock.quadratic_drag == 0.0 && clock.dry_friction == 0.0;
+  if (!clock.is_intermittent() || !linear || !(clock.epsilon > 0.0)) return {};
+  const auto mean = stationary_amplitude(clock);
+  if (!mean) return {};
+  const double lift = 2.0 * energy_of_period(clock, *mean);
+  SawTooth tooth{static_cast<double>(clock.every), 0.0, 0.0, 0.0, 0.0};
+  if (clock.below > 0.0) {
+    tooth.low2 = clock.below * clock.below;
+    tooth.periods = std::log1p(lift / tooth.low2) / (4.0 * pi * clock.epsilon);
+    if (tooth.periods < 1.0) return {}; // it acts in every period and does not reach the limit
+  } else {
+    tooth.low2 = lift / std::expm1(4.0 * pi * clock.epsilon * tooth.periods);
+  }
+  tooth.high2 = tooth.low2 + lift;
+  tooth.mean2 = lift / (4.0 * pi * clock.epsilon * tooth.periods);
+  const double late = tooth.high2 - tooth.mean2 - tooth.mean2 * std::log(tooth.high2 / tooth.mean2);
+  tooth.peak_lateness_s =
+      clock.gravity_share * late / (32.0 * clock.epsilon) * clock.nominal_period_s / (2.0 * pi);
+  return tooth;
+}
+
+} // namespace goingrate
