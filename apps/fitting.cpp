@@ -22,7 +22,8 @@ void add_parameter_options(CLI::App& command, ModelOptions& options) {
   auto* free =
       command
           .add_option("--free", options.freed,
-                      "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, offset (of the "
+                      "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, gravity_share, "
+                      "offset (of the "
                       "sensor, rad), drift (of the rate, 1/day), and, where the log has such "
                       "columns, temperature (1/K), pressure (1/mbar), humidity (1/%), and with "
                       "the first two density (of air, m^3/kg); or what a --from file holds")

@@ -55,6 +55,7 @@
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/decay.hpp"
 #include "goingrate/fit/fit_event.hpp"
+#include "goingrate/fit/impulse_cycle.hpp"
 #include "goingrate/fit/par_file.hpp"
 #include "goingrate/fit/timing_data.hpp"
 #include "goingrate/log/amplitude.hpp"

@@ -263,6 +263,26 @@ FitOptions without_plans(FitOptions options) {
   return options;
 }
 
+// What comes round with the pushes of an escapement that rests is no wheel. Once a swing is how often
+// the log looks, so that a line may be an alias: k times the pushes' frequency less j times the
+// swing's, within a resolution of the log for each.
+std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const TimingData& times) {
+  if (!times.impulses) return lines;
+  const double periods = times.impulses->periods;
+  const double turn_s = periods * times.reference_period_s;
+  const double resolution = turn_s / times.elapsed_s.back();
+  std::erase_if(lines, [&](const SpectralLine& line) {
+    for (const double j : {0.0, 1.0, 2.0, 3.0})
+      for (const double sign : {1.0, -1.0}) {
+        const double turns = std::abs(line.frequency_hz * turn_s + sign * j * periods);
+        const double off = std::abs(turns - std::max(1.0, std::round(turns)));
+        if (off < (1.0 + j) * resolution) return true;
+      }
+    return false;
+  });
+  return lines;
+}
+
 } // namespace
 
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
@@ -348,7 +368,7 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   input.nominal_period_s = loaded.nominal_period_s;
   input.changes = diary.changes;
   std::erase_if(input.changes, [](const Change& change) { return change.is_only_noted(); });
-  input.lines = drive.lines;
+  input.lines = without_pushes(drive.lines, times);
   if (drive.response) // of corner 2 epsilon / T0
     input.relaxation_s = 1.0 / (two_pi * drive.response->corner_hz);
   input.fast_drive = fast_drive(drive, fit);

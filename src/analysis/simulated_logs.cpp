@@ -24,6 +24,8 @@ public:
   void add(const std::string& name, std::optional<double> value) {
     if (value && *value != 0.0) known_[name] = *value;
   }
+  // Torsion has none, and that is a number too.
+  void add_gravity(double share) { known_["gravity_share"] = share; }
   [[nodiscard]] std::map<std::string, double> take() { return std::move(known_); }
 
 private:
@@ -35,6 +37,7 @@ void add_clock(const ClockParameters& clock, Truth& truth) {
   truth.add("epsilon", clock.epsilon);
   truth.add("quadratic_drag", clock.quadratic_drag);
   truth.add("dry_friction", clock.dry_friction);
+  truth.add_gravity(clock.gravity_share);
   if (clock.escapement == Escapement::constant_torque) {
     truth.add("mu", clock.mu);
     truth.add("phi0", clock.phi0);

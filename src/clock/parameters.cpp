@@ -42,8 +42,9 @@ void check(const ClockParameters& clock) {
     throw ArgumentError("impulse", clock.impulse, "at least 0 and below 1");
   if (!(std::abs(clock.impulse_angle) < std::numbers::pi / 2.0))
     throw ArgumentError("angle", clock.impulse_angle, "between -pi/2 and pi/2 rad");
-  if (!(clock.gravity_share >= -10.0 && clock.gravity_share <= 1.0))
-    throw ArgumentError("gravity_share", clock.gravity_share, "between -10 and 1 (gravity alone)");
+  if (!(clock.gravity_share >= -10.0 && clock.gravity_share <= 1.5))
+    throw ArgumentError("gravity_share", clock.gravity_share,
+                        "between -10 and 1.5 (1 is gravity alone)");
   if (!(clock.every >= 1 && clock.every <= 10'000))
     throw ArgumentError("every", static_cast<double>(clock.every), "between 1 and 1e4 periods");
   if (!(clock.below >= 0.0 && clock.below < std::numbers::pi))

@@ -3,7 +3,9 @@
 #include "goingrate/base/errors.hpp"
 
 #include <boost/math/quadrature/trapezoidal.hpp>
+#include <boost/math/tools/roots.hpp>
 #include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
@@ -17,6 +19,17 @@ namespace {
 // sin x / x.
 double sinc(double x) { return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x; }
 
+// Where the pull towards the vertical ends: pi, or, with s above 1, sin x/x = (s - 1)/s.
+double top_angle(double gravity_share) {
+  if (gravity_share <= 1.0) return pi;
+  const double target = (gravity_share - 1.0) / gravity_share;
+  std::uintmax_t rounds = 100;
+  const auto [low, high] =
+      boost::math::tools::bisect([&](double x) { return sinc(x) - target; }, 0.5, pi,
+                                 boost::math::tools::eps_tolerance<double>(50), rounds);
+  return 0.5 * (low + high);
+}
+
 } // namespace
 
 double velocity_of_turning_angle(double gravity_share, double angle) {
@@ -27,9 +40,9 @@ double velocity_of_turning_angle(double gravity_share, double angle) {
 double turning_angle_of_velocity(double gravity_share, double velocity) {
   if (gravity_share == 1.0) return 2.0 * std::asin(0.5 * velocity);
   if (!(velocity <= top_velocity(gravity_share))) return std::numeric_limits<double>::quiet_NaN();
-  // Newton on v(A), kept between 0 and pi; v is concave or nearly straight, so it closes in at
+  // Newton on v(A), kept between 0 and the top; v is concave or nearly straight, so it closes in at
   // once.
-  double low = 0.0, high = pi, angle = std::fmin(velocity, pi);
+  double low = 0.0, high = top_angle(gravity_share), angle = std::fmin(velocity, 0.9 * high);
   for (int i = 0; i < 100; ++i) {
     const double reached = velocity_of_turning_angle(gravity_share, angle);
     (reached > velocity ? high : low) = angle;
@@ -43,7 +56,9 @@ double turning_angle_of_velocity(double gravity_share, double velocity) {
   return angle;
 }
 
-double top_velocity(double gravity_share) { return velocity_of_turning_angle(gravity_share, pi); }
+double top_velocity(double gravity_share) {
+  return velocity_of_turning_angle(gravity_share, top_angle(gravity_share));
+}
 
 void check_velocity(const ClockParameters& clock, double velocity, std::string_view name) {
   const double top = top_velocity(clock.gravity_share);
@@ -51,14 +66,14 @@ void check_velocity(const ClockParameters& clock, double velocity, std::string_v
   if (clock.gravity_share == 1.0)
     throw ArgumentError(name, velocity, "above 0 and below 2 (at 2 the pendulum turns over)");
   throw ArgumentError(name, velocity,
-                      fmt::format("above 0 and below {:.4g}, which carries this pendulum half a "
-                                  "turn from the vertical",
+                      fmt::format("above 0 and below {:.4g}, which carries this pendulum to the "
+                                  "top, or half a turn from the vertical",
                                   top));
 }
 
 double free_period_ratio(double gravity_share, double angle) {
-  if (!(angle > 0.0 && angle < pi))
-    throw ArgumentError("amplitude", angle, "above 0 and below pi rad");
+  if (!(angle > 0.0 && angle < top_angle(gravity_share)))
+    throw ArgumentError("amplitude", angle, "above 0 and below pi rad, and below the top");
   // cos x - cos A = 2 sin((A + x)/2) sin((A - x)/2): no digits are lost where x is near A. The
   // integrand is periodic and analytic, so that the trapezoidal rule converges exponentially.
   const auto integrand = [&](double u) {

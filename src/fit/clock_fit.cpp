@@ -409,6 +409,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
     throw ArgumentError("nominal_period", nominal_period_s, "a positive number of seconds");
   check(data);
   FitSummary summary;
+  summary.impulses = data.impulses;
   summary.termination = no_pendulum(data, nominal_period_s);
   if (!summary.termination.empty()) {
     summary.status = FitStatus::no_valid_model;
@@ -441,6 +442,7 @@ std::optional<ClockParameters> fitted_clock(const FitSummary& fit) {
     last[parameter.name.substr(0, parameter.name.find('@'))] = vague ? unknown : parameter.value;
   }
   ClockParameters clock{last["T0"], last["epsilon"], last["mu"], last["phi0"]};
+  if (last.contains("gravity_share")) clock.gravity_share = last["gravity_share"];
   if (last.contains("quadratic_drag")) clock.quadratic_drag = last["quadratic_drag"];
   if (last.contains("dry_friction")) clock.dry_friction = last["dry_friction"];
   const bool known = std::isfinite(clock.nominal_period_s + clock.epsilon + clock.mu + clock.phi0);

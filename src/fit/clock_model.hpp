@@ -57,6 +57,9 @@ void apply_changes(const Parameters& parameters, std::span<const T> x, std::size
     case Quantity::dry_friction:
       going.laws.dry = slot.value(x);
       break;
+    case Quantity::gravity_share:
+      going.laws.circular = slot.value(x) * (1.0 / 16.0);
+      break;
     case Quantity::lambda0: {
       const T lambda0 = slot.value(x);
       going.amplitude2_start = lambda0 * lambda0;

@@ -4,7 +4,7 @@
 // Equations (Hoyng, eqs. dotl4, dotpsi4, blow5; moments.hpp), x = lambda^2, scaled time, relative
 // drive d:
 //   dx/dt    = f = -2 eps x + (1 + d) D - (8/3pi) k x^(3/2) - (4/pi) c x^(1/2)
-//   psi' - 1 = g = -x/16 + (1 + d) push(x)
+//   psi' - 1 = g = -s x/16 + (1 + d) push(x),   s = gravity_share
 // constant torque:  D = 4 mu phi0/pi,  push = (2 mu/pi) y/x,  y = sqrt(x - phi0^2);
 // single impulse:   D = e/pi,          push = -(e/2pi x) phi1/y,  y = sqrt(x - phi1^2).
 // With constant torque and linear friction both are integrated in closed form
@@ -31,6 +31,7 @@ template <class T> struct AveragedLaws {
   Escapement escapement = Escapement::constant_torque;
   bool linear = true; ///< friction has no other term, not even one that is 0 at present
   T epsilon{}, mu{}, phi0{}, quadratic{}, dry{};
+  T circular{1.0 / 16.0}; ///< s/16: what the rate loses for each unit of x
 
   friend bool operator==(const AveragedLaws&, const AveragedLaws&) = default;
 
@@ -72,7 +73,7 @@ template <class T> struct AveragedLaws {
       return mu * phi0 / (x * y) * (T(1.0) / x + T(0.5) / y2) * (0.5 / std::numbers::pi);
     return mu / (x * y) * (T(0.5) - y2 / x) * (2.0 / std::numbers::pi);
   }
-  [[nodiscard]] T rate(const T& x) const { return push(x) - x * (1.0 / 16.0); }
+  [[nodiscard]] T rate(const T& x) const { return push(x) - x * circular; }
   /// Whether the swing passes the escapement, and is one that could be a clock's.
   [[nodiscard]] bool reaches(const T& x) const {
     return plain(x) > plain(phi0) * plain(phi0) && plain(x) < 4.0;
@@ -164,7 +165,7 @@ private:
     const T push = impulse
                        ? T(product(inverse_, pushed_, n) * laws_.mu * laws_.phi0 * (-0.5 * over_pi))
                        : T(pushed_[at(n)] * laws_.mu * (2.0 * over_pi));
-    phase_[at(n + 1)] = (push - square_[at(n)] * (1.0 / 16.0)) * (1.0 / (n + 1));
+    phase_[at(n + 1)] = (push - square_[at(n)] * laws_.circular) * (1.0 / (n + 1));
     T growth = laws_.drive() * inverse_[at(n)] - laws_.epsilon * amplitude_[at(n)] * 2.0;
     if (!laws_.linear) {
       growth -= laws_.quadratic * square_[at(n)] * (8.0 / 3.0 * over_pi);
@@ -189,7 +190,8 @@ public:
   };
 
   Course(const AveragedLaws<T>& laws, const T& amplitude2)
-      : laws_(laws), closed_(laws.epsilon, acting_torque(laws), laws.phi0, amplitude2) {
+      : laws_(laws),
+        closed_(laws.epsilon, acting_torque(laws), laws.phi0, amplitude2, laws.circular) {
     using std::sqrt;
     if (!laws.closed()) go_on_from(0.0, sqrt(amplitude2), T(0.0));
   }

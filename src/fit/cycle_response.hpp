@@ -40,7 +40,7 @@ CycleGains<T> averaged_cycle(const AveragedLaws<T>& laws, const T& amplitude2, c
   const T gone = expm1(a), mean = gone / a;
   const T drive = laws.drive() * two_pi;
   const T driven = laws.push_slope(amplitude2) * T0 * -1.0;
-  const T slope = driven + T0 * (1.0 / 16.0);
+  const T slope = driven + T0 * laws.circular;
   return {gone, drive * mean, slope * mean,
           slope * drive * (mean - 1.0) / a - laws.push(amplitude2) * T0, driven * mean};
 }

@@ -13,7 +13,7 @@ struct FinalClock {
   /// Rate per relative drive, with the amplitude frozen and with it settled.
   [[nodiscard]] double fast_gain() const { return laws.push(amplitude2); }
   [[nodiscard]] double slow_gain() const {
-    return fast_gain() - laws.drive() * (laws.push_slope(amplitude2) - 1.0 / 16.0) /
+    return fast_gain() - laws.drive() * (laws.push_slope(amplitude2) - laws.circular) /
                              laws.growth_slope(amplitude2);
   }
   /// Of small swings of that amplitude (dynamics/swing_loss.hpp); 1/(2 epsilon) under linear

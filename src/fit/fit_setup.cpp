@@ -56,6 +56,7 @@ struct Kind {
 // Sizes that people meet, so that a step of one is a moderate one.
 constexpr Kind drag_kind{Quantity::quadratic_drag, Coordinate::multiple, 1e-3};
 constexpr Kind dry_kind{Quantity::dry_friction, Coordinate::multiple, 1e-6};
+constexpr Kind gravity_kind{Quantity::gravity_share, Coordinate::stretch, 1.0};
 constexpr Kind offset_kind{Quantity::offset, Coordinate::multiple, 1e-3};
 constexpr Kind term_kind{Quantity::term, Coordinate::multiple, 1e-6};
 constexpr Kind moment_kind{Quantity::moment, Coordinate::multiple, 1.0};
@@ -78,8 +79,8 @@ bool may_be_zero(Quantity quantity) {
          quantity == Quantity::dry_friction;
 }
 bool may_be_negative(const Slot& slot) {
-  return slot.quantity == Quantity::offset || slot.quantity == Quantity::term ||
-         is_of_moment(slot.quantity) ||
+  return slot.quantity == Quantity::offset || slot.quantity == Quantity::gravity_share ||
+         slot.quantity == Quantity::term || is_of_moment(slot.quantity) ||
          (slot.quantity == Quantity::phi0 && slot.coordinate == Coordinate::multiple);
 }
 
@@ -116,6 +117,7 @@ public:
     }
     if (model_.quadratic || names(options_, "quadratic_drag")) add(drag_kind);
     if (model_.dry || names(options_, "dry_friction")) add(dry_kind);
+    if (names(options_, "gravity_share")) add(gravity_kind);
     add({Quantity::lambda0, Coordinate::logarithm, 1.0});
     if (names(options_, "offset")) add(offset_kind);
     if (data_.has_amplitude() && (model_.amplitude_scale || names(options_, "amplitude_scale")))
@@ -242,7 +244,7 @@ void check_names(const FitOptions& options, const TimingData& data) {
       everything.drive = everything.slow = true;
   if (options.escapement) everything.escapement = *options.escapement;
   FitOptions all = options;
-  all.freed = {"offset"};
+  all.freed = {"offset", "gravity_share"};
   for (const RateTerm& term : data.terms)
     all.freed.push_back(term.name);
   all.fixed.clear();

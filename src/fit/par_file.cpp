@@ -60,7 +60,7 @@ struct Known {
   bool only_if_named = false; // not fitted unless asked for
 };
 
-constexpr std::array<Known, 21> known_parameters{{
+constexpr std::array<Known, 22> known_parameters{{
     {"T0", Known::positive, true},
     {"epsilon", Known::positive, true},
     {"mu", Known::not_negative, true},
@@ -70,6 +70,7 @@ constexpr std::array<Known, 21> known_parameters{{
     {"lambda0", Known::positive},
     {"quadratic_drag", Known::not_negative, false, true},
     {"dry_friction", Known::not_negative, false, true},
+    {"gravity_share", Known::any, false, true},
     {"offset", Known::any, false, true},
     {"temperature", Known::any, false, true},
     {"pressure", Known::any, false, true},

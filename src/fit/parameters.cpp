@@ -21,6 +21,8 @@ std::string_view base_name(Quantity quantity, Escapement escapement) {
     return "quadratic_drag";
   case Quantity::dry_friction:
     return "dry_friction";
+  case Quantity::gravity_share:
+    return "gravity_share";
   case Quantity::lambda0:
     return "lambda0";
   case Quantity::offset:

@@ -20,6 +20,7 @@ enum class Quantity {
   phi0, ///< or its angle
   quadratic_drag,
   dry_friction,
+  gravity_share,
   lambda0,
   offset,          ///< of the sensor
   amplitude_scale, ///< what the amplitude column shows over what the pendulum does
@@ -49,7 +50,7 @@ inline bool is_of_clock(Quantity quantity) {
 enum class Coordinate {
   logarithm, ///< value = exp(x): cannot become negative
   multiple,  ///< value = scale x: may become zero, as a drive that is cut off
-  stretch,   ///< value = scale (1 + x): T0 about the mean period
+  stretch,   ///< value = scale (1 + x): T0 about the mean period, gravity_share about 1
 };
 
 struct Slot {

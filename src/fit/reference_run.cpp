@@ -21,6 +21,7 @@ ClockParameters clock_of(double T0, const AveragedLaws<double>& laws) {
   clock.escapement = laws.escapement;
   clock.quadratic_drag = laws.quadratic;
   clock.dry_friction = laws.dry;
+  clock.gravity_share = 16.0 * laws.circular;
   const bool impulse = clock.escapement == Escapement::single_impulse;
   (impulse ? clock.impulse : clock.mu) = laws.mu;
   (impulse ? clock.impulse_angle : clock.phi0) = laws.phi0;

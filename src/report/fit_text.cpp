@@ -1,6 +1,7 @@
 #include "goingrate/report/tables.hpp"
 
 #include "figure_axes.hpp"
+#include "impulse_words.hpp"
 #include "parameter_words.hpp"
 
 #include <algorithm>
@@ -170,6 +171,7 @@ std::string fit_text(const FitSummary& fit) {
     text += derived_line(quantity);
   if (std::isfinite(fit.q_factor.value)) text += derived_line(fit.q_factor);
   if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
+  if (fit.impulses) text += "[pushes]\n" + impulse_text(*fit.impulses);
   text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

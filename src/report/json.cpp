@@ -122,6 +122,20 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
 
 namespace {
 
+Json impulse_object(const ImpulseCycle& pushes) {
+  const auto estimate = [](const ImpulseCycle::Estimate& e) {
+    return Json{{"value", json_number(e.value)}, {"sigma", json_number(e.sigma)}};
+  };
+  return {{"periods", pushes.periods},
+          {"regular", pushes.is_regular},
+          {"gain_2logL", json_number(pushes.gain)},
+          {"amplitude_step_rad",
+           pushes.amplitude_step ? estimate(*pushes.amplitude_step) : Json(nullptr)},
+          {"lateness_between_s", estimate(pushes.lateness)},
+          {"later_by_push_s", estimate(pushes.kick)},
+          {"epsilon_if_all_drive", pushes.epsilon ? estimate(*pushes.epsilon) : Json(nullptr)}};
+}
+
 // An undetermined parameter has neither value nor interval; an end that is open is null.
 Json parameter_object(const FittedParameter& p) {
   return {{"name", p.name},
@@ -203,6 +217,7 @@ Json fit_object(const FitSummary& fit) {
   json["events"] = Json::array();
   for (const FitEvent& event : fit.events)
     json["events"].push_back({{"cycle", event.cycle}, {"names", event.names}});
+  json["impulses"] = fit.impulses ? impulse_object(*fit.impulses) : Json(nullptr);
   json["twins"] = Json::array();
   for (const ClockTwin& twin : fit.twins)
     json["twins"].push_back(twin_object(twin));

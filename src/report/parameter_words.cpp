@@ -14,7 +14,7 @@ struct ParameterWords {
   std::string_view meaning;
 };
 
-constexpr std::array<ParameterWords, 23> words{{
+constexpr std::array<ParameterWords, 24> words{{
     {"T0", "", "period of small free swings"},
     {"epsilon", "ε", "friction"},
     {"mu", "μ", "driving torque"},
@@ -22,6 +22,7 @@ constexpr std::array<ParameterWords, 23> words{{
     {"lambda0", "λ0", "amplitude at the first beat"},
     {"impulse", "", "impulse of the escapement"},
     {"impulse_angle", "", "angle at which the impulse is given"},
+    {"gravity_share", "", "share of gravity in the restoring torque"},
     {"quadratic_drag", "", "friction that grows as the square of the speed"},
     {"dry_friction", "", "friction that does not depend on the speed"},
     {"offset", "", "how far the sensor stands from the vertical"},

@@ -2,6 +2,7 @@
 #include "goingrate/report/report.hpp"
 
 #include "cause_words.hpp"
+#include "impulse_words.hpp"
 #include "logbook_words.hpp"
 #include "wording.hpp"
 
@@ -103,6 +104,7 @@ private:
     if (data_.logbook && !data_.logbook->entries.empty())
       say(logbook_sentence(*data_.logbook, words_), Weight::logbook);
     say_what_it_suffers_from();
+    say(pushes(), Weight::logbook);
     say(what_to_do());
   }
 
@@ -116,6 +118,7 @@ private:
   [[nodiscard]] std::string whether_worse() const;
   [[nodiscard]] std::string changes() const;
   [[nodiscard]] std::string zero_rate() const;
+  [[nodiscard]] std::string pushes() const;
   [[nodiscard]] std::string what_to_do() const;
   [[nodiscard]] std::string rate_words(double rate, double sigma) const;
   [[nodiscard]] std::string wander() const;
@@ -296,6 +299,17 @@ std::string Sentences::zero_rate() const {
   if (!(std::abs(now.rate_excess) > 2.0 * now.rate_excess_sigma)) return {};
   return fmt::format("turn the rating nut so that the bob goes {}, to bring the rate to zero.",
                      now.rate_excess < 0.0 ? "up" : "down");
+}
+
+std::string Sentences::pushes() const {
+  if (!data_.fit.impulses) return {};
+  const ImpulseCycle& found = *data_.fit.impulses;
+  std::string text = fmt::format("The pendulum is pushed {}", how_often(found));
+  if (!found.epsilon) return text + ".";
+  return text +
+         fmt::format(", and swings {} wider after it; if nothing else drives it, its Q is {}.",
+                     words_.angle(found.amplitude_step->value, found.amplitude_step->sigma),
+                     quality_of(found));
 }
 
 std::string Sentences::what_to_do() const {

@@ -15,8 +15,9 @@ using std::numbers::pi;
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 
 TEST(RestoringTest, AngleAndVelocityAreInverse) {
-  for (const double share : {1.0, 0.97, 0.4, 0.0, -2.0})
+  for (const double share : {1.2, 1.0, 0.97, 0.4, 0.0, -2.0})
     for (const double angle : {1e-6, 0.03, 0.5, 1.8, 3.0}) {
+      if (share > 1.0 && angle > 2.0) continue; // beyond the top
       const double velocity = velocity_of_turning_angle(share, angle);
       // An error of the velocity grows by v/(A v'(A)) on its way to the angle: some 20 at 3 rad
       // under gravity, where the pendulum nearly stands on its head.
@@ -30,6 +31,8 @@ TEST(RestoringTest, NoTurningAngleBeyondHalfATurn) {
   EXPECT_TRUE(std::isnan(turning_angle_of_velocity(1.0, 2.001)));
   EXPECT_DOUBLE_EQ(top_velocity(1.0), 2.0);
   EXPECT_DOUBLE_EQ(top_velocity(0.0), pi);
+  EXPECT_LT(top_velocity(1.2), 2.0);
+  EXPECT_TRUE(std::isnan(turning_angle_of_velocity(1.2, 2.0)));
 }
 
 TEST(RestoringTest, PeriodUnderGravityIsTheEllipticIntegral) {

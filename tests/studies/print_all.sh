@@ -15,6 +15,9 @@ print() { # NAME ARGUMENT...
 print numbering 5000 "$base"
 print prior 600 "$base"
 print moment 200 "$base"
+print impulses "$base" 300
+print rests
+print gravity_share "$base" 100
 print bias 400 "$base"
 print coverage 300 "$base"
 print drive_split 208 40 "$base"

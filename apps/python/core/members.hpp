@@ -43,8 +43,11 @@ GOINGRATE_MEMBERS(RateSummary, crossings, periods, duration_s, nominal_period_s,
 GOINGRATE_MEMBERS(PartRate, segment, from_cycle, to_cycle, start, rate, amplitude_rad)
 
 GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s, is_known, sigma, step_s)
+GOINGRATE_MEMBERS(ImpulseCycle::Estimate, value, sigma)
+GOINGRATE_MEMBERS(ImpulseCycle, periods, is_regular, gain, first, cycles, amplitude_step, lateness,
+                  kick, epsilon)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
-                  terms, time_noise, amplitude_noise, no_swings, time_base_sigma)
+                  terms, time_noise, amplitude_noise, no_swings, impulses, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
 GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned, at_crossing)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)
@@ -70,8 +73,8 @@ GOINGRATE_MEMBERS(Decay, amplitude_rad, q, time_s, q_at_amplitude, laws)
 GOINGRATE_MEMBERS(FitSummary, status, termination, dynamics, model, chosen_by, parameters,
                   correlated, correlation, combinations, q_factor, stationary_amplitude,
                   rate_s_per_day, decay_time, decay, jitter_s, amplitude_noise_rad, time_widening,
-                  amplitude_widening, quality, alternatives, twins, experiments, thinning, events,
-                  notes, residual_s, model_amplitude_rad, amplitude_residual_rad)
+                  amplitude_widening, quality, alternatives, twins, experiments, thinning, impulses,
+                  events, notes, residual_s, model_amplitude_rad, amplitude_residual_rad)
 
 GOINGRATE_MEMBERS(DeviationRow, tau_s, m, n, value, low, high, alpha, interval, bias)
 GOINGRATE_MEMBERS(DeviationTable, kind, tau0_s, rows, bridged)

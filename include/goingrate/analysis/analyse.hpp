@@ -43,7 +43,8 @@ struct Analysis {
 };
 
 /// The data of a fit: times and amplitudes of the good beats, with temperature, pressure and air
-/// density where the log has them.
+/// density where the log has them. Where the log shows the pushes of an escapement that rests, their
+/// saw-tooth is taken off.
 TimingData fit_data(const NumberedLog& loaded);
 
 /// The changes that stand out from neighbouring beats, and those that show only in the rate of the

@@ -2,9 +2,10 @@
 //
 // The torque is (1 - s) phi + s sin phi with s = gravity_share, so that T0 is the period of small
 // swings whatever s, and the potential (1 - s) phi^2/2 + s (1 - cos phi) rises from 0 to pi for
-// every s <= 1. A suspension spring of stiffness k adds k phi to gravity's m g l sin phi: s = m g l
-// / (m g l + k). Cheeks that shorten the pendulum as it swings out take away from the cubic term
-// of the sine and may make s 0 or negative. A torsion clock has s = 0.
+// every s <= 1; with s above 1 it has its top before pi. A suspension spring of stiffness k adds k
+// phi to gravity's m g l sin phi: s = m g l / (m g l + k). Cheeks that shorten the pendulum as it
+// swings out take away from the cubic term of the sine and may make s 0 or negative. A torsion
+// clock has s = 0.
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
@@ -13,23 +14,24 @@
 
 namespace goingrate {
 
-/// phi' at the vertical (scaled) of the free pendulum that turns at `angle`, 0 to pi rad:
+/// phi' at the vertical (scaled) of the free pendulum that turns at `angle`, 0 to the top:
 /// sqrt((1 - s) angle^2 + 4 s sin^2(angle/2)).
 double velocity_of_turning_angle(double gravity_share, double angle);
 
 /// The turning angle of the free pendulum that passes the vertical with phi' = `velocity`, the
 /// inverse of the above to rounding (RestoringTest.AngleAndVelocityAreInverse); 2 asin(v/2) under
-/// gravity. NaN beyond the velocity that reaches pi.
+/// gravity. NaN beyond top_velocity.
 double turning_angle_of_velocity(double gravity_share, double velocity);
 
-/// The velocity that reaches pi, where every simulation ends: 2 under gravity, pi for torsion.
+/// The velocity that reaches the top, or pi where there is none before: 2 under gravity, pi for
+/// torsion.
 double top_velocity(double gravity_share);
 
 /// Throws ArgumentError naming `name` for a velocity that is not above 0 and below top_velocity.
 void check_velocity(const ClockParameters& clock, double velocity, std::string_view name);
 
-/// The period of the free pendulum that turns at `angle` (above 0, below pi rad) over that of small
-/// swings, to 1e-13: the energy integral
+/// The period of the free pendulum that turns at `angle` (above 0, below the top) over that of
+/// small swings, to 1e-13: the energy integral
 ///   T/T0 = (2/pi) int_0^(pi/2) du / sqrt(r),  r = 2 (V(angle) - V(x)) / (angle^2 - x^2),
 /// x = angle sin u; 2 K/pi under gravity (RestoringTest.PeriodUnderGravityIsTheEllipticIntegral).
 /// Throws ArgumentError for other angles.

@@ -2,7 +2,8 @@
 //
 // Equations (Hoyng, eqs. dotl4 and dotpsi4), x = lambda^2, scaled time:
 //   dx/dt    = -2 eps x + 4 mu phi0 / pi
-//   psi' - 1 = -x/16 + (2 mu / pi) sqrt(x - phi0^2) / x
+//   psi' - 1 = -s x/16 + (2 mu / pi) sqrt(x - phi0^2) / x
+// with s = 1 under gravity (gravity_share).
 // While eps, mu and phi0 are constant,
 //   x(t) = X + (x0 - X) exp(-2 eps t),  X = 2 mu phi0 / (pi eps)           (cf. eq. l2jump),
 // and both integrals of psi' - 1 close. With y = sqrt(x - phi0^2), dt = -y dy/(eps (y^2 - b)),
@@ -31,11 +32,12 @@ namespace goingrate {
 /// StationaryTest and AveragedTest.
 template <class T> class AveragedMotion {
 public:
-  /// `amplitude2_start` is lambda^2 (rad^2) at t = 0.
-  AveragedMotion(const T& epsilon, const T& mu, const T& phi0, const T& amplitude2_start)
+  /// `amplitude2_start` is lambda^2 (rad^2) at t = 0, `circular` is s/16.
+  AveragedMotion(const T& epsilon, const T& mu, const T& phi0, const T& amplitude2_start,
+                 const T& circular = T(1.0 / 16.0))
       : epsilon_(epsilon), torque_(mu * (2.0 / std::numbers::pi)), a_(phi0 * phi0),
         limit_(torque_ * phi0 / epsilon), start_(amplitude2_start), way_(start_ - limit_),
-        way_per_decay_(way_ / (epsilon * 2.0)), per_phi0_(1.0 / phi0) {
+        way_per_decay_(way_ / (epsilon * 2.0)), per_phi0_(1.0 / phi0), circular_(circular) {
     using std::sqrt;
     const T b = limit_ - a_;
     going_ = b > 0.0;
@@ -58,9 +60,9 @@ public:
     const T gone = -expm1(epsilon_ * t * -2.0); // 1 - exp(-2 eps t)
     const T amplitude2 = start_ - way_ * gone;
     const T y = sqrt(amplitude2 - a_);
-    T excess = primitive0_ - primitive(y) - (limit_ * t + way_per_decay_ * gone) * (1.0 / 16.0);
+    T excess = primitive0_ - primitive(y) - (limit_ * t + way_per_decay_ * gone) * circular_;
     if (going_) excess += c_epsilon_ * t;
-    return {amplitude2, excess, torque_ * y / amplitude2 - amplitude2 * (1.0 / 16.0)};
+    return {amplitude2, excess, torque_ * y / amplitude2 - amplitude2 * circular_};
   }
 
   /// lambda^2 at scaled time t.
@@ -91,6 +93,7 @@ private:
   T way_;    // x0 - X
   T way_per_decay_;
   T per_phi0_;
+  T circular_;
   bool going_ = false; // b > 0
   T root_{};           // c phi0
   T c_{};

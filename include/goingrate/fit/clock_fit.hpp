@@ -91,8 +91,8 @@ struct FitOptions {
   std::vector<FitEvent> possible_events{};
   std::map<std::string, double> fixed; ///< by name: T0 (s), epsilon, mu, phi0, lambda0, mu@1 ...
   std::vector<Prior> priors;
-  /// Parameters that are fitted only if named: quadratic_drag, dry_friction, offset, and the names
-  /// of the data's terms; a name that is always fitted is taken out of `fixed`.
+  /// Parameters that are fitted only if named: quadratic_drag, dry_friction, gravity_share, offset,
+  /// and the names of the data's terms; a name that is always fitted is taken out of `fixed`.
   std::vector<std::string> freed;
   /// Where to begin: every parameter of the clock that is fitted, or none for a search.
   std::map<std::string, double> start;
@@ -235,7 +235,8 @@ struct FitSummary {
   std::vector<ClockTwin> twins;        ///< those more than 3.5 sigma away, the likeliest first
   std::vector<Experiment> experiments; ///< where something is undetermined
   Thinning thinning;
-  std::vector<FitEvent> events; ///< as they were fitted
+  std::optional<ImpulseCycle> impulses{}; ///< of an escapement that rests: those of the data
+  std::vector<FitEvent> events;           ///< as they were fitted
   std::vector<FitNote> notes;
   std::vector<double> residual_s;             ///< one a beat, mean removed; positive: late
   std::vector<double> model_amplitude_rad;    ///< one a beat: the turning angle

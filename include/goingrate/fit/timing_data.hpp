@@ -1,9 +1,11 @@
 // A log reduced to what a fit needs.
 #pragma once
 
+#include "goingrate/fit/impulse_cycle.hpp"
 #include "goingrate/log/beats.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,7 +36,9 @@ struct TimingData {
   /// Standard deviations of the times and of the amplitudes, one a beat, over the rms of all; empty
   /// where all are alike. Under noise of the drive those of the times are taken for alike.
   std::vector<double> time_noise{}, amplitude_noise{};
-  std::string no_swings{};      ///< why these are no swings of a pendulum; empty if they are
+  std::string no_swings{}; ///< why these are no swings of a pendulum; empty if they are
+  /// Pushes of an escapement that rests, whose saw-tooth was taken off times and amplitudes.
+  std::optional<ImpulseCycle> impulses{};
   double time_base_sigma = 0.0; ///< relative, of the rate of what took the times: T0 answers to it
 
   /// Number of beats.

@@ -1,0 +1,50 @@
+// How often the pendulum gets a push that a log shows: once in N swings (Synchronome, Shortt), or
+// when its amplitude has fallen to a limit (Hipp).
+//
+// Between two pushes, N swings apart, lambda^2 falls by L, and the circular error follows it. At
+// the m-th crossing after a push, 1 <= m <= N, amplitude and lateness depart from their means by
+//   (L / 2A) u_m  and  (s L T0 / 16) U_m + (what the push itself shifts the phase) u_m,
+//   u_m = ((N + 1)/2 - m) / N,   U_m = m (N - m) / (2 N) less its mean,
+// to first order in pi eps N (dynamics/intermittent.hpp). One shape in the amplitudes and two in
+// the times are sought; N and the swing of the push are those that explain most.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace goingrate {
+
+struct TimingData;
+
+/// Pushes that a log shows.
+struct ImpulseCycle {
+  struct Estimate {
+    double value, sigma;
+  };
+  double periods;  ///< from one push to the next, in the mean
+  bool is_regular; ///< every interval is this whole number
+  double gain;     ///< of 2 log L, less the price of having searched
+  double first;    ///< the first push comes in the period that begins with this cycle of the data
+  std::vector<double> cycles{};             ///< all of them, where they are not regular
+  std::optional<Estimate> amplitude_step{}; ///< how much a push raises the amplitude, rad
+  Estimate lateness{0.0,
+                    0.0};  ///< of the clock half-way between two pushes, by the circular error, s
+  Estimate kick{0.0, 0.0}; ///< how much later the clock is after a push for the push itself, s
+  /// The friction if these pushes are all that drives the clock: asinh(step/(2 A))/(pi N). A strong
+  /// tooth of a wheel that turns in N swings looks the same and shows less.
+  std::optional<Estimate> epsilon{};
+};
+
+/// Finds them. N is sought from 2 to 60; pushes that come at other intervals must each stand out of
+/// the amplitudes by twelve standard deviations. A saw-tooth must explain more than a sine of the
+/// same period, and its gain must pass 18 after the price: a false alarm in some thousand logs
+/// (ImpulseCycleTest.NoiseShowsNoPushes). Intervals of a step and of epsilon hold as
+/// tests/studies/impulses.sh prints.
+std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data);
+
+/// Takes the saw-tooth off times and amplitudes: what is left is the clock that gets a share of
+/// each push in every swing, the same clock to first order.
+void level_impulses(const ImpulseCycle& found, TimingData& data);
+
+} // namespace goingrate

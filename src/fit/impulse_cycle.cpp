@@ -1,0 +1,424 @@
+#include "goingrate/fit/impulse_cycle.hpp"
+
+#include "base/robust.hpp"
+#include "goingrate/fit/timing_data.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <utility>
+
+namespace goingrate {
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr std::size_t longest_cycle = 60;     // periods between pushes
+constexpr double least_gain = 18.0;           // 2 log L, after the price
+constexpr std::size_t least_cycles = 8;       // that a scatter can be told from
+constexpr std::size_t most_periods = 200'000; // looked at: more than enough to see a push
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+// One value a cycle, NaN where there is none.
+using Grid = std::vector<double>;
+
+Grid on_cycles(const TimingData& data, const std::vector<double>& values) {
+  const auto length =
+      std::min(most_periods, static_cast<std::size_t>(std::llround(data.cycle.back())) + 1);
+  Grid grid(length, unknown);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const auto at = static_cast<std::size_t>(std::llround(data.cycle[i]));
+    if (at < length) grid[at] = values[i];
+  }
+  return grid;
+}
+
+// Less the mean of the `n` values around each (of n + 1, the outer ones by half, if n is even):
+// what wanders slowly goes, and what repeats every n stays whole, less its mean.
+Grid less_moving_mean(const Grid& values, std::size_t n) {
+  std::vector<double> sums{0.0};
+  std::vector<std::size_t> holes{0};
+  for (const double v : values) {
+    sums.push_back(sums.back() + (std::isfinite(v) ? v : 0.0));
+    holes.push_back(holes.back() + (std::isfinite(v) ? 0 : 1));
+  }
+  const std::size_t half = n / 2;
+  const bool even = n % 2 == 0;
+  Grid left(values.size(), unknown);
+  for (std::size_t i = half; i + half < values.size(); ++i) {
+    const std::size_t from = i - half, to = i + half + 1;
+    if (holes[to] != holes[from]) continue;
+    const double outer = even ? 0.5 * (values[from] + values[to - 1]) : 0.0;
+    left[i] = values[i] - (sums[to] - sums[from] - outer) / static_cast<double>(n);
+  }
+  return left;
+}
+
+// u and U of the header, as functions of m from 1 to n.
+double tooth(double m, double n) { return (0.5 * (n + 1.0) - m) / n; }
+double hump(double m, double n) { return 0.5 * m * (n - m) / n - (n * n - 1.0) / (12.0 * n); }
+
+double height_of_hump(double n) { return n / 8.0; } // above a push, at m = n/2
+
+// The mean of each of the n values of a cycle.
+std::vector<double> folded_means(const Grid& values, std::size_t n) {
+  std::vector<double> sums(n, 0.0), counts(n, 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i])) {
+      sums[i % n] += values[i];
+      counts[i % n] += 1.0;
+    }
+  for (std::size_t k = 0; k < n; ++k)
+    sums[k] /= std::max(counts[k], 1.0);
+  return sums;
+}
+
+struct Pair {
+  double tooth = 0.0, hump = 0.0;
+};
+
+// Least squares of pairs of regressors; `both`: the second is in use.
+Pair solved(const std::array<double, 3>& normal, const Pair& right, bool both) {
+  const auto& [tt, th, hh] = normal;
+  const double determinant = tt * hh - th * th;
+  if (!both || !(determinant > 1e-9 * tt * hh)) return {tt > 0.0 ? right.tooth / tt : 0.0, 0.0};
+  return {(hh * right.tooth - th * right.hump) / determinant,
+          (tt * right.hump - th * right.tooth) / determinant};
+}
+
+// What the shapes, begun at place `first` of the cycle, explain of folded means: the sum of
+// squares.
+double explained(const std::vector<double>& means, std::size_t first, bool with_hump) {
+  const std::size_t n = means.size();
+  std::array<double, 3> normal{};
+  Pair right;
+  for (std::size_t m = 1; m <= n; ++m) {
+    const double u = tooth(static_cast<double>(m), static_cast<double>(n)),
+                 h = hump(static_cast<double>(m), static_cast<double>(n)),
+                 value = means[(first + m) % n];
+    normal = {normal[0] + u * u, normal[1] + u * h, normal[2] + h * h};
+    right = {right.tooth + u * value, right.hump + h * value};
+  }
+  const Pair found = solved(normal, right, with_hump);
+  return found.tooth * right.tooth + found.hump * right.hump;
+}
+
+double explained_by_sine(const std::vector<double>& means) {
+  const auto n = static_cast<double>(means.size());
+  double cosine = 0.0, sine = 0.0;
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    const double angle = 2.0 * pi * static_cast<double>(k) / n;
+    cosine += means[k] * std::cos(angle);
+    sine += means[k] * std::sin(angle);
+  }
+  return (cosine * cosine + sine * sine) * (means.size() == 2 ? 1.0 : 2.0) / n;
+}
+
+// Where pushes come: regular or one by one.
+std::vector<double> regular_pushes(std::size_t first, std::size_t n, double last) {
+  std::vector<double> at;
+  for (auto c = static_cast<double>(first) - static_cast<double>(n);
+       c <= last + static_cast<double>(n); c += static_cast<double>(n))
+    at.push_back(c);
+  return at;
+}
+
+// The shapes at one crossing.
+Pair shapes_at(const std::vector<double>& pushes, double cycle) {
+  const auto next = std::lower_bound(pushes.begin(), pushes.end(), cycle);
+  if (next == pushes.begin() || next == pushes.end()) return {};
+  const double from = *(next - 1), n = *next - from;
+  return {tooth(cycle - from, n), hump(cycle - from, n)};
+}
+
+// A mean and its standard deviation. Neighbouring cycles share the values that their slow part was
+// taken from, and what wanders moves both.
+ImpulseCycle::Estimate mean_of(const std::vector<double>& each) {
+  const auto count = static_cast<double>(each.size());
+  const double mean = std::accumulate(each.begin(), each.end(), 0.0) / count;
+  double squares = 0.0, neighbours = 0.0;
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    squares += std::pow(each[i] - mean, 2);
+    if (i > 0) neighbours += (each[i] - mean) * (each[i - 1] - mean);
+  }
+  const double all = std::max(squares + 2.0 * neighbours, 0.25 * squares);
+  return {mean, std::sqrt(all / (count - 1.0) / count)};
+}
+
+// Whether values keep their mean from one eighth of the log to the next: pushes that come at any
+// other interval slip, and their saw-tooth comes and goes.
+bool is_steady(const std::vector<double>& each, double mean) {
+  constexpr std::size_t parts = 8, least = 4; // cycles in a part
+  constexpr double least_p = 1e-4;
+  if (each.size() < parts * least) return true;
+  double chi2 = 0.0;
+  for (std::size_t k = 0; k < parts; ++k) {
+    const auto from = each.begin() + static_cast<std::ptrdiff_t>(k * each.size() / parts);
+    const auto to = each.begin() + static_cast<std::ptrdiff_t>((k + 1) * each.size() / parts);
+    const ImpulseCycle::Estimate part = mean_of({from, to});
+    chi2 += std::pow((part.value - mean) / part.sigma, 2);
+  }
+  // Each sigma is from a part alone: F, not chi^2.
+  const double within = static_cast<double>(each.size() - parts);
+  const boost::math::fisher_f f(parts - 1, within);
+  return boost::math::cdf(complement(f, chi2 / (parts - 1))) > least_p;
+}
+
+// Coefficients of the shapes with standard deviations from their scatter from cycle to cycle, which
+// knows whatever noise there is.
+struct Coefficients {
+  ImpulseCycle::Estimate tooth{0.0, 0.0}, hump{0.0, 0.0};
+  double cycles = 0.0;
+  bool steady = true;
+  // Of 2 log L, the scatter being found from the same cycles: few of them may look alike by chance.
+  [[nodiscard]] double gain(const ImpulseCycle::Estimate& e) const {
+    if (!(e.sigma > 0.0)) return 0.0;
+    return cycles * std::log1p(std::pow(e.value / e.sigma, 2) / (cycles - 1.0));
+  }
+};
+
+// `values` without their slow part; `shape_at(i, j)` gives the shapes at crossing i after push j.
+template <class Shape>
+std::optional<Coefficients> coefficients(const Grid& values, const std::vector<double>& pushes,
+                                         bool with_hump, Shape shape_at) {
+  std::vector<double> each_tooth, each_hump;
+  for (std::size_t j = 1; j < pushes.size(); ++j) {
+    if (pushes[j - 1] < -0.5 || pushes[j] > static_cast<double>(values.size()) - 1.0) continue;
+    std::array<double, 3> normal{};
+    Pair right;
+    const auto from = static_cast<std::size_t>(pushes[j - 1]) + 1,
+               to = static_cast<std::size_t>(pushes[j]);
+    for (std::size_t i = from; i <= to; ++i) {
+      const Pair shape = shape_at(i, j - 1);
+      normal = {normal[0] + shape.tooth * shape.tooth, normal[1] + shape.tooth * shape.hump,
+                normal[2] + shape.hump * shape.hump};
+      right = {right.tooth + shape.tooth * values[i], right.hump + shape.hump * values[i]};
+    }
+    if (!std::isfinite(right.tooth) || !(normal[0] > 0.0)) continue; // a beat is missing
+    const Pair found = solved(normal, right, with_hump);
+    each_tooth.push_back(found.tooth);
+    each_hump.push_back(found.hump);
+  }
+  if (each_tooth.size() < least_cycles) return {};
+  const ImpulseCycle::Estimate teeth = mean_of(each_tooth), humps = mean_of(each_hump);
+  return Coefficients{teeth, humps, static_cast<double>(each_tooth.size()),
+                      is_steady(each_tooth, teeth.value) &&
+                          (!with_hump || is_steady(each_hump, humps.value))};
+}
+
+// Of pushes once in n periods: their shapes have no slow part.
+std::optional<Coefficients> regular_coefficients(const Grid& values,
+                                                 const std::vector<double>& pushes, std::size_t n,
+                                                 bool with_hump) {
+  std::vector<Pair> shapes;
+  for (std::size_t m = 1; m <= n; ++m)
+    shapes.push_back({tooth(static_cast<double>(m), static_cast<double>(n)),
+                      hump(static_cast<double>(m), static_cast<double>(n))});
+  return coefficients(values, pushes, with_hump, [&](std::size_t i, std::size_t j) {
+    return shapes[i - static_cast<std::size_t>(pushes[j]) - 1];
+  });
+}
+
+std::optional<Coefficients> irregular_coefficients(const Grid& values,
+                                                   const std::vector<double>& pushes, std::size_t n,
+                                                   bool with_hump) {
+  Grid teeth(values.size()), humps(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Pair at = shapes_at(pushes, static_cast<double>(i));
+    teeth[i] = at.tooth;
+    humps[i] = at.hump;
+  }
+  const Grid u = less_moving_mean(teeth, n), h = less_moving_mean(humps, n);
+  return coefficients(less_moving_mean(values, n), pushes, with_hump,
+                      [&](std::size_t i, std::size_t) {
+                        return Pair{u[i], h[i]};
+                      });
+}
+
+// What is known of the data, cycle by cycle.
+struct Sight {
+  Grid late, amplitude; // the second empty where the log has none
+  double mean_amplitude = unknown;
+  double late_noise = 0.0, amplitude_noise = 0.0; // of one value
+};
+
+// Of one value, by second differences.
+double noise_of(const Grid& values) {
+  std::vector<double> bends;
+  for (std::size_t i = 2; i < values.size(); ++i)
+    if (const double bend = values[i] - 2.0 * values[i - 1] + values[i - 2]; std::isfinite(bend))
+      bends.push_back(bend);
+  return bends.empty() ? 0.0 : robust_sigma(bends) / std::sqrt(6.0);
+}
+
+// Pushes that may be, and how much of the squares of times and amplitudes they explain, in units of
+// their noise: what decides between one number of swings and another.
+struct Candidate {
+  ImpulseCycle pushes;
+  double squares = 0.0;
+};
+
+double squares_of(const Coefficients& found, double noise, const std::vector<double>& pushes,
+                  std::size_t length) {
+  if (!(noise > 0.0)) return 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < length; ++i) {
+    const Pair at = shapes_at(pushes, static_cast<double>(i));
+    sum += std::pow((found.tooth.value * at.tooth + found.hump.value * at.hump) / noise, 2);
+  }
+  return sum;
+}
+
+ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, double periods,
+                       const Coefficients& late, const std::optional<Coefficients>& swing,
+                       double price) {
+  ImpulseCycle found{periods, true, 0.0, *std::lower_bound(pushes.begin(), pushes.end(), 0.0)};
+  found.lateness = {late.hump.value * height_of_hump(periods),
+                    late.hump.sigma * height_of_hump(periods)};
+  found.kick = late.tooth;
+  found.gain = late.gain(late.hump) + late.gain(late.tooth) - price;
+  if (!swing) return found;
+  found.gain += swing->gain(swing->tooth);
+  found.amplitude_step = swing->tooth;
+  const double share = 0.5 / sight.mean_amplitude;
+  const double per_step = share / std::hypot(1.0, share * swing->tooth.value) / (pi * periods);
+  found.epsilon = {std::asinh(share * swing->tooth.value) / (pi * periods),
+                   per_step * swing->tooth.sigma};
+  return found;
+}
+
+// The best place for a push once in n periods. `sine` becomes what a sine of n periods explains, if
+// that is more than before: where it is more than any pushes do, something goes round.
+std::optional<Candidate> regular_candidate(const Sight& sight, std::size_t n, double price,
+                                           double& sine) {
+  const bool has_swing = !sight.amplitude.empty();
+  const Grid times = less_moving_mean(sight.late, n),
+             amplitudes = less_moving_mean(sight.amplitude, n);
+  const auto late = folded_means(times, n), swing = folded_means(amplitudes, n);
+  const bool with_hump = n > 2;
+  const auto in_noise = [&](double of_late, double of_swing) {
+    const auto cycles = static_cast<double>(sight.late.size() / n);
+    return cycles *
+           (of_late / (sight.late_noise * sight.late_noise) +
+            (has_swing ? of_swing / (sight.amplitude_noise * sight.amplitude_noise) : 0.0));
+  };
+  const auto score = [&](std::size_t first) {
+    return in_noise(explained(late, first, with_hump),
+                    has_swing ? explained(swing, first, false) : 0.0);
+  };
+  std::size_t best = 0;
+  for (std::size_t first = 1; first < n; ++first)
+    if (score(first) > score(best)) best = first;
+  constexpr std::size_t shapeless = 3; // periods: any pattern of so few is a sine
+  if (n > shapeless)
+    sine = std::max(sine,
+                    in_noise(explained_by_sine(late), has_swing ? explained_by_sine(swing) : 0.0));
+  const auto pushes = regular_pushes(best, n, static_cast<double>(sight.late.size()));
+  const auto of_times = regular_coefficients(times, pushes, n, with_hump);
+  const auto of_swings =
+      has_swing ? regular_coefficients(amplitudes, pushes, n, false) : std::nullopt;
+  if (!of_times || !of_times->steady) return {};
+  if (has_swing && (!of_swings || !of_swings->steady)) return {};
+  const double raised = has_swing ? of_swings->tooth.value : of_times->hump.value;
+  if (!(raised > 0.0)) return {}; // a weak tooth of a wheel, not a push
+  return Candidate{described(sight, pushes, static_cast<double>(n), *of_times, of_swings, price),
+                   score(best)};
+}
+
+// Pushes that each stand out of the amplitudes.
+std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
+  constexpr double least_height = 12.0; // sigma of a difference
+  const Grid& a = sight.amplitude;
+  std::vector<double> steps, known;
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    steps.push_back(a[i] - a[i - 1]);
+    if (std::isfinite(steps.back())) known.push_back(steps.back());
+  }
+  if (known.size() < longest_cycle) return {};
+  const double middle = median(known), sigma = robust_sigma(known);
+  std::vector<double> heights;
+  for (const double step : known)
+    if (step - middle > least_height * sigma) heights.push_back(step - middle);
+  if (heights.size() < least_cycles) return {};
+  const double threshold = 0.5 * median(heights);
+  std::vector<double> pushes;
+  std::size_t falls = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] - middle > threshold) pushes.push_back(static_cast<double>(i));
+    falls += middle - steps[i] > threshold ? 1 : 0;
+  }
+  if (20 * falls > pushes.size()) return {}; // what goes up and down is no push
+  const double periods = (pushes.back() - pushes.front()) / static_cast<double>(pushes.size() - 1);
+  std::vector<double> intervals;
+  for (std::size_t j = 1; j < pushes.size(); ++j)
+    intervals.push_back(pushes[j] - pushes[j - 1]);
+  constexpr double least_steady = 0.5; // intervals that vary more are knocks or a hand
+  if (periods < 2.0 || robust_sigma(intervals) > least_steady * periods) return {};
+  const auto n = static_cast<std::size_t>(std::lround(periods));
+  const auto times = irregular_coefficients(sight.late, pushes, n, true);
+  const auto swings = irregular_coefficients(sight.amplitude, pushes, n, false);
+  if (!times || !swings) return {};
+  Candidate found{described(sight, pushes, periods, *times, swings, price),
+                  squares_of(*times, sight.late_noise, pushes, sight.late.size()) +
+                      squares_of(*swings, sight.amplitude_noise, pushes, sight.amplitude.size())};
+  found.pushes.is_regular = false;
+  found.pushes.cycles = std::move(pushes);
+  return found;
+}
+
+std::vector<double> pushes_of(const ImpulseCycle& found, double last) {
+  if (!found.is_regular) return found.cycles;
+  return regular_pushes(static_cast<std::size_t>(found.first),
+                        static_cast<std::size_t>(found.periods), last);
+}
+
+} // namespace
+
+std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
+  Sight sight{on_cycles(data, data.lateness_s), {}, unknown};
+  if (sight.late.size() < least_cycles * 4) return {};
+  if (data.has_amplitude()) {
+    sight.amplitude = on_cycles(data, data.amplitude_rad);
+    std::vector<double> known;
+    for (const double a : sight.amplitude)
+      if (std::isfinite(a)) known.push_back(a);
+    if (known.empty())
+      sight.amplitude.clear();
+    else
+      sight.mean_amplitude = median(known);
+  }
+  sight.late_noise = noise_of(sight.late);
+  sight.amplitude_noise = noise_of(sight.amplitude);
+  const double places = 0.5 * static_cast<double>(longest_cycle * (longest_cycle + 1)) - 1.0;
+  const double price = 2.0 * std::log(places);
+  std::optional<Candidate> best;
+  double sine = 0.0;
+  const auto take = [&](std::optional<Candidate> candidate) {
+    if (candidate && candidate->pushes.gain > least_gain &&
+        (!best || candidate->squares > best->squares))
+      best = std::move(candidate);
+  };
+  for (std::size_t n = 2; n <= longest_cycle && n * least_cycles <= sight.late.size(); ++n)
+    take(regular_candidate(sight, n, price, sine));
+  if (!sight.amplitude.empty()) take(visible_pushes(sight, price));
+  if (!best || best->squares < sine) return {};
+  return std::move(best->pushes);
+}
+
+void level_impulses(const ImpulseCycle& found, TimingData& data) {
+  const auto pushes = pushes_of(found, data.cycle.back());
+  const double hump = found.lateness.value / height_of_hump(found.periods);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const Pair at = shapes_at(pushes, data.cycle[i]);
+    data.lateness_s[i] -= hump * at.hump + found.kick.value * at.tooth;
+    if (found.amplitude_step) data.amplitude_rad[i] -= found.amplitude_step->value * at.tooth;
+  }
+}
+
+} // namespace goingrate

@@ -1,0 +1,42 @@
+#include "impulse_words.hpp"
+
+#include "goingrate/report/tables.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+std::string how_often(const ImpulseCycle& pushes) {
+  if (pushes.is_regular) return fmt::format("once in {:.0f} swings", pushes.periods);
+  return fmt::format("about every {:.3g} swings, each time its amplitude has fallen to a limit",
+                     pushes.periods);
+}
+
+std::string quality_of(const ImpulseCycle& pushes) {
+  const double q = 0.5 / pushes.epsilon->value;
+  return with_sigma(q, q * pushes.epsilon->sigma / pushes.epsilon->value);
+}
+
+std::string impulse_text(const ImpulseCycle& pushes) {
+  std::string text =
+      fmt::format("  the pendulum is pushed {}; its saw-tooth was taken off, and what is fitted is "
+                  "the mean drive\n",
+                  how_often(pushes));
+  if (pushes.amplitude_step)
+    text += fmt::format(
+        "  a push raises the amplitude by {} µrad\n",
+        with_sigma(1e6 * pushes.amplitude_step->value, 1e6 * pushes.amplitude_step->sigma));
+  text +=
+      fmt::format("  half-way between two pushes the clock is {} µs late by the circular error, "
+                  "and a push makes it {} µs later by itself\n",
+                  with_sigma(1e6 * pushes.lateness.value, 1e6 * pushes.lateness.sigma),
+                  with_sigma(1e6 * pushes.kick.value, 1e6 * pushes.kick.sigma));
+  if (pushes.epsilon)
+    text +=
+        fmt::format("  if nothing else drives it: ε = {}, Q = {}\n",
+                    with_sigma(pushes.epsilon->value, pushes.epsilon->sigma), quality_of(pushes));
+  return text;
+}
+
+} // namespace goingrate

@@ -1,0 +1,19 @@
+// The pushes that keep a pendulum going, in words. Private to the report.
+#pragma once
+
+#include "goingrate/fit/impulse_cycle.hpp"
+
+#include <string>
+
+namespace goingrate {
+
+/// "once in 15 swings" or "about every 39.3 swings, when its amplitude has fallen to a limit".
+std::string how_often(const ImpulseCycle& pushes);
+
+/// The same as lines of a fit's text: how often, how much, what friction and Q they amount to.
+std::string impulse_text(const ImpulseCycle& pushes);
+
+/// Q of the friction that these pushes alone would balance: "20,010 ± 16".
+std::string quality_of(const ImpulseCycle& pushes);
+
+} // namespace goingrate
