@@ -1,10 +1,12 @@
 // goingrate map: stationary operation over friction and torque.
 #include "plot.hpp"
+#include "scenario.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/dynamics/rate_map.hpp"
 #include "goingrate/report/chart_report.hpp"
+#include "goingrate/report/error_budget_report.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -21,6 +23,8 @@ struct MapCommand {
   std::size_t points = 41;
   bool first_order = false;
   std::vector<std::string> solve;
+  ScenarioOptions under; // whose conditions an error is to be met
+  double after_days = 7.0;
   std::string output, json, plot;
 };
 
@@ -91,8 +95,32 @@ void solve(const MapCommand& options) {
        {table_output(options.output, options.json), operating_points_text(points, options.phi0)}});
 }
 
+// "error=2": what a clock must be to lose or gain less than that, in s.
+std::optional<double> asked_error(const std::vector<std::string>& words) {
+  constexpr std::string_view name = "error=";
+  if (words.size() != 1 || !words.front().starts_with(name)) return {};
+  return numbers_in("solve", words.front().substr(name.size())).front();
+}
+
+void solve_error(const MapCommand& options, double most_s) {
+  if (options.under.path.empty())
+    throw UsageError("--solve error=: give the conditions with --under SCENARIO");
+  const Scenario scenario = read_scenario(options.under).scenario;
+  const double after_s = options.after_days * 86400.0;
+  const ErrorBudget budget = error_budget(scenario, after_s);
+  const auto needed = requirements(scenario, most_s, after_s);
+  write_whole_files(
+      {{options.json, error_budget_json(budget, needed, most_s)},
+       {table_output(options.output, options.json), error_budget_text(budget, needed, most_s)}});
+}
+
 void run(const MapCommand& options) {
   check_ranges(options);
+  if (const auto most_s = asked_error(options.solve)) return solve_error(options, *most_s);
+  if (!options.under.path.empty())
+    throw UsageError("--under: it goes with --solve error=SECONDS");
+  if (options.solve.size() == 1)
+    throw UsageError("--solve: two of epsilon=, mu=, amplitude=, rate=, rate_excess=, or error=");
   if (!options.solve.empty()) return solve(options);
   const RateMap map = map_of(options);
   write_whole_files({{options.json, rate_map_json(map)},
@@ -118,13 +146,21 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
   auto* solve = command->add_option(
       "--solve", options->solve,
       "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
-      "rate_excess=");
-  offers(solve, {"epsilon=", "mu=", "amplitude=", "rate=", "rate_excess="})->expected(2);
+      "rate_excess=; or error= (s): what the clock of --under must be to stay below it");
+  offers(solve, {"epsilon=", "mu=", "amplitude=", "rate=", "rate_excess=", "error="})
+      ->expected(1, 2);
+  command->add_option("--under", options->under.path,
+                      "scenario: the clock and the conditions of --solve error=");
+  add_override_option(*command, options->under);
+  command->add_option("--after", options->after_days, "days in which that error builds up")
+      ->check(CLI::Range(1e-3, 1e5))
+      ->capture_default_str();
   command->add_option("-o,--output", options->output, "CSV; standard output if not given");
   add_json_option(*command, options->json);
   add_plot_option(*command, options->plot,
                   "the rate over friction for some torques, with the point of --solve");
-  command->footer("Example:\n  goingrate map --solve amplitude=0.05 rate=0");
+  command->footer("Examples:\n  goingrate map --solve amplitude=0.05 rate=0\n"
+                  "  goingrate map --solve error=2 --under clock.toml");
   command->callback([options, &global] {
     (void)global;
     run(*options);

@@ -22,8 +22,10 @@ struct PaperCommand {
 
 void run(const PaperCommand& options, const GlobalOptions& global) {
   const PaperResults results = [&] {
-    const StepLine now(global.quiet, "computing the paper's figures and numbers");
-    return recompute_paper(options.paper);
+    StepLine now(global.quiet, "computing the paper's figures and numbers");
+    PaperOptions paper = options.paper;
+    paper.now = [&](std::string_view what) { now(what); };
+    return recompute_paper(paper);
   }();
   Files files{{options.json, paper_json(results)}};
   if (!options.folder.empty()) {

@@ -3,6 +3,7 @@
 #include "gain_spread.hpp"
 #include "linear_rates.hpp"
 #include "rate_components.hpp"
+#include "time_error.hpp"
 
 #include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
@@ -89,24 +90,6 @@ RmsEstimate sum_of(const RmsEstimate& a, double share_a, const RmsEstimate& b, d
   const double up = std::hypot(share_a * (square(a.high68) - square(a.rms)),
                                share_b * (square(b.high68) - square(b.rms)));
   return {std::sqrt(middle), std::sqrt(std::max(0.0, middle - down)), std::sqrt(middle + up)};
-}
-
-// The rms time error after t of a rate with density S. Beyond ten turns in t, sin^2 is replaced by
-// its mean.
-template <class Density> double time_error(const Density& density, double t, double period_s) {
-  constexpr int steps = 3000;
-  const double first = 1e-4 / t, last = 0.5 / period_s;
-  const double ratio = std::pow(last / first, 1.0 / steps);
-  double sum = density(first) * t * t * first; // below the grid, sin x = x
-  double f = first * std::sqrt(ratio);
-  for (int i = 0; i < steps; ++i, f *= ratio) {
-    const double turns = f * t;
-    const double s = std::sin(std::numbers::pi * turns);
-    const double size = turns > 10.0 ? 0.5 : s * s;
-    const double width = f * (std::sqrt(ratio) - 1.0 / std::sqrt(ratio));
-    sum += density(f) * size / std::pow(std::numbers::pi * f, 2) * width;
-  }
-  return std::sqrt(sum);
 }
 
 double cost_of(const RateComponents& c, Component which, double t, double period_s,

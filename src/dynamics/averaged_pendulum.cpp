@@ -14,9 +14,8 @@ namespace goingrate {
 using std::numbers::pi;
 
 bool knows_second_order(const ClockParameters& clock) {
-  const bool linear = clock.quadratic_drag == 0.0 && clock.dry_friction == 0.0;
-  return clock.is_plain() ||
-         (linear && clock.gravity_share == 1.0 && clock.escapement == Escapement::single_impulse);
+  return clock.is_plain() || (clock.has_linear_friction() && clock.gravity_share == 1.0 &&
+                              clock.escapement == Escapement::single_impulse);
 }
 
 AveragedPendulum::AveragedPendulum(const ClockParameters& clock, double velocity,

@@ -34,8 +34,7 @@ double energy_of_period(const ClockParameters& clock, double lambda) {
 }
 
 std::optional<SawTooth> saw_tooth(const ClockParameters& clock) {
-  const bool linear = clock.quadratic_drag == 0.0 && clock.dry_friction == 0.0;
-  if (!clock.is_intermittent() || !linear || !(clock.epsilon > 0.0)) return {};
+  if (!clock.is_intermittent() || !clock.has_linear_friction() || !(clock.epsilon > 0.0)) return {};
   const auto mean = stationary_amplitude(clock);
   if (!mean) return {};
   const double lift = 2.0 * energy_of_period(clock, *mean);

@@ -162,7 +162,7 @@ bool is_steady(const std::vector<double>& each, double mean) {
     const auto from = each.begin() + static_cast<std::ptrdiff_t>(k * each.size() / parts);
     const auto to = each.begin() + static_cast<std::ptrdiff_t>((k + 1) * each.size() / parts);
     const ImpulseCycle::Estimate part = mean_of({from, to});
-    chi2 += std::pow((part.value - mean) / part.sigma, 2);
+    if (part.sigma > 0.0) chi2 += std::pow((part.value - mean) / part.sigma, 2);
   }
   // Each sigma is from a part alone: F, not chi^2.
   const double within = static_cast<double>(each.size() - parts);
@@ -341,9 +341,9 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
     if (std::isfinite(steps.back())) known.push_back(steps.back());
   }
   if (known.size() < longest_cycle) return {};
-  const double middle = median(known), sigma = robust_sigma(known);
+  const double middle = median(known), sigma = robust_sigma(known); // which changes `known`
   std::vector<double> heights;
-  for (const double step : known)
+  for (const double step : steps)
     if (step - middle > least_height * sigma) heights.push_back(step - middle);
   if (heights.size() < least_cycles) return {};
   const double threshold = 0.5 * median(heights);
@@ -354,10 +354,16 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
     falls += middle - steps[i] > threshold ? 1 : 0;
   }
   if (20 * falls > pushes.size()) return {}; // what goes up and down is no push
-  const double periods = (pushes.back() - pushes.front()) / static_cast<double>(pushes.size() - 1);
   std::vector<double> intervals;
   for (std::size_t j = 1; j < pushes.size(); ++j)
     intervals.push_back(pushes[j] - pushes[j - 1]);
+  const double usual = std::round(median(intervals));
+  const bool is_regular = std::all_of(intervals.begin(), intervals.end(), [&](double interval) {
+    return std::fmod(interval, usual) == 0.0; // some may not have been seen
+  });
+  if (is_regular && usual <= static_cast<double>(longest_cycle)) return {}; // sought as such
+  const double mean = (pushes.back() - pushes.front()) / static_cast<double>(intervals.size());
+  const double periods = is_regular ? usual : mean;
   constexpr double least_steady = 0.5; // intervals that vary more are knocks or a hand
   if (periods < 2.0 || robust_sigma(intervals) > least_steady * periods) return {};
   const auto n = static_cast<std::size_t>(std::lround(periods));
@@ -367,7 +373,7 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   Candidate found{described(sight, pushes, periods, *times, swings, price),
                   squares_of(*times, sight.late_noise, pushes, sight.late.size()) +
                       squares_of(*swings, sight.amplitude_noise, pushes, sight.amplitude.size())};
-  found.pushes.is_regular = false;
+  found.pushes.is_regular = is_regular;
   found.pushes.cycles = std::move(pushes);
   return found;
 }

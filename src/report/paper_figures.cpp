@@ -2,6 +2,7 @@
 
 #include "base/scaled_time.hpp"
 #include "goingrate/base/random.hpp"
+#include "goingrate/base/thread_clock.hpp"
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
 #include "goingrate/dynamics/stationary.hpp"
@@ -49,19 +50,6 @@ double gain_of(const Period& period, double T0) {
                        .value();
 }
 
-// By how much the noise changed the mean rate of a run.
-double gain_by_noise(const PaperOptions& options, std::uint64_t seed) {
-  ClockRun run(noisy_scenario(options, Method::map, noisy_drive(options, seed)), seed);
-  const double T0 = point_c().nominal_period_s;
-  double at_start = 0.0, last = 0.0;
-  while (const auto period = run.next()) {
-    last = gain_of(*period, T0);
-    if (period->cycle == options.periods / 10) at_start = last;
-  }
-  const double scaled = two_pi * 0.9 * static_cast<double>(options.periods);
-  return (last - at_start) / scaled - limit_cycle(point_c())->rate_excess;
-}
-
 double slope(const std::vector<double>& x, const std::vector<double>& y) {
   double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
   const auto n = static_cast<double>(x.size());
@@ -90,38 +78,65 @@ Scenario jump_scenario(std::int64_t periods, Method method) {
   return scenario;
 }
 
+namespace {
+
+constexpr std::int64_t plotted_every = 500; // as in the paper
+
+// psi - t at every 500th crossing, and the CPU time that took; `each` sees every period.
+template <class Each>
+std::vector<double> gains(const Scenario& scenario, const PaperOptions& options,
+                          std::string_view what, double& seconds, Each each) {
+  ClockRun run(scenario, 0);
+  std::vector<double> gained;
+  const double T0 = scenario.clock.nominal_period_s;
+  const std::int64_t told_every = std::max<std::int64_t>(*scenario.periods / 20, 1);
+  seconds = thread_seconds([&] {
+    while (const auto period = run.next()) {
+      each(*period);
+      if (period->cycle % plotted_every == 0) gained.push_back(gain_of(*period, T0));
+      if (options.now && period->cycle % told_every == 0)
+        options.now(fmt::format("{}: {:.0f} %", what,
+                                100.0 * static_cast<double>(period->cycle) /
+                                    static_cast<double>(*scenario.periods)));
+    }
+  });
+  return gained;
+}
+
+std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> less;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    less.push_back(a[i] - b[i]);
+  return less;
+}
+
+} // namespace
+
 NoisyRun noisy_run(const PaperOptions& options) {
   const auto factors = noisy_drive(options, options.seed);
-  ClockRun pendulum(noisy_scenario(options, Method::map, factors), 0);
-  ClockRun model(noisy_scenario(options, Method::averaged1, factors), 0);
-  const double T0 = point_c().nominal_period_s;
+  const auto nothing = [](const Period&) {};
   NoisyRun run;
-  constexpr std::int64_t every = 500; // as in the paper
-  double beyond = 0.0;                // phase by what eq. ce3 has beyond -lambda^2/16
-  while (const auto period = pendulum.next()) {
-    const auto modelled = model.next();
-    if (!modelled) break;
-    const double lambda = modelled->velocity;
-    beyond += two_pi * (circular_error(lambda) + lambda * lambda / 16.0);
-    if (period->cycle % every != 0) continue;
-    const double gained = gain_of(*period, T0);
-    run.periods.push_back(static_cast<double>(period->cycle));
-    run.gained.push_back(gained);
-    run.unsolved_in_full.push_back(gained - gain_of(*modelled, T0));
-    run.unsolved.push_back(run.unsolved_in_full.back() + beyond);
-  }
-  run.noisy_periods = 0.9 * static_cast<double>(options.periods);
+  run.by_rk4 = gains(noisy_scenario(options, Method::rk4, factors), options,
+                     "fig. quasistat by RK4, as the paper did", run.rk4_s, nothing);
+  run.gained = gains(noisy_scenario(options, Method::map, factors), options,
+                     "the same by the return map", run.map_s, nothing);
+  double beyond = 0.0; // phase by what eq. ce3 has beyond -lambda^2/16
+  std::vector<double> beyond_there;
+  const auto model =
+      gains(noisy_scenario(options, Method::averaged1, factors), options,
+            "the same by the averaged equations", run.model_s, [&](const Period& period) {
+              const double lambda = period.velocity;
+              beyond += two_pi * (circular_error(lambda) + lambda * lambda / 16.0);
+              if (period.cycle % plotted_every == 0) beyond_there.push_back(-beyond);
+            });
+  run.unsolved_in_full = difference(run.gained, model);
+  run.unsolved = difference(run.unsolved_in_full, beyond_there);
+  run.unsolved_by_rk4 = difference(difference(run.by_rk4, model), beyond_there);
+  for (std::size_t i = 0; i < run.unsolved_in_full.size(); ++i)
+    run.periods.push_back(static_cast<double>(plotted_every) * static_cast<double>(i + 1));
   run.secular = slope(run.periods, run.unsolved) / two_pi;
+  run.secular_by_rk4 = slope(run.periods, run.unsolved_by_rk4) / two_pi;
   run.secular_in_full = slope(run.periods, run.unsolved_in_full) / two_pi;
-  constexpr int runs = 16;
-  double sum = 0.0, sum2 = 0.0;
-  for (int k = 0; k < runs; ++k) {
-    const double gain = gain_by_noise(options, options.seed + 1 + static_cast<std::uint64_t>(k));
-    sum += gain / runs;
-    sum2 += gain * gain;
-  }
-  run.mean_gain = sum;
-  run.rms_gain = std::sqrt((sum2 - runs * sum * sum) / (runs - 1));
   return run;
 }
 
@@ -184,26 +199,44 @@ Figure rate_figure() {
   return figure;
 }
 
-// The angle between crossings as the eye sees it: lambda sin psi, the amplitude of each period.
+// The angle between two crossings by the equation of motion: classical Runge-Kutta in steps of a
+// hundredth of a period from the velocity that direct integration has at the first.
+void add_swing(const ClockParameters& clock, double velocity, double begin, Series& line) {
+  constexpr int steps = 100;
+  constexpr double h = two_pi / steps;
+  double angle = 0.0, speed = velocity, direction = 1.0;
+  const auto acceleration = [&](double phi, double w) {
+    return direction * clock.mu - 2.0 * clock.epsilon * w - std::sin(phi);
+  };
+  for (int k = 0; k < steps; ++k) {
+    line.x.push_back(begin + static_cast<double>(k) / steps);
+    line.y.push_back(angle);
+    const double a1 = acceleration(angle, speed), w2 = speed + 0.5 * h * a1;
+    const double a2 = acceleration(angle + 0.5 * h * speed, w2), w3 = speed + 0.5 * h * a2;
+    const double a3 = acceleration(angle + 0.5 * h * w2, w3), w4 = speed + h * a3;
+    const double a4 = acceleration(angle + h * w3, w4);
+    angle += h / 6.0 * (speed + 2.0 * (w2 + w3) + w4);
+    speed += h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4);
+    if (direction * angle >= clock.phi0) direction = -direction;
+  }
+}
+
 Figure zoom_figure() {
   Figure figure{"jump_zoom",
                 "The angle around the jump of the torque",
-                "From A to B at cycle 150: the eye sees nothing.",
+                "From A to B at cycle 150, by the equation of motion: the eye sees nothing.",
                 {"time", "nominal periods"},
                 {"angle", "rad"},
                 {}};
   Series line{Series::Style::line, "angle", {}, {}, {}, {}, blue};
   ClockRun run(jump_scenario(154, Method::direct), 0);
-  double begin = 0.0;
   const double T0 = point_a().nominal_period_s;
+  Period before = run.last();
   while (const auto period = run.next()) {
     if (period->cycle > 146)
-      for (int k = 0; k < 60; ++k) {
-        const double share = k / 60.0;
-        line.x.push_back((begin + share * period->period_s) / T0);
-        line.y.push_back(period->velocity * std::sin(two_pi * share));
-      }
-    begin = period->time_s.value();
+      add_swing(before.cycle < 150 ? point_a() : point_b(), before.velocity,
+                before.time_s.value() / T0, line);
+    before = *period;
   }
   figure.series = {std::move(line)};
   figure.markers = {{150.0, "jump"}};
@@ -248,13 +281,23 @@ std::vector<PaperFigure> jump_figures() {
        {Series::Style::line, "full equation", exact.time, exact.rate, {}, {}, blue},
        diamonds},
       {{150.0, "jump"}}};
+  // lambda^2 goes from that of A to that of B as exp(-2 eps t): eq. l2jump, t scaled.
+  Series jump{Series::Style::points, "theory, eq. l2jump", {}, {}, {}, {}, vermilion};
+  const double a2 = std::pow(*stationary_amplitude(point_a()), 2),
+               b2 = std::pow(*stationary_amplitude(point_b()), 2);
+  for (double t = 0.0; t < 1600.0; t += 100.0) {
+    const double gone = std::exp(-2.0 * point_a().epsilon * two_pi * std::max(0.0, t - 150.0));
+    jump.x.push_back(t);
+    jump.y.push_back(std::sqrt(b2 + (a2 - b2) * gone));
+  }
   Figure amplitude{
       "jump_amplitude",
       "The amplitude after a jump of the torque",
-      "It takes many small pushes to change the energy.",
+      "It takes many small pushes to change the energy. The full equation's amplitude is phi' at "
+      "the crossings, the theory's a cycle's mean.",
       {"time", "nominal periods"},
       {"amplitude", "rad"},
-      {{Series::Style::line, "full equation", exact.time, exact.amplitude, {}, {}, blue}},
+      {{Series::Style::line, "full equation", exact.time, exact.amplitude, {}, {}, blue}, jump},
       {{150.0, "jump"}}};
   return {{"jump_rate", std::move(rate)}, {"jump_amplitude", std::move(amplitude)}};
 }
@@ -265,15 +308,17 @@ std::vector<PaperFigure> figures(const NoisyRun& noisy) {
   std::vector<PaperFigure> all{{"rate", rate_figure()}, {"jump_zoom", zoom_figure()}};
   for (PaperFigure& figure : jump_figures())
     all.push_back(std::move(figure));
-  const double starts = 0.1 / 0.9 * noisy.noisy_periods;
-  all.push_back({"quasistat_gain",
-                 {"quasistat_gain",
-                  "Pendulum time less laboratory time at C",
-                  "The drive varies by 30 % from period to period right of the line.",
-                  {"time", "nominal periods"},
-                  {"psi_p - t", "rad"},
-                  {{Series::Style::line, "gain", noisy.periods, noisy.gained, {}, {}, blue}},
-                  {{starts, "noise begins"}}}});
+  const double starts = 0.1 * noisy.periods.back();
+  all.push_back(
+      {"quasistat_gain",
+       {"quasistat_gain",
+        "Pendulum time less laboratory time at C",
+        "The drive varies by 30 % from period to period right of the line.",
+        {"time", "nominal periods"},
+        {"psi_p - t", "rad"},
+        {{Series::Style::line, "RK4, dt = 0.03", noisy.periods, noisy.by_rk4, {}, {}, green},
+         {Series::Style::line, "return map", noisy.periods, noisy.gained, {}, {}, blue}},
+        {{starts, "noise begins"}}}});
   all.push_back(
       {"quasistat_model",
        {"quasistat_model",
@@ -281,7 +326,14 @@ std::vector<PaperFigure> figures(const NoisyRun& noisy) {
         "What first order lacks adds up steadily; the noise is followed.",
         {"time", "nominal periods"},
         {"psi_p - psi_m", "rad"},
-        {{Series::Style::line, "eq. dotpsi4", noisy.periods, noisy.unsolved, {}, {}, blue},
+        {{Series::Style::line,
+          "RK4 less eq. dotpsi4",
+          noisy.periods,
+          noisy.unsolved_by_rk4,
+          {},
+          {},
+          green},
+         {Series::Style::line, "eq. dotpsi4", noisy.periods, noisy.unsolved, {}, {}, blue},
          {Series::Style::line,
           "with the circular error of eq. ce3",
           noisy.periods,

@@ -55,12 +55,16 @@ struct ClockParameters {
   [[nodiscard]] double acting_torque() const {
     return escapement == Escapement::constant_torque ? mu : 0.0;
   }
+  /// Whether friction has no other term.
+  [[nodiscard]] bool has_linear_friction() const {
+    return quadratic_drag == 0.0 && dry_friction == 0.0;
+  }
   /// Whether the escapement rests in some periods.
   [[nodiscard]] bool is_intermittent() const { return every > 1 || below > 0.0; }
   /// Whether, while the escapement acts, the laws are those of the paper's main text, which the
   /// fast methods know: linear friction, gravity, an escapement of constant torque or none.
   [[nodiscard]] bool is_plain() const {
-    return quadratic_drag == 0.0 && dry_friction == 0.0 && gravity_share == 1.0 &&
+    return has_linear_friction() && gravity_share == 1.0 &&
            (escapement == Escapement::constant_torque || escapement == Escapement::none);
   }
   friend bool operator==(const ClockParameters&, const ClockParameters&) = default;

@@ -1,0 +1,19 @@
+// What a clock loses or gains under given conditions, and what it must be for less, as text and JSON.
+#pragma once
+
+#include "goingrate/drive/error_budget.hpp"
+
+#include <string>
+#include <vector>
+
+namespace goingrate {
+
+/// The parts of the error, and for each quantity its value and its limit.
+std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requirement>& needed,
+                              double most_s);
+/// {"after_s", "most_s", "error_s", "parts": [{cause, key, size, rms_s}], "requirements": [{key,
+/// present, limit}]}; a limit that there is none of is null.
+std::string error_budget_json(const ErrorBudget& budget, const std::vector<Requirement>& needed,
+                              double most_s);
+
+} // namespace goingrate

@@ -1,0 +1,182 @@
+#include "goingrate/drive/error_budget.hpp"
+
+#include "rate_components.hpp"
+#include "time_error.hpp"
+
+#include "base/scaled_time.hpp"
+#include "goingrate/base/errors.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
+#include "goingrate/dynamics/stationary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace goingrate {
+
+using std::numbers::pi;
+
+namespace {
+
+DriveResponse response_of(const ClockParameters& clock) {
+  const auto response = drive_response(with_drive_divided(clock, static_cast<double>(clock.every)));
+  if (clock.below > 0.0 || !response)
+    throw ArgumentError("clock", name_of(clock.escapement),
+                        "a clock of constant torque with linear friction, under gravity, that does "
+                        "not stall: only its rate answers to the drive as a formula says");
+  return *response;
+}
+
+// At the worst moment, rms over the phase.
+double error_of_sine(double rate, double period_s, double after_s) {
+  const double turns = std::min(0.5, after_s / period_s);
+  return std::abs(rate) * period_s / (std::numbers::sqrt2 * pi) * std::sin(pi * turns);
+}
+
+// The part of sines of something, `rate_of` giving the rate's amplitude.
+template <class Sines, class Rate>
+void add_sines(const Sines& sines, const char* cause, const char* key, double after_s, Rate rate_of,
+               std::vector<ErrorPart>& parts) {
+  double size2 = 0.0, error2 = 0.0;
+  for (const auto& sine : sines) {
+    size2 += sine.amplitude * sine.amplitude;
+    error2 += std::pow(error_of_sine(rate_of(sine), sine.period_s, after_s), 2);
+  }
+  if (error2 > 0.0) parts.push_back({cause, key, std::sqrt(size2), std::sqrt(error2)});
+}
+
+void add_drive(const Scenario& scenario, double after_s, std::vector<ErrorPart>& parts) {
+  const DriveVariability& drive = scenario.drive;
+  if (drive.series)
+    throw ArgumentError("drive.series", "a series",
+                        "rms values and sines: what a series will do next nobody knows");
+  const DriveResponse response = response_of(scenario.clock);
+  // An escapement that rests takes the factor of one period in N, of N times the drive.
+  const auto rests = static_cast<double>(scenario.clock.every);
+  timing_model::RateComponents components;
+  components.fast2 = drive.fast_rms * drive.fast_rms * rests;
+  components.slow2 = drive.slow_rms * drive.slow_rms;
+  components.memory_s = drive.slow_time_s;
+  const double period_s = scenario.clock.nominal_period_s;
+  const auto error = [&](auto density) { return time_error(density, after_s, period_s); };
+  if (drive.fast_rms > 0.0)
+    parts.push_back(
+        {"the drive from swing to swing", "drive.fast_rms", drive.fast_rms,
+         error([&](double f) { return components.fast_density(f, period_s, response); })});
+  if (drive.slow_rms > 0.0)
+    parts.push_back(
+        {"the drive as it wanders", "drive.slow_rms", drive.slow_rms,
+         error([&](double f) { return components.slow_density(f, period_s, response); })});
+  add_sines(
+      drive.sines, "the drive as it comes round", "drive.sine", after_s,
+      [&](const auto& sine) { return sine.amplitude * std::abs(response.at(1.0 / sine.period_s)); },
+      parts);
+}
+
+void add_drift(double change_per_day, double rate_per_change, const char* cause, const char* key,
+               double size, double after_s, std::vector<ErrorPart>& parts) {
+  const double error =
+      0.5 * std::abs(change_per_day * rate_per_change) / seconds_per_day * after_s * after_s;
+  if (error > 0.0) parts.push_back({cause, key, size, error});
+}
+
+void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>& parts) {
+  const LengthChanges& length = scenario.length;
+  const double per_kelvin = 0.5 * length.temperature_coefficient;
+  std::vector<ErrorPart> warmth;
+  add_sines(
+      scenario.temperature.sines, "", "", after_s,
+      [&](const auto& sine) { return per_kelvin * sine.amplitude; }, warmth);
+  add_drift(scenario.temperature.drift_per_day, per_kelvin, "", "", 0.0, after_s, warmth);
+  double error2 = 0.0;
+  for (const ErrorPart& part : warmth)
+    error2 += part.rms_s * part.rms_s;
+  if (error2 > 0.0)
+    parts.push_back({"the temperature, by the length", "length.temperature_coefficient",
+                     std::abs(length.temperature_coefficient), std::sqrt(error2)});
+  add_sines(
+      length.sines, "the length as it comes round", "length.sine", after_s,
+      [](const auto& sine) { return 0.5 * sine.amplitude; }, parts);
+  add_drift(length.drift_per_day, 0.5, "the length as it drifts", "length.drift_per_day",
+            std::abs(length.drift_per_day), after_s, parts);
+}
+
+// The value nearest to `present`, by factors, between `low` and `high` from which on `error` is
+// below `most`; if it is at present, that from which on it is no longer.
+std::optional<double> nearest_limit(const std::function<double(double)>& error, double present,
+                                    double most, double low, double high) {
+  constexpr double step = 1.02;
+  const bool holds = error(present) <= most;
+  const auto changes = [&](double value) { return (error(value) <= most) != holds; };
+  double up = present, down = present;
+  while (up < high || down > low) {
+    for (double* side : {&up, &down}) {
+      const double before = *side;
+      const double next =
+          side == &up ? std::min(before * step, high) : std::max(before / step, low);
+      if (next == before) continue;
+      *side = next;
+      if (!changes(next)) continue;
+      double inside = before, outside = next;
+      for (int i = 0; i < 20; ++i) { // 2 % halved 20 times
+        const double middle = std::sqrt(inside * outside);
+        (changes(middle) ? outside : inside) = middle;
+      }
+      return holds ? inside : outside;
+    }
+  }
+  return {};
+}
+
+} // namespace
+
+double ErrorBudget::all_s() const {
+  double sum = 0.0;
+  for (const ErrorPart& part : parts)
+    sum += part.rms_s * part.rms_s;
+  return std::sqrt(sum);
+}
+
+ErrorBudget error_budget(const Scenario& scenario, double after_s) {
+  check(scenario.clock);
+  if (!(after_s > 0.0 && std::isfinite(after_s)))
+    throw ArgumentError("after", after_s, "a positive number of seconds");
+  ErrorBudget budget{after_s, {}};
+  add_drive(scenario, after_s, budget.parts);
+  add_length(scenario, after_s, budget.parts);
+  return budget;
+}
+
+std::vector<Requirement> requirements(const Scenario& scenario, double most_s, double after_s) {
+  if (!(most_s > 0.0)) throw ArgumentError("error", most_s, "a positive number of seconds");
+  const ErrorBudget budget = error_budget(scenario, after_s);
+  const double all2 = budget.all_s() * budget.all_s();
+  const auto changed = [&](double friction, double drive) {
+    Scenario other = scenario;
+    other.clock.epsilon *= friction;
+    other.clock.mu *= drive;
+    return error_budget(other, after_s).all_s();
+  };
+  const double epsilon = scenario.clock.epsilon;
+  const double amplitude = *stationary_amplitude(scenario.clock);
+  // An amplitude just above phi0 has no linear response to speak of.
+  const double least = 1.02 * scenario.clock.phi0, most = 0.5;
+  std::vector<Requirement> all;
+  all.push_back({"clock.epsilon", epsilon,
+                 nearest_limit([&](double e) { return changed(e / epsilon, e / epsilon); }, epsilon,
+                               most_s, 1e-7, 1e-2)});
+  all.push_back(
+      {"amplitude", amplitude,
+       nearest_limit([&](double a) { return changed(1.0, std::pow(a / amplitude, 2)); }, amplitude,
+                     most_s, std::min(least, amplitude), std::max(most, amplitude))});
+  for (const ErrorPart& part : budget.parts) {
+    const double others2 = all2 - part.rms_s * part.rms_s, room2 = most_s * most_s - others2;
+    all.push_back(
+        {part.key, part.size,
+         room2 > 0.0 ? std::optional(part.size * std::sqrt(room2) / part.rms_s) : std::nullopt});
+  }
+  return all;
+}
+
+} // namespace goingrate

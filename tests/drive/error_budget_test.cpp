@@ -1,0 +1,107 @@
+#include "goingrate/drive/error_budget.hpp"
+
+#include "goingrate/base/errors.hpp"
+#include "goingrate/dynamics/ensemble.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <vector>
+
+namespace goingrate {
+namespace {
+
+constexpr double day = 86400.0;
+
+Scenario clock_that_varies() {
+  Scenario scenario;
+  scenario.clock = {.epsilon = 2.5e-4, .mu = 3.7e-5, .phi0 = 0.03};
+  scenario.periods = 20'000;
+  scenario.method.method = Method::map;
+  scenario.drive.fast_rms = 0.1;
+  return scenario;
+}
+
+// The rms over simulated clocks of how far each is from the mean of all.
+double simulated_error(const Scenario& scenario) {
+  constexpr std::size_t clocks = 300;
+  double sum = 0.0, sum2 = 0.0;
+  for (const Period& last : final_periods(scenario, {.seed = 77, .realisations = clocks})) {
+    const double off =
+        last.time_s.value() - 2.0 * static_cast<double>(*scenario.periods);
+    sum += off;
+    sum2 += off * off;
+  }
+  return std::sqrt((sum2 - sum * sum / clocks) / (clocks - 1.0));
+}
+
+TEST(ErrorBudgetTest, AgreesWithSimulatedClocks) {
+  // The rms of 300 is known to 4 %: three standard deviations.
+  constexpr double tolerance = 0.12;
+  Scenario fast = clock_that_varies();
+  EXPECT_NEAR(simulated_error(fast) / error_budget(fast, 40'000.0).all_s(), 1.0, tolerance);
+  Scenario slow = clock_that_varies();
+  slow.drive.fast_rms = 0.0;
+  slow.drive.slow_rms = 0.02;
+  slow.drive.slow_time_s = 1500.0;
+  EXPECT_NEAR(simulated_error(slow) / error_budget(slow, 40'000.0).all_s(), 1.0, tolerance);
+}
+
+TEST(ErrorBudgetTest, AnEscapementThatRestsRepaysItsNoise) {
+  Scenario seldom = clock_that_varies();
+  seldom.clock.mu *= 10.0;
+  seldom.clock.every = 10;
+  EXPECT_NEAR(simulated_error(seldom) / error_budget(seldom, 40'000.0).all_s(), 1.0, 0.12);
+}
+
+TEST(ErrorBudgetTest, SinesAndDriftsAreWhatTheySay) {
+  Scenario scenario = clock_that_varies();
+  scenario.drive = {};
+  scenario.length.temperature_coefficient = 1.2e-5;
+  scenario.temperature.sines = {{2.0, day}};
+  // Half a turn of a rate of 12 ppm: 12e-6 86400/(sqrt 2 pi).
+  EXPECT_NEAR(error_budget(scenario, 7.0 * day).all_s(), 1.2e-5 * day / (std::sqrt(2.0) * M_PI),
+              1e-12);
+  scenario.temperature = {};
+  scenario.length = {};
+  scenario.length.drift_per_day = 1e-6;
+  EXPECT_NEAR(error_budget(scenario, 7.0 * day).all_s(), 0.5 * 0.5e-6 * 49.0 * day, 1e-9);
+}
+
+TEST(ErrorBudgetTest, LimitsKeepTheError) {
+  Scenario scenario = clock_that_varies();
+  scenario.drive.slow_rms = 0.02;
+  scenario.drive.slow_time_s = 3600.0;
+  const double week = 7.0 * day, now = error_budget(scenario, week).all_s();
+  for (const double most : {0.7 * now, 1.4 * now})
+    for (const Requirement& one : requirements(scenario, most, week)) {
+      if (!one.limit) continue;
+      Scenario other = scenario;
+      const double share = *one.limit / one.present;
+      if (one.key == "clock.epsilon") {
+        other.clock.epsilon *= share;
+        other.clock.mu *= share;
+      } else if (one.key == "amplitude") {
+        other.clock.mu *= share * share;
+      } else if (one.key == "drive.fast_rms") {
+        other.drive.fast_rms *= share;
+      } else {
+        other.drive.slow_rms *= share;
+      }
+      EXPECT_NEAR(error_budget(other, week).all_s() / most, 1.0, 1e-3) << one.key << ' ' << most;
+    }
+}
+
+TEST(ErrorBudgetTest, WhatHasNoLinearResponseIsRefused) {
+  Scenario scenario = clock_that_varies();
+  scenario.clock.mu = 0.0;
+  EXPECT_THROW((void)error_budget(scenario, day), ArgumentError);
+  scenario = clock_that_varies();
+  scenario.drive = {};
+  scenario.drive.series = std::make_shared<const std::vector<double>>(3, 1.0);
+  EXPECT_THROW((void)error_budget(scenario, day), ArgumentError);
+  EXPECT_THROW((void)error_budget(clock_that_varies(), 0.0), ArgumentError);
+  EXPECT_THROW((void)requirements(clock_that_varies(), 0.0, day), ArgumentError);
+}
+
+} // namespace
+} // namespace goingrate
