@@ -6,11 +6,13 @@
 #include "base/scaled_time.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/dynamics/intermittent.hpp"
+#include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 namespace goingrate {
@@ -19,13 +21,38 @@ using std::numbers::pi;
 
 namespace {
 
+// In first order, for any law: rate = -s lambda^2/16 - f b/lambda, lambda' = f a - friction, f
+// being the drive's factor.
 DriveResponse response_of(const ClockParameters& clock) {
-  const auto response = drive_response(with_drive_divided(clock, static_cast<double>(clock.every)));
-  if (clock.below > 0.0 || !response)
+  const ClockParameters mean = with_drive_divided(clock, static_cast<double>(clock.every));
+  const auto lambda = stationary_amplitude(mean);
+  if (clock.below > 0.0 || !lambda)
     throw ArgumentError("clock", name_of(clock.escapement),
-                        "a clock of constant torque with linear friction, under gravity, that does "
-                        "not stall: only its rate answers to the drive as a formula says");
-  return *response;
+                        "a clock that has a stationary swing and does not wait for it to fall");
+  const auto growth = [&](double at) {
+    return drive_moments(mean, at).a - friction_moment(mean, at);
+  };
+  const auto rate = [&](double at) {
+    return -mean.gravity_share * at * at / 16.0 - drive_moments(mean, at).b / at;
+  };
+  const double step = 1e-5 * *lambda; // of central differences: 1e-10 of themselves
+  const auto slope = [&](const auto& of) {
+    return (of(*lambda + step) - of(*lambda - step)) / (2.0 * step);
+  };
+  const double relaxation = -slope(growth);
+  DriveResponse response;
+  response.fast_gain = -drive_moments(mean, *lambda).b / *lambda;
+  response.slow_gain =
+      response.fast_gain + slope(rate) * drive_moments(mean, *lambda).a / relaxation;
+  response.corner_hz = relaxation / clock.nominal_period_s;
+  return response;
+}
+
+// The clock with its drive times a factor.
+ClockParameters driven(const ClockParameters& clock, double factor) {
+  ClockParameters other = with_drive_divided(clock, 1.0 / factor);
+  other.every = clock.every;
+  return other;
 }
 
 // At the worst moment, rms over the phase.
@@ -154,22 +181,20 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
   const double all2 = budget.all_s() * budget.all_s();
   const auto changed = [&](double friction, double drive) {
     Scenario other = scenario;
+    other.clock = driven(scenario.clock, drive);
     other.clock.epsilon *= friction;
-    other.clock.mu *= drive;
+    if (!stationary_amplitude(other.clock)) return std::numeric_limits<double>::infinity();
     return error_budget(other, after_s).all_s();
   };
   const double epsilon = scenario.clock.epsilon;
-  const double amplitude = *stationary_amplitude(scenario.clock);
-  // An amplitude just above phi0 has no linear response to speak of.
-  const double least = 1.02 * scenario.clock.phi0, most = 0.5;
   std::vector<Requirement> all;
   all.push_back({"clock.epsilon", epsilon,
                  nearest_limit([&](double e) { return changed(e / epsilon, e / epsilon); }, epsilon,
                                most_s, 1e-7, 1e-2)});
-  all.push_back(
-      {"amplitude", amplitude,
-       nearest_limit([&](double a) { return changed(1.0, std::pow(a / amplitude, 2)); }, amplitude,
-                     most_s, std::min(least, amplitude), std::max(most, amplitude))});
+  // Of the amplitude by the drive: 100 times as much, or as little, is no clock any more.
+  auto drive = nearest_limit([&](double f) { return changed(1.0, f); }, 1.0, most_s, 0.01, 100.0);
+  if (drive) drive = stationary_amplitude(driven(scenario.clock, *drive));
+  all.push_back({"amplitude", *stationary_amplitude(scenario.clock), drive});
   for (const ErrorPart& part : budget.parts) {
     const double others2 = all2 - part.rms_s * part.rms_s, room2 = most_s * most_s - others2;
     all.push_back(

@@ -157,17 +157,23 @@ bool is_steady(const std::vector<double>& each, double mean) {
   constexpr std::size_t parts = 8, least = 4; // cycles in a part
   constexpr double least_p = 1e-4;
   if (each.size() < parts * least) return true;
-  double chi2 = 0.0;
+  double between = 0.0, within = 0.0;
   for (std::size_t k = 0; k < parts; ++k) {
-    const auto from = each.begin() + static_cast<std::ptrdiff_t>(k * each.size() / parts);
-    const auto to = each.begin() + static_cast<std::ptrdiff_t>((k + 1) * each.size() / parts);
-    const ImpulseCycle::Estimate part = mean_of({from, to});
-    if (part.sigma > 0.0) chi2 += std::pow((part.value - mean) / part.sigma, 2);
+    const std::size_t from = k * each.size() / parts, to = (k + 1) * each.size() / parts;
+    const auto count = static_cast<double>(to - from);
+    const double own = std::accumulate(each.begin() + static_cast<std::ptrdiff_t>(from),
+                                       each.begin() + static_cast<std::ptrdiff_t>(to), 0.0) /
+                       count;
+    between += count * (own - mean) * (own - mean);
+    for (std::size_t i = from; i < to; ++i)
+      within += (each[i] - own) * (each[i] - own);
   }
-  // Each sigma is from a part alone: F, not chi^2.
-  const double within = static_cast<double>(each.size() - parts);
-  const boost::math::fisher_f f(parts - 1, within);
-  return boost::math::cdf(complement(f, chi2 / (parts - 1))) > least_p;
+  const auto dof_between = static_cast<double>(parts - 1),
+             dof_within = static_cast<double>(each.size() - parts);
+  if (!(within > 0.0)) return true;
+  const double ratio = between / dof_between / (within / dof_within);
+  const boost::math::fisher_f f(dof_between, dof_within);
+  return boost::math::cdf(complement(f, ratio)) > least_p;
 }
 
 // Coefficients of the shapes with standard deviations from their scatter from cycle to cycle, which

@@ -26,8 +26,7 @@ double simulated_error(const Scenario& scenario) {
   constexpr std::size_t clocks = 300;
   double sum = 0.0, sum2 = 0.0;
   for (const Period& last : final_periods(scenario, {.seed = 77, .realisations = clocks})) {
-    const double off =
-        last.time_s.value() - 2.0 * static_cast<double>(*scenario.periods);
+    const double off = last.time_s.value() - 2.0 * static_cast<double>(*scenario.periods);
     sum += off;
     sum2 += off * off;
   }
@@ -51,6 +50,17 @@ TEST(ErrorBudgetTest, AnEscapementThatRestsRepaysItsNoise) {
   seldom.clock.mu *= 10.0;
   seldom.clock.every = 10;
   EXPECT_NEAR(simulated_error(seldom) / error_budget(seldom, 40'000.0).all_s(), 1.0, 0.12);
+}
+
+TEST(ErrorBudgetTest, OtherLawsAnswerByTheirOwnMoments) {
+  Scenario scenario = clock_that_varies();
+  scenario.clock = {.epsilon = 2.5e-4};
+  scenario.clock.escapement = Escapement::single_impulse;
+  scenario.clock.impulse = 2.0 * M_PI * 2.5e-4 * 0.04 * 0.04;
+  scenario.clock.impulse_angle = 0.01;
+  scenario.clock.gravity_share = 0.8;
+  scenario.clock.quadratic_drag = 2e-3;
+  EXPECT_NEAR(simulated_error(scenario) / error_budget(scenario, 40'000.0).all_s(), 1.0, 0.12);
 }
 
 TEST(ErrorBudgetTest, SinesAndDriftsAreWhatTheySay) {

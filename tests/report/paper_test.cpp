@@ -14,8 +14,14 @@ const PaperNumber& number(const PaperResults& results, const std::string& what) 
   throw std::runtime_error("no number " + what);
 }
 
+// Some seconds: once for all tests.
+const PaperResults& short_run() {
+  static const PaperResults results = recompute_paper({.periods = 20000});
+  return results;
+}
+
 TEST(PaperTest, NumbersAreThoseOfTheReferences) {
-  const PaperResults results = recompute_paper({.periods = 20000});
+  const PaperResults& results = short_run();
   EXPECT_NEAR(number(results, "gain at A").ours, 1.133264436573979e-4, 1e-14); // limit_cycle's own
   EXPECT_NEAR(number(results, "gain at B").ours, 1.960046634308295e-4, 1e-14);
   const PaperNumber& c = number(results, "gain at C without variability");
@@ -33,7 +39,7 @@ TEST(PaperTest, NumbersAreThoseOfTheReferences) {
 }
 
 TEST(PaperTest, TheBudgetAddsUp) {
-  const PaperResults results = recompute_paper({.periods = 10000});
+  const PaperResults& results = short_run();
   const auto& budget = results.budget;
   ASSERT_EQ(budget.size(), 11u);
   double sum = 0.0;
@@ -49,7 +55,7 @@ TEST(PaperTest, TheBudgetAddsUp) {
 }
 
 TEST(PaperTest, WordsAreMeasured) {
-  const PaperResults results = recompute_paper({.periods = 10000});
+  const PaperResults& results = short_run();
   // The square of the change, 46 ppm, and the 1e-11 of the amplitude's answer over it.
   EXPECT_NEAR(number(results, "change of the rate per relative change of length").ours, -0.5, 5e-5);
   // Second order is some 3e-8 at C.
@@ -64,7 +70,7 @@ TEST(PaperTest, WordsAreMeasured) {
 }
 
 TEST(PaperTest, EveryFigureHasItsData) {
-  const PaperResults results = recompute_paper({.periods = 20000});
+  const PaperResults& results = short_run();
   ASSERT_EQ(results.figures.size(), 6u);
   for (const PaperFigure& figure : results.figures)
     for (const Series& series : figure.figure.series) {

@@ -2,7 +2,7 @@
 // and what it would have to be for less.
 //
 // A clock that is regulated has no error but what varies. With H the response of the rate to the
-// drive (stationary.hpp), S the density of a part of the drive and t the time,
+// drive in first order (moments.hpp), S the density of a part of the drive and t the time,
 //   error^2 = int |H|^2 S sin^2(pi f t)/(pi f)^2 df;
 // a sine of the rate of amplitude r and period P makes r P/(sqrt 2 pi) at the worst moment, rms
 // over its phase, once t is above P/2; a rate that drifts by d a second makes d t^2/2.
@@ -33,8 +33,8 @@ struct ErrorBudget {
 
 /// The error that builds up in `after_s` (s, above 0). Linear in the conditions; the rms of 300
 /// simulated clocks is within its scatter of it (ErrorBudgetTest.AgreesWithSimulatedClocks). Throws
-/// ArgumentError for a clock that has no linear response: constant torque, linear friction and
-/// gravity are needed, and a stationary swing; a series of the drive is no condition either.
+/// ArgumentError for a clock that stalls, has no drive, or waits for its swing to fall (Hipp), and
+/// for a series of the drive, which says nothing of what comes next.
 ErrorBudget error_budget(const Scenario& scenario, double after_s);
 
 /// What one quantity would have to be, the rest being as it is, for the error to stay below a
