@@ -308,8 +308,8 @@ double weak_sigma(const Slot& slot, double centre) {
   switch (slot.coordinate) {
   case Coordinate::logarithm:
     return factor;
-  case Coordinate::stretch:
-    return 0.01;
+  case Coordinate::stretch: // of T0 a hundredth; a share of gravity may be anything
+    return slot.quantity == Quantity::T0 ? 0.01 : factor;
   case Coordinate::multiple:
     break;
   }

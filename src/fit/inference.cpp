@@ -124,6 +124,7 @@ double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<co
       if (other.quantity == slot.quantity) largest = std::max(largest, std::abs(other.value(x)));
     return largest_relative_sigma * largest / slot.scale;
   }
+  if (slot.quantity == Quantity::gravity_share) return largest_relative_sigma; // of all of gravity
   // T0 differs from the mean period by the rate excess. It counts as determined if its sigma is a
   // small part of that correction.
   const FinalClock clock = final_clock(problem.parameters, x);

@@ -24,8 +24,8 @@ mean_of() {
   "$goingrate" simulate "$here/clock.toml" --quiet --set clock.every="$1" \
     --set clock.impulse="$(awk "BEGIN { print $1 * $2 }")" --set clock.angle="$3" \
     -o /dev/null --truth "$here/truth.csv"
-  awk -F, -v n="$1" 'NR > 2 { s += $4 * $4; t = $2; k = $1 }
-    NR > 2 && $1 <= n { late[$1 % n] = $2 }
+  awk -F, -v n="$1" 'NR > 1 { s += $4 * $4; t = $2; k = $1 }
+    NR > 1 && $1 <= n { late[$1 % n] = $2 }
     END { period = t / k; for (m in late) { d = late[m] - period * (m == 0 ? n : m); if (d > most) most = d; if (d < least) least = d }
       printf "%.9f %.9f %.3f\n", (2 * k / t - 1) * 86400, sqrt(s / k), 1e6 * (most - least) }' "$here/truth.csv"
 }
@@ -44,15 +44,16 @@ gnuplot << END
 set terminal svg size 720,380 font "sans,13" background "white"
 set output "data/guide/pictures/rests.svg"
 set logscale x
+set xrange [0.9:135]
 set xtics (1, 2, 5, 15, 30, 60, 120)
 set xlabel "swings from one impulse to the next, at equal power"
 set ylabel "escapement error, s/day"
 set yrange [-3:0.2]
-set y2label "saw-tooth of the times, µs" textcolor rgb "#b04000"
+set y2label "saw-tooth of the times, ms" textcolor rgb "#b04000"
 set y2range [0:*]
 set y2tics textcolor rgb "#b04000"
 set ytics nomirror
-set key left bottom
+set key left center
 plot "$here/table" using 1:4 with linespoints pt 7 lc rgb "#1060a0" title "escapement error (left)", \
-     "$here/table" using 1:6 axes x1y2 with linespoints pt 5 lc rgb "#b04000" title "saw-tooth (right)"
+     "$here/table" using 1:(1e-3*\$6) axes x1y2 with linespoints pt 5 lc rgb "#b04000" title "saw-tooth (right)"
 END
