@@ -98,13 +98,19 @@ void solve(const MapCommand& options) {
 // "error=2": what a clock must be to lose or gain less than that, in s.
 std::optional<double> asked_error(const std::vector<std::string>& words) {
   constexpr std::string_view name = "error=";
-  if (words.size() != 1 || !words.front().starts_with(name)) return {};
-  return numbers_in("solve", words.front().substr(name.size())).front();
+  const bool asked = std::any_of(words.begin(), words.end(),
+                                 [&](const std::string& word) { return word.starts_with(name); });
+  if (!asked) return {};
+  if (words.size() != 1) throw UsageError("--solve error=: give it alone");
+  const auto numbers = numbers_in("solve", words.front().substr(name.size()));
+  if (numbers.size() != 1) throw UsageError("--solve error=: give one number of seconds");
+  return numbers.front();
 }
 
 void solve_error(const MapCommand& options, double most_s) {
   if (options.under.path.empty())
     throw UsageError("--solve error=: give the conditions with --under SCENARIO");
+  if (!options.plot.empty()) throw UsageError("--plot: not with --solve error=");
   const Scenario scenario = read_scenario(options.under).scenario;
   const double after_s = options.after_days * 86400.0;
   const ErrorBudget budget = error_budget(scenario, after_s);
@@ -117,8 +123,7 @@ void solve_error(const MapCommand& options, double most_s) {
 void run(const MapCommand& options) {
   check_ranges(options);
   if (const auto most_s = asked_error(options.solve)) return solve_error(options, *most_s);
-  if (!options.under.path.empty())
-    throw UsageError("--under: it goes with --solve error=SECONDS");
+  if (!options.under.path.empty()) throw UsageError("--under: it goes with --solve error=SECONDS");
   if (options.solve.size() == 1)
     throw UsageError("--solve: two of epsilon=, mu=, amplitude=, rate=, rate_excess=, or error=");
   if (!options.solve.empty()) return solve(options);
@@ -159,8 +164,7 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
   add_json_option(*command, options->json);
   add_plot_option(*command, options->plot,
                   "the rate over friction for some torques, with the point of --solve");
-  command->footer("Examples:\n  goingrate map --solve amplitude=0.05 rate=0\n"
-                  "  goingrate map --solve error=2 --under clock.toml");
+  command->footer("Example:\n  goingrate map --solve amplitude=0.05 rate=0");
   command->callback([options, &global] {
     (void)global;
     run(*options);

@@ -52,11 +52,13 @@ CLI::Option* option_named(CLI::App& program, CLI::App& command, const std::strin
 struct Position {
   CLI::App* command;
   CLI::Option* waiting = nullptr;
-  int values_missing = 0;
+  int values_missing = 0; // of them at least `values_needed`
+  int values_needed = 0;
 };
 
 void pass(CLI::App& program, Position& at, const std::string& word) {
-  if (at.values_missing > 0) {
+  if (at.values_missing > 0 && (at.values_needed > 0 || !word.starts_with('-'))) {
+    --at.values_needed;
     if (--at.values_missing == 0) at.waiting = nullptr;
     return;
   }
@@ -70,7 +72,10 @@ void pass(CLI::App& program, Position& at, const std::string& word) {
   CLI::Option* option = option_named(program, *at.command, word);
   if (option == nullptr || option->get_items_expected_max() == 0) return;
   at.waiting = option;
-  at.values_missing = option->get_items_expected_min();
+  constexpr int few = 10; // a list without an end is not waited for
+  at.values_needed = option->get_items_expected_min();
+  at.values_missing =
+      option->get_items_expected_max() < few ? option->get_items_expected_max() : at.values_needed;
 }
 
 // The words of `all` that begin with `begun`, each with `kept` put in front.

@@ -272,6 +272,11 @@ std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const 
   const double turn_s = periods * times.reference_period_s;
   const double resolution = turn_s / times.elapsed_s.back();
   std::erase_if(lines, [&](const SpectralLine& line) {
+    // Of pushes that wait for the amplitude, 39 swings apart or 40, the pattern of the two comes round
+    // as well.
+    constexpr double longest_pattern = 20.0; // intervals
+    if (!times.impulses->is_regular && line.frequency_hz * turn_s * longest_pattern > 1.0)
+      return true;
     for (const double j : {0.0, 1.0, 2.0, 3.0})
       for (const double sign : {1.0, -1.0}) {
         const double turns = std::abs(line.frequency_hz * turn_s + sign * j * periods);

@@ -121,7 +121,8 @@ TimingData fit_data(const NumberedLog& loaded) {
     add("density", "m^3/kg",
         air_density(columns.temperature_c, columns.pressure_mbar, columns.humidity_percent));
   put_interpolation(loaded.log, data.terms);
-  data.impulses = find_impulse_cycle(data);
+  const bool swings = data.no_swings.empty() && data.reference_period_s <= longest_swing_s;
+  if (swings) data.impulses = find_impulse_cycle(data);
   if (data.impulses) level_impulses(*data.impulses, data);
   return data;
 }

@@ -39,6 +39,7 @@ double velocity_of_turning_angle(double gravity_share, double angle) {
 
 double turning_angle_of_velocity(double gravity_share, double velocity) {
   if (gravity_share == 1.0) return 2.0 * std::asin(0.5 * velocity);
+  if (velocity == 0.0) return 0.0;
   if (!(velocity <= top_velocity(gravity_share))) return std::numeric_limits<double>::quiet_NaN();
   // Newton on v(A), kept between 0 and the top; v is concave or nearly straight, so it closes in at
   // once.
@@ -66,8 +67,8 @@ void check_velocity(const ClockParameters& clock, double velocity, std::string_v
   if (clock.gravity_share == 1.0)
     throw ArgumentError(name, velocity, "above 0 and below 2 (at 2 the pendulum turns over)");
   throw ArgumentError(name, velocity,
-                      fmt::format("above 0 and below {:.4g}, which carries this pendulum to the "
-                                  "top, or half a turn from the vertical",
+                      fmt::format("above 0 and below {:.4g} (there it would turn by 180 degrees, "
+                                  "or reach its top)",
                                   top));
 }
 

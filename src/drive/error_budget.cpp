@@ -26,9 +26,15 @@ namespace {
 DriveResponse response_of(const ClockParameters& clock) {
   const ClockParameters mean = with_drive_divided(clock, static_cast<double>(clock.every));
   const auto lambda = stationary_amplitude(mean);
-  if (clock.below > 0.0 || !lambda)
+  if (clock.below > 0.0)
+    throw ArgumentError(
+        "below", clock.below,
+        "0: the rate of a clock that waits for its swing to fall does not answer to "
+        "the drive as a formula says");
+  if (!lambda)
     throw ArgumentError("clock", name_of(clock.escapement),
-                        "a clock that has a stationary swing and does not wait for it to fall");
+                        "a clock with a stationary swing: this one stalls, or has no drive or no "
+                        "friction");
   const auto growth = [&](double at) {
     return drive_moments(mean, at).a - friction_moment(mean, at);
   };
@@ -137,6 +143,8 @@ std::optional<double> nearest_limit(const std::function<double(double)>& error, 
   const bool holds = error(present) <= most;
   const auto changes = [&](double value) { return (error(value) <= most) != holds; };
   double up = present, down = present;
+  low = std::min(low, present);
+  high = std::max(high, present);
   while (up < high || down > low) {
     for (double* side : {&up, &down}) {
       const double before = *side;
@@ -172,6 +180,8 @@ ErrorBudget error_budget(const Scenario& scenario, double after_s) {
   ErrorBudget budget{after_s, {}};
   add_drive(scenario, after_s, budget.parts);
   add_length(scenario, after_s, budget.parts);
+  constexpr double nothing_s = 1e-12; // a rounding error
+  std::erase_if(budget.parts, [](const ErrorPart& part) { return part.rms_s < nothing_s; });
   return budget;
 }
 
@@ -179,20 +189,30 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
   if (!(most_s > 0.0)) throw ArgumentError("error", most_s, "a positive number of seconds");
   const ErrorBudget budget = error_budget(scenario, after_s);
   const double all2 = budget.all_s() * budget.all_s();
-  const auto changed = [&](double friction, double drive) {
-    Scenario other = scenario;
-    other.clock = driven(scenario.clock, drive);
-    other.clock.epsilon *= friction;
-    if (!stationary_amplitude(other.clock)) return std::numeric_limits<double>::infinity();
-    return error_budget(other, after_s).all_s();
+  // A clock that would stall, or that no scenario may have, is no answer.
+  const auto changed = [&](double epsilon, double drive) {
+    try {
+      Scenario other = scenario;
+      other.clock = driven(scenario.clock, drive);
+      other.clock.epsilon = epsilon;
+      return error_budget(other, after_s).all_s();
+    } catch (const ArgumentError&) {
+      return std::numeric_limits<double>::infinity();
+    }
   };
   const double epsilon = scenario.clock.epsilon;
   std::vector<Requirement> all;
-  all.push_back({"clock.epsilon", epsilon,
-                 nearest_limit([&](double e) { return changed(e / epsilon, e / epsilon); }, epsilon,
-                               most_s, 1e-7, 1e-2)});
+  if (epsilon > 0.0) {
+    const double swing = *stationary_amplitude(scenario.clock),
+                 friction = friction_moment(scenario.clock, swing);
+    const auto kept = [&](double e) { // the swing, by a drive that makes up for the friction
+      return changed(e, 1.0 + (e - epsilon) * swing / friction);
+    };
+    all.push_back({"clock.epsilon", epsilon, nearest_limit(kept, epsilon, most_s, 1e-7, 1e-2)});
+  }
   // Of the amplitude by the drive: 100 times as much, or as little, is no clock any more.
-  auto drive = nearest_limit([&](double f) { return changed(1.0, f); }, 1.0, most_s, 0.01, 100.0);
+  auto drive =
+      nearest_limit([&](double f) { return changed(epsilon, f); }, 1.0, most_s, 0.01, 100.0);
   if (drive) drive = stationary_amplitude(driven(scenario.clock, *drive));
   all.push_back({"amplitude", *stationary_amplitude(scenario.clock), drive});
   for (const ErrorPart& part : budget.parts) {

@@ -41,6 +41,12 @@ std::optional<double> balanced_amplitude(const ClockParameters& clock) {
   return 0.5 * (low + top);
 }
 
+// Whether a push at the limit lifts the swing by more than friction takes in a period: the
+// escapement then rests in between.
+bool waits(const ClockParameters& clock) {
+  return drive_moments(clock, clock.below).a > friction_moment(clock, clock.below);
+}
+
 // The mean of an escapement that waits for the amplitude to fall, over the swings between two
 // impulses: lambda' = -friction(lambda) from lambda_+ down to the limit.
 double waiting_amplitude(const ClockParameters& clock) {
@@ -59,10 +65,11 @@ std::optional<double> stationary_amplitude(const ClockParameters& clock) {
   if (clock.every > 1)
     return stationary_amplitude(with_drive_divided(clock, static_cast<double>(clock.every)));
   if (clock.below > 0.0) {
+    if (!(drive_moments(clock, clock.below).a > 0.0)) return {}; // no push reaches so small a swing
+    if (waits(clock)) return waiting_amplitude(clock);
     ClockParameters always = clock;
     always.below = 0.0;
-    const auto reached = stationary_amplitude(always);
-    return reached && *reached > clock.below ? waiting_amplitude(clock) : reached;
+    return stationary_amplitude(always);
   }
   if (!clock.is_plain()) return balanced_amplitude(clock);
   const double mu = clock.acting_torque();
@@ -202,11 +209,11 @@ std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
 
 std::optional<double> stationary_start(const ClockParameters& clock, bool averaged) {
   if (clock.below > 0.0) {
+    if (!stationary_amplitude(clock)) return {};
+    if (waits(clock)) return velocity_of_turning_angle(clock.gravity_share, clock.below);
     ClockParameters always = clock;
     always.below = 0.0;
-    const double limit = velocity_of_turning_angle(clock.gravity_share, clock.below);
-    const auto reached = stationary_start(always, averaged);
-    return reached && *reached > limit ? limit : reached;
+    return stationary_start(always, averaged);
   }
   const auto mean = stationary_amplitude(clock);
   if (averaged && clock.every == 1) return mean;

@@ -29,8 +29,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 using Grid = std::vector<double>;
 
 Grid on_cycles(const TimingData& data, const std::vector<double>& values) {
-  const auto length =
-      std::min(most_periods, static_cast<std::size_t>(std::llround(data.cycle.back())) + 1);
+  const auto length = static_cast<std::size_t>(std::llround(data.cycle.back())) + 1;
   Grid grid(length, unknown);
   for (std::size_t i = 0; i < data.size(); ++i) {
     const auto at = static_cast<std::size_t>(std::llround(data.cycle[i]));
@@ -129,12 +128,19 @@ std::vector<double> regular_pushes(std::size_t first, std::size_t n, double last
   return at;
 }
 
-// The shapes at one crossing.
-Pair shapes_at(const std::vector<double>& pushes, double cycle) {
+// The shapes at one crossing. Before the first push and after the last the interval is a usual one.
+Pair shapes_at(const std::vector<double>& pushes, double periods, double cycle) {
   const auto next = std::lower_bound(pushes.begin(), pushes.end(), cycle);
-  if (next == pushes.begin() || next == pushes.end()) return {};
-  const double from = *(next - 1), n = *next - from;
-  return {tooth(cycle - from, n), hump(cycle - from, n)};
+  double n = periods, m = 0.0;
+  if (next == pushes.begin())
+    m = std::max(1.0, cycle - (pushes.front() - n));
+  else if (next == pushes.end())
+    m = std::min(n, cycle - pushes.back());
+  else {
+    n = *next - *(next - 1);
+    m = cycle - *(next - 1);
+  }
+  return {tooth(m, n), hump(m, n)};
 }
 
 // A mean and its standard deviation. Neighbouring cycles share the values that their slow part was
@@ -236,7 +242,7 @@ std::optional<Coefficients> irregular_coefficients(const Grid& values,
                                                    bool with_hump) {
   Grid teeth(values.size()), humps(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const Pair at = shapes_at(pushes, static_cast<double>(i));
+    const Pair at = shapes_at(pushes, static_cast<double>(n), static_cast<double>(i));
     teeth[i] = at.tooth;
     humps[i] = at.hump;
   }
@@ -260,7 +266,11 @@ double noise_of(const Grid& values) {
   for (std::size_t i = 2; i < values.size(); ++i)
     if (const double bend = values[i] - 2.0 * values[i - 1] + values[i - 2]; std::isfinite(bend))
       bends.push_back(bend);
-  return bends.empty() ? 0.0 : robust_sigma(bends) / std::sqrt(6.0);
+  if (bends.empty()) return 0.0;
+  const double rms = std::sqrt(std::inner_product(bends.begin(), bends.end(), bends.begin(), 0.0) /
+                               static_cast<double>(bends.size()));
+  const double robust = robust_sigma(bends); // 0 where most values are alike, as rounded ones are
+  return (robust > 0.0 ? robust : rms) / std::sqrt(6.0);
 }
 
 // Pushes that may be, and how much of the squares of times and amplitudes they explain, in units of
@@ -271,11 +281,11 @@ struct Candidate {
 };
 
 double squares_of(const Coefficients& found, double noise, const std::vector<double>& pushes,
-                  std::size_t length) {
+                  double periods, std::size_t length) {
   if (!(noise > 0.0)) return 0.0;
   double sum = 0.0;
   for (std::size_t i = 0; i < length; ++i) {
-    const Pair at = shapes_at(pushes, static_cast<double>(i));
+    const Pair at = shapes_at(pushes, periods, static_cast<double>(i));
     sum += std::pow((found.tooth.value * at.tooth + found.hump.value * at.hump) / noise, 2);
   }
   return sum;
@@ -310,9 +320,10 @@ std::optional<Candidate> regular_candidate(const Sight& sight, std::size_t n, do
   const bool with_hump = n > 2;
   const auto in_noise = [&](double of_late, double of_swing) {
     const auto cycles = static_cast<double>(sight.late.size() / n);
-    return cycles *
-           (of_late / (sight.late_noise * sight.late_noise) +
-            (has_swing ? of_swing / (sight.amplitude_noise * sight.amplitude_noise) : 0.0));
+    const auto over = [](double squares, double noise) {
+      return noise > 0.0 ? squares / (noise * noise) : 0.0;
+    };
+    return cycles * (over(of_late, sight.late_noise) + over(of_swing, sight.amplitude_noise));
   };
   const auto score = [&](std::size_t first) {
     return in_noise(explained(late, first, with_hump),
@@ -331,7 +342,9 @@ std::optional<Candidate> regular_candidate(const Sight& sight, std::size_t n, do
       has_swing ? regular_coefficients(amplitudes, pushes, n, false) : std::nullopt;
   if (!of_times || !of_times->steady) return {};
   if (has_swing && (!of_swings || !of_swings->steady)) return {};
-  const double raised = has_swing ? of_swings->tooth.value : of_times->hump.value;
+  const double raised = has_swing   ? of_swings->tooth.value
+                        : with_hump ? of_times->hump.value
+                                    : std::abs(of_times->tooth.value);
   if (!(raised > 0.0)) return {}; // a weak tooth of a wheel, not a push
   return Candidate{described(sight, pushes, static_cast<double>(n), *of_times, of_swings, price),
                    score(best)};
@@ -376,9 +389,10 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   const auto times = irregular_coefficients(sight.late, pushes, n, true);
   const auto swings = irregular_coefficients(sight.amplitude, pushes, n, false);
   if (!times || !swings) return {};
-  Candidate found{described(sight, pushes, periods, *times, swings, price),
-                  squares_of(*times, sight.late_noise, pushes, sight.late.size()) +
-                      squares_of(*swings, sight.amplitude_noise, pushes, sight.amplitude.size())};
+  Candidate found{
+      described(sight, pushes, periods, *times, swings, price),
+      squares_of(*times, sight.late_noise, pushes, periods, sight.late.size()) +
+          squares_of(*swings, sight.amplitude_noise, pushes, periods, sight.amplitude.size())};
   found.pushes.is_regular = is_regular;
   found.pushes.cycles = std::move(pushes);
   return found;
@@ -427,7 +441,7 @@ void level_impulses(const ImpulseCycle& found, TimingData& data) {
   const auto pushes = pushes_of(found, data.cycle.back());
   const double hump = found.lateness.value / height_of_hump(found.periods);
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const Pair at = shapes_at(pushes, data.cycle[i]);
+    const Pair at = shapes_at(pushes, found.periods, data.cycle[i]);
     data.lateness_s[i] -= hump * at.hump + found.kick.value * at.tooth;
     if (found.amplitude_step) data.amplitude_rad[i] -= found.amplitude_step->value * at.tooth;
   }

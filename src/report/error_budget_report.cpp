@@ -33,14 +33,16 @@ std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requi
   for (const ErrorPart& part : budget.parts)
     text += fmt::format("  {:<34} {:.3g} s\n", part.cause, part.rms_s);
   text += fmt::format("  {:<34} {:.3g} s\n", "all together", all);
-  text += fmt::format("It {} {:.3g} s. {}:\n", all <= most_s ? "is below" : "is above", most_s,
-                      all <= most_s ? "So far may one of these go, the rest being as it is"
-                                    : "For less, one of these, the rest being as it is");
+  text +=
+      fmt::format("It {} {:.3g} s. {}:\n", all <= most_s ? "is below" : "is above", most_s,
+                  all <= most_s ? "Any one of these may go as far as its limit, all else unchanged"
+                                : "To get below that, change one of these to its limit, all else "
+                                  "unchanged");
   text += fmt::format("  {:<52} {:<20} {}\n", "", "now", "limit");
   for (const Requirement& one : needed)
     text += fmt::format("  {:<52} {:<20} {}\n", named(one.key), value(one.key, one.present),
-                        one.limit ? value(one.key, *one.limit)
-                        : all <= most_s ? "any"
+                        one.limit       ? value(one.key, *one.limit)
+                        : all <= most_s ? "none found"
                                         : "not by this alone");
   return text;
 }
@@ -59,9 +61,10 @@ std::string error_budget_json(const ErrorBudget& budget, const std::vector<Requi
                              {"rms_s", json_number(part.rms_s)}});
   json["requirements"] = Json::array();
   for (const Requirement& one : needed)
-    json["requirements"].push_back({{"key", one.key},
-                                    {"present", json_number(one.present)},
-                                    {"limit", one.limit ? json_number(*one.limit) : Json(nullptr)}});
+    json["requirements"].push_back(
+        {{"key", one.key},
+         {"present", json_number(one.present)},
+         {"limit", one.limit ? json_number(*one.limit) : Json(nullptr)}});
   return json.dump(1) + '\n';
 }
 

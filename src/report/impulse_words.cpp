@@ -8,9 +8,10 @@
 namespace goingrate {
 
 std::string how_often(const ImpulseCycle& pushes) {
-  if (pushes.is_regular) return fmt::format("once in {:.0f} swings", pushes.periods);
-  return fmt::format("about every {:.3g} swings, each time its amplitude has fallen to a limit",
-                     pushes.periods);
+  if (pushes.is_regular) return fmt::format("once every {:.0f} swings", pushes.periods);
+  return fmt::format(
+      "about every {:.3g} swings, as if whenever its amplitude has fallen to a limit",
+      pushes.periods);
 }
 
 std::string quality_of(const ImpulseCycle& pushes) {
@@ -27,11 +28,14 @@ std::string impulse_text(const ImpulseCycle& pushes) {
     text += fmt::format(
         "  a push raises the amplitude by {} µrad\n",
         with_sigma(1e6 * pushes.amplitude_step->value, 1e6 * pushes.amplitude_step->sigma));
+  const auto microseconds = [](const ImpulseCycle::Estimate& e) {
+    return with_sigma(1e6 * std::abs(e.value), 1e6 * e.sigma);
+  };
   text +=
-      fmt::format("  half-way between two pushes the clock is {} µs late by the circular error, "
-                  "and a push makes it {} µs later by itself\n",
-                  with_sigma(1e6 * pushes.lateness.value, 1e6 * pushes.lateness.sigma),
-                  with_sigma(1e6 * pushes.kick.value, 1e6 * pushes.kick.sigma));
+      fmt::format("  half-way between two pushes the clock is {} µs {} by the circular error; each "
+                  "push by itself sets it {} µs {}\n",
+                  microseconds(pushes.lateness), pushes.lateness.value < 0.0 ? "ahead" : "late",
+                  microseconds(pushes.kick), pushes.kick.value < 0.0 ? "ahead" : "back");
   if (pushes.epsilon)
     text +=
         fmt::format("  if nothing else drives it: ε = {}, Q = {}\n",

@@ -7,7 +7,8 @@
 
 namespace goingrate {
 
-/// "once in 15 swings" or "about every 39.3 swings, when its amplitude has fallen to a limit".
+/// "once every 15 swings" or "about every 39.3 swings, as if whenever its amplitude has fallen to a
+/// limit".
 std::string how_often(const ImpulseCycle& pushes);
 
 /// The same as lines of a fit's text: how often, how much, what friction and Q they amount to.

@@ -73,7 +73,7 @@ void add_statements(std::vector<PaperNumber>& numbers) {
   impulse.impulse = 4.0 * c.mu * c.phi0; // the energy of C's torque in a period
   impulse.impulse_angle = 0.01;
   numbers.push_back({"rate with a single impulse of the same energy at 0.01 rad", "app. appblow",
-                     "-e/32 pi epsilon - epsilon tan psi1", first_order_rate(impulse),
+                     "-e/(32 pi epsilon) - epsilon tan psi1", first_order_rate(impulse),
                      exact_rate(impulse), "", "second order"});
   numbers.push_back({"rate with a single impulse that has C's moments", "sec. rateq", "that of C",
                      first_order_rate(c), rate_of_equal_impulse(), "",

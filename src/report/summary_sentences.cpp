@@ -307,9 +307,10 @@ std::string Sentences::pushes() const {
   std::string text = fmt::format("The pendulum is pushed {}", how_often(found));
   if (!found.epsilon) return text + ".";
   return text +
-         fmt::format(", and swings {} wider after it; if nothing else drives it, its Q is {}.",
-                     words_.angle(found.amplitude_step->value, found.amplitude_step->sigma),
-                     quality_of(found));
+         fmt::format(
+             "; each push widens the swing by {}, and if nothing else drives it, its Q is {}.",
+             words_.angle(found.amplitude_step->value, found.amplitude_step->sigma),
+             quality_of(found));
 }
 
 std::string Sentences::what_to_do() const {

@@ -3,6 +3,7 @@
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/simulated_logs.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -65,6 +66,20 @@ TEST(ImpulseCycleTest, AHippIsTakenOffPushByPush) {
   EXPECT_NEAR(data.impulses->periods, std::log1p(4e-5 / 9e-4) / (4.0 * std::numbers::pi * 5e-5),
               1.0);
   EXPECT_NEAR(data.impulses->epsilon->value, 5e-5, 4.0 * data.impulses->epsilon->sigma);
+  // The unfinished intervals at both ends are taken off too: no amplitude is far from the others.
+  const auto [low, high] =
+      std::minmax_element(data.amplitude_rad.begin(), data.amplitude_rad.end());
+  EXPECT_LT(*high - *low, 1.5e-4); // a push is 6.6e-4; the interval differs by one of 35, 2e-5
+}
+
+// Rounded values leave most second differences at 0.
+TEST(ImpulseCycleTest, RoundedValuesAreNoCertainty) {
+  Scenario scenario = clock_with_rests(15, 5e-6);
+  scenario.sensor.jitter_rms_s = 0.0;
+  scenario.sensor.resolution_s = 1e-3;
+  const TimingData data = times_of(scenario, 8);
+  ASSERT_TRUE(data.impulses);
+  EXPECT_EQ(data.impulses->periods, 15.0);
 }
 
 // What is left is as smooth as the sensor allows.

@@ -109,6 +109,11 @@ TEST(ErrorBudgetTest, WhatHasNoLinearResponseIsRefused) {
   scenario.drive = {};
   scenario.drive.series = std::make_shared<const std::vector<double>>(3, 1.0);
   EXPECT_THROW((void)error_budget(scenario, day), ArgumentError);
+  scenario = clock_that_varies();
+  scenario.clock.epsilon = 0.0;
+  scenario.clock.quadratic_drag = 1e-2; // no friction to vary, and an answer all the same
+  for (const Requirement& one : requirements(scenario, 2.0, day))
+    EXPECT_NE(one.key, "clock.epsilon");
   EXPECT_THROW((void)error_budget(clock_that_varies(), 0.0), ArgumentError);
   EXPECT_THROW((void)requirements(clock_that_varies(), 0.0, day), ArgumentError);
 }
