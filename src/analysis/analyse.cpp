@@ -376,7 +376,8 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   input.lines = without_pushes(drive.lines, times);
   if (drive.response) // of corner 2 epsilon / T0
     input.relaxation_s = 1.0 / (two_pi * drive.response->corner_hz);
-  input.fast_drive = fast_drive(drive, fit);
+  // Pushes that come seldom vary more than those of every swing, and no list says what is usual.
+  if (!times.impulses) input.fast_drive = fast_drive(drive, fit);
   for (const Gap& gap : loaded.beats.gaps)
     if (gap.kind == GapKind::stop && !gap.bridged)
       input.stopped_s = static_cast<double>(gap.after_cycle) * loaded.nominal_period_s;

@@ -80,7 +80,7 @@ TEST_F(CommandTest, ThePapersFiguresAreWritten) {
   for (const char* name : {"jump_zoom.svg", "jump_rate.svg", "jump_amplitude.csv", "paper.md"})
     EXPECT_TRUE(std::filesystem::exists(folder_ / "p" / name)) << name;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "p" / "rate.svg"));
-  EXPECT_EQ(json("p.json")["budget"].size(), 8u);
+  EXPECT_EQ(json("p.json")["budget"].size(), 11u);
   EXPECT_EQ(run("paper --periods 10000 -o q --figure nothing").code, 2);
 }
 
