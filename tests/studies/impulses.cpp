@@ -111,7 +111,6 @@ void row(const char* name, Kind kind, bool amplitudes, std::uint64_t seed, int l
 int main(int argc, char** argv) {
   const auto seed = static_cast<std::uint64_t>(argc > 1 ? std::atoll(argv[1]) : 1);
   const int logs = argc > 2 ? std::atoi(argv[2]) : 100;
-  std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   std::printf("%-34s %5s %6s %6s  %5s  %s  %s  %s\n", "clock", "logs", "found", "right", "known",
               "68 %", "rms z", "over 5 sigma");
   for (const bool amplitudes : {true, false}) {
