@@ -22,7 +22,6 @@ using std::numbers::pi;
 constexpr std::size_t longest_cycle = 60;     // periods between pushes
 constexpr double least_gain = 18.0;           // 2 log L, after the price
 constexpr std::size_t least_cycles = 8;       // that a scatter can be told from
-constexpr std::size_t most_periods = 200'000; // looked at: more than enough to see a push
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // One value a cycle, NaN where there is none.
