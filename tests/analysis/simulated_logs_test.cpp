@@ -12,8 +12,8 @@ TEST(SimulatedLogsTest, TheTruthHasTheNamesOfAFit) {
   scenario.drive.fast_rms = 0.1;
   const auto truth = true_parameters(scenario);
   const std::map<std::string, double> expected{
-      {"T0", 2.0},    {"epsilon", 2.5e-4},  {"mu", 2e-5},      {"phi0", 0.03},
-      {"mu@1", 4e-5}, {"jitter_rms", 1e-6}, {"drive_rms", 0.1}};
+      {"gravity_share", 1.0}, {"T0", 2.0},    {"epsilon", 2.5e-4},  {"mu", 2e-5},
+      {"phi0", 0.03},         {"mu@1", 4e-5}, {"jitter_rms", 1e-6}, {"drive_rms", 0.1}};
   for (const auto& [name, value] : expected)
     EXPECT_EQ(truth.at(name), value) << name;
   // The limit cycle of point A by 128-bit arithmetic; 1e-12: what direct integration keeps.
