@@ -19,16 +19,17 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::size_t longest_cycle = 60;     // periods between pushes
-constexpr double least_gain = 18.0;           // 2 log L, after the price
-constexpr std::size_t least_cycles = 8;       // that a scatter can be told from
+constexpr std::size_t longest_cycle = 60;        // periods between pushes
+constexpr double least_gain = 18.0;              // 2 log L, after the price
+constexpr std::size_t least_cycles = 8;          // that a scatter can be told from
+constexpr std::size_t searched_cycles = 200'000; // of a longer log: enough to see a push
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // One value a cycle, NaN where there is none.
 using Grid = std::vector<double>;
 
-Grid on_cycles(const TimingData& data, const std::vector<double>& values) {
-  const auto length = static_cast<std::size_t>(std::llround(data.cycle.back())) + 1;
+Grid on_cycles(const TimingData& data, const std::vector<double>& values, std::size_t most) {
+  const auto length = std::min(most, static_cast<std::size_t>(std::llround(data.cycle.back())) + 1);
   Grid grid(length, unknown);
   for (std::size_t i = 0; i < data.size(); ++i) {
     const auto at = static_cast<std::size_t>(std::llround(data.cycle[i]));
@@ -272,8 +273,26 @@ double noise_of(const Grid& values) {
   return (robust > 0.0 ? robust : rms) / std::sqrt(6.0);
 }
 
+// The first `most` cycles.
+Sight seen(const TimingData& data, std::size_t most) {
+  Sight sight{on_cycles(data, data.lateness_s, most), {}, unknown};
+  if (data.has_amplitude()) {
+    sight.amplitude = on_cycles(data, data.amplitude_rad, most);
+    std::vector<double> known;
+    for (const double a : sight.amplitude)
+      if (std::isfinite(a)) known.push_back(a);
+    if (known.empty())
+      sight.amplitude.clear();
+    else
+      sight.mean_amplitude = median(known);
+  }
+  sight.late_noise = noise_of(sight.late);
+  sight.amplitude_noise = noise_of(sight.amplitude);
+  return sight;
+}
+
 // Pushes that may be, and how much of the squares of times and amplitudes they explain, in units of
-// their noise: what decides between one number of swings and another.
+// their noise, in the mean of a cycle: what decides between one number of swings and another.
 struct Candidate {
   ImpulseCycle pushes;
   double squares = 0.0;
@@ -287,7 +306,7 @@ double squares_of(const Coefficients& found, double noise, const std::vector<dou
     const Pair at = shapes_at(pushes, periods, static_cast<double>(i));
     sum += std::pow((found.tooth.value * at.tooth + found.hump.value * at.hump) / noise, 2);
   }
-  return sum;
+  return sum / static_cast<double>(length);
 }
 
 ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, double periods,
@@ -318,11 +337,11 @@ std::optional<Candidate> regular_candidate(const Sight& sight, std::size_t n, do
   const auto late = folded_means(times, n), swing = folded_means(amplitudes, n);
   const bool with_hump = n > 2;
   const auto in_noise = [&](double of_late, double of_swing) {
-    const auto cycles = static_cast<double>(sight.late.size() / n);
     const auto over = [](double squares, double noise) {
       return noise > 0.0 ? squares / (noise * noise) : 0.0;
     };
-    return cycles * (over(of_late, sight.late_noise) + over(of_swing, sight.amplitude_noise));
+    return (over(of_late, sight.late_noise) + over(of_swing, sight.amplitude_noise)) /
+           static_cast<double>(n);
   };
   const auto score = [&](std::size_t first) {
     return in_noise(explained(late, first, with_hump),
@@ -406,20 +425,8 @@ std::vector<double> pushes_of(const ImpulseCycle& found, double last) {
 } // namespace
 
 std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
-  Sight sight{on_cycles(data, data.lateness_s), {}, unknown};
+  const Sight sight = seen(data, searched_cycles);
   if (sight.late.size() < least_cycles * 4) return {};
-  if (data.has_amplitude()) {
-    sight.amplitude = on_cycles(data, data.amplitude_rad);
-    std::vector<double> known;
-    for (const double a : sight.amplitude)
-      if (std::isfinite(a)) known.push_back(a);
-    if (known.empty())
-      sight.amplitude.clear();
-    else
-      sight.mean_amplitude = median(known);
-  }
-  sight.late_noise = noise_of(sight.late);
-  sight.amplitude_noise = noise_of(sight.amplitude);
   const double places = 0.5 * static_cast<double>(longest_cycle * (longest_cycle + 1)) - 1.0;
   const double price = 2.0 * std::log(places);
   std::optional<Candidate> best;
@@ -433,6 +440,9 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
     take(regular_candidate(sight, n, price, sine));
   if (!sight.amplitude.empty()) take(visible_pushes(sight, price));
   if (!best || best->squares < sine) return {};
+  if (!best->pushes.cycles.empty() && sight.late.size() == searched_cycles) // each one, to the end
+    best = visible_pushes(seen(data, std::numeric_limits<std::size_t>::max()), price);
+  if (!best) return {};
   return std::move(best->pushes);
 }
 

@@ -4,11 +4,7 @@
 # Arguments: first seed (1), logs of each kind (100).
 set -e
 . "$(dirname "$0")/common.sh"
-cmake --preset release > /dev/null
-cmake --build --preset release -j2 --target goingrate_command > /dev/null
-goingrate=$PWD/build/release/goingrate
-here=$(mktemp -d)
-trap 'rm -rf "$here"' EXIT
+built_command
 cat > "$here/ring-down.toml" << 'END'
 [clock]
 nominal_period = 1.7

@@ -5,11 +5,7 @@
 set -e
 . "$(dirname "$0")/common.sh"
 goingrate_setup gnuplot-nox
-cmake --preset release > /dev/null
-cmake --build --preset release -j2 --target goingrate_command > /dev/null
-goingrate=$PWD/build/release/goingrate
-here=$(mktemp -d)
-trap 'rm -rf "$here"' EXIT
+built_command
 cat > "$here/clock.toml" << 'END'
 [clock]
 epsilon = 1e-4
