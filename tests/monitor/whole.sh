@@ -183,11 +183,13 @@ mv growing.log growing.1
 beats 100 200 > growing.log
 check "and the one after it" within 20 has_rows rotated 200
 kill $monitor
+wait $monitor || fault=1
 check "by its day" test -s rotated/2025-11-27.csv
 
 # Two monitors of one archive.
 "$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
-sleep 0.5
+beats 200 300 >> growing.log
+check "one keeps it" within 20 has_rows rotated 300
 "$goingrate" monitor - --archive rotated < growing.log 2> refused && fault=1
 check "another process is told so" grep -q "another process keeps this archive" refused
 exit $fault
