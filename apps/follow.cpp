@@ -156,7 +156,7 @@ void follow(const LogOptions& options, double alarm_s, const GlobalOptions& glob
   if (options.paths.size() > 1)
     throw ArgumentError("log", options.paths[1], "a single file where it is followed as it grows");
   Following following(options, alarm_s, global);
-  LogFollower log(options.paths.front(), reading_options(options), [&] {
+  LogFollower log(options.paths.front(), reading_options(options), [&](std::string_view) {
     following.wait();
     return true;
   });

@@ -117,7 +117,7 @@ std::vector<Beat> Archive::events_of(const std::string& day) const {
 std::vector<Beat> Archive::few_events_of(const std::string& day) const {
   std::vector<Beat> events;
   try {
-    LogFollower log(path_of(day), {}, [] { return false; });
+    LogFollower log(path_of(day), {}, [](std::string_view) { return false; });
     while (const auto event = log.next())
       events.push_back(*event);
   } catch (const InputError&) { // nothing but comments

@@ -1,10 +1,13 @@
 // A clock that is watched: every event is stored, numbered and looked at as it comes.
 #pragma once
 
+#include "alarm_diary.hpp"
 #include "alarms.hpp"
 #include "archive.hpp"
+#include "event_places.hpp"
 #include "going.hpp"
 #include "index.hpp"
+#include "unread_lines.hpp"
 
 #include "arrivals.hpp"
 #include "rolling_numbers.hpp"
@@ -21,9 +24,8 @@ namespace goingrate::apps {
 struct WatchOptions {
   LogOptions log;
   std::string folder;
-  double patience_s = 0.0;      ///< silence that is an alarm; 0: five periods
-  std::optional<Instant> start; ///< when a source without dates counts from
-  bool source_is_live = true;   ///< its events are heard as they happen
+  double patience_s = 0.0; ///< silence that is an alarm; 0: five periods
+  PlaceOptions place;
 };
 
 /// Stores, numbers and judges the events of one source, and goes on where an earlier watch of the
@@ -33,6 +35,12 @@ public:
   /// Reads the archive. Throws OutputError if it cannot be written.
   explicit ClockWatch(WatchOptions options);
 
+  /// What the source has said and no event was made of yet: kept on disk until that is.
+  void hold(std::string_view text, const Instant& now);
+  /// Lines that were held when the source was last listened to.
+  [[nodiscard]] const std::string& unread() const { return unread_.text(); }
+  /// No log was found in them.
+  void give_up_unread() { unread_.give_up(); }
   /// An event as the source tells it. `now` counts from 1970.
   void add(const Beat& event, const ClockLog& log, const Instant& now);
   /// Called while nothing comes.
@@ -44,20 +52,17 @@ public:
   [[nodiscard]] double nominal_period_s() const { return numbers_.nominal_period_s(); }
   [[nodiscard]] double period_s() const { return numbers_.period_s(); }
   [[nodiscard]] const Alarms& alarms() const { return alarms_; }
-  [[nodiscard]] const std::deque<AlarmRecord>& alarm_records() const { return alarm_records_; }
+  [[nodiscard]] const std::deque<AlarmRecord>& alarm_records() const { return diary_.records(); }
   [[nodiscard]] const std::deque<CountBreak>& breaks() const { return breaks_; }
   /// Events that are safe on disk, and all that were heard, in this run.
   [[nodiscard]] std::int64_t acknowledged() const { return acknowledged_; }
   [[nodiscard]] std::int64_t heard() const { return heard_; }
   /// Alarms that began or ended since this was last asked.
-  std::vector<AlarmChange> take_alarm_changes() { return std::exchange(fresh_alarms_, {}); }
+  std::vector<AlarmChange> take_alarm_changes() { return diary_.take_fresh(); }
 
 private:
   void restore();
   void replay(const std::vector<std::string>& days);
-  [[nodiscard]] Instant absolute(const Beat& event, const ClockLog& log) const;
-  void meet_source(const Beat& event, const ClockLog& log);
-  void choose_origin(const Instant& now);
   void place(const ClockLog& log, const Instant& now);
   void note_left_out(const std::vector<Beat>& events, const Instant& now);
   void store_pending(const Instant& now);
@@ -66,31 +71,25 @@ private:
   void number(std::vector<Beat> beats, bool is_replay);
   void take_beat(const Beat& beat, bool is_replay);
   void complete_day(const Beat& beat);
-  void remember_alarms();
-  void index_alarms(const std::vector<std::string>& days);
 
   WatchOptions options_;
   Archive archive_;
   ArchiveIndex index_;
+  UnreadLines unread_;
   Arrivals arrivals_;
+  EventPlaces places_;
   RollingNumbers numbers_;
   Going going_;
   Alarms alarms_;
-  ClockLog log_;           // what is known of the source
-  bool has_edges_ = false; // an event of the other direction was heard
-  bool is_first_ = true;   // no event of this run yet
-  std::optional<Instant> last_stored_, last_heard_at_, last_sync_;
-  bool origin_holds_ = false; // times without a date count from the archive's origin
-  bool is_unsure_ = false;    // nothing of this run was believed yet
-  bool skips_known_ = false;  // a file is read again: what is stored already is passed over
-  std::vector<Arrivals::Arrival> unplaced_; // believed, and without a place in the calendar yet
-  Instant unplaced_since_;
+  AlarmDiary diary_;
+  ClockLog log_;            // what is known of the source
+  bool has_edges_ = false;  // an event of the other direction was heard
+  bool is_first_ = true;    // no event of this run yet
+  bool is_holding_ = true;  // no event since the source was opened
+  std::optional<Instant> last_heard_at_, last_sync_;
   std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
-  std::deque<AlarmChange> unnoted_;       // alarms that are not in the archive yet
   std::vector<Gap> gaps_;
-  std::deque<AlarmRecord> alarm_records_;
   std::deque<CountBreak> breaks_;
-  std::vector<AlarmChange> fresh_alarms_;
   std::int64_t acknowledged_ = 0, heard_ = 0, stored_ = 0;
 };
 

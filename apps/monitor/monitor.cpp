@@ -45,10 +45,10 @@ WatchOptions watch_options(const MonitorOptions& options) {
   watch.log = options.log;
   watch.folder = options.archive;
   watch.patience_s = options.patience_s;
-  watch.source_is_live = !is_file(options.source);
+  watch.place.source_is_live = !is_file(options.source);
   if (!options.start.empty()) {
-    watch.start = parse_instant(options.start);
-    if (!watch.start)
+    watch.place.start = parse_instant(options.start);
+    if (!watch.place.start)
       throw ArgumentError("--start", options.start, "seconds since 1970, such as 1764144000");
   }
   return watch;
@@ -60,7 +60,7 @@ public:
       : options_(options), global_(global),
         address_(options.listen.empty() ? std::nullopt
                                         : std::optional(parse_address(options.listen))),
-        watch_(watch_options(options)) {
+        watch_(watch_options(options)), answering_(options.name) {
     if (!address_) return;
     server_.emplace(*address_);
     say(global_, fmt::format("listening at port {}", server_->port()));
@@ -74,6 +74,7 @@ public:
         follow();
         if (ends_for_good(options_.source)) break;
       } catch (const InputError& error) {
+        watch_.give_up_unread();
         if (ends_for_good(options_.source)) throw;
         if (std::exchange(failure_, error.what()) != failure_)
           say(global_, fmt::format("{}; trying again", failure_));
@@ -90,11 +91,13 @@ private:
   void follow() {
     const OpenSource source(options_.source);
     ClockLog known;
-    LogFollower log(source.path(), reading_options(options_.log), [&] {
+    const auto wait = [&](std::string_view held) {
+      if (!held.empty()) watch_.hold(held, now());
       watch_.idle(known, now());
       tell();
       return !is_to_end;
-    });
+    };
+    LogFollower log(source.path(), reading_options(options_.log), wait, watch_.unread());
     known = log.log();
     for (auto event = log.next(); event && !is_to_end; event = log.next()) {
       watch_.add(*event, log.log(), now());
@@ -119,13 +122,14 @@ private:
 
   void publish(const Instant& at) {
     published_ = std::chrono::steady_clock::now();
-    server_->publish(answers_of(watch_, options_.name, at));
+    server_->publish(answering_.at(at, watch_));
   }
 
   const MonitorOptions& options_;
   const GlobalOptions& global_;
   std::optional<ListenAddress> address_;
   ClockWatch watch_;
+  WatchAnswering answering_;
   std::optional<MonitorServer> server_;
   std::chrono::steady_clock::time_point published_;
   std::string failure_; // of the source, said once
@@ -157,8 +161,9 @@ void add_monitor(CLI::App& program, const GlobalOptions& global) {
   command->add_option("--listen", options->listen,
                       "HOST:PORT of the page; 127.0.0.1:8080 is for this computer alone");
   command->add_option("--on-alarm", options->on_alarm,
-                      "a command of the shell, run when an alarm begins or ends; it finds "
-                      "GOINGRATE_ALARM, GOINGRATE_STATE (raised, cleared) and GOINGRATE_TEXT");
+                      "a command of the shell, run when an alarm begins or ends, for a minute at "
+                      "most; it finds GOINGRATE_ALARM, GOINGRATE_STATE (raised, cleared) and "
+                      "GOINGRATE_TEXT");
   command->add_option("--name", options->name, "of the clock, for the page");
   command
       ->add_option("--patience", options->patience_s,

@@ -2,7 +2,9 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <array>
 #include <atomic>
+#include <arpa/inet.h>
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
@@ -36,6 +38,22 @@ ListenAddress parse_address(const std::string& text) {
 }
 
 namespace {
+
+bool is_address(const std::string& host) {
+  std::array<unsigned char, sizeof(in6_addr)> binary{};
+  return ::inet_pton(AF_INET, host.c_str(), binary.data()) == 1 ||
+         ::inet_pton(AF_INET6, host.c_str(), binary.data()) == 1;
+}
+
+// HOST, HOST:PORT or [HOST]:PORT without the port.
+std::string without_port(const std::string& host) {
+  if (host.starts_with('[')) return host.substr(1, host.find(']') - 1);
+  return host.substr(0, host.rfind(':'));
+}
+
+bool is_this_computer(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
 
 // Threads that answer, and as many connections that wait for one; further ones are not accepted
 // until there is room, so that no client takes the files that the archive needs.
@@ -107,7 +125,19 @@ struct MonitorServer::Parts {
     });
   }
 
-  void set_up() {
+  void refuse_other_names() {
+    server.set_pre_routing_handler([](const httplib::Request& request,
+                                      httplib::Response& response) {
+      const std::string host = without_port(request.get_header_value("Host"));
+      if (host.empty() || host == "localhost" || is_address(host))
+        return httplib::Server::HandlerResponse::Unhandled;
+      response.status = 403;
+      return httplib::Server::HandlerResponse::Handled;
+    });
+  }
+
+  void set_up(const std::string& host) {
+    if (is_this_computer(host)) refuse_other_names();
     // A connection holds a thread, also one that says nothing: sixteen listeners and the silent of
     // two seconds leave some to answer.
     constexpr std::ptrdiff_t threads = 64;
@@ -152,7 +182,7 @@ struct MonitorServer::Parts {
 };
 
 MonitorServer::MonitorServer(const ListenAddress& address) : parts_(std::make_unique<Parts>()) {
-  parts_->set_up();
+  parts_->set_up(address.host);
   parts_->port = address.port;
   const bool bound = address.port == 0
                          ? (parts_->port = parts_->server.bind_to_any_port(address.host)) > 0
@@ -181,10 +211,10 @@ MonitorServer::~MonitorServer() {
   parts_->thread.join();
 }
 
-void MonitorServer::publish(WatchAnswers answers) {
+void MonitorServer::publish(const WatchAnswers& answers) {
   {
     const std::lock_guard lock(parts_->mutex);
-    parts_->answers = std::move(answers);
+    parts_->answers = answers;
     ++parts_->serial;
   }
   parts_->changed.notify_all();

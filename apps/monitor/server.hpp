@@ -21,7 +21,8 @@ ListenAddress parse_address(const std::string& text);
 /// as many connections wait for one. A request may have 8 KiB; a connection that says nothing for
 /// two seconds, or takes nothing for ten, is closed; at most sixteen listen to events, others are
 /// told to come again. A client that sends byte by byte can hold a thread, and 64 of them the page,
-/// but not the archive.
+/// but not the archive. Where it listens to this computer alone, a request for another name than
+/// localhost or an address is refused, so that no page of the web reads it through a name of its own.
 class MonitorServer {
 public:
   /// Listens at once. Throws OutputError if the address cannot be had.
@@ -31,7 +32,7 @@ public:
   ~MonitorServer();
 
   /// From now on these are given.
-  void publish(WatchAnswers answers);
+  void publish(const WatchAnswers& answers);
   /// The port, also where 0 asked for any.
   [[nodiscard]] int port() const;
 

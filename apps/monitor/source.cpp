@@ -136,7 +136,8 @@ void run_on_alarm(const std::string& command, const std::string& kind, bool is_r
   ::setenv("GOINGRATE_STATE", is_raised ? "raised" : "cleared", 1);
   ::setenv("GOINGRATE_TEXT", text.c_str(), 1);
   stand_alone(STDERR_FILENO);
-  ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+  ::execlp("timeout", "timeout", "-k", "5", "60", "/bin/sh", "-c", command.c_str(), nullptr);
+  ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr); // where there is no such program
   std::_Exit(127);
 }
 

@@ -136,26 +136,38 @@ std::string list_json(const char* schema, const Records& records, Make make) {
 
 } // namespace
 
-WatchAnswers answers_of(const ClockWatch& watch, const std::string& name, const Instant& now) {
-  WatchAnswers answers;
-  const Json state = now_json(watch, name, now);
-  const double nominal = watch.nominal_period_s();
+bool WatchAnswering::blocks_are_old(const Instant& now, const Going& going) const {
+  constexpr double oldest_s = 60.0; // also where no minute begins because the clock has stopped
+  if (!blocks_made_ || std::abs(now - *blocks_made_) >= oldest_s) return true;
+  const auto& minutes = going.minutes().all();
+  return !minutes.empty() && minutes.back().start_s != last_minute_;
+}
+
+const WatchAnswers& WatchAnswering::at(const Instant& now, const ClockWatch& watch) {
+  const Json state = now_json(watch, name_, now);
   const auto dumped = [](const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
   };
-  answers.now = dumped(state);
-  answers.metrics = metrics_of(state);
-  answers.minutes = dumped(blocks_json(watch.going().minutes(), nominal));
-  answers.hours = dumped(blocks_json(watch.going().hours(), nominal));
-  answers.days = dumped(blocks_json(watch.going().days(), nominal));
-  answers.alarms = list_json("goingrate.monitor.alarms", watch.alarm_records(), alarm_json);
-  answers.breaks = list_json("goingrate.monitor.breaks", watch.breaks(), [](const CountBreak& gap) {
-    return Json{{"at", gap.at.to_double()},
-                {"after_cycle", gap.after_cycle},
-                {"missing", gap.missing},
-                {"probability", gap.probability}};
-  });
-  return answers;
+  answers_.now = dumped(state);
+  answers_.metrics = metrics_of(state);
+  const Going& going = watch.going();
+  if (blocks_are_old(now, going)) {
+    const double nominal = watch.nominal_period_s();
+    answers_.minutes = dumped(blocks_json(going.minutes(), nominal));
+    answers_.hours = dumped(blocks_json(going.hours(), nominal));
+    answers_.days = dumped(blocks_json(going.days(), nominal));
+    blocks_made_ = now;
+    if (!going.minutes().all().empty()) last_minute_ = going.minutes().all().back().start_s;
+  }
+  answers_.alarms = list_json("goingrate.monitor.alarms", watch.alarm_records(), alarm_json);
+  answers_.breaks =
+      list_json("goingrate.monitor.breaks", watch.breaks(), [](const CountBreak& gap) {
+        return Json{{"at", gap.at.to_double()},
+                    {"after_cycle", gap.after_cycle},
+                    {"missing", gap.missing},
+                    {"probability", gap.probability}};
+      });
+  return answers_;
 }
 
 } // namespace goingrate::apps

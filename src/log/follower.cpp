@@ -74,16 +74,17 @@ std::optional<Start> find_start(std::string_view text, const ReadingOptions& ask
 } // namespace
 
 struct LogFollower::Parts {
-  Parts(std::string file, const ReadingOptions& reading, std::function<bool()> asked)
+  Parts(std::string file, const ReadingOptions& reading, Wait asked, std::string_view before)
       : path(std::move(file)), options(reading), wait([this, ask = std::move(asked)] {
-          gave_up = !ask();
+          const bool is_seeking = lines && !rows;
+          gave_up = !ask(is_seeking ? lines->at_hand() : std::string_view());
           return !gave_up;
         }) {
     check(options);
     log.source = path;
     std::error_code unknown;
     is_file = path != "-" && std::filesystem::is_regular_file(path, unknown);
-    lines.emplace(open_source(path, options.unpacked_limit, wait), path);
+    lines.emplace(open_source(path, options.unpacked_limit, wait), path, before);
     settle();
   }
 
@@ -178,8 +179,8 @@ struct LogFollower::Parts {
 };
 
 LogFollower::LogFollower(const std::string& path, const ReadingOptions& options,
-                         std::function<bool()> wait)
-    : parts_(std::make_unique<Parts>(path, options, std::move(wait))) {}
+                         Wait wait, std::string before)
+    : parts_(std::make_unique<Parts>(path, options, std::move(wait), before)) {}
 
 LogFollower::~LogFollower() = default;
 

@@ -238,8 +238,10 @@ std::unique_ptr<ByteSource> open_source(const std::string& path, std::uint64_t u
 LineReader::LineReader(std::string_view text, std::string name)
     : name_(std::move(name)), rest_(text), at_end_(true) {}
 
-LineReader::LineReader(std::unique_ptr<ByteSource> source, std::string name)
-    : source_(std::move(source)), name_(std::move(name)) {}
+LineReader::LineReader(std::unique_ptr<ByteSource> source, std::string name,
+                       std::string_view before)
+    : source_(std::move(source)), name_(std::move(name)), buffer_(before.begin(), before.end()),
+      rest_(buffer_.data(), buffer_.size()) {}
 
 // Appends what comes next to what is left; false at the end.
 bool LineReader::refill() {
@@ -251,6 +253,7 @@ bool LineReader::refill() {
   std::copy(rest_.begin(), rest_.end(), buffer_.begin()); // moves towards the front
   const std::size_t kept = rest_.size();
   if (buffer_.size() < kept + chunk) buffer_.resize(std::max(kept + chunk, kept * 2));
+  rest_ = {buffer_.data(), kept}; // at hand while the source is waited for
   const std::size_t count = source_->read(buffer_.data() + kept, buffer_.size() - kept);
   at_end_ = count == 0;
   rest_ = {buffer_.data(), kept + count};

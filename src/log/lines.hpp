@@ -43,7 +43,8 @@ struct Line {
 class LineReader {
 public:
   LineReader(std::string_view text, std::string name);
-  LineReader(std::unique_ptr<ByteSource> source, std::string name);
+  /// `before` is text that comes before that of the source.
+  LineReader(std::unique_ptr<ByteSource> source, std::string name, std::string_view before = {});
 
   /// The beginning of the text, at least `lines` lines of it if there are so many (and no more than
   /// ten times as many, or 16 MiB): to find out what it is. Only before the first next().
@@ -59,7 +60,7 @@ public:
   std::optional<Line> next();
 
   /// The text from the next line on, as far as it is at hand, for those who cut lines themselves;
-  /// empty where lines end with CR alone. Not before head().
+  /// empty where lines end with CR alone.
   [[nodiscard]] std::string_view at_hand() const {
     return line_end_ == '\n' ? rest_ : std::string_view();
   }

@@ -149,7 +149,7 @@ private:
 };
 
 TEST_F(MonitorAlarmsTest, WhatComesWhileTheDiskIsFullIsWrittenLater) {
-  options_.start = began + -100.0; // so that a day begins while it is full
+  options_.place.start = began + -100.0; // so that a day begins while it is full
   {
     ClockWatch watch(options_);
     hear(watch, 0, 50);

@@ -53,7 +53,9 @@ TEST_F(MonitorWatchTest, WithoutItsIndexItSaysTheSame) {
   }
   const auto told = [&] {
     const ClockWatch watch(options_);
-    return answers_of(watch, "x", began).hours + answers_of(watch, "x", began).days;
+    WatchAnswering answering("x");
+    const WatchAnswers& answers = answering.at(began, watch);
+    return answers.hours + answers.days;
   };
   const std::string with = told();
   std::filesystem::remove(options_.folder + "/.index.sqlite");
@@ -87,7 +89,7 @@ TEST_F(MonitorWatchTest, HalfALineAfterARestartMovesNothing) {
 }
 
 TEST_F(MonitorWatchTest, AFileThatIsReadAgainIsNotStoredAgain) {
-  options_.source_is_live = false;
+  options_.place.source_is_live = false;
   for (const bool is_dated : {false, true}) {
     std::filesystem::remove_all(options_.folder);
     log_.origin = is_dated ? TimeOrigin::epoch : TimeOrigin::none;
@@ -188,10 +190,56 @@ TEST_F(MonitorWatchTest, AClockThatIsSilentFromTheBeginningIsCalledStopped) {
   EXPECT_EQ(watch.take_alarm_changes().size(), 1U);
 }
 
+// Of a source that says nothing of its layout, killed before there were lines enough.
+TEST_F(MonitorWatchTest, LinesThatAreNotRecognisedYetOutliveAKill) {
+  const std::string first = "0.000000\n1.000020\n", more = "2.000040\n3.0000";
+  {
+    ClockWatch watch(options_);
+    EXPECT_EQ(watch.unread(), "");
+    watch.hold(first, began);
+    watch.hold(first + more, began + 2.0);
+    watch.idle(log_, began + 2.1); // no event yet: nothing is cleared
+  }
+  ClockWatch watch(options_);
+  EXPECT_EQ(watch.unread(), first + "2.000040\n"); // whole lines
+  hear(watch, 0, 20);
+  EXPECT_EQ(watch.unread(), "");
+}
+
+TEST_F(MonitorWatchTest, LinesThatAreStoredAlreadyAreNotStoredAgain) {
+  {
+    ClockWatch watch(options_);
+    watch.hold("0\n1\n2\n", began);
+    for (std::int64_t n = 0; n < 5; ++n)
+      watch.add(event_at(Instant::from_seconds(time_of(n))), log_, began + 5.0);
+    for (std::int64_t n = 5; n < 8; ++n)
+      watch.add(event_at(Instant::from_seconds(time_of(n))), log_, began + time_of(n));
+  } // killed before it was idle: the lines are still there
+  random_ = {1, StreamPurpose::jitter};
+  ClockWatch watch(options_);
+  EXPECT_FALSE(watch.unread().empty());
+  hear(watch, 0, 100);
+  EXPECT_EQ(watch.going().last()->cycle, 99);
+  EXPECT_EQ(Archive(options_.folder + "/").events_of(day_of(began)).size(), 100U);
+}
+
+TEST_F(MonitorWatchTest, LongAnswersAreMadeOnceAMinute) {
+  ClockWatch watch(options_);
+  hear(watch, 0, 600);
+  WatchAnswering answering("x");
+  const std::string before = answering.at(began + 600.0, watch).minutes;
+  hear(watch, 600, 602);
+  EXPECT_EQ(answering.at(began + 602.0, watch).minutes, before);
+  EXPECT_NE(answering.at(began + 660.0, watch).minutes, before); // a minute old
+  hear(watch, 602, 665);
+  EXPECT_NE(answering.at(began + 665.0, watch).minutes.find("[1764202260,"), std::string::npos);
+}
+
 TEST_F(MonitorWatchTest, AnswersAreJsonAndMetrics) {
   ClockWatch watch(options_);
   hear(watch, 0, 1000);
-  const auto answers = answers_of(watch, "the \"Hall\" <clock>\xff", began + 1000.0);
+  WatchAnswering answering("the \"Hall\" <clock>\xff");
+  const WatchAnswers& answers = answering.at(began + 1000.0, watch);
   for (const std::string* text : {&answers.now, &answers.minutes, &answers.hours, &answers.days,
                                   &answers.alarms, &answers.breaks})
     EXPECT_TRUE(nlohmann::json::accept(*text)) << *text;

@@ -52,6 +52,26 @@ check "a signal ends it" within 10 bash -c "! kill -0 $monitor 2> /dev/null"
 check "the archive is a log" bash -c "'$goingrate' --quiet rate killed -o table.csv"
 check "of 900 cycles" grep -q '^899,' table.csv
 
+# Lines of no known layout yet: too few of them to tell, killed, and the next run goes on with them.
+mkfifo bare
+"$goingrate" --quiet monitor bare --archive early &
+monitor=$!
+exec 3> bare
+beats 0 5 >&3
+check "lines that are not recognised yet are kept" within 20 bash -c '[ "$(grep -c . early/.unread)" = 5 ]'
+kill -9 $monitor
+wait $monitor 2> /dev/null || true
+exec 3>&-
+"$goingrate" --quiet monitor bare --archive early &
+monitor=$!
+exec 3> bare
+beats 5 20 >&3
+check "and are events after a kill -9" within 20 has_rows early 20
+check "once" within 20 test ! -e early/.unread
+kill $monitor
+wait $monitor || fault=1
+exec 3>&-
+
 # A FIFO whose writer has gone is a clock that is silent, and no writer at all is no reason to hang.
 mkfifo lonely
 "$goingrate" monitor lonely --archive lonely.d --patience 1 2> lonely.said &
@@ -103,9 +123,9 @@ process = subprocess.Popen([command, "monitor", os.ttyname(slave) + ":115200", "
                             "echo $GOINGRATE_ALARM $GOINGRATE_STATE >> alarms"], stderr=subprocess.PIPE, text=True)
 atexit.register(process.kill)
 port = int(re.search(r"port (\d+)", process.stderr.readline()).group(1))
-def get(path, method="GET", body=None):
+def get(path, method="GET", body=None, host=None):
     link = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
-    link.request(method, path, body)
+    link.request(method, path, body, {"Host": host} if host else {})
     answer = link.getresponse()
     return answer.status, answer.read().decode(), answer.headers
 os.write(master, b"# goingrate log: 1\n# nominal_period_s: 0.5\ntime_s\n")
@@ -127,6 +147,10 @@ for path in ("minutes", "hours", "days", "alarms", "breaks"):
 check("metrics", "\ngoingrate_beats_total 20\n" in get("/metrics")[1])
 for path in ("/../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/api/../../alarms", "/served", "/api/now/x"):
     check("no way to files: " + path, get(path)[0] == 404)
+for host in ("attacker.example", "attacker.example:%d" % port, "127.0.0.1.attacker.example"):
+    check("no page of the web by a name of its own: " + host, get("/api/now", host=host)[0] == 403)
+for host in ("localhost:%d" % port, "[::1]:%d" % port):
+    check("but by this computer's: " + host, get("/api/now", host=host)[0] == 200)
 check("nothing is taken", get("/api/now", "POST", "x")[0] in (404, 405) and get("/api/now", "PUT", "x")[0] in (404, 405))
 slow = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]  # that never ask
 waited = time.time()
@@ -134,7 +158,7 @@ check("thirty that say nothing leave it answering", get("/api/now")[0] == 200 an
 listeners = []
 for _ in range(20):
     link = socket.create_connection(("127.0.0.1", port), timeout=10)
-    link.sendall(b"GET /events HTTP/1.1\r\nHost: x\r\n\r\n")
+    link.sendall(b"GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n")
     listeners.append(link)
 began = time.time()
 check("and twenty that listen", get("/api/now")[0] == 200)

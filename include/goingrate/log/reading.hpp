@@ -117,9 +117,14 @@ ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOpti
 /// out. Times in seconds that begin again are handed out as they stand.
 class LogFollower {
 public:
-  /// `wait` is called at the end of a growing file, and returns false to give up. Waits for the
-  /// first lines to find out the layout. Throws InputError as read_log does.
-  LogFollower(const std::string& path, const ReadingOptions& options, std::function<bool()> wait);
+  /// Called every tenth of a second while nothing comes; returns false to give up. `held` is the
+  /// text whose layout is still sought, of which no event was given yet; empty afterwards.
+  using Wait = std::function<bool(std::string_view held)>;
+
+  /// Waits for the first lines to find out the layout. `before` is text that came out of a pipe
+  /// before: lines that were held when it was last followed. Throws InputError as read_log does.
+  LogFollower(const std::string& path, const ReadingOptions& options, Wait wait,
+              std::string before = {});
   ~LogFollower();
 
   /// The next event; nothing at the end.

@@ -1,0 +1,40 @@
+// The alarms of a watched clock as its archive remembers them.
+#pragma once
+
+#include "alarms.hpp"
+#include "archive.hpp"
+#include "index.hpp"
+
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// Notes every alarm that begins or ends in the day's file and in the index. What cannot be written
+/// because the disk is full is written later.
+class AlarmDiary {
+public:
+  AlarmDiary(Archive& archive, ArchiveIndex& index) : archive_(archive), index_(index) {}
+
+  /// Takes the alarms from the index.
+  void restore();
+  /// An index that was lost gets them again from the comments of these days.
+  void rebuild_index(const std::vector<std::string>& days);
+  void add(const std::vector<AlarmChange>& changes);
+
+  /// The last 500, the newest at the end.
+  [[nodiscard]] const std::deque<AlarmRecord>& records() const { return records_; }
+  /// Those that were added since this was last asked.
+  std::vector<AlarmChange> take_fresh() { return std::exchange(fresh_, {}); }
+
+private:
+  Archive& archive_;
+  ArchiveIndex& index_;
+  std::deque<AlarmRecord> records_;
+  std::deque<AlarmChange> unnoted_; // not in the archive yet
+  std::vector<AlarmChange> fresh_;
+};
+
+} // namespace goingrate::apps

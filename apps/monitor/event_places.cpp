@@ -1,0 +1,104 @@
+#include "event_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace goingrate::apps {
+
+namespace {
+
+bool has_dates(const ClockLog& log) { return log.origin != TimeOrigin::none; }
+
+Instant as_stored_at(const Instant& time) { return as_stored(event_at(time)).time; }
+
+// The source's own second 0, if it told `event` at that time.
+Instant origin_for(const Beat& event, const Instant& at) {
+  return Instant{at.seconds - event.time.seconds, 0.0} + (at.fraction - event.time.fraction);
+}
+
+} // namespace
+
+Instant EventPlaces::absolute(const Beat& event, const ClockLog& log) const {
+  if (has_dates(log))
+    return {event.time.seconds - seconds_before_1970(log.origin), event.time.fraction};
+  const Instant origin = *archive_.origin();
+  return Instant{event.time.seconds + origin.seconds, event.time.fraction} + origin.fraction;
+}
+
+std::optional<Beat> EventPlaces::meet(const Beat& event, const ClockLog& log,
+                                      bool may_be_read_again) {
+  const auto last_stored = archive_.last_time();
+  if (!last_stored || (!has_dates(log) && !archive_.origin())) return {};
+  const Instant at = as_stored_at(absolute(event, log));
+  origin_holds_ = true;
+  is_unsure_ = !has_dates(log) && options_.source_is_live;
+  skips_stored_ = may_be_read_again && !(at > *last_stored) && archive_.holds(at);
+  Beat last = event;
+  last.time = event.time + (*last_stored - at);
+  return last;
+}
+
+bool EventPlaces::is_stored(const Beat& event, const ClockLog& log) {
+  skips_stored_ = skips_stored_ && !(as_stored_at(absolute(event, log)) > *archive_.last_time());
+  return skips_stored_;
+}
+
+void EventPlaces::add(const Arrival& arrival, const ClockLog& log, const Instant& now) {
+  // Began again while nobody listened, or its clock would be an hour off since it began.
+  constexpr double longest_drift_s = 3600.0;
+  const bool is_elsewhere = std::exchange(is_unsure_, false) &&
+                            std::abs(now - absolute(arrival.event, log)) > longest_drift_s;
+  if (arrival.begins_anew || is_elsewhere) origin_holds_ = false;
+  if (waiting_.empty()) waiting_since_ = now;
+  waiting_.push_back(arrival);
+}
+
+bool EventPlaces::is_in_burst(const ClockLog& log, const Instant& now) const {
+  constexpr double longest_burst_s = 0.2; // a beat takes longer
+  return !has_dates(log) && !origin_holds_ && options_.source_is_live && !options_.start &&
+         std::abs(now - waiting_since_) < longest_burst_s;
+}
+
+// The last event is heard now, or the first one is at `start`; but not before what is stored.
+void EventPlaces::choose_origin(const Instant& heard_at, double period_s) {
+  Instant origin = origin_for(waiting_.back().event, heard_at);
+  if (!archive_.origin() && options_.start) origin = *options_.start;
+  const Beat& first = waiting_.front().event;
+  const auto last_stored = archive_.last_time();
+  if (last_stored && !(origin_for(first, *last_stored) < origin))
+    origin = origin_for(first, *last_stored + period_s);
+  archive_.set_origin(origin);
+  origin_holds_ = true;
+}
+
+EventPlaces::Placed EventPlaces::take(const ClockLog& log, const Instant& heard_at,
+                                      double period_s) {
+  Placed placed;
+  if (waiting_.empty()) return placed;
+  if (!has_dates(log) && !origin_holds_) {
+    // Of a source that began again in between nobody can tell when the events before were.
+    const auto anew = std::find_if(waiting_.rbegin(), waiting_.rend(),
+                                   [](const Arrival& arrival) { return arrival.begins_anew; });
+    if (anew != waiting_.rend()) {
+      const auto first = std::prev(anew.base());
+      for (auto arrival = waiting_.begin(); arrival != first; ++arrival)
+        placed.left_out.push_back(arrival->event);
+      waiting_.erase(waiting_.begin(), first);
+    }
+    choose_origin(heard_at, period_s);
+  }
+  for (const Arrival& arrival : waiting_) {
+    Beat event = arrival.event;
+    event.time = absolute(arrival.event, log);
+    constexpr std::int64_t latest_s = 9'223'372'036; // in the year 2262
+    if (event.time.seconds < 0 || event.time.seconds > latest_s)
+      placed.left_out.push_back(arrival.event);
+    else
+      placed.events.push_back({as_stored(event), has_dates(log) && arrival.begins_anew});
+  }
+  waiting_.clear();
+  return placed;
+}
+
+} // namespace goingrate::apps

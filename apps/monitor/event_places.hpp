@@ -1,0 +1,61 @@
+// Where the events of a source stand in the calendar.
+#pragma once
+
+#include "archive.hpp"
+#include "arrivals.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// How the times of a source are to be placed.
+struct PlaceOptions {
+  std::optional<Instant> start; ///< when a source without dates counts from
+  bool source_is_live = true;   ///< its events are heard as they happen
+};
+
+/// Times with dates are taken as they are. Others count from an origin that is found from when the
+/// first events are heard, noted in the archive, and kept while the source goes on from what is
+/// stored.
+class EventPlaces {
+public:
+  using Arrival = Arrivals::Arrival;
+
+  EventPlaces(Archive& archive, const PlaceOptions& options)
+      : archive_(archive), options_(options) {}
+
+  /// The first event of a run. Returns the last one stored, as the source would have told it, if
+  /// the event may go on from there. `may_be_read_again`: the source may tell what is stored.
+  std::optional<Beat> meet(const Beat& event, const ClockLog& log, bool may_be_read_again);
+  /// Whether the event is stored already, as the lines of a file are that is read again.
+  [[nodiscard]] bool is_stored(const Beat& event, const ClockLog& log);
+  /// An event that was believed.
+  void add(const Arrival& arrival, const ClockLog& log, const Instant& now);
+  [[nodiscard]] bool is_empty() const { return waiting_.empty(); }
+  /// Whether more must be heard first: lines that a source wrote before it was listened to come in
+  /// a burst, and only the last of them tells the time.
+  [[nodiscard]] bool is_in_burst(const ClockLog& log, const Instant& now) const;
+
+  /// What was added, some of it with its place and some that has none.
+  struct Placed {
+    std::vector<Arrival> events; ///< times count from 1970, as the archive keeps them
+    std::vector<Beat> left_out;  ///< as they were told
+  };
+  /// `heard_at`: when the last event was heard.
+  [[nodiscard]] Placed take(const ClockLog& log, const Instant& heard_at, double period_s);
+
+private:
+  [[nodiscard]] Instant absolute(const Beat& event, const ClockLog& log) const;
+  void choose_origin(const Instant& heard_at, double period_s);
+
+  Archive& archive_;
+  PlaceOptions options_;
+  bool origin_holds_ = false; // times without a date count from the archive's origin
+  bool is_unsure_ = false;    // nothing of this run was believed yet
+  bool skips_stored_ = false;
+  std::vector<Arrival> waiting_;
+  Instant waiting_since_;
+};
+
+} // namespace goingrate::apps
