@@ -40,7 +40,7 @@ void add_output_option(CLI::App& command, BatchOptions& options, const char* wha
   command.add_option("-o,--output", options.output, what);
 }
 
-// Given before the command of the jobs or behind it.
+// These options may stand before the command of the jobs or after it.
 void add_batch_options(CLI::App& command, BatchOptions& options) {
   const std::size_t others = command.get_options().size();
   add_output_option(command, options, "the file of lines; standard output if not given");
@@ -134,7 +134,9 @@ void tell(const BatchOutcome& outcome, const GlobalOptions& global) {
                   outcome.seconds_in_jobs / static_cast<double>(now), outcome.longest_job,
                   outcome.longest_s));
   if (outcome.failed > 0)
-    say(global, fmt::format("{} jobs failed: their lines say why", outcome.failed));
+    say(global, outcome.failed == 1
+                    ? "one job failed: its line says why"
+                    : fmt::format("{} jobs failed: their lines say why", outcome.failed));
 }
 
 void run_jobs(BatchRequest request, const GlobalOptions& global) {
@@ -285,7 +287,7 @@ void add_batch(CLI::App& program, const GlobalOptions& global) {
       "  goingrate batch --scenario FILE --realisations N -- fit ... -o FILE\n"
       "  goingrate batch merge SHARE ... -o FILE\n"
       "  goingrate batch summary FILE\n"
-      "Example:\n  goingrate batch fit data/logs --fix T0=2 -o logs.jsonl");
+      "Example:\n  goingrate batch rate data/logs/*.csv -o logs.jsonl");
   command->callback([command, options, &global] { run(*options, command->remaining(), global); });
 }
 

@@ -69,7 +69,7 @@ void add_chart(CLI::App& program, const GlobalOptions& global) {
       ->check(positive())
       ->capture_default_str();
   add_plot_option(*command, options->plot, "one scene")->excludes(limits);
-  command->add_option("--scene", options->scene, "the scene of the figure")
+  command->add_option("--scene", options->scene, "the scene that --plot draws")
       ->check(one_of({"C steady", "C noisy", "jump", "ring-down", "near stall", "large amplitude"}))
       ->capture_default_str();
   command

@@ -51,13 +51,15 @@ void say(const GlobalOptions& global, std::string_view line) {
     std::fputs((shown + '\n').c_str(), stderr);
     return;
   }
+  constexpr const char* wipe = "\r\x1b[K"; // what a line of progress may have left
   const std::string lines = wrapped(shown, terminal, 2);
   const std::size_t colon = lines.find(": ");
   const bool has_kind = colon < lines.find(' '); // "assumed: ...", "warning: ..."
   const std::string kind = has_kind ? lines.substr(0, colon + 1) : "";
   const Paint paint = kind == "warning:" ? Paint::warning : Paint::note;
   std::fputs(
-      fmt::format("{}{}\n", kind.empty() ? "" : painted(kind, paint), lines.substr(kind.size()))
+      fmt::format("{}{}{}\n", wipe, kind.empty() ? "" : painted(kind, paint),
+                  lines.substr(kind.size()))
           .c_str(),
       stderr);
 }
@@ -73,8 +75,8 @@ void add_log_options(CLI::App& command, LogOptions& options) {
 
 namespace {
 
-void add_weather_options(CLI::App& command, WeatherRequest& weather) {
-  constexpr const char* group = "Weather from files of its own";
+void add_weather_options(CLI::App& command, WeatherRequest& weather, std::string& site) {
+  constexpr const char* group = "What surrounds the clock";
   auto* files =
       command
           .add_option("--weather", weather.files,
@@ -89,6 +91,11 @@ void add_weather_options(CLI::App& command, WeatherRequest& weather) {
       ->group(group);
   command.add_option("--weather-offset", weather.offset_s, "s to add to its times")
       ->needs(files)
+      ->group(group);
+  command
+      .add_option("--site", site,
+                  "LATITUDE,LONGITUDE of the clock, degrees, north and east positive: what Moon and "
+                  "Sun do to a dated log becomes known")
       ->group(group);
 }
 
@@ -126,7 +133,7 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
           "are; found by itself if not given")
       ->check(not_negative());
   add_reading_options(command, options);
-  add_weather_options(command, options.weather);
+  add_weather_options(command, options.weather, options.site);
 }
 
 void add_reading_options(CLI::App& command, LogOptions& options) {
@@ -313,6 +320,13 @@ LoadRequest load_request(const LogOptions& options) {
   }
   request.reading = reading_options(options);
   request.weather = options.weather;
+  if (!options.site.empty()) {
+    request.site = parse_site(options.site);
+    if (!request.site)
+      throw ArgumentError("site", options.site,
+                          "LATITUDE,LONGITUDE in degrees, north and east positive, such as "
+                          "51.48,-0.0015");
+  }
   request.both_edges = options.both_edges;
   request.dead_time_s = options.dead_time_s;
   if (options.flag_width_rad > 0.0) request.flag_width_rad = options.flag_width_rad;
@@ -377,6 +391,8 @@ std::string_view option_of(Setting setting) {
     return "--weather";
   case Setting::weather_zone:
     return "--weather-zone";
+  case Setting::site:
+    return "--site";
   }
   return {};
 }

@@ -41,6 +41,7 @@ struct LogOptions {
   double clock_ppm = usual_clock_ppm;
   bool strict = false;
   WeatherRequest weather;
+  std::string site; ///< LATITUDE,LONGITUDE; empty: not given
   std::optional<double> dead_time_s;
   bool phases_will_do = false; ///< the command takes data on a grid that are no clock's
   double unpacked_limit_gib = static_cast<double>(usual_unpacked_limit) / gib;
@@ -58,21 +59,21 @@ void add_log_settings(CLI::App& command, LogOptions& options);
 /// Of these, the ones that say how the text is read.
 void add_reading_options(CLI::App& command, LogOptions& options);
 
-/// What the reader is told.
+/// What the options ask of the reader.
 ReadingOptions reading_options(const LogOptions& options);
 
 /// One issue as a line: file:line:column: what was found: what was done.
 std::string words_for(const LineIssue& issue, const ClockLog& log);
 
-/// What the road of a log is told.
+/// What the options ask of load().
 LoadRequest load_request(const LogOptions& options);
 
 /// Reads and numbers the log; says on standard error what was assumed and what was wrong.
 NumberedLog load(const LogOptions& options, const GlobalOptions& global);
 
-/// Puts the options that say otherwise behind what was assumed.
+/// Appends to each assumption the option that says otherwise.
 void name_options(std::vector<Assumption>& assumptions);
-/// And behind the notes of a fit the options that would help.
+/// Appends to the notes of a fit the options that would help.
 void name_options(FitSummary& fit);
 
 /// Usage that only a library finds wrong.

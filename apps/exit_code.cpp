@@ -20,7 +20,7 @@ constexpr const char* out_of_memory =
     "this needs more memory than there is: take a part of the log (split it, or leave out every "
     "other line), or fewer periods or realisations at a time";
 
-// By which options the likeliest other readings are had.
+// The likeliest other readings, each with the options that choose it.
 std::string other_readings(const ImpossibleReading& error) {
   std::string text;
   for (const OtherReading& other : error.others())
@@ -28,7 +28,7 @@ std::string other_readings(const ImpossibleReading& error) {
   return text;
 }
 
-// What must be left out is said as a sentence: its reason first.
+// For an option that must be left out, a sentence that begins with the reason.
 std::string words_for_option(const ArgumentError& error) {
   constexpr std::string_view leave_out = "left out: ";
   if (!error.legal().starts_with(leave_out)) return std::string("--") + error.what();
@@ -56,8 +56,8 @@ Failure current_failure(const CLI::App* program) {
   } catch (const UsageError& error) {
     return {wrong_usage, error.what()};
   } catch (const UnfinishedBatch& error) {
-    return {wrong_usage, fmt::format("{}: --resume does the rest; without that file the batch "
-                                     "begins again",
+    return {wrong_usage, fmt::format("{}: --resume does the rest; delete that file to begin "
+                                     "the batch again",
                                      error.what())};
   } catch (const NoStationarySwing& error) {
     return {no_result, error.what()};
@@ -69,7 +69,7 @@ Failure current_failure(const CLI::App* program) {
     return {no_output, error.what()};
   } catch (const std::bad_alloc&) {
     return {bad_input, out_of_memory};
-  } catch (const std::length_error&) { // more than any memory holds
+  } catch (const std::length_error&) { // of a vector longer than any memory
     return {bad_input, out_of_memory};
   } catch (const std::exception& error) {
     return {our_fault, error.what()};

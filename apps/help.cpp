@@ -84,7 +84,8 @@ and the lengths of the two half swings give amplitudes.
           series = "mu.csv"
 [length]  relative changes: drift_per_day,
           sine = [{amplitude = 1e-6, period = 86400.0}],
-          temperature_coefficient (per K, of the temperature below)
+          temperature_coefficient (per K, of the temperature below);
+          compensation (per K, takes off again), compensation_lag (s)
 [temperature]
           mean (degrees C), drift_per_day (K),
           sine = [{amplitude = 2.0, period = 86400.0}] (K, s)

@@ -1,5 +1,6 @@
 // goingrate paper: the paper's figures and numbers, computed again.
 #include "plot.hpp"
+#include "print_page.hpp"
 #include "progress.hpp"
 
 #include "goingrate/base/atomic_file.hpp"
@@ -38,9 +39,13 @@ void run(const PaperCommand& options, const GlobalOptions& global) {
     tell_of_missing_gnuplot(global);
     if (!found) throw ArgumentError("figure", options.figure, "rate, jump_zoom, jump or quasistat");
     files.emplace_back(inside(options.folder, "paper.md"), paper_text(results));
+    files.emplace_back(inside(options.folder, "paper.html"), paper_page(results));
   }
   files.push_back({options.json == "-" ? "" : "-", paper_text(results)});
   write_whole_files(files);
+  if (!options.folder.empty() && !print_page(inside(options.folder, "paper.html"),
+                                             inside(options.folder, "paper.pdf")))
+    say(global, "paper.pdf is not made: there is no Chromium or Chrome that prints paper.html");
 }
 
 } // namespace
@@ -51,7 +56,8 @@ void add_paper(CLI::App& program, const GlobalOptions& global) {
   auto options = std::make_shared<PaperCommand>();
   auto* folder =
       command->add_option("-o,--output", options->folder,
-                          "folder for paper.md and the figures (SVG, PDF, PNG, gnuplot, CSV)");
+                          "folder for paper.html, a companion to the paper (paper.pdf where Chromium is "
+                          "installed), paper.md, and the figures (SVG, PDF, PNG, gnuplot, CSV)");
   auto* figure = command->add_option("--figure", options->figure,
                                      "only this one: rate, jump_zoom, jump, quasistat");
   offers(figure, {"rate", "jump_zoom", "jump", "quasistat"})->needs(folder);

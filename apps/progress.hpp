@@ -50,7 +50,7 @@ private:
   std::condition_variable changed_;
   std::string what_;
   bool ended_ = false;
-  std::thread drawing_; // none if nobody looks, or if none can be had
+  std::thread drawing_; // not running if nobody looks, or if no thread can be started
 };
 
 } // namespace goingrate::apps

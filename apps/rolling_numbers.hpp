@@ -32,7 +32,7 @@ public:
   std::vector<Gap> take_gaps() { return std::exchange(gaps_, {}); }
 
   [[nodiscard]] double period_s() const { return period_s_; } ///< 0 until it is known
-  /// To compare with; 0 until it is known.
+  /// The period that rates are compared with, s; 0 until it is known.
   [[nodiscard]] double nominal_period_s() const { return nominal_period_s_; }
 
 private:

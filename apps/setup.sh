@@ -3,7 +3,7 @@
 # elsewhere says what is needed. Meant to be sourced. Silent if everything is there.
 goingrate_setup() {
   local packages=(g++ cmake ninja-build pkg-config libboost-dev libeigen3-dev libceres-dev libfftw3-dev
-    libfmt-dev libfast-float-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libzip-dev libsndfile1-dev
+    libfmt-dev libfast-float-dev libtomlplusplus-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libzip-dev libsndfile1-dev liberfa-dev
     libcpp-httplib-dev libsqlite3-dev "$@")
   # The report's page draws with plotly.js, which npm fetches; npm may have come without a package.
   command -v npm > /dev/null || packages+=(nodejs npm)

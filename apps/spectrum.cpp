@@ -59,7 +59,7 @@ std::string fold(const SpectrumCommand& options, const DriveAnalysis& drive, dou
   return profile_table(folded(drive.rates, period_s, options.fold_s, bins));
 }
 
-// What the rate is held against, once a cycle; an unknown value is that before it.
+// The series that the rate is compared with, per cycle; an unknown value repeats the one before.
 std::vector<double> cause_of(const SpectrumCommand& options, const NumberedLog& loaded) {
   const TimingData data = fit_data(loaded);
   const auto term = std::find_if(data.terms.begin(), data.terms.end(),
@@ -125,11 +125,12 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
   const NumberedLog loaded = load(options.log, global);
   check_against(options, loaded);
   const FitRequest request = fit_request(options.model);
+  const TimingData times = fit_data(loaded);
   const FitOptions asked = fit_options(searching(request), loaded);
   FitSummary fit;
   const DriveAnalysis drive = [&] {
     StepLine now(global.quiet, "fitting the model");
-    fit = fit_clock(fit_data(loaded), loaded.nominal_period_s, asked);
+    fit = fit_clock(times, loaded.nominal_period_s, asked);
     now("spectrum of the rate, fast and slow drive");
     return analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
   }();
@@ -137,7 +138,9 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", loaded.good.size()));
   std::string text = drive_text(drive, expected_periods(options, loaded));
-  for (const CovariateEffect& effect : covariate_effects(fit_data(loaded)))
+  std::vector<CovariateEffect> effects = covariate_effects(times);
+  tell_ways(times, fit, effects);
+  for (const CovariateEffect& effect : effects)
     text += covariate_text(effect) + "\n";
   const bool talk = options.json != "-" && options.output != "-" && options.fold_output != "-" &&
                     options.gapped_output != "-" && options.coherence_output != "-";

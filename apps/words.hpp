@@ -12,13 +12,13 @@ namespace goingrate::apps {
 CLI::Validator one_of(std::vector<std::string> words);
 
 /// Words that the option takes among others: they are completed, and checked by whoever reads them.
-/// One that ends in '=' goes on behind it.
+/// A word that ends in '=' is followed by a value.
 CLI::Option* offers(CLI::Option* option, const std::vector<std::string>& words);
 
 /// All words that one_of() or offers() gave an option.
 std::vector<std::string> words_of(CLI::Option& option);
 
-/// What may stand for the last of `words` (those behind `goingrate`), given the others: commands,
+/// What may stand for the last of `words` (those after `goingrate`), given the others: commands,
 /// options, words of an option. Nothing where that is for the user to know: a file, a number.
 std::vector<std::string> completions(CLI::App& program, std::vector<std::string> words);
 

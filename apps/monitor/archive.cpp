@@ -26,8 +26,8 @@ constexpr int decimals = 9; // of a second
 
 [[noreturn]] void fail(const std::string& path) { throw OutputError(path, std::strerror(errno)); }
 
-// Cuts a file behind its last whole line: what a failure of power may leave at the end is part of a
-// line, or zeros. Whatever else is wrong in it stays, for a person to see.
+// Cuts a file after its last whole line: a power failure may leave part of a line, or zeros, at the
+// end. Whatever else is wrong in it stays, for a person to see.
 void cut_torn_line(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -185,7 +185,7 @@ void Archive::write_or_close(const std::string& header) {
 void Archive::write(const std::string& text) {
   struct stat before {};
   if (::fstat(file_, &before) != 0) fail(path_of(day_));
-  if (before.st_nlink == 0) { // somebody removed it: the next event begins it anew
+  if (before.st_nlink == 0) { // somebody removed it: the next event creates it again
     close_day();
     throw OutputError(path_of(day_), "the file was removed");
   }

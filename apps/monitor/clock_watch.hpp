@@ -20,7 +20,7 @@
 
 namespace goingrate::apps {
 
-/// What a watch is told.
+/// The settings of a watch.
 struct WatchOptions {
   LogOptions log;
   std::string folder;

@@ -14,7 +14,7 @@ public:
   /// The mean of the minute that begins `minute` minutes after 1970, less the wave learnt before
   /// it; nothing if it is not known.
   std::optional<double> without(std::int64_t minute, std::optional<double> mean);
-  /// The level is another by so much: what was learnt is taken to have been at the new one.
+  /// The level has changed by `size`: what was learnt is moved along with it.
   void stepped(double size);
 
 private:

@@ -68,7 +68,7 @@ void EventPlaces::choose_origin(const Instant& heard_at, double period_s) {
   const auto last_stored = archive_.last_time();
   if (last_stored && !(origin_for(first, *last_stored) < origin))
     origin = origin_for(first, *last_stored + period_s);
-  archive_.set_origin(origin);
+  archive_.set_origin(as_stored_at(origin)); // as a later run will read it
   origin_holds_ = true;
 }
 

@@ -24,7 +24,8 @@ struct AlarmRecord {
 };
 
 /// DIR/.index.sqlite, hidden so that the folder is a log. Throws OutputError where it cannot be
-/// written. A file that is no such index is replaced (MonitorIndexTest.IsMadeAgain).
+/// written. A file that is no such index, or a damaged one, is replaced
+/// (MonitorArchiveTest.TheIndexIsMadeAgainFromNothing, .AnIndexThatIsDamagedIsMadeAgain).
 class ArchiveIndex {
 public:
   explicit ArchiveIndex(const std::string& folder);

@@ -25,7 +25,7 @@ ListenAddress parse_address(const std::string& text);
 /// localhost or an address is refused, so that no page of the web reads it through a name of its own.
 class MonitorServer {
 public:
-  /// Listens at once. Throws OutputError if the address cannot be had.
+  /// Listens at once. Throws OutputError if the address cannot be used.
   explicit MonitorServer(const ListenAddress& address);
   /// Ends the process where a client still holds a thread after three seconds: what is to be kept
   /// must be on disk by then.

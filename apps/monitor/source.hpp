@@ -17,7 +17,7 @@ bool ends_for_good(const std::string& source);
 /// beats another process writes into a pipe, a FIFO held open so that its writers may come and go.
 class OpenSource {
 public:
-  /// Throws InputError if it cannot be had, ArgumentError for a speed that serial lines do not
+  /// Throws InputError if it cannot be opened, ArgumentError for a speed that serial lines do not
   /// have.
   explicit OpenSource(const std::string& source);
   ~OpenSource();

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # libraries.sh FOLDER [headers]: compiles to WebAssembly what goingrate is built from and Debian has as source, and
-# leaves it in FOLDER/prefix: zlib, libzip, libsndfile, FFTW, Ceres. Headers that need no compiling are
+# leaves it in FOLDER/prefix: zlib, libzip, libsndfile, ERFA, FFTW, Ceres. Headers that need no compiling are
 # linked there from /usr/include, whose other headers are those of another system. A library that is
 # there is not built again. The system's own list of sources stays as it is. With "headers" nothing is compiled.
 set -euo pipefail
@@ -13,10 +13,13 @@ mkdir -p "$prefix/include" "$prefix/lib" "$prefix/done"
 export GOINGRATE_WEB_PREFIX=$prefix
 
 fetch_sources() { # PACKAGE ...
-  [ ! -e sources/done ] || return 0
+  local package release missing=
+  for package in "$@"; do
+    [ -d "sources/$package" ] || missing=$package
+  done
+  [ ! -e sources/done ] || [ -n "$missing" ] || return 0
   rm -rf sources
   mkdir -p sources/lists/partial
-  local release
   release=$(. /etc/os-release && echo "$VERSION_CODENAME")
   echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian $release main" \
     > sources/sources.list
@@ -24,7 +27,6 @@ fetch_sources() { # PACKAGE ...
     -o "Dir::State::Lists=$PWD/sources/lists" -o APT::Sandbox::User=root)
   "${apt[@]}" update > /dev/null
   (cd sources && "${apt[@]}" source --download-only "$@" > /dev/null)
-  local package
   for package in "$@"; do
     dpkg-source --no-check -x sources/"${package}"_*.dsc "sources/$package" > /dev/null
   done
@@ -100,6 +102,19 @@ libsndfile() {
   cp sources/libsndfile/include/sndfile.h "$prefix/include"
 }
 
+# Its sources need no configuring but for a version, which nobody asks for.
+erfa() {
+  cp sources/erfa/src/*.h "$prefix/include"
+  [ "$form" = whole ] || return 0
+  mkdir -p erfa
+  local source
+  for source in sources/erfa/src/*.c; do
+    case $source in */t_erfa_c.c | */t_erfa_c_extra.c | */erfaversion.c) continue ;; esac
+    "$here/cc" -O2 -c "$source" -o "erfa/$(basename "$source" .c).o"
+  done
+  emar rcs "$prefix/lib/liberfa.a" erfa/*.o
+}
+
 fftw() {
   by_cmake fftw3 -DHAVE_MACH_ABSOLUTE_TIME=OFF -DHAVE_SYSCTL=OFF -DBUILD_TESTS=OFF
   keep fftw3/libfftw3.a
@@ -127,10 +142,11 @@ headers() {
   done
 }
 
-fetch_sources zlib libzip libsndfile fftw3 ceres-solver
+fetch_sources zlib libzip libsndfile erfa fftw3 ceres-solver
 once headers headers
 once zlib zlib
 once libzip libzip
 once libsndfile libsndfile
+once erfa erfa
 once fftw fftw
 once ceres ceres

@@ -1,5 +1,5 @@
-// All of goingrate: a log becomes beats, beats an Analysis; a scenario becomes crossings and a log.
-// apps/examples has whole programs.
+// Includes every public header. A log becomes beats and these an Analysis; a scenario becomes
+// crossings and a log. apps/examples has whole programs.
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"
@@ -67,6 +67,7 @@
 #include "goingrate/log/rates.hpp"
 #include "goingrate/log/reading.hpp"
 #include "goingrate/log/sensor.hpp"
+#include "goingrate/log/tides.hpp"
 #include "goingrate/log/weather.hpp"
 #include "goingrate/log/writing.hpp"
 #include "goingrate/report/batch_report.hpp"

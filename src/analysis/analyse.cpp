@@ -1,5 +1,7 @@
 #include "goingrate/analysis/analyse.hpp"
 
+#include "rounding.hpp"
+
 #include "base/scaled_time.hpp"
 #include "fit/fit_setup.hpp"
 
@@ -133,6 +135,8 @@ PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nomi
   const Instant begin = last.start + 0.75 * last.rate.duration_s;
   const auto at = std::find_if(beats.begin(), beats.end(),
                                [&](const Beat& beat) { return beat.time >= begin; });
+  constexpr std::ptrdiff_t fewest_beats = 20; // in which σ is told from neighbouring beats
+  if (beats.end() - at < fewest_beats) return last;
   const auto quarter = rates_between({at, beats.end()}, {}, nominal_period_s);
   if (quarter.empty()) return last;
   const RateSummary& rate = quarter.back().rate;
@@ -291,6 +295,7 @@ std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const 
 } // namespace
 
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
+  if (rounding_explains(times)) return {};
   Diary diary = keep_diary(loaded.good, loaded.nominal_period_s);
   TimingData levelled = times;
   level_interruptions(diary, levelled);
@@ -373,7 +378,7 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   input.nominal_period_s = loaded.nominal_period_s;
   input.changes = diary.changes;
   std::erase_if(input.changes, [](const Change& change) { return change.is_only_noted(); });
-  input.lines = without_pushes(drive.lines, times);
+  input.lines = without_rounding(without_pushes(drive.lines, times), times);
   if (drive.response) // of corner 2 epsilon / T0
     input.relaxation_s = 1.0 / (two_pi * drive.response->corner_hz);
   // Pushes that come seldom vary more than those of every swing, and no list says what is usual.
@@ -429,6 +434,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   complete(data.now.rate);
   tell("looking at weather and amplitude");
   data.covariates = covariate_effects(times);
+  tell_ways(times, data.fit, data.covariates);
   data.isochronism = isochronism(times, data.fit);
   tell("spectrum of the rate, fast and slow drive");
   data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
@@ -439,7 +445,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   DiagnosisInput causes = diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit);
   if (follows_changes(data) && data.diary.interruptions.empty())
     causes.explained = std::exchange(causes.changes, {});
-  data.suspicions = diagnose(causes);
+  if (!rounding_explains(times)) data.suspicions = diagnose(causes);
   name_weather(data.covariates, data.suspicions);
   tell("stability");
   const PhaseSeries phase = phase_series(loaded);

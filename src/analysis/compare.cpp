@@ -18,7 +18,7 @@ constexpr std::size_t fewest_common = 64, most_blocks = 240;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// A series with one value a beat, on the straight line between them; NaN where more than one beat
+/// A series with one value per beat, on the straight line between; NaN where more than one beat
 /// is missing. To be asked at rising times.
 class Between {
 public:
@@ -140,7 +140,7 @@ ComparedClock compared(const NumberedLog& one, const CommonTimes& times,
   return clock;
 }
 
-// Of the blocks in which both are known.
+// The correlation over the blocks in which both are known.
 double correlation(std::span<const double> a, std::span<const double> b) {
   double mean_a = 0.0, mean_b = 0.0, count = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -168,7 +168,8 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return result;
 }
 
-// Of a variance that is known to so much relative to itself: chi2 with that many degrees.
+// The degrees of freedom of a chi2 variable with the relative spread of this variance; n/m if it
+// has no interval.
 double edf_of(const DeviationRow& row) {
   constexpr double fewest = 1.0;
   if (!row.interval)

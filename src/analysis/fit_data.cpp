@@ -1,6 +1,7 @@
 // What the fit is given of a log: times, amplitudes, and what outside the clock may drive its rate.
 #include "goingrate/analysis/analyse.hpp"
 
+#include "goingrate/log/tides.hpp"
 #include "goingrate/log/weather.hpp"
 
 #include <algorithm>
@@ -95,6 +96,15 @@ void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
     }
 }
 
+// Of a clock whose place and dates are known.
+std::optional<RateTerm> tide_term(const NumberedLog& loaded, const TimingData& data) {
+  const ClockLog& log = loaded.log;
+  if (!log.site || log.origin == TimeOrigin::none || loaded.good.empty()) return {};
+  Instant begin = loaded.good.front().time;
+  begin.seconds -= seconds_before_1970(log.origin);
+  return RateTerm{"tide", "", tidal_advance(data.elapsed_s, begin, *log.site)};
+}
+
 } // namespace
 
 TimingData fit_data(const NumberedLog& loaded) {
@@ -121,6 +131,7 @@ TimingData fit_data(const NumberedLog& loaded) {
     add("density", "m^3/kg",
         air_density(columns.temperature_c, columns.pressure_mbar, columns.humidity_percent));
   put_interpolation(loaded.log, data.terms);
+  if (const auto tide = tide_term(loaded, data)) data.terms.push_back(*tide);
   const bool swings = data.no_swings.empty() && data.reference_period_s <= longest_swing_s;
   if (swings) data.impulses = find_impulse_cycle(data);
   if (data.impulses) level_impulses(*data.impulses, data);

@@ -33,29 +33,32 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   return event;
 }
 
-// The column that the log lacks for this parameter; nothing if it has all.
-std::string missing_column(const std::string& parameter, const EventColumns& columns) {
+// What the log lacks for this parameter; nothing if it has all.
+std::string missing_for(const std::string& parameter, const ClockLog& log) {
+  const EventColumns& columns = log.columns;
   const bool needs_both = parameter == "density";
   if ((parameter == "temperature" || needs_both) && columns.temperature_c.empty())
-    return "temperature";
-  if ((parameter == "pressure" || needs_both) && columns.pressure_mbar.empty()) return "pressure";
-  if (parameter == "humidity" && columns.humidity_percent.empty()) return "humidity";
+    return "temperature column";
+  if ((parameter == "pressure" || needs_both) && columns.pressure_mbar.empty())
+    return "pressure column";
+  if (parameter == "humidity" && columns.humidity_percent.empty()) return "humidity column";
+  if (parameter == "tide" && log.origin == TimeOrigin::none) return "date";
+  if (parameter == "tide" && !log.site) return "place of its clock";
   return {};
 }
 
-void check_column(const char* role, const std::string& parameter, const EventColumns& columns) {
-  if (const std::string missing = missing_column(parameter, columns); !missing.empty())
-    throw ArgumentError(role, parameter,
-                        fmt::format("left out: this log has no {} column", missing));
+void check_for(const char* role, const std::string& parameter, const ClockLog& log) {
+  if (const std::string missing = missing_for(parameter, log); !missing.empty())
+    throw ArgumentError(role, parameter, fmt::format("left out: this log has no {}", missing));
 }
 
-void check_columns(const FitRequest& request, const EventColumns& columns) {
+void check_terms(const FitRequest& request, const ClockLog& log) {
   for (const std::string& name : request.freed)
-    check_column("free", name, columns);
+    check_for("free", name, log);
   for (const auto& [name, value] : request.fixed)
-    check_column("fix", name, columns);
+    check_for("fix", name, log);
   for (const Prior& prior : request.priors)
-    check_column("prior", prior.name, columns);
+    check_for("prior", prior.name, log);
 }
 
 // A file that asks for what this log cannot give is the file's fault; said where it asks.
@@ -68,9 +71,9 @@ void check_against(const ParFile& file, const NumberedLog& loaded) {
                        fmt::format("one inside the log, between {} and {}", first, last));
   }
   for (const auto& [name, place] : file.parameter_places)
-    if (const std::string missing = missing_column(name, loaded.log.columns); !missing.empty())
+    if (const std::string missing = missing_for(name, loaded.log); !missing.empty())
       throw InputError(place, fmt::format("'{}'", name),
-                       fmt::format("a log with a column of {}", missing));
+                       fmt::format("a log with a {}", missing));
 }
 
 FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
@@ -172,7 +175,7 @@ FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded) {
   put_word("noise", request.noise, "jitter, drive, both, slow or auto", set_noise, result);
   put_word("escapement", request.escapement, "constant-torque, single-impulse, none or auto",
            set_escapement, result);
-  check_columns(request, loaded.log.columns);
+  check_terms(request, loaded.log);
   put_events(request, loaded, result);
   put_fixed(request, result);
   put_freed(request, result);

@@ -1,5 +1,6 @@
 #include "goingrate/analysis/load.hpp"
 
+#include "base/time_grain.hpp"
 #include "log/typical_period.hpp"
 #include "log/unused_options.hpp"
 #include "log/usual_step.hpp"
@@ -27,6 +28,7 @@ public:
   NumberedLog run() {
     tell_unused(loaded_.log, request_.reading);
     join_weather(loaded_.log, request_.weather);
+    if (request_.site) loaded_.log.site = request_.site;
     if (loaded_.log.grid)
       take_grid();
     else
@@ -35,6 +37,7 @@ public:
     choose_good();
     loaded_.sensor.amplitude = summarise_amplitudes(loaded_.good);
     refuse_if_numbered_wrong();
+    say_if_times_are_coarse();
     say_if_every_second_is_missing();
     if (loaded_.good.size() < 3)
       throw NumericsError(fmt::format(
@@ -86,6 +89,21 @@ private:
         loaded_.log.place(loaded_.good.front().line),
         fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
         "the beats of one clock", readings_for_period(mean, typical));
+  }
+
+  // A logger's steps that hide more than a second a day from one beat to the next, and are most of
+  // what beats scatter by.
+  void say_if_times_are_coarse() {
+    if (loaded_.log.grid || loaded_.good.size() < 3) return;
+    const std::span<const Beat> good = loaded_.good;
+    const double period_s = loaded_.beats.typical_period_s;
+    const double grain_s = time_grain(std::min(good.size(), times_for_grain), period_s,
+                                      [&](std::size_t i) { return good[i].time - good[0].time; });
+    constexpr double coarse = 1e-5; // of a period: 0.9 s/day
+    if (!(grain_s > coarse * period_s && 2.0 * rounding_sigma(grain_s) > loaded_.beats.scatter_s))
+      return;
+    assume(fmt::format("the times are whole multiples of {:.6g} s: each is rounded by {:.2g} s rms",
+                       grain_s, rounding_sigma(grain_s)));
   }
 
   void say_if_every_second_is_missing() {

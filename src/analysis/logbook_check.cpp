@@ -100,7 +100,7 @@ void take_entry(const LogbookEntry& entry, std::span<const Beat> beats, Diary& d
   change->planned = planned_by(entry);
 }
 
-/// What the log shows, and who wrote it down.
+/// Matches what the log shows with what was written down.
 class Check {
 public:
   Check(const Analysis& data, const FitSummary& fit)
@@ -148,7 +148,7 @@ private:
     return to_s < begin_s || at_s > end_s;
   }
 
-  // Beats tell a setting but for whole periods: those are as planned.
+  // Beats tell how far a clock was set, except for whole periods: these are taken from the plan.
   void take_setting(const LogbookEntry& entry, const LogbookEntry& seen,
                     EntryFinding& found) const {
     found.found = seen.value;
@@ -234,7 +234,7 @@ private:
   Instant first_;
   double last_s_;
   std::vector<LogbookEntry> findings_;
-  std::vector<bool> written_; // the findings that an entry names
+  std::vector<bool> written_; // for each finding: an entry names it
 };
 
 LogbookEntry entry_of(const Change& change, const Analysis& data) {
@@ -335,7 +335,7 @@ std::string_view name_of(EntryVerdict verdict) {
 }
 
 void take_entries(const Logbook& logbook, std::span<const Beat> beats, Diary& diary) {
-  for (const bool whole_day : {false, true}) // who knows the time is asked first
+  for (const bool whole_day : {false, true}) // those with a time of day choose first
     for (const LogbookEntry& entry : logbook.entries)
       if (entry.whole_day == whole_day && kind_of(entry.what)) take_entry(entry, beats, diary);
 }

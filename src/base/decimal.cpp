@@ -90,7 +90,7 @@ Characters text_of(std::uint64_t value, int count) {
   return all >> (128 - 8 * count);
 }
 
-// With a point behind the first `whole` characters, 1 to 14.
+// The characters with a point after the first `whole`, 1 to 14.
 Characters with_point(Characters text, int whole) {
   const int bits = 8 * whole;
   const Characters before = text & ((static_cast<Characters>(1) << bits) - 1);
@@ -107,7 +107,7 @@ int zeros_behind(Characters text, int count) {
   return (high != 0 ? std::countl_zero(high) : 64 + std::countl_zero(low)) / 8;
 }
 
-// Writes one number behind the text.
+// Appends one number to the text.
 class Pen {
 public:
   explicit Pen(DecimalText& text) : text_(text.characters()) {
@@ -119,7 +119,7 @@ public:
   Pen(const Pen&) = delete;
   Pen& operator=(const Pen&) = delete;
 
-  // At most sixteen.
+  // Writes the first `count` characters, at most sixteen.
   void put(Characters text, int count) {
     if constexpr (std::endian::native == std::endian::little)
       std::memcpy(at_, &text, sizeof text);

@@ -8,7 +8,7 @@ namespace goingrate {
 /// What the name of a draft of `target` begins with; six letters follow.
 std::string draft_prefix(const std::string& target);
 
-/// What stands behind the name of a draft where the target's old file is kept for a moment.
+/// Suffix of the name of a draft under which the target's old file is kept for a moment.
 inline constexpr const char* old_suffix = "-old";
 
 /// Removes the leftovers of `target`: its drafts whose lock nobody holds. The folder is looked

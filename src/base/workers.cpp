@@ -28,7 +28,7 @@ private:
 };
 
 // Where memory is limited, the stacks of many threads would leave none for what they do. For each
-// thread so much is put aside until all are started: more than a thread of ours takes for itself.
+// thread this much is set aside until all are started: more than one of these threads needs.
 constexpr std::size_t room_a_thread = std::size_t{8} << 20;
 using Room = std::unique_ptr<char[]>;
 Room put_aside() { return Room(new (std::nothrow) char[room_a_thread]); }

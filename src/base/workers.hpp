@@ -1,4 +1,4 @@
-// Work that is shared among threads: as many as can be had, and one if there are no others.
+// Work that is shared among threads: as many as can be started, at least the caller's own.
 #pragma once
 
 #include "goingrate/base/pulse.hpp"
@@ -13,7 +13,7 @@ namespace goingrate {
 /// A thread that does `work`; one that is not joinable, and does nothing, if none can be started.
 std::thread thread_if_possible(std::function<void()> work);
 
-/// `wanted` threads, or one a processor if that is 0.
+/// `wanted` threads, or one per processor if that is 0.
 std::size_t threads_or_usual(std::size_t wanted);
 
 /// Calls `work` from `threads` threads at a time, the caller's among them, and returns when all are

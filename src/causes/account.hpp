@@ -20,7 +20,7 @@ namespace goingrate::timing_model {
 /// The gain from which on a cause is believed: odds of exp(3), about 20, to 1.
 inline constexpr double believed = 6.0;
 
-/// The courses of one cause, one value a block each.
+/// The courses of one cause, each with one value per block.
 struct Courses {
   std::vector<std::vector<double>> rate, amplitude;
   int dates = 0, times = 0; ///< dates and time constants that were searched for
@@ -58,7 +58,7 @@ public:
   /// Of the series' cosines, those of the courses taken, and noise that was fitted.
   WhitenedSeries(const std::vector<double>& series, const Series& taken, const RateNoise& noise);
   [[nodiscard]] const Eigen::VectorXd& rest() const { return rest_; }
-  /// Further courses, one a column, likewise less what those taken explain of them.
+  /// Further courses, one per column, likewise less what those taken explain of them.
   [[nodiscard]] Eigen::MatrixXd without_taken(const Series& courses) const;
   /// By how much further courses raise 2 log L.
   [[nodiscard]] double gain_of(const Series& courses) const;

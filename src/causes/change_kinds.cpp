@@ -167,7 +167,7 @@ Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s
 
 namespace {
 
-// From the change before to the next.
+// The stretch from the change before `at_s` to the one after it.
 Stretch stretch_about(double at_s, const TimingData& data, const std::vector<Change>& changes) {
   Stretch stretch{0.0, data.elapsed_s.back()};
   for (const Change& other : changes) {

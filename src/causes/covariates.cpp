@@ -6,8 +6,10 @@
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <fmt/format.h>
+#include <cstdint>
+#include <functional>
 #include <numeric>
 #include <optional>
 
@@ -31,42 +33,120 @@ std::vector<double> lagged(std::span<const double> value, double block_s, double
   return result;
 }
 
-/// The regression of a rate on a covariate through a lag. The first cosine is left out: taking off
-/// the line has emptied it.
+/// How a covariate is let act.
+struct Action {
+  double lag_s = 0.0;
+  bool also_at_once = false; ///< on a rod; through the lag on the rod's compensation
+};
+
+/// The regression of a rate on a covariate, at once or through a lag. The first cosine is left out:
+/// taking off the line has emptied it.
 class Regression {
 public:
-  Regression(std::span<const double> rate, std::span<const double> value, double block_s)
+  Regression(std::span<const double> rate, std::span<const double> value, double block_s,
+             bool may_lag, bool may_act_twice)
       : rate_(cosines(rate, true)), value_(value), block_s_(block_s) {
-    settle(0.0);
-    double best = found_.deviance, lag_found = 0.0;
-    const double plain = best;
-    constexpr double least_gain = 8.0; // of 2 log L: for one more parameter, looked for on a grid
-    const double longest = 0.1 * block_s * static_cast<double>(rate.size());
-    for (double lag = block_s; lag < longest; lag *= 1.3) {
-      settle(lag);
-      if (found_.deviance >= best || found_.deviance >= plain - least_gain) continue;
-      best = found_.deviance;
-      lag_found = lag;
-    }
-    settle(lag_found);
+    settle({});
+    if (!may_lag) return;
+    Action best;
+    double best_score = found_.deviance;
+    const double longest_s = 0.1 * block_s * static_cast<double>(rate.size());
+    for (double lag_s = block_s; lag_s < longest_s; lag_s *= 1.3)
+      for (int twice = 0; twice <= (may_act_twice ? 1 : 0); ++twice) {
+        constexpr double price = 8.0; // of 2 log L: for one more parameter, looked for on a grid
+        settle({lag_s, twice == 1});
+        const double score = found_.deviance + price * (1.0 + twice);
+        if (score >= best_score) continue;
+        best = action_;
+        best_score = score;
+      }
+    if (best.lag_s > 0.0) best.lag_s = refined(best);
+    settle(best);
+    allow_for_lag();
   }
 
+  /// When the covariate holds: of all that it does.
   [[nodiscard]] double coefficient() const { return found_.coefficients.front(); }
   [[nodiscard]] double sigma() const { return found_.sigmas.front(); }
-  [[nodiscard]] double lag_s() const { return lag_s_; }
+  [[nodiscard]] double lag_s() const { return action_.lag_s; }
+  /// Of what it does at once, where something else follows.
+  [[nodiscard]] std::optional<EffectPart> at_once() const {
+    if (!action_.also_at_once) return {};
+    return EffectPart{EffectWay::at_once, found_.coefficients[1], found_.sigmas[1]};
+  }
+  /// The rate that it makes, of other values of the covariate.
+  [[nodiscard]] std::vector<double> rate_of(std::span<const double> value) const {
+    std::vector<double> rate(value.size(), 0.0);
+    const auto courses = courses_of(value);
+    for (std::size_t k = 0; k < courses.size(); ++k)
+      for (std::size_t i = 0; i < rate.size(); ++i)
+        rate[i] += found_.coefficients[k] * courses[k][i];
+    return rate;
+  }
 
 private:
-  void settle(double lag_s) {
-    lag_s_ = lag_s;
+  // b (c through the lag) + b_at_once (c - c through the lag): b is what remains when c holds.
+  [[nodiscard]] std::vector<std::vector<double>> courses_of(std::span<const double> value) const {
+    std::vector<std::vector<double>> courses{lagged(value, block_s_, action_.lag_s)};
+    if (!action_.also_at_once) return courses;
+    std::vector<double> ahead(value.begin(), value.end());
+    for (std::size_t i = 0; i < ahead.size(); ++i)
+      ahead[i] -= courses.front()[i];
+    courses.push_back(std::move(ahead));
+    return courses;
+  }
+
+  // The grid's lags are a third apart; the coefficients want a better one.
+  double refined(const Action& coarse) {
+    constexpr double step = 1.3; // of the grid
+    constexpr int bits = 12;     // of the lag: far within its σ
+    const auto deviance = [&](double log_lag) {
+      settle({std::exp(log_lag), coarse.also_at_once});
+      return found_.deviance;
+    };
+    const double at = std::log(coarse.lag_s);
+    std::uintmax_t most_steps = 20;
+    return std::exp(boost::math::tools::brent_find_minima(deviance, at - std::log(step),
+                                                          at + std::log(step), bits, most_steps)
+                        .first);
+  }
+
+  // σ with the lag free: its course is one more cause, which at the best lag adds nothing.
+  void allow_for_lag() {
+    if (action_.lag_s == 0.0) return;
+    constexpr double step = 0.02; // relative: the course bends little over it
+    const auto more = lagged(value_, block_s_, action_.lag_s * (1.0 + step));
+    const auto less = lagged(value_, block_s_, action_.lag_s * (1.0 - step));
+    std::vector<double> by_lag(more.size());
+    for (std::size_t i = 0; i < by_lag.size(); ++i)
+      by_lag[i] = more[i] - less[i];
+    std::vector<std::vector<double>> causes = cosines_of(courses_of(value_));
+    const std::size_t own = causes.size();
+    causes.push_back(cosines(by_lag, true));
+    const RateRegression with_lag = regress(rate_, causes, found_.noise);
+    for (std::size_t k = 0; k < own; ++k)
+      found_.sigmas[k] = with_lag.sigmas[k];
+  }
+
+  static std::vector<std::vector<double>>
+  cosines_of(const std::vector<std::vector<double>>& courses) {
+    std::vector<std::vector<double>> causes;
+    for (const std::vector<double>& course : courses)
+      causes.push_back(cosines(course, true));
+    return causes;
+  }
+
+  void settle(const Action& action) {
+    action_ = action;
     constexpr std::size_t first = 2;
-    found_ = regress(rate_, {cosines(lagged(value_, block_s_, lag_s), true)}, RateNoise(first, {}));
+    found_ = regress(rate_, cosines_of(courses_of(value_)), RateNoise(first, {}));
   }
 
   std::vector<double> rate_;
   std::span<const double> value_;
   double block_s_;
   RateRegression found_;
-  double lag_s_ = 0.0;
+  Action action_;
 };
 
 /// Rate and covariate in blocks, from the first to the last in which the covariate is known.
@@ -119,23 +199,25 @@ struct HeldOut {
   double without2 = 0.0, with2 = 0.0;
 };
 
-HeldOut judged(const Answer& answer, std::size_t split, bool learn_first) {
+HeldOut judged(const Answer& answer, std::size_t split, bool learn_first,
+               const std::function<Regression(std::span<const double>, std::span<const double>)>&
+                   regression) {
   const std::size_t n = answer.rate.size();
   const auto part = [&](const std::vector<double>& x, bool first) {
     return first ? std::span(x).first(split) : std::span(x).last(n - split);
   };
-  const Regression known(part(answer.rate, learn_first), part(answer.value, learn_first),
-                         answer.block_s);
-  const auto value = lagged(answer.value, answer.block_s, known.lag_s());
+  const Regression known =
+      regression(part(answer.rate, learn_first), part(answer.value, learn_first));
+  const auto caused = known.rate_of(answer.value);
   const double rate = mean_of(part(answer.rate, learn_first));
-  const double mean = mean_of(part(value, learn_first));
+  const double mean = mean_of(part(caused, learn_first));
   HeldOut result;
   double without = 0.0, with = 0.0;
   const auto seen = part(answer.rate, !learn_first);
-  const auto cause = part(value, !learn_first);
+  const auto cause = part(caused, !learn_first);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     without += (seen[i] - rate) * answer.block_s;
-    with += (seen[i] - rate - known.coefficient() * (cause[i] - mean)) * answer.block_s;
+    with += (seen[i] - rate - (cause[i] - mean)) * answer.block_s;
     result.without2 += without * without / static_cast<double>(seen.size());
     result.with2 += with * with / static_cast<double>(seen.size());
   }
@@ -169,28 +251,53 @@ bool bends(const std::vector<double>& value) {
 
 } // namespace
 
+namespace {
+
+// Blocks of a log. The tide of half a day wants short ones, and is so well known that many are no
+// temptation; other covariates are judged in blocks of which a thousand are enough.
+RateBlocks blocks_for(const TimingData& data, bool of_tide) {
+  constexpr std::size_t most_of_tide = 16384; // two hours in four years
+  return rate_blocks(data, std::min(of_tide ? most_of_tide : most_blocks, data.size() / 8));
+}
+
+std::optional<CovariateEffect> effect_of(const RateTerm& term, const Answer& answer) {
+  if (answer.rate.size() < least_blocks || !bends(answer.value)) return {};
+  const auto regression = [&](std::span<const double> rate, std::span<const double> value) {
+    return Regression(rate, value, answer.block_s, term.name != "tide",
+                      term.name == "temperature");
+  };
+  const Regression all = regression(answer.rate, answer.value);
+  const std::size_t half = answer.rate.size() / 2;
+  const HeldOut second = judged(answer, half, true, regression);
+  const HeldOut first = judged(answer, half, false, regression);
+  CovariateEffect effect{term.name, term.unit, all.coefficient(), 0.0, all.lag_s()};
+  const double widened = 1.0 / std::sqrt(1.0 - answer.filled_share);
+  const double weakened = attenuation(answer, term);
+  effect.sigma = std::hypot(all.sigma() * widened, all.coefficient() * weakened);
+  if (auto part = all.at_once()) {
+    part->sigma = std::hypot(part->sigma * widened, part->coefficient * weakened);
+    effect.parts.push_back(*part);
+  }
+  effect.without_s = std::sqrt(0.5 * (first.without2 + second.without2));
+  effect.with_s = std::sqrt(0.5 * (first.with2 + second.with2));
+  effect.interpolation_sigma = term.sigma;
+  effect.step_s = term.step_s;
+  effect.known_share = answer.known_share;
+  return effect;
+}
+
+} // namespace
+
 std::vector<CovariateEffect> covariate_effects(const TimingData& data) {
   std::vector<CovariateEffect> effects;
   if (data.size() < least_beats) return effects;
-  const RateBlocks blocks = rate_blocks(data, std::min(most_blocks, data.size() / 8));
+  const RateBlocks blocks = blocks_for(data, false);
   for (std::size_t k = 0; k < data.terms.size(); ++k) {
     const RateTerm& term = data.terms[k];
     if (term.name == "drift") continue;
-    const Answer answer = answer_in(blocks, k);
-    if (answer.rate.size() < least_blocks || !bends(answer.value)) continue;
-    const Regression all(answer.rate, answer.value, answer.block_s);
-    const std::size_t half = answer.rate.size() / 2;
-    const HeldOut second = judged(answer, half, true);
-    const HeldOut first = judged(answer, half, false);
-    CovariateEffect effect{term.name, term.unit, all.coefficient(), 0.0, all.lag_s()};
-    effect.sigma = std::hypot(all.sigma() / std::sqrt(1.0 - answer.filled_share),
-                              all.coefficient() * attenuation(answer, term));
-    effect.without_s = std::sqrt(0.5 * (first.without2 + second.without2));
-    effect.with_s = std::sqrt(0.5 * (first.with2 + second.with2));
-    effect.interpolation_sigma = term.sigma;
-    effect.step_s = term.step_s;
-    effect.known_share = answer.known_share;
-    effects.push_back(std::move(effect));
+    const bool of_tide = term.name == "tide";
+    const Answer answer = answer_in(of_tide ? blocks_for(data, true) : blocks, k);
+    if (auto effect = effect_of(term, answer)) effects.push_back(std::move(*effect));
   }
   return effects;
 }
@@ -203,7 +310,8 @@ std::vector<WeatherPart> weather_parts(const TimingData& data) {
   std::vector<std::vector<double>> values;
   for (std::size_t k = 0; k < data.terms.size(); ++k) {
     const RateTerm& term = data.terms[k];
-    if (term.name == "drift" || term.name == "density" || !bends(blocks.values[k])) continue;
+    const bool is_weather = term.name != "drift" && term.name != "density" && term.name != "tide";
+    if (!is_weather || !bends(blocks.values[k])) continue;
     parts.push_back({term.name, term.unit, 0.0, 0.0});
     values.push_back(blocks.values[k]);
     put_lines(blocks.known[k], rate); // as the values there
@@ -219,24 +327,6 @@ std::vector<WeatherPart> weather_parts(const TimingData& data) {
     parts[k].sigma = found.sigmas[k];
   }
   return parts;
-}
-
-std::string covariate_text(const CovariateEffect& effect) {
-  const double daily = seconds_per_day;
-  const std::string per = effect.unit == "m^3/kg"         ? "kg/m^3"
-                          : effect.unit.starts_with("1/") ? effect.unit.substr(2)
-                                                          : effect.unit;
-  std::string text =
-      fmt::format("{}: the rate answers by {:.3g} ± {:.2g} s/day per {}", effect.name,
-                  daily * effect.coefficient, daily * effect.sigma, per);
-  if (effect.lag_s > 0.0) text += fmt::format(", with a lag of {:.3g} s", effect.lag_s);
-  if (effect.known_share < 1.0)
-    text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
-  if (!effect.significant()) return text + ": nothing that stands out of the noise";
-  return text +
-         fmt::format("; over the half of the log it was not found in, compensating for it {} the "
-                     "time error from {:.3g} s to {:.3g} s (rms)",
-                     effect.helps() ? "lowers" : "raises", effect.without_s, effect.with_s);
 }
 
 void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions) {

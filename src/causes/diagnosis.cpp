@@ -289,8 +289,8 @@ Suspicion suspicion_of(const Change& change) {
   numbers.sigma = std::hypot(change.rate_before_sigma, change.rate_after_sigma);
   return {cause_of(change.kind),
           change.gain,
-          fmt::format("{:.4g} h after the start the rate changes by {}, as the model says",
-                      change.at_s / 3600.0, daily(change.rate_after - change.rate_before)),
+          fmt::format("{} after the start the rate changes by {}, as the model says",
+                      time_words(change.at_s, 4), daily(change.rate_after - change.rate_before)),
           same_course_as(change.kind),
           "What was done to the clock then?",
           numbers};

@@ -10,8 +10,8 @@ namespace goingrate::timing_model {
 namespace {
 
 std::string when(const Candidate& found) {
-  return found.is_dated ? fmt::format("{:.4g} h after the start", found.at_s / 3600.0)
-                        : fmt::format("about {:.3g} h after the start", found.at_s / 3600.0);
+  return found.is_dated ? fmt::format("{} after the start", time_words(found.at_s, 4))
+                        : fmt::format("about {} after the start", time_words(found.at_s));
 }
 
 std::string size(const Sizes& sizes) {
@@ -26,6 +26,13 @@ std::string swing(const Sizes& sizes, const char* per) {
 }
 
 } // namespace
+
+std::string time_words(double seconds, int digits) {
+  constexpr double longest_s = 600.0, hour_s = 3600.0, longest_in_hours_s = 48.0 * hour_s;
+  if (seconds < longest_s) return fmt::format("{:.{}g} s", seconds, digits);
+  if (seconds < longest_in_hours_s) return fmt::format("{:.{}g} h", seconds / hour_s, digits);
+  return fmt::format("{:.{}g} days", seconds / seconds_per_day, digits);
+}
 
 bool is_step(Cause cause) {
   return cause == Cause::length_step || cause == Cause::drive_step || cause == Cause::friction_step;

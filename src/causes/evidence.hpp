@@ -26,6 +26,8 @@ struct Candidate {
 bool is_step(Cause cause);
 
 std::string daily(double rate);
+/// A time in the unit that suits it, to so many digits: "300 s", "2.5 h", "4.63 days".
+std::string time_words(double seconds, int digits = 3);
 
 /// The sizes of what was found, and when.
 CauseNumbers numbers_of(const Candidate& found);

@@ -1,6 +1,7 @@
 #include "facts.hpp"
 
 #include "account.hpp"
+#include "evidence.hpp"
 
 #include "base/scaled_time.hpp"
 
@@ -151,9 +152,9 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
   for (const Displacement& d : found)
     gain += d.gain;
   std::string evidence =
-      fmt::format("{:.3g} h after the start the times are displaced by {:+.3g} ms, and the clock "
+      fmt::format("{} after the start the times are displaced by {:+.3g} ms, and the clock "
                   "goes on as before",
-                  input.data->elapsed_s[first.beat] / 3600.0, 1e3 * first.late_s);
+                  time_words(input.data->elapsed_s[first.beat]), 1e3 * first.late_s);
   CauseNumbers numbers;
   numbers.at_s = input.data->elapsed_s[first.beat];
   numbers.size = first.late_s;
@@ -265,8 +266,8 @@ void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   numbers.at_s = *input.stopped_s;
   all.push_back({Cause::stop,
                  2.0 * std::log(odds),
-                 fmt::format("{:.3g} h after the start the clock stopped, and was started again",
-                             *input.stopped_s / 3600.0),
+                 fmt::format("{} after the start the clock stopped, and was started again",
+                             time_words(*input.stopped_s)),
                  {},
                  "Analyse the other side of the stop as a log of its own.",
                  numbers});

@@ -156,6 +156,7 @@ void RateNoise::fit(std::span<const double> residual) {
   const double least_share = is_fitted() ? 1e-3 : 1.0;
   const double mean_share = least_share * squares.sum() / static_cast<double>(sizes_.size());
   sizes_ = sizes_.cwiseMax((mean_share / shapes.colwise().sum().array()).matrix().transpose());
+  constexpr double least_power = 1e-32; // rates of 1e-16 are rounding; of exact beats all are
   constexpr int rounds = 60;            // the log likelihood then changes by less than 0.1
   constexpr double largest_move = 1e-3; // of each size, relative
   constexpr double most_bent = 30.0;
@@ -164,6 +165,7 @@ void RateNoise::fit(std::span<const double> residual) {
   Eigen::VectorXd seen, expected;
   for (int round = 0; round < rounds && moved > largest_move; ++round) {
     level_.matrix().noalias() = shapes * sizes_;
+    level_ = level_.max(least_power);
     weight = level_.inverse();
     expected.noalias() = shapes.transpose() * weight.matrix();
     weight *= squares * weight;
@@ -178,7 +180,7 @@ void RateNoise::fit(std::span<const double> residual) {
     double& bend = sizes_[sizes_.size() - 1];
     if (kinds_.corner > 0.0) bend = std::min(bend, most_bent * sizes_[white]);
   }
-  level_ = (shapes * sizes_).array();
+  level_ = (shapes * sizes_).array().max(least_power);
   deviance_ = (level_.log() + squares / level_).sum();
 }
 

@@ -49,7 +49,7 @@ public:
   [[nodiscard]] double level(std::size_t k) const {
     return level_[static_cast<Eigen::Index>(k - first_)];
   }
-  /// Of all coefficients from the first on.
+  /// The levels of all coefficients from the first on.
   [[nodiscard]] const Eigen::ArrayXd& levels() const { return level_; }
   /// -2 log L of the residual fitted last, up to a constant.
   [[nodiscard]] double deviance() const { return deviance_; }

@@ -27,16 +27,24 @@ double LengthChanges::at(double time_s) const {
   return change;
 }
 
-double Temperature::at(double time_s) const {
-  double celsius = mean_c + drift_per_day * time_s / seconds_per_day;
-  for (const Sine& sine : sines)
-    celsius += sine.amplitude * std::sin(two_pi * time_s / sine.period_s);
+double Temperature::at(double time_s) const { return lagged_at(time_s, 0.0); }
+
+double Temperature::lagged_at(double time_s, double lag_s) const {
+  double celsius = mean_c + drift_per_day * (time_s - lag_s) / seconds_per_day;
+  for (const Sine& sine : sines) {
+    const double lag = two_pi * lag_s / sine.period_s;
+    celsius += sine.amplitude * std::sin(two_pi * time_s / sine.period_s - std::atan(lag)) /
+               std::hypot(1.0, lag);
+  }
   return celsius;
 }
 
 double Scenario::length_change_at(double time_s) const {
-  const double warmer = temperature.at(time_s) - temperature.mean_c;
-  return length.at(time_s) + length.temperature_coefficient * warmer;
+  const auto warmer = [&](double lag_s) {
+    return temperature.lagged_at(time_s, lag_s) - temperature.mean_c;
+  };
+  return length.at(time_s) + length.temperature_coefficient * warmer(0.0) -
+         length.compensation * warmer(length.compensation_lag_s);
 }
 
 std::string_view name_of(Method method) {
@@ -109,6 +117,10 @@ void check_length(const LengthChanges& length) {
   if (!(std::abs(length.temperature_coefficient) <= 0.01))
     throw ArgumentError("length.temperature_coefficient", length.temperature_coefficient,
                         "between -0.01 and 0.01 per K");
+  if (!(std::abs(length.compensation) <= 0.01))
+    throw ArgumentError("length.compensation", length.compensation, "between -0.01 and 0.01 per K");
+  if (!(length.compensation_lag_s >= 0.0 && std::isfinite(length.compensation_lag_s)))
+    throw ArgumentError("length.compensation_lag", length.compensation_lag_s, "not below 0 s");
   for (const auto& sine : length.sines) {
     small("length.sine.amplitude", sine.amplitude);
     if (!(sine.period_s > 0.0 && std::isfinite(sine.period_s)))

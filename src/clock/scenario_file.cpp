@@ -249,6 +249,8 @@ void read_length(Section section, LengthChanges& length) {
   length.drift_per_day = section.number("drift_per_day").value_or(0.0);
   length.sines = section.pairs<LengthChanges::Sine>("sine", "amplitude", "period");
   length.temperature_coefficient = section.number("temperature_coefficient").value_or(0.0);
+  length.compensation = section.number("compensation").value_or(0.0);
+  length.compensation_lag_s = section.number("compensation_lag").value_or(0.0);
   section.finish();
 }
 

@@ -186,6 +186,7 @@ std::optional<DriveHistory> drive_history(const TimingData& data, const DriveMod
 }
 
 std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& data) {
+  if (fit.model.escapement == Escapement::none) return {};
   DriveModel model;
   model.T0_s = data.reference_period_s; // T0 to a part in a thousand is enough
   if (const FittedParameter* epsilon = fit.find("epsilon"))

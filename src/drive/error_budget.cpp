@@ -116,12 +116,17 @@ void add_drift(double change_per_day, double rate_per_change, const char* cause,
 
 void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>& parts) {
   const LengthChanges& length = scenario.length;
-  const double per_kelvin = 0.5 * length.temperature_coefficient;
+  // What the compensation leaves, of a course that lasts so long.
+  const auto per_kelvin = [&](double period_s) {
+    const std::complex<double> lag(1.0, two_pi * length.compensation_lag_s / period_s);
+    return 0.5 * std::abs(length.temperature_coefficient - length.compensation / lag);
+  };
   std::vector<ErrorPart> warmth;
   add_sines(
       scenario.temperature.sines, "", "", after_s,
-      [&](const auto& sine) { return per_kelvin * sine.amplitude; }, warmth);
-  add_drift(scenario.temperature.drift_per_day, per_kelvin, "", "", 0.0, after_s, warmth);
+      [&](const auto& sine) { return per_kelvin(sine.period_s) * sine.amplitude; }, warmth);
+  constexpr double no_end = std::numeric_limits<double>::infinity();
+  add_drift(scenario.temperature.drift_per_day, per_kelvin(no_end), "", "", 0.0, after_s, warmth);
   double error2 = 0.0;
   for (const ErrorPart& part : warmth)
     error2 += part.rms_s * part.rms_s;

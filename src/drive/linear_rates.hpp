@@ -1,5 +1,5 @@
 // The rate that a clock would show if its response were the same at every amplitude. Private to the
-// fit room.
+// drive room.
 //
 // Of x = lambda^2, y = sqrt(x - phi0^2) and the drive's relative variation d the averaged equations
 // (Hoyng, eqs. dotl4, dotpsi4) are, with x0, y0 in stationary operation and tau_r the relaxation,

@@ -1,5 +1,5 @@
-// What the rate of a clock is made of, by the likelihood of its periodogram. Private to the fit
-// room.
+// What the rate of a clock is made of, by the likelihood of its periodogram. Private to the
+// drive room.
 //
 // The rate of period n is that of a white drive and a slow one through the clock's response H, and
 // the sensor's jitter. Of T the period, d, s, j the rms of fast drive, slow drive and jitter, and
@@ -40,7 +40,7 @@ double variance_of(const RateComponents& components, Component which);
 /// The likelihood of one series and its maximum.
 class ComponentFit {
 public:
-  /// `rates`: one a period, finite, 64 or more; the mean is taken off.
+  /// `rates`: one per period, finite, 64 or more; the mean is taken off.
   ComponentFit(std::span<const double> rates, double period_s, const DriveResponse& response);
 
   [[nodiscard]] const RateComponents& best() const { return best_; }

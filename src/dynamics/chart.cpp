@@ -31,7 +31,7 @@ FactorRange range_of(const ChartScene& scene) {
   return {*low, *high};
 }
 
-// The crossing times of the oracle, as far as the clock goes regularly.
+// The lateness of each crossing by the oracle, up to the first period that is not regular.
 std::vector<Wide> exact_lateness(const ChartScene& scene) {
   std::vector<Wide> lateness;
   Wide speed2 = static_cast<Wide>(scene.velocity) * scene.velocity, late = 0;
@@ -189,12 +189,13 @@ struct LimitScene {
 LimitScene limit_scene(double epsilon, double ratio, double amplitude, std::size_t periods) {
   const double phi0 = amplitude / ratio;
   const double mu = 0.5 * std::numbers::pi * epsilon * amplitude * amplitude / phi0;
-  ClockParameters clock{two_pi, epsilon, std::min(mu, 0.99), std::min(phi0, 3.1)};
-  // A velocity that turns at this angle.
+  constexpr double most_mu = 0.99, widest_phi0_rad = 3.1; // legal: below 1 and below pi
+  ClockParameters clock{two_pi, epsilon, std::min(mu, most_mu), std::min(phi0, widest_phi0_rad)};
+  // The velocity from which a free swing turns at `amplitude`.
   return {scene_at("", clock, 2.0 * std::sin(0.5 * amplitude), periods), epsilon, ratio, amplitude};
 }
 
-// Why a method is worse than 1e-6 here, by the assumption that is broken most.
+// Why the error of a method exceeds 1e-6 at this point: the first of its assumptions that fails.
 std::string reason_for(const LimitScene& at, const std::string& method) {
   if (method.starts_with("rk4")) return "its step of 0.03";
   const double circular = at.amplitude * at.amplitude / 16.0;
@@ -216,7 +217,7 @@ LimitRow limits_at(const LimitScene& at, const std::vector<ChartMethod>& methods
     double error = unknown;
     if (run.status == SwingStatus::crossed && row.exact == SwingStatus::crossed) {
       const std::size_t last = run.lateness.size() - 1;
-      // Where the escapement misses a switch the oracle ends and direct is the reference.
+      // The oracle stops where the escapement misses a switch: then `direct` is the reference.
       const Wide truth = exact.size() > last ? exact[last] : direct.lateness[last];
       error = static_cast<double>(std::abs(run.lateness[last] - truth)) /
               (two_pi * static_cast<double>(last + 1));
@@ -242,7 +243,7 @@ std::vector<LimitRow> measure_limits(int periods) {
   take(9, "direct");
   take(8, "map");
   take(7, "averaged2");
-  take(6, "averaged1 ce3");
+  take(6, "averaged1 full");
   take(5, "averaged1 -l2/16");
   take(2, "rk4 at switches");
   std::vector<LimitRow> rows;

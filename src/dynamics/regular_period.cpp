@@ -1,4 +1,4 @@
-// A period of an undisturbed clock, in the digits of a double or in more.
+// One period of an undisturbed clock, computed in double or in Wide.
 #include "goingrate/dynamics/direct.hpp"
 
 #include <cmath>

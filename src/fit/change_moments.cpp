@@ -14,7 +14,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Those that are below their neighbours.
+// The minima of a row that lie below both neighbours.
 std::vector<Minimum> lowest_of_each_dip(const std::vector<Minimum>& row) {
   std::vector<Minimum> dips;
   for (std::size_t i = 0; i < row.size(); ++i) {

@@ -351,7 +351,7 @@ Searched searched_with_changes(const TimingData& data, const FitOptions& options
   return better ? std::move(changed) : std::move(plain);
 }
 
-// Without those of the changes that the log does not demand.
+// The fit without the changes that the log does not demand.
 Searched without_needless_changes(const TimingData& data, Searched found) {
   const double date = std::log(static_cast<double>(data.size()));
   while (found.fitted->minimum.usable) {

@@ -137,7 +137,7 @@ private:
     return value;
   }
 
-  // Of what the moment of an event makes; 0 where the event came at a crossing.
+  // The parameter that the moment of an event adds; 0 where the event came at a crossing.
   [[nodiscard]] T at_event(Quantity quantity, std::size_t event) const {
     const Slot* slot = parameters_.find(quantity, event);
     return slot == nullptr ? T(0.0) : slot->value(x_);

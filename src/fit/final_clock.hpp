@@ -16,7 +16,7 @@ struct FinalClock {
     return fast_gain() - laws.drive() * (laws.push_slope(amplitude2) - laws.circular) /
                              laws.growth_slope(amplitude2);
   }
-  /// Of small swings of that amplitude (dynamics/swing_loss.hpp); 1/(2 epsilon) under linear
+  /// Q of small swings of that amplitude (dynamics/swing_loss.hpp): 1/(2 epsilon) under linear
   /// friction.
   [[nodiscard]] double q_factor() const {
     const double lambda = std::sqrt(amplitude2);
@@ -24,7 +24,7 @@ struct FinalClock {
            (2.0 * laws.epsilon +
             4.0 / std::numbers::pi * (2.0 / 3.0 * laws.quadratic * lambda + laws.dry / lambda));
   }
-  /// Of the amplitude; T0/(2 pi epsilon) under linear friction.
+  /// The decay time of the amplitude, s: T0/(2 pi epsilon) under linear friction.
   [[nodiscard]] double decay_time() const {
     return -T0 / (std::numbers::pi * laws.growth_slope(amplitude2));
   }

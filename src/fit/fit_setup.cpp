@@ -6,9 +6,11 @@
 #include "base/spelling.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
+#include "goingrate/clock/restoring.hpp"
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits>
@@ -232,6 +234,29 @@ void check_known(std::string_view role, const std::string& name,
                       fmt::format("{}{}", fmt::join(known, ", "), meant_instead(name, known)));
 }
 
+// A T0 that is given must be one from which a swing's mean period can come: not below it by more
+// than an escapement hurries, nor above it by more than the widest swing is slow.
+void check_period(const FitOptions& options, const TimingData& data) {
+  const auto given = options.fixed.find("T0");
+  const auto share = options.fixed.find("gravity_share");
+  const bool is_gravity = !contains(options.freed, "gravity_share") &&
+                          (share == options.fixed.end() || share->second == 1.0);
+  if (given == options.fixed.end() || !is_gravity) return;
+  constexpr double widest_rad = 2.44, wider = 1.1; // of the model; than the amplitudes logged
+  double most_rad = 0.0;
+  for (const double a : data.amplitude_rad)
+    if (!std::isnan(a)) most_rad = std::max(most_rad, wider * a);
+  if (most_rad == 0.0) most_rad = widest_rad;
+  const double slowest = free_period_ratio(1.0, std::min(most_rad, widest_rad));
+  constexpr double drift = 0.02, hurried = 0.1; // of the period
+  const double ratio = data.reference_period_s / given->second;
+  if (ratio > slowest + drift || ratio < 1.0 - hurried)
+    throw ArgumentError("T0", given->second,
+                        fmt::format("the period of small swings of a pendulum whose mean period is "
+                                    "{:.6g} s",
+                                    data.reference_period_s));
+}
+
 } // namespace
 
 void check_names(const FitOptions& options, const TimingData& data) {
@@ -267,6 +292,7 @@ void check_names(const FitOptions& options, const TimingData& data) {
       throw ArgumentError("prior", prior.name, "VALUE+-SIGMA, with SIGMA above 0");
     check_value("prior", *slot, prior.value);
   }
+  check_period(options, data);
 }
 
 bool names(const FitOptions& options, const std::string& parameter) {

@@ -25,7 +25,7 @@ constexpr std::size_t least_cycles = 8;          // that a scatter can be told f
 constexpr std::size_t searched_cycles = 200'000; // of a longer log: enough to see a push
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// One value a cycle, NaN where there is none.
+// One value per cycle, NaN where there is none.
 using Grid = std::vector<double>;
 
 Grid on_cycles(const TimingData& data, const std::vector<double>& values, std::size_t most) {

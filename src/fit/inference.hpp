@@ -42,7 +42,7 @@ struct Certainty {
   }
 };
 
-/// At the minimum x.
+/// The certainty of the parameters at the minimum x.
 Certainty certainty(const FitProblem& problem, std::span<const double> x,
                     const Evaluation& at_minimum, const Widening& widening);
 

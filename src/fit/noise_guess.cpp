@@ -1,5 +1,7 @@
 #include "fit/noise_guess.hpp"
 
+#include "base/time_grain.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -46,7 +48,11 @@ double third_differences(const TimingData& data, std::span<const double> series,
 } // namespace
 
 double least_jitter(const TimingData& data) {
-  return 1e-12 * data.reference_period_s + 4e-16 * data.elapsed_s.back();
+  const double of_doubles = 1e-12 * data.reference_period_s + 4e-16 * data.elapsed_s.back();
+  const double grain_s = time_grain(std::min(data.size(), times_for_grain), data.reference_period_s,
+                                    [&](std::size_t i) { return data.elapsed_s[i]; });
+  // Half of what the steps of the times hide: a bound that the best value does not meet by chance.
+  return std::max(of_doubles, 0.5 * rounding_sigma(grain_s));
 }
 
 NoiseGuess guess_noise(const TimingData& data) {

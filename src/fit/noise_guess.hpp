@@ -5,7 +5,8 @@
 
 namespace goingrate::timing_model {
 
-/// The smallest jitter that means anything for these data: what rounding does to a long log.
+/// The smallest jitter that means anything for these data: what rounding does to a long log, in its
+/// doubles and in the steps of its times.
 double least_jitter(const TimingData& data);
 
 /// A first idea of the noise, from the data alone.

@@ -60,7 +60,7 @@ struct Known {
   bool only_if_named = false; // not fitted unless asked for
 };
 
-constexpr std::array<Known, 22> known_parameters{{
+constexpr std::array<Known, 23> known_parameters{{
     {"T0", Known::positive, true},
     {"epsilon", Known::positive, true},
     {"mu", Known::not_negative, true},
@@ -77,6 +77,7 @@ constexpr std::array<Known, 22> known_parameters{{
     {"humidity", Known::any, false, true},
     {"density", Known::any, false, true},
     {"drift", Known::any, false, true},
+    {"tide", Known::any, false, true},
     {"jitter_rms", Known::positive},
     {"walk_rms", Known::positive},
     {"drive_rms", Known::positive},

@@ -123,7 +123,7 @@ WithoutChange foreseen_without(const Fitted& fitted, std::size_t event) {
   return there;
 }
 
-// In which a swing answers to a change.
+// Cycles in which a swing answers to a change: 1/(2 pi epsilon), or 0 without linear friction.
 double answer_cycles(const Fitted& fitted) {
   const Slot* friction = fitted.problem.parameters.find(Quantity::epsilon);
   const double epsilon =

@@ -35,8 +35,8 @@ TimingData timing_data(std::span<const Beat> beats) {
 
 namespace {
 
-// Values that are not known are put on the line between their neighbours, or, at the ends, made
-// those of the nearest.
+// The values with unknown ones filled in: on the straight line between their known neighbours, or,
+// before the first of these and after the last, equal to it. All 0 if none is known.
 std::vector<double> without_holes(std::span<const double> values, std::span<const double> t) {
   std::vector<double> filled(values.begin(), values.end());
   const auto is_known = [](double v) { return std::isfinite(v); };
@@ -77,7 +77,7 @@ RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
 }
 
 std::vector<double> relative_noise(std::span<const double> sigmas) {
-  constexpr double largest_spread = 0.1; // of sigmas that count as one
+  constexpr double largest_spread = 0.1; // relative: sigmas this near their rms count as equal
   double sum2 = 0.0, known = 0.0;
   for (const double sigma : sigmas) {
     if (!(sigma > 0.0) || !std::isfinite(sigma)) continue;

@@ -1,5 +1,7 @@
 #include "beat_noise.hpp"
 
+#include "base/time_grain.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -45,11 +47,11 @@ BeatNoise rough_noise(const TypicalPeriod& typical) {
   // As if all were jitter, and half of it walk as well, and a little the rate's: too much rather
   // than too little of each.
   const double v = typical.second_s2;
-  return at_least_finest({v / 6.0, v / 4.0, v / 100.0}, typical.mean_s);
+  return at_least_finest({v / 6.0, v / 4.0, v / 100.0}, typical);
 }
 
-BeatNoise at_least_finest(BeatNoise noise, double period_s) {
-  const double finest = 1e-9 * period_s;
+BeatNoise at_least_finest(BeatNoise noise, const TypicalPeriod& typical) {
+  const double finest = std::max(1e-9 * typical.mean_s, rounding_sigma(typical.grain_s));
   noise.jitter2 = std::max(noise.jitter2, finest * finest);
   return noise;
 }

@@ -20,7 +20,7 @@ namespace goingrate {
 /// Variances of the three kinds of noise, s^2.
 struct BeatNoise {
   double jitter2 = 0.0;    ///< j^2: white in time, the sensor
-  double walk2 = 0.0;      ///< w^2 a cycle: white in rate, the drive
+  double walk2 = 0.0;      ///< w^2 per cycle: white in rate, the drive
   double rate_walk2 = 0.0; ///< r^2 a cycle: the rate itself wanders, drifts or steps
 };
 
@@ -32,9 +32,9 @@ double trimmed_mean_square(std::span<double> values);
 /// A guess from neighbouring intervals alone, for a first numbering: on the wide side.
 BeatNoise rough_noise(const TypicalPeriod& typical);
 
-/// `noise` with a jitter of at least 1e-9 of the period: finer than any sensor, and above the
-/// rounding of times.
-BeatNoise at_least_finest(BeatNoise noise, double period_s);
+/// `noise` with a jitter of at least what the steps of the times hide, and 1e-9 of the period: finer
+/// than any sensor, and above the rounding of times.
+BeatNoise at_least_finest(BeatNoise noise, const TypicalPeriod& typical);
 
 /// Collects second differences of numbered beats and fits the noise to them.
 class SecondDifferences {

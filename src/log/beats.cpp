@@ -27,7 +27,7 @@ void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
   differences.add(beats.subspan(from));
 }
 
-// Where the numbering of a log had to search for the beats anew.
+// Where the numbering of a log had to search for the beats again.
 struct Resumed {
   std::vector<std::size_t> at; // first beats after such places, and of later blocks
   bool has_downward = false;
@@ -75,7 +75,7 @@ BeatNoise sampled_noise(std::vector<Beat>& beats, const TypicalPeriod& typical) 
     const std::span<Beat> part(beats.data() + stretch.first, stretch.size());
     add_runs(differences, part, number_blocks(part, typical, rough_noise(typical)).at);
   }
-  return at_least_finest(differences.fit(), typical.mean_s);
+  return at_least_finest(differences.fit(), typical);
 }
 
 std::int64_t longest_run(std::span<const Beat> beats, std::span<const std::size_t> resumed) {
@@ -215,7 +215,7 @@ Beats number_beats(std::vector<Beat>&& events, const std::string& source,
   const Resumed resumed = number_blocks(result.beats, typical, sampled);
   SecondDifferences differences;
   add_runs(differences, result.beats, resumed.at);
-  const BeatNoise noise = at_least_finest(differences.cautious_fit(), typical.mean_s);
+  const BeatNoise noise = at_least_finest(differences.cautious_fit(), typical);
   const GapJudge judge(noise, typical.mean_s, longest_run(result.beats, resumed.at));
   result.longest_countable_gap = judge.longest_countable(options.least_probability);
   GapPass pass(result, resumed.at, judge, options.least_probability, longest_absence(typical),

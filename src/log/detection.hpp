@@ -1,4 +1,4 @@
-// The steps by which the layout of a log is found. Private to the detection.
+// The steps by which the layout of a log is found. Private to layout_detection and its parts.
 #pragma once
 
 #include "calendar.hpp"

@@ -15,7 +15,7 @@ namespace {
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
-// "t=12.5": the number behind a key.
+// "t=12.5": the number after a key.
 std::size_t key_length(std::string_view text) {
   std::size_t length = 0;
   while (length < text.size() && is_letter(text[length]))

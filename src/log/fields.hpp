@@ -9,7 +9,7 @@
 
 namespace goingrate {
 
-/// One field of a line, without blanks and quotes around it, and, behind the first, without a key:
+/// One field of a line, without blanks and quotes around it; after the first also without a key:
 /// "t=12.5" is 12.5.
 struct Field {
   std::string_view text;

@@ -10,7 +10,7 @@ namespace goingrate {
 /// another file has taken its name.
 class Growth {
 public:
-  /// So many bytes were read, up to `end` in the file.
+  /// `count` bytes were read, up to `end` in the file.
   void took(const char* bytes, std::size_t count, std::uint64_t end);
   /// Whether what was read last does not stand in the file any more, or `path` is another file.
   [[nodiscard]] bool begins_anew(int descriptor, const std::string& path) const;

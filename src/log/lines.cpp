@@ -190,7 +190,7 @@ private:
   bool inside_ = false;
 };
 
-// Up to so many bytes.
+// Takes up to `size` bytes.
 std::string taken_from(ByteSource& source, std::size_t size) {
   std::string bytes(size, '\0');
   std::size_t count = 0;

@@ -64,7 +64,7 @@ public:
   [[nodiscard]] std::string_view at_hand() const {
     return line_end_ == '\n' ? rest_ : std::string_view();
   }
-  /// So many bytes of it were taken, so many whole lines.
+  /// The reader goes on after `bytes` bytes of at_hand(), which were `lines` whole lines.
   void skip(std::size_t bytes, std::uint32_t lines) {
     rest_.remove_prefix(bytes);
     number_ += lines;

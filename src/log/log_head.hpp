@@ -17,24 +17,24 @@ struct HeadLine {
   std::uint32_t number = 0;
 };
 
-/// What the values of a column are like, in the rows of the head.
+/// What the values of one column look like over the rows of the head.
 struct ColumnSample {
   std::size_t numbers = 0;   ///< rows with a number
   std::size_t calendars = 0; ///< rows with a date or a time of day
   std::size_t dates = 0;     ///< rows with a date alone
-  std::size_t edges = 0;     ///< rows with the word of a direction
+  std::size_t edges = 0;     ///< rows with a word for a direction: "tick", "down"
   std::size_t rows = 0;
   bool whole = true; ///< all numbers without decimals
   bool has_date = false;
   bool even = false;         ///< all steps are of one size
-  double rising = 0.0;       ///< part of the steps that go up
-  double falling = 0.0;      ///< and down
+  double rising = 0.0;       ///< share of the steps that go up
+  double falling = 0.0;      ///< share of those that go down
   double typical_step = 0.0; ///< median size of a step that is not zero
   double median = 0.0;
-  double spread = 0.0; ///< median deviation from the median
+  double spread = 0.0; ///< median absolute deviation from the median
   double least = 0.0, most = 0.0;
   std::size_t crossings = 0; ///< changes of sign about the middle of the range
-  bool smooth = false;       ///< neighbours are much alike: samples of something that swings
+  bool smooth = false;       ///< neighbours are alike, as samples of a swing are
 };
 
 struct LogHead {
@@ -49,13 +49,14 @@ struct LogHead {
 
   /// The fields of the first row that has all columns.
   [[nodiscard]] std::vector<Field> whole_row() const;
-  /// The text "key: value" of a comment.
+  /// The value of the comment "key: value"; nothing if there is none.
   [[nodiscard]] std::optional<std::string_view> value_of(std::string_view key) const;
   [[nodiscard]] ColumnSample sample(std::size_t column) const;
 };
 
-/// Cuts `text`, whose last line may be incomplete unless `whole`. `decimal_comma` is certain if
-/// set. Throws InputError for text that is binary, UTF-16, or has no line of data.
+/// Cuts `text`; unless it is `whole`, its last line may be incomplete and is then left out. With
+/// `decimal_comma` the comma is known to be the decimal point, otherwise that is found out. Throws
+/// InputError for text that is empty, binary or UTF-16, has no line of data, or too many columns.
 LogHead cut_head(std::string_view text, bool whole, const std::string& source, bool decimal_comma);
 
 } // namespace goingrate

@@ -15,7 +15,7 @@ constexpr double gate_sigmas2 = 36.0;
 constexpr double gate_floor = 0.01;
 // Never so wide that an event half-way between two beats could be one.
 constexpr double gate_cap = 0.25;
-// After this many events in a row that fit no beat, the search for beats starts anew. With one
+// After this many events in a row that fit no beat, the search for beats starts again. With one
 // event in ten false that happens by chance once in 1e6.
 constexpr int most_misfits = 6;
 // After a long absence the next beat is still predicted if six sigmas are at most this share of the

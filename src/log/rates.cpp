@@ -3,6 +3,8 @@
 #include "beat_noise.hpp"
 #include "typical_period.hpp"
 
+#include "base/time_grain.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -127,7 +129,14 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   double largest = 0.0;
   constexpr std::size_t few_blocks = 8;
   const std::size_t last = beats.size() - 1;
-  const double ends = 2.0 * jitter_variance(beats) / std::pow(beats[last].time - beats[0].time, 2);
+  const double span_s = beats[last].time - beats[0].time;
+  const double grain_s = time_grain(
+      std::min(beats.size(), times_for_grain),
+      span_s / static_cast<double>(std::max<std::int64_t>(1, beats[last].cycle - beats[0].cycle)),
+      [&](std::size_t i) { return beats[i].time - beats[0].time; });
+  const double jitter2 =
+      std::max(jitter_variance(beats), std::pow(rounding_sigma(grain_s), 2)); // of one end
+  const double ends = 2.0 * jitter2 / (span_s * span_s);
   for (std::size_t k = std::min<std::size_t>(4, last); k <= std::min<std::size_t>(64, last);
        k *= 2) {
     double sum = 0.0;

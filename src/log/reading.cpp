@@ -31,9 +31,17 @@ std::optional<double> stated(const LogHead& head, std::string_view key, double l
   return value && *value > least && *value < most ? value : std::nullopt;
 }
 
+std::optional<Site> stated_site(const LogHead& head) {
+  constexpr double beyond = 1e-9; // degrees: the poles themselves will do
+  const auto latitude = stated(head, "latitude_deg", -90.0 - beyond, 90.0 + beyond);
+  const auto longitude = stated(head, "longitude_deg", -180.0 - beyond, 360.0 + beyond);
+  return latitude && longitude ? std::optional(Site{*latitude, *longitude}) : std::nullopt;
+}
+
 void settle_nominal_period(ClockLog& log, const LogHead& head, const Layout& layout,
                            const ReadingOptions& options) {
   log.flag_width_rad = stated(head, "flag_width_rad", 0.0, 1.0);
+  log.site = stated_site(head);
   if (layout.find(ColumnRole::phase) || layout.find(ColumnRole::frequency)) {
     log.nominal_period_s = layout.tau0_s;
   } else if (options.nominal_period_s) {

@@ -7,7 +7,7 @@
 
 namespace goingrate {
 
-/// Reverses the order of events and columns; data on a grid get their places anew.
+/// Reverses the order of events and columns; data on a grid get new places.
 void turn_round(ClockLog& log);
 
 /// A label that was written a step early or late gives two events at almost one time beside a

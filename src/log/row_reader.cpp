@@ -79,7 +79,7 @@ void RowReader::add(const Line& line) {
   ++data_lines_;
   split_fields(line.text, layout_.separator, fields_);
   if (!row_fits(line)) {
-    if (log_.grid) log_.grid->phase_s.push_back(unknown); // its place stays
+    if (log_.grid) log_.grid->phase_s.push_back(unknown); // keeps its place on the grid
     if (oscillation_ && is_begun_row()) pass_oscillation();
     return;
   }
@@ -111,7 +111,7 @@ void RowReader::add_sample(const Line& line, const Instant& time) {
     const Field& field = fields_[std::isnan(angle) ? *angle_ : *height_];
     if (says_nothing(field.text))
       issues_.add(line.number, field.column, IssueKind::no_value,
-                  height_ ? "no place of the bob" : "no angle", "sample left out");
+                  height_ ? "no position of the bob" : "no angle", "sample left out");
     return;
   }
   samples_.push_back({time, angle * layout_.columns[*angle_].scale, line.number});
@@ -122,6 +122,7 @@ RowReader::Taken RowReader::add_plain_times(std::string_view text, std::uint32_t
   if (!plain_ || number < layout_.first_line) return {};
   const char* const end = text.data() + text.size();
   Taken taken;
+  // A time that begins with 9 may be all nines, which stand for no value: that is for add() to see.
   for (const char* c = text.data(); c != end && *c >= '0' && *c <= '8'; ++taken.lines) {
     Instant raw;
     const char* const line = c;
@@ -142,7 +143,7 @@ void RowReader::push(const Beat& beat) {
   log_.events.push_back(beat);
 }
 
-// The right number of fields, of text.
+// Whether the line has the right number of fields and no binary bytes; rejects it if not.
 bool RowReader::row_fits(const Line& line) {
   const std::size_t columns = layout_.columns.size();
   if (fields_.size() == columns && !has_binary(line.text)) return true;
@@ -169,12 +170,14 @@ double RowReader::number_at(const Line& line, const Place& place, std::string_vi
   if (!place) return unknown;
   const Field& field = fields_[*place];
   const auto value = parse_number(field.text, layout_.point);
-  // 999.9 mbar or 99 % are weather like any other.
-  const bool can_be = value && ((place == weather_[1] && *value < 1100.0) ||
-                                (place == weather_[2] && *value <= 100.0));
-  const bool no_value = all_nines(field.text) && !can_be;
+  // Four nines or more stand for no value, unless as a pressure or a humidity they can be real:
+  // 999.9 mbar, 99.99 %.
+  constexpr double most_mbar = 1100.0, most_percent = 100.0;
+  const bool can_be_real = value && ((place == weather_[1] && *value < most_mbar) ||
+                                     (place == weather_[2] && *value <= most_percent));
+  const bool no_value = all_nines(field.text) && !can_be_real;
   if (value && !no_value) return *value;
-  if (!says_nothing(field.text)) // empty or NaN: the file's own word for it
+  if (!says_nothing(field.text)) // an empty field or NaN says so itself: no issue
     issues_.add(line.number, field.column, value ? IssueKind::no_value : IssueKind::unreadable,
                 fmt::format("found {}, expected {}", shown(field.text), expected),
                 "taken as unknown");
@@ -237,7 +240,7 @@ void RowReader::accept(const Line& line, Beat beat) {
     width = unknown;
   }
   if (!std::isnan(width)) {
-    beat.time = beat.time + 0.5 * width; // the log has the leading edge
+    beat.time = beat.time + 0.5 * width; // the log gives the time of the leading edge
   }
   append(line, beat, width);
 }
@@ -246,7 +249,7 @@ void RowReader::append(const Line& line, const Beat& beat, double width_s) {
   push(beat);
   log_.has_amplitude = log_.has_amplitude || !std::isnan(beat.amplitude_rad);
   const bool widths = width_ || !log_.columns.width_s.empty() || !std::isnan(width_s);
-  if (widths) { // the first width may come late
+  if (widths) { // events before the first width get an unknown one
     log_.columns.width_s.resize(log_.events.size() - 1, unknown);
     log_.columns.width_s.push_back(width_s);
   }
@@ -273,14 +276,15 @@ void RowReader::finish() {
          Setting::wrap});
   if (other_channels_ > 0)
     log_.assumptions.push_back(
-        {fmt::format("{} lines of other channels than {}", other_channels_, layout_.channel),
+        {fmt::format("{} lines of channels other than {} left out", other_channels_,
+                     layout_.channel),
          Setting::channel});
   if (layout_.format == LogFormat::ticktock)
     log_.assumptions.push_back({"times are the middles of the intervals in which the flag covers "
                                 "the sensor"});
   else if (width_ || !log_.columns.width_s.empty())
     log_.assumptions.push_back(
-        {"times are those of the flag's leading edge; half its width is added to each"});
+        {"times are of the flag's leading edge: half of each width is added to them"});
 }
 
 } // namespace goingrate

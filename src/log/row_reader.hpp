@@ -25,7 +25,7 @@ class RowReader {
 public:
   RowReader(const Layout& layout, const ReadingOptions& options, ClockLog& log);
 
-  /// Makes room for the events or samples of so many lines.
+  /// Makes room for the events or samples of `lines` lines.
   void reserve(std::size_t lines);
   void add(const Line& line);
 
@@ -33,9 +33,9 @@ public:
     std::size_t bytes = 0;
     std::uint32_t lines = 0;
   };
-  /// Adds the lines with which `text` begins as far as they are good times and nothing else, what
-  /// nearly all lines of nearly all logs are; `number` is that of the first. The same as add() of
-  /// each, but faster.
+  /// Adds the lines at the beginning of `text` up to the first that is not a good time in seconds
+  /// alone; nearly all lines of most logs are. `number` is that of the first line. Does what add()
+  /// of each would do, but faster. Adds nothing unless the log has that one column.
   Taken add_plain_times(std::string_view text, std::uint32_t number);
   /// Another text of the same layout follows, whose data begin in this line.
   void begin_anew(std::uint32_t first_line) { layout_.first_line = first_line; }
@@ -45,7 +45,7 @@ public:
   void finish();
 
   [[nodiscard]] const std::vector<AngleSample>& samples() const { return samples_; }
-  /// One a sample, where the log has the place of the bob; else empty.
+  /// One per sample, where the log has the position of the bob; else empty.
   [[nodiscard]] const std::vector<double>& heights() const { return heights_; }
   /// Lines that should have held data, and those of them that gave nothing.
   [[nodiscard]] std::size_t data_lines() const { return data_lines_; }
@@ -64,7 +64,7 @@ private:
   [[nodiscard]] bool only_a_comment(const Line& line) const;
   bool row_fits(const Line& line);
 
-  // Times (row_times.cpp). Each rejects the line and gives nothing if it cannot be had.
+  // Times (row_times.cpp). Each rejects the line and returns nothing if there is no time.
   std::optional<Instant> time_of(const Line& line);
   std::optional<Instant> written_time(const Line& line);
   std::optional<Instant> accumulated_time(const Line& line, std::size_t column);

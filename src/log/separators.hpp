@@ -10,8 +10,8 @@ namespace goingrate {
 
 std::size_t count_fields(std::string_view line, char separator);
 
-/// Sets separator and decimal point of `head`, found from its lines; `decimal_comma` is certain if
-/// set (Formats/ReadsInTheWild).
+/// Finds separator and decimal point from `lines` and sets them in `head`. With `decimal_comma` the
+/// comma is known to be the decimal point (Formats.ReadsInTheWild).
 void settle_separators(LogHead& head, const std::vector<HeadLine>& lines, bool decimal_comma);
 
 } // namespace goingrate

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double per_million = 1e-6;
 
-// A watch's train makes a whole number of beats an hour, two a period.
+// A watch's train makes a whole number of beats an hour, two to a period.
 std::optional<double> watch_period(double period_s) {
   constexpr std::array beats_an_hour{14400.0, 16200.0, 18000.0, 19800.0, 21600.0,
                                      25200.0, 28800.0, 36000.0, 43200.0};

@@ -1,6 +1,8 @@
 #include "typical_period.hpp"
 
 #include "beat_noise.hpp"
+
+#include "base/time_grain.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/reading.hpp"
 
@@ -153,7 +155,10 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
   }
   if (nominal_s && static_cast<double>(lengths.size()) <= 0.05 * static_cast<double>(work.size()))
     refuse_nominal(source, events[1].line, middle_s, centre);
-  return bulk_of(intervals, std::move(lengths), periods);
+  TypicalPeriod typical = bulk_of(intervals, std::move(lengths), periods);
+  typical.grain_s = time_grain(std::min(events.size(), times_for_grain), typical.mean_s,
+                               [&](std::size_t i) { return events[i].time - events[0].time; });
+  return typical;
 }
 
 } // namespace goingrate

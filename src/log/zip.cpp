@@ -105,7 +105,7 @@ private:
   zip_file_t* file_;
 };
 
-// Where the name of an entry begins in a path that goes on behind a ZIP.
+// Where the name of an entry begins in a path that goes on beyond a ZIP.
 std::optional<std::size_t> entry_begins(const std::string& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored)) return {};

@@ -78,9 +78,9 @@ AxisScale scale_linear(const Axis& axis, double lowest, double highest, double m
   const double last = std::floor(scale.to / step);
   const double unit = step / std::pow(10.0, shortening.power);
   for (double k = first; k <= last; k += 1.0) {
-    const double shown = (k - shortening.origin_steps) * unit;
-    scale.ticks.push_back({scale.place(k * step), // + 0.0 turns a negative zero into a plain one
-                           typeset(fmt::format("{:.{}f}", shown + 0.0, shortening.decimals))});
+    const double shown = (k - shortening.origin_steps) * unit + 0.0; // + 0.0: no negative zero
+    scale.ticks.push_back(
+        {scale.place(k * step), typeset(fmt::format("{:.{}f}", shown, shortening.decimals))});
   }
   scale.title = linear_title(axis, shortening, step);
   return scale;
@@ -92,8 +92,8 @@ struct LogTick {
   [[nodiscard]] double logarithm() const { return decade + std::log10(mantissa); }
 };
 
-// The nearest tick of 1, 2 or 5 times a power of ten at or beyond `logarithm`, downwards or
-// upwards.
+// The logarithm of the nearest 1, 2 or 5 times a power of ten: at or above `logarithm` (`up`), or
+// at or below it.
 double round_outward(double logarithm, bool up) {
   constexpr double rounding = 1e-9;
   const int decade = static_cast<int>(std::floor(logarithm + (up ? -rounding : rounding)));
@@ -117,15 +117,19 @@ void add_log_ticks(AxisScale& scale) {
   const int first = static_cast<int>(std::floor(scale.from));
   const int last = static_cast<int>(std::ceil(scale.to));
   const int decades = last - first;
-  const int stride = std::max(1, static_cast<int>(std::ceil(decades / 8.0)));
-  const double powers = std::floor(scale.to + 1e-9) - std::ceil(scale.from - 1e-9) + 1.0;
+  constexpr double most_labelled = 8.0; // decades
+  constexpr double rounding = 1e-9;     // of a logarithm
+  // Decades: numbers below 0.008 or above 12,600 are shorter as powers of ten.
+  constexpr double lowest_written = -2.1, highest_written = 4.1;
+  const int stride = std::max(1, static_cast<int>(std::ceil(decades / most_labelled)));
+  const double powers = std::floor(scale.to + rounding) - std::ceil(scale.from - rounding) + 1.0;
   const bool few = powers < 2.0; // then 2 and 5 need labels as well
-  const bool as_powers = scale.from < -2.1 || scale.to > 4.1;
+  const bool as_powers = scale.from < lowest_written || scale.to > highest_written;
   for (int decade = first; decade <= last; ++decade) {
     for (int m = 1; m <= 9; ++m) {
       const LogTick tick{static_cast<double>(m), decade};
       const double place = (tick.logarithm() - scale.from) / (scale.to - scale.from);
-      if (place < -1e-9 || place > 1.0 + 1e-9) continue;
+      if (place < -rounding || place > 1.0 + rounding) continue;
       const bool major = (m == 1 && decade % stride == 0) || (few && (m == 2 || m == 5));
       if (major)
         scale.ticks.push_back({place, log_label(tick, as_powers)});

@@ -124,8 +124,8 @@ Figure chart_figure(const std::vector<ChartRow>& rows, const std::string& scene,
 }
 
 std::string limits_text(const std::vector<LimitRow>& rows) {
-  std::string text = "error of a time after the run, relative to it; what is first worse than "
-                     "1e-6\n  epsilon  l/phi0   amplitude";
+  std::string text = "error of the last crossing time, relative to the length of the run; the "
+                     "first method above 1e-6\n  epsilon  l/phi0   amplitude";
   auto out = std::back_inserter(text);
   if (!rows.empty())
     for (const auto& error : rows.front().errors)

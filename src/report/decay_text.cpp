@@ -1,6 +1,7 @@
 // The decay of a free swing in words and as a table.
 #include "goingrate/report/tables.hpp"
 
+#include "rounded.hpp"
 #include "wording.hpp"
 
 #include <algorithm>
@@ -97,9 +98,10 @@ std::string decay_text(const Decay& decay) {
       text += "undetermined\n";
       continue;
     }
-    text += fmt::format("{:<20} {:.4g} to ", with_sigma(at->q.value, at->q.sigma), at->q.low95);
-    text += std::isfinite(at->q.high95) ? fmt::format("{:.4g}\n", at->q.high95)
-                                        : std::string("no end\n");
+    text += fmt::format("{:<20} {} to {}\n", with_sigma(at->q.value, at->q.sigma),
+                        to_the_digits_of(at->q.low95, at->q.sigma),
+                        std::isfinite(at->q.high95) ? to_the_digits_of(at->q.high95, at->q.sigma)
+                                                    : "no end");
   }
   return text;
 }

@@ -70,7 +70,7 @@ std::vector<PlacedMarker> place_markers(const Figure& figure, const FigureAxes& 
 /// How many rows their labels take.
 std::size_t rows_of(const std::vector<PlacedMarker>& markers);
 
-/// Of UTF-8 text.
+/// The number of characters of a UTF-8 text.
 std::size_t characters(std::string_view text);
 
 } // namespace goingrate

@@ -1,4 +1,4 @@
-// Figures of what the fit says of its own parameters.
+// Figures of the fitted parameters: their profiles, correlations and intervals.
 #include "parameter_words.hpp"
 #include "report_figures.hpp"
 
@@ -28,8 +28,8 @@ bool has_intervals(const FittedParameter& p) {
          std::isfinite(p.value) && p.sigma > 0.0 && p.low68 < p.high68;
 }
 
-// Through the points that were computed; between two of them the signed root of the fall goes
-// straight, so that a parabola is drawn as one.
+// A curve through the computed points. Between two of them the signed root of the fall is
+// interpolated linearly, so that a parabola is drawn as one.
 Series profile_curve(const FittedParameter& p, int colour) {
   constexpr int steps = 8; // between two points
   Series curve{Series::Style::line, symbol_of(p.name), {}, {}, {}, {}, colour};
@@ -52,14 +52,14 @@ std::optional<Figure> profile_figure(const FitSummary& fit) {
   Figure figure{
       "profiles",
       "Profile likelihoods",
-      "By how much 2 log L falls when a parameter is held off its best value and all "
-      "others are fitted again, at five places on either side: 1 at the ends of the 68 % interval, "
-      "3.84 at those of 95 %. A curve that leans is an error greater to one side; one that stays "
-      "low has no end there.",
+      "How far 2 log L falls when a parameter is held away from its best value and all others are "
+      "fitted again, at up to five places on either side: by 1 at the ends of the 68 % interval, "
+      "by 3.84 at those of 95 %. A lopsided curve means a larger error on one side; where a curve "
+      "stays low the interval has no end.",
       {"distance from the best value", "σ"},
       {"fall of 2 log L", ""},
       {}};
-  constexpr std::size_t colours = 8; // then the same with another dash
+  constexpr std::size_t colours = 8; // then shifted by one: each comes again with another dash
   for (const FittedParameter& p : fit.parameters) {
     const std::size_t i = figure.series.size();
     if (!p.profile.empty())
@@ -71,7 +71,7 @@ std::optional<Figure> profile_figure(const FitSummary& fit) {
 }
 
 std::optional<Figure> correlation_figure(const FitSummary& fit) {
-  std::vector<std::size_t> shown; // one that is undetermined has the correlations of its prior
+  std::vector<std::size_t> shown; // no undetermined ones: their correlations are of the priors
   for (std::size_t i = 0; i < std::min(fit.correlated.size(), fit.correlation.size()); ++i)
     if (is_determined(fit, fit.correlated[i])) shown.push_back(i);
   if (shown.size() < 2) return std::nullopt;
@@ -79,7 +79,7 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
                 "Correlation of the fitted parameters",
                 "Blue: an error that makes one of the two too large makes the other too large as "
                 "well; vermilion: too small. Near ±1 the log knows the two together much better "
-                "than each alone. Numbers along the foot are those beside the names.",
+                "than each alone. The numbers along the foot are those after the names.",
                 {"", ""},
                 {"", ""},
                 {{Series::Style::cells, "correlation", {}, {}, {}, {}, blue}}};
@@ -101,14 +101,14 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
 }
 
 std::optional<Figure> interval_figure(const FitSummary& fit) {
-  constexpr double edge = 5.0; // sigma: where an interval without an end is cut
+  constexpr double edge = 5.0; // sigma: where bars are cut; ends are sought up to 8 (profile.hpp)
   Series narrow{Series::Style::bars, "68 %", {}, {}, {}, {}, blue};
   Series wide{Series::Style::bars, "95 %", {}, {}, {}, {}, vermilion};
   Figure figure{"intervals",
                 "Intervals of the parameters",
                 "Where the profile likelihood puts each parameter, in units of its σ from the best "
                 "value: about ±1 (68 %) and ±2 (95 %) where it is a parabola. A lopsided bar means "
-                "that the error is greater to that side; one that runs to 5 has no end there.",
+                "that the error is larger on that side; one that runs to 5 ends beyond or never.",
                 {"", ""},
                 {"distance from the best value", "σ"},
                 {}};
@@ -122,7 +122,7 @@ std::optional<Figure> interval_figure(const FitSummary& fit) {
   for (const FittedParameter& p : fit.parameters) {
     if (!has_intervals(p)) continue;
     const auto at = static_cast<double>(figure.x.names.size());
-    constexpr double aside = 0.08; // so that both bars are seen
+    constexpr double aside = 0.08; // places, so that both bars are seen
     add(narrow, at - aside, p, p.low68, p.high68);
     if (p.low95 < p.high95) add(wide, at + aside, p, p.low95, p.high95);
     figure.x.names.push_back(symbol_of(p.name));

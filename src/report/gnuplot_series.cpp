@@ -20,7 +20,7 @@ constexpr double columns = 800.0;
 
 double column_place(const AxisScale& x, double value) { return columns * x.place(value); }
 
-// Of one series.
+// Writes the data and the plot command of one series.
 class Writer {
 public:
   Writer(const Series& series, const Look& look, const FigureAxes& axes,

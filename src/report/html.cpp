@@ -115,8 +115,14 @@ td[data-label]::before{content:attr(data-label) ": ";color:var(--soft)}}
 @page{size:A4;margin:16mm}
 @media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}
 figure,tr,.cards div,.says p{break-inside:avoid}figure svg{max-height:8.6cm}
-h2,h3,caption{break-after:avoid}.scroll{overflow:visible}.value{white-space:normal}}
+h2,h3,caption,thead,.words dt{break-after:avoid}tbody tr:first-child{break-before:avoid}.scroll{overflow:visible}.value{white-space:normal}}
 )";
+
+} // namespace
+
+std::string_view page::style() { return page_style; }
+
+namespace {
 
 std::string figure_html(const Figure& figure, std::string_view live) {
   return fmt::format("<figure>\n<h3>{}</h3>\n{}<div class=\"still\">\n{}</div>\n"
@@ -216,7 +222,7 @@ std::string report_html(const Analysis& data) {
                   "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
                   "<title>Clock report: {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n"
                   "<header>\n<h1>Clock report: {0}</h1>\n{3}</header>\n<main>\n",
-                  name, page_style, figure_style(), contents, content_policy);
+                  name, page::style(), figure_style(), contents, content_policy);
   const std::vector<Figure> figures = report_figures(data);
   html += page::section("summary", "What the log says", sentences(data));
   html += page::key_figures(data) + page::diary(data) + figures_section(data, figures) +

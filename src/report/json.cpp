@@ -3,6 +3,7 @@
 #include "base/scaled_time.hpp"
 #include "goingrate/report/tables.hpp"
 #include "json_parts.hpp"
+#include "wording.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,7 +55,7 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                  const SensorFindings& sensor) {
   Json json = json_with_schema("goingrate.rate");
   const auto rate = [&](double value) { return rate_or_null(value, summary.nominal_is_known); };
-  json["source"] = log.source;
+  json["source"] = file_name(log.source); // a page is given away, its folders are not
   if (!log.files.empty()) {
     json["files"] = Json::array();
     for (const LogFile& file : log.files)

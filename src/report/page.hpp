@@ -31,15 +31,18 @@ std::string paragraph(std::string_view text);
 /// A duration in the unit that suits it: "42.5 s", "8.02 h".
 std::string duration_text(double seconds);
 
-// Of the log itself.
+// Sections of the page about the log itself.
 std::string key_figures(const Analysis& data);
 std::string diary(const Analysis& data);
 std::string stability(const Analysis& data);
 std::string reading(const Analysis& data);
 
-// Of the model fitted to it.
+// Sections of the page about the model fitted to it.
 std::string fit(const Analysis& data);
 std::string drive(const Analysis& data);
+
+/// The style sheet of all pages but for their figures.
+std::string_view style();
 
 /// What the page's words and symbols mean.
 std::string words();

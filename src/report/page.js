@@ -1,7 +1,7 @@
 // Draws the figures of a report's page with plotly.js from the data in the page.
 //
 // A long series is thinned to the width of its drawing: of each column of pixels the lowest and the
-// highest value stay, and a zoom draws what it shows anew from all the values there are.
+// highest value stay, and a zoom redraws what it shows from all the values there are.
 "use strict";
 (() => {
   const { unpack, lowerBound, forColumns, extremes, visible, strokes, cloud, csvOf } = goingrateSeries;
@@ -274,7 +274,7 @@
     plot.place.firstElementChild?.setAttribute("aria-hidden", "true");
   }
 
-  // What is against time has a range of its own, so that it can be drawn anew for any part of it.
+  // What is against time has a range of its own, so that any part of it can be redrawn.
   function wholeRange(plot) {
     const long = plot.panels.some((panel) => panel.series.some(isLong));
     const axis = plot.panels[0].x;

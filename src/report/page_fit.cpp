@@ -5,6 +5,7 @@
 #include "markup.hpp"
 #include "parameter_words.hpp"
 #include "rms_words.hpp"
+#include "rounded.hpp"
 #include "wording.hpp"
 
 #include <algorithm>
@@ -102,15 +103,17 @@ std::string decay_part(const FitSummary& fit) {
   const DisplayUnit unit = angle_unit(*fit.decay);
   Table table("Quality factor of the swing, whichever law the friction has",
               {fmt::format("amplitude, {}", unit.name), "Q ± σ", "68 %", "95 %"});
-  const auto range = [](double low, double high) {
-    return plain_number(low, 4) +
-           (std::isfinite(high) ? " to " + plain_number(high, 4) : std::string(" or more"));
+  const auto range = [](double low, double high, double sigma) {
+    return typeset(to_the_digits_of(low, sigma)) +
+           (std::isfinite(high) ? " to " + typeset(to_the_digits_of(high, sigma))
+                                : std::string(" or more"));
   };
   const auto& all = fit.decay->q_at_amplitude;
   for (auto at = all.rbegin(); at != all.rend(); ++at) {
     if (!std::isfinite(at->q.value)) continue;
     table.row({plain_number(unit.factor * at->amplitude_rad, 4), measured(at->q.value, at->q.sigma),
-               range(at->q.low68, at->q.high68), range(at->q.low95, at->q.high95)});
+               range(at->q.low68, at->q.high68, at->q.sigma),
+               range(at->q.low95, at->q.high95, at->q.sigma)});
   }
   return paragraph(escape_markup(decay_sentences(*fit.decay))) +
          (table.empty() ? "" : table.html());
@@ -180,16 +183,28 @@ std::string line_table(const DriveAnalysis& drive) {
   return table.empty() ? "" : table.html();
 }
 
+// A line for what a covariate does, and one for each of its ways.
+std::string ways_text(const CovariateEffect& effect, const Wording& words) {
+  const std::string per = fmt::format("/{}", unit_of_covariate(effect));
+  std::string text = typeset(words.rate(effect.coefficient, effect.sigma)) + per;
+  for (const EffectPart& part : effect.parts)
+    text += fmt::format("; {} {}{}", words_of(part.way),
+                        typeset(words.rate(part.coefficient, part.sigma)), per);
+  return text;
+}
+
 // What temperature and pressure do, judged on the half of the log that was not used to find it.
 std::string covariate_table(const Analysis& data) {
   const Wording words(data);
-  Table table("Temperature and air pressure",
+  Table table("What surrounds the clock",
               {"of the rate on", "coefficient", "lag", "time error without and with it, rms",
                "compensating would"});
   for (const CovariateEffect& effect : data.covariates)
     table.row(
         {effect.name,
-         typeset(words.rate(effect.coefficient, effect.sigma)) + "/" + unit_of_covariate(effect),
+         effect.name == "tide"
+             ? typeset(with_sigma(effect.coefficient, effect.sigma, 3)) + " of what theory says"
+             : ways_text(effect, words),
          effect.lag_s > 0.0 ? plain_number(effect.lag_s) + " s" : "none",
          fmt::format("{} and {} s", plain_number(effect.without_s), plain_number(effect.with_s)),
          !effect.significant() ? "do nothing that stands out of the noise"

@@ -161,7 +161,7 @@ std::string key_figures(const Analysis& data) {
                   "time gained from the first beat to the last, over the time between");
   } else {
     cards +=
-        card("Rate", "not known", "no nominal period is known to hold the mean period against");
+        card("Rate", "not known", "no nominal period is known to compare the mean period with");
   }
   cards += card("Mean period", measured(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s",
                 rate.nominal_is_known

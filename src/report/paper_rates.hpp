@@ -18,9 +18,9 @@ inline double first_order_rate(const ClockParameters& clock) {
 }
 
 Scenario scenario_of(const ClockParameters& clock, std::int64_t periods, Method method);
-/// Over all but the first tenth of a run.
+/// The mean rate over a run without its first tenth.
 double mean_rate(const Scenario& scenario);
-/// Of 4000 periods of the paper's integrator.
+/// The rate over 4000 periods of the paper's integrator.
 double rk4_rate(const ClockParameters& clock, Rk4Torque torque);
 
 /// What the paper states in words or leaves to the reader.

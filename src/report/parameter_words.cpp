@@ -14,7 +14,7 @@ struct ParameterWords {
   std::string_view meaning;
 };
 
-constexpr std::array<ParameterWords, 24> words{{
+constexpr std::array<ParameterWords, 25> words{{
     {"T0", "", "period of small free swings"},
     {"epsilon", "ε", "friction"},
     {"mu", "μ", "driving torque"},
@@ -38,6 +38,7 @@ constexpr std::array<ParameterWords, 24> words{{
     {"pressure", "", "change of the rate per millibar"},
     {"humidity", "", "change of the rate per percent of relative humidity"},
     {"density", "", "change of the rate with the density of the air"},
+    {"tide", "", "answer to Moon and Sun, as a share of what theory says"},
     {"pi", "π", ""},
 }};
 

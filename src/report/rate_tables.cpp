@@ -124,7 +124,7 @@ void RateTable::append_extras(DecimalText& line, const Beat* beat, double rate, 
     if (!column.values->empty()) append_number(line, (*column.values)[i], column.digits);
 }
 
-// From the beat that many cycles ago, or the last before it, to this one.
+// The rate from the beat `running_cycles` ago, or the last before that, to this one.
 double RateTable::running_rate(const Beat& beat) {
   if (!recent_.empty() && recent_.back().segment != beat.segment) recent_.clear();
   recent_.push_back(beat);

@@ -82,6 +82,15 @@ Json numbers_object(const Analysis& data) {
   return json;
 }
 
+Json parts_object(const CovariateEffect& effect) {
+  Json parts = Json::array();
+  for (const EffectPart& part : effect.parts)
+    parts.push_back({{"way", name_of(part.way)},
+                     {"coefficient", json_number(part.coefficient)},
+                     {"sigma", json_number(part.sigma)}});
+  return parts;
+}
+
 Json covariates_object(const std::vector<CovariateEffect>& effects) {
   Json json = Json::array();
   for (const CovariateEffect& effect : effects)
@@ -90,6 +99,9 @@ Json covariates_object(const std::vector<CovariateEffect>& effects) {
                     {"coefficient", json_number(effect.coefficient)},
                     {"sigma", json_number(effect.sigma)},
                     {"lag_s", json_number(effect.lag_s)},
+                    {"parts", parts_object(effect)},
+                    {"amplitude", json_number(effect.amplitude)},
+                    {"amplitude_sigma", json_number(effect.amplitude_sigma)},
                     {"interpolation_sigma", json_number(effect.interpolation_sigma)},
                     {"readings_step_s", json_number(effect.step_s)},
                     {"known_share", json_number(effect.known_share)},

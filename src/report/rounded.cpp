@@ -45,6 +45,11 @@ Rounded rounded(double value, double sigma, int digits) {
 
 std::string power_of_ten(int power) { return power == 0 ? "" : "10" + superscript(power); }
 
+std::string to_the_digits_of(double value, double sigma) {
+  const Rounded text = rounded(value, sigma, 6);
+  return text.power == 0 ? text.value : text.value + "×" + power_of_ten(text.power);
+}
+
 std::string with_sigma(double value, double sigma, int digits) {
   if (!std::isfinite(value)) return "not known";
   if (value == 0.0) value = 0.0; // no minus before nothing

@@ -15,6 +15,9 @@ struct Rounded {
 /// to `digits` digits of the value, which is finite.
 Rounded rounded(double value, double sigma, int digits);
 
+/// The value alone, to the digits that it has beside its standard deviation: an end of an interval.
+std::string to_the_digits_of(double value, double sigma);
+
 /// "10⁻⁴"; empty for a power of 0.
 std::string power_of_ten(int power);
 

@@ -210,7 +210,9 @@ void Numbers::add_fit() {
   const bool is_of_epsilon = knows_friction && !fit.decay && fit.model.friction() == "linear";
   if ((fit.decay || knows_friction) && std::isfinite(fit.q_factor.value))
     add(is_of_epsilon ? "quality factor of that friction, Q = 1/2ε"
-                      : "quality factor Q " + fit.q_factor.expression,
+        : fit.decay ? fmt::format("quality factor Q at {}, whichever law of friction",
+                                  words_.angle(fit.decay->amplitude_rad, 0.0))
+                    : "quality factor Q " + fit.q_factor.expression,
         with_sigma(fit.q_factor.value, fit.q_factor.sigma));
 }
 
@@ -230,10 +232,18 @@ void Numbers::add_drive() {
 }
 
 void Numbers::add_covariate(const CovariateEffect& effect) {
+  if (effect.name == "tide")
+    return add("answer to Moon and Sun, as a share of what theory says",
+               with_sigma(effect.coefficient, effect.sigma, 3));
   const std::string per = unit_of_covariate(effect);
   add(fmt::format("rate per {} of {}", per, effect.name),
       words_.rate(effect.coefficient, effect.sigma) + "/" + per);
   if (!effect.significant()) return;
+  for (const EffectPart& part : effect.parts)
+    add(fmt::format("  {}", words_of(part.way)),
+        words_.rate(part.coefficient, part.sigma) + "/" + per);
+  if (effect.part(EffectWay::at_once) != nullptr)
+    add("  the whole follows with a lag of", fmt::format("{} s", number(effect.lag_s)));
   add(fmt::format("  time error without and with {} taken off", effect.name),
       fmt::format("{} and {} s (rms, on the other half)", number(effect.without_s),
                   number(effect.with_s)));
@@ -248,8 +258,9 @@ void Numbers::add_isochronism() {
   add(fmt::format("rate per {} of amplitude, near {}", unit,
                   words_.angle(found.amplitude_rad, 0.0)),
       fmt::format("{}/{}{}", slope, unit,
-                  found.fitted_slope ? fmt::format(" (the fitted pendulum by itself: {})",
-                                                   words_.rate(per * *found.fitted_slope, 0.0))
+                  found.fitted_slope ? fmt::format(" (the fitted pendulum by itself: {:+.3g})",
+                                                   words_.rate_unit().factor * per *
+                                                       *found.fitted_slope)
                                      : ""));
 }
 

@@ -159,13 +159,20 @@ bool Sentences::moves_on() const {
   return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
 }
 
-// Of a log in several parts.
+// For a log in several parts: which of them the report is about.
 std::string Sentences::which_part() const {
   if (data_.numbered.segments < 2) return {};
-  return fmt::format("This log is in {} parts that could not be joined; what follows is about the "
-                     "longest, from {} to {}.",
-                     data_.numbered.segments, words_.short_moment(0.0),
-                     words_.short_moment(data_.rate.duration_s));
+  const std::string parts =
+      fmt::format("This log is in {} parts that could not be joined; what follows is about the "
+                  "longest, ",
+                  data_.numbered.segments);
+  if (words_.is_dated())
+    return parts + fmt::format("from {} to {}.", words_.short_moment(0.0),
+                               words_.short_moment(data_.rate.duration_s));
+  const double begin_s = data_.beats.front().time - data_.numbered.beats.front().time;
+  const double end_s = begin_s + data_.rate.duration_s;
+  return parts + fmt::format("from {} to {} after the log's first event.",
+                             words_.short_moment(begin_s), words_.short_moment(end_s));
 }
 
 // What of the clock this log holds.

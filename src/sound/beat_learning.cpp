@@ -202,7 +202,7 @@ private:
       return bin;
     };
     const std::size_t onset = first_above(begun);
-    // To half of what it comes to within a millisecond.
+    // The rise ends at half of the highest power within a millisecond of the onset.
     const auto first = kind_.shape.begin() + static_cast<std::ptrdiff_t>(onset);
     const auto next = std::min<std::ptrdiff_t>(kind_.shape.end() - first, grid_.reach / 4);
     const double half = 0.5 * *std::max_element(first, first + std::max<std::ptrdiff_t>(1, next));

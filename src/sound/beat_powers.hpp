@@ -18,7 +18,7 @@ struct BeatGrid {
   std::size_t lead = 0, size = 0;
   std::ptrdiff_t reach = 0;
   double degrees = 1.0;                 ///< of freedom of one power of the background
-  std::vector<double> correlation{1.0}; ///< of its powers so many bins apart
+  std::vector<double> correlation{1.0}; ///< of its powers, by their distance in bins
 
   // Variance of the logarithm of a power that is background (1), a beat's sound and `added`: that
   // of noise in which a known sound stands.

@@ -38,7 +38,7 @@ public:
       : above_(above), background_(background),
         variance_(correlated_bins * background.sigma * background.sigma) {}
 
-  // Of a beat whose mean loudness is known.
+  // Score at each bin of a beat whose mean loudness is known.
   [[nodiscard]] std::vector<float> of_known(const Shape& shape) const {
     auto score = matched(shape);
     const auto without = static_cast<float>(0.5 * energy(shape));
@@ -47,7 +47,7 @@ public:
     return score;
   }
 
-  // Of one that is as loud as fits best.
+  // Score at each bin of a beat that is as loud as fits best.
   [[nodiscard]] std::vector<float> of_unknown(const Shape& shape) const {
     auto score = matched(shape);
     const auto twice_energy = static_cast<float>(2.0 * energy(shape));
@@ -368,7 +368,7 @@ private:
       track_.pattern.tock_after = median(after) + static_cast<double>(moved_tock - moved);
   }
 
-  // By how many bins it now begins later.
+  // Learns the mean shape of ticks or tocks; returns by how many bins it now begins later.
   std::ptrdiff_t learn(Shape& shape, bool tocks) {
     double count = 0.0;
     Shape mean = mean_shape(loudness_.above, track_.ticks, tocks, background_.mean, count);

@@ -1,4 +1,4 @@
-// Sums of squares over long rows, quick and exact to a few roundings. Private to the spectra room.
+// Fast sums of squares over long series. Private to the spectra room.
 #pragma once
 
 #include <cstddef>
@@ -19,14 +19,14 @@ struct SquareSum {
   }
 };
 
-// x[from] .. x[from+count-1] as one array. Sums over such are taken in several lanes.
+// x[from] .. x[from+count-1] as an array of Eigen, which sums it in several lanes.
 inline auto stretch_of(const double* x, std::size_t from, std::size_t count) {
   return Eigen::Map<const Eigen::ArrayXd>(x + from, static_cast<Eigen::Index>(count));
 }
 
 // Squares of the first, second or third differences (order 1, 2, 3) at distance m that start at
-// p[0] .. p[count-1]. Differences with a NaN are left out; if all phases are `known` there are
-// none.
+// p[0] .. p[count-1]. Differences with a NaN are left out. With `known` no phase is NaN, and none
+// is looked for.
 SquareSum squares_of_differences(const double* p, std::size_t count, std::size_t m,
                                  std::size_t order, bool known);
 

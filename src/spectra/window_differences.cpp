@@ -48,7 +48,7 @@ public:
     width_ *= 2;
   }
 
-  // Of the windows that start at x[from] and on.
+  // Sums and slopes of the `number` windows that start at x[from], x[from + 1] and so on.
   [[nodiscard]] auto sums(Index from, Index number) const { return sum_.segment(from, number); }
   [[nodiscard]] auto slopes(Index from, Index number) const { return slope_.segment(from, number); }
 

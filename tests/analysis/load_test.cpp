@@ -1,4 +1,4 @@
-// The road from a log's text to numbered beats, as every command takes it.
+// From a log's text to numbered beats, as every command does it.
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/load.hpp"
 
@@ -135,14 +135,14 @@ TEST(LoadTest, AGivenPeriodIsBelieved) {
   EXPECT_EQ(every_other.beats.missed, 999);
   EXPECT_NEAR(every_other.beats.typical_period_s, 1.0, 1e-6);
   EXPECT_NE(every_other.log.assumptions.back().text.find("if that takes 2 s"), std::string::npos)
-      << every_other.log.assumptions.back().text; // half the period may have been given
-  try {                                           // and none at all
+      << every_other.log.assumptions.back().text; // perhaps half the period was given
+  try {                                           // neither half nor twice: no reading at all
     (void)loaded(seconds(1000, 1.6), 2.0);
     FAIL() << "1.6 s are no whole number of 2 s";
   } catch (const ImpossibleReading& error) {
     ASSERT_GE(error.others().size(), 2u);
     ASSERT_TRUE(error.others()[0].nominal_period_s);
-    EXPECT_NEAR(*error.others()[0].nominal_period_s, 1.6, 1e-3); // one interval of the jitter's
+    EXPECT_NEAR(*error.others()[0].nominal_period_s, 1.6, 1e-3); // one interval, with its jitter
   }
 }
 
@@ -199,7 +199,7 @@ TEST(LoadTest, GridDataAreNotNumbered) {
   ASSERT_EQ(series.phase_s.size(), 5u);
   EXPECT_EQ(series.phase_s[2], -2e-6);
   EXPECT_TRUE(std::isnan(series.phase_s[3]));
-  // Phases of anything: only as phases.
+  // Phases that no clock can have pass only where phases will do.
   const std::string wild = "0\n3\n-4\n2\n29\n";
   EXPECT_THROW((void)load_text(wild, request), InputError) << "time would go back";
   request.phases_will_do = true;
@@ -246,7 +246,7 @@ TEST_P(FaultyTexts, AreNumberedRight) {
 INSTANTIATE_TEST_SUITE_P(OfLoggers, FaultyTexts,
                          testing::Range<std::size_t>(0, test::all_text_faults.size()));
 
-// Events that somebody else made are numbered as those of a file are.
+// Events handed over in memory are numbered like those of a file.
 TEST(LoadTest, EventsInMemoryTravelTheSameRoad) {
   const std::string text = seconds(300, 2.0001);
   const NumberedLog read = loaded(text);
@@ -279,7 +279,7 @@ TEST(LoadTest, AContactOnceAMinuteCountsSwings) {
   ASSERT_EQ(log.beats.gaps.size(), 1u);
   EXPECT_EQ(log.beats.gaps[0].after_cycle, 30 * 399);
   EXPECT_EQ(log.beats.gaps[0].length, 30 * 5);
-  EXPECT_NEAR(mean_rate(log).rate_excess, 3.0 / 59.997 * 1e-3, 1e-6); // 4e-3 s in 48,000 s
+  EXPECT_NEAR(mean_rate(log).rate_excess, 3.0 / 59.997 * 1e-3, 1e-6); // 4e-3 s in 48,000 s: 1e-7
   EXPECT_THROW(loaded(text, 2.05), ImpossibleReading);                // 29.27 swings
   EXPECT_THROW(loaded(seconds(100, 500.0), 2.0), ImpossibleReading);  // 250 swings: no contact
 }
@@ -295,7 +295,7 @@ TEST(LoadTest, PhasesCountTheSwingsOfAStatedPeriod) {
   const NumberedLog log = load_text(text, request);
   EXPECT_EQ(log.good.back().cycle, 120);
   EXPECT_EQ(log.beats.missed, 0);
-  EXPECT_NEAR(mean_rate(log).rate_excess, 0.002 / (180.0 - 0.002), 1e-13); // nine digits of 1e-5
+  EXPECT_NEAR(mean_rate(log).rate_excess, 0.002 / (180.0 - 0.002), 1e-13); // 1e-8 of the rate
   request.reading.nominal_period_s = 1.7;
   EXPECT_THROW(load_text(text, request), ArgumentError);
 }

@@ -113,7 +113,7 @@ AdamsPendulum::AdamsPendulum(const ClockParameters& clock, double velocity, doub
   if (!ready) throw std::runtime_error("CVODE could not be set up");
 }
 
-// Multistep methods start anew with tiny steps of first order after each discontinuity. The upward
+// Multistep methods start again with tiny steps of first order after each discontinuity. The upward
 // crossing is one only if the torque is renewed to another value; else CVODE goes on through it,
 // until its own clock has run for so long that the rounding of time would be felt.
 PeriodStep AdamsPendulum::advance(double factor) {

@@ -43,6 +43,63 @@ TimingData made(const Made& what, std::uint64_t seed) {
   return data;
 }
 
+// A rod answers at once, what compensates it through a lag.
+TEST(CovariateTest, ACompensationThatLagsIsToldFromTheRod) {
+  double z2_whole = 0.0, z2_rod = 0.0, mean_lag_s = 0.0;
+  constexpr int logs = 20;
+  constexpr double rod = -6e-6, compensation = 5.7e-6, lag_s = 4000.0;
+  for (std::uint64_t seed = 1; seed <= logs; ++seed) {
+    TimingData data = made({.coefficient = rod, .white = 1e-5}, seed);
+    const TimingData late = made({.coefficient = compensation, .lag_s = lag_s, .white = 0.0}, seed);
+    for (std::size_t i = 0; i < data.size(); ++i)
+      data.lateness_s[i] += late.lateness_s[i];
+    const CovariateEffect effect = covariate_effects(data).at(0);
+    const EffectPart* at_once = effect.part(EffectWay::at_once);
+    ASSERT_NE(at_once, nullptr) << seed;
+    mean_lag_s += effect.lag_s / logs;
+    z2_whole += std::pow((effect.coefficient - rod - compensation) / effect.sigma, 2) / logs;
+    z2_rod += std::pow((at_once->coefficient - rod) / at_once->sigma, 2) / logs;
+  }
+  EXPECT_NEAR(mean_lag_s, lag_s, 0.2 * lag_s); // one scatters by a third
+  EXPECT_LT(z2_whole, 2.2); // 1, and four standard deviations of a mean of 20 squares
+  EXPECT_LT(z2_rod, 2.2);
+  const auto plain = covariate_effects(made({.coefficient = rod, .white = 1e-5}, 3)).at(0);
+  EXPECT_TRUE(plain.parts.empty());
+}
+
+// Air that carries the bob slows the clock by 1e-8 a mbar; air that brakes it lowers the amplitude
+// by 0.1 mrad, which the circular error turns into 0.1e-3 A/8 the other way.
+TEST(CovariateTest, TheBarometersTwoWays) {
+  constexpr double direct = -1e-8, per_mbar = -1e-4, mean = 0.05;
+  double z2_direct = 0.0, z2_through = 0.0;
+  constexpr int logs = 20;
+  for (std::uint64_t seed = 1; seed <= logs; ++seed) {
+    TimingData data = made({.coefficient = direct - per_mbar * mean / 8.0, .white = 1e-6}, seed);
+    data.terms.back().name = "pressure";
+    RandomStream noise(seed, StreamPurpose::missed);
+    const std::vector<double>& advance = data.terms.back().advance_s;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const std::size_t k = std::max<std::size_t>(i, 1);
+      const double pressure = (advance[k] - advance[k - 1]) / 2.0;
+      data.amplitude_rad.push_back(mean + per_mbar * pressure + 1e-4 * noise.normal());
+    }
+    auto effects = covariate_effects(data);
+    tell_ways(data, FitSummary{}, effects); // no fit: the escapement is not known
+    const EffectPart* through = effects.at(0).part(EffectWay::circular_error);
+    const EffectPart* rest = effects.at(0).part(EffectWay::other);
+    ASSERT_TRUE(through != nullptr && rest != nullptr);
+    EXPECT_NEAR(effects[0].amplitude, per_mbar, 5.0 * effects[0].amplitude_sigma);
+    z2_direct += std::pow((rest->coefficient - direct) / rest->sigma, 2) / logs;
+    z2_through +=
+        std::pow((through->coefficient + per_mbar * mean / 8.0) / through->sigma, 2) / logs;
+  }
+  EXPECT_LT(z2_direct, 2.2); // as above
+  EXPECT_LT(z2_through, 2.2);
+  auto without = covariate_effects(made({.coefficient = direct}, 3));
+  tell_ways(made({.coefficient = direct}, 3), FitSummary{}, without);
+  EXPECT_TRUE(without.at(0).parts.empty()) << "no amplitudes";
+}
+
 TEST(CovariateTest, FindsACoefficientWithItsSigma) {
   double z2 = 0.0;
   constexpr int logs = 40;

@@ -1,4 +1,4 @@
-// The rating nut, held against numbers worked out by hand.
+// The rating nut, compared with numbers worked out by hand.
 #include "goingrate/clock/rating_nut.hpp"
 
 #include "goingrate/base/errors.hpp"

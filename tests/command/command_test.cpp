@@ -243,7 +243,7 @@ private:
 
 TEST_F(CommandTest, OnATerminalItSaysWhatItIsDoingAndWipesThat) {
   const Terminal terminal;
-  if (!terminal.is_there()) GTEST_SKIP() << "no terminal to be had here";
+  if (!terminal.is_there()) GTEST_SKIP() << "no terminal is available here";
   const std::string fit = (source / "data/logs/interruption.csv").string() +
                           " --noise both --fix T0=3 --fix phi0=0.025";
   const auto line = [&](const std::string& options) {

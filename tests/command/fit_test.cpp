@@ -185,8 +185,8 @@ TEST_F(CommandTest, AFileOfParametersThatIsUnusableIsExitThree) {
   for (const auto& [text, place] : std::initializer_list<std::pair<const char*, const char*>>{
            {"epsilom 1e-4 1", "bad.par:2:1: found 'epsilom'"},
            {"EVENT 99999 mu", "bad.par:2:7: found cycle 99999, expected one inside the log"},
-           {"temperature 0 1", "bad.par:2:1: found 'temperature', expected a log with a column"},
-           {"pressure 0 0", "bad.par:2:1: found 'pressure', expected a log with a column"}}) {
+           {"temperature 0 1", "bad.par:2:1: found 'temperature', expected a log with a temperature column"},
+           {"pressure 0 0", "bad.par:2:1: found 'pressure', expected a log with a pressure column"}}) {
     put("bad.par", std::string("# goingrate par 1\n") + text + "\n");
     const Outcome outcome = run("fit log.csv --from bad.par --json out.json");
     EXPECT_EQ(outcome.code, 3) << text;

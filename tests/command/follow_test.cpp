@@ -54,7 +54,7 @@ protected:
       lines.push_back(line);
     return lines;
   }
-  // Whether there are so many rows of beats within five seconds.
+  // Whether there are `count` rows of beats within five seconds.
   [[nodiscard]] bool has_rows(std::size_t count) const {
     for (int tenths = 0; tenths < 50 && rows().size() < count + 1; ++tenths)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -27,7 +27,7 @@ std::string repeated(const std::string& text, int count) {
   return all;
 }
 
-// Steady beats, `after` behind each time.
+// Steady beats, each time followed by `after`.
 std::string beats(int count, const std::string& after = "", double step = 2.0) {
   std::string text;
   for (int i = 0; i < count; ++i)

@@ -9,7 +9,7 @@
 namespace goingrate {
 namespace {
 
-// The slow obvious oracle: classical Runge-Kutta on dotl4 and dotpsi4.
+// A slow but simple oracle: classical Runge-Kutta on Hoyng's eqs. dotl4 and dotpsi4.
 struct Plain {
   double x, phase;
 };
@@ -57,7 +57,7 @@ TEST_P(AveragedTest, RateIsTheDerivativeOfThePhase) {
   const double t = 0.3 / s.eps, h = 1e-3 / s.eps;
   const double slope = (motion.at(t + h).phase_excess - motion.at(t - h).phase_excess) / (2 * h);
   EXPECT_NEAR(slope, motion.at(t).rate_excess,
-              2e-6 * std::abs(motion.at(t).rate_excess) + 1e-12); // h^2
+              2e-6 * std::abs(motion.at(t).rate_excess) + 1e-12); // h^2 of a central difference
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -106,7 +106,7 @@ TEST(AveragedModelTest, ErrorAgainstTheFullPendulumShrinksAsTheSquareOfAllSmallT
     const double error =
         std::abs(limit_cycle(clock)->rate_excess - *stationary_rate_first_order(clock));
     if (last > 0.0) {
-      EXPECT_NEAR(std::log(last / error) / std::log(4.0), 2.0, 0.1); // a slope
+      EXPECT_NEAR(std::log(last / error) / std::log(4.0), 2.0, 0.1); // the order, and higher terms
     }
     last = error;
   }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double period_s = 2.0;
 
-// Beats with jitter, and a walk of so much a beat; those of `missing` are not there.
+// Beats with jitter and a walk of `walk_s` per beat; those of `missing` are left out.
 TimingData beats(std::size_t count, double walk_s, std::size_t missing = 0) {
   RandomStream jitter(7, StreamPurpose::jitter), walk(7, StreamPurpose::fast_drive);
   TimingData data;

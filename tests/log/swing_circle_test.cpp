@@ -45,7 +45,7 @@ TEST(SwingCircleTest, SigmaCoversAndIsWithoutBias) {
     z2 += std::pow((circle->radius - 0.8) / circle->radius_sigma, 2) / draws;
   }
   EXPECT_LT(std::abs(z), 0.3); // four standard deviations of a mean of 200
-  EXPECT_NEAR(z2, 1.0, 0.4);   // the same
+  EXPECT_NEAR(z2, 1.0, 0.4);   // four, of a mean of 200 squares: sqrt(2/200) each
 }
 
 TEST(SwingCircleTest, AFlatArcTellsNothing) {

@@ -12,7 +12,7 @@ namespace {
 
 class WeatherTest : public test::ScratchFolderTest {
 protected:
-  // A log of so many beats of 2 s.
+  // A log of `beats` beats of 2 s.
   static ClockLog clock(int beats, const std::string& first = "") {
     std::string text;
     for (int i = 0; i < beats; ++i)

@@ -11,7 +11,8 @@
 
 namespace goingrate::apps {
 
-// A clock of one second that gains 20 ppm, heard within a ten-thousandth of that, by a watch.
+// A watch of a clock whose period is one second less 20 ppm, with 1e-5 s of jitter; each beat is
+// heard 0.05 s later.
 class WatchedClockTest : public testing::Test {
 protected:
   static constexpr double period_s = 1.0;
@@ -25,7 +26,7 @@ protected:
   }
   void TearDown() override { std::filesystem::remove_all(options_.folder); }
 
-  // Beats `from` … `to`, each heard a little later; source time counts from `source_zero` seconds
+  // Beats `from` … `to` - 1, each heard 0.05 s later; source time counts from `source_zero` seconds
   // after `began`.
   void hear(ClockWatch& watch, std::int64_t from, std::int64_t to, double source_zero = 0.0) {
     for (std::int64_t n = from; n < to; ++n)

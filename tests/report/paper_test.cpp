@@ -1,5 +1,7 @@
 #include "goingrate/report/paper.hpp"
 
+#include "report/markup.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <cmath>
@@ -67,6 +69,24 @@ TEST(PaperTest, WordsAreMeasured) {
   // The first relaxation time, a 30th of the run, answers with the fast gain, four times the slow.
   EXPECT_NEAR(noise.ours / noise.by_paper, 1.1, 0.1);
   EXPECT_NEAR(noise.sigma / noise.ours, 1.0 / std::sqrt(2000.0), 1e-12); // of 1000 runs
+}
+
+TEST(PaperTest, ThePageHoldsEveryNumberAndFigure) {
+  const PaperResults& results = short_run();
+  const std::string page = paper_page(results);
+  const auto holds = [&](const std::string& text) {
+    const bool found = page.find(escape_markup(text)) != std::string::npos;
+    EXPECT_TRUE(found) << text;
+  };
+  for (const PaperNumber& n : results.numbers)
+    holds(n.what);
+  for (const BudgetPart& part : results.budget)
+    holds(part.what);
+  for (const PaperFigure& figure : results.figures)
+    holds(figure.figure.title);
+  EXPECT_EQ(page.find("nan"), std::string::npos);
+  for (const char* asks : {"src=", "href=", "@import", "url("})
+    EXPECT_EQ(page.find(asks), std::string::npos) << "it asks no network";
 }
 
 TEST(PaperTest, EveryFigureHasItsData) {

@@ -265,8 +265,9 @@ TEST(SummaryTest, TheTableHasOneUnitForAQuantity) {
 TEST(SummaryTest, TheQOfARingDownIsNotThatOfLinearFrictionAlone) {
   Analysis data = some_report();
   data.fit.decay.emplace();
+  data.fit.decay->amplitude_rad = 0.12;
   data.fit.q_factor = {"Q", "at 0.12 rad, whichever law of friction", "", 53.7, 0.05};
-  EXPECT_EQ(value_of(data, "quality factor Q at 0.12 rad, whichever law of friction"),
+  EXPECT_EQ(value_of(data, "quality factor Q at 120 mrad, whichever law of friction"),
             "53.700 ± 0.050");
   EXPECT_EQ(value_of(data, "quality factor of that friction, Q = 1/2ε"), "");
 }

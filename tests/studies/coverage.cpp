@@ -1,5 +1,5 @@
 // Cramer-Rao bounds of the full simulator for the parameters of a scenario under jitter alone, to
-// hold a fit's sigmas against: study_coverage SCENARIO.toml [--set KEY=VALUE ...] [NAME ...], the
+// compare a fit's sigmas with: study_coverage SCENARIO.toml [--set KEY=VALUE ...] [NAME ...], the
 // names being those of parameters that a fit holds. Nothing where the drive varies or the
 // escapement is none of those whose slopes are known here.
 #include "goingrate/analysis/simulated_logs.hpp"

@@ -88,7 +88,7 @@ void thinnings_of(const FitScene& scene, const std::vector<std::size_t>& strides
 }
 
 // What scipy's solver does: the clock's parameters by least squares from a start, and their sigmas;
-// no other starts, no intervals, no tests. The condensed log is made anew each time.
+// no other starts, no intervals, no tests. The condensed log is made again each time.
 void solver_alone(const std::string& path) {
   using namespace timing_model;
   const FitScene scene = jump_scene("jump", 2000, 1e-6, true);

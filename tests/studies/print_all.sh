@@ -18,6 +18,7 @@ print moment 200 "$base"
 print impulses "$base" 300
 print rests
 print gravity_share "$base" 100
+print conditions "$base" 40
 print bias 400 "$base"
 print coverage 300 "$base"
 print drive_split 208 40 "$base"

@@ -1,4 +1,4 @@
-// Crossing times under a noisy drive, held against 64-bit integration.
+// Crossing times under a noisy drive, compared with 64-bit integration.
 #pragma once
 
 #include "goingrate/base/random.hpp"

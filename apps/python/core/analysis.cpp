@@ -74,6 +74,17 @@ py::list covariates_of(const Analysed& self) {
     one["coefficient"] = effect.coefficient;
     one["sigma"] = effect.sigma;
     one["lag_s"] = effect.lag_s;
+    py::list parts;
+    for (const EffectPart& part : effect.parts) {
+      py::dict way;
+      way["way"] = std::string(name_of(part.way));
+      way["coefficient"] = part.coefficient;
+      way["sigma"] = part.sigma;
+      parts.append(way);
+    }
+    one["parts"] = parts;
+    one["amplitude"] = effect.amplitude;
+    one["amplitude_sigma"] = effect.amplitude_sigma;
     one["interpolation_sigma"] = effect.interpolation_sigma;
     one["readings_step_s"] = effect.step_s;
     one["known_share"] = effect.known_share;

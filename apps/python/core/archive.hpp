@@ -121,7 +121,7 @@ private:
 };
 
 /// What a pickle begins with: the kind of thing and the version of its members.
-inline constexpr std::string_view archive_version = "goingrate 7 ";
+inline constexpr std::string_view archive_version = "goingrate 8 ";
 
 template <class... Parts> std::string archived(std::string_view kind, const Parts&... parts) {
   Writer writer;
@@ -137,7 +137,7 @@ void restore(std::string_view kind, std::string_view bytes, Parts&... parts) {
   if (reader.taken<std::string>() != std::string(archive_version) + std::string(kind))
     throw std::invalid_argument("a pickle of another version of goingrate, or of something else");
   (reader.take(parts), ...);
-  if (!reader.at_end()) throw std::invalid_argument("a goingrate pickle with something behind it");
+  if (!reader.at_end()) throw std::invalid_argument("a goingrate pickle, and more after it");
 }
 
 } // namespace goingrate::python

@@ -59,6 +59,13 @@ LoadRequest request_of(const py::dict& options) {
   put("weather", request.weather.files);
   put("weather_zone", request.weather.zone);
   put("weather_offset_s", request.weather.offset_s);
+  if (options.contains("site") && !options["site"].is_none()) {
+    const auto [latitude, longitude] = options["site"].cast<std::pair<double, double>>();
+    request.site = parse_site(fmt::format("{},{}", latitude, longitude));
+    if (!request.site)
+      throw ArgumentError("site", fmt::format("({}, {})", latitude, longitude),
+                          "latitude and longitude in degrees");
+  }
   return request;
 }
 
@@ -218,6 +225,8 @@ const char* keyword_of(Setting setting) {
     return "weather";
   case Setting::weather_zone:
     return "weather_zone";
+  case Setting::site:
+    return "site";
   }
   return "";
 }

@@ -29,7 +29,8 @@ GOINGRATE_MEMBERS(LogFile, name, lines_before, events_before)
 GOINGRATE_MEMBERS(JoinedWeather, quantity, source, readings, step_s, sigma, events_without)
 GOINGRATE_MEMBERS(MeanBeat, begin_s, step_s, rise_s, power)
 GOINGRATE_MEMBERS(SoundFindings, rate_hz, duration_s, drowned, has_tocks, has_pps, tick, tock)
-GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, zone_s, weather,
+GOINGRATE_MEMBERS(Site, latitude_deg, longitude_deg)
+GOINGRATE_MEMBERS(ClockLog, source, files, format, events, grid, columns, origin, site, zone_s, weather,
                   sound, time_base_sigma, has_amplitude, directions_are_open, nominal_period_s, flag_width_rad, assumptions, issues)
 GOINGRATE_MEMBERS(Gap, after_cycle, length, probability, bridged, kind)
 GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, step, missed, spurious, rivals,
@@ -101,8 +102,9 @@ GOINGRATE_MEMBERS(Diary, changes, interruptions)
 GOINGRATE_MEMBERS(CauseNumbers, at_s, until_s, size, sigma, amplitude_rad, amplitude_sigma_rad,
                   period_s, places)
 GOINGRATE_MEMBERS(Suspicion, cause, gain, evidence, alternatives, advice, numbers)
+GOINGRATE_MEMBERS(EffectPart, way, coefficient, sigma)
 GOINGRATE_MEMBERS(CovariateEffect, name, unit, coefficient, sigma, lag_s, without_s, with_s,
-                  interpolation_sigma, step_s, known_share)
+                  interpolation_sigma, step_s, known_share, parts, amplitude, amplitude_sigma)
 GOINGRATE_MEMBERS(DrivePoint, at_s, relative, sigma)
 GOINGRATE_MEMBERS(DriveHistory, points, step_rms, block_s, from_amplitude, from_rate)
 GOINGRATE_MEMBERS(NutTurns, turns, sigma, raise_m)

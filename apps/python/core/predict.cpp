@@ -87,7 +87,7 @@ void add_within(const Fitted& fit, double cycle, Prediction& result) {
 void refuse_what_lies_outside(const Fitted& fit) {
   for (const FittedParameter& parameter : fit.summary.parameters)
     for (const char* name :
-         {"temperature", "pressure", "humidity", "density", "drift", "offset", "amplitude_scale"})
+         {"temperature", "pressure", "humidity", "density", "tide", "drift", "offset", "amplitude_scale"})
       if (parameter.name == name)
         throw NumericsError(
             fmt::format("the fit has the term {}: it tells no times beyond the log", name));

@@ -106,6 +106,7 @@ def read(
     weather: File | Sequence[File] | None = None,
     weather_zone: str | None = None,
     weather_offset_s: float | None = None,
+    site: tuple[float, float] | None = None,
     unpacked_limit: int | None = None,
     name: str | None = None,
     progress: Progress | None = None,
@@ -169,6 +170,9 @@ def read(
         Of their dates, where these name none and the log's are in another: "+01:00".
     weather_offset_s : float, optional
         Added to their times, s.
+    site : (float, float), optional
+        Latitude and longitude of the clock, degrees, north and east positive: what Moon and Sun do
+        to a dated log becomes known.
     unpacked_limit : int, optional
         Bytes that a packed log may have unpacked.
     name : str, optional
@@ -215,6 +219,7 @@ def read(
         weather=None if weather is None else _paths(weather),
         weather_zone=weather_zone,
         weather_offset_s=weather_offset_s,
+        site=site,
         unpacked_limit=unpacked_limit,
     )
     if isinstance(columns, str):

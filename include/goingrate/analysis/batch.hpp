@@ -1,12 +1,12 @@
-// The road for many logs: one job each, shared out over threads, processes and machines.
+// Many logs: one job each, shared out over threads, processes and machines.
 //
 // A batch is a list of jobs, numbered from 0: logs, or realisations of a scenario. Share k of n
 // holds the jobs i with i mod n = k - 1. Each job becomes one line of JSON; a share is a file of
-// its lines in order, behind a line that says which batch and which share it is. Neither the number
+// its lines in order, after a line that says which batch and which share it is. Neither the number
 // of threads nor that of shares changes a byte of what merge_batch() makes of them; the lines hold
 // no times and no names of machines.
 //
-// While a share is being made its finished lines are in a file beside it, with `.part` behind the
+// While a share is being made its finished lines are in a file beside it, with `.part` after the
 // name, each appended whole. It outlives the process that wrote it, however that ended, and the
 // next one takes it up; the share itself appears only when it is complete.
 #pragma once
@@ -55,7 +55,7 @@ struct BatchDescription {
   std::string command;               ///< fit, rate ...: what each job does
   std::vector<std::string> settings; ///< of it, as they were given
   std::size_t jobs = 0;
-  std::vector<std::string> logs; ///< one a job; none for realisations
+  std::vector<std::string> logs; ///< one per job; none for realisations
   std::optional<BatchScenario> scenario{};
 };
 
@@ -77,7 +77,7 @@ struct BatchRequest {
   BatchShare share{};
   std::string output = "-"; ///< the share's file; "-" is standard output, which cannot be resumed
   bool resume = false;      ///< take up what is there, and do nothing if all of it is
-  std::size_t threads = 0;  ///< 0: one a core
+  std::size_t threads = 0;  ///< 0: one per core
   std::size_t at_once = 1;  ///< jobs that a worker does best together
   std::function<BatchWorker()> make_worker; ///< called by each thread
   std::function<void(double)> progress{};   ///< told the part that is done, by one thread at a time

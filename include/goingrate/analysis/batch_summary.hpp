@@ -50,14 +50,14 @@ struct BatchSummary {
   std::map<int, std::size_t> exits;            ///< how often each exit code came
   std::map<std::string, std::size_t> statuses; ///< of fits
   std::map<std::string, std::size_t> models;   ///< of fits: dynamics and noise
-  std::vector<JobRow> rows;                    ///< one a job
+  std::vector<JobRow> rows;                    ///< one per job
   std::vector<ParameterScore> parameters;      ///< in order of name
   std::vector<DeviationScore> deviations;      ///< in order of averaging time
 };
 
 /// Reads a whole batch, share 1/1; one line is held at a time, and some numbers of each. A change
-/// at the k-th event (mu\@k) is held against the truth only where the fit has as many events as the
-/// scenario. Throws InputError if the file cannot be read or is a share of several.
+/// at the k-th event (mu\@k) is compared with the truth only where the fit has as many events as
+/// the scenario. Throws InputError if the file cannot be read or is a share of several.
 /// (BatchSummaryTest.CountsAgainstTheTruth)
 BatchSummary batch_summary(const std::string& path);
 

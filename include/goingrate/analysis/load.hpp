@@ -1,4 +1,4 @@
-// From a file to numbered beats: the first half of the road that every log travels.
+// From a file to numbered beats: the first half of what is done with every log.
 #pragma once
 
 #include "goingrate/log/amplitude.hpp"
@@ -20,6 +20,7 @@ struct LoadRequest {
   std::vector<std::string> more{}; ///< files and folders of the same clock, see read_log_files()
   ReadingOptions reading{};
   WeatherRequest weather{};
+  std::optional<Site> site{}; ///< of the clock; none: what the log's header says, if it does
   bool both_edges = false;                ///< the log holds both directions without labels
   std::optional<double> dead_time_s{};    ///< of a contact that bounces; 0: none
   std::optional<double> flag_width_rad{}; ///< as seen from the pivot

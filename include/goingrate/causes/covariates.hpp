@@ -1,7 +1,8 @@
 // Whether the rate answers to temperature or pressure, and whether compensating for it would help.
 //
 // rate(t) = a + drift t + b c(t) + noise, where c is the covariate, perhaps seen through a
-// first-order lag (a case that warms up). b is found by generalised least squares in noise that is
+// first-order lag (a case that warms up). A temperature may also act twice, at once on the rod and
+// through the lag on what compensates it. b is found by generalised least squares in noise that is
 // white, flicker and random walk of the rate, whose sizes are fitted too: two independent wanders
 // that look alike by chance then give no significant coefficient. A coefficient that lowers the
 // scatter may still increase the time error; so each half of the log is compensated with the
@@ -13,17 +14,42 @@
 // covariate: that much is added to sigma. Gaps are bridged by lines; sigma is raised accordingly.
 #pragma once
 
+#include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/fit/timing_data.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace goingrate {
 
+/// By which way a covariate comes to the rate.
+enum class EffectWay : std::uint8_t {
+  at_once,           ///< a rod, before its compensation follows
+  direct,            ///< not through the amplitude: air that carries the bob
+  through_amplitude, ///< air that brakes it: circular error and escapement
+  circular_error,    ///< of the amplitude, the escapement's part being unknown
+  other,             ///< all but the circular error
+};
+
+/// "at-once", "direct", "through-amplitude", "circular-error", "other".
+std::string_view name_of(EffectWay way);
+/// "through the amplitude" and the like.
+std::string_view words_of(EffectWay way);
+
+/// What comes by one way.
+struct EffectPart {
+  EffectWay way{};
+  double coefficient = 0.0, sigma = 0.0; ///< as those of the whole
+};
+
 /// The effect of one covariate on the rate.
 struct CovariateEffect {
-  std::string name, unit;   ///< unit of the coefficient: 1/K, 1/mbar, m^3/kg
+  std::string name, unit; ///< unit of the coefficient: 1/K, 1/mbar, m^3/kg; none of the tide's share
   double coefficient = 0.0; ///< b, relative rate per unit of the covariate, in `unit`
   double sigma = 0.0;       ///< of it, in `unit`, with what interpolating the covariate may add
   double lag_s = 0.0;       ///< time constant of the lag, s; 0 if the log shows none
@@ -34,8 +60,15 @@ struct CovariateEffect {
   double interpolation_sigma = 0.0;
   double step_s = 0.0;      ///< between two readings, s; 0 if there is one at each beat
   double known_share = 1.0; ///< of the log, 0 to 1; the rest is left out
-  /// Whether the coefficient is beyond three sigma.
-  [[nodiscard]] bool significant() const { return std::abs(coefficient) > 3.0 * sigma; }
+  /// The ways, where the log tells them apart: `at_once` alone, of a rod whose compensation comes
+  /// after `lag_s`, when the whole holds; or two through and beside the amplitude.
+  std::vector<EffectPart> parts{};
+  /// Of the amplitude, rad per unit of the covariate; NaN where the log has none.
+  double amplitude = std::numeric_limits<double>::quiet_NaN(), amplitude_sigma = amplitude;
+  /// The part that comes by a way; none where it is not told.
+  [[nodiscard]] const EffectPart* part(EffectWay way) const;
+  /// Whether the coefficient is beyond three sigma, or that of what comes at once.
+  [[nodiscard]] bool significant() const;
   /// Whether compensating lowers the time error over the half that the coefficient was not fitted
   /// to.
   [[nodiscard]] bool helps() const { return significant() && with_s < without_s; }
@@ -46,6 +79,19 @@ struct CovariateEffect {
 /// of fewer than 256 beats gives none. CovariateTest.FindsACoefficientWithItsSigma,
 /// CovariateTest.AWanderSharedByChanceIsNotTakenForAnAnswer. Cost: O(N).
 std::vector<CovariateEffect> covariate_effects(const TimingData& data);
+
+/// Tells what each covariate (but the tide) does to the rate through the amplitude from what it
+/// does beside it, where the log has amplitudes; else nothing changes.
+///
+/// Denser air carries more of the bob, which slows the clock, and brakes it, which lowers the
+/// amplitude and moves the rate by the circular error and the escapement error. The amplitude's own
+/// answer is found as the rate's is; times d(rate)/d(amplitude) under a change of friction at
+/// constant drive it is the second way, and the rest is the first. That slope is the fitted clock's,
+/// or, where the fit leaves the escapement undetermined, - s A/8 of the circular error alone. The
+/// intervals of both ways cover in simulated clocks (tests/studies/conditions.txt;
+/// CovariateTest.TheBarometersTwoWays).
+void tell_ways(const TimingData& data, const FitSummary& fit,
+               std::vector<CovariateEffect>& effects);
 
 /// What one quantity does to the rate beside the others.
 struct WeatherPart {

@@ -103,7 +103,7 @@ struct DiaryOptions {
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
 
-/// Fills in the rates before and after each change anew, after dates were moved.
+/// Fills in the rates before and after each change again, after dates were moved.
 void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary);
 
 /// The `most` most significant changes of those that stand out, or of the others, in order of time.

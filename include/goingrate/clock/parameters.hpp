@@ -46,8 +46,8 @@ struct ClockParameters {
   TorqueTable rising{}, falling{}; ///< a profile's torque while phi rises and while it falls
   double gravity_share = 1.0;      ///< s: 1 gravity alone, 0 torsion; a suspension spring or a
                                    ///< balance's makes it smaller, cheeks too; -10 to 1.5
-  std::int64_t every = 1; ///< the escapement acts in one period of so many (Synchronome: 15), the
-                          ///< first of a run among them; 1 to 1e4
+  std::int64_t every = 1; ///< the escapement acts in every N-th period (Synchronome: 15), beginning
+                          ///< with the first of a run; this N, 1 to 1e4
   double below = 0.0; ///< rad; above 0, it acts only in periods that begin with a smaller turning
                       ///< angle than this (Hipp); 0 to pi, and 0 where `every` is above 1
 

@@ -51,9 +51,14 @@ struct LengthChanges {
   };
   std::vector<Sine> sines{};
   double temperature_coefficient = 0.0; ///< for each K from the mean; -0.01 to 0.01
+  /// What a compensation, such as a jar of mercury, takes off again for each K; -0.01 to 0.01. It
+  /// has the temperature of the air through a first-order lag.
+  double compensation = 0.0;
+  double compensation_lag_s = 0.0; ///< its time constant, not below 0
   /// Whether the length never changes.
   [[nodiscard]] bool none() const {
-    return drift_per_day == 0.0 && sines.empty() && temperature_coefficient == 0.0;
+    return drift_per_day == 0.0 && sines.empty() && temperature_coefficient == 0.0 &&
+           compensation == 0.0;
   }
   /// The relative change at a time, without that of the temperature.
   [[nodiscard]] double at(double time_s) const;
@@ -72,6 +77,8 @@ struct Temperature {
   std::vector<Sine> sines{};
   /// Degrees Celsius at a time.
   [[nodiscard]] double at(double time_s) const;
+  /// The same through a first-order lag with this time constant, as after a long time.
+  [[nodiscard]] double lagged_at(double time_s, double lag_s) const;
 };
 
 /// What the simulated sensor reports of each passage: the upward ones, both directions, both with

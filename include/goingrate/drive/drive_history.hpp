@@ -2,7 +2,7 @@
 //
 // In blocks short compared with the relaxation, the deviation x = lambda^2/X - 1 from the
 // stationary amplitude and the relative drive d follow (Hoyng, eq. dotl4)
-//   x' = E x + (1 - E)(d + d')/2,   E = exp(-4 pi epsilon n),   n cycles a block,
+//   x' = E x + (1 - E)(d + d')/2,   E = exp(-4 pi epsilon n),   n cycles per block,
 //   d' = d + (steps of rms q),
 // and the observations of a block are
 //   its mean amplitude:  lambda = sqrt(X) (1 + x/2),
@@ -45,14 +45,15 @@ struct DriveHistory {
 };
 
 /// The history of `data`. `block_s` = 0 takes a hundredth of the relaxation time T0/(4 pi eps), at
-/// least four beats. Nothing with fewer than ten blocks or neither amplitudes nor gains.
-/// DriveHistoryTest holds it against the simulator's own drive: truth lies within one sigma in
-/// two thirds of the blocks.
+/// least four periods. Nothing with fewer than ten blocks, or with neither amplitudes nor gains.
+/// DriveHistoryTest compares it with the simulator's own drive: the truth lies within one sigma in
+/// more than half of the blocks (0.68 are expected; neighbouring blocks are correlated).
 std::optional<DriveHistory> drive_history(const TimingData& data, const DriveModel& model,
                                           double block_s = 0.0);
 
-/// The model from a fit. Epsilon must be held or known to a third, and gains or amplitudes be
-/// known; nothing otherwise.
+/// The model from a fit; nothing unless its epsilon is above 0 and determined or fixed, and either
+/// it has the gains or `data` has amplitudes. Where the fit has no stationary amplitude, the mean
+/// of the log is taken.
 std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& data);
 
 } // namespace goingrate

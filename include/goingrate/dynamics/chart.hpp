@@ -1,8 +1,8 @@
 // Speed against accuracy, measured here and now.
 //
-// Every method runs the same scenes; its crossing times are held against an oracle, the equation of
-// motion integrated with 64 bits (Wide), which is good to 1e-18 a period. All in scaled time
-// and on one core.
+// Every method runs the same scenes; its crossing times are compared with an oracle, the equation
+// of motion integrated in Wide: on x86 64 bits, good to 1e-18 per period, elsewhere a double. All
+// in scaled time and on one core.
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
@@ -24,7 +24,7 @@ struct ChartScene {
     ClockParameters clock;
   };
   std::vector<Stretch> stretches;
-  std::vector<double> factors; ///< one a period
+  std::vector<double> factors; ///< of the drive, one per period
 };
 
 /// The scenes of the chart, `periods` long: "C steady", "C noisy" (30 % white drive), "jump" (A to
@@ -36,7 +36,7 @@ std::vector<ChartScene> chart_scenes(std::size_t periods);
 struct ChartRun {
   SwingStatus status = SwingStatus::crossed;
   std::vector<double> lateness;
-  double setup_s = 0.0;   ///< making maps and the like
+  double setup_s = 0.0;   ///< making the method for the first clock
   double running_s = 0.0; ///< all periods, without the setup
 };
 
@@ -62,7 +62,7 @@ struct ChartRow {
   SwingStatus status = SwingStatus::crossed; ///< how the method ended; not crossed: no numbers
   double ns_per_period = 0.0;                ///< median of the repetitions, without the setup
   double setup_us = 0.0;
-  double max_error = 0.0; ///< largest error of a crossing time, scaled
+  double max_error = 0.0; ///< largest error of a crossing time, scaled, as far as the oracle goes
 };
 
 /// Measures; `repetitions` >= 1 runs each, medians.
@@ -80,14 +80,15 @@ struct LimitRow {
   struct Error {
     std::string method;
     SwingStatus status;
-    double error; ///< of the last crossing time over the whole run, relative to it
+    double error; ///< of the last crossing time, relative to the nominal length of the run
   };
   std::vector<Error> errors;
-  std::string breaks; ///< in words: what is first worse than 1e-6, and why
+  std::string breaks; ///< in words: the first of `errors` above 1e-6 or ending otherwise, and why
 };
 
-/// Runs every method at balance (mu = pi eps lambda^2 / 2 phi0) for `periods` periods over epsilon
-/// from 1e-6 to 0.3, lambda/phi0 from 1 to 10 and amplitudes up to 3 rad.
+/// Runs direct, map, averaged2, both averaged1 and rk4-at-switches (dt = 0.03), in that order, for
+/// `periods` periods over epsilon from 1e-6 to 0.3, lambda/phi0 from 1 to 10 and amplitudes from
+/// 0.01 to 3 rad, at balance: mu = pi eps lambda^2 / (2 phi0), but at most 0.99.
 std::vector<LimitRow> measure_limits(int periods);
 
 } // namespace goingrate

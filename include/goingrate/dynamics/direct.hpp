@@ -69,10 +69,11 @@ using Wide = double;
 
 /// One regular period from v^2: what the return map is made of.
 template <class T> struct RegularPeriod {
-  bool regular = false; ///< it crossed twice, and the escapement switched in both half swings
+  bool regular = false; ///< it crossed twice, and a torque that acts was switched both times
   T speed2_change{}, half_excess{}, excess{};
 };
-/// With T = double or Wide; the first is some three times as fast on x86.
+/// That period from `speed2` = v^2, the drive times `factor`. T is double or Wide; on x86 a double
+/// is some three times as fast.
 template <class T>
 RegularPeriod<T> regular_period(const ClockParameters& clock, std::type_identity_t<T> speed2,
                                 std::type_identity_t<T> factor);

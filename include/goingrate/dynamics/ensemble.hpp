@@ -21,7 +21,7 @@ namespace goingrate {
 struct EnsembleOptions {
   std::uint64_t seed = 1; ///< of realisation 0
   std::size_t realisations = 1;
-  std::size_t threads = 0; ///< 0: one a core
+  std::size_t threads = 0; ///< 0: one per core
 };
 
 /// Called for each period of each realisation, periods of one realisation in order; from several

@@ -109,7 +109,7 @@ public:
   MapPendulum(const ClockParameters& clock, double velocity, const FactorRange& factors,
               MapDigits digits = MapDigits::wide);
 
-  /// From the present crossing on the clock has these parameters; the map is made anew.
+  /// From the present crossing on the clock has these parameters; a new map is made.
   void set_clock(const ClockParameters& clock);
   /// One period, as DirectPendulum::advance.
   PeriodStep advance(double factor = 1.0);

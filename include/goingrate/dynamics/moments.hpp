@@ -22,9 +22,9 @@ struct DriveMoments {
 
 /// The moments of a clock's escapement at amplitude lambda (rad, > 0), in closed form: eqs. ca2 and
 /// cb1 (constant torque), blow3 (single impulse), exact integrals of a piecewise linear profile.
-/// A constant torque whose switch is beyond lambda, or an impulse beyond it, gives a = 0 and b = 0
-/// or, for the torque that is never switched, what it does on average: nothing.
-/// Against quadrature to 1e-14 (MomentsTest.ClosedFormsAgreeWithQuadrature).
+/// A constant torque whose switch is beyond lambda, or an impulse beyond it, gives a = 0 and b = 0:
+/// a torque that is never switched does nothing on average.
+/// They agree with quadrature to 1e-14 (MomentsTest.ClosedFormsAgreeWithQuadrature).
 DriveMoments drive_moments(const ClockParameters& clock, double lambda);
 
 /// -lambda' by friction: epsilon lambda + (4/3pi) k lambda^2 + (2/pi) c.

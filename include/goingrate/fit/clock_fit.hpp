@@ -238,8 +238,8 @@ struct FitSummary {
   std::optional<ImpulseCycle> impulses{}; ///< of an escapement that rests: those of the data
   std::vector<FitEvent> events;           ///< as they were fitted
   std::vector<FitNote> notes;
-  std::vector<double> residual_s;             ///< one a beat, mean removed; positive: late
-  std::vector<double> model_amplitude_rad;    ///< one a beat: the turning angle
+  std::vector<double> residual_s;             ///< one per beat, mean removed; positive: late
+  std::vector<double> model_amplitude_rad;    ///< one per beat: the turning angle
   std::vector<double> amplitude_residual_rad; ///< empty without amplitudes
 
   /// Whether there are parameters to show, determined or not.

@@ -47,7 +47,7 @@ ParFile parse_par(std::string_view text, const std::string& file);
 /// may be zero, are guessed from the log where they are missing.
 void drop_partial_start(FitOptions& options);
 
-/// The names of all parameters. A value after the k-th event has the event's number behind the
+/// The names of all parameters. A value after the k-th event has the event's number after the
 /// name, as in "mu\@1".
 std::vector<std::string> parameter_names();
 /// Of these, the ones that are fitted only where they are named.

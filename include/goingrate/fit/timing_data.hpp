@@ -18,14 +18,14 @@ namespace goingrate {
 struct RateTerm {
   std::string name;
   std::string unit;              ///< of the coefficient: 1/K, 1/mbar, 1/day
-  std::vector<double> advance_s; ///< one a beat: the integral of the value over the time so far, so
+  std::vector<double> advance_s; ///< one per beat: integral of the value over the time so far, so
                                  ///< that the clock is ahead by coefficient * advance
   std::vector<std::uint8_t> is_known{}; ///< 1 or 0 for each beat; empty: all are
   double sigma = 0.0;                   ///< of a value that was interpolated between readings
   double step_s = 0.0;                  ///< between those readings; 0: there is one at each beat
 };
 
-/// Times and amplitudes of a run of good beats; all vectors have one entry a beat.
+/// Times and amplitudes of a run of good beats; all vectors have one entry per beat.
 struct TimingData {
   double reference_period_s = 0.0;   ///< the mean period: makes the lateness small
   std::vector<double> cycle;         ///< n_i, 0 for the first beat
@@ -33,8 +33,8 @@ struct TimingData {
   std::vector<double> lateness_s;    ///< t_i - t_0 - n_i * reference period, no digits lost
   std::vector<double> amplitude_rad; ///< NaN where unknown; empty if the log has none
   std::vector<RateTerm> terms;       ///< what the fit may be asked to answer to
-  /// Standard deviations of the times and of the amplitudes, one a beat, over the rms of all; empty
-  /// where all are alike. Under noise of the drive those of the times are taken for alike.
+  /// Standard deviations of times and of amplitudes, one per beat, over the rms of all; empty
+  /// where all are alike. A fit with noise of the drive takes those of the times as equal.
   std::vector<double> time_noise{}, amplitude_noise{};
   std::string no_swings{}; ///< why these are no swings of a pendulum; empty if they are
   /// Pushes of an escapement that rests, whose saw-tooth was taken off times and amplitudes.
@@ -53,16 +53,19 @@ inline constexpr double longest_swing_s = 20.0;
 /// Throws ArgumentError for fewer than three beats. The data have the term "drift".
 TimingData timing_data(std::span<const Beat> beats);
 
-/// The term of a series with one value a beat; the mean over time is taken off. Values that are not
-/// known (NaN) lie on the line between their neighbours, at the ends they are the nearest.
+/// The term of a series with one value per beat; its mean over time is subtracted. Unknown values
+/// (NaN) are put on the line between their known neighbours, at the ends equal to the nearest; all
+/// are 0 if none is known.
 RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
                    std::span<const double> values);
 
-/// Standard deviations as TimingData has them: over their rms. Those that are not known are taken
-/// for the rms. Empty if all lie within a tenth of it: nothing would be gained.
+/// Standard deviations as TimingData has them: divided by the rms of the known ones. An unknown one
+/// counts as the rms. Empty if none is known or all lie within a tenth of the rms, where nothing
+/// would be gained.
 std::vector<double> relative_noise(std::span<const double> sigmas);
 
-/// The entries with the given indices (increasing).
+/// The beats with the given indices (increasing). What belongs to the log as a whole (no_swings,
+/// impulses, time_base_sigma) is not copied.
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen);
 
 } // namespace goingrate

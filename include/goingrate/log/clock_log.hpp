@@ -4,6 +4,7 @@
 #include "goingrate/base/errors.hpp"
 #include "goingrate/base/instant.hpp"
 #include "goingrate/log/layout.hpp"
+#include "goingrate/log/tides.hpp"
 #include "goingrate/sound/ticks.hpp"
 
 #include <array>
@@ -79,7 +80,7 @@ struct LineIssue {
   bool scattered = false;    ///< there are good lines between the first and the last of the run
 };
 
-/// What else the log says of its events: each empty, or one value an event, NaN where unknown.
+/// What else the log says of its events: each empty, or one value per event, NaN where unknown.
 struct EventColumns {
   std::vector<double> width_s{};       ///< how long the flag was seen
   std::vector<double> sigma_s{};       ///< standard deviation of the time
@@ -119,6 +120,7 @@ enum class Setting : std::uint8_t {
   weather_zone,
   pps_channel,
   clock_ppm,
+  site,
 };
 
 /// Something taken for granted.
@@ -176,6 +178,7 @@ struct ClockLog {
   std::optional<GridData> grid;
   EventColumns columns;
   TimeOrigin origin = TimeOrigin::none;
+  std::optional<Site> site;     ///< where the clock stands, if that is known
   std::optional<double> zone_s; ///< that the dates name, east of Greenwich; the first of them
   std::vector<JoinedWeather> weather; ///< what of `columns` was interpolated
   std::optional<SoundFindings> sound; ///< if it is a recording

@@ -28,7 +28,7 @@ struct ReadingOptions {
   std::optional<double> nominal_period_s{};
   std::vector<std::string> columns{}; ///< "time=2", "amplitude=5:mrad", "angle=Angle (deg)"
   std::optional<TimeUnit> unit{};     ///< of the times (in_days: MJD)
-  std::optional<double> wrap_s{};     ///< times begin again after so much; 0: they never do
+  std::optional<double> wrap_s{};     ///< s after which times begin again; 0: never
   std::optional<double> tau0_s{};     ///< between values of phase, frequency or intervals
   std::optional<double> counter_hz{}; ///< of a counter whose cycles a log gives
   bool decimal_comma = false;
@@ -70,11 +70,11 @@ private:
   std::vector<OtherReading> others_;
 };
 
-/// Of events `step_s` apart that are no whole number of nominal periods apart: another unit of the
-/// times if one makes them so, another nominal period, both directions.
+/// Other readings of a log whose events are `step_s` apart, which is no whole number of nominal
+/// periods: another unit of the times if one makes it so, another nominal period, both directions.
 std::vector<OtherReading> readings_for_period(double step_s, double nominal_s);
 
-/// Of phases that move by more than a clock's error does.
+/// Other readings of a log whose phases move by more than a clock's error does.
 std::vector<OtherReading> readings_for_phases(const GridData& grid);
 
 /// Reads the whole text of a log; `source` names it in messages.

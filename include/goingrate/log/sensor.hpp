@@ -40,7 +40,7 @@ struct SensedEvent {
 /// the seed.
 class Sensor {
 public:
-  /// Of a scenario in range; equal seeds see the same faults.
+  /// The sensor of a scenario whose values are in range; equal seeds see the same faults.
   Sensor(const Scenario& scenario, std::uint64_t seed);
 
   /// Sees the crossings of one period; the start of a run is a period of length 0.

@@ -18,7 +18,7 @@ struct WeatherRequest {
 };
 
 /// Brings what `request` names to the events of `log`: `log.columns` gets a temperature, a pressure
-/// and a humidity at each event, `log.weather` says how they were had.
+/// and a humidity at each event, `log.weather` says how they were found.
 ///
 /// A file is a table with a header: a time (seconds, another unit, dates, MJD) and at least one of
 /// temperature (°C, °F, K), pressure (mbar, Pa, kPa, inHg, mmHg) and humidity (%). Columns and

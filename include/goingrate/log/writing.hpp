@@ -25,9 +25,9 @@ struct NativeColumns {
 NativeColumns native_columns(const SensorSettings& sensor, double nominal_period_s);
 
 /// The native text of a log: '#' header lines, a row of column names (time_s, and edge, width_s,
-/// amplitude_rad, temperature_c, pressure_mbar, humidity_percent where the log has them), one row an event with
-/// `decimals` digits of the second. Times are those of the flag's leading edge where widths are
-/// given, as the reader expects.
+/// amplitude_rad, temperature_c, pressure_mbar, humidity_percent where the log has them), one row
+/// per event with `decimals` digits of the second. Times are those of the flag's leading edge where
+/// widths are given, as the reader expects.
 /// read_log gives back the same events, to the last bit if `decimals` is as large as the times'
 /// digits (WritingTest.ReadsBackWhatWasWritten, WritingTest.DecimalTimesComeBackToTheBit).
 std::string native_log_text(const ClockLog& log, int decimals);
@@ -37,7 +37,7 @@ std::string native_log_header(const NativeColumns& columns);
 void append_native_line(std::string& text, const SensedEvent& event, const NativeColumns& columns);
 
 /// Phase data as Stable32 takes them: '#' header with tau0, then the clock's error x (s, positive:
-/// fast), one line a cycle, an exact 0 where a beat is missing (the first excepted).
+/// fast), one line per cycle, an exact 0 where a beat is missing (the first excepted).
 std::string stable32_text(std::span<const Beat> beats, double nominal_period_s);
 
 /// Timestamps as a TAPR TICC prints them: seconds with 11 decimals and the channel, chA upwards,

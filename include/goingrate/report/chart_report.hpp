@@ -11,20 +11,20 @@
 
 namespace goingrate {
 
-/// One table a scene, from fast to slow; a star marks the frontier. The last column is the error in
-/// seconds of a clock of the given nominal period.
+/// One table per scene, from fast to slow; a star marks the frontier. The last column is the error
+/// in seconds of a clock of the given nominal period.
 std::string chart_text(const std::vector<ChartRow>& rows, double nominal_period_s);
 
 /// {"rows": [{method, setting, scenario, ns_per_period, max_error, setup_us, status}]}; max_error
 /// in scaled time.
 std::string chart_json(const std::vector<ChartRow>& rows);
 
-/// Error against time a period for one scene, the frontier joined, with the sensor's jitter (s) as
-/// a line: methods below it are worth nothing more to that sensor.
+/// Error against time per period for one scene, frontier joined, with the sensor's jitter (s) as
+/// a line: to that sensor all methods below the line are equally good.
 Figure chart_figure(const std::vector<ChartRow>& rows, const std::string& scene,
                     double nominal_period_s, double jitter_s);
 
-/// One line a point: errors of each method, and what breaks first.
+/// One line per point: errors of each method, and what breaks first.
 std::string limits_text(const std::vector<LimitRow>& rows);
 std::string limits_json(const std::vector<LimitRow>& rows);
 

@@ -14,9 +14,8 @@ std::string rate_json(const ClockLog& log, const Beats& beats, const RateSummary
 std::string fit_json(const FitSummary& fit);
 std::string spectrum_json(const DriveAnalysis& drive);
 std::string stability_json(const DeviationTable& table);
-/// Of a log of more than some 8000 beats the spectrum is averaged in 300 bands a decade of
-/// frequency
-/// ("averaged_in_bands"); spectrum_json() has all of it.
+/// For a log of more than some 8000 beats the spectrum is averaged in 300 bands per decade of
+/// frequency ("averaged_in_bands"); spectrum_json() has all of it.
 std::string report_json(const Analysis& data);
 /// The same value on one line, without a character that could end or open an element of HTML.
 std::string report_json_for_script(const Analysis& data);

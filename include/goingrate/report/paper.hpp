@@ -51,12 +51,16 @@ struct PaperOptions {
 };
 
 /// Computes all of it; some 40 s for the paper's own 1e9 steps of RK4. Point C: mu 1.5e-5,
-/// epsilon 1.167245e-4, phi0 0.03. PaperTest.NumbersAreThoseOfTheReferences holds them against
+/// epsilon 1.167245e-4, phi0 0.03. PaperTest.NumbersAreThoseOfTheReferences compares them with
 /// 128-bit values. Throws ArgumentError for fewer periods.
 PaperResults recompute_paper(const PaperOptions& options = {});
 
 /// The numbers and the budget as a Markdown text.
 std::string paper_text(const PaperResults& results);
 std::string paper_json(const PaperResults& results);
+/// A companion to the paper as one HTML page that asks no network for anything: section by section
+/// its equations (MathML), its figures, and its numbers beside ours. It prints on A4 without a
+/// figure cut in two. (PaperTest.ThePageHoldsEveryNumberAndFigure)
+std::string paper_page(const PaperResults& results);
 
 } // namespace goingrate

@@ -27,7 +27,7 @@ std::string with_sigma(double value, double sigma, int digits = 6);
 
 /// The text with its lines broken at blanks so that none has more than `width` characters (UTF-8);
 /// what is broken off is indented like its line and by `hanging` more. A word that is too long is
-/// broken behind a comma, or not at all.
+/// broken after a comma, or not at all.
 std::string wrapped(std::string_view text, std::size_t width, std::size_t hanging = 0);
 
 /// The per-period table as CSV, row by row:
@@ -44,7 +44,7 @@ public:
   struct Options {
     double nominal_period_s = 0.0;
     bool amplitudes = false;         ///< adds rate_excess_at_zero_amplitude
-    std::int64_t running_cycles = 0; ///< adds running_rate_excess over so many; 0: does not
+    std::int64_t running_cycles = 0; ///< length of running_rate_excess; 0: none
     std::int64_t step = 1;           ///< cycles from one event to the next where none is missing
   };
   /// `columns` and `gaps` are those of the log and must outlive the table.

@@ -33,9 +33,9 @@ struct Tick {
 struct MeanBeat {
   double begin_s = 0.0; ///< of the first value, from where the beat begins
   double step_s = 0.0;  ///< between values
-  /// In which it rises from where it first stands out to half of its first click: what its
-  /// beginning is known to. It is one for all beats of a kind, so that it enters a difference of
-  /// tick and tock and no rate.
+  /// Time in which the sound rises from where it first stands out to half of its first click: its
+  /// beginning is known only to this. It is the same for all beats of a kind, so it enters the
+  /// difference of tick and tock but no rate.
   double rise_s = 0.0;
   std::vector<double> power; ///< over that of the background in the middle of the recording
 };

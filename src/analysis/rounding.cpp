@@ -1,0 +1,64 @@
+#include "rounding.hpp"
+
+#include "base/time_grain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace goingrate {
+
+namespace {
+
+double grain_of(const TimingData& times) {
+  return time_grain(std::min(times.size(), times_for_grain), times.reference_period_s,
+                    [&](std::size_t i) { return times.elapsed_s[i]; });
+}
+
+// Of the line through the latenesses, seconds a cycle.
+double slope_of(const TimingData& times) {
+  const auto n = static_cast<double>(times.size());
+  double cycle = 0.0, late = 0.0, both = 0.0, square = 0.0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    cycle += times.cycle[i] / n;
+    late += times.lateness_s[i] / n;
+  }
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    both += (times.cycle[i] - cycle) * (times.lateness_s[i] - late);
+    square += (times.cycle[i] - cycle) * (times.cycle[i] - cycle);
+  }
+  return both / square;
+}
+
+} // namespace
+
+bool rounding_explains(const TimingData& times) {
+  const double slope = slope_of(times);
+  double least = times.lateness_s[0], most = least;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double rest = times.lateness_s[i] - slope * times.cycle[i];
+    least = std::min(least, rest);
+    most = std::max(most, rest);
+  }
+  constexpr double allowed = 1.05; // steps: least squares do not find the very best line
+  return most - least <= allowed * grain_of(times);
+}
+
+std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
+                                           const TimingData& times) {
+  const double grain_s = grain_of(times), period_s = times.reference_period_s;
+  if (grain_s == 0.0) return lines;
+  const double cycles = std::max(1.0, times.cycle.back());
+  std::erase_if(lines, [&](const SpectralLine& line) {
+    if (line.amplitude > grain_s / period_s) return false;
+    constexpr int multiples = 20; // further ones lie too close together to tell one from a wheel's
+    for (int k = 1; k <= multiples; ++k) {
+      const double turns = std::abs(std::remainder(k * period_s / grain_s, 1.0));
+      const double off = std::abs(line.frequency_hz * period_s - turns);
+      if (off * cycles < 1.0 + 0.5 * k) return true; // the period is known to a part of a step
+    }
+    return false;
+  });
+  return lines;
+}
+
+} // namespace goingrate

@@ -1,0 +1,79 @@
+// A covariate in a sentence.
+#include "goingrate/causes/covariates.hpp"
+
+#include "base/scaled_time.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace goingrate {
+
+namespace {
+
+std::string unit_below(const CovariateEffect& effect) {
+  if (effect.unit == "m^3/kg") return "kg/m^3";
+  return effect.unit.starts_with("1/") ? effect.unit.substr(2) : effect.unit;
+}
+
+std::string daily(double rate, double sigma) {
+  return fmt::format("{:.3g} ± {:.2g} s/day", seconds_per_day * rate, seconds_per_day * sigma);
+}
+
+// Moon and Sun: what they do is known, and the clock shows it or does not.
+std::string tide_text(const CovariateEffect& effect) {
+  const std::string share = fmt::format("tide: the rate follows Moon and Sun by {:.3g} ± {:.2g} of "
+                                        "what theory says",
+                                        effect.coefficient, effect.sigma);
+  return effect.significant() ? share : share + ": nothing that stands out of the noise";
+}
+
+std::string parts_text(const CovariateEffect& effect) {
+  std::string text;
+  for (const EffectPart& part : effect.parts)
+    text += fmt::format("{} {} by {}", text.empty() ? ":" : ",", words_of(part.way),
+                        daily(part.coefficient, part.sigma));
+  if (effect.part(EffectWay::at_once) != nullptr)
+    text += fmt::format(", and by the whole once the compensation has followed, with a lag of "
+                        "{:.3g} s",
+                        effect.lag_s);
+  if (std::isfinite(effect.amplitude) && std::abs(effect.amplitude) > 3.0 * effect.amplitude_sigma)
+    text += fmt::format(" (the amplitude answers by {:.3g} ± {:.2g} mrad)", 1e3 * effect.amplitude,
+                        1e3 * effect.amplitude_sigma);
+  return text;
+}
+
+} // namespace
+
+std::string_view words_of(EffectWay way) {
+  switch (way) {
+  case EffectWay::at_once:
+    return "at once";
+  case EffectWay::direct:
+    return "directly";
+  case EffectWay::through_amplitude:
+    return "through the amplitude";
+  case EffectWay::circular_error:
+    return "by the circular error of the amplitude";
+  case EffectWay::other:
+    break;
+  }
+  return "by all but the circular error";
+}
+
+std::string covariate_text(const CovariateEffect& effect) {
+  if (effect.name == "tide") return tide_text(effect);
+  std::string text = fmt::format("{}: the rate answers by {} per {}", effect.name,
+                                 daily(effect.coefficient, effect.sigma), unit_below(effect));
+  if (effect.lag_s > 0.0 && effect.part(EffectWay::at_once) == nullptr)
+    text += fmt::format(", with a lag of {:.3g} s", effect.lag_s);
+  if (effect.known_share < 1.0)
+    text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
+  if (!effect.significant())
+    return text + ": nothing that stands out of the noise";
+  return text + parts_text(effect) +
+         fmt::format("; over the half of the log it was not found in, compensating for it {} the "
+                     "time error from {:.3g} s to {:.3g} s (rms)",
+                     effect.helps() ? "lowers" : "raises", effect.without_s, effect.with_s);
+}
+
+} // namespace goingrate

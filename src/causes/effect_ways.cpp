@@ -1,0 +1,132 @@
+// Through the amplitude, or beside it.
+#include "goingrate/causes/covariates.hpp"
+
+#include "rate_blocks.hpp"
+
+#include "goingrate/dynamics/stationary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace goingrate {
+
+namespace {
+
+using namespace timing_model;
+
+struct Measured {
+  double value = 0.0, sigma = 0.0;
+};
+
+// d(rate)/d(amplitude) in stationary operation as the friction changes and nothing else does.
+std::optional<double> slope_under_friction(const ClockParameters& clock) {
+  constexpr double step = 1e-3; // relative, of the friction: the curve is smooth
+  ClockParameters less = clock, more = clock;
+  for (double ClockParameters::* friction :
+       {&ClockParameters::epsilon, &ClockParameters::quadratic_drag,
+        &ClockParameters::dry_friction}) {
+    less.*friction *= 1.0 - step;
+    more.*friction *= 1.0 + step;
+  }
+  const auto wide = stationary_amplitude(less), narrow = stationary_amplitude(more);
+  const auto rate_wide = stationary_rate_first_order(less),
+             rate_narrow = stationary_rate_first_order(more);
+  if (!wide || !narrow || !rate_wide || !rate_narrow || !(*wide > *narrow)) return {};
+  return (*rate_wide - *rate_narrow) / (*wide - *narrow);
+}
+
+// With a bound of its standard deviation that holds whatever the correlations of the fit are.
+std::optional<Measured> slope_of(const FitSummary& fit) {
+  const auto clock = fit.has_result() ? fitted_clock(fit) : std::nullopt;
+  const auto slope = clock ? slope_under_friction(*clock) : std::nullopt;
+  if (!slope) return {};
+  Measured result{*slope, 0.0};
+  for (const auto& [name, member] :
+       {std::pair{"epsilon", &ClockParameters::epsilon}, std::pair{"mu", &ClockParameters::mu},
+        std::pair{"phi0", &ClockParameters::phi0}}) {
+    const auto found = std::find_if(fit.parameters.begin(), fit.parameters.end(),
+                                    [&](const FittedParameter& p) { return p.name == name; });
+    if (found == fit.parameters.end() || !std::isfinite(found->sigma)) continue;
+    ClockParameters other = *clock;
+    other.*member += found->sigma;
+    if (const auto moved = slope_under_friction(other)) result.sigma += std::abs(*moved - *slope);
+  }
+  return result;
+}
+
+double share_of_gravity(const FitSummary& fit) {
+  const auto clock = fit.has_result() ? fitted_clock(fit) : std::nullopt;
+  return clock ? clock->gravity_share : 1.0;
+}
+
+// What the amplitude does for one unit of the covariate.
+Measured answer_of_amplitude(const RateBlocks& blocks, std::size_t term) {
+  constexpr std::size_t first = 2; // the mean and the line
+  const RateRegression found =
+      regress(cosines(blocks.amplitude_rad, true), {cosines(blocks.values[term], true)},
+              RateNoise(first, {}));
+  return {found.coefficients.front(), found.sigmas.front()};
+}
+
+} // namespace
+
+std::string_view name_of(EffectWay way) {
+  switch (way) {
+  case EffectWay::at_once:
+    return "at-once";
+  case EffectWay::direct:
+    return "direct";
+  case EffectWay::through_amplitude:
+    return "through-amplitude";
+  case EffectWay::circular_error:
+    return "circular-error";
+  case EffectWay::other:
+    break;
+  }
+  return "other";
+}
+
+const EffectPart* CovariateEffect::part(EffectWay way) const {
+  const auto at =
+      std::find_if(parts.begin(), parts.end(), [&](const EffectPart& p) { return p.way == way; });
+  return at == parts.end() ? nullptr : &*at;
+}
+
+bool CovariateEffect::significant() const {
+  constexpr double sigmas = 3.0;
+  const EffectPart* first = part(EffectWay::at_once);
+  return std::abs(coefficient) > sigmas * sigma ||
+         (first != nullptr && std::abs(first->coefficient) > sigmas * first->sigma);
+}
+
+void tell_ways(const TimingData& data, const FitSummary& fit,
+               std::vector<CovariateEffect>& effects) {
+  if (!data.has_amplitude()) return;
+  constexpr std::size_t most_blocks = 1024;
+  const RateBlocks blocks = rate_blocks(data, std::min(most_blocks, data.size() / 8));
+  if (blocks.amplitude_rad.empty()) return;
+  const double mean =
+      std::accumulate(blocks.amplitude_rad.begin(), blocks.amplitude_rad.end(), 0.0) /
+      static_cast<double>(blocks.amplitude_rad.size());
+  const auto whole = slope_of(fit);
+  const Measured slope = whole.value_or(Measured{-share_of_gravity(fit) * mean / 8.0, 0.0});
+  for (CovariateEffect& effect : effects) {
+    const auto term = std::find_if(data.terms.begin(), data.terms.end(),
+                                   [&](const RateTerm& t) { return t.name == effect.name; });
+    if (term == data.terms.end() || term->name == "tide" || !term->is_known.empty()) continue;
+    const Measured answer =
+        answer_of_amplitude(blocks, static_cast<std::size_t>(term - data.terms.begin()));
+    effect.amplitude = answer.value;
+    effect.amplitude_sigma = answer.sigma;
+    const EffectPart through{whole ? EffectWay::through_amplitude : EffectWay::circular_error,
+                             slope.value * answer.value,
+                             std::hypot(slope.value * answer.sigma, slope.sigma * answer.value)};
+    effect.parts.push_back(through);
+    effect.parts.push_back({whole ? EffectWay::direct : EffectWay::other,
+                            effect.coefficient - through.coefficient,
+                            std::hypot(effect.sigma, through.sigma)});
+  }
+}
+
+} // namespace goingrate

@@ -1,0 +1,288 @@
+// What surrounds a clock, as analyse() tells it: the share of the tide in phases of two years, a rod
+// whose compensation lags, and the barometer's two ways. How often the 68 % and 95 % intervals hold.
+#include "goingrate/analysis/analyse.hpp"
+#include "goingrate/analysis/fit_request.hpp"
+#include "goingrate/dynamics/stationary.hpp"
+#include "goingrate/log/tides.hpp"
+
+#include "support/simulated.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+using namespace goingrate;
+
+namespace {
+
+constexpr double day_s = 86400.0, per_day = 86400.0;
+
+class Score {
+public:
+  void add(double value, double sigma, double truth) {
+    const double z = (value - truth) / sigma;
+    ++logs_;
+    held68_ += std::abs(z) <= 1.0 ? 1 : 0;
+    held95_ += std::abs(z) <= 1.96 ? 1 : 0;
+    z_ += z;
+    z2_ += z * z;
+    sigma_ += sigma;
+  }
+  void print(const char* what, double unit, const char* unit_name) const {
+    const double n = std::max(1, logs_), mean = z_ / n;
+    std::printf("  %-34s %3d told, 68 %% holds %.2f, 95 %% %.2f, pull %+.2f sd %.2f, sigma %.2g %s\n",
+                what, logs_, held68_ / n, held95_ / n, mean,
+                std::sqrt(std::max(0.0, z2_ / n - mean * mean)), unit * sigma_ / n, unit_name);
+  }
+
+private:
+  int logs_ = 0, held68_ = 0, held95_ = 0;
+  double z_ = 0.0, z2_ = 0.0, sigma_ = 0.0;
+};
+
+class Noise {
+public:
+  explicit Noise(std::uint64_t seed) : random_(seed) {}
+  double normal() { return normal_(random_); }
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+
+private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+/// A smooth course: sines of 1 to 12 days of random phases.
+class Course {
+public:
+  Course(double rms, Noise& noise, bool with_day) {
+    for (const double days : {12.0, 7.3, 4.1, 2.6, 1.0})
+      if (with_day || days > 1.0)
+        waves_.push_back({rms * noise.between(0.5, 1.0), days * day_s * noise.between(0.9, 1.1),
+                          noise.between(0.0, 2.0 * std::numbers::pi)});
+  }
+  double at(double t) const {
+    double sum = 0.0;
+    for (const auto& [size, period, phase] : waves_)
+      sum += size * std::sin(2.0 * std::numbers::pi * t / period + phase);
+    return sum;
+  }
+
+private:
+  struct Wave {
+    double size, period, phase;
+  };
+  std::vector<Wave> waves_;
+};
+
+AnalysisRequest plain() {
+  AnalysisRequest request;
+  request.traces_profiles = false;
+  return request;
+}
+
+const CovariateEffect* effect_named(const Analysis& data, std::string_view name) {
+  for (const CovariateEffect& effect : data.covariates)
+    if (effect.name == name) return &effect;
+  return nullptr;
+}
+
+enum class Kind { white, flicker, walk };
+
+// Clock errors every half hour for `days`, dated, with the tides of Greenwich.
+std::string dated_phases(double days, Kind kind, double daily, double share, std::uint64_t seed) {
+  constexpr double step_s = 1800.0;
+  const Site site{51.4779, -0.0015};
+  Noise noise(seed);
+  const Instant begin{static_cast<std::int64_t>(1'700'000'000 + seed % 1000 * 86'400), 0.0};
+  const auto count = static_cast<std::size_t>(days * day_s / step_s) + 1;
+  std::vector<double> elapsed(count);
+  for (std::size_t i = 0; i < count; ++i)
+    elapsed[i] = step_s * static_cast<double>(i);
+  const auto tide = tidal_advance(elapsed, begin, site);
+  const double steps = day_s / step_s;
+  std::string text = "# latitude_deg: 51.4779\n# longitude_deg: -0.0015\n# mjd, phase_s\n";
+  double phase = 0.0, walk = 0.0;
+  std::vector<double> slow(12, 0.0); // Ornstein-Uhlenbeck, an octave and a half apart: flicker
+  for (std::size_t i = 0; i < count; ++i) {
+    const double mjd =
+        40587.0 + (static_cast<double>(begin.seconds) + elapsed[i]) / day_s;
+    text += fmt::format("{:.6f} {:.15e}\n", mjd, phase + share * tide[i]);
+    double rate = 0.0;
+    if (kind == Kind::white) rate = daily * std::sqrt(steps) * noise.normal();
+    if (kind == Kind::walk) rate = walk += daily * std::sqrt(3.0 / steps) * noise.normal();
+    if (kind == Kind::flicker)
+      for (std::size_t k = 0; k < slow.size(); ++k) {
+        const double keep = std::exp(-1.0 / std::pow(2.8, static_cast<double>(k)));
+        slow[k] = keep * slow[k] + 0.85 * daily * std::sqrt(1.0 - keep * keep) * noise.normal();
+        rate += slow[k];
+      }
+    phase += step_s * rate;
+  }
+  return text;
+}
+
+void tides(std::uint64_t seed, int logs) {
+  std::printf("tide in half-hourly phases of two years, sigma_y(1 day) 1e-9\n");
+  for (const auto& [kind, name] : {std::pair{Kind::white, "white noise of the rate"},
+                                   std::pair{Kind::flicker, "flicker of the rate"},
+                                   std::pair{Kind::walk, "random walk of the rate"}}) {
+    Score score;
+    for (int i = 0; i < logs; ++i) {
+      LoadRequest request;
+      request.path = "phases";
+      const Analysis data = analyse(
+          load_text(dated_phases(730.0, kind, 1e-9, 1.0, seed + static_cast<std::uint64_t>(i)),
+                    request),
+          plain());
+      if (const CovariateEffect* effect = effect_named(data, "tide"))
+        score.add(effect->coefficient, effect->sigma, 1.0);
+    }
+    score.print(name, 1.0, "of theory");
+  }
+  Score ordinary;
+  int claimed = 0;
+  for (int i = 0; i < logs; ++i) {
+    LoadRequest request;
+    request.path = "phases";
+    const Analysis data = analyse(
+        load_text(dated_phases(60.0, Kind::walk, 1e-6, 1.0, seed + static_cast<std::uint64_t>(i)),
+                  request),
+        plain());
+    const CovariateEffect* effect = effect_named(data, "tide");
+    if (effect == nullptr) continue;
+    ordinary.add(effect->coefficient, effect->sigma, 1.0);
+    claimed += effect->significant() ? 1 : 0;
+  }
+  ordinary.print("longcase, 1e-6 a day, 60 days", 1.0, "of theory");
+  std::printf("  of these said to stand out of the noise: %d\n", claimed);
+}
+
+void rods(std::uint64_t seed, int logs) {
+  std::printf("a rod of 12e-6/K whose compensation lags, 21 days, jitter 0.1 ms\n");
+  for (const auto& [compensation, lag_h] :
+       {std::pair{0.0, 0.0}, std::pair{11.4e-6, 2.0}, std::pair{12e-6, 4.0}, std::pair{11e-6, 8.0}}) {
+    Score whole, rod;
+    int twice = 0;
+    double lag = 0.0;
+    for (int i = 0; i < logs; ++i) {
+      const auto own = seed + static_cast<std::uint64_t>(i);
+      Noise noise(own);
+      Scenario scenario;
+      scenario.clock = {2.0, 1.2e-4, 1.5e-5, 0.03};
+      scenario.duration_s = 21.0 * day_s;
+      scenario.method.method = Method::averaged2;
+      scenario.length.temperature_coefficient = 12e-6;
+      scenario.length.compensation = compensation;
+      scenario.length.compensation_lag_s = lag_h * 3600.0;
+      scenario.temperature.sines = {{1.5 * noise.between(0.5, 1.0), day_s},
+                                    {2.0 * noise.between(0.5, 1.0), 3.7 * day_s},
+                                    {3.0 * noise.between(0.5, 1.0), 9.1 * day_s}};
+      scenario.drive.fast_rms = 0.02;
+      scenario.sensor.jitter_rms_s = 1e-4;
+      scenario.sensor.temperature_rms = 0.02;
+      LoadRequest request;
+      const Analysis data =
+          analyse(load_events(test::simulated_log(scenario, own), request), plain());
+      const CovariateEffect* effect = effect_named(data, "temperature");
+      if (effect == nullptr) continue;
+      whole.add(effect->coefficient, effect->sigma, -0.5 * (12e-6 - compensation));
+      const EffectPart* at_once = effect->part(EffectWay::at_once);
+      if (at_once == nullptr) continue;
+      ++twice;
+      lag += effect->lag_s / 3600.0;
+      rod.add(at_once->coefficient, at_once->sigma, -6e-6);
+    }
+    std::printf(" compensation %.3g/K, lag %.3g h: two ways told in %d of %d, lag %.2f h\n",
+                compensation, lag_h, twice, logs, lag / std::max(1, twice));
+    whole.print("the whole", per_day, "s/day/K");
+    rod.print("the rod at once", per_day, "s/day/K");
+  }
+}
+
+// The barometer: friction follows the pressure by changes of epsilon every ten minutes, buoyancy by
+// a stretch of the times.
+void barometers(std::uint64_t seed, int logs) {
+  std::printf("the barometer's two ways, 14 days, amplitudes logged to 0.1 mrad\n");
+  constexpr double buoyancy = -1.5e-7, friction = 8e-4; // per mbar, of the rate and of epsilon
+  for (const bool knows_clock : {true, false}) {
+    Score direct, through, whole;
+    for (int i = 0; i < logs; ++i) {
+      const auto own = seed + static_cast<std::uint64_t>(i);
+      Noise noise(own);
+      const Course pressure(12.0, noise, false);
+      Scenario scenario;
+      scenario.clock = {2.0, 1.2e-4, 1.5e-5, 0.03};
+      scenario.duration_s = 14.0 * day_s;
+      scenario.method.method = Method::averaged2;
+      scenario.drive.fast_rms = 0.02;
+      scenario.sensor.jitter_rms_s = 1e-4;
+      scenario.sensor.amplitude_rms = 1e-4;
+      for (double t = 0.0; t < *scenario.duration_s; t += 600.0) {
+        ClockEvent event;
+        event.at_period = static_cast<std::int64_t>(t / 2.0) + 1;
+        event.epsilon = scenario.clock.epsilon * (1.0 + friction * pressure.at(t + 300.0));
+        scenario.events.push_back(event);
+      }
+      ClockLog log = test::simulated_log(scenario, own);
+      double ahead = 0.0, before = 0.0;
+      for (Beat& beat : log.events) {
+        const double t = beat.time.to_double();
+        ahead += buoyancy * pressure.at(0.5 * (t + before)) * (t - before);
+        before = t;
+        beat.time = beat.time + (-ahead);
+        log.columns.pressure_mbar.push_back(1013.0 + pressure.at(t) + 0.1 * noise.normal());
+      }
+      LoadRequest request;
+      NumberedLog loaded = load_events(std::move(log), request);
+      AnalysisRequest asked = plain();
+      FitRequest fit;
+      if (knows_clock)
+        fit.fixed = {{"phi0", 0.03}, {"epsilon", scenario.clock.epsilon}};
+      fit.events = {"none"};
+      asked.finds_events = false;
+      asked.fit = fit_options(fit, loaded);
+      const Analysis data = analyse(std::move(loaded), asked);
+      const CovariateEffect* effect = effect_named(data, "pressure");
+      if (effect == nullptr) continue;
+      const ClockParameters& clock = scenario.clock;
+      ClockParameters denser = clock;
+      denser.epsilon *= 1.0 + friction;
+      const double by_friction =
+          *stationary_rate_first_order(denser) - *stationary_rate_first_order(clock);
+      const double wide = *stationary_amplitude(clock), narrow = *stationary_amplitude(denser);
+      const double by_circle = (wide * wide - narrow * narrow) / 16.0;
+      whole.add(effect->coefficient, effect->sigma, buoyancy + by_friction);
+      const EffectPart* way = effect->part(EffectWay::through_amplitude);
+      if (way == nullptr) way = effect->part(EffectWay::circular_error);
+      const EffectPart* rest = effect->part(EffectWay::direct);
+      const bool is_known = rest != nullptr;
+      if (!is_known) rest = effect->part(EffectWay::other);
+      if (way == nullptr || rest == nullptr) continue;
+      const double truth = is_known ? by_friction : by_circle;
+      through.add(way->coefficient, way->sigma, truth);
+      direct.add(rest->coefficient, rest->sigma, buoyancy + by_friction - truth);
+    }
+    std::printf(knows_clock ? " friction and phi0 told\n" : " nothing told\n");
+    whole.print("the whole", per_day * 1e3, "ms/day/mbar");
+    through.print(knows_clock ? "through the amplitude" : "by the circular error", per_day * 1e3,
+                  "ms/day/mbar");
+    direct.print(knows_clock ? "directly" : "otherwise", per_day * 1e3, "ms/day/mbar");
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1;
+  const int logs = argc > 2 ? std::atoi(argv[2]) : 20;
+  tides(seed, logs);
+  rods(seed, logs);
+  barometers(seed, logs);
+}
