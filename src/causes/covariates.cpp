@@ -23,13 +23,41 @@ double mean_of(std::span<const double> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
 }
 
+// The cubic through four neighbours (Catmull and Rom), `part` of the way from the second to the
+// third; at the ends the outermost is repeated.
+double between(std::span<const double> x, std::size_t i, double part) {
+  const double a = x[i > 0 ? i - 1 : 0], b = x[i], c = x[std::min(i + 1, x.size() - 1)],
+               d = x[std::min(i + 2, x.size() - 1)];
+  return b + 0.5 * part *
+                 (c - a +
+                  part * (2.0 * a - 5.0 * b + 4.0 * c - d + part * (3.0 * (b - c) + d - a)));
+}
+
+// Through a first-order lag, from centre to centre of the blocks. That the values are means over
+// blocks does no harm: the rate is a mean as well, and the lag of a mean is the mean of the lag.
 std::vector<double> lagged(std::span<const double> value, double block_s, double lag_s) {
   if (lag_s == 0.0) return {value.begin(), value.end()};
+  constexpr int parts = 8; // of a block, in which the course is taken for straight
+  const double step_s = block_s / parts, kept = std::exp(-step_s / lag_s);
+  std::vector<double> result{value.front()};
+  double state = value.front(), from = value.front();
+  for (std::size_t i = 0; i + 1 < value.size(); ++i) {
+    for (int k = 1; k <= parts; ++k) {
+      const double to = between(value, i, static_cast<double>(k) / parts);
+      const double behind = (to - from) * lag_s / step_s; // of a straight course, in the end
+      state = to - behind + (state - from + behind) * kept;
+      from = to;
+    }
+    result.push_back(state);
+  }
+  return result;
+}
+
+// What a lag still remembers of the time before the log, which nobody knows.
+std::vector<double> memory(std::size_t blocks, double block_s, double lag_s) {
   std::vector<double> result;
-  double state = value.front();
-  const double share = -std::expm1(-block_s / lag_s);
-  for (const double v : value)
-    result.push_back(state += share * (v - state));
+  for (std::size_t i = 0; i < blocks; ++i)
+    result.push_back(std::exp(-block_s / lag_s * static_cast<double>(i)));
   return result;
 }
 
@@ -123,6 +151,7 @@ private:
     std::vector<std::vector<double>> causes = cosines_of(courses_of(value_));
     const std::size_t own = causes.size();
     causes.push_back(cosines(by_lag, true));
+    causes.push_back(cosines(memory(value_.size(), block_s_, action_.lag_s), true));
     const RateRegression with_lag = regress(rate_, causes, found_.noise);
     for (std::size_t k = 0; k < own; ++k)
       found_.sigmas[k] = with_lag.sigmas[k];
@@ -139,7 +168,10 @@ private:
   void settle(const Action& action) {
     action_ = action;
     constexpr std::size_t first = 2;
-    found_ = regress(rate_, cosines_of(courses_of(value_)), RateNoise(first, {}));
+    std::vector<std::vector<double>> causes = cosines_of(courses_of(value_));
+    if (action.lag_s > 0.0)
+      causes.push_back(cosines(memory(value_.size(), block_s_, action.lag_s), true));
+    found_ = regress(rate_, causes, RateNoise(first, {}));
   }
 
   std::vector<double> rate_;

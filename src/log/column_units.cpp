@@ -261,6 +261,15 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
 
 // The spacing of phase or frequency values: the step of a time column, or else 1 s.
 void Detection::settle_tau0() {
+  if (const auto time = layout_.find(ColumnRole::time); time && !layout_.calendar) {
+    const TimeUnit& unit = layout_.columns[*time].unit;
+    const double step_s = samples_[*time].typical_step * unit.seconds * std::pow(10.0, unit.power);
+    const double whole_s = std::round(step_s);
+    constexpr double rounding = 1e-4; // relative: of half an hour in days with five decimals
+    layout_.tau0_s = std::abs(step_s - whole_s) < rounding * step_s ? whole_s : step_s;
+    return assume(fmt::format("one value every {:.9g} s, the step of the times", layout_.tau0_s),
+                  Setting::tau0);
+  }
   const bool timed = head_.columns >= 2 && is_number(0) && samples_[0].rising > 0.9;
   const auto unit = timed ? unit_for_step(samples_[0].typical_step, samples_[0]) : std::nullopt;
   const bool second =

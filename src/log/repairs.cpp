@@ -170,7 +170,24 @@ void leave_out_copies(ClockLog& log, IssueList& issues) {
 
 } // namespace
 
+namespace {
+
+// The date of the oldest value of a grid whose newest line came first; 0 where there are no dates.
+Instant oldest_of(const ClockLog& log) {
+  const auto& [tau0_s, phase_s] = *log.grid;
+  const Beat& first = log.events.front();
+  const auto lines = static_cast<double>(first.cycle);
+  const Instant newest =
+      first.time + (phase_s[static_cast<std::size_t>(first.cycle)] - lines * tau0_s);
+  constexpr double years_s = 1e8;
+  if (newest.to_double() < years_s) return {};
+  return newest + -tau0_s * static_cast<double>(phase_s.size() - 1);
+}
+
+} // namespace
+
 void turn_round(ClockLog& log) {
+  const Instant begin = log.grid && !log.events.empty() ? oldest_of(log) : Instant{};
   std::reverse(log.events.begin(), log.events.end());
   for (std::vector<double>* column : log.columns.all())
     std::reverse(column->begin(), column->end());
@@ -180,7 +197,9 @@ void turn_round(ClockLog& log) {
   for (Beat& event : log.events) {
     event.cycle = static_cast<std::int64_t>(phase_s.size()) - 1 - event.cycle;
     const double late = residual_from_grid(Instant{}, Instant{}, event.cycle, tau0_s);
-    event.time = Instant::from_seconds(-late) + -phase_s[static_cast<std::size_t>(event.cycle)];
+    const Instant elapsed =
+        Instant::from_seconds(-late) + -phase_s[static_cast<std::size_t>(event.cycle)];
+    event.time = Instant{begin.seconds + elapsed.seconds, elapsed.fraction} + begin.fraction;
   }
 }
 

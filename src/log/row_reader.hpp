@@ -71,6 +71,7 @@ private:
   Instant pause_before(const Instant& period);
   void wait(const Instant& interval);
   [[nodiscard]] Instant accumulated() const;
+  void begin_grid();
   void add_phase(std::uint32_t line, double error_s);
   void add_on_grid(const Line& line, std::size_t column);
   void leave_place(const Line& line, std::size_t column, IssueKind kind, std::string found);
@@ -119,6 +120,7 @@ private:
   std::int64_t whole_s_ = 0;    // what was accumulated: whole seconds and the rest
   TwoPart<double> part_s_{};
   double last_period_s_ = 0.0;
+  Instant grid_begin_; // where its values have dates
   std::optional<Oscillation> oscillation_; // of the row before
   std::optional<Instant> stamp_; // the coarse time of the line before
   bool plain_;                   // nothing but seconds, one number a line

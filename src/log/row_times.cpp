@@ -1,6 +1,7 @@
 // The time of a line: as it is written, as the sum of periods, or as a place on a grid.
 #include "row_reader.hpp"
 
+#include "beginning.hpp"
 #include "calendar.hpp"
 
 #include <cmath>
@@ -197,12 +198,22 @@ void RowReader::add_phase(std::uint32_t line, double error_s) {
   log_.grid->phase_s.push_back(error_s);
   const Instant origin{};
   const double late = residual_from_grid(origin, origin, n, layout_.tau0_s);
-  Beat beat = event_at(Instant::from_seconds(-late) + -error_s, Edge::up, line);
+  const Instant elapsed = Instant::from_seconds(-late) + -error_s;
+  const Instant time =
+      Instant{grid_begin_.seconds + elapsed.seconds, elapsed.fraction} + grid_begin_.fraction;
+  Beat beat = event_at(time, Edge::up, line);
   beat.cycle = n;
   log_.events.push_back(beat);
 }
 
+// The first value's date, where there is one, is that of the grid.
+void RowReader::begin_grid() {
+  const auto first = time_ ? parsed_time(time_field().text) : std::nullopt;
+  if (first && origin_of(layout_, *first) != TimeOrigin::none) grid_begin_ = *first;
+}
+
 void RowReader::add_on_grid(const Line& line, std::size_t column) {
+  if (log_.grid->phase_s.empty()) begin_grid();
   const Field& field = fields_[column];
   const auto value = parse_number(field.text, layout_.point);
   if (!value && !says_nothing(field.text)) {

@@ -1,4 +1,4 @@
-// What surrounds a clock, as analyse() tells it: the share of the tide in phases of two years, a rod
+// What surrounds a clock, as `spectrum` and `report` tell it: the share of the tide in phases of two years, a rod
 // whose compensation lags, and the barometer's two ways. How often the 68 % and 95 % intervals hold.
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/fit_request.hpp"
@@ -58,13 +58,12 @@ private:
   std::normal_distribution<double> normal_;
 };
 
-/// A smooth course: sines of 1 to 12 days of random phases.
+/// A smooth course: sines of 0.8 to 5 days of random phases.
 class Course {
 public:
-  Course(double rms, Noise& noise, bool with_day) {
-    for (const double days : {12.0, 7.3, 4.1, 2.6, 1.0})
-      if (with_day || days > 1.0)
-        waves_.push_back({rms * noise.between(0.5, 1.0), days * day_s * noise.between(0.9, 1.1),
+  Course(double rms, Noise& noise) {
+    for (const double days : {5.1, 3.3, 2.1, 1.4, 0.8})
+      waves_.push_back({rms * noise.between(0.5, 1.0), days * day_s * noise.between(0.9, 1.1),
                           noise.between(0.0, 2.0 * std::numbers::pi)});
   }
   double at(double t) const {
@@ -81,14 +80,13 @@ private:
   std::vector<Wave> waves_;
 };
 
-AnalysisRequest plain() {
-  AnalysisRequest request;
-  request.traces_profiles = false;
-  return request;
+std::vector<CovariateEffect> effects_of(const NumberedLog& loaded) {
+  return covariate_effects(fit_data(loaded));
 }
 
-const CovariateEffect* effect_named(const Analysis& data, std::string_view name) {
-  for (const CovariateEffect& effect : data.covariates)
+const CovariateEffect* effect_named(const std::vector<CovariateEffect>& effects,
+                                    std::string_view name) {
+  for (const CovariateEffect& effect : effects)
     if (effect.name == name) return &effect;
   return nullptr;
 }
@@ -107,7 +105,7 @@ std::string dated_phases(double days, Kind kind, double daily, double share, std
     elapsed[i] = step_s * static_cast<double>(i);
   const auto tide = tidal_advance(elapsed, begin, site);
   const double steps = day_s / step_s;
-  std::string text = "# latitude_deg: 51.4779\n# longitude_deg: -0.0015\n# mjd, phase_s\n";
+  std::string text = "# latitude_deg: 51.4779\n# longitude_deg: -0.0015\n";
   double phase = 0.0, walk = 0.0;
   std::vector<double> slow(12, 0.0); // Ornstein-Uhlenbeck, an octave and a half apart: flicker
   for (std::size_t i = 0; i < count; ++i) {
@@ -128,6 +126,14 @@ std::string dated_phases(double days, Kind kind, double daily, double share, std
   return text;
 }
 
+// "60000.020833 -1.2e-7": MJD and the clock's error.
+LoadRequest dated() {
+  LoadRequest request;
+  request.path = "phases";
+  request.reading.columns = {"time=1:mjd", "phase=2"};
+  return request;
+}
+
 void tides(std::uint64_t seed, int logs) {
   std::printf("tide in half-hourly phases of two years, sigma_y(1 day) 1e-9\n");
   for (const auto& [kind, name] : {std::pair{Kind::white, "white noise of the rate"},
@@ -135,13 +141,10 @@ void tides(std::uint64_t seed, int logs) {
                                    std::pair{Kind::walk, "random walk of the rate"}}) {
     Score score;
     for (int i = 0; i < logs; ++i) {
-      LoadRequest request;
-      request.path = "phases";
-      const Analysis data = analyse(
-          load_text(dated_phases(730.0, kind, 1e-9, 1.0, seed + static_cast<std::uint64_t>(i)),
-                    request),
-          plain());
-      if (const CovariateEffect* effect = effect_named(data, "tide"))
+      const LoadRequest request = dated();
+      const auto effects = effects_of(load_text(
+          dated_phases(730.0, kind, 1e-9, 1.0, seed + static_cast<std::uint64_t>(i)), request));
+      if (const CovariateEffect* effect = effect_named(effects, "tide"))
         score.add(effect->coefficient, effect->sigma, 1.0);
     }
     score.print(name, 1.0, "of theory");
@@ -149,13 +152,10 @@ void tides(std::uint64_t seed, int logs) {
   Score ordinary;
   int claimed = 0;
   for (int i = 0; i < logs; ++i) {
-    LoadRequest request;
-    request.path = "phases";
-    const Analysis data = analyse(
-        load_text(dated_phases(60.0, Kind::walk, 1e-6, 1.0, seed + static_cast<std::uint64_t>(i)),
-                  request),
-        plain());
-    const CovariateEffect* effect = effect_named(data, "tide");
+    const LoadRequest request = dated();
+    const auto effects = effects_of(load_text(
+        dated_phases(60.0, Kind::walk, 1e-6, 1.0, seed + static_cast<std::uint64_t>(i)), request));
+    const CovariateEffect* effect = effect_named(effects, "tide");
     if (effect == nullptr) continue;
     ordinary.add(effect->coefficient, effect->sigma, 1.0);
     claimed += effect->significant() ? 1 : 0;
@@ -165,7 +165,7 @@ void tides(std::uint64_t seed, int logs) {
 }
 
 void rods(std::uint64_t seed, int logs) {
-  std::printf("a rod of 12e-6/K whose compensation lags, 21 days, jitter 0.1 ms\n");
+  std::printf("a rod of 12e-6/K whose compensation lags, 9 days, drive 10 % fast and 1 % slow, jitter 0.1 ms\n");
   for (const auto& [compensation, lag_h] :
        {std::pair{0.0, 0.0}, std::pair{11.4e-6, 2.0}, std::pair{12e-6, 4.0}, std::pair{11e-6, 8.0}}) {
     Score whole, rod;
@@ -176,21 +176,22 @@ void rods(std::uint64_t seed, int logs) {
       Noise noise(own);
       Scenario scenario;
       scenario.clock = {2.0, 1.2e-4, 1.5e-5, 0.03};
-      scenario.duration_s = 21.0 * day_s;
+      scenario.duration_s = 9.0 * day_s;
       scenario.method.method = Method::averaged2;
       scenario.length.temperature_coefficient = 12e-6;
       scenario.length.compensation = compensation;
       scenario.length.compensation_lag_s = lag_h * 3600.0;
       scenario.temperature.sines = {{1.5 * noise.between(0.5, 1.0), day_s},
-                                    {2.0 * noise.between(0.5, 1.0), 3.7 * day_s},
-                                    {3.0 * noise.between(0.5, 1.0), 9.1 * day_s}};
-      scenario.drive.fast_rms = 0.02;
+                                    {2.0 * noise.between(0.5, 1.0), 2.3 * day_s},
+                                    {3.0 * noise.between(0.5, 1.0), 5.1 * day_s}};
+      scenario.drive.fast_rms = 0.1;
+      scenario.drive.slow_rms = 0.01;
+      scenario.drive.slow_time_s = 20'000.0;
       scenario.sensor.jitter_rms_s = 1e-4;
       scenario.sensor.temperature_rms = 0.02;
       LoadRequest request;
-      const Analysis data =
-          analyse(load_events(test::simulated_log(scenario, own), request), plain());
-      const CovariateEffect* effect = effect_named(data, "temperature");
+      const auto effects = effects_of(load_events(test::simulated_log(scenario, own), request));
+      const CovariateEffect* effect = effect_named(effects, "temperature");
       if (effect == nullptr) continue;
       whole.add(effect->coefficient, effect->sigma, -0.5 * (12e-6 - compensation));
       const EffectPart* at_once = effect->part(EffectWay::at_once);
@@ -209,17 +210,17 @@ void rods(std::uint64_t seed, int logs) {
 // The barometer: friction follows the pressure by changes of epsilon every ten minutes, buoyancy by
 // a stretch of the times.
 void barometers(std::uint64_t seed, int logs) {
-  std::printf("the barometer's two ways, 14 days, amplitudes logged to 0.1 mrad\n");
+  std::printf("the barometer's two ways, 6 days, amplitudes logged to 0.1 mrad\n");
   constexpr double buoyancy = -1.5e-7, friction = 8e-4; // per mbar, of the rate and of epsilon
   for (const bool knows_clock : {true, false}) {
     Score direct, through, whole;
     for (int i = 0; i < logs; ++i) {
       const auto own = seed + static_cast<std::uint64_t>(i);
       Noise noise(own);
-      const Course pressure(12.0, noise, false);
+      const Course pressure(6.0, noise);
       Scenario scenario;
       scenario.clock = {2.0, 1.2e-4, 1.5e-5, 0.03};
-      scenario.duration_s = 14.0 * day_s;
+      scenario.duration_s = 6.0 * day_s;
       scenario.method.method = Method::averaged2;
       scenario.drive.fast_rms = 0.02;
       scenario.sensor.jitter_rms_s = 1e-4;
@@ -240,16 +241,17 @@ void barometers(std::uint64_t seed, int logs) {
         log.columns.pressure_mbar.push_back(1013.0 + pressure.at(t) + 0.1 * noise.normal());
       }
       LoadRequest request;
-      NumberedLog loaded = load_events(std::move(log), request);
-      AnalysisRequest asked = plain();
+      const NumberedLog loaded = load_events(std::move(log), request);
       FitRequest fit;
       if (knows_clock)
         fit.fixed = {{"phi0", 0.03}, {"epsilon", scenario.clock.epsilon}};
       fit.events = {"none"};
-      asked.finds_events = false;
-      asked.fit = fit_options(fit, loaded);
-      const Analysis data = analyse(std::move(loaded), asked);
-      const CovariateEffect* effect = effect_named(data, "pressure");
+      const TimingData times = fit_data(loaded);
+      const FitSummary summary =
+          fit_clock(times, loaded.nominal_period_s, fit_options(fit, loaded));
+      auto effects = covariate_effects(times);
+      tell_ways(times, summary, effects);
+      const CovariateEffect* effect = effect_named(effects, "pressure");
       if (effect == nullptr) continue;
       const ClockParameters& clock = scenario.clock;
       ClockParameters denser = clock;
@@ -280,6 +282,7 @@ void barometers(std::uint64_t seed, int logs) {
 } // namespace
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1;
   const int logs = argc > 2 ? std::atoi(argv[2]) : 20;
   tides(seed, logs);
