@@ -57,12 +57,12 @@ double phase_gained(Method method) {
 void add_stationary(std::vector<PaperNumber>& numbers) {
   const double phi0 = point_a().phi0, epsilon = point_a().epsilon;
   numbers.push_back({"least torque that keeps A's friction going", "sec. statop",
-                     "pi/2 epsilon phi0", stall_torque(epsilon, phi0),
+                     "π/2 ε φ0", stall_torque(epsilon, phi0),
                      *exact_stall_torque(epsilon, phi0), "",
-                     "the swing is no sinusoid: 5 phi0^2/96 of itself lower"});
+                     "the swing is no sinusoid: 5 φ0²/96 of itself lower"});
   numbers.push_back({"gain at A", "sec. such", "1.1e-4, ~10 s/day",
                      rk4_rate(point_a(), Rk4Torque::per_stage), exact_rate(point_a()), "",
-                     "RK4's phase error -dt^4/120 = -6.8e-9, and where in a step it switches"});
+                     "RK4's phase error -dt⁴/120 = -6.8e-9, and where in a step it switches"});
   numbers.push_back({"gain at B", "sec. such", "~2e-4, ~17 s/day",
                      rk4_rate(point_b(), Rk4Torque::per_stage), exact_rate(point_b()), "",
                      "the same"});
@@ -75,21 +75,21 @@ void add_stationary(std::vector<PaperNumber>& numbers) {
     const auto points = operating_points(nominal, phi0, equations);
     return points.empty() ? unknown : points.back().epsilon;
   };
-  numbers.push_back({"friction at which mu = 1.5e-5 keeps nominal time (C)", "sec. perst",
+  numbers.push_back({"friction at which μ = 1.5e-5 keeps nominal time (C)", "sec. perst",
                      "1.167245e-4", friction(Equations::first_order), friction(Equations::exact),
                      "", "first order calls a clock nominal that gains 1.8e-8"});
   const auto at_mu = [&](double e) { return ClockParameters{2.0, e, 2e-5, phi0}; };
-  numbers.push_back({"friction of the fastest clock at mu = 2e-5", "sec. losgain", "~2.5e-4",
+  numbers.push_back({"friction of the fastest clock at μ = 2e-5", "sec. losgain", "~2.5e-4",
                      best_friction([&](double e) { return first_order_rate(at_mu(e)); }),
                      best_friction([&](double e) { return exact_rate(at_mu(e)); }), "",
                      "the maximum is flat: the rate there differs by 1e-8 only"});
   const ClockParameters loser{2.0, 5e-5, 1e-5, phi0};
-  numbers.push_back({"rate at epsilon 5e-5, mu 1e-5", "fig. rate", "loses about 10 s/day",
+  numbers.push_back({"rate at ε 5e-5, μ 1e-5", "fig. rate", "loses about 10 s/day",
                      seconds_per_day * first_order_rate(loser), seconds_per_day * exact_rate(loser),
                      "s/day", "second order"});
-  numbers.push_back({"amplitude there over phi0", "fig. rate", "about 2",
+  numbers.push_back({"amplitude there over φ0", "fig. rate", "about 2",
                      *stationary_amplitude(loser) / phi0, limit_cycle(loser)->velocity / phi0, "",
-                     "a cycle's mean against phi' at the crossing"});
+                     "a cycle's mean against φ' at the crossing"});
 }
 
 double rate_after_jump(Method method) {
@@ -142,7 +142,7 @@ void add_long_run(const NoisyRun& noisy, std::vector<PaperNumber>& numbers) {
   numbers.push_back(
       {"the same, the return map beside the paper's model", "sec. perst", "~1e-8", noisy.secular,
        noisy.secular_in_full, "",
-       "the circular error beyond -lambda^2/16 is most of the 1e-8, not -epsilon^2/2: "
+       "the circular error beyond -λ²/16 is most of the 1e-8, not -ε²/2: "
        "that is 6.8e-9 with the other sign than what is seen"});
 }
 

@@ -101,10 +101,10 @@ std::vector<BudgetPart> budget_at_c() {
   const double rk4 = rk4_rate(c, Rk4Torque::per_stage);
   return {
       {"first order, by eq. statrate", first},
-      {"circular error beyond lambda^2/16, J1(lambda)/lambda - 1/2 (eq. ce3): two runs of the "
+      {"circular error beyond λ²/16, J1(λ)/λ - 1/2 (eq. ce3): two runs of the "
        "averaged equations",
        circular},
-      {"friction's own part, -epsilon^2/2: a run of a linear oscillator that dies away", friction},
+      {"friction's own part, -ε²/2: a run of a linear oscillator that dies away", friction},
       {"the free swing beyond eq. ce3: its exact period", free_swing},
       {"the escapement by itself, second order: the limit cycle of a linear oscillator",
        escapement},

@@ -168,10 +168,10 @@ Series contour(double s_per_day, int colour) {
 Figure rate_figure() {
   Figure figure{"rate",
                 "Stationary rate over friction and torque",
-                "Lines of equal rate by eq. statrate, phi0 = 0.03. Below the lowest straight line "
+                "Lines of equal rate by eq. statrate, φ0 = 0.03. Below the lowest straight line "
                 "the clock stalls; A, B, C are the paper's points.",
-                {"friction epsilon", ""},
-                {"torque mu", ""},
+                {"friction ε", ""},
+                {"torque μ", ""},
                 {}};
   for (const double rate : {-20.0, -10.0, -5.0})
     figure.series.push_back(contour(rate, blue));
@@ -180,7 +180,7 @@ Figure rate_figure() {
     figure.series.push_back(contour(rate, green));
   for (const double times : {1.0, 2.0, 3.0}) {
     Series line{
-        Series::Style::line, fmt::format("lambda = {:.0f} phi0", times), {}, {}, {}, {}, purple};
+        Series::Style::line, fmt::format("λ = {:.0f} φ0", times), {}, {}, {}, {}, purple};
     for (const double epsilon : {0.0, 5e-4}) {
       const double mu = 0.5 * pi * epsilon * 0.03 * times * times;
       const double reach = std::min(1.0, mu > 0.0 ? 5e-5 / mu : 1.0);
@@ -293,7 +293,7 @@ std::vector<PaperFigure> jump_figures() {
   Figure amplitude{
       "jump_amplitude",
       "The amplitude after a jump of the torque",
-      "It takes many small pushes to change the energy. The full equation's amplitude is phi' at "
+      "It takes many small pushes to change the energy. The full equation's amplitude is φ' at "
       "the crossings, the theory's a cycle's mean.",
       {"time", "nominal periods"},
       {"amplitude", "rad"},

@@ -73,29 +73,29 @@ void add_statements(std::vector<PaperNumber>& numbers) {
   impulse.impulse = 4.0 * c.mu * c.phi0; // the energy of C's torque in a period
   impulse.impulse_angle = 0.01;
   numbers.push_back({"rate with a single impulse of the same energy at 0.01 rad", "app. appblow",
-                     "-e/(32 pi epsilon) - epsilon tan psi1", first_order_rate(impulse),
+                     "-e/(32 π ε) - ε tan ψ1", first_order_rate(impulse),
                      exact_rate(impulse), "", "second order"});
   numbers.push_back({"rate with a single impulse that has C's moments", "sec. rateq", "that of C",
                      first_order_rate(c), rate_of_equal_impulse(), "",
                      "equal moments keep equal time to first order; where in the swing the torque "
                      "acts shows in the second"});
   const double plain = rate_with_harmonic(0.0);
-  numbers.push_back({"what a torque of mu cos 2 psi adds to the rate", "sec. rateq", "nothing", 0.0,
+  numbers.push_back({"what a torque of μ cos 2 ψ adds to the rate", "sec. rateq", "nothing", 0.0,
                      rate_with_harmonic(c.mu) - plain, "",
                      "harmonics other than the first have no moments; second order is left"});
   numbers.push_back({"change of the rate per relative change of length", "sec. disc", "-1/2", -0.5,
                      rate_per_length(), "",
                      "the length grows by 46 ppm during the run: its square"});
   const double width = 0.01, lambda = *stationary_amplitude(c);
-  numbers.push_back({"escapement error of a push 0.01 rad wide, over epsilon", "sec. optdriv",
-                     "~ delta psi = 0.2",
+  numbers.push_back({"escapement error of a push 0.01 rad wide, over ε", "sec. optdriv",
+                     "~ δψ = 0.2",
                      escapement_error(c.epsilon, lambda, 0.0, width) / c.epsilon,
                      escapement_error(c.epsilon, lambda, 0.5 * width, width) / c.epsilon, "",
                      "centred it is 0 whatever the width, ours begins at the vertical: the place "
                      "counts, not the width"});
   ClockParameters stronger = c;
   stronger.mu *= 1.3;
-  numbers.push_back({"change of the rate by 30 % more torque, over epsilon", "sec. oomest",
+  numbers.push_back({"change of the rate by 30 % more torque, over ε", "sec. oomest",
                      "at most about 1",
                      (first_order_rate(stronger) - first_order_rate(c)) / c.epsilon,
                      (exact_rate(stronger) - exact_rate(c)) / c.epsilon, "", "second order"});

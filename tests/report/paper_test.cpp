@@ -36,7 +36,7 @@ TEST(PaperTest, NumbersAreThoseOfTheReferences) {
   EXPECT_NEAR(phase.ours, 0.29437831, 2e-8); // the digits of the reference
   EXPECT_NEAR(phase.by_paper, 0.2945374,
               1e-4); // the circular error in full changes the fifth digit
-  EXPECT_NEAR(number(results, "friction at which mu = 1.5e-5 keeps nominal time (C)").by_paper,
+  EXPECT_NEAR(number(results, "friction at which μ = 1.5e-5 keeps nominal time (C)").by_paper,
               1.167245e-4, 5e-11); // the digits printed
 }
 
@@ -61,7 +61,7 @@ TEST(PaperTest, WordsAreMeasured) {
   // The square of the change, 46 ppm, and the 1e-11 of the amplitude's answer over it.
   EXPECT_NEAR(number(results, "change of the rate per relative change of length").ours, -0.5, 5e-5);
   // Second order is some 3e-8 at C.
-  EXPECT_LT(std::abs(number(results, "what a torque of mu cos 2 psi adds to the rate").ours), 1e-7);
+  EXPECT_LT(std::abs(number(results, "what a torque of μ cos 2 ψ adds to the rate").ours), 1e-7);
   const PaperNumber& moments = number(results, "rate with a single impulse that has C's moments");
   EXPECT_LT(std::abs(moments.ours - moments.by_paper), 1e-7);
   const PaperNumber& noise =
