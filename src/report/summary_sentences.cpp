@@ -112,6 +112,7 @@ private:
   void say_how_it_comes_to_rest();
   void say_what_the_model_tells();
   [[nodiscard]] std::string which_beats() const;
+  [[nodiscard]] static std::string_view why_in_parts(const std::vector<Gap>& gaps);
   [[nodiscard]] std::string which_part() const;
   [[nodiscard]] std::string going() const;
   [[nodiscard]] std::string interruption(const Interruption& event) const;
@@ -159,13 +160,36 @@ bool Sentences::moves_on() const {
   return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
 }
 
+// Why a log is in parts, if it is for one reason everywhere.
+std::string_view Sentences::why_in_parts(const std::vector<Gap>& gaps) {
+  std::optional<GapKind> kind;
+  for (const Gap& gap : gaps) {
+    if (gap.bridged) continue;
+    if (kind && *kind != gap.kind) return "";
+    kind = gap.kind;
+  }
+  if (!kind) return "";
+  switch (*kind) {
+  case GapKind::step:
+    return ", because the beats go on displaced, as if the reference had been set";
+  case GapKind::stop:
+    return ", because the clock seems to have stood still in between";
+  case GapKind::restart:
+    return ", because the time goes back in between";
+  case GapKind::missed:
+  case GapKind::gap:
+    break;
+  }
+  return ", because too many beats are missing in between to count them";
+}
+
 // For a log in several parts: which of them the report is about.
 std::string Sentences::which_part() const {
   if (data_.numbered.segments < 2) return {};
   const std::string parts =
-      fmt::format("This log is in {} parts that could not be joined; what follows is about the "
+      fmt::format("This log is in {} parts that could not be joined{}; what follows is about the "
                   "longest, ",
-                  data_.numbered.segments);
+                  data_.numbered.segments, why_in_parts(data_.numbered.gaps));
   if (words_.is_dated())
     return parts + fmt::format("from {} to {}.", words_.short_moment(0.0),
                                words_.short_moment(data_.rate.duration_s));

@@ -2,6 +2,8 @@
 
 #include "support/changed_in_a_swing.hpp"
 
+#include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -53,6 +55,27 @@ TEST(AnalyseTest, ASettlingSwingIsNoChange) {
 
 // The nut follows the clock as it goes now: since its last change, and while the clock still
 // settles after that, in the last quarter of the log.
+// A steady clock that loses 13 s/day, told in steps: whole seconds of one that shows no rate in
+// them, tenths, hundredths with a wheel's look, milliseconds.
+TEST(AnalyseTest, ACoarseLoggerShowsNoChange) {
+  for (const double step_s : {1.0, 0.1, 0.01, 1e-3}) {
+    std::string text;
+    for (int n = 0; n < 2500; ++n)
+      text += fmt::format("{:.3f}\n", step_s * std::floor(n * 2.0003 / step_s));
+    LoadRequest request;
+    request.path = "coarse";
+    request.reading.nominal_period_s = 2.0;
+    const Analysis data = analyse(load_text(text, request));
+    EXPECT_TRUE(data.diary.changes.empty()) << step_s;
+    EXPECT_TRUE(data.suspicions.empty()) << step_s;
+    EXPECT_EQ(data.numbered.segments, 1u) << step_s;
+    EXPECT_EQ(data.numbered.missed, 0) << step_s;
+    EXPECT_NEAR(data.rate.rate_excess, 2.0 / 2.0003 - 1.0, 2.0 * data.rate.rate_excess_sigma);
+    // Both ends are rounded, a step at most each; a uniform error has a twelfth of its square.
+    EXPECT_GE(data.rate.rate_excess_sigma, 0.9 * step_s * std::sqrt(2.0 / 12.0) / 5000.0);
+  }
+}
+
 TEST(AnalyseTest, TheNutIsForTheRateOfTheEndOfTheLog) {
   LoadRequest log;
   log.path = GOINGRATE_SOURCE_DIR "/data/logs/jump.csv";

@@ -284,6 +284,30 @@ TEST(LoadTest, AContactOnceAMinuteCountsSwings) {
   EXPECT_THROW(loaded(seconds(100, 500.0), 2.0), ImpossibleReading);  // 250 swings: no contact
 }
 
+// Half-hourly phases with dates: the step is that of the dates, and the events have them.
+TEST(LoadTest, PhasesWithDatesKeepThem) {
+  for (const bool newest_first : {false, true}) {
+    std::string text = "# latitude_deg: 51.5\n# longitude_deg: -0.1\n";
+    for (int i = 0; i < 100; ++i) {
+      const int n = newest_first ? 99 - i : i;
+      text += fmt::format("{:.6f} {:.9e}\n", 60000.5 + n / 48.0, 1e-3 + 1e-6 * n);
+    }
+    LoadRequest request;
+    request.path = "phases";
+    request.reading.columns = {"time=1:mjd", "phase=2"};
+    const NumberedLog log = load_text(text, request);
+    ASSERT_EQ(log.good.size(), 100u);
+    EXPECT_EQ(log.nominal_period_s, 1800.0);
+    EXPECT_EQ(log.log.origin, TimeOrigin::mjd);
+    EXPECT_NEAR(log.good[0].time.to_double(), 60000.5 * 86400.0, 0.1); // six decimals of a day
+    ASSERT_TRUE(log.log.site);
+    EXPECT_EQ(log.log.site->latitude_deg, 51.5);
+    const TimingData data = fit_data(log);
+    EXPECT_EQ(data.terms.back().name, "tide");
+    EXPECT_NEAR(mean_rate(log).rate_excess, 1e-6 / 1800.0, 1e-14); // rounding of 1e-9 in phases
+  }
+}
+
 TEST(LoadTest, PhasesCountTheSwingsOfAStatedPeriod) {
   LoadRequest request;
   request.path = "phases";

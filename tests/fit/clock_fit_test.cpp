@@ -247,6 +247,15 @@ TEST(ClockFitTest, WhatHangsOnAnUndeterminedFrictionIsNotStated) {
   EXPECT_GT(undetermined, 0);
 }
 
+TEST(ClockFitTest, AT0ThatNoSwingCanHaveIsRefused) {
+  const auto data = timing_data(test::simulated_beats(test::at_point_a(300), 1));
+  for (const double T0_s : {1.0, 3.0, 2.0 / 60.0}) { // of 2 s: beats, another clock, another unit
+    FitOptions options;
+    options.fixed["T0"] = T0_s;
+    EXPECT_THROW((void)fit_clock(data, 2.0, options), ArgumentError) << T0_s;
+  }
+}
+
 TEST(ClockFitTest, TimesAndAmplitudesTogetherFreeT0) {
   Scenario scenario = test::jump_from_a_to_b(1000, 1e-5);
   FitOptions options;
