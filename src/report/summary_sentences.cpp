@@ -14,6 +14,8 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 namespace goingrate {
@@ -358,13 +360,20 @@ std::string Sentences::what_to_do() const {
 
 void Sentences::say_how_it_comes_to_rest() {
   const FitSummary& fit = data_.fit;
+  const FittedParameter* scale = fit.find("amplitude_scale");
+  const bool is_scaled = scale != nullptr && std::isfinite(scale->value);
+  const double true_size = is_scaled ? 1.0 / scale->value : 1.0; // of what the log has
   std::string swing;
   if (!fit.model_amplitude_rad.empty())
     swing = fmt::format(": its swing falls from {} to {}",
-                        words_.angle(fit.model_amplitude_rad.front(), 0.0),
-                        words_.angle(fit.model_amplitude_rad.back(), 0.0));
+                        words_.angle(true_size * fit.model_amplitude_rad.front(), 0.0),
+                        words_.angle(true_size * fit.model_amplitude_rad.back(), 0.0));
   say(fmt::format("This pendulum swings freely for {}{}.", words_.duration(data_.rate.duration_s),
                   swing));
+  if (is_scaled)
+    say(fmt::format("The amplitudes in the log are {} of the true ones: the period, which wide "
+                    "swings lengthen, tells.",
+                    with_sigma(scale->value, scale->sigma)));
   if (fit.decay) say(decay_sentences(*fit.decay));
   const FittedParameter* period = fit.find("T0");
   if (period != nullptr && std::isfinite(period->value))
