@@ -285,7 +285,8 @@ int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1;
   const int logs = argc > 2 ? std::atoi(argv[2]) : 20;
-  tides(seed, logs);
-  rods(seed, logs);
-  barometers(seed, logs);
+  const std::string_view part = argc > 3 ? argv[3] : "all";
+  if (part == "all" || part == "tides") tides(seed, logs);
+  if (part == "all" || part == "rods") rods(seed, logs);
+  if (part == "all" || part == "barometers") barometers(seed, logs);
 }
