@@ -165,7 +165,7 @@ void tides(std::uint64_t seed, int logs) {
 }
 
 void rods(std::uint64_t seed, int logs) {
-  std::printf("a rod of 12e-6/K whose compensation lags, 9 days, drive 10 % fast and 1 % slow, jitter 0.1 ms\n");
+  std::printf("a rod of 12e-6/K whose compensation lags, 9 days, drive 0.1 fast and 0.01 slow, jitter 0.1 ms\n");
   for (const auto& [compensation, lag_h] :
        {std::pair{0.0, 0.0}, std::pair{11.4e-6, 2.0}, std::pair{12e-6, 4.0}, std::pair{11e-6, 8.0}}) {
     Score whole, rod;
