@@ -41,9 +41,8 @@ std::optional<Measured> slope_of(const FitSummary& fit) {
   for (const auto& [name, member] :
        {std::pair{"epsilon", &ClockParameters::epsilon}, std::pair{"mu", &ClockParameters::mu},
         std::pair{"phi0", &ClockParameters::phi0}}) {
-    const auto found = std::find_if(fit.parameters.begin(), fit.parameters.end(),
-                                    [&](const FittedParameter& p) { return p.name == name; });
-    if (found == fit.parameters.end() || !std::isfinite(found->sigma)) continue;
+    const FittedParameter* found = fit.find(name);
+    if (found == nullptr || !std::isfinite(found->sigma)) continue;
     ClockParameters other = *clock;
     other.*member += found->sigma;
     if (const auto moved = slope_under_friction(other)) result.sigma += std::abs(*moved - *slope);
