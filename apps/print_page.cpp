@@ -31,10 +31,17 @@ void become(std::vector<std::string> words) {
     ::dup2(nowhere, stream);
   for (const char* browser :
        {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"}) {
-    std::vector<std::string> words{
-        "timeout", "-k", "5", "60", browser, "--headless", "--disable-gpu",
-        "--no-pdf-header-footer", "--user-data-dir=" + profile, "--print-to-pdf=" + pdf,
-        "file://" + page};
+    std::vector<std::string> words{"timeout",
+                                   "-k",
+                                   "5",
+                                   "60",
+                                   browser,
+                                   "--headless",
+                                   "--disable-gpu",
+                                   "--no-pdf-header-footer",
+                                   "--user-data-dir=" + profile,
+                                   "--print-to-pdf=" + pdf,
+                                   "file://" + page};
     if (::geteuid() == 0) words.insert(words.end() - 1, "--no-sandbox"); // else it refuses root
     if (std::system((std::string("command -v ") + browser + " > /dev/null").c_str()) == 0)
       become(std::move(words));

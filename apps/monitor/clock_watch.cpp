@@ -12,7 +12,7 @@ namespace goingrate::apps {
 namespace {
 
 constexpr std::size_t most_breaks = 500; // that are remembered in memory
-constexpr std::size_t tail_beats = 200;   // that tell how the count goes on
+constexpr std::size_t tail_beats = 200;  // that tell how the count goes on
 
 constexpr std::size_t learnt_days = 14; // that alarms are learnt from again after a start
 

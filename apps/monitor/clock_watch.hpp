@@ -82,10 +82,10 @@ private:
   Going going_;
   Alarms alarms_;
   AlarmDiary diary_;
-  ClockLog log_;            // what is known of the source
-  bool has_edges_ = false;  // an event of the other direction was heard
-  bool is_first_ = true;    // no event of this run yet
-  bool is_holding_ = true;  // no event since the source was opened
+  ClockLog log_;           // what is known of the source
+  bool has_edges_ = false; // an event of the other direction was heard
+  bool is_first_ = true;   // no event of this run yet
+  bool is_holding_ = true; // no event since the source was opened
   std::optional<Instant> last_heard_at_, last_sync_;
   std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
   std::vector<Gap> gaps_;

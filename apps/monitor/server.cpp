@@ -2,9 +2,9 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <arpa/inet.h>
 #include <array>
 #include <atomic>
-#include <arpa/inet.h>
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
@@ -126,14 +126,14 @@ struct MonitorServer::Parts {
   }
 
   void refuse_other_names() {
-    server.set_pre_routing_handler([](const httplib::Request& request,
-                                      httplib::Response& response) {
-      const std::string host = without_port(request.get_header_value("Host"));
-      if (host.empty() || host == "localhost" || is_address(host))
-        return httplib::Server::HandlerResponse::Unhandled;
-      response.status = 403;
-      return httplib::Server::HandlerResponse::Handled;
-    });
+    server.set_pre_routing_handler(
+        [](const httplib::Request& request, httplib::Response& response) {
+          const std::string host = without_port(request.get_header_value("Host"));
+          if (host.empty() || host == "localhost" || is_address(host))
+            return httplib::Server::HandlerResponse::Unhandled;
+          response.status = 403;
+          return httplib::Server::HandlerResponse::Handled;
+        });
   }
 
   void set_up(const std::string& host) {

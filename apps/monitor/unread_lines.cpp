@@ -23,11 +23,10 @@ void UnreadLines::hold(std::string_view text) {
   if (end <= text_.size()) return;
   const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   const std::string_view more = text.substr(text_.size(), end - text_.size());
-  const bool is_safe =
-      file >= 0 &&
-      ::pwrite(file, more.data(), more.size(), static_cast<off_t>(text_.size())) ==
-          static_cast<ssize_t>(more.size()) &&
-      ::fdatasync(file) == 0;
+  const bool is_safe = file >= 0 &&
+                       ::pwrite(file, more.data(), more.size(), static_cast<off_t>(text_.size())) ==
+                           static_cast<ssize_t>(more.size()) &&
+                       ::fdatasync(file) == 0;
   const int error = errno;
   if (file >= 0) ::close(file);
   if (!is_safe) throw OutputError(path_, std::strerror(error));

@@ -14,8 +14,9 @@ inline constexpr std::size_t times_for_grain = 4096;
 
 /// The greatest step of which the first `count` times are whole multiples after the first of them,
 /// s: 1e-3 of a logger that counts milliseconds. `elapsed_s(i)` is rising or nearly so. A step that
-/// divides `period_s` by less than sixteen, as in a log of steady beats, may be the clock's own: the
-/// greatest power of ten that divides it is taken. 0 for times that lie on no grid of decimals. (TimeGrainTest)
+/// divides `period_s` by less than sixteen, as in a log of steady beats, may be the clock's own:
+/// the greatest power of ten that divides it is taken. 0 for times that lie on no grid of decimals.
+/// (TimeGrainTest)
 template <class Elapsed>
 double time_grain(std::size_t count, double period_s, const Elapsed& elapsed_s) {
   double longest_s = 0.0;

@@ -68,8 +68,7 @@ std::string covariate_text(const CovariateEffect& effect) {
     text += fmt::format(", with a lag of {:.3g} s", effect.lag_s);
   if (effect.known_share < 1.0)
     text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
-  if (!effect.significant())
-    return text + ": nothing that stands out of the noise";
+  if (!effect.significant()) return text + ": nothing that stands out of the noise";
   return text + parts_text(effect) +
          fmt::format("; over the half of the log it was not found in, compensating for it {} the "
                      "time error from {:.3g} s to {:.3g} s (rms)",

@@ -28,9 +28,9 @@ double mean_of(std::span<const double> x) {
 double between(std::span<const double> x, std::size_t i, double part) {
   const double a = x[i > 0 ? i - 1 : 0], b = x[i], c = x[std::min(i + 1, x.size() - 1)],
                d = x[std::min(i + 2, x.size() - 1)];
-  return b + 0.5 * part *
-                 (c - a +
-                  part * (2.0 * a - 5.0 * b + 4.0 * c - d + part * (3.0 * (b - c) + d - a)));
+  return b +
+         0.5 * part *
+             (c - a + part * (2.0 * a - 5.0 * b + 4.0 * c - d + part * (3.0 * (b - c) + d - a)));
 }
 
 // Through a first-order lag, from centre to centre of the blocks. That the values are means over
@@ -185,7 +185,7 @@ private:
 struct Answer {
   std::vector<double> rate, value;
   double block_s = 0.0;
-  double known_share = 1.0; ///< of the whole log
+  double known_share = 1.0;  ///< of the whole log
   double filled_share = 0.0; ///< of these blocks: straight lines over holes
 };
 
@@ -231,9 +231,9 @@ struct HeldOut {
   double without2 = 0.0, with2 = 0.0;
 };
 
-HeldOut judged(const Answer& answer, std::size_t split, bool learn_first,
-               const std::function<Regression(std::span<const double>, std::span<const double>)>&
-                   regression) {
+HeldOut judged(
+    const Answer& answer, std::size_t split, bool learn_first,
+    const std::function<Regression(std::span<const double>, std::span<const double>)>& regression) {
   const std::size_t n = answer.rate.size();
   const auto part = [&](const std::vector<double>& x, bool first) {
     return first ? std::span(x).first(split) : std::span(x).last(n - split);
@@ -295,8 +295,7 @@ RateBlocks blocks_for(const TimingData& data, bool of_tide) {
 std::optional<CovariateEffect> effect_of(const RateTerm& term, const Answer& answer) {
   if (answer.rate.size() < least_blocks || !bends(answer.value)) return {};
   const auto regression = [&](std::span<const double> rate, std::span<const double> value) {
-    return Regression(rate, value, answer.block_s, term.name != "tide",
-                      term.name == "temperature");
+    return Regression(rate, value, answer.block_s, term.name != "tide", term.name == "temperature");
   };
   const Regression all = regression(answer.rate, answer.value);
   const std::size_t half = answer.rate.size() / 2;

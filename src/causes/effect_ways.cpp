@@ -21,7 +21,7 @@ struct Measured {
 
 // d(rate)/d(amplitude) in stationary operation as the friction changes and nothing else does.
 std::optional<double> slope_under_friction(const ClockParameters& clock) {
-  constexpr double step = 1e-3; // relative, of the friction: the curve is smooth
+  constexpr double step = 1e-3;               // relative, of the friction: the curve is smooth
   ClockParameters less = clock, more = clock; // whichever law, the rate knows the amplitude alone
   less.epsilon *= 1.0 - step;
   more.epsilon *= 1.0 + step;
@@ -58,9 +58,8 @@ double share_of_gravity(const FitSummary& fit) {
 // What the amplitude does for one unit of the covariate.
 Measured answer_of_amplitude(const RateBlocks& blocks, std::size_t term) {
   constexpr std::size_t first = 2; // the mean and the line
-  const RateRegression found =
-      regress(cosines(blocks.amplitude_rad, true), {cosines(blocks.values[term], true)},
-              RateNoise(first, {}));
+  const RateRegression found = regress(cosines(blocks.amplitude_rad, true),
+                                       {cosines(blocks.values[term], true)}, RateNoise(first, {}));
   return {found.coefficients.front(), found.sigmas.front()};
 }
 

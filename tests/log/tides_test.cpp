@@ -90,7 +90,7 @@ TEST(TidesTest, SizesAreThoseOfTheBooks) {
     moon = std::max(moon, pull);
     mean += pull / hours;
   }
-  EXPECT_NEAR(moon, 1.86e-6, 0.1e-6); // 1.1 and 0.5 in the mean; 1.9e-7 of gravity at perigee
+  EXPECT_NEAR(moon, 1.86e-6, 0.1e-6);  // 1.1 and 0.5 in the mean; 1.9e-7 of gravity at perigee
   EXPECT_NEAR(mean, 0.30e-6, 0.04e-6); // the permanent tide at the equator: 30 microgals
 }
 

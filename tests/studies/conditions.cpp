@@ -1,5 +1,6 @@
-// What surrounds a clock, as `spectrum` and `report` tell it: the share of the tide in phases of two years, a rod
-// whose compensation lags, and the barometer's two ways. How often the 68 % and 95 % intervals hold.
+// What surrounds a clock, as `spectrum` and `report` tell it: the share of the tide in phases of
+// two years, a rod whose compensation lags, and the barometer's two ways. How often the 68 % and 95
+// % intervals hold.
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/fit_request.hpp"
 #include "goingrate/dynamics/stationary.hpp"
@@ -35,9 +36,10 @@ public:
   }
   void print(const char* what, double unit, const char* unit_name) const {
     const double n = std::max(1, logs_), mean = z_ / n;
-    std::printf("  %-34s %3d told, 68 %% holds %.2f, 95 %% %.2f, pull %+.2f sd %.2f, sigma %.2g %s\n",
-                what, logs_, held68_ / n, held95_ / n, mean,
-                std::sqrt(std::max(0.0, z2_ / n - mean * mean)), unit * sigma_ / n, unit_name);
+    std::printf(
+        "  %-34s %3d told, 68 %% holds %.2f, 95 %% %.2f, pull %+.2f sd %.2f, sigma %.2g %s\n", what,
+        logs_, held68_ / n, held95_ / n, mean, std::sqrt(std::max(0.0, z2_ / n - mean * mean)),
+        unit * sigma_ / n, unit_name);
   }
 
 private:
@@ -64,7 +66,7 @@ public:
   Course(double rms, Noise& noise) {
     for (const double days : {5.1, 3.3, 2.1, 1.4, 0.8})
       waves_.push_back({rms * noise.between(0.5, 1.0), days * day_s * noise.between(0.9, 1.1),
-                          noise.between(0.0, 2.0 * std::numbers::pi)});
+                        noise.between(0.0, 2.0 * std::numbers::pi)});
   }
   double at(double t) const {
     double sum = 0.0;
@@ -109,8 +111,7 @@ std::string dated_phases(double days, Kind kind, double daily, double share, std
   double phase = 0.0, walk = 0.0;
   std::vector<double> slow(12, 0.0); // Ornstein-Uhlenbeck, an octave and a half apart: flicker
   for (std::size_t i = 0; i < count; ++i) {
-    const double mjd =
-        40587.0 + (static_cast<double>(begin.seconds) + elapsed[i]) / day_s;
+    const double mjd = 40587.0 + (static_cast<double>(begin.seconds) + elapsed[i]) / day_s;
     text += fmt::format("{:.6f} {:.15e}\n", mjd, phase + share * tide[i]);
     double rate = 0.0;
     if (kind == Kind::white) rate = daily * std::sqrt(steps) * noise.normal();
@@ -165,9 +166,10 @@ void tides(std::uint64_t seed, int logs) {
 }
 
 void rods(std::uint64_t seed, int logs) {
-  std::printf("a rod of 12e-6/K whose compensation lags, 9 days, drive 0.1 fast and 0.01 slow, jitter 0.1 ms\n");
-  for (const auto& [compensation, lag_h] :
-       {std::pair{0.0, 0.0}, std::pair{11.4e-6, 2.0}, std::pair{12e-6, 4.0}, std::pair{11e-6, 8.0}}) {
+  std::printf("a rod of 12e-6/K whose compensation lags, 9 days, drive 0.1 fast and 0.01 slow, "
+              "jitter 0.1 ms\n");
+  for (const auto& [compensation, lag_h] : {std::pair{0.0, 0.0}, std::pair{11.4e-6, 2.0},
+                                            std::pair{12e-6, 4.0}, std::pair{11e-6, 8.0}}) {
     Score whole, rod;
     int twice = 0;
     double lag = 0.0;
@@ -243,8 +245,7 @@ void barometers(std::uint64_t seed, int logs) {
       LoadRequest request;
       const NumberedLog loaded = load_events(std::move(log), request);
       FitRequest fit;
-      if (knows_clock)
-        fit.fixed = {{"phi0", 0.03}, {"epsilon", scenario.clock.epsilon}};
+      if (knows_clock) fit.fixed = {{"phi0", 0.03}, {"epsilon", scenario.clock.epsilon}};
       fit.events = {"none"};
       const TimingData times = fit_data(loaded);
       const FitSummary summary =
