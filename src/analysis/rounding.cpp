@@ -14,7 +14,7 @@ double grain_of(const TimingData& times) {
                     [&](std::size_t i) { return times.elapsed_s[i]; });
 }
 
-// Of the line through the latenesses, seconds a cycle.
+// The slope of the straight line through the latenesses, seconds per cycle.
 double slope_of(const TimingData& times) {
   const auto n = static_cast<double>(times.size());
   double cycle = 0.0, late = 0.0, both = 0.0, square = 0.0;

@@ -43,7 +43,8 @@ double time_grain(std::size_t count, double period_s, const Elapsed& elapsed_s) 
   return static_cast<double>(decimal) * unit_s;
 }
 
-/// Standard deviation of what rounding to `grain_s` hides: a twelfth of its square.
+/// Standard deviation of what rounding to `grain_s` hides: errors are even over a step,
+/// whose variance is a twelfth of its square.
 inline double rounding_sigma(double grain_s) { return grain_s / std::sqrt(12.0); }
 
 } // namespace goingrate

@@ -33,9 +33,7 @@ std::string parts_text(const CovariateEffect& effect) {
     text += fmt::format("{} {} by {}", text.empty() ? ":" : ",", words_of(part.way),
                         daily(part.coefficient, part.sigma));
   if (effect.part(EffectWay::at_once) != nullptr)
-    text += fmt::format(", and by the whole once the compensation has followed, with a lag of "
-                        "{:.3g} s",
-                        effect.lag_s);
+    text += fmt::format("; the compensation follows with a lag of {:.3g} s", effect.lag_s);
   if (std::isfinite(effect.amplitude) && std::abs(effect.amplitude) > 3.0 * effect.amplitude_sigma)
     text += fmt::format(" (the amplitude answers by {:.3g} ± {:.2g} mrad)", 1e3 * effect.amplitude,
                         1e3 * effect.amplitude_sigma);
