@@ -1,5 +1,6 @@
 #include "candidates.hpp"
 
+#include "lag.hpp"
 #include "step_search.hpp"
 
 #include "base/scaled_time.hpp"
@@ -69,6 +70,7 @@ private:
       if (std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e-9; }))
         continue;
       consider({temperature ? Cause::temperature : Cause::pressure, {{values}, {}}}, best);
+      if (temperature) consider_lag(values, best);
     }
     constexpr double day_s = seconds_per_day;
     if (blocks_.length_s * static_cast<double>(blocks_.rate.size()) < 0.8 * day_s) return;
@@ -76,6 +78,38 @@ private:
               {{make_.wave(day_s, 0.0), make_.wave(day_s, 0.25 * two_pi)}, {}},
               {Cause::log_clock}},
              best);
+  }
+
+  // Temperature through a lag, beside what the lag remembers of the time before the log; where it
+  // also acts at once, as on a rod before its compensation, the first course is what it does in the
+  // end.
+  [[nodiscard]] Candidate lagging(const std::vector<double>& values, double lag_s,
+                                  bool also_at_once) const {
+    std::vector<std::vector<double>> courses{lagged(values, blocks_.length_s, lag_s)};
+    if (also_at_once) {
+      std::vector<double> ahead(values);
+      for (std::size_t i = 0; i < ahead.size(); ++i)
+        ahead[i] -= courses.front()[i];
+      courses.push_back(std::move(ahead));
+    }
+    courses.push_back(memory(values.size(), blocks_.length_s, lag_s));
+    return {.cause = Cause::temperature,
+            .courses = {.rate = std::move(courses), .amplitude = {}, .times = 1},
+            .time_s = lag_s};
+  }
+
+  void consider_lag(const std::vector<double>& values, Candidate& best) const {
+    const FixedNoiseAccount noise = account_.in_noise_beside({{values}, {}});
+    for (const bool also_at_once : {false, true}) {
+      const auto loss = [&](double lag_s) {
+        return -noise.gain_of(lagging(values, lag_s, also_at_once).courses);
+      };
+      const std::vector<double> lags = lags_to_try(values.size(), blocks_.length_s);
+      const auto coarse = std::min_element(lags.begin(), lags.end(),
+                                           [&](double a, double b) { return loss(a) < loss(b); });
+      if (coarse == lags.end()) return;
+      consider(lagging(values, refined_lag(*coarse, loss), also_at_once), best);
+    }
   }
 
   // The places, in blocks, where a step would explain most, and those of dated changes.

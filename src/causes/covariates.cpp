@@ -1,14 +1,13 @@
 #include "goingrate/causes/covariates.hpp"
 #include "goingrate/causes/diagnosis.hpp"
 
+#include "lag.hpp"
 #include "rate_blocks.hpp"
 
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <cstdint>
 #include <functional>
 #include <numeric>
 #include <optional>
@@ -21,44 +20,6 @@ using namespace timing_model;
 
 double mean_of(std::span<const double> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
-}
-
-// The cubic through four neighbours (Catmull and Rom), `part` of the way from the second to the
-// third; at the ends the outermost is repeated.
-double between(std::span<const double> x, std::size_t i, double part) {
-  const double a = x[i > 0 ? i - 1 : 0], b = x[i], c = x[std::min(i + 1, x.size() - 1)],
-               d = x[std::min(i + 2, x.size() - 1)];
-  return b +
-         0.5 * part *
-             (c - a + part * (2.0 * a - 5.0 * b + 4.0 * c - d + part * (3.0 * (b - c) + d - a)));
-}
-
-// Through a first-order lag, from centre to centre of the blocks. That the values are means over
-// blocks does no harm: the rate is a mean as well, and the lag of a mean is the mean of the lag.
-std::vector<double> lagged(std::span<const double> value, double block_s, double lag_s) {
-  if (lag_s == 0.0) return {value.begin(), value.end()};
-  constexpr int parts = 8; // of a block, in which the course is taken for straight
-  const double step_s = block_s / parts, kept = std::exp(-step_s / lag_s);
-  std::vector<double> result{value.front()};
-  double state = value.front(), from = value.front();
-  for (std::size_t i = 0; i + 1 < value.size(); ++i) {
-    for (int k = 1; k <= parts; ++k) {
-      const double to = between(value, i, static_cast<double>(k) / parts);
-      const double behind = (to - from) * lag_s / step_s; // of a straight course, in the end
-      state = to - behind + (state - from + behind) * kept;
-      from = to;
-    }
-    result.push_back(state);
-  }
-  return result;
-}
-
-// What a lag still remembers of the time before the log, which nobody knows.
-std::vector<double> memory(std::size_t blocks, double block_s, double lag_s) {
-  std::vector<double> result;
-  for (std::size_t i = 0; i < blocks; ++i)
-    result.push_back(std::exp(-block_s / lag_s * static_cast<double>(i)));
-  return result;
 }
 
 /// How a covariate is let act.
@@ -78,8 +39,7 @@ public:
     if (!may_lag) return;
     Action best;
     double best_score = found_.deviance;
-    const double longest_s = 0.1 * block_s * static_cast<double>(rate.size());
-    for (double lag_s = block_s; lag_s < longest_s; lag_s *= 1.3)
+    for (const double lag_s : lags_to_try(rate.size(), block_s))
       for (int twice = 0; twice <= (may_act_twice ? 1 : 0); ++twice) {
         constexpr double price = 8.0; // of 2 log L: for one more parameter, looked for on a grid
         settle({lag_s, twice == 1});
@@ -88,7 +48,11 @@ public:
         best = action_;
         best_score = score;
       }
-    if (best.lag_s > 0.0) best.lag_s = refined(best);
+    if (best.lag_s > 0.0)
+      best.lag_s = refined_lag(best.lag_s, [&](double lag_s) {
+        settle({lag_s, best.also_at_once});
+        return found_.deviance;
+      });
     settle(best);
     allow_for_lag();
   }
@@ -122,21 +86,6 @@ private:
       ahead[i] -= courses.front()[i];
     courses.push_back(std::move(ahead));
     return courses;
-  }
-
-  // The grid's lags are a third apart; the coefficients want a better one.
-  double refined(const Action& coarse) {
-    constexpr double step = 1.3; // of the grid
-    constexpr int bits = 12;     // of the lag: far within its σ
-    const auto deviance = [&](double log_lag) {
-      settle({std::exp(log_lag), coarse.also_at_once});
-      return found_.deviance;
-    };
-    const double at = std::log(coarse.lag_s);
-    std::uintmax_t most_steps = 20;
-    return std::exp(boost::math::tools::brent_find_minima(deviance, at - std::log(step),
-                                                          at + std::log(step), bits, most_steps)
-                        .first);
   }
 
   // σ with the lag free: its course is one more cause, which at the best lag adds nothing.

@@ -25,6 +25,15 @@ std::string swing(const Sizes& sizes, const char* per) {
                      1e3 * sizes.amplitude_sigma[0], per);
 }
 
+// Of a lag only the time is said: how much is the covariate's to say, with the lag in doubt.
+std::string answer_to_temperature(const Candidate& found) {
+  if (!(found.time_s > 0.0)) return fmt::format("the rate answers by {} per K", size(found.sizes));
+  const bool also_at_once = found.sizes.rate.size() > 2; // the last is of the time before the log
+  return fmt::format("the rate follows the temperature with a lag of {}{}",
+                     time_words(found.time_s, 2),
+                     also_at_once ? ", and answers by another amount at once" : "");
+}
+
 } // namespace
 
 std::string time_words(double seconds, int digits) {
@@ -61,7 +70,7 @@ std::string evidence_of(const Candidate& found, bool sees_amplitude) {
   const Sizes& sizes = found.sizes;
   switch (found.cause) {
   case Cause::temperature:
-    return fmt::format("the rate answers by {} per K", size(sizes));
+    return answer_to_temperature(found);
   case Cause::pressure:
     return fmt::format("the rate answers by {} per mbar", size(sizes));
   case Cause::unlogged_weather:

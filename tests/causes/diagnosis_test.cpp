@@ -111,6 +111,26 @@ TEST(DiagnosisTest, AChangeBelowTheJitterIsInTheDiary) {
   }
 }
 
+// A rod that is warm before its compensation: two days, a drive that is white.
+TEST(DiagnosisTest, ACompensationThatLagsIsTemperature) {
+  Scenario scenario;
+  scenario.clock = {2.0, 1.2e-4, 1.5e-5, 0.03};
+  scenario.periods = 86400;
+  scenario.length.temperature_coefficient = 12e-6;
+  scenario.length.compensation = 11e-6;
+  scenario.length.compensation_lag_s = 7000.0;
+  scenario.temperature.sines = {{1.5, 86400.0}, {1.5, 50000.0}};
+  scenario.sensor.jitter_rms_s = 1e-4;
+  scenario.drive.fast_rms = 0.05;
+  scenario.sensor.temperature_rms = 0.05;
+  for (const std::uint64_t seed : {51U, 52U, 53U}) {
+    const auto found = test::suspected_in(native_log_text(test::simulated_log(scenario, seed), 6));
+    ASSERT_EQ(found.size(), 1U) << seed;
+    EXPECT_EQ(found[0].cause, Cause::temperature) << seed << ": " << found[0].evidence;
+    EXPECT_NE(found[0].evidence.find("at once"), std::string::npos) << found[0].evidence;
+  }
+}
+
 // The times leave their line in a bend over hundreds of beats, not in a jump.
 TEST(DiagnosisTest, AStepOfTheDriveIsNoShiftOfTheSensor) {
   Scenario scenario;

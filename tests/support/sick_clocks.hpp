@@ -238,15 +238,18 @@ inline std::vector<Suspicion> diagnosed(const SickClock& clock) {
   return analyse(load_text(clinic.log(), request), asked).suspicions;
 }
 
-/// What the log alone says, without a fit: a rough drive is not judged.
-inline std::vector<Suspicion> suspected(const SickClock& clock) {
-  Clinic clinic(clock);
+/// What a log alone says, without a fit: a rough drive is not judged.
+inline std::vector<Suspicion> suspected_in(const std::string& text) {
   LoadRequest request;
   request.path = "clinic.csv";
-  const NumberedLog loaded = load_text(clinic.log(), request);
+  const NumberedLog loaded = load_text(text, request);
   const TimingData times = fit_data(loaded);
   return diagnose(diagnosis_input(times, loaded, diary_of(loaded, times),
                                   analyse_drive(loaded.good, loaded.nominal_period_s, {}), {}));
+}
+
+inline std::vector<Suspicion> suspected(const SickClock& clock) {
+  return suspected_in(Clinic(clock).log());
 }
 
 /// Whether the first suspicion is one of the faults, or lists one among what the log cannot tell
