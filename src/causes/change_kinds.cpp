@@ -114,6 +114,16 @@ void put_date(std::span<const Beat> beats, double at_s, Change& change) {
   change.cycle = beats.front().cycle + cycle_at(beats, at_s);
 }
 
+// Within this of a place lie those of all kinds, to about a block.
+double doubt_of_place(const Look& look, double at_s) {
+  constexpr double block_edges = 1.5; // blocks: the place is good to about one
+  double doubt_s = 0.0;
+  for (const FittedStep& step : look.steps)
+    doubt_s =
+        std::max(doubt_s, std::abs(look.blocks.begin_s + step.place * look.blocks.length_s - at_s));
+  return doubt_s + block_edges * look.blocks.length_s;
+}
+
 Judgement judged_about(const TimingData& data, const Stretch& stretch, double at_s,
                        double doubt_s) {
   std::vector<Look> looks;
@@ -143,7 +153,13 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
         return a.steps[kind].gain < b.steps[kind].gain;
       });
   told.gain = strongest.steps[kind].gain;
-  told.at_s = strongest.blocks.begin_s + strongest.steps[kind].place * strongest.blocks.length_s;
+  // Finer blocks date it better, as long as they see it as well.
+  constexpr double least_share = 0.5; // of the gain: z is then within 30 %
+  const Look& sharpest = *std::find_if(looks.begin(), looks.end(), [&](const Look& look) {
+    return look.steps[kind].gain >= least_share * told.gain;
+  });
+  told.at_s = sharpest.blocks.begin_s + sharpest.steps[kind].place * sharpest.blocks.length_s;
+  told.doubt_s = doubt_of_place(sharpest, told.at_s);
   put_jump(told.kind, strongest.steps[kind], strongest.blocks, told);
   return told;
 }
@@ -152,12 +168,15 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
 
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s) {
   Judgement told = judged_about(data, stretch, at_s, doubt_s);
-  constexpr int rounds = 2; // blocks reach as far to both sides of where it is found
+  constexpr int most_rounds = 6; // blocks reach as far to both sides of where it is found
   constexpr double finest_block_beats = 4.0; // beats: the finest block
-  for (int round = 0; round < rounds && told.kind != ChangeKind::unclear; ++round) {
+  constexpr double least_narrowing = 0.5;    // of the doubt: less allows no finer blocks
+  for (int round = 0; round < most_rounds && told.kind != ChangeKind::unclear; ++round) {
     const double moved = std::abs(told.at_s - at_s);
+    const bool is_narrower = told.doubt_s < least_narrowing * doubt_s;
+    if (moved < finest_block_beats * data.reference_period_s && !is_narrower) break;
     at_s = told.at_s;
-    if (moved < finest_block_beats * data.reference_period_s) break;
+    doubt_s = std::min(doubt_s, told.doubt_s);
     const Judgement again = judged_about(data, stretch, at_s, doubt_s);
     if (again.kind == ChangeKind::unclear) break;
     told = again;

@@ -17,6 +17,7 @@ struct Judgement {
   double gain = 0.0;                     ///< over no change, 2 log L less the price
   double ahead = 0.0;                    ///< of the second best, in the mean over block lengths
   double at_s = 0.0;
+  double doubt_s = 0.0;    ///< by how much that may be off, were it of another kind
   double jump = 0.0;       ///< of the rate, at once; of friction in the end
   double jump_sigma = 0.0; ///< of a regulation
 };
@@ -24,7 +25,7 @@ struct Judgement {
 /// The kind of a change at `at_s`, which may be off by `doubt_s`. Looked at in blocks of 4, 16, 64
 /// ... beats, up to 96 on each side: what dies away in seconds is not seen in coarse blocks, what
 /// takes hours not in fine ones. It is the kind that gains most in the mean over these (a composite
-/// likelihood).
+/// likelihood). A great doubt allows coarse blocks alone; as these narrow it, finer ones follow.
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s);
 
 /// Fills in the kinds of changes in order of time. `data` are those of the beats, without

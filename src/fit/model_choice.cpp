@@ -353,6 +353,7 @@ const Fitted& ModelSearch::run() {
     thin_by_information();
     if (best_.dynamics != FitDynamics::map) choose_dynamics();
   }
+  add_other_noise();
   tried(best_, "chosen");
   const bool dated = std::all_of(options_.events.begin(), options_.events.end(),
                                  [](const FitEvent& event) { return event.has_known_moment(); });

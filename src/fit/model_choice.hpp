@@ -77,6 +77,8 @@ private:
   void choose_noise();
   void thin_by_information();
   bool take_if_better(Fitted&& other, const std::string& why);
+  void choose_slow_drive(Fitted&& slow);
+  void add_other_noise();
   void tried(const Fitted& fitted, const std::string& verdict);
 
   const TimingData& all_;
@@ -86,6 +88,13 @@ private:
   Working working_;
   TimingData finer_; ///< the beats that thin_by_information() keeps
   Fitted best_;
+  /// The fit with or without slow drive that the log hardly tells from the chosen one, and where
+  /// that one was then.
+  struct OtherNoise {
+    Rival rival;
+    std::vector<double> beside;
+  };
+  std::optional<OtherNoise> other_noise_;
   std::map<std::string, double> shifts_; // by name, because terms added later shift the indices
   std::string chosen_by_;
   std::vector<FitNote> notes_;

@@ -5,8 +5,25 @@
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 
 namespace goingrate::timing_model {
+
+namespace {
+
+// A fit's place among the parameters of another with or without slow drive. Without it, its size is
+// nothing.
+std::vector<double> place_among(const Parameters& to, std::span<const double> at,
+                                const Fitted& other) {
+  std::vector<double> otherwise(at.begin(), at.end());
+  const Slot* slow = to.find(Quantity::slow_rms);
+  constexpr double nothing = 1e-6; // relative
+  if (slow != nullptr && slow->free) otherwise[slow->index] = slow->coordinate_of(nothing);
+  return carried_over(other.problem.parameters, other.minimum.x, to, otherwise);
+}
+
+} // namespace
 
 void ModelSearch::choose_noise() {
   const FitNoise wanted = options_.noise;
@@ -22,8 +39,7 @@ void ModelSearch::choose_noise() {
   ModelChoice model = best_.model;
   if (automatic && model.drive) {
     model.slow = true;
-    if (worth_trying(best_, options_, model))
-      take_if_better(fit_with(model), "the drive varies slowly too");
+    if (worth_trying(best_, options_, model)) choose_slow_drive(fit_with(model));
     return;
   }
   if (automatic) {
@@ -58,7 +74,39 @@ void ModelSearch::choose_noise() {
     return;
   }
   take_if_better(std::move(drive), "a drive that varies explains the walk");
-  take_if_better(std::move(slow), "the drive varies slowly too");
+  choose_slow_drive(std::move(slow));
+}
+
+// Slow drive is no part of the clock's course, but the clock is read off the noise too: left out
+// where there is a little of it, friction and fast drive come out wrong by several σ; taken where
+// there is none, intervals are wider. So chance is its price, not BIC's, and while the log hardly
+// tells, the clock without it is a rival of the clock with it.
+void ModelSearch::choose_slow_drive(Fitted&& slow) {
+  if (!slow.minimum.usable) return;
+  if (!best_.model.drive || best_.model.slow) {
+    take_if_better(std::move(slow), "the drive varies slowly too");
+    return;
+  }
+  constexpr double one_in_twenty = 6.0, one_in_a_hundred = 9.2; // of 2 log L, two parameters
+  constexpr double three_sigma = 9.0;                           // of 2 log L
+  const double price = 2.0 * std::log(static_cast<double>(best_.problem.data->size()));
+  const double gain = best_.bic - slow.bic + price;
+  if (gain > one_in_a_hundred) {
+    tried(best_, fmt::format("2 log L less by {:.3g}: the drive varies slowly too", gain));
+    std::swap(best_, slow);
+  } else {
+    tried(slow, fmt::format("2 log L more by {:.3g}, as by chance: not demanded", gain));
+  }
+  const double ahead = gain - one_in_a_hundred;
+  if (gain > one_in_twenty && ahead < three_sigma)
+    best_.rivals.push_back(
+        {place_among(best_.problem.parameters, best_.minimum.x, slow), 0.5 * std::abs(ahead)});
+}
+
+void ModelSearch::add_other_noise() {
+  if (!other_noise_ || other_noise_->beside.size() != best_.minimum.x.size()) return;
+  const auto& [rival, beside] = *other_noise_;
+  best_.rivals.push_back({moved_along(rival.x, beside, best_.minimum.x), rival.behind});
 }
 
 // The rms residual of times or of amplitudes, whichever is larger in units of the scatter of

@@ -95,18 +95,16 @@ Fitted on_few_beats(const Fitted& fitted, const FewBeats& few) {
 
 namespace {
 
-// The fit started from the twin of its minimum and brought to convergence with its own dynamics.
+// The fit started from a twin of its minimum and brought to convergence with its own dynamics.
 // Not usable if that leads back to the same minimum or to a much worse one.
-Fitted twin_fit(const Fitted& home) {
-  const auto start = twin_of(home.problem, home.minimum.x);
-  if (!start) return {};
+Fitted twin_fit(const Fitted& home, const std::vector<double>& start) {
   Fitted twin = home;
-  twin.minimum.x = *start;
-  if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, *start);
-  constexpr double largest_prior_deficit =
-      12.0; // of L: a larger deficit comes from a stated prior alone, and no search removes it
-  const auto there = minus_log_likelihood(twin.problem, *start);
-  if (!there || *there > home.minimum.value + largest_prior_deficit) return {};
+  twin.minimum.x = start;
+  if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, start);
+  constexpr double largest_start_deficit =
+      100.0; // of L: a density of continuous time says what one of cycles does but roughly
+  const auto there = minus_log_likelihood(twin.problem, start);
+  if (!there || *there > home.minimum.value + largest_start_deficit) return {};
   settle(twin.problem, twin.minimum, {});
   if (!twin.minimum.usable || !refine(twin, home.dynamics)) return {};
   constexpr double largest_deficit = 4.5; // of L: three sigma
@@ -118,23 +116,43 @@ Fitted twin_fit(const Fitted& home) {
   return is_near && is_other ? twin : Fitted{};
 }
 
-} // namespace
+using Twins = std::vector<std::optional<std::vector<double>>>;
 
-void look_at_the_twin(Fitted& fitted) {
+// Which of the twins, by their places in the list, the log may be of.
+std::vector<Fitted> twin_fits(const Fitted& home, const Twins& twins) {
+  std::vector<Fitted> fits(twins.size());
+  share(twins.size(), [&](std::size_t i) {
+    if (twins[i]) fits[i] = twin_fit(home, *twins[i]);
+  });
+  return fits;
+}
+
+// The twins less those that a few beats tell from the fit: so do all of them.
+Twins not_told_apart_by_few(const Fitted& fitted, Twins twins) {
   constexpr std::size_t compared_beats = 3000;
   const TimingData& data = *fitted.problem.data;
-  if (fitted.problem.condensed == nullptr && data.size() > 3 * compared_beats) {
-    const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, compared_beats);
-    const Fitted home = on_few_beats(fitted, few);
-    if (!home.minimum.usable || !twin_fit(home).minimum.usable) return;
+  if (fitted.problem.condensed != nullptr || data.size() <= 3 * compared_beats) return twins;
+  const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, compared_beats);
+  const Fitted home = on_few_beats(fitted, few);
+  if (!home.minimum.usable) return {};
+  const std::vector<Fitted> fits = twin_fits(home, twins_of(home.problem, home.minimum.x));
+  for (std::size_t i = 0; i < twins.size(); ++i)
+    if (i >= fits.size() || !fits[i].minimum.usable) twins[i].reset();
+  return twins;
+}
+
+} // namespace
+
+void look_at_the_twins(Fitted& fitted) {
+  const Twins twins = not_told_apart_by_few(fitted, twins_of(fitted.problem, fitted.minimum.x));
+  for (Fitted& twin : twin_fits(fitted, twins)) {
+    if (!twin.minimum.usable) continue;
+    if (by_value(twin.minimum, fitted.minimum)) {
+      twin.rivals = fitted.rivals;
+      std::swap(twin, fitted);
+    }
+    fitted.rivals.push_back({twin.minimum.x, twin.minimum.value - fitted.minimum.value});
   }
-  Fitted twin = twin_fit(fitted);
-  if (!twin.minimum.usable) return;
-  if (by_value(twin.minimum, fitted.minimum)) {
-    twin.rivals = fitted.rivals;
-    std::swap(twin, fitted);
-  }
-  fitted.rivals.push_back({twin.minimum.x, twin.minimum.value - fitted.minimum.value});
 }
 
 } // namespace goingrate::timing_model

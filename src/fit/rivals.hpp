@@ -14,8 +14,8 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
 /// none.
 Fitted on_few_beats(const Fitted& fitted, const FewBeats& few);
 
-/// The twin (twin.hpp) as a rival; takes the fit's place if it is better. A long log is looked at
-/// by few beats first: where they tell the two apart so do all.
-void look_at_the_twin(Fitted& fitted);
+/// The twins (twin.hpp) as rivals; the best takes the fit's place if it is better. A long log is
+/// looked at by few beats first: where they tell two apart so do all.
+void look_at_the_twins(Fitted& fitted);
 
 } // namespace goingrate::timing_model
