@@ -106,6 +106,8 @@ async function checkFigures() {
     "every plot can be reached by the keyboard and has a name");
   check(await value(`[...document.querySelectorAll("figure")].every((e) => e.querySelector("figcaption").textContent)`),
     "every figure has a caption");
+  check(await value(`[...document.querySelectorAll("figure h3")].every((e) => e.parentElement.querySelector(".live") || getComputedStyle(e).display === "inline")`),
+    "a heading stands over a figure or leads a caption");
   check(await value(`[...document.querySelectorAll(".live")].every((e) => e.data.every((t) => t.x.length < 6000))`),
     "no trace has more than a few values a pixel");
 }
