@@ -3,10 +3,12 @@
 #include "figure_axes.hpp"
 #include "impulse_words.hpp"
 #include "parameter_words.hpp"
+#include "wording.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 #include <vector>
 
 namespace goingrate {
@@ -57,7 +59,10 @@ std::string remarks_on(const FittedParameter& p) {
   return all + fmt::format("{}[first order: {:+.2g} σ]", all.empty() ? "" : " ", p.model_shift);
 }
 
-std::string parameter_lines(const std::vector<FittedParameter>& parameters) {
+std::string parameter_lines(const FitSummary& fit, const DisplayUnit& angle) {
+  std::vector<FittedParameter> parameters;
+  for (const FittedParameter& p : fit.parameters)
+    parameters.push_back(with_angles_in(angle, p));
   std::size_t name_width = 14, value_width = 0;
   for (const FittedParameter& p : parameters) {
     name_width = std::max(name_width, characters(symbol_and_name(p.name)));
@@ -74,11 +79,18 @@ std::string parameter_lines(const std::vector<FittedParameter>& parameters) {
   return text;
 }
 
-std::string derived_line(const DerivedQuantity& quantity) {
-  return fmt::format("  {:<22} {}{}{}\n    {}\n", in_symbols(quantity.name),
-                     with_sigma(quantity.value, quantity.sigma, 10),
-                     quantity.unit.empty() ? "" : " ", quantity.unit,
-                     in_symbols(quantity.expression));
+std::string derived_lines(const FitSummary& fit, const DisplayUnit& angle) {
+  std::vector<DerivedQuantity> all = fit.combinations;
+  if (std::isfinite(fit.q_factor.value)) all.push_back(fit.q_factor);
+  std::string text;
+  for (DerivedQuantity& known : all) {
+    const DerivedQuantity quantity = with_angles_in(angle, fit, std::move(known));
+    text += fmt::format("  {:<22} {}{}{}\n    {}\n", in_symbols(quantity.name),
+                        with_sigma(quantity.value, quantity.sigma, 10),
+                        quantity.unit.empty() ? "" : " ", quantity.unit,
+                        in_symbols(quantity.expression));
+  }
+  return text;
 }
 
 bool has_value(const FitSummary& fit, const std::string& name) {
@@ -108,14 +120,15 @@ std::string chi2_lines(const FitQuality& q) {
                          "being known to some per cent only");
 }
 
-std::string statistics_lines(const FitSummary& fit) {
+std::string statistics_lines(const FitSummary& fit, const DisplayUnit& angle) {
   const FitQuality& q = fit.quality;
   std::string text =
       fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s\n",
                   fit.residual_s.size(), fit.correlated.size(), q.rms_s);
   text += chi2_lines(q);
   if (std::isfinite(q.amplitude_rms_rad))
-    text += fmt::format("  amplitude residual rms {:.3g} mrad\n", q.amplitude_rms_rad * 1e3);
+    text += fmt::format("  amplitude residual rms {} {}\n",
+                        with_sigma(angle.factor * q.amplitude_rms_rad, 0.0, 3), angle.name);
   text += fmt::format("  BIC {:.8g}, AIC {:.8g}\n", q.bic, q.aic);
   if (fit.thinning.beats > 0) {
     text += fmt::format("  {} of the beats were used", fit.thinning.beats);
@@ -159,19 +172,16 @@ std::string experiment_lines(const FitSummary& fit) {
 
 std::string fit_text(const FitSummary& fit) {
   if (fit.status == FitStatus::no_valid_model) return "no fit: " + fit.termination + "\n";
+  const DisplayUnit angle = angle_unit(fit);
   std::string text = fmt::format(
       "[model]\n  dynamics {}, escapement {}, friction {}, noise {}\n  chosen: {}\n  search {}\n",
       name_of(fit.dynamics), name_of(fit.model.escapement), fit.model.friction(), fit.model.noise(),
       fit.chosen_by, fit.termination);
-  text += statistics_lines(fit);
-  text += "[parameters]\n";
-  text += parameter_lines(fit.parameters);
-  text += "[determined by this log]\n";
-  for (const DerivedQuantity& quantity : fit.combinations)
-    text += derived_line(quantity);
-  if (std::isfinite(fit.q_factor.value)) text += derived_line(fit.q_factor);
+  text += statistics_lines(fit, angle);
+  text += "[parameters]\n" + parameter_lines(fit, angle);
+  text += "[determined by this log]\n" + derived_lines(fit, angle);
   if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
-  if (fit.impulses) text += "[pushes]\n" + impulse_text(*fit.impulses);
+  if (fit.impulses) text += "[pushes]\n" + impulse_text(*fit.impulses, angle);
   text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

@@ -21,6 +21,16 @@ DisplayUnit time_unit(double duration_s);
 /// mrad, or rad where the free swing is wider than half a radian.
 DisplayUnit angle_unit(const Decay& decay);
 
+/// The same for any fit, by the amplitudes of its model.
+DisplayUnit angle_unit(const FitSummary& fit);
+
+/// The parameter with an angle in that unit instead of rad; any other as it is.
+FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter);
+
+/// The same for a quantity of this fit; the amplitude that it belongs to is in that unit as well.
+DerivedQuantity with_angles_in(const DisplayUnit& angle, const FitSummary& fit,
+                               DerivedQuantity quantity);
+
 /// The words for the numbers of one log.
 class Wording {
 public:
