@@ -84,7 +84,7 @@ std::string derived_lines(const FitSummary& fit, const DisplayUnit& angle) {
   if (std::isfinite(fit.q_factor.value)) all.push_back(fit.q_factor);
   std::string text;
   for (DerivedQuantity& known : all) {
-    const DerivedQuantity quantity = with_angles_in(angle, fit, std::move(known));
+    const DerivedQuantity quantity = as_shown(angle, fit, std::move(known));
     text += fmt::format("  {:<22} {}{}{}\n    {}\n", in_symbols(quantity.name),
                         with_sigma(quantity.value, quantity.sigma, 10),
                         quantity.unit.empty() ? "" : " ", quantity.unit,

@@ -62,14 +62,13 @@ std::string combination_table(const FitSummary& fit, const DisplayUnit& angle) {
   Table table("What the log determines", {"quantity", "value ± σ", "unit", "from"});
   const auto add = [&](const DerivedQuantity& known) {
     if (!std::isfinite(known.value)) return;
-    const DerivedQuantity quantity = with_angles_in(angle, fit, known);
+    const DerivedQuantity quantity = as_shown(angle, fit, known);
     table.row({in_symbols(quantity.name), measured(quantity.value, quantity.sigma, 10),
                quantity.unit.empty() ? "–" : quantity.unit, in_symbols(quantity.expression)});
   };
   for (const DerivedQuantity& quantity : fit.combinations)
     add(quantity);
-  for (const DerivedQuantity& quantity : {fit.q_factor, fit.rate_s_per_day})
-    if (!quantity.name.empty()) add(quantity);
+  if (!fit.q_factor.name.empty()) add(fit.q_factor); // the rate is one of the key figures
   return table.empty() ? "" : table.html();
 }
 

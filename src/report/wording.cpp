@@ -101,8 +101,12 @@ FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter paramet
   return parameter;
 }
 
-DerivedQuantity with_angles_in(const DisplayUnit& angle, const FitSummary& fit,
-                               DerivedQuantity quantity) {
+DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit,
+                         DerivedQuantity quantity) {
+  if (quantity.name == "mean period")
+    quantity.expression += fit.model.walk || fit.model.drive || fit.model.slow
+                               ? "; ± is that of the timing and of the noise of the model"
+                               : "; ± is that of the timing alone, however the rate varied";
   // Only the Q and the decay time of a free swing belong to an amplitude.
   if (fit.decay && (quantity.name == fit.q_factor.name || quantity.name == fit.decay_time.name))
     quantity.expression =

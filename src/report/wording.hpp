@@ -27,9 +27,9 @@ DisplayUnit angle_unit(const FitSummary& fit);
 /// The parameter with an angle in that unit instead of rad; any other as it is.
 FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter);
 
-/// The same for a quantity of this fit; the amplitude that it belongs to is in that unit as well.
-DerivedQuantity with_angles_in(const DisplayUnit& angle, const FitSummary& fit,
-                               DerivedQuantity quantity);
+/// A quantity of this fit as it is shown: an angle, and the amplitude that it belongs to, in that
+/// unit; of the mean period what its sigma covers.
+DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit, DerivedQuantity quantity);
 
 /// The words for the numbers of one log.
 class Wording {

@@ -48,6 +48,23 @@ std::string row_of(const std::string& page, const std::string& heading) {
   return page.substr(at, page.find("</tr>", at) - at);
 }
 
+TEST(HtmlReportTest, ARateAndItsSigmaAreShownOnceWithWhatTheyCover) {
+  const std::string page = test::without_scripts(page_of(some_report()));
+  EXPECT_EQ(row_of(page, "rate"), "") << "the rate is one of the key figures";
+  EXPECT_NE(page.find("± allows for how the rate varied on the way"), std::string::npos);
+}
+
+TEST(HtmlReportTest, TheQOfARingDownIsAKeyFigureWhereItIsDetermined) {
+  Analysis data = some_report();
+  EXPECT_EQ(page_of(data).find("<dt>Quality factor Q</dt>"), std::string::npos);
+  data.fit.decay = Decay{0.046, {190.0, 2.0}, {600.0, 5.0}};
+  EXPECT_NE(page_of(data).find("<dt>Quality factor Q</dt><dd><strong>190.0 ± 2.0</strong><br>at an "
+                               "amplitude of 46 mrad"),
+            std::string::npos);
+  data.fit.decay->q = {nan, nan};
+  EXPECT_EQ(page_of(data).find("<dt>Quality factor Q</dt>"), std::string::npos);
+}
+
 TEST(HtmlReportTest, HasEveryPartInItsPlace) {
   const std::string page = page_of(some_report());
   std::size_t at = 0;
