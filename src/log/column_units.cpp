@@ -5,6 +5,7 @@
 #include "column_names.hpp"
 #include "gate_intervals.hpp"
 
+#include "base/readable.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -251,8 +252,8 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   const double step_s = sample.typical_step * own;
   if (stated && step_s > 0.01 && step_s < 4000.0) return; // unusual but possible
   assume(stated
-             ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken",
-                           name_of(column.unit), step_s, name_of(*likely))
+             ? fmt::format("the header's unit ({}) would make a beat of {} s: {} taken",
+                           name_of(column.unit), readable(step_s, 3), name_of(*likely))
              : fmt::format("times are in {}", *likely == in_days ? std::string_view("days, as MJD")
                                                                  : name_of(*likely)),
          Setting::unit);

@@ -5,6 +5,8 @@
 #include "parameter_words.hpp"
 #include "wording.hpp"
 
+#include "base/readable.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -19,7 +21,8 @@ constexpr double least_correlation = 0.1; // smaller ones change no conclusion
 
 std::string interval(double low, double high, double value) {
   const auto end = [&](double at) {
-    return std::isfinite(at) ? fmt::format("{:+.2g}", at - value) : std::string("open");
+    if (!std::isfinite(at)) return std::string("open");
+    return (at < value ? "-" : "+") + with_sigma(std::abs(at - value), 0.0, 2);
   };
   return fmt::format("{} {}", end(low), end(high));
 }
@@ -33,9 +36,10 @@ bool is_at_lower_bound(const FittedParameter& p) {
 std::string value_text(const FittedParameter& p) {
   if (p.status == ParameterStatus::undetermined) return "undetermined by this log";
   const std::string unit = p.unit.empty() ? "" : " " + p.unit;
-  if (p.status == ParameterStatus::fixed) return fmt::format("{:.10g}{} (fixed)", p.value, unit);
+  if (p.status == ParameterStatus::fixed) return with_sigma(p.value, 0.0, 10) + unit + " (fixed)";
   if (is_at_lower_bound(p))
-    return fmt::format("{:.4g}{}, at most {:.2g} (95 %)", p.value, unit, p.high95);
+    return fmt::format("{}{}, at most {} (95 %)", with_sigma(p.value, 0.0, 4), unit,
+                       with_sigma(p.high95, 0.0, 2));
   return with_sigma(p.value, p.sigma) + unit;
 }
 
@@ -51,8 +55,8 @@ std::string remarks_on(const FittedParameter& p) {
   if (p.status == ParameterStatus::prior) remarks.emplace_back("with prior");
   constexpr double wider = 1.05; // what two digits of sigma show
   if (p.sigma_by_law > 0.0 && p.sigma > wider * p.sigma_by_law)
-    remarks.push_back(
-        fmt::format("whichever law of friction, ± {:.2g} by that of the model", p.sigma_by_law));
+    remarks.push_back(fmt::format("whichever law of friction, ± {} by that of the model",
+                                  with_sigma(p.sigma_by_law, 0.0, 2)));
   if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
   const std::string all = fmt::format("{}", fmt::join(remarks, "; "));
   if (!(std::abs(p.model_shift) >= 0.1)) return all;
@@ -113,18 +117,19 @@ std::string correlation_lines(const FitSummary& fit) {
 
 std::string chi2_lines(const FitQuality& q) {
   if (!std::isfinite(q.p_value)) return "  too few beats to test it\n";
-  return fmt::format(
-      "  χ² {:.5g} for {:.0f} degrees of freedom (p = {:.2g}) {}\n", q.chi2, q.dof, q.p_value,
-      q.of_innovations ? "of the innovations"
-                       : "against the jitter of neighbouring beats; p allows for that "
-                         "being known to some per cent only");
+  return fmt::format("  χ² {} for {} degrees of freedom (p = {:.2g}) {}\n", readable(q.chi2, 5),
+                     readable(q.dof, 9), q.p_value,
+                     q.of_innovations
+                         ? "of the innovations"
+                         : "against the jitter of neighbouring beats; p allows for that "
+                           "being known to some per cent only");
 }
 
 std::string statistics_lines(const FitSummary& fit, const DisplayUnit& angle) {
   const FitQuality& q = fit.quality;
   std::string text =
-      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s\n",
-                  fit.residual_s.size(), fit.correlated.size(), q.rms_s);
+      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {} s\n",
+                  fit.residual_s.size(), fit.correlated.size(), with_sigma(q.rms_s, 0.0, 3));
   text += chi2_lines(q);
   if (std::isfinite(q.amplitude_rms_rad))
     text += fmt::format("  amplitude residual rms {} {}\n",

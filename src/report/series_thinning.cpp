@@ -98,8 +98,8 @@ Cloud thinned_cloud(const std::vector<Place>& places) {
   std::vector<Place> sorted;
   std::copy_if(places.begin(), places.end(), std::back_inserter(sorted),
                [](const Place& place) { return known(place); });
-  constexpr std::size_t few = 1000; // as dots they are no heavier than a line
-  if (sorted.size() <= few) return {std::move(sorted), {}};
+  constexpr std::size_t most_dots = 1000; // no heavier than a line
+  if (sorted.size() <= most_dots) return {std::move(sorted), {}};
   std::sort(sorted.begin(), sorted.end(), [](const Place& a, const Place& b) {
     const long left = column_of(a.x);
     const long right = column_of(b.x);
