@@ -276,6 +276,23 @@ TEST(HtmlReportTest, AMonthOfBeats) {
   EXPECT_LT(test::without_scripts(page_of(some_report(28'800))).size(), 500'000U);
 }
 
+TEST(HtmlReportTest, RatesOfSinglePeriodsHaveTheUnitThatFitsThem) {
+  const auto rates_of = [](double jitter_s) {
+    Analysis data = some_report();
+    for (std::size_t i = 0; i < data.beats.size(); i += 2)
+      data.beats[i].time = data.beats[i].time + jitter_s;
+    data.rate = summarise_rates(data.beats, 3.0);
+    data.rate.rate_excess = 1e-6; // of the log: 86 ms/day
+    data.stretches.clear();
+    return report_figures(data).front();
+  };
+  const Figure quiet = rates_of(0.0), noisy = rates_of(1e-3);
+  EXPECT_EQ(quiet.y.unit, "ms/day");
+  EXPECT_EQ(noisy.y.unit, "s/day");
+  // 1 ms from one period of 3 s to the next; the beats' own scatter is a hundredth of it.
+  EXPECT_NEAR(std::abs(noisy.series.front().y[10]), 1e-3 / 3.0 * 86400.0, 2.0);
+}
+
 TEST(HtmlReportTest, AProfileGoesThroughThePointsThatWereFitted) {
   Analysis data = some_report();
   data.fit.parameters = {{"T0", "s", ParameterStatus::free, 2.0, 0.1},
