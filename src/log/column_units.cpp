@@ -242,7 +242,9 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   if (unit_is_given(column.role) || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
     return;
   const bool stated = index < stated_unit_.size() && stated_unit_[index];
-  if (options_.weather && stated) return;
+  // Readings on a grid, as those of the weather, may be days apart.
+  const bool on_grid = layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency);
+  if (stated && (options_.weather || on_grid)) return;
   const auto likely = options_.weather ? unit_of_readings(sample)
                       : options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
                           ? unit_within(*options_.wrap_s, sample)
