@@ -295,6 +295,7 @@ TEST(FormatsTest, PhasesBesideTheirDatesAreKnownByTheirNames) {
                                          {"# MJD, phase", 1.0},
                                          {"MJD phase", 1.0},
                                          {"MJD (UTC),phase_ns", 1e-9},
+                                         {"mjd_utc,phase_ns", 1e-9},
                                          {"MJD phase (us)", 1e-6}}) {
       const ClockLog log = read_log(phases_of_dates(header, days, unit_s), "x");
       EXPECT_EQ(log.format, LogFormat::phase) << header;
