@@ -177,6 +177,28 @@ void run_logs(const Words& given, const JobSettings& settings, BatchRequest requ
   run_jobs(std::move(request), global);
 }
 
+// ---- the parsers of what stands behind the name of a job
+
+void add_kind(CLI::App& command, const JobKind& kind, Job& job, Words& logs,
+              BatchOptions& options) {
+  job = kind.add(command);
+  command.add_option("log", logs, "the logs, one job each; of a folder all files in it");
+  add_batch_options(command, options);
+}
+
+void add_merge(CLI::App& command, Words& shares, BatchOptions& options) {
+  command.add_option("share", shares, "the files of all shares, in any order")->required();
+  add_output_option(command, options, "the whole; standard output if not given");
+  add_quiet_flag(command, options);
+}
+
+void add_summary(CLI::App& command, std::string& file, std::string& json, BatchOptions& options) {
+  command.add_option("file", file, "what batch wrote, or batch merge")->required();
+  add_output_option(command, options, "the text; standard output if not given");
+  add_json_option(command, json);
+  add_quiet_flag(command, options);
+}
+
 // The words that set up the job, without those of the batch and the names of logs.
 Words settings_of(const CLI::App& command, const CLI::App& known) {
   Words words;
@@ -197,11 +219,11 @@ void run_kind(const JobKind& kind, BatchOptions options, const Words& words, Glo
   CLI::App command{"", fmt::format("goingrate batch {}", kind.name)};
   narrow_help(command);
   CLI::App settings_alone;
-  const Job known = kind.add(settings_alone), all = kind.add(command);
+  const Job known = kind.add(settings_alone);
+  Job all;
   Words given;
-  command.add_option("log", given, "the logs, one job each; of a folder all files in it");
   Words overrides = std::exchange(options.scenario.overrides, {}); // those before the job's name
-  add_batch_options(command, options);
+  add_kind(command, kind, all, given, options);
   if (!parse(command, words)) return;
   overrides.insert(overrides.end(), options.scenario.overrides.begin(),
                    options.scenario.overrides.end());
@@ -231,9 +253,7 @@ void run_merge(BatchOptions options, const Words& words) {
   CLI::App command{"shares become the whole batch", "goingrate batch merge"};
   narrow_help(command);
   Words shares;
-  command.add_option("share", shares, "the files of all shares, in any order")->required();
-  add_output_option(command, options, "the whole; standard output if not given");
-  add_quiet_flag(command, options);
+  add_merge(command, shares, options);
   if (parse(command, words)) merge_batch(shares, options.output);
 }
 
@@ -242,10 +262,7 @@ void run_summary(BatchOptions options, const Words& words) {
   narrow_help(command);
   std::string file, json;
   options.output.clear();
-  command.add_option("file", file, "what batch wrote, or batch merge")->required();
-  add_output_option(command, options, "the text; standard output if not given");
-  add_json_option(command, json);
-  add_quiet_flag(command, options);
+  add_summary(command, file, json, options);
   if (!parse(command, words)) return;
   const BatchSummary summary = batch_summary(file);
   write_whole_files(
@@ -289,6 +306,28 @@ void add_batch(CLI::App& program, const GlobalOptions& global) {
       "  goingrate batch summary FILE\n"
       "Example:\n  goingrate batch rate data/logs/*.csv -o logs.jsonl");
   command->callback([command, options, &global] { run(*options, command->remaining(), global); });
+}
+
+void add_batch_jobs(CLI::App& program) {
+  struct Target { // what the options are parsed to has to outlive them
+    BatchOptions options;
+    Job job;
+    Words words;
+    std::string file, json;
+  };
+  CLI::App& batch = *program.get_subcommand("batch");
+  const auto parser_of = [&](const char* name, const std::shared_ptr<Target>& target) {
+    CLI::App* command = batch.add_subcommand(name);
+    command->callback([target] {});
+    return command;
+  };
+  for (const JobKind& kind : job_kinds) {
+    const auto target = std::make_shared<Target>();
+    add_kind(*parser_of(kind.name, target), kind, target->job, target->words, target->options);
+  }
+  const auto shares = std::make_shared<Target>(), whole = std::make_shared<Target>();
+  add_merge(*parser_of("merge", shares), shares->words, shares->options);
+  add_summary(*parser_of("summary", whole), whole->file, whole->json, whole->options);
 }
 
 } // namespace goingrate::apps

@@ -131,6 +131,9 @@ void add_map(CLI::App& program, const GlobalOptions& global);
 void add_chart(CLI::App& program, const GlobalOptions& global);
 void add_paper(CLI::App& program, const GlobalOptions& global);
 void add_batch(CLI::App& program, const GlobalOptions& global);
+/// What batch has behind the name of a job, as commands of batch: for completion only, since a
+/// program with them parses no batch.
+void add_batch_jobs(CLI::App& program);
 void add_help(CLI::App& program);
 
 } // namespace goingrate::apps

@@ -27,7 +27,8 @@ error. Several files, a folder or a ZIP are read as one log of one clock.
   periods         one period a line
   clock-error     label, error of the clock, amplitude
   phase           Stable32: the clock's error every --tau0 s; a 0 between
-                  other values marks a gap
+                  other values marks a gap; or, with dates, columns named
+                  mjd and phase_s
   frequency       relative rate every --tau0 s
   ticc            TAPR TICC; --channel chB
   ticc-interval   the clock's error every --tau0 s

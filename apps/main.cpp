@@ -118,6 +118,7 @@ bool answer_hidden(CLI::App& program, const std::vector<std::string>& words) {
     return true;
   }
   if (words.front() != "--complete") return false;
+  add_batch_jobs(program);
   for (const std::string& word : completions(program, {words.begin() + 1, words.end()}))
     std::fputs((word + '\n').c_str(), stdout);
   return true;

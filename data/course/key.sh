@@ -274,7 +274,7 @@ which_model() {
   else
     say "- Q1. This log shows no drag with averaged1."
   fi
-  say "- Q2. $(sed -nE 's/.*BIC worse by ([0-9.e+]+) .*/Linear friction alone is worse by \1./p' "$work/5-averaged1.txt" | sed -n 1p)" \
+  say "- Q2. $(sed -nE 's/.*BIC worse by ([0-9.,e+]+) .*/Linear friction alone is worse by \1./p' "$work/5-averaged1.txt" | sed -n 1p)" \
     "BIC compares what was tried; the right model was not among them."
   say "- Q3. First order has the wrong A⁴ in the rate, so the period falls in the wrong way as the swing shrinks. Drag makes the" \
     "swing shrink faster while it is wide; with a little less ε and a larger start the times come out."

@@ -1,5 +1,6 @@
 #include "goingrate/analysis/load.hpp"
 
+#include "base/readable.hpp"
 #include "base/time_grain.hpp"
 #include "log/typical_period.hpp"
 #include "log/unused_options.hpp"
@@ -42,8 +43,8 @@ public:
     if (loaded_.good.size() < 3)
       throw NumericsError(fmt::format(
           "{}: no run of three beats that could be numbered together, of {} events about "
-          "{:.4g} s apart",
-          request_.path, loaded_.beats.beats.size(), loaded_.beats.typical_period_s));
+          "{} s apart",
+          request_.path, loaded_.beats.beats.size(), readable(loaded_.beats.typical_period_s, 4)));
     return std::move(loaded_);
   }
 
@@ -173,7 +174,7 @@ private:
     if (request_.dead_time_s && *request_.dead_time_s > 0.5 * typical)
       throw ArgumentError(
           "dead-time", *request_.dead_time_s,
-          fmt::format("at most half of what is then the period, {:.4g} s", typical));
+          fmt::format("at most half of what is then the period, {} s", readable(typical, 4)));
     loaded_.nominal_period_s = nominal_period(log, loaded_.beats, log.assumptions);
     loaded_.nominal_is_known = log.nominal_period_s || loaded_.nominal_period_s != typical ||
                                rounded_period(typical) == std::round(typical * 4.0) / 4.0;

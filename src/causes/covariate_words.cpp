@@ -1,6 +1,7 @@
 // A covariate in a sentence.
 #include "goingrate/causes/covariates.hpp"
 
+#include "base/readable.hpp"
 #include "base/scaled_time.hpp"
 
 #include <cmath>
@@ -33,7 +34,7 @@ std::string parts_text(const CovariateEffect& effect) {
     text += fmt::format("{} {} by {}", text.empty() ? ":" : ",", words_of(part.way),
                         daily(part.coefficient, part.sigma));
   if (effect.part(EffectWay::at_once) != nullptr)
-    text += fmt::format("; the compensation follows with a lag of {:.3g} s", effect.lag_s);
+    text += fmt::format("; the compensation follows with a lag of {} s", readable(effect.lag_s, 3));
   if (std::isfinite(effect.amplitude) && std::abs(effect.amplitude) > 3.0 * effect.amplitude_sigma)
     text += fmt::format(" (the amplitude answers by {:.3g} ± {:.2g} mrad)", 1e3 * effect.amplitude,
                         1e3 * effect.amplitude_sigma);
@@ -63,7 +64,7 @@ std::string covariate_text(const CovariateEffect& effect) {
   std::string text = fmt::format("{}: the rate answers by {} per {}", effect.name,
                                  daily(effect.coefficient, effect.sigma), unit_below(effect));
   if (effect.lag_s > 0.0 && effect.part(EffectWay::at_once) == nullptr)
-    text += fmt::format(", with a lag of {:.3g} s", effect.lag_s);
+    text += fmt::format(", with a lag of {} s", readable(effect.lag_s, 3));
   if (effect.known_share < 1.0)
     text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
   if (!effect.significant()) return text + ": nothing that stands out of the noise";

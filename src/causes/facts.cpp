@@ -3,6 +3,7 @@
 #include "account.hpp"
 #include "evidence.hpp"
 
+#include "base/readable.hpp"
 #include "base/scaled_time.hpp"
 
 #include <Eigen/Dense>
@@ -151,10 +152,10 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
   double gain = 0.0;
   for (const Displacement& d : found)
     gain += d.gain;
-  std::string evidence =
-      fmt::format("{} after the start the times are displaced by {:+.3g} ms, and the clock "
-                  "goes on as before",
-                  time_words(input.data->elapsed_s[first.beat]), 1e3 * first.late_s);
+  std::string evidence = fmt::format(
+      "{} after the start the times are displaced by {} ms, and the clock "
+      "goes on as before",
+      time_words(input.data->elapsed_s[first.beat]), readable_signed(1e3 * first.late_s, 3));
   CauseNumbers numbers;
   numbers.at_s = input.data->elapsed_s[first.beat];
   numbers.size = first.late_s;

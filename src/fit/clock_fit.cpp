@@ -9,6 +9,7 @@
 #include "reference_run.hpp"
 #include "ring_down.hpp"
 
+#include "base/readable.hpp"
 #include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
@@ -396,10 +397,9 @@ void check(const TimingData& data) {
 std::string no_pendulum(const TimingData& data, double nominal_period_s) {
   if (!data.no_swings.empty()) return data.no_swings;
   if (nominal_period_s <= longest_swing_s) return {};
-  return fmt::format(
-      "events {:.4g} s apart are not the swings of a pendulum, whose period would be "
-      "the nominal one",
-      nominal_period_s);
+  return fmt::format("events {} s apart are not the swings of a pendulum, whose period would be "
+                     "the nominal one",
+                     readable(nominal_period_s, 4));
 }
 
 } // namespace

@@ -1,5 +1,7 @@
 #include "contradictions.hpp"
 
+#include "base/readable.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -57,10 +59,10 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
       rough && fitted.widening.largest() > largest_widening)
     found.push_back(
         {NoteKind::rough_stretch,
-         fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {:.2g} times as much as "
+         fmt::format("from {:.0f} to {:.0f} s the beats scatter up to {} times as much as "
                      "elsewhere, and the model does not follow: no one clock explains this log; "
                      "leave that stretch out",
-                     rough->from_s, rough->to_s, rough->times)});
+                     rough->from_s, rough->to_s, readable(rough->times, 2))});
   if (leaves_the_domain(fitted))
     found.push_back({NoteKind::domain,
                      "the best fit swings or loses more than any pendulum of this model: "
@@ -68,10 +70,10 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
   constexpr double least_p_value = 1e-6;
   if (found.empty() && quality.p_value < least_p_value)
     found.push_back({NoteKind::misfit,
-                     fmt::format("the times stray from the best fit by {:.3g} times what "
+                     fmt::format("the times stray from the best fit by {} times what "
                                  "neighbouring beats scatter by: no clock of this model explains "
                                  "this log",
-                                 std::sqrt(quality.chi2 / quality.dof))});
+                                 readable(std::sqrt(quality.chi2 / quality.dof), 3))});
   return found;
 }
 

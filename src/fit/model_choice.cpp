@@ -5,6 +5,7 @@
 #include "reference_run.hpp"
 #include "thinning.hpp"
 
+#include "base/readable.hpp"
 #include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
 #include "goingrate/base/errors.hpp"
@@ -137,11 +138,13 @@ bool ModelSearch::take_if_better(Fitted&& other, const std::string& why) {
   if (!other.minimum.usable) return false;
   const double gain = best_.bic - other.bic;
   if (gain > 0.0) {
-    tried(best_, fmt::format("BIC worse by {:.3g}: {}{}", gain, why, moved_by(best_, other)));
+    tried(best_,
+          fmt::format("BIC worse by {}: {}{}", readable(gain, 3), why, moved_by(best_, other)));
     best_ = std::move(other);
     return true;
   }
-  tried(other, fmt::format("BIC worse by {:.3g}: not demanded{}", -gain, moved_by(best_, other)));
+  tried(other,
+        fmt::format("BIC worse by {}: not demanded{}", readable(-gain, 3), moved_by(best_, other)));
   return false;
 }
 
@@ -244,8 +247,8 @@ void ModelSearch::add_terms(Fitted& fitted) {
       share(models.size() - begun, [&](std::size_t i) { fit(begun + i); });
     const auto best = std::min_element(ends.begin(), ends.end(), by_bic);
     if (best == ends.end() || best->bic >= fitted.bic) return;
-    tried(fitted, fmt::format("BIC worse by {:.3g} than the next{}", fitted.bic - best->bic,
-                              moved_by(fitted, *best)));
+    tried(fitted, fmt::format("BIC worse by {} than the next{}",
+                              readable(fitted.bic - best->bic, 3), moved_by(fitted, *best)));
     fitted = std::move(*best);
   }
 }

@@ -252,4 +252,18 @@ NamedColumn column_named(std::string_view text) {
   return result;
 }
 
+std::optional<DatedPhases> dated_phases_named(std::string_view date, std::string_view phase) {
+  constexpr std::string_view word = "phase";
+  const auto [name, unit] = name_and_unit(phase);
+  if (!lower(date).starts_with("mjd") || !name.starts_with(word)) return {};
+  DatedPhases result;
+  result.date.name = std::string(date);
+  result.date.role = ColumnRole::time;
+  (void)set_unit(result.date, "mjd");
+  result.phase.name = std::string(phase);
+  result.phase.role = ColumnRole::phase;
+  const bool has_unit = set_unit(result.phase, unit);
+  return has_unit || lower(phase) == word ? std::optional(result) : std::nullopt;
+}
+
 } // namespace goingrate

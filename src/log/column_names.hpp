@@ -18,6 +18,15 @@ struct NamedColumn {
 /// "Temperature [°C]", in upper or lower case. The name may be in any encoding that extends ASCII.
 NamedColumn column_named(std::string_view name);
 
+/// Columns of dates and of the clock's error at them.
+struct DatedPhases {
+  LogColumn date, phase;
+};
+
+/// Recognises "mjd" beside "phase_s", "Phase (ns)" or "phase"; nothing of other names, since a phase
+/// without such dates, or in degrees, may be anything's.
+std::optional<DatedPhases> dated_phases_named(std::string_view date, std::string_view phase);
+
 /// Sets the unit of a column from the unit's name ("ms", "mrad", "degC", "hPa" ...). Returns false,
 /// and changes nothing, if the unit is unknown or does not suit the column's role.
 bool set_unit(LogColumn& column, std::string_view unit);

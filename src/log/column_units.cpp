@@ -5,6 +5,7 @@
 #include "column_names.hpp"
 #include "gate_intervals.hpp"
 
+#include "base/readable.hpp"
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -241,7 +242,9 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   if (unit_is_given(column.role) || layout_.format == LogFormat::clock_error || layout_.format == LogFormat::angle)
     return;
   const bool stated = index < stated_unit_.size() && stated_unit_[index];
-  if (options_.weather && stated) return;
+  // Readings on a grid, as those of the weather, may be days apart.
+  const bool on_grid = layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency);
+  if (stated && (options_.weather || on_grid)) return;
   const auto likely = options_.weather ? unit_of_readings(sample)
                       : options_.wrap_s && *options_.wrap_s > 0.0 && column.role == ColumnRole::time
                           ? unit_within(*options_.wrap_s, sample)
@@ -251,8 +254,8 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   const double step_s = sample.typical_step * own;
   if (stated && step_s > 0.01 && step_s < 4000.0) return; // unusual but possible
   assume(stated
-             ? fmt::format("the header's unit ({}) would make a beat of {:.3g} s: {} taken",
-                           name_of(column.unit), step_s, name_of(*likely))
+             ? fmt::format("the header's unit ({}) would make a beat of {} s: {} taken",
+                           name_of(column.unit), readable(step_s, 3), name_of(*likely))
              : fmt::format("times are in {}", *likely == in_days ? std::string_view("days, as MJD")
                                                                  : name_of(*likely)),
          Setting::unit);

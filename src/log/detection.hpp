@@ -56,6 +56,7 @@ private:
 
   Layout weather();
   bool read_names();
+  bool settle_dated_phases();
   void leave_out(std::size_t column);
   [[nodiscard]] bool has_intervals() const;
   std::size_t settle_intervals();

@@ -76,6 +76,7 @@ bool Detection::read_names() {
   }
   for (const std::size_t i : settle_named_times(samples_, layout_))
     leave_out(i);
+  if (settle_dated_phases()) known = 2;
   known -= settle_intervals();
   if (head_.names.size() != head_.columns && known > 0) {
     const std::size_t line =
@@ -86,6 +87,17 @@ bool Detection::read_names() {
              "names taken from the left");
   }
   return known > 0;
+}
+
+// Two columns whose header says that they are dates and the clock's error at them; whether it does.
+bool Detection::settle_dated_phases() {
+  if (head_.columns != 2 || head_.names.size() != 2) return false;
+  if (options_.format && *options_.format != LogFormat::phase) return false;
+  const auto named = dated_phases_named(head_.names[0], head_.names[1]);
+  if (!named) return false;
+  layout_.columns = {named->date, named->phase};
+  stated_unit_.assign(2, true);
+  return true;
 }
 
 // Of several columns with the same role the first is read.

@@ -1,5 +1,6 @@
 #include "cause_words.hpp"
 
+#include "base/readable.hpp"
 #include "goingrate/report/tables.hpp"
 
 #include <cmath>
@@ -112,14 +113,14 @@ private:
                          "the train, or something that goes with one, comes round in that time",
                          size(), numbers_.period_s);
     case Cause::sensor_shift:
-      return fmt::format("{} the times are displaced by {:+.3g} ms, and the clock goes on as "
+      return fmt::format("{} the times are displaced by {} ms, and the clock goes on as "
                          "before: most likely the sensor was moved",
-                         words_.moment(numbers_.at_s), 1e3 * numbers_.size);
+                         words_.moment(numbers_.at_s), readable_signed(1e3 * numbers_.size, 3));
     case Cause::knock:
-      return fmt::format(
-          "the times jump in {} places, most by {:+.3g} ms {}, and the clock goes on "
-          "as before: most likely it was knocked",
-          numbers_.places, 1e3 * numbers_.size, words_.moment(numbers_.at_s));
+      return fmt::format("the times jump in {} places, most by {} ms {}, and the clock goes on "
+                         "as before: most likely it was knocked",
+                         numbers_.places, readable_signed(1e3 * numbers_.size, 3),
+                         words_.moment(numbers_.at_s));
     case Cause::missed_beats:
       return fmt::format("the sensor missed {:.2g} % of the beats, in {} places",
                          100.0 * numbers_.size, numbers_.places);

@@ -1,6 +1,8 @@
 // Figures of a ring-down: the period against the squared amplitude, and Q against the amplitude.
 #include "report_figures.hpp"
 
+#include "wording.hpp"
+
 #include "goingrate/dynamics/swing_loss.hpp"
 
 #include <algorithm>
@@ -73,9 +75,10 @@ Series theory(double T0, double largest_rad2) {
 
 Series band(const Decay& decay, const char* label, double DecayEstimate::*low,
             double DecayEstimate::*high, int colour) {
+  const double factor = angle_unit(decay).factor;
   Series series{Series::Style::band, label, {}, {}, {}, {}, colour};
   for (const QAtAmplitude& at : decay.q_at_amplitude) {
-    series.x.push_back(at.amplitude_rad);
+    series.x.push_back(factor * at.amplitude_rad);
     series.low.push_back(at.q.*low);
     series.high.push_back(at.q.*high);
   }
@@ -127,9 +130,10 @@ std::optional<Figure> q_figure(const FitSummary& fit) {
   const auto known = std::count_if(decay.q_at_amplitude.begin(), decay.q_at_amplitude.end(),
                                    [](const auto& at) { return std::isfinite(at.q.value); });
   if (known < 2) return std::nullopt;
+  const DisplayUnit unit = angle_unit(decay);
   Series line{Series::Style::line, "Q", {}, {}, {}, {}, vermilion};
   for (const QAtAmplitude& at : decay.q_at_amplitude) {
-    line.x.push_back(at.amplitude_rad);
+    line.x.push_back(unit.factor * at.amplitude_rad);
     line.y.push_back(at.q.value);
   }
   return Figure{
@@ -139,7 +143,7 @@ std::optional<Figure> q_figure(const FitSummary& fit) {
       "95 % intervals, whichever law the friction has. Level: linear friction. Falling to "
       "the right: drag that grows with the square of the speed. Falling to the left: dry "
       "friction.",
-      {"amplitude", "rad"},
+      {"amplitude", std::string(unit.name)},
       {"Q", ""},
       {band(decay, "95 %", &DecayEstimate::low95, &DecayEstimate::high95, green),
        band(decay, "68 %", &DecayEstimate::low68, &DecayEstimate::high68, blue), std::move(line)}};

@@ -3,10 +3,14 @@
 #include "figure_axes.hpp"
 #include "impulse_words.hpp"
 #include "parameter_words.hpp"
+#include "wording.hpp"
+
+#include "base/readable.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 #include <vector>
 
 namespace goingrate {
@@ -17,7 +21,8 @@ constexpr double least_correlation = 0.1; // smaller ones change no conclusion
 
 std::string interval(double low, double high, double value) {
   const auto end = [&](double at) {
-    return std::isfinite(at) ? fmt::format("{:+.2g}", at - value) : std::string("open");
+    if (!std::isfinite(at)) return std::string("open");
+    return (at < value ? "-" : "+") + with_sigma(std::abs(at - value), 0.0, 2);
   };
   return fmt::format("{} {}", end(low), end(high));
 }
@@ -31,9 +36,10 @@ bool is_at_lower_bound(const FittedParameter& p) {
 std::string value_text(const FittedParameter& p) {
   if (p.status == ParameterStatus::undetermined) return "undetermined by this log";
   const std::string unit = p.unit.empty() ? "" : " " + p.unit;
-  if (p.status == ParameterStatus::fixed) return fmt::format("{:.10g}{} (fixed)", p.value, unit);
+  if (p.status == ParameterStatus::fixed) return with_sigma(p.value, 0.0, 10) + unit + " (fixed)";
   if (is_at_lower_bound(p))
-    return fmt::format("{:.4g}{}, at most {:.2g} (95 %)", p.value, unit, p.high95);
+    return fmt::format("{}{}, at most {} (95 %)", with_sigma(p.value, 0.0, 4), unit,
+                       with_sigma(p.high95, 0.0, 2));
   return with_sigma(p.value, p.sigma) + unit;
 }
 
@@ -49,15 +55,18 @@ std::string remarks_on(const FittedParameter& p) {
   if (p.status == ParameterStatus::prior) remarks.emplace_back("with prior");
   constexpr double wider = 1.05; // what two digits of sigma show
   if (p.sigma_by_law > 0.0 && p.sigma > wider * p.sigma_by_law)
-    remarks.push_back(
-        fmt::format("whichever law of friction, ± {:.2g} by that of the model", p.sigma_by_law));
+    remarks.push_back(fmt::format("whichever law of friction, ± {} by that of the model",
+                                  with_sigma(p.sigma_by_law, 0.0, 2)));
   if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
   const std::string all = fmt::format("{}", fmt::join(remarks, "; "));
   if (!(std::abs(p.model_shift) >= 0.1)) return all;
   return all + fmt::format("{}[first order: {:+.2g} σ]", all.empty() ? "" : " ", p.model_shift);
 }
 
-std::string parameter_lines(const std::vector<FittedParameter>& parameters) {
+std::string parameter_lines(const FitSummary& fit, const DisplayUnit& angle) {
+  std::vector<FittedParameter> parameters;
+  for (const FittedParameter& p : fit.parameters)
+    parameters.push_back(with_angles_in(angle, p));
   std::size_t name_width = 14, value_width = 0;
   for (const FittedParameter& p : parameters) {
     name_width = std::max(name_width, characters(symbol_and_name(p.name)));
@@ -74,11 +83,18 @@ std::string parameter_lines(const std::vector<FittedParameter>& parameters) {
   return text;
 }
 
-std::string derived_line(const DerivedQuantity& quantity) {
-  return fmt::format("  {:<22} {}{}{}\n    {}\n", in_symbols(quantity.name),
-                     with_sigma(quantity.value, quantity.sigma, 10),
-                     quantity.unit.empty() ? "" : " ", quantity.unit,
-                     in_symbols(quantity.expression));
+std::string derived_lines(const FitSummary& fit, const DisplayUnit& angle) {
+  std::vector<DerivedQuantity> all = fit.combinations;
+  if (std::isfinite(fit.q_factor.value)) all.push_back(fit.q_factor);
+  std::string text;
+  for (DerivedQuantity& known : all) {
+    const DerivedQuantity quantity = as_shown(angle, fit, std::move(known));
+    text += fmt::format("  {:<22} {}{}{}\n    {}\n", in_symbols(quantity.name),
+                        with_sigma(quantity.value, quantity.sigma, 10),
+                        quantity.unit.empty() ? "" : " ", quantity.unit,
+                        in_symbols(quantity.expression));
+  }
+  return text;
 }
 
 bool has_value(const FitSummary& fit, const std::string& name) {
@@ -101,21 +117,23 @@ std::string correlation_lines(const FitSummary& fit) {
 
 std::string chi2_lines(const FitQuality& q) {
   if (!std::isfinite(q.p_value)) return "  too few beats to test it\n";
-  return fmt::format(
-      "  χ² {:.5g} for {:.0f} degrees of freedom (p = {:.2g}) {}\n", q.chi2, q.dof, q.p_value,
-      q.of_innovations ? "of the innovations"
-                       : "against the jitter of neighbouring beats; p allows for that "
-                         "being known to some per cent only");
+  return fmt::format("  χ² {} for {} degrees of freedom (p = {:.2g}) {}\n", readable(q.chi2, 5),
+                     readable(q.dof, 9), q.p_value,
+                     q.of_innovations
+                         ? "of the innovations"
+                         : "against the jitter of neighbouring beats; p allows for that "
+                           "being known to some per cent only");
 }
 
-std::string statistics_lines(const FitSummary& fit) {
+std::string statistics_lines(const FitSummary& fit, const DisplayUnit& angle) {
   const FitQuality& q = fit.quality;
   std::string text =
-      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {:.3g} s\n",
-                  fit.residual_s.size(), fit.correlated.size(), q.rms_s);
+      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {} s\n",
+                  fit.residual_s.size(), fit.correlated.size(), with_sigma(q.rms_s, 0.0, 3));
   text += chi2_lines(q);
   if (std::isfinite(q.amplitude_rms_rad))
-    text += fmt::format("  amplitude residual rms {:.3g} mrad\n", q.amplitude_rms_rad * 1e3);
+    text += fmt::format("  amplitude residual rms {} {}\n",
+                        with_sigma(angle.factor * q.amplitude_rms_rad, 0.0, 3), angle.name);
   text += fmt::format("  BIC {:.8g}, AIC {:.8g}\n", q.bic, q.aic);
   if (fit.thinning.beats > 0) {
     text += fmt::format("  {} of the beats were used", fit.thinning.beats);
@@ -159,19 +177,16 @@ std::string experiment_lines(const FitSummary& fit) {
 
 std::string fit_text(const FitSummary& fit) {
   if (fit.status == FitStatus::no_valid_model) return "no fit: " + fit.termination + "\n";
+  const DisplayUnit angle = angle_unit(fit);
   std::string text = fmt::format(
       "[model]\n  dynamics {}, escapement {}, friction {}, noise {}\n  chosen: {}\n  search {}\n",
       name_of(fit.dynamics), name_of(fit.model.escapement), fit.model.friction(), fit.model.noise(),
       fit.chosen_by, fit.termination);
-  text += statistics_lines(fit);
-  text += "[parameters]\n";
-  text += parameter_lines(fit.parameters);
-  text += "[determined by this log]\n";
-  for (const DerivedQuantity& quantity : fit.combinations)
-    text += derived_line(quantity);
-  if (std::isfinite(fit.q_factor.value)) text += derived_line(fit.q_factor);
+  text += statistics_lines(fit, angle);
+  text += "[parameters]\n" + parameter_lines(fit, angle);
+  text += "[determined by this log]\n" + derived_lines(fit, angle);
   if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
-  if (fit.impulses) text += "[pushes]\n" + impulse_text(*fit.impulses);
+  if (fit.impulses) text += "[pushes]\n" + impulse_text(*fit.impulses, angle);
   text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

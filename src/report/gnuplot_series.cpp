@@ -203,7 +203,8 @@ void Writer::add_cloud() {
   std::string data;
   for (const Place& dot : cloud.dots)
     data += x_of(dot.x) + ' ' + y_of(dot.y) + '\n';
-  add(data, fmt::format("with points pointtype 7 pointsize 0.1 {}", colour()), false);
+  const double size = cloud.body.empty() ? 0.2 : 0.1; // dots alone have to carry the picture
+  add(data, fmt::format("with points pointtype 7 pointsize {} {}", size, colour()), false);
   // The dots themselves would be too small in the key.
   if (options_.titled) add_plot("NaN", "with points pointtype 7 pointsize 0.3 " + colour(), true);
 }

@@ -96,7 +96,10 @@ figcaption{color:var(--soft);font-size:.88rem}
 .live{display:none;margin:.5rem 0;touch-action:pan-y}
 .live:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 .hint{display:none;color:var(--soft);font-size:.88rem}
-@media screen{.drawn .live,.drawn .hint{display:block}.drawn .still{display:none}}
+@media screen{.drawn .live,.drawn .hint{display:block}.drawn .still{display:none}
+/* Panels that are drawn as one plot leave their titles and captions below it: each title leads its caption. */
+.drawn .joint figure{margin:.4rem 0}.drawn .joint h3,.drawn .joint figcaption{display:inline;font-size:.88rem}
+.drawn .joint h3::after{content:". "}}
 .save{display:none;margin:.2rem 0;font-size:.88rem;color:var(--soft)}
 button{font:inherit;color:var(--text);background:var(--panel);border:1px solid var(--grid);border-radius:3px;padding:.1rem .6rem}
 button:hover{border-color:currentColor}
@@ -165,9 +168,10 @@ std::string figures_section(const Analysis& data, const std::vector<Figure>& fig
   for (std::size_t p = 0; p + 1 < begins.size(); ++p) {
     const std::string live = live_place(figures, begins[p], begins[p + 1]);
     const bool is_single = begins[p + 1] - begins[p] == 1;
-    if (!is_single) body += live;
+    if (!is_single) body += "<div class=\"joint\">\n" + live;
     for (std::size_t i = begins[p]; i < begins[p + 1]; ++i)
       body += figure_html(figures[i], is_single ? live : "");
+    if (!is_single) body += "</div>\n";
   }
   return page::section("figures", "Figures", body);
 }

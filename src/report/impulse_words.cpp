@@ -19,15 +19,16 @@ std::string quality_of(const ImpulseCycle& pushes) {
   return with_sigma(q, q * pushes.epsilon->sigma / pushes.epsilon->value);
 }
 
-std::string impulse_text(const ImpulseCycle& pushes) {
+std::string impulse_text(const ImpulseCycle& pushes, const DisplayUnit& angle) {
   std::string text =
       fmt::format("  the pendulum is pushed {}; its saw-tooth was taken off, and what is fitted is "
                   "the mean drive\n",
                   how_often(pushes));
   if (pushes.amplitude_step)
-    text += fmt::format(
-        "  a push raises the amplitude by {} µrad\n",
-        with_sigma(1e6 * pushes.amplitude_step->value, 1e6 * pushes.amplitude_step->sigma));
+    text += fmt::format("  a push raises the amplitude by {} {}\n",
+                        with_sigma(angle.factor * pushes.amplitude_step->value,
+                                   angle.factor * pushes.amplitude_step->sigma),
+                        angle.name);
   const auto microseconds = [](const ImpulseCycle::Estimate& e) {
     return with_sigma(1e6 * std::abs(e.value), 1e6 * e.sigma);
   };

@@ -1,6 +1,8 @@
 // The pushes that keep a pendulum going, in words. Private to the report.
 #pragma once
 
+#include "wording.hpp"
+
 #include "goingrate/fit/impulse_cycle.hpp"
 
 #include <string>
@@ -11,8 +13,9 @@ namespace goingrate {
 /// limit".
 std::string how_often(const ImpulseCycle& pushes);
 
-/// The same as lines of a fit's text: how often, how much, what friction and Q they amount to.
-std::string impulse_text(const ImpulseCycle& pushes);
+/// The same as lines of a fit's text, with angles in that unit: how often, how much, what friction
+/// and Q they amount to.
+std::string impulse_text(const ImpulseCycle& pushes, const DisplayUnit& angle);
 
 /// Q of the friction that these pushes alone would balance: "20,010 ± 16".
 std::string quality_of(const ImpulseCycle& pushes);

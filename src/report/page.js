@@ -113,8 +113,9 @@
   function rimTraces(series, base, colour, panel, plot) {
     if (!panel.bulk || series.style !== "points") return [];
     const x = arrays[series.x], y = arrays[series.y], [low, high] = panel.shown;
-    const range = plot.range ?? [x[0], x[x.length - 1]], farthest = new Map();
-    for (let i = lowerBound(x, range[0]); i < x.length && x[i] <= range[1]; ++i) {
+    // Without a range of its own a plot is not against time, and its x in any order.
+    const range = plot.range ?? [Math.min(...x), Math.max(...x)], farthest = new Map();
+    for (let i = plot.range ? lowerBound(x, range[0]) : 0; i < x.length && x[i] <= range[1]; ++i) {
       if (!(y[i] > high || y[i] < low)) continue;
       const key = `${y[i] > high}${Math.floor(((x[i] - range[0]) / (range[1] - range[0])) * plot.width / 12)}`;
       const before = farthest.get(key);

@@ -99,6 +99,7 @@ Json series_json(const Series& series, std::size_t longest, Arrays& arrays) {
 
 Json axis_json(const Axis& axis) {
   return {{"title", axis.unit.empty() ? axis.label : axis.label + " (" + axis.unit + ")"},
+          {"unit", axis.unit},
           {"logarithmic", axis.logarithmic},
           {"names", axis.names}};
 }

@@ -41,10 +41,11 @@ std::string status_text(ParameterStatus status) {
   return "this log does not tell it";
 }
 
-std::string parameter_table(const FitSummary& fit) {
+std::string parameter_table(const FitSummary& fit, const DisplayUnit& angle) {
   Table table("Parameters of the model",
               {"parameter", "value ± σ", "unit", "status", "meaning", "shift by first order, σ"});
-  for (const FittedParameter& p : fit.parameters) {
+  for (const FittedParameter& fitted : fit.parameters) {
+    const FittedParameter p = with_angles_in(angle, fitted);
     const bool known = has_value(p);
     constexpr int digits_of_fixed = 10;
     table.row({symbol_and_name(p.name),
@@ -57,17 +58,17 @@ std::string parameter_table(const FitSummary& fit) {
   return table.empty() ? "" : table.html();
 }
 
-std::string combination_table(const FitSummary& fit) {
+std::string combination_table(const FitSummary& fit, const DisplayUnit& angle) {
   Table table("What the log determines", {"quantity", "value ± σ", "unit", "from"});
-  const auto add = [&](const DerivedQuantity& quantity) {
-    if (!std::isfinite(quantity.value)) return;
+  const auto add = [&](const DerivedQuantity& known) {
+    if (!std::isfinite(known.value)) return;
+    const DerivedQuantity quantity = as_shown(angle, fit, known);
     table.row({in_symbols(quantity.name), measured(quantity.value, quantity.sigma, 10),
                quantity.unit.empty() ? "–" : quantity.unit, in_symbols(quantity.expression)});
   };
   for (const DerivedQuantity& quantity : fit.combinations)
     add(quantity);
-  for (const DerivedQuantity& quantity : {fit.q_factor, fit.rate_s_per_day})
-    if (!quantity.name.empty()) add(quantity);
+  if (!fit.q_factor.name.empty()) add(fit.q_factor); // the rate is one of the key figures
   return table.empty() ? "" : table.html();
 }
 
@@ -98,9 +99,8 @@ std::string probability(double p) {
   return p < 1e-4 ? "below 0.0001" : fmt::format("{:.2g}", p);
 }
 
-std::string decay_part(const FitSummary& fit) {
+std::string decay_part(const FitSummary& fit, const DisplayUnit& unit) {
   if (!fit.decay) return "";
-  const DisplayUnit unit = angle_unit(*fit.decay);
   Table table("Quality factor of the swing, whichever law the friction has",
               {fmt::format("amplitude, {}", unit.name), "Q ± σ", "68 %", "95 %"});
   const auto range = [](double low, double high, double sigma) {
@@ -119,7 +119,7 @@ std::string decay_part(const FitSummary& fit) {
          (table.empty() ? "" : table.html());
 }
 
-std::string quality_table(const FitSummary& fit) {
+std::string quality_table(const FitSummary& fit, const DisplayUnit& angle) {
   const FitQuality& q = fit.quality;
   Table table("How good the fit is", {"measure", "value", "how to read it"});
   table.row({"χ² / degrees of freedom", plain_number(q.chi2, 5) + " / " + plain_number(q.dof, 7),
@@ -137,8 +137,9 @@ std::string quality_table(const FitSummary& fit) {
   table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs",
              q.of_innovations ? "includes the wander of the drive or the rate" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
-    table.row(
-        {"residual of the amplitudes, rms", plain_number(1e3 * q.amplitude_rms_rad) + " mrad", ""});
+    table.row({"residual of the amplitudes, rms",
+               fmt::format("{} {}", plain_number(angle.factor * q.amplitude_rms_rad), angle.name),
+               ""});
   table.row({"σ widened by", plain_number(std::max(fit.time_widening, fit.amplitude_widening)),
              "for correlation left in the residuals; 1 is none"});
   table.row({"BIC, AIC", plain_number(q.bic, 7) + ", " + plain_number(q.aic, 7),
@@ -230,8 +231,9 @@ std::string fit(const Analysis& data) {
   body = paragraph(fmt::format("Equations: {}; escapement: {}; noise: {}. Chosen because: {}.",
                                name_of(fit.dynamics), name_of(fit.model.escapement),
                                fit.model.noise(), fit.chosen_by));
-  body += decay_part(fit) + parameter_table(fit) + combination_table(fit) + correlation_table(fit) +
-          quality_table(fit) + alternatives_table(fit);
+  const DisplayUnit angle = Wording(data).angle_unit();
+  body += decay_part(fit, angle) + parameter_table(fit, angle) + combination_table(fit, angle) +
+          correlation_table(fit) + quality_table(fit, angle) + alternatives_table(fit);
   return section("fit", "Fit of the pendulum model", body);
 }
 

@@ -144,6 +144,14 @@ std::string duration_text(double seconds) {
   return plain_number(seconds / seconds_per_day, 4) + " days";
 }
 
+// Of a ring-down whose log determines it.
+std::string card_of_q(const FitSummary& fit, const Wording& words) {
+  if (!fit.decay || !std::isfinite(fit.decay->q.value)) return "";
+  return card("Quality factor Q", measured(fit.decay->q.value, fit.decay->q.sigma),
+              fmt::format("at an amplitude of {}, whichever law the friction has",
+                          words.angle(fit.decay->amplitude_rad, 0.0)));
+}
+
 std::string key_figures(const Analysis& data) {
   const RateSummary& rate = data.rate;
   const Wording words(data);
@@ -158,15 +166,18 @@ std::string key_figures(const Analysis& data) {
                     "from " + words.short_moment(data.now.start - data.beats.front().time) + " on");
     cards += card("Rate over the whole log",
                   typeset(words.rate(rate.rate_excess, rate.rate_excess_sigma)),
-                  "time gained from the first beat to the last, over the time between");
+                  "time gained from the first beat to the last, over the time between; ± allows "
+                  "for how the rate varied on the way");
   } else {
     cards +=
         card("Rate", "not known", "no nominal period is known to compare the mean period with");
   }
   cards += card("Mean period", measured(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s",
-                rate.nominal_is_known
-                    ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
-                    : std::string("from the first beat to the last"));
+                (rate.nominal_is_known
+                     ? fmt::format("against {} s", plain_number(rate.nominal_period_s, 12))
+                     : std::string("from the first beat to the last")) +
+                    "; ± allows for how it varied on the way");
+  cards += card_of_q(data.fit, words);
   if (const auto& error = data.sensor.beat_error_s)
     cards += card("Beat error", measured(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms",
                   "what tick and tock differ by (half of it is also called so): the clock is out "

@@ -94,14 +94,18 @@ const goingrateSeries = (() => {
     return { dots, body };
   }
 
-  // What the panels hold: of a long log the lowest and highest value of each stretch.
+  // What the panels hold: of a long log the lowest and highest value of each stretch. Panels of one
+  // plot have the same x but units of their own, so that there the name of a panel tells its unit.
   function csvOf(panels, arrays) {
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const lines = ["panel,series,x,y,low,high"];
+    const { x, y } = panels[0], joint = panels.length > 1;
+    const inUnit = (word) => (y.unit && !joint ? `${word} (${y.unit})` : word);
+    const heads = [x.title || "x", joint ? "value" : y.title || "y", inUnit("low"), inUnit("high")];
+    const lines = [`panel,series,${heads.map(quoted).join(",")}`];
     for (const panel of panels)
       for (const series of panel.series) {
         const columns = ["x", "y", "low", "high"].map((key) => arrays[series[key]]);
-        const names = `${quoted(panel.title)},${quoted(series.label)}`;
+        const names = `${quoted(joint ? panel.y.title : panel.title)},${quoted(series.label)}`;
         for (let i = 0; i < columns[0].length; ++i)
           lines.push(names + columns.map((c) => `,${c && Number.isFinite(c[i]) ? c[i] : ""}`).join(""));
       }

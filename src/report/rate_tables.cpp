@@ -4,6 +4,7 @@
 #include "fault_counts.hpp"
 
 #include "base/decimal.hpp"
+#include "base/readable.hpp"
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
@@ -190,10 +191,10 @@ std::string rate_sentence(const RateSummary& summary) {
   const double rate = seconds_gained_per_day(summary.rate_excess);
   const double sigma = seconds_gained_per_day(summary.rate_excess_sigma);
   return mean + fmt::format(" against {} s: {} {} s/day (end to end); "
-                            "a straight line fitted to the clock's error gives {:+.4g} s/day",
+                            "a straight line fitted to the clock's error gives {} s/day",
                             summary.nominal_period_s, rate < 0 ? "losing" : "gaining",
                             with_sigma(std::abs(rate), sigma),
-                            seconds_gained_per_day(summary.slope_rate_excess));
+                            readable_signed(seconds_gained_per_day(summary.slope_rate_excess), 4));
 }
 
 std::string part_rate_text(const PartRate& part, bool nominal_is_known) {
@@ -213,8 +214,8 @@ std::string segment_lines(const Beats& beats, const RateSummary& summary) {
   std::string text;
   for (std::size_t i = 0; i < std::min(most, segments.size()); ++i) {
     const PartRate& part = segments[i];
-    text += fmt::format("  segment {}: cycles {} to {}, {:.6g} s, {}\n", part.segment,
-                        part.from_cycle, part.to_cycle, part.rate.duration_s,
+    text += fmt::format("  segment {}: cycles {} to {}, {} s, {}\n", part.segment, part.from_cycle,
+                        part.to_cycle, readable(part.rate.duration_s, 6),
                         part_rate_text(part, summary.nominal_is_known));
   }
   if (segments.size() > most) text += fmt::format("  and {} more\n", segments.size() - most);
@@ -248,9 +249,9 @@ std::string sensor_lines(const RateSummary& summary, const SensorFindings& senso
 
 std::string rate_text(const Beats& beats, const RateSummary& summary,
                       const SensorFindings& sensor) {
-  std::string text = fmt::format("{} beats over {:.6g} s; {}, {} segment{}\n", summary.crossings,
-                                 summary.duration_s, fault_counts(beats), beats.segments,
-                                 beats.segments == 1 ? "" : "s");
+  std::string text = fmt::format("{} beats over {} s; {}, {} segment{}\n", summary.crossings,
+                                 readable(summary.duration_s, 6), fault_counts(beats),
+                                 beats.segments, beats.segments == 1 ? "" : "s");
   if (beats.segments > 1) text += segment_lines(beats, summary);
   if (beats.rivals > 0)
     text += fmt::format("{} cycles have a second event that could as well be the crossing\n",

@@ -1,5 +1,6 @@
 #include "report_figures.hpp"
 
+#include "figure_axes.hpp"
 #include "wording.hpp"
 
 #include "base/scaled_time.hpp"
@@ -333,10 +334,24 @@ void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
   if (figure) figures.push_back(std::move(*figure));
 }
 
+// The rates of single periods may be thousands of times that of the log, whose unit would be the
+// wrong one for them.
+std::optional<Figure> in_unit_of_its_rates(std::optional<Figure> figure) {
+  constexpr double longest_ms_per_day = 1e4; // five digits
+  if (!figure || figure->y.unit != "ms/day") return figure;
+  const AxisScale axis = figure_axes(*figure).y;
+  if (std::max(std::abs(axis.from), std::abs(axis.to)) < longest_ms_per_day) return figure;
+  figure->y.unit = "s/day";
+  for (Series& series : figure->series)
+    for (double& rate : series.y)
+      rate *= 1e-3;
+  return figure;
+}
+
 // What is against time on one axis, then what is against time alone.
 void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& figures) {
   const TimeFigures of_time(data);
-  figures.push_back(of_time.rate());
+  add(figures, in_unit_of_its_rates(of_time.rate()));
   if (data.log.has_amplitude || data.fit.decay) figures.push_back(of_time.amplitude());
   if (fitted && data.fit.residual_s.size() == data.beats.size())
     figures.push_back(of_time.time_residual());
@@ -345,7 +360,7 @@ void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& fi
   for (Figure& figure : figures)
     figure.group = "course";
   figures.push_back(of_time.error());
-  add(figures, rate_amplitude_figure(data));
+  add(figures, in_unit_of_its_rates(rate_amplitude_figure(data)));
   add(figures, period_amplitude_figure(data));
   add(figures, q_figure(data.fit));
   if (fitted) add(figures, of_time.drive());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <span>
+#include <utility>
 
 namespace goingrate {
 
@@ -97,6 +98,8 @@ Cloud thinned_cloud(const std::vector<Place>& places) {
   std::vector<Place> sorted;
   std::copy_if(places.begin(), places.end(), std::back_inserter(sorted),
                [](const Place& place) { return known(place); });
+  constexpr std::size_t most_dots = 1000; // no heavier than a line
+  if (sorted.size() <= most_dots) return {std::move(sorted), {}};
   std::sort(sorted.begin(), sorted.end(), [](const Place& a, const Place& b) {
     const long left = column_of(a.x);
     const long right = column_of(b.x);

@@ -29,8 +29,8 @@ struct Cloud {
 /// lowest and the highest, in their order. A place with gaps on both sides is a run of one.
 std::vector<std::vector<Place>> thinned_line(const std::vector<Place>& places);
 
-/// Of a column with more than two places, the lowest and the highest are dots and the middle 80 % a
-/// stroke.
+/// Up to 1000 places are dots, all of them. Of more, those in a column with more than two become
+/// two dots, the lowest and the highest, and a stroke over the middle 80 %.
 Cloud thinned_cloud(const std::vector<Place>& places);
 
 /// The runs of a band: of the extents in one column their outline.

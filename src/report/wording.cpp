@@ -35,9 +35,16 @@ DisplayUnit unit_of_angles(double largest_rad) {
   return largest_rad > wide ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
 }
 
+double largest_of_model(const FitSummary& fit) {
+  double largest = 0.0;
+  for (const double amplitude_rad : fit.model_amplitude_rad)
+    largest = std::fmax(largest, amplitude_rad);
+  return largest;
+}
+
 DisplayUnit unit_of_angles(const Analysis& data) {
   if (data.fit.decay) return angle_unit(*data.fit.decay);
-  double largest = 0.0;
+  double largest = largest_of_model(data.fit);
   for (const Beat& beat : data.beats)
     largest = std::fmax(largest, beat.amplitude_rad); // passes over what is not known
   return unit_of_angles(largest);
@@ -79,6 +86,37 @@ DisplayUnit angle_unit(const Decay& decay) {
   for (const QAtAmplitude& at : decay.q_at_amplitude)
     largest = std::fmax(largest, at.amplitude_rad);
   return unit_of_angles(largest);
+}
+
+DisplayUnit angle_unit(const FitSummary& fit) {
+  return fit.decay ? angle_unit(*fit.decay) : unit_of_angles(largest_of_model(fit));
+}
+
+FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter) {
+  if (parameter.unit != "rad") return parameter;
+  parameter.unit = angle.name;
+  for (double* size : {&parameter.value, &parameter.sigma, &parameter.low68, &parameter.high68,
+                       &parameter.low95, &parameter.high95, &parameter.sigma_by_law})
+    *size *= angle.factor;
+  return parameter;
+}
+
+DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit,
+                         DerivedQuantity quantity) {
+  if (quantity.name == "mean period")
+    quantity.expression += fit.model.walk || fit.model.drive || fit.model.slow
+                               ? "; ± is that of the timing and of the noise of the model"
+                               : "; ± is that of the timing alone, however the rate varied";
+  // Only the Q and the decay time of a free swing belong to an amplitude.
+  if (fit.decay && (quantity.name == fit.q_factor.name || quantity.name == fit.decay_time.name))
+    quantity.expression =
+        fmt::format("at {} {}, whichever law of friction",
+                    with_sigma(angle.factor * fit.decay->amplitude_rad, 0.0, 4), angle.name);
+  if (quantity.unit != "rad") return quantity;
+  quantity.unit = angle.name;
+  quantity.value *= angle.factor;
+  quantity.sigma *= angle.factor;
+  return quantity;
 }
 
 Wording::Wording(const Analysis& data)

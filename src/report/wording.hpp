@@ -21,6 +21,16 @@ DisplayUnit time_unit(double duration_s);
 /// mrad, or rad where the free swing is wider than half a radian.
 DisplayUnit angle_unit(const Decay& decay);
 
+/// The same for any fit, by the amplitudes of its model.
+DisplayUnit angle_unit(const FitSummary& fit);
+
+/// The parameter with an angle in that unit instead of rad; any other as it is.
+FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter);
+
+/// A quantity of this fit as it is shown: an angle, and the amplitude that it belongs to, in that
+/// unit; of the mean period what its sigma covers.
+DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit, DerivedQuantity quantity);
+
 /// The words for the numbers of one log.
 class Wording {
 public:

@@ -204,7 +204,7 @@ std::vector<Wild> wild_formats() {
        {.tau0_s = 2.0}});
   add({"WrongUnitInTheHeader",
        [](std::int64_t t, int) { return fmt::format("{},5", t / 10 - 1361576280000000LL); },
-       "Time (s),n\n", F::table, "the header's unit (s) would make a beat of 2e+06 s", 2e-6});
+       "Time (s),n\n", F::table, "the header's unit (s) would make a beat of 2,000,000 s", 2e-6});
   return list;
 }
 
@@ -273,6 +273,49 @@ TEST(FormatsTest, SigmaThetaColumnsGoByTheNameOfTheFile) {
     text += fmt::format("{} {:.16e}\n", i, i % 2 ? 1e-9 : -1e-9);
   EXPECT_EQ(read_log(text, "a.ykt").format, LogFormat::frequency);
   EXPECT_EQ(read_log(text, "a.xtt").format, LogFormat::phase);
+}
+
+std::string phases_of_dates(const std::string& header, double days, double unit_s) {
+  std::string text = header + "\n";
+  const char separator = header.find(',') == std::string::npos ? ' ' : ',';
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format("{:.8f}{}{:.6f}\n", 56000.0 + days * i, separator,
+                        (1e-6 * i + 1e-7 * (i * 37 % 11)) / unit_s);
+  return text;
+}
+
+TEST(FormatsTest, PhasesBesideTheirDatesAreKnownByTheirNames) {
+  for (const double days : {1.0 / 48.0, 1.0}) {
+    const std::string seconds = phases_of_dates("mjd,phase_s", days, 1.0);
+    ReadingOptions by_hand;
+    by_hand.columns = {"time=1:mjd", "phase=2"};
+    const ClockLog expected = read_log(seconds, "x", by_hand);
+    for (const auto& [header, unit_s] : {std::pair("mjd,phase_s", 1.0),
+                                         {"MJD,Phase (s)", 1.0},
+                                         {"# MJD, phase", 1.0},
+                                         {"MJD phase", 1.0},
+                                         {"MJD (UTC),phase_ns", 1e-9},
+                                         {"mjd_utc,phase_ns", 1e-9},
+                                         {"MJD phase (us)", 1e-6}}) {
+      const ClockLog log = read_log(phases_of_dates(header, days, unit_s), "x");
+      EXPECT_EQ(log.format, LogFormat::phase) << header;
+      EXPECT_EQ(log.origin, expected.origin) << header;
+      EXPECT_NEAR(log.nominal_period_s.value_or(0.0), 86400.0 * days, 1e-6) << header;
+      ASSERT_EQ(log.events.size(), 40u) << header;
+      for (std::size_t i = 0; i < 40; ++i) // rounded to six decimals of the unit
+        EXPECT_NEAR(log.events[i].time - expected.events[i].time, 0.0, 1e-6) << header << " " << i;
+    }
+  }
+}
+
+TEST(FormatsTest, APhaseThatIsNoTimeIsNotRead) {
+  for (const char* header : {"mjd,phase_deg", "mjd,phase (cycles)", "mjd,moon phase", "time,phase"})
+    EXPECT_EQ(read_log(phases_of_dates(header, 1.0 / 48.0, 1.0), "x").format, LogFormat::table)
+        << header;
+  ReadingOptions options;
+  options.format = LogFormat::table;
+  EXPECT_EQ(read_log(phases_of_dates("mjd,phase_s", 1.0 / 48.0, 1.0), "x", options).format,
+            LogFormat::table);
 }
 
 TEST(FormatsTest, ColumnsAreSetByHand) {

@@ -106,6 +106,8 @@ async function checkFigures() {
     "every plot can be reached by the keyboard and has a name");
   check(await value(`[...document.querySelectorAll("figure")].every((e) => e.querySelector("figcaption").textContent)`),
     "every figure has a caption");
+  check(await value(`[...document.querySelectorAll("figure h3")].every((e) => e.parentElement.querySelector(".live") || getComputedStyle(e).display === "inline")`),
+    "a heading stands over a figure or leads a caption");
   check(await value(`[...document.querySelectorAll(".live")].every((e) => e.data.every((t) => t.x.length < 6000))`),
     "no trace has more than a few values a pixel");
 }
@@ -193,7 +195,7 @@ async function checkNames() {
     `${seen.length} things that a screen reader announces have names ${nameless.map((n) => n.role.value).join(" ")}`);
 }
 
-const begins = { svg: "<svg", png: "\x89PNG", csv: "panel,series,x,y,low,high\nRate" };
+const begins = { svg: "<svg", png: "\x89PNG", csv: "panel,series,time since the first beat (" };
 
 async function checkSaving() {
   const saved = mkdtempSync(join(tmpdir(), "goingrate-saved-"));
@@ -208,6 +210,7 @@ async function checkSaving() {
       file = readdirSync(saved).find((name) => name.endsWith(`.${format}`));
     }
     const text = file && existsSync(join(saved, file)) ? readFileSync(join(saved, file), "latin1") : "";
+    if (format === "csv") check(/^[^\n]*\),value,low,high\nrate \((m?s)\/day\),/.test(text), "its header and the names of its panels tell units");
     check(text.startsWith(begin) && text.length > 1000, `a figure is saved as ${format} (${text.length} bytes) by the keyboard`);
     if (file) writeFileSync(join(folder, `saved.${format}`), readFileSync(join(saved, file)));
   }

@@ -166,6 +166,15 @@ TEST(FigureTest, KeepsASingleSpikeInALongSeries) {
   }
 }
 
+TEST(FigureTest, ACrowdOfFewPointsIsAllDots) {
+  Series series = series_of(Style::points, noise(330));
+  for (double& x : series.x)
+    x = x < 329.0 ? std::fmod(x, 5.0) : 1000.0; // five columns hold nearly all
+  const std::string text = drawn(figure_of({series}));
+  EXPECT_EQ(count_of(path_of(text, "dots"), "M"), 330U);
+  EXPECT_EQ(count_of(text, "class=\"body"), 0U);
+}
+
 TEST(FigureTest, ALongSeriesStaysSmall) {
   for (const Style style : {Style::line, Style::points, Style::band}) {
     EXPECT_LT(drawn(figure_of({series_of(style, noise(28'800))})).size(), 626U * 100U);

@@ -48,6 +48,23 @@ std::string row_of(const std::string& page, const std::string& heading) {
   return page.substr(at, page.find("</tr>", at) - at);
 }
 
+TEST(HtmlReportTest, ARateAndItsSigmaAreShownOnceWithWhatTheyCover) {
+  const std::string page = test::without_scripts(page_of(some_report()));
+  EXPECT_EQ(row_of(page, "rate"), "") << "the rate is one of the key figures";
+  EXPECT_NE(page.find("± allows for how the rate varied on the way"), std::string::npos);
+}
+
+TEST(HtmlReportTest, TheQOfARingDownIsAKeyFigureWhereItIsDetermined) {
+  Analysis data = some_report();
+  EXPECT_EQ(page_of(data).find("<dt>Quality factor Q</dt>"), std::string::npos);
+  data.fit.decay = Decay{0.046, {190.0, 2.0}, {600.0, 5.0}};
+  EXPECT_NE(page_of(data).find("<dt>Quality factor Q</dt><dd><strong>190.0 ± 2.0</strong><br>at an "
+                               "amplitude of 46 mrad"),
+            std::string::npos);
+  data.fit.decay->q = {nan, nan};
+  EXPECT_EQ(page_of(data).find("<dt>Quality factor Q</dt>"), std::string::npos);
+}
+
 TEST(HtmlReportTest, HasEveryPartInItsPlace) {
   const std::string page = page_of(some_report());
   std::size_t at = 0;
@@ -257,6 +274,23 @@ TEST(HtmlReportTest, AMonthOfBeats) {
   EXPECT_LT(page.size(), 5'000'000U);
   EXPECT_LT(test::without_scripts(page).size(), 600'000U);
   EXPECT_LT(test::without_scripts(page_of(some_report(28'800))).size(), 500'000U);
+}
+
+TEST(HtmlReportTest, RatesOfSinglePeriodsHaveTheUnitThatFitsThem) {
+  const auto rates_of = [](double jitter_s) {
+    Analysis data = some_report();
+    for (std::size_t i = 0; i < data.beats.size(); i += 2)
+      data.beats[i].time = data.beats[i].time + jitter_s;
+    data.rate = summarise_rates(data.beats, 3.0);
+    data.rate.rate_excess = 1e-6; // of the log: 86 ms/day
+    data.stretches.clear();
+    return report_figures(data).front();
+  };
+  const Figure quiet = rates_of(0.0), noisy = rates_of(1e-3);
+  EXPECT_EQ(quiet.y.unit, "ms/day");
+  EXPECT_EQ(noisy.y.unit, "s/day");
+  // 1 ms from one period of 3 s to the next; the beats' own scatter is a hundredth of it.
+  EXPECT_NEAR(std::abs(noisy.series.front().y[10]), 1e-3 / 3.0 * 86400.0, 2.0);
 }
 
 TEST(HtmlReportTest, AProfileGoesThroughThePointsThatWereFitted) {

@@ -51,6 +51,33 @@ TEST(TextTest, ADecayHasOneUnitOfAngle) {
   EXPECT_EQ(wide.find("mrad"), std::string::npos) << wide;
 }
 
+TEST(TextTest, AFitHasOneUnitOfAngle) {
+  FitSummary fit;
+  fit.parameters = {
+      {"phi0", "rad", ParameterStatus::fixed, 0.03, NAN, NAN, NAN, NAN, NAN},
+      {"lambda0", "rad", ParameterStatus::free, 0.04, 1e-5, 0.03999, 0.04001, 0.03998, 0.04002}};
+  fit.combinations = {
+      {"stationary amplitude", "where drive and friction balance", "rad", 0.045, 1e-5}};
+  fit.quality.amplitude_rms_rad = 1e-5;
+  fit.model_amplitude_rad = {0.04, 0.045};
+  const std::string narrow = fit_text(fit);
+  for (const char* words : {"30 mrad (fixed)", "40.000 ± 0.010 mrad", "45.000 ± 0.010 mrad",
+                            "amplitude residual rms 0.01 mrad"})
+    EXPECT_NE(narrow.find(words), std::string::npos) << words << " is not in\n" << narrow;
+  EXPECT_EQ(narrow.find(" rad"), std::string::npos) << narrow;
+  fit.model_amplitude_rad = {0.7};
+  EXPECT_EQ(fit_text(fit).find("mrad"), std::string::npos);
+}
+
+TEST(TextTest, AFreeSwingHasItsQInTheUnitOfItsAngles) {
+  FitSummary fit;
+  fit.decay = some_decay(0.2);
+  fit.q_factor = {"Q", "at 0.1 rad, whichever law of friction", "", 190.0, 2.0};
+  const std::string text = fit_text(fit);
+  EXPECT_NE(text.find("at 100 mrad, whichever law of friction"), std::string::npos) << text;
+  EXPECT_EQ(text.find(" rad"), std::string::npos) << text;
+}
+
 TEST(TextTest, TheOddsOfALawAreInWords) {
   Decay decay = some_decay(0.2);
   decay.laws[1].behind = 2.0 * std::log(400.0);
