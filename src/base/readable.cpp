@@ -17,12 +17,12 @@ std::string readable(double value, int digits) {
   if (size < first_with_commas) return text;
   std::size_t at = std::min(text.find('.'), text.size());
   for (const std::size_t first = value < 0.0 ? 1 : 0; at > first + 3;)
-    text.insert(at -= 3, ",");
+    text.insert(at -= 3, 1, ',');
   return text;
 }
 
 std::string readable_signed(double value, int digits) {
-  return (std::signbit(value) ? "" : "+") + readable(value, digits);
+  return fmt::format("{}{}", std::signbit(value) ? "" : "+", readable(value, digits));
 }
 
 } // namespace goingrate

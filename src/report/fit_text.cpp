@@ -22,7 +22,7 @@ constexpr double least_correlation = 0.1; // smaller ones change no conclusion
 std::string interval(double low, double high, double value) {
   const auto end = [&](double at) {
     if (!std::isfinite(at)) return std::string("open");
-    return (at < value ? "-" : "+") + with_sigma(std::abs(at - value), 0.0, 2);
+    return fmt::format("{}{}", at < value ? '-' : '+', with_sigma(std::abs(at - value), 0.0, 2));
   };
   return fmt::format("{} {}", end(low), end(high));
 }
