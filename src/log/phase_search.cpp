@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 namespace goingrate {
@@ -38,23 +39,44 @@ Agreement agreement(std::span<const Beat> events, std::size_t start, const Phase
   return agreed;
 }
 
+// Of steps from one event to the next those of the commonest length, in their order: the largest
+// set whose members differ by at most a tenth, which no swing does from its neighbours. Of equally
+// large ones it is that nearer to the typical period.
+std::vector<double> commonest(const std::vector<double>& steps, double typical_s) {
+  constexpr double spread = 0.1;
+  std::vector<double> best;
+  double best_off = 0.0;
+  for (const double least : steps) {
+    std::vector<double> alike;
+    std::copy_if(steps.begin(), steps.end(), std::back_inserter(alike),
+                 [&](double s) { return s >= least && s <= least * (1.0 + spread); });
+    const double off = std::abs(least * (1.0 + 0.5 * spread) - typical_s);
+    if (alike.size() < best.size() || (alike.size() == best.size() && off >= best_off)) continue;
+    best = std::move(alike);
+    best_off = off;
+  }
+  return best;
+}
+
 } // namespace
 
 double local_period(std::span<const Beat> events, std::size_t from, const PhaseSearch& search) {
   const double period_s = search.period_s;
-  constexpr double largest_deviation =
-      0.1; // of a period: no circular error or step of the rate is larger
-  constexpr std::size_t fewest_steps = 4;
-  std::vector<double> steps;
+  // Of a period: a swing of 140 degrees takes 1.5 of a small one, and beyond lie two swings.
+  constexpr double shortest = 1.0 / 1.5, longest = 1.5;
+  constexpr std::size_t fewest_steps = 4, most_steps = 5; // so few that a period changes little
+  std::vector<double> all;
   const Beat* before = nullptr;
   for (std::size_t i = from; i < events.size(); ++i) {
     if (!may_be_up(events[i])) continue;
-    if (events[i].time - events[from].time > search.window * period_s) break;
+    if (events[i].time - events[from].time > longest * search.window * period_s) break;
     const double step = before == nullptr ? 0.0 : events[i].time - before->time;
-    if (std::abs(step - period_s) < largest_deviation * period_s) steps.push_back(step);
+    if (step > shortest * period_s && step < longest * period_s) all.push_back(step);
     before = &events[i];
   }
+  std::vector<double> steps = commonest(all, period_s);
   if (steps.size() < fewest_steps) return period_s;
+  steps.resize(std::min(steps.size(), most_steps));
   const double here = median(std::span(steps));
   const auto count = static_cast<double>(steps.size());
   for (double& step : steps)

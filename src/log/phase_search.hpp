@@ -27,10 +27,10 @@ std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::s
 int events_before_absence(std::span<const Beat> events, std::size_t from,
                           const PhaseSearch& search);
 
-/// The period of the beats from index `from` on, within the window: the median of the steps
-/// that are within a tenth of `period_s`, which of a clock that rings down may be some per cent
-/// off; `period_s` itself if there are not four of them or the median is not beyond four of its
-/// standard errors from it.
+/// The period of the first beats from index `from` on: the median of the first five steps of the
+/// commonest length in the window, between two thirds and one and a half of `period_s`, which of a
+/// clock that rings down from a wide swing may be far off; `period_s` itself if there are not four
+/// of them or the median is not beyond four of its standard errors from it.
 double local_period(std::span<const Beat> events, std::size_t from, const PhaseSearch& search);
 
 } // namespace goingrate
