@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -157,29 +156,23 @@ ImpulseCycle::Estimate mean_of(const std::vector<double>& each) {
   return {mean, std::sqrt(all / (count - 1.0) / count)};
 }
 
-// Whether values keep their mean from one eighth of the log to the next: pushes that come at any
-// other interval slip, and their saw-tooth comes and goes.
+// Whether values keep their sign from one eighth of the log to the next. Pushes that come at any
+// other interval slip, and their saw-tooth comes and goes: a slip by a fifth of the interval leaves
+// nothing of it. Pushes that grow or weaken on the way are still pushes.
 bool is_steady(const std::vector<double>& each, double mean) {
   constexpr std::size_t parts = 8, least = 4; // cycles in a part
-  constexpr double least_p = 1e-4;
+  constexpr double weakest = 1.0 / 3.0;       // of the mean
+  constexpr double chance = 4.0;              // sigma: once in 30,000
   if (each.size() < parts * least) return true;
-  double between = 0.0, within = 0.0;
   for (std::size_t k = 0; k < parts; ++k) {
-    const std::size_t from = k * each.size() / parts, to = (k + 1) * each.size() / parts;
-    const auto count = static_cast<double>(to - from);
-    const double own = std::accumulate(each.begin() + static_cast<std::ptrdiff_t>(from),
-                                       each.begin() + static_cast<std::ptrdiff_t>(to), 0.0) /
-                       count;
-    between += count * (own - mean) * (own - mean);
-    for (std::size_t i = from; i < to; ++i)
-      within += (each[i] - own) * (each[i] - own);
+    const std::vector<double> part(
+        each.begin() + static_cast<std::ptrdiff_t>(k * each.size() / parts),
+        each.begin() + static_cast<std::ptrdiff_t>((k + 1) * each.size() / parts));
+    const ImpulseCycle::Estimate own = mean_of(part);
+    if (std::copysign(own.value, own.value * mean) + chance * own.sigma < weakest * std::abs(mean))
+      return false;
   }
-  const auto dof_between = static_cast<double>(parts - 1),
-             dof_within = static_cast<double>(each.size() - parts);
-  if (!(within > 0.0)) return true;
-  const double ratio = between / dof_between / (within / dof_within);
-  const boost::math::fisher_f f(dof_between, dof_within);
-  return boost::math::cdf(complement(f, ratio)) > least_p;
+  return true;
 }
 
 // Coefficients of the shapes with standard deviations from their scatter from cycle to cycle, which
