@@ -3,6 +3,7 @@
 
 #include "rate_blocks.hpp"
 
+#include "fit/gravity_share.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
 #include <algorithm>
@@ -48,11 +49,6 @@ std::optional<Measured> slope_of(const FitSummary& fit) {
     if (const auto moved = slope_under_friction(other)) result.sigma += std::abs(*moved - *slope);
   }
   return result;
-}
-
-double share_of_gravity(const FitSummary& fit) {
-  const auto clock = fit.has_result() ? fitted_clock(fit) : std::nullopt;
-  return clock ? clock->gravity_share : 1.0;
 }
 
 // What the amplitude does for one unit of the covariate.
@@ -104,7 +100,7 @@ void tell_ways(const TimingData& data, const FitSummary& fit,
       std::accumulate(blocks.amplitude_rad.begin(), blocks.amplitude_rad.end(), 0.0) /
       static_cast<double>(blocks.amplitude_rad.size());
   const auto whole = slope_of(fit);
-  const Measured slope = whole.value_or(Measured{-share_of_gravity(fit) * mean / 8.0, 0.0});
+  const Measured slope = whole.value_or(Measured{-gravity_share_of(fit) * mean / 8.0, 0.0});
   for (CovariateEffect& effect : effects) {
     const auto term = std::find_if(data.terms.begin(), data.terms.end(),
                                    [&](const RateTerm& t) { return t.name == effect.name; });

@@ -134,7 +134,7 @@ std::optional<IsochronismCurve> curve_of(const ClockParameters& clock, double lo
     const auto factor = drive_for(clock, amplitude);
     const auto rate = factor ? stationary_rate_first_order(driven(clock, *factor)) : std::nullopt;
     if (!rate) continue;
-    const double circular = -amplitude * amplitude / 16.0;
+    const double circular = -clock.gravity_share * amplitude * amplitude / 16.0;
     curve.amplitude_rad.push_back(amplitude);
     curve.circular.push_back(circular);
     curve.escapement.push_back(*rate - circular);

@@ -438,14 +438,16 @@ std::optional<ClockParameters> fitted_clock(const FitSummary& fit) {
       0.1;                            // what hangs on the clock is then good to a tenth or so
   std::map<std::string, double> last; // later events overwrite earlier ones
   for (const FittedParameter& parameter : fit.parameters) {
-    const bool vague = parameter.sigma > largest_relative_sigma * std::abs(parameter.value);
-    last[parameter.name.substr(0, parameter.name.find('@'))] = vague ? unknown : parameter.value;
+    const std::string name = parameter.name.substr(0, parameter.name.find('@'));
+    const double size = name == "gravity_share" ? 1.0 : std::abs(parameter.value); // 1: all gravity
+    last[name] = parameter.sigma > largest_relative_sigma * size ? unknown : parameter.value;
   }
   ClockParameters clock{last["T0"], last["epsilon"], last["mu"], last["phi0"]};
   if (last.contains("gravity_share")) clock.gravity_share = last["gravity_share"];
   if (last.contains("quadratic_drag")) clock.quadratic_drag = last["quadratic_drag"];
   if (last.contains("dry_friction")) clock.dry_friction = last["dry_friction"];
-  const bool known = std::isfinite(clock.nominal_period_s + clock.epsilon + clock.mu + clock.phi0);
+  const bool known = std::isfinite(clock.nominal_period_s + clock.epsilon + clock.mu + clock.phi0 +
+                                   clock.gravity_share);
   return known && clock.mu > 0.0 ? std::optional(clock) : std::nullopt;
 }
 

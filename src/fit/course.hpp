@@ -74,9 +74,18 @@ template <class T> struct AveragedLaws {
     return mu / (x * y) * (T(0.5) - y2 / x) * (2.0 / std::numbers::pi);
   }
   [[nodiscard]] T rate(const T& x) const { return push(x) - x * circular; }
-  /// Whether the swing passes the escapement, and is one that could be a clock's.
+  /// Whether the swing passes the escapement and falls short of the top, whose x is that of half a
+  /// turn, (1 - s) pi^2 + 4 s; with s above 1, where the top comes earlier, to 1 % up to s = 1.1.
   [[nodiscard]] bool reaches(const T& x) const {
-    return plain(x) > plain(phi0) * plain(phi0) && plain(x) < 4.0;
+    constexpr double half_turn2 = std::numbers::pi * std::numbers::pi;
+    return plain(x) > plain(phi0) * plain(phi0) &&
+           plain(x) < half_turn2 - 16.0 * plain(circular) * (half_turn2 - 4.0);
+  }
+  /// The turning angle of a swing of averaged amplitude squared x, lambda (1 + 5 s lambda^2/192):
+  /// turning_angle() of dynamics/averaged.hpp, whose circular part goes as s.
+  [[nodiscard]] T turning_angle(const T& x) const {
+    using std::sqrt;
+    return sqrt(x) * (x * circular * (5.0 / 12.0) + 1.0);
   }
   /// Whether the averaged equations hold at such a rate: its excess is small beside 1.
   static bool averages(const T& rate) { return std::abs(plain(rate)) < 0.5; }

@@ -431,10 +431,19 @@ double least_visible_jitter(const TimingData& data) {
                   smallest_jitter_share * std::hypot(noise.jitter_s, noise.walk_s));
 }
 
-} // namespace
+// Beyond it no averaged equation holds: Q below 5.
+constexpr double largest_epsilon = 0.1;
 
-// Beyond these no averaged equation holds: Q below 5, a swing of 140 degrees.
-constexpr double largest_epsilon = 0.1, largest_lambda = 1.88; // rad; 2 is upside down
+// The widest swing that is tried, of those that fall short of the top; any torsion may be where
+// gravity's share is free.
+double largest_lambda(const Parameters& parameters) {
+  constexpr double part_of_top = 0.94; // 140 degrees under gravity
+  const Slot* share = parameters.find(Quantity::gravity_share);
+  const double gravity = share == nullptr ? 1.0 : share->free ? 0.0 : share->fixed_value;
+  return part_of_top * top_velocity(gravity);
+}
+
+} // namespace
 
 std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
                                                const TimingData& data) {
@@ -446,7 +455,7 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     if (slot.quantity == Quantity::epsilon) high = slot.coordinate_of(largest_epsilon);
     if (slot.quantity == Quantity::moment)
       low = -8.0, high = 8.0; // cycles: beyond, the date would have moved
-    if (slot.quantity == Quantity::lambda0) high = std::log(largest_lambda);
+    if (slot.quantity == Quantity::lambda0) high = std::log(largest_lambda(parameters));
     if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors
     if (slot.quantity == Quantity::drive_rms || slot.quantity == Quantity::slow_rms)

@@ -63,9 +63,25 @@ private:
   N covariance_{};
 };
 
-double beat_correction(const std::vector<double>& correction, std::size_t i) {
-  assert(correction.empty() || i < correction.size());
-  return correction.empty() ? 0.0 : correction[i];
+// What the corrections of beat i leave of a value at x.
+template <class T>
+T less_correction(T value, const std::vector<double>& there,
+                  const std::vector<std::vector<double>>& slopes, const std::vector<double>& at,
+                  std::span<const T> x, std::size_t i) {
+  assert(there.empty() || i < there.size());
+  if (!there.empty()) value -= there[i];
+  for (std::size_t k = 0; k < slopes.size(); ++k)
+    value -= (x[k] - at[k]) * slopes[k][i];
+  return value;
+}
+template <class T>
+T less_late_correction(const T& late, const Correction& c, std::span<const T> x, std::size_t i) {
+  return less_correction(late, c.late_s, c.slopes.late_s, c.slopes.at, x, i);
+}
+template <class T>
+T amplitude_of(const Sight<T>& sight, const Correction& c, std::span<const T> x, std::size_t i) {
+  const T averaged = sight.laws->turning_angle(sight.amplitude2);
+  return -less_correction(T(-averaged), c.amplitude, c.slopes.amplitude, c.slopes.at, x, i);
 }
 
 double squared_at(const std::vector<double>& relative, std::size_t i) {
@@ -101,16 +117,13 @@ public:
 
 private:
   [[nodiscard]] T late(std::size_t i, const Sight<T>& sight) const {
-    return sight.late_s - beat_correction(problem_.correction.late_s, i);
+    return less_late_correction(sight.late_s, problem_.correction, x_, i);
   }
   [[nodiscard]] bool sees_amplitude(std::size_t i) const {
     return data_.has_amplitude() && !std::isnan(data_.amplitude_rad[i]);
   }
   [[nodiscard]] T amplitude_excess(std::size_t i, const Sight<T>& sight) const {
-    using std::sqrt;
-    const T model = turning_angle(T(sqrt(sight.amplitude2)));
-    return data_.amplitude_rad[i] -
-           (model + beat_correction(problem_.correction.amplitude, i)) * scale_;
+    return data_.amplitude_rad[i] - amplitude_of(sight, problem_.correction, x_, i) * scale_;
   }
 
   template <class See> bool undisturbed(See&& see) {
@@ -188,10 +201,11 @@ std::optional<Eigen::MatrixXd> weighted_lateness(const FitProblem& problem, std:
   const bool holds =
       Follower<T>(problem.parameters, x, nodes).run([&](std::size_t i, const auto& sight) {
         const auto row = static_cast<Eigen::Index>(i);
-        rows(row, 0) = plain(sight.late_s) - beat_correction(problem.correction.late_s, i);
+        const T late = less_late_correction(sight.late_s, problem.correction, x, i);
+        rows(row, 0) = plain(late);
         if constexpr (slopes)
           for (Eigen::Index k = 1; k < columns; ++k)
-            rows(row, k) = sight.late_s.v[k - 1];
+            rows(row, k) = late.v[k - 1];
       });
   if (!holds) return {};
   return problem.condensed->weighted(rows);
@@ -311,6 +325,9 @@ FitProblem on_every_beat(const FitProblem& problem) {
   if (problem.condensed != nullptr && !problem.correction.late_s.empty()) {
     every.correction.late_s = problem.condensed->spread(problem.correction.late_s);
     every.correction.amplitude = problem.condensed->spread(problem.correction.amplitude);
+    for (auto* slopes : {&every.correction.slopes.late_s, &every.correction.slopes.amplitude})
+      for (std::vector<double>& slope : *slopes)
+        slope = problem.condensed->spread(slope);
   }
   return every;
 }
@@ -388,9 +405,8 @@ std::optional<Residuals> residuals(const FitProblem& problem, std::span<const do
   result.late_s.reserve(data.size());
   result.amplitude_model.reserve(data.size());
   Follower<double>(problem.parameters, x, data).run([&](std::size_t i, const auto& sight) {
-    result.late_s.push_back(sight.late_s - beat_correction(problem.correction.late_s, i));
-    result.amplitude_model.push_back(scale * (turning_angle(std::sqrt(sight.amplitude2)) +
-                                              beat_correction(problem.correction.amplitude, i)));
+    result.late_s.push_back(less_late_correction(sight.late_s, problem.correction, x, i));
+    result.amplitude_model.push_back(scale * amplitude_of(sight, problem.correction, x, i));
   });
   const double mean = std::accumulate(result.late_s.begin(), result.late_s.end(), 0.0) /
                       static_cast<double>(data.size());

@@ -29,6 +29,13 @@ namespace goingrate::timing_model {
 struct Correction {
   std::vector<double> late_s;    ///< their crossing times less those of the averaged clock
   std::vector<double> amplitude; ///< their turning angles less those of the averaged clock
+  /// How both change with the coordinates of the clock, which come before those of the noise; empty
+  /// where the averaged clock changes enough alike.
+  struct Slopes {
+    std::vector<double> at;                             ///< the place of the corrections
+    std::vector<std::vector<double>> late_s, amplitude; ///< for each coordinate, by beats
+  };
+  Slopes slopes;
   /// Responses to drive noise, if the model has any: those of each clock, and for each beat which
   /// of these applies.
   std::shared_ptr<const std::deque<CycleResponses>> clocks;

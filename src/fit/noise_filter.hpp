@@ -25,6 +25,7 @@
 
 #include "clock_model.hpp"
 #include "cycle_response.hpp"
+#include "turning_angle.hpp"
 
 #include <array>
 #include <cstddef>
@@ -129,15 +130,15 @@ public:
                                                 const T& excess, const T& scale) {
     frozen_ = false; // an amplitude changes the covariance, and so the gain for times
     still_ = 0;
-    using std::asin, std::sqrt;
-    // The turning angle is 2 asin(v/2). The extended filter evaluates it exactly at the estimated
-    // state of the clock and adds the slope and, for small angles, the second derivative there.
+    // The extended filter evaluates the turning angle exactly at the estimated state of the clock
+    // and adds the slope and, for small angles, the second derivative there.
     const T on_course = response.speed2_of(sight.amplitude2);
     const T there = extended_ ? T(on_course + way(sight, response)) : on_course;
-    const T slope = scale * 0.5 / sqrt(there * (there * -0.25 + 1.0));
+    const T slope = scale * slope_of_turning_angle(*sight.laws, there);
     T value = excess;
     if (extended_)
-      value += scale * 2.0 * (asin(sqrt(on_course) * 0.5) - asin(sqrt(there) * 0.5)) +
+      value += scale * (turning_angle_at(*sight.laws, on_course) -
+                        turning_angle_at(*sight.laws, there)) +
                slope / there * covariance_[1][1] * 0.25;
     else
       value -= slope * state_[1];

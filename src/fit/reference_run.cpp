@@ -174,11 +174,37 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
   ResponseAlong responses(speed2, seen.has_amplitude()); // without, the filter knows of none
   const bool holds = Follower<double>(bare, x, seen).run([&](std::size_t i, const auto& sight) {
     correction.late_s.push_back(sight.late_s);
-    correction.amplitude[i] -= turning_angle(std::sqrt(sight.amplitude2));
+    correction.amplitude[i] -= sight.laws->turning_angle(sight.amplitude2);
     if (disturbed) responses.add(i, sight);
   });
   if (disturbed) responses.put_into(correction);
   return holds ? std::optional(std::move(correction)) : std::nullopt;
+}
+
+std::optional<Correction::Slopes>
+slopes_of_difference(FitDynamics dynamics, const FitProblem& problem, std::span<const double> x) {
+  constexpr double step = 1e-5; // of a coordinate: rounding and curvature are both below 1e-6 of it
+  Correction::Slopes slopes;
+  slopes.at.assign(x.begin(), x.end());
+  const auto quotient = [](const std::vector<double>& more, const std::vector<double>& less) {
+    std::vector<double> slope;
+    for (std::size_t i = 0; i < more.size(); ++i)
+      slope.push_back((more[i] - less[i]) / (2.0 * step));
+    return slope;
+  };
+  for (const Slot& slot : problem.parameters.slots) {
+    if (!slot.free || is_noise(slot.quantity)) continue;
+    if (slot.index != slopes.late_s.size()) return {}; // those of the noise come last
+    std::vector<double> beside = slopes.at;
+    beside[slot.index] = x[slot.index] + step;
+    const auto more = difference_to(dynamics, problem, beside);
+    beside[slot.index] = x[slot.index] - step;
+    const auto less = difference_to(dynamics, problem, beside);
+    if (!more || !less) return {};
+    slopes.late_s.push_back(quotient(more->late_s, less->late_s));
+    slopes.amplitude.push_back(quotient(more->amplitude, less->amplitude));
+  }
+  return slopes;
 }
 
 } // namespace goingrate::timing_model

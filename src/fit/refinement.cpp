@@ -51,12 +51,23 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
+  // Where the averaged model is far off, as in swings above a radian, the corrections change with
+  // the clock as much as it does itself: then their slopes are taken as well.
+  constexpr double slow = 0.1;               // of the gain hoped for a round before
+  constexpr std::size_t most_beats = 20'000; // for which slopes are cheap
+  const bool may_be_slow = refined.problem.data->size() <= most_beats &&
+                           !refined.problem.parameters.has(Quantity::drive_rms);
+  double hoped = std::numeric_limits<double>::infinity();
+  bool is_slow = false;
   for (int round = 0; round < rounds; ++round) {
     refined.problem.parameters.start_ratio =
         limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
     auto correction = difference_to(dynamics, refined.problem, refined.minimum.x);
     if (!correction) return false;
     refined.problem.correction = std::move(*correction);
+    if (is_slow)
+      if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
+        refined.problem.correction.slopes = std::move(*slopes);
     const auto here = minus_log_likelihood(refined.problem, refined.minimum.x);
     if (here && *here < best.minimum.value) {
       best = refined;
@@ -67,6 +78,8 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     // At a bound a step goes on hoping for what it cannot have.
     const bool stands = here && std::abs(before - *here) < least_gain;
     if (round > 1 && (step->gain < least_gain || stands)) break;
+    is_slow = is_slow || (may_be_slow && round > 1 && step->gain > slow * hoped);
+    hoped = step->gain;
     before = here.value_or(std::numeric_limits<double>::infinity());
     std::vector<double> moved = refined.minimum.x;
     constexpr double longest_step = 0.3; // along a flat ridge a step of scoring may lead anywhere
@@ -85,6 +98,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   }
   if (!std::isfinite(best.minimum.value)) return false;
   refined = std::move(best);
+  refined.problem.correction.slopes = {}; // at the minimum itself they add nothing
   for (Rival& rival : refined.rivals)
     rival.x = moved_along(rival.x, fitted.minimum.x, refined.minimum.x);
   finish(refined);

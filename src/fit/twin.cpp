@@ -13,19 +13,14 @@ namespace {
 
 using std::numbers::pi;
 
-bool is_free(const Parameters& parameters, Quantity quantity) {
-  const Slot* slot = parameters.find(quantity);
-  return slot != nullptr && slot->free;
-}
-
 bool may_have_twins(const Parameters& parameters) {
   const bool stays_stationary =
       std::all_of(parameters.slots.begin(), parameters.slots.end(), [](const Slot& slot) {
         return slot.event == 0 || slot.quantity == Quantity::T0 || is_of_moment(slot.quantity);
       });
   return parameters.escapement == Escapement::constant_torque && stays_stationary &&
-         is_free(parameters, Quantity::mu) && is_free(parameters, Quantity::phi0) &&
-         is_free(parameters, Quantity::lambda0) && is_free(parameters, Quantity::drive_rms);
+         parameters.is_free(Quantity::mu) && parameters.is_free(Quantity::phi0) &&
+         parameters.is_free(Quantity::lambda0) && parameters.is_free(Quantity::drive_rms);
 }
 
 // What the density shows of clock and drive; without slow drive its pole and zero are 0.
@@ -101,8 +96,8 @@ std::vector<std::optional<std::vector<double>>> twins_of(const FitProblem& probl
   const Root now{1.0 / std::sqrt(clock.amplitude2 / (phi0 * phi0) - 1.0),
                  clock.laws.rate(clock.amplitude2)};
   const Density seen = density_of(clock, parameters, x);
-  const bool has_slow = seen.drive_pole > 0.0 && is_free(parameters, Quantity::slow_rms);
-  const bool T0_is_free = is_free(parameters, Quantity::T0);
+  const bool has_slow = seen.drive_pole > 0.0 && parameters.is_free(Quantity::slow_rms);
+  const bool T0_is_free = parameters.is_free(Quantity::T0);
   const auto twin_at = [&](const Density& other) -> std::optional<std::vector<double>> {
     const double own_epsilon = epsilon * other.clock_pole / seen.clock_pole;
     const auto root = root_of(other.clock_zero / other.clock_pole, own_epsilon, now, T0_is_free);
@@ -117,7 +112,7 @@ std::vector<std::optional<std::vector<double>>> twins_of(const FitProblem& probl
     const auto put = [&](Quantity quantity, double value) {
       twin[parameters.find(quantity)->index] = parameters.find(quantity)->coordinate_of(value);
     };
-    if (is_free(parameters, Quantity::epsilon)) put(Quantity::epsilon, own_epsilon);
+    if (parameters.is_free(Quantity::epsilon)) put(Quantity::epsilon, own_epsilon);
     put(Quantity::mu, mu);
     put(Quantity::phi0, angle);
     put(Quantity::lambda0,
@@ -135,7 +130,7 @@ std::vector<std::optional<std::vector<double>>> twins_of(const FitProblem& probl
   };
   std::vector<std::optional<std::vector<double>>> twins;
   for (const Density& other :
-       choices(seen, has_slow && is_free(parameters, Quantity::epsilon), has_slow))
+       choices(seen, has_slow && parameters.is_free(Quantity::epsilon), has_slow))
     twins.push_back(twin_at(other));
   return twins;
 }

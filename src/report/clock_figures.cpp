@@ -4,6 +4,7 @@
 #include "wording.hpp"
 
 #include "base/scaled_time.hpp"
+#include "fit/gravity_share.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -50,8 +51,9 @@ double median(std::vector<double> values) {
 /// Curves of the rate against the amplitude, each laid through the middle of the points.
 class RateCurves {
 public:
-  RateCurves(const Series& means, const Wording& words)
-      : words_(words), middle_x_(median(means.x)), middle_y_(median(means.y)) {
+  RateCurves(const Series& means, const Wording& words, double gravity_share)
+      : words_(words), gravity_share_(gravity_share), middle_x_(median(means.x)),
+        middle_y_(median(means.y)) {
     const auto [low, high] = std::minmax_element(means.x.begin(), means.x.end());
     constexpr int steps = 40;
     for (int i = 0; i <= steps; ++i)
@@ -61,7 +63,7 @@ public:
   [[nodiscard]] Series circular_error() const {
     std::vector<double> rates;
     for (const double a : amplitude_rad_)
-      rates.push_back(-a * a / 16.0);
+      rates.push_back(-gravity_share_ * a * a / 16.0);
     return curve("circular error", amplitude_rad_, rates, vermilion);
   }
   [[nodiscard]] Series measured_slope(const Isochronism& found) const {
@@ -86,7 +88,7 @@ public:
 
 private:
   const Wording& words_;
-  double middle_x_, middle_y_;
+  double gravity_share_, middle_x_, middle_y_;
   std::vector<double> amplitude_rad_;
 };
 
@@ -97,19 +99,21 @@ std::optional<Figure> rate_amplitude_figure(const Analysis& data) {
   const Wording words(data);
   Series means = stretch_means(data, words);
   if (means.x.size() < 2) return std::nullopt;
-  const RateCurves curves(means, words);
+  const double share = gravity_share_of(data.fit);
+  const RateCurves curves(means, words, share);
   std::string caption =
-      "Points along the curve −A²/16 are a clock whose rate follows its amplitude by the "
-      "circular error alone; off it something else moves the rate, such as the "
-      "escapement. ";
+      fmt::format("Points along the curve −{}A²/16 are a clock whose rate follows its amplitude by "
+                  "the circular "
+                  "error alone; off it something else moves the rate, such as the escapement. ",
+                  share == 1.0 ? "" : fmt::format("{:.3g} ", share));
   std::vector<Series> series{std::move(means), curves.circular_error()};
   const auto& found = data.isochronism;
   if (found && found->curve) {
     const IsochronismCurve& fitted = *found->curve;
-    series.push_back(curves.curve("escapement error", fitted.amplitude_rad, fitted.escapement,
-                                  purple));
-    series.push_back(curves.curve("their sum, the fitted clock", fitted.amplitude_rad, fitted.sum,
-                                  blue));
+    series.push_back(
+        curves.curve("escapement error", fitted.amplitude_rad, fitted.escapement, purple));
+    series.push_back(
+        curves.curve("their sum, the fitted clock", fitted.amplitude_rad, fitted.sum, blue));
     caption += "The escapement error and the sum of both are those of the fitted clock as its "
                "drive varies. ";
   }

@@ -3,7 +3,8 @@
 
 #include "wording.hpp"
 
-#include "goingrate/dynamics/swing_loss.hpp"
+#include "fit/gravity_share.hpp"
+#include "goingrate/clock/restoring.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,24 +52,31 @@ Stretches stretches_of(const Analysis& data, const std::vector<double>& amplitud
   return stretches;
 }
 
+// Of a free swing to a small one. What a wrong scale shows as more than three radians is no swing.
+double period_ratio(double gravity_share, double squared_rad2) {
+  constexpr double least_rad = 1e-6, most_rad = 3.0;
+  return free_period_ratio(gravity_share, std::clamp(std::sqrt(squared_rad2), least_rad, most_rad));
+}
+
 // T0 of the fit, or where it has none of the points.
 double T0_of(const FitSummary& fit, const Stretches& points) {
   const FittedParameter* T0 = fit.find("T0");
   if (T0 != nullptr && std::isfinite(T0->value)) return T0->value;
   std::vector<double> each;
   for (std::size_t i = 0; i < points.period_s.size(); ++i)
-    each.push_back(points.period_s[i] / circular_period_ratio(std::sqrt(points.squared_rad2[i])));
+    each.push_back(points.period_s[i] /
+                   period_ratio(gravity_share_of(fit), points.squared_rad2[i]));
   return median(std::move(each));
 }
 
-Series theory(double T0, double largest_rad2) {
+Series theory(double T0, double gravity_share, double largest_rad2) {
   constexpr int steps = 40;
   Series curve{
       Series::Style::line, fmt::format("theory, T0 = {:.6g} s", T0), {}, {}, {}, {}, vermilion};
   for (int i = 0; i <= steps; ++i) {
     const double squared = largest_rad2 * i / steps;
     curve.x.push_back(squared);
-    curve.y.push_back(i == 0 ? T0 : T0 * circular_period_ratio(std::sqrt(squared)));
+    curve.y.push_back(T0 * period_ratio(gravity_share, squared));
   }
   return curve;
 }
@@ -97,7 +105,7 @@ std::optional<Figure> period_amplitude_figure(const Analysis& data) {
   Stretches points = stretches_of(data, amplitude);
   if (points.period_s.size() < 2) return std::nullopt;
   const double largest = *std::max_element(points.squared_rad2.begin(), points.squared_rad2.end());
-  Series curve = theory(T0_of(data.fit, points), largest);
+  Series curve = theory(T0_of(data.fit, points), gravity_share_of(data.fit), largest);
   Series seen{Series::Style::points,
               points.beats == 1 ? "each period"
                                 : fmt::format("means over {} periods", points.beats),
