@@ -37,14 +37,14 @@ void run(const PaperCommand& options, const GlobalOptions& global) {
       add_figure(options.folder, figure.name, figure.figure, files);
     }
     tell_of_missing_gnuplot(global);
-    if (!found) throw ArgumentError("figure", options.figure, "rate, jump_zoom, jump or quasistat");
+    if (!found) throw ArgumentError("figure", options.figure, "the beginning of a figure's name");
     files.emplace_back(inside(options.folder, "paper.md"), paper_text(results));
     files.emplace_back(inside(options.folder, "paper.html"), paper_page(results));
   }
   files.push_back({options.json == "-" ? "" : "-", paper_text(results)});
   write_whole_files(files);
-  if (!options.folder.empty() && !print_page(inside(options.folder, "paper.html"),
-                                             inside(options.folder, "paper.pdf")))
+  if (!options.folder.empty() &&
+      !print_page(inside(options.folder, "paper.html"), inside(options.folder, "paper.pdf")))
     say(global, "paper.pdf is not made: there is no Chromium or Chrome that prints paper.html");
 }
 
@@ -54,13 +54,17 @@ void add_paper(CLI::App& program, const GlobalOptions& global) {
   auto* command =
       program.add_subcommand("paper", "the paper's figures and numbers, its method beside ours");
   auto options = std::make_shared<PaperCommand>();
-  auto* folder =
-      command->add_option("-o,--output", options->folder,
-                          "folder for paper.html, a companion to the paper (paper.pdf where Chromium is "
-                          "installed), paper.md, and the figures (SVG, PDF, PNG, gnuplot, CSV)");
-  auto* figure = command->add_option("--figure", options->figure,
-                                     "only this one: rate, jump_zoom, jump, quasistat");
-  offers(figure, {"rate", "jump_zoom", "jump", "quasistat"})->needs(folder);
+  auto* folder = command->add_option(
+      "-o,--output", options->folder,
+      "folder for paper.html, a companion to the paper (paper.pdf where Chromium is "
+      "installed), paper.md, and the figures (SVG, PDF, PNG, gnuplot, CSV)");
+  auto* figure = command->add_option(
+      "--figure", options->figure,
+      "only those whose names begin so: modesc, rate, jump_zoom, jump, quasistat, noise, impulse, "
+      "optdriv, moments, harmonics, length");
+  offers(figure, {"modesc", "rate", "jump_zoom", "jump", "quasistat", "noise", "impulse", "optdriv",
+                  "moments", "harmonics", "length"})
+      ->needs(folder);
   command->add_option("--periods", options->paper.periods,
                       "length of the noisy run, at least 10000; the paper's is 4774648");
   command->add_option("--seed", options->paper.seed, "of the driving noise")->check(seed_range());

@@ -1,10 +1,8 @@
 // What the secular 1e-8 at C is made of.
-#include "paper_figures.hpp"
 #include "paper_rates.hpp"
 
-#include "goingrate/clock/restoring.hpp"
-#include "goingrate/dynamics/averaged_pendulum.hpp"
-#include "goingrate/dynamics/moments.hpp"
+#include "base/scaled_time.hpp"
+#include "goingrate/dynamics/swing_loss.hpp"
 
 #include <cmath>
 
@@ -19,13 +17,12 @@ Scenario scenario_of(const ClockParameters& clock, std::int64_t periods, Method 
   return scenario;
 }
 
-// The mean rate over all but the first tenth of a run.
-double mean_rate(const Scenario& scenario) {
+double mean_rate(const Scenario& scenario, std::int64_t settling) {
   ClockRun run(scenario, 0);
   double begin_s = 0.0, end_s = 0.0;
   std::int64_t begin = 0, end = 0;
   while (const auto period = run.next()) {
-    if (period->cycle == *scenario.periods / 10) {
+    if (period->cycle == settling) {
       begin = period->cycle;
       begin_s = period->time_s.value();
     }
@@ -37,86 +34,108 @@ double mean_rate(const Scenario& scenario) {
 }
 
 double rk4_rate(const ClockParameters& clock, Rk4Torque torque) {
-  Scenario scenario = scenario_of(clock, 4000, Method::rk4);
+  // Ten times the 1/(4 pi epsilon) periods in which lambda^2 relaxes from the exact limit cycle to
+  // that of RK4. The mean of the rate over the grid's places wanders, hence the many periods.
+  const auto settling = static_cast<std::int64_t>(10.0 / (2.0 * two_pi * clock.epsilon));
+  constexpr std::int64_t counted = 20'000;
+  Scenario scenario = scenario_of(clock, settling + counted, Method::rk4);
   scenario.method.rk4_torque = torque;
-  return mean_rate(scenario);
+  return mean_rate(scenario, settling);
 }
 
 namespace {
 
-// What the escapement makes of second order, gravity's share being s: the rate of the limit cycle
-// less first order, less friction's own part, less what the free pendulum's circular error has
-// beyond lambda^2/16.
-double second_order_at(double gravity_share) {
-  ClockParameters clock = point_c();
-  clock.gravity_share = gravity_share;
-  const double lambda = *stationary_amplitude(clock);
-  const double circular = gravity_share * (circular_error(lambda) + lambda * lambda / 16.0);
-  return exact_rate(clock) - first_order_rate(clock) - circular +
-         0.5 * clock.epsilon * clock.epsilon;
+// The turning angle of the free swing that loses to C's friction what C's escapement gives, which
+// is 4 mu phi0 whatever the swing: where C goes as friction and torque vanish together.
+double free_angle() {
+  const ClockParameters c = point_c();
+  const auto loss = [&](double angle) { // 2 pi E/Q
+    return two_pi * (1.0 - std::cos(angle)) * c.epsilon * inverse_q_per_friction(angle)[0];
+  };
+  double angle = *stationary_amplitude(c);
+  constexpr int steps = 6; // the loss is nearly quadratic in the angle
+  for (int i = 0; i < steps; ++i)
+    angle *= std::sqrt(4.0 * c.mu * c.phi0 / loss(angle));
+  return angle;
 }
 
-// What a free swing of C's amplitude has beyond eq. ce3, from its exact period. The largest angle
-// of a swing whose cycle mean is lambda is lambda (1 + 5 s lambda^2/192).
-double free_swing_beyond(double gravity_share) {
-  const double lambda = *stationary_amplitude(point_c());
-  const double angle = lambda * (1.0 + gravity_share * 5.0 * lambda * lambda / 192.0);
-  const double ratio = free_period_ratio(gravity_share, angle);
-  return 1.0 / ratio - 1.0 - gravity_share * circular_error(lambda);
+double free_rate() { return 1.0 / circular_period_ratio(free_angle()) - 1.0; }
+
+// The escapement error in a swing that is no sinusoid, per unit of the torque, from a clock with
+// `share` of C's friction and torque: they are the smaller the less second order in them is left.
+double escapement_error_at(double share) {
+  ClockParameters clock = point_c();
+  clock.epsilon *= share;
+  clock.mu *= share;
+  return (exact_rate(clock) - free_rate()) / share;
+}
+
+ClockParameters linear_oscillator() {
+  ClockParameters clock = point_c();
+  clock.gravity_share = 0.0;
+  return clock;
 }
 
 // The rate of a linear oscillator with C's friction and nothing else.
 double rate_by_friction_alone() {
-  Scenario scenario = scenario_of(point_c(), 400, Method::direct);
+  Scenario scenario = scenario_of(linear_oscillator(), 400, Method::direct);
   scenario.clock.escapement = Escapement::none;
-  scenario.clock.gravity_share = 0.0;
   scenario.start_amplitude = *stationary_amplitude(point_c());
-  return mean_rate(scenario);
+  return mean_rate(scenario, 0);
 }
 
-// By how much the circular error of first order in full exceeds -lambda^2/16, of two runs.
-double circular_error_beyond() {
-  const auto rate = [](AveragedOrder order) {
-    const ClockParameters c = point_c();
-    AveragedPendulum pendulum(c, *stationary_amplitude(c), order);
-    double excess = 0.0;
-    constexpr int periods = 1000;
-    for (int i = 0; i < periods; ++i)
-      excess += pendulum.advance().excess / periods;
-    return rate_excess_of(excess);
+// What RK4 adds to the rate of a swing without drive and friction. It is small, so that what the
+// swing loses by RK4 does not change its circular error.
+double phase_error_of_rk4() {
+  ClockParameters clock = point_c();
+  clock.escapement = Escapement::none;
+  clock.epsilon = 0.0;
+  const auto rate = [&](Method method) {
+    constexpr std::int64_t periods = 20'000; // a crossing is interpolated within 5e-7
+    Scenario scenario = scenario_of(clock, periods, method);
+    scenario.start_amplitude = 1e-3;
+    return mean_rate(scenario, 0);
   };
-  return rate(AveragedOrder::first_in_full) - rate(AveragedOrder::first);
+  return rate(Method::rk4) - rate(Method::direct);
 }
 
 } // namespace
 
 std::vector<BudgetPart> budget_at_c() {
-  const ClockParameters c = point_c();
+  const ClockParameters c = point_c(), linear = linear_oscillator();
+  const double lambda = *stationary_amplitude(c);
   const double first = first_order_rate(c), exact = exact_rate(c);
-  const double circular = circular_error_beyond(), friction = rate_by_friction_alone();
-  const double escapement = second_order_at(0.0), free_swing = free_swing_beyond(1.0);
-  // Of first order in s, found where gravity has half a share.
-  const double interplay = 2.0 * (second_order_at(0.5) - escapement - free_swing_beyond(0.5));
-  const double sum = first + circular + friction + escapement + free_swing + interplay;
-  const double rk4 = rk4_rate(c, Rk4Torque::per_stage);
+  const double free_swing = free_rate() + lambda * lambda / 16.0;
+  const double friction = rate_by_friction_alone();
+  const double escapement = exact_rate(linear) - first_order_rate(linear) - friction;
+  // Two small shares leave nothing of second order in friction and torque.
+  const double in_swing =
+      2.0 * escapement_error_at(0.05) - escapement_error_at(0.1) - first_order_rate(linear);
+  const double sum = first + free_swing + friction + escapement + in_swing;
+  const double phase = phase_error_of_rk4(), rk4 = rk4_rate(c, Rk4Torque::per_stage);
   return {
-      {"first order, by eq. statrate", first},
-      {"circular error beyond λ²/16, J1(λ)/λ - 1/2 (eq. ce3): two runs of the "
-       "averaged equations",
-       circular},
+      {"first order: eq. statrate, a formula", first},
+      {"the free swing beyond -λ²/16: the exact period, a quadrature, of the free swing "
+       "that loses to friction what C's does",
+       free_swing},
       {"friction's own part, -ε²/2: a run of a linear oscillator that dies away", friction},
-      {"the free swing beyond eq. ce3: its exact period", free_swing},
-      {"the escapement by itself, second order: the limit cycle of a linear oscillator",
+      {"the escapement error of second order in a linear oscillator: its limit cycle less first "
+       "order and less the line above",
        escapement},
-      {"the escapement in a swing that is no sinusoid, second order: a limit cycle at half of "
-       "gravity's share, doubled",
-       interplay},
+      {"the escapement error of first order in a swing that is no sinusoid: limit cycles with a "
+       "10th "
+       "and a 20th of friction and torque, less the free swing and less first order",
+       in_swing},
       {"sum of these", sum},
       {"the full equation of motion: its limit cycle", exact},
       {"what the sum lacks: third order", exact - sum},
-      {"error of RK4 at dt = 0.03, torque chosen in every stage: a run less the limit cycle",
-       rk4 - exact},
-      {"what RK4 shows, and the paper saw: a run", rk4}};
+      {"RK4's own phase error at dt = 0.03, -dt⁴/120: a run without drive and friction less "
+       "the same by direct integration",
+       phase},
+      {"what RK4 shows at C, the torque chosen in every stage, and the paper saw: a run", rk4},
+      {"what limit cycle and phase error lack of it: where in a step RK4 switches, and the swing "
+       "it loses",
+       rk4 - exact - phase}};
 }
 
 } // namespace goingrate::paper

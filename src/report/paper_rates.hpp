@@ -1,16 +1,20 @@
 // Rates of the paper's clocks, and what is made of them. Private to the report room.
 #pragma once
 
+#include "paper_figures.hpp"
+
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "goingrate/report/paper.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace goingrate::paper {
 
 inline constexpr double step = 0.03; ///< the paper's dt
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 inline double exact_rate(const ClockParameters& clock) { return limit_cycle(clock)->rate_excess; }
 inline double first_order_rate(const ClockParameters& clock) {
@@ -18,14 +22,18 @@ inline double first_order_rate(const ClockParameters& clock) {
 }
 
 Scenario scenario_of(const ClockParameters& clock, std::int64_t periods, Method method);
-/// The mean rate over a run without its first tenth.
-double mean_rate(const Scenario& scenario);
-/// The rate over 4000 periods of the paper's integrator.
+/// The mean rate over a run from its period `settling` on.
+double mean_rate(const Scenario& scenario, std::int64_t settling);
+/// The rate of the paper's integrator, settled to 1e-4 of what it begins with.
 double rk4_rate(const ClockParameters& clock, Rk4Torque torque);
 
+void add_stationary(std::vector<PaperNumber>& numbers);
+void add_jump(std::vector<PaperNumber>& numbers);
+void add_long_run(const NoisyRun& noisy, std::vector<PaperNumber>& numbers);
+void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>& numbers);
 /// What the paper states in words or leaves to the reader.
 void add_statements(std::vector<PaperNumber>& numbers);
-/// Exact rate at C and the parts that make it, each of runs of its own.
+/// Exact rate at C and the parts of second order that make it.
 std::vector<BudgetPart> budget_at_c();
 
 } // namespace goingrate::paper

@@ -24,22 +24,24 @@ struct PaperNumber {
   double sigma = 0.0; ///< of ours, where it comes from a number of random runs; else 0
 };
 
-/// A part of the rate at point C that first order lacks.
+/// A part of the rate at point C, or what it is compared with.
 struct BudgetPart {
   std::string what;
   double rate = 0.0;
 };
 
-/// A figure of the paper.
+/// A figure of the paper, or of what it states in words.
 struct PaperFigure {
-  std::string name; ///< rate, jump_zoom, jump_rate, jump_amplitude, quasistat_gain, quasistat_model
+  std::string name; ///< modesc, rate, jump_zoom, jump_rate, jump_amplitude, quasistat_gain,
+                    ///< quasistat_model; noise_growth, impulse, optdriv_place, optdriv_width,
+                    ///< moments, harmonics, length
   Figure figure;
 };
 
 /// Everything that was recomputed.
 struct PaperResults {
   std::vector<PaperNumber> numbers;
-  std::vector<BudgetPart> budget; ///< each from runs of its own, and what all of them make together
+  std::vector<BudgetPart> budget; ///< its first five add up to the sixth
   std::vector<PaperFigure> figures;
 };
 
@@ -50,7 +52,7 @@ struct PaperOptions {
   std::function<void(std::string_view)> now{}; ///< what is being computed
 };
 
-/// Computes all of it; some 40 s for the paper's own 1e9 steps of RK4. Point C: mu 1.5e-5,
+/// Computes all of it; some 45 s for the paper's own 1e9 steps of RK4. Point C: mu 1.5e-5,
 /// epsilon 1.167245e-4, phi0 0.03. PaperTest.NumbersAreThoseOfTheReferences compares them with
 /// 128-bit values. Throws ArgumentError for fewer periods.
 PaperResults recompute_paper(const PaperOptions& options = {});

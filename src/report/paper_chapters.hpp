@@ -1,0 +1,25 @@
+// The sections of the paper's companion. Private to the report room.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+namespace goingrate::paper {
+
+/// An equation of the paper; `math` is MathML without its outermost element.
+struct Equation {
+  std::string_view label{}, math{};
+};
+
+/// A section of the paper, and where its numbers and figures come from; what is empty is not there.
+struct Chapter {
+  std::string_view id, title, words;
+  std::array<Equation, 6> equations;
+  std::array<std::string_view, 2> wheres;  ///< PaperNumber::where
+  std::array<std::string_view, 3> figures; ///< PaperFigure::name
+};
+
+std::span<const Chapter> chapters();
+
+} // namespace goingrate::paper

@@ -1,0 +1,64 @@
+// Stationary operation: sec. statop and what is quoted of it later.
+#include "paper_rates.hpp"
+
+#include "base/scaled_time.hpp"
+#include "goingrate/dynamics/operating_point.hpp"
+
+#include <cmath>
+
+namespace goingrate::paper {
+
+namespace {
+
+// The friction at which the rate is greatest, at a given torque: a golden-section search.
+template <class Rate> double best_friction(const Rate& rate) {
+  const double share = 0.5 * (std::sqrt(5.0) - 1.0);
+  double low = 1e-4, high = 4e-4;
+  constexpr int rounds = 40; // of a factor 0.618: beyond the flatness of a maximum
+  for (int i = 0; i < rounds; ++i) {
+    const double a = high - share * (high - low), b = low + share * (high - low);
+    (rate(a) > rate(b) ? high : low) = rate(a) > rate(b) ? b : a;
+  }
+  return 0.5 * (low + high);
+}
+
+} // namespace
+
+void add_stationary(std::vector<PaperNumber>& numbers) {
+  const double phi0 = point_a().phi0, epsilon = point_a().epsilon;
+  numbers.push_back({"least torque that keeps A's friction going", "sec. statop", "π/2 ε φ0",
+                     stall_torque(epsilon, phi0), *exact_stall_torque(epsilon, phi0), "",
+                     "the swing is no sinusoid: 5 φ0²/96 of itself lower"});
+  numbers.push_back({"gain at A", "sec. such", "1.1e-4, ~10 s/day",
+                     rk4_rate(point_a(), Rk4Torque::per_stage), exact_rate(point_a()), "",
+                     "RK4's phase error -dt⁴/120 = -6.8e-9, and where in a step it switches"});
+  numbers.push_back({"gain at B", "sec. such", "~2e-4, ~17 s/day",
+                     rk4_rate(point_b(), Rk4Torque::per_stage), exact_rate(point_b()), "",
+                     "the same"});
+  KnownPair nominal;
+  nominal.mu = 1.5e-5;
+  nominal.rate_excess = 0.0;
+  // Of the clocks that this torque keeps at nominal rate, C is the one with the wider swing: the
+  // one whose dashed line in fig. rate is where more torque begins to lose.
+  const auto friction = [&](Equations equations) {
+    const auto points = operating_points(nominal, phi0, equations);
+    return points.empty() ? unknown : points.back().epsilon;
+  };
+  numbers.push_back({"friction at which μ = 1.5e-5 keeps nominal time (C)", "sec. perst",
+                     "1.167245e-4", friction(Equations::first_order), friction(Equations::exact),
+                     "", "first order calls a clock nominal that gains 1.8e-8"});
+  const auto at_mu = [&](double e) { return ClockParameters{2.0, e, 2e-5, phi0}; };
+  numbers.push_back({"friction of the fastest clock at μ = 2e-5", "sec. losgain", "~2.5e-4",
+                     best_friction([&](double e) { return first_order_rate(at_mu(e)); }),
+                     best_friction([&](double e) { return exact_rate(at_mu(e)); }), "",
+                     "the maximum is flat: the rate there differs by 1e-8 only"});
+  const ClockParameters loser{2.0, 5e-5, 1e-5, phi0};
+  numbers.push_back({"rate at ε 5e-5, μ 1e-5", "fig. rate", "loses about 10 s/day",
+                     seconds_per_day * first_order_rate(loser), seconds_per_day * exact_rate(loser),
+                     "s/day", "second order"});
+  numbers.push_back({"amplitude there over φ0", "fig. rate", "about 2",
+                     *stationary_amplitude(loser) / phi0, limit_cycle(loser)->velocity / phi0, "",
+                     "a cycle's mean against φ' at the crossing"});
+}
+
+} // namespace goingrate::paper
