@@ -266,18 +266,33 @@ double noise_of(const Grid& values) {
   return (robust > 0.0 ? robust : rms) / std::sqrt(6.0);
 }
 
+double mean_of_known(std::span<const double> values) {
+  double sum = 0.0, known = 0.0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++known;
+  }
+  return known > 0.0 ? sum / known : unknown;
+}
+
+// By how much the amplitude grows from one push to the next, from the first interval to the last;
+// nothing where these have gaps.
+double growth_of(const Grid& amplitude, double periods) {
+  const auto n = static_cast<std::size_t>(std::lround(periods));
+  const std::span<const double> all(amplitude);
+  const double pushes = static_cast<double>(all.size()) / periods - 1.0;
+  const double growth = (mean_of_known(all.last(n)) - mean_of_known(all.first(n))) / pushes;
+  return std::isfinite(growth) ? growth : 0.0;
+}
+
 // The first `most` cycles.
 Sight seen(const TimingData& data, std::size_t most) {
   Sight sight{on_cycles(data, data.lateness_s, most), {}, unknown};
   if (data.has_amplitude()) {
     sight.amplitude = on_cycles(data, data.amplitude_rad, most);
-    std::vector<double> known;
-    for (const double a : sight.amplitude)
-      if (std::isfinite(a)) known.push_back(a);
-    if (known.empty())
-      sight.amplitude.clear();
-    else
-      sight.mean_amplitude = median(known);
+    sight.mean_amplitude = mean_of_known(sight.amplitude);
+    if (!std::isfinite(sight.mean_amplitude)) sight.amplitude.clear();
   }
   sight.late_noise = noise_of(sight.late);
   sight.amplitude_noise = noise_of(sight.amplitude);
@@ -313,10 +328,11 @@ ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, do
   if (!swing) return found;
   found.gain += swing->gain(swing->tooth);
   found.amplitude_step = swing->tooth;
+  // What is lost between two pushes is in proportion to the amplitude, whatever a push gives.
+  const double fall = swing->tooth.value - growth_of(sight.amplitude, periods);
   const double share = 0.5 / sight.mean_amplitude;
-  const double per_step = share / std::hypot(1.0, share * swing->tooth.value) / (pi * periods);
-  found.epsilon = {std::asinh(share * swing->tooth.value) / (pi * periods),
-                   per_step * swing->tooth.sigma};
+  const double per_step = share / std::hypot(1.0, share * fall) / (pi * periods);
+  found.epsilon = {std::asinh(share * fall) / (pi * periods), per_step * swing->tooth.sigma};
   return found;
 }
 

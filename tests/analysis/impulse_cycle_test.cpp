@@ -56,6 +56,25 @@ TEST(ImpulseCycleTest, TimesAloneShowThemToo) {
   EXPECT_NEAR(data.impulses->lateness.value, peak, 4.0 * data.impulses->lateness.sigma);
 }
 
+// A clock that swings up to its rest, and is pushed harder from the middle of the log on.
+TEST(ImpulseCycleTest, PushesMayGrowOnTheWay) {
+  Scenario scenario = clock_with_rests(15, 5e-6);
+  scenario.periods = 9000;
+  scenario.start_amplitude = 0.02; // of 0.03
+  ClockEvent event;
+  event.at_period = 4500;
+  event.impulse = 1.5 * scenario.clock.impulse;
+  scenario.events = {event};
+  for (const std::uint64_t seed : {13U, 14U, 15U}) {
+    const TimingData data = times_of(scenario, seed);
+    ASSERT_TRUE(data.impulses) << seed;
+    EXPECT_EQ(data.impulses->periods, 15.0) << seed;
+    const auto& epsilon = data.impulses->epsilon;
+    EXPECT_NEAR(epsilon->value, 5e-5, 4.0 * epsilon->sigma) << seed;
+    EXPECT_LT(epsilon->sigma, 0.1 * 5e-5) << seed; // steps that vary by half, 600 of them
+  }
+}
+
 TEST(ImpulseCycleTest, AHippIsTakenOffPushByPush) {
   Scenario scenario = clock_with_rests(1, 5e-6);
   scenario.clock.impulse = 2e-5;

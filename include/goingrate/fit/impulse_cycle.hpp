@@ -31,7 +31,7 @@ struct ImpulseCycle {
   Estimate lateness{0.0,
                     0.0};  ///< of the clock half-way between two pushes, by the circular error, s
   Estimate kick{0.0, 0.0}; ///< how much later the clock is after a push for the push itself, s
-  /// The friction if these pushes are all that drives the clock: asinh(step/(2 A))/(pi N). A strong
+  /// The friction if these pushes alone drive the clock: asinh(fall/(2 A))/(pi N). A strong
   /// tooth of a wheel that turns in N swings looks the same and shows less.
   std::optional<Estimate> epsilon{};
 };
