@@ -3,6 +3,8 @@
 # With --sanitize first: the suite under AddressSanitizer and UndefinedBehaviorSanitizer, then what
 # starts threads, and the fits, under ThreadSanitizer. Takes about two hours on two cores. Left out are tests
 # that build a package of their own and programs from outside (notebooks, Slurm).
+# With --fuzz [SECONDS]: the reader, scenario files and recordings of sound are fuzzed, a minute if not told; ten
+# minutes more go into clang's build with sanitizers of what that needs.
 # With --cluster: batches in shares on a Slurm of one node, under GNU parallel and under Snakemake, one share
 # being killed at work, against one process. Takes two minutes.
 # With --notebooks first: those of data/course/notebooks alone, executed; their pages come to
@@ -25,6 +27,10 @@ if [ "${1:-}" = --sanitize ]; then
   # the programs to list their tests.
   setarch -R cmake --build --preset threads -j2 --target test_base test_dynamics test_spectra test_fit test_drive
   exec setarch -R ctest --preset threads "$@"
+fi
+if [ "${1:-}" = --fuzz ]; then
+  goingrate_setup libgtest-dev clang libclang-rt-dev
+  exec tests/fuzz/run.sh "${2:-60}" build/fuzz
 fi
 if [ "${1:-}" = --cluster ]; then
   goingrate_setup libgtest-dev slurm-wlm parallel snakemake
@@ -49,7 +55,6 @@ if [ "${1:-}" = --notebooks ]; then
   exec tests/python/notebooks.sh /usr/bin/python3 . build/release
 fi
 command -v doxygen > /dev/null || goingrate_setup doxygen # for the library's documentation
-goingrate_setup clang libclang-rt-dev # for the fuzzers alone, which are skipped without
 if [ -n "${CI:-}" ] && [ ! -e build ]; then
   # As a newcomer does on a fresh clone; what the demo builds is not built again.
   ./apps/demo.sh

@@ -196,7 +196,7 @@ TEST_F(CommandTest, AKnockWhileTheDriveWasOffIsNotSuspectedAgain) {
   // The drive is off from 1800 s to 2160 s; residuals are levelled until as long again after it.
   ASSERT_EQ(run("simulate " + scenario("interruption") +
                 " -o log.csv --set drive.fast_rms=0.003 --set sensor.missed=0 --set "
-                "sensor.spurious=0 --set run.periods=4000")
+                "sensor.spurious=0 --set run.periods=2600")
                 .code,
             0);
   const std::string log = content(folder_ / "log.csv");
@@ -208,7 +208,7 @@ TEST_F(CommandTest, AKnockWhileTheDriveWasOffIsNotSuspectedAgain) {
     EXPECT_NE(outcome.out.find("the drive was interrupted"), std::string::npos) << outcome.out;
     return outcome.out;
   };
-  const std::string within = suspicions(1980.0), later = suspicions(7000.0);
+  const std::string within = suspicions(1980.0), later = suspicions(6000.0);
   EXPECT_EQ(within.find("most likely the sensor was moved"), std::string::npos) << within;
   EXPECT_NE(later.find("most likely the sensor was moved"), std::string::npos) << later;
 }
