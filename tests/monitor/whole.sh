@@ -155,6 +155,8 @@ check("nothing is taken", get("/api/now", "POST", "x")[0] in (404, 405) and get(
 slow = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]  # that never ask
 waited = time.time()
 check("thirty that say nothing leave it answering", get("/api/now")[0] == 200 and time.time() - waited < 10)
+for link in slow:
+    link.close()
 listeners = []
 for _ in range(20):
     link = socket.create_connection(("127.0.0.1", port), timeout=10)
@@ -164,7 +166,7 @@ began = time.time()
 check("and twenty that listen", get("/api/now")[0] == 200)
 first = listeners[0].recv(4096).decode(errors="replace")
 check("events are sent", "text/event-stream" in first)
-for link in slow + listeners:
+for link in listeners:
     link.close()
 crowd = [socket.create_connection(("127.0.0.1", port), timeout=2) for _ in range(120)]
 for link in crowd:  # each sends a byte of a request now and then
