@@ -246,7 +246,9 @@ LineReader::LineReader(std::unique_ptr<ByteSource> source, std::string name,
 // Appends what comes next to what is left; false at the end.
 bool LineReader::refill() {
   if (at_end_) return false;
-  if (rest_.size() > longest_line)
+  if (rest_.size() > longest_line && cuts_long_lines_ && started_)
+    cut_rest();
+  else if (rest_.size() > longest_line)
     throw InputError({name_, number_ - counted_from_ + 1, 1},
                      fmt::format("a line of more than {} bytes", longest_line),
                      "a log in lines of text");
@@ -258,6 +260,15 @@ bool LineReader::refill() {
   at_end_ = count == 0;
   rest_ = {buffer_.data(), kept + count};
   return count > 0;
+}
+
+// What is left is the beginning of one line.
+void LineReader::cut_rest() {
+  constexpr std::size_t told = 64; // bytes of it
+  constexpr std::string_view words = " … line cut … ";
+  std::copy(rest_.begin(), rest_.begin() + told, buffer_.begin()); // moves towards the front
+  std::copy(words.begin(), words.end(), buffer_.begin() + told);
+  rest_ = {buffer_.data(), told + words.size()};
 }
 
 void LineReader::settle_line_end() {
