@@ -1,6 +1,7 @@
 // goingrate monitor: a clock watched for years.
 #include "monitor.hpp"
 
+#include "alarm_commands.hpp"
 #include "clock_watch.hpp"
 #include "file_position.hpp"
 #include "server.hpp"
@@ -63,7 +64,8 @@ public:
       : options_(options), global_(global),
         address_(options.listen.empty() ? std::nullopt
                                         : std::optional(parse_address(options.listen))),
-        watch_(watch_options(options)), position_(options.archive), answering_(options.name) {
+        watch_(watch_options(options)), position_(options.archive), commands_(options.on_alarm),
+        answering_(options.name) {
     if (!address_) return;
     server_.emplace(*address_);
     say(global_, fmt::format("listening at port {}", server_->port()));
@@ -132,9 +134,11 @@ private:
     for (const AlarmChange& change : watch_.take_alarm_changes()) {
       say(global_, fmt::format("{} {}: {}", change.is_raised ? "alarm" : "over",
                                name_of(change.kind), change.text));
-      if (!options_.on_alarm.empty())
-        run_on_alarm(options_.on_alarm, std::string(name_of(change.kind)), change.is_raised,
-                     change.text);
+      commands_.run(change);
+    }
+    for (const std::string& failure : commands_.take_failures()) {
+      say(global_, failure);
+      watch_.note(failure, now());
     }
     const auto at = std::chrono::steady_clock::now();
     if (server_ && at - published_ >= std::chrono::seconds(1)) publish(now().wall);
@@ -150,6 +154,7 @@ private:
   std::optional<ListenAddress> address_;
   ClockWatch watch_;
   FilePosition position_;
+  AlarmCommands commands_;
   WatchAnswering answering_;
   std::optional<MonitorServer> server_;
   std::chrono::steady_clock::time_point published_;

@@ -246,9 +246,7 @@ LineReader::LineReader(std::unique_ptr<ByteSource> source, std::string name,
 // Appends what comes next to what is left; false at the end.
 bool LineReader::refill() {
   if (at_end_) return false;
-  if (rest_.size() > longest_line && cuts_long_lines_ && started_)
-    cut_rest();
-  else if (rest_.size() > longest_line)
+  if (rest_.size() > longest_line)
     throw InputError({name_, number_ - counted_from_ + 1, 1},
                      fmt::format("a line of more than {} bytes", longest_line),
                      "a log in lines of text");
@@ -321,6 +319,7 @@ std::optional<Line> LineReader::next() {
         text.remove_suffix(1);
       return Line{text, ++number_, true};
     }
+    if (rest_.size() > longest_line && cuts_long_lines_) cut_rest();
     searched = rest_.size();
     if (refill()) continue;
     if (rest_.empty()) return {};

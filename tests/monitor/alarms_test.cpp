@@ -1,3 +1,4 @@
+#include "alarm_commands.hpp"
 #include "amplitude_fall.hpp"
 #include "monitor/full_disk.hpp"
 #include "monitor/watched_clock.hpp"
@@ -5,6 +6,7 @@
 #include <fstream>
 #include <numbers>
 #include <sqlite3.h>
+#include <thread>
 
 namespace goingrate::apps {
 namespace {
@@ -287,6 +289,22 @@ TEST(AmplitudeFallTest, TheSagOfAWeekIsNone) {
     }
   }
   EXPECT_LE(told, 4); // years
+}
+
+TEST(AlarmCommandsTest, OneThatFailsIsNoticed) {
+  const auto failure_of = [](const std::string& command) {
+    AlarmCommands commands(command);
+    commands.run({AlarmKind::stopped, true, {}, "it's quiet"});
+    for (int tenth = 0; tenth < 300; ++tenth) { // a busy computer's half minute
+      if (const auto failures = commands.take_failures(); !failures.empty()) return failures[0];
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      if (command == "true" && tenth == 10) break;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(failure_of("[ \"$GOINGRATE_ALARM/$GOINGRATE_STATE\" = stopped/raised ] && exit 3"),
+            "the command of alarm stopped failed with code 3");
+  EXPECT_EQ(failure_of("true"), "");
 }
 
 TEST(DailyWaveTest, IsLearntAndTakenOut) {

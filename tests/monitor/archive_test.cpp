@@ -1,7 +1,6 @@
 #include "archive.hpp"
 #include "index.hpp"
 
-#include "file_position.hpp"
 #include "monitor/full_disk.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -242,63 +241,6 @@ TEST_F(MonitorArchiveTest, AnIndexThatIsDamagedIsMadeAgain) {
     }
   }
   EXPECT_TRUE(ArchiveIndex(folder_).days().empty());
-}
-
-class FilePositionTest : public MonitorArchiveTest {
-protected:
-  void SetUp() override {
-    MonitorArchiveTest::SetUp();
-    std::filesystem::create_directories(folder_);
-    log_ = folder_ + "/clock.log";
-    write(log_, 0, 300);
-    FilePosition position(folder_);
-    for (std::uint32_t line = 1; line <= 300; ++line)
-      position.took(log_, line);
-    position.save();
-  }
-  static void write(const std::string& path, int from, int to) {
-    std::ofstream file(path, std::ios::app);
-    for (int n = from; n < to; ++n)
-      file << 1764201600 + n << ".25\n";
-  }
-  // The parts as NAME:LINES.
-  [[nodiscard]] std::string parts() const {
-    std::string text;
-    for (const auto& part : FilePosition(folder_).parts_of(log_))
-      text += std::filesystem::path(part.path).filename().string() + ":" +
-              std::to_string(part.known_lines) + " ";
-    return text;
-  }
-  std::string log_;
-};
-
-TEST_F(FilePositionTest, GoesOnInTheSameFile) {
-  EXPECT_EQ(parts(), "clock.log:300 ");
-  write(log_, 300, 310);
-  EXPECT_EQ(parts(), "clock.log:300 ");
-}
-
-TEST_F(FilePositionTest, ReadsWhatWasRotatedFirst) {
-  write(log_, 300, 310);
-  std::filesystem::rename(log_, log_ + ".1");
-  write(log_, 310, 700);
-  EXPECT_EQ(parts(), "clock.log.1:300 clock.log:0 ");
-  std::filesystem::rename(log_ + ".1", log_ + ".2");
-  std::filesystem::rename(log_, log_ + ".1");
-  EXPECT_EQ(parts(), "clock.log.2:300 clock.log.1:0 clock.log:0 ");
-}
-
-TEST_F(FilePositionTest, ReadsACopyThatWasMadeBeforeTheFileWasCutOff) {
-  std::filesystem::copy(log_, log_ + ".1");
-  std::filesystem::resize_file(log_, 0);
-  write(log_, 310, 700);
-  EXPECT_EQ(parts(), "clock.log.1:300 clock.log:0 ");
-}
-
-TEST_F(FilePositionTest, ReadsAnotherFileFromItsBeginning) {
-  std::filesystem::remove(log_);
-  write(log_, 310, 700);
-  EXPECT_EQ(parts(), "clock.log:0 ");
 }
 
 } // namespace
