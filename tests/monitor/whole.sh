@@ -211,11 +211,20 @@ check "and the one after it" within 20 has_rows rotated 200
 kill $monitor
 wait $monitor || fault=1
 check "by its day" test -s rotated/2025-11-27.csv
+beats 200 250 >> growing.log # while no monitor runs
+mv growing.log growing.log.1
+beats 250 300 > growing.log
+"$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
+monitor=$!
+check "what was rotated while it was down is read first" within 20 has_rows rotated 300
+kill $monitor
+wait $monitor || fault=1
+check "once" test "$(rows rotated)" = 300
 
 # Two monitors of one archive.
 "$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
-beats 200 300 >> growing.log
-check "one keeps it" within 20 has_rows rotated 300
+beats 300 400 >> growing.log
+check "one keeps it" within 20 has_rows rotated 400
 "$goingrate" monitor - --archive rotated < growing.log 2> refused && fault=1
 check "another process is told so" grep -q "another process keeps this archive" refused
 exit $fault
