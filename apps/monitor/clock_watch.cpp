@@ -49,6 +49,7 @@ ClockWatch::ClockWatch(WatchOptions options)
     : options_(std::move(options)), archive_(options_.folder), index_(options_.folder),
       unread_(options_.folder), places_(archive_, options_.place), numbers_(options_.log),
       alarms_(options_.patience_s), diary_(archive_, index_) {
+  goes_on_from_unread_ = !unread_.text().empty();
   log_.source = options_.folder;
   if (options_.log.nominal_period_s > 0.0) log_.nominal_period_s = options_.log.nominal_period_s;
   restore();
@@ -134,7 +135,7 @@ void ClockWatch::add(const Beat& event, const ClockLog& log, const Moment& now) 
 // The first event of a run may go on from what is stored.
 void ClockWatch::meet(const Beat& event, const ClockLog& log) {
   if (!std::exchange(is_first_, false)) return;
-  const bool may_be_read_again = !options_.place.source_is_live || !unread_.text().empty();
+  const bool may_be_read_again = !options_.place.source_is_live || goes_on_from_unread_;
   if (const auto last = places_.meet(event, log, may_be_read_again)) arrivals_.go_on_from(*last);
 }
 

@@ -94,6 +94,7 @@ private:
   ClockLog log_;           // what is known of the source
   bool has_edges_ = false; // an event of the other direction was heard
   bool is_first_ = true;   // no event of this run yet
+  bool goes_on_from_unread_ = false; // lines of the last run are told again
   bool is_holding_ = true; // no event since the source was opened
   std::optional<Moment> last_heard_;
   std::optional<double> last_good_s_, last_sync_s_; // by the steady clock

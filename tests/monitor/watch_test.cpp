@@ -5,7 +5,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 namespace goingrate::apps {
 namespace {
@@ -359,6 +358,22 @@ TEST_F(MonitorWatchTest, LinesThatAreNotRecognisedYetOutliveAKill) {
   EXPECT_EQ(watch.unread(), "");
 }
 
+TEST_F(MonitorWatchTest, ALoggerThatTellsTheSameTimesAgainIsHeard) {
+  for (const std::int64_t start : {0, 200}) {
+    ClockWatch watch(options_);
+    watch.hold("# goingrate log: 1\n", began + static_cast<double>(start));
+    for (std::int64_t n = 0; n < 100; ++n) // a logger that is switched on counts from 0
+      hear_event(watch, event_at({n, 0.0}), static_cast<double>(start + n), n);
+    watch.end(log_, began + static_cast<double>(start + 101));
+    EXPECT_EQ(watch.heard(), 100);
+  }
+  std::size_t rows = 0;
+  const Archive archive(options_.folder);
+  for (const std::string& day : archive.days())
+    rows += archive.events_of(day).size();
+  EXPECT_EQ(rows, 200U);
+}
+
 TEST_F(MonitorWatchTest, LinesThatAreStoredAlreadyAreNotStoredAgain) {
   std::vector<double> times;
   for (std::int64_t n = 0; n < 100; ++n)
@@ -382,30 +397,6 @@ TEST_F(MonitorWatchTest, LinesThatAreStoredAlreadyAreNotStoredAgain) {
     EXPECT_TRUE(watch.unread().empty());
   }
   EXPECT_EQ(Archive(options_.folder).events_of(day_of(began)).size(), 100U);
-}
-
-TEST_F(MonitorWatchTest, LongAnswersAreMadeOnceAMinute) {
-  ClockWatch watch(options_);
-  hear(watch, 0, 610);
-  WatchAnswering answering("x");
-  const std::string before = answering.at(began + 610.0, watch).minutes;
-  hear(watch, 610, 620);
-  EXPECT_EQ(answering.at(began + 620.0, watch).minutes, before);
-  EXPECT_NE(answering.at(began + 670.0, watch).minutes, before); // a minute old
-  hear(watch, 620, 665);
-  EXPECT_NE(answering.at(began + 665.0, watch).minutes.find("[1764202260,"), std::string::npos);
-}
-
-TEST_F(MonitorWatchTest, AnswersAreJsonAndMetrics) {
-  ClockWatch watch(options_);
-  hear(watch, 0, 1000);
-  WatchAnswering answering("the \"Hall\" <clock>\xff");
-  const WatchAnswers& answers = answering.at(began + 1000.0, watch);
-  for (const std::string* text : {&answers.now, &answers.minutes, &answers.hours, &answers.days,
-                                  &answers.alarms, &answers.breaks})
-    EXPECT_TRUE(nlohmann::json::accept(*text)) << *text;
-  EXPECT_NE(answers.metrics.find("goingrate_beats_total 1000"), std::string::npos);
-  EXPECT_NE(answers.metrics.find("goingrate_alarm{kind=\"stopped\"} 0"), std::string::npos);
 }
 
 } // namespace
