@@ -90,7 +90,9 @@ TEST_F(MonitorArchiveTest, ATornLineIsCutOffOfADayThatIsNotTheLast) {
     archive.append(event_at({1764201608, 0.25}));
     archive.append(event_at({1764201609, 0.25}));
   }
-  EXPECT_EQ(Archive(folder_).events_of("2025-11-27").size(), 10U);
+  const auto events = Archive(folder_).events_of("2025-11-27");
+  ASSERT_EQ(events.size(), 10U);
+  EXPECT_EQ(events[8].time, (Instant{1764201608, 0.25}));
 }
 
 TEST_F(MonitorArchiveTest, WhatAFailedSyncLostIsWrittenAgain) {
