@@ -118,13 +118,13 @@ TEST_F(MonitorServerTest, ARequestHasEightKilobytes) {
   std::string many_fields;
   for (int i = 0; i < 10000; ++i)
     many_fields += "X-" + std::to_string(i) + ": " + std::string(90, 'b') + "\r\n";
-  constexpr std::size_t few = 16 << 20; // what sockets of a computer may hold
+  constexpr std::size_t socket_bytes = 16 << 20; // what sockets of a computer may hold
   for (const auto& [begin, goes_on] : {std::pair<std::string, std::string>{"GET /", megabyte},
                                        {"GET / HTTP/1.1\r\nHost: localhost\r\nX: ", megabyte},
                                        {"GET / HTTP/1.1\r\nHost: localhost\r\n", many_fields}}) {
     const Client client(server_.port());
     EXPECT_TRUE(client.says(begin));
-    EXPECT_LT(client.floods(goes_on), few) << begin;
+    EXPECT_LT(client.floods(goes_on), socket_bytes) << begin;
   }
   const std::string full = "GET /api/now HTTP/1.1\r\nHost: localhost\r\nX: ";
   EXPECT_TRUE(ask(full + std::string(8000, 'a') + "\r\n\r\n").starts_with("HTTP/1.1 200"));
