@@ -24,6 +24,8 @@ public:
   void go_on_from(const Beat& event) { last_ = event; }
   /// What can be gone on with now.
   std::vector<Arrival> add(const Beat& event);
+  /// Events that wait for others to go on from them.
+  [[nodiscard]] const std::vector<Beat>& held() const { return held_; }
   /// What was held at the end.
   std::vector<Arrival> rest();
   /// Events that were left out since this was last asked.

@@ -18,6 +18,10 @@ void RollingNumbers::add(const Beat& event) { window_.push_back(event); }
 
 bool RollingNumbers::is_full() const { return window_.size() - handed_out_ >= backlog_beats; }
 
+bool RollingNumbers::is_settling() const {
+  return handed_out_ == 0 && !window_.empty() && window_.size() < settling_beats;
+}
+
 void RollingNumbers::begin_anew() {
   window_.clear();
   handed_out_ = 0;

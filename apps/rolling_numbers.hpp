@@ -22,6 +22,8 @@ public:
   void begin_anew();
   /// Goes on from the last numbered beats of an earlier run.
   void go_on_from(std::vector<Beat> numbered);
+  /// Whether events wait for others to show what they are, at the beginning.
+  [[nodiscard]] bool is_settling() const;
   /// Whether there is so much that it is worth numbering.
   [[nodiscard]] bool is_full() const;
   /// The events that were added, numbered; none until there are enough of them.

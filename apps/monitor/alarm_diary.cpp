@@ -12,10 +12,6 @@ namespace {
 constexpr std::size_t most_records = 500;
 constexpr std::string_view alarm_words = "alarm "; // that a comment of an alarm begins with
 
-AlarmRecord record_of(const AlarmChange& change) {
-  return {change.at.to_double(), std::string(name_of(change.kind)), change.text, change.is_raised};
-}
-
 std::string note_of(const AlarmChange& change) {
   return fmt::format("{}{} {} {}: {}", alarm_words, change.is_raised ? "begins" : "ends",
                      name_of(change.kind), format_instant(change.at, 3), change.text);
@@ -36,6 +32,9 @@ std::optional<AlarmRecord> record_of(const std::string& note) {
   return record;
 }
 
+// As it will be read from its comment, so that the index has it once.
+AlarmRecord record_of(const AlarmChange& change) { return *record_of(note_of(change)); }
+
 } // namespace
 
 void AlarmDiary::restore() {
@@ -46,7 +45,14 @@ void AlarmDiary::restore() {
 void AlarmDiary::rebuild_index(const std::vector<std::string>& days) {
   for (const std::string& day : days)
     for (const std::string& note : archive_.notes_of(day))
-      if (const auto record = record_of(note)) index_.put_alarm(*record);
+      if (const auto record = record_of(note)) put_in_index(*record);
+}
+
+void AlarmDiary::put_in_index(const AlarmRecord& record) {
+  try {
+    index_.put_alarm(record);
+  } catch (const OutputError&) { // it has its comment
+  }
 }
 
 void AlarmDiary::add(const std::vector<AlarmChange>& changes) {
@@ -59,11 +65,11 @@ void AlarmDiary::add(const std::vector<AlarmChange>& changes) {
   while (!unnoted_.empty()) {
     try {
       archive_.note(note_of(unnoted_.front()), unnoted_.front().at);
-      index_.put_alarm(record_of(unnoted_.front()));
-      unnoted_.pop_front();
     } catch (const OutputError&) {
       return;
     }
+    put_in_index(record_of(unnoted_.front()));
+    unnoted_.pop_front();
   }
 }
 

@@ -13,7 +13,8 @@
 namespace goingrate::apps {
 
 /// Notes every alarm that begins or ends in the day's file and in the index. What cannot be written
-/// because the disk is full is written later.
+/// because the disk is full is written later; the index gets from the comments, at the next start,
+/// what it does not take.
 class AlarmDiary {
 public:
   AlarmDiary(Archive& archive, ArchiveIndex& index) : archive_(archive), index_(index) {}
@@ -30,6 +31,8 @@ public:
   std::vector<AlarmChange> take_fresh() { return std::exchange(fresh_, {}); }
 
 private:
+  void put_in_index(const AlarmRecord& record);
+
   Archive& archive_;
   ArchiveIndex& index_;
   std::deque<AlarmRecord> records_;

@@ -17,10 +17,10 @@ struct LastMinutes {
   bool has_beat_error = false;
 };
 
-LastMinutes last_minutes(const GoingBlocks& minutes) {
+LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last) {
   GoingBlock sum;
   const auto& all = minutes.all();
-  const std::size_t end = all.size() - 1; // the last is not complete
+  const std::size_t end = all.size() - (with_last ? 0 : 1);
   for (std::size_t i = end - std::min(end, looked_back_minutes); i < end; ++i) {
     sum.beats += all[i].beats;
     sum.missed += all[i].missed;
@@ -38,8 +38,9 @@ LastMinutes last_minutes(const GoingBlocks& minutes) {
 }
 
 std::string duration(std::int64_t minutes) {
-  return minutes < 60 ? fmt::format("{} min", minutes)
-                      : fmt::format("{:.2g} h", static_cast<double>(minutes) / 60.0);
+  const auto hours = static_cast<double>(minutes) / 60.0;
+  if (minutes < 60) return fmt::format("{} min", minutes);
+  return hours < 48.0 ? fmt::format("{:.2g} h", hours) : fmt::format("{:.0f} days", hours / 24.0);
 }
 
 } // namespace
@@ -119,10 +120,8 @@ void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is
   const std::int64_t minute = minutes.all()[complete].start_s / 60;
   const auto rate =
       rate_.add(rate_wave_.without(minute, minutes.rate_of(complete, nominal_period_s)));
-  const auto amplitude =
-      amplitude_.add(amplitude_wave_.without(minute, minutes.all()[complete].amplitude_rad()));
+  const auto fall = amplitude_.add(minute, minutes.all()[complete].amplitude_rad());
   if (rate) rate_wave_.stepped(rate->size);
-  if (amplitude) amplitude_wave_.stepped(amplitude->size);
   if (is_replay) return;
   if (rate)
     set(AlarmKind::rate_step, true, at,
@@ -131,26 +130,30 @@ void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is
                     duration(2 * rate->minutes)));
   else if (!rate_.is_raised())
     set(AlarmKind::rate_step, false, at, "the rate since the change is taken for the usual one");
-  if (amplitude && amplitude->size < 0.0)
+  if (fall)
     set(AlarmKind::amplitude_falling, true, at,
         fmt::format("the amplitude fell by {:.2g} ± {:.1g} mrad within the last {}",
-                    -amplitude->size * 1e3, amplitude->sigma * 1e3,
-                    duration(2 * amplitude->minutes)));
+                    fall->size * 1e3, fall->sigma * 1e3, duration(fall->minutes)));
   else if (!amplitude_.is_raised())
-    set(AlarmKind::amplitude_falling, false, at, "the amplitude holds");
+    set(AlarmKind::amplitude_falling, false, at, "the amplitude has come back, or holds");
+}
+
+void Alarms::tell_faults(double share, const Instant& at) {
+  constexpr double raises = 0.10; // of the events
+  if (share > raises)
+    set(AlarmKind::sensor_failing, true, at,
+        fmt::format("{:.0f} % of the events of the last {} minutes were missing or false",
+                    100.0 * share, looked_back_minutes));
 }
 
 void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
-  // Shares of events, and of the period, to raise and to clear an alarm at.
-  constexpr double faulty_raises = 0.10, faulty_clears = 0.03;
-  constexpr double uneven_raises = 0.02, uneven_clears = 0.01;
-  const LastMinutes last = last_minutes(going.minutes());
   const Instant at = going.last()->time;
-  if (last.faulty_share > faulty_raises)
-    set(AlarmKind::sensor_failing, true, at,
-        fmt::format("{:.0f} % of the events of the last {} minutes were missing or false",
-                    100.0 * last.faulty_share, looked_back_minutes));
-  else if (last.faulty_share < faulty_clears)
+  // Shares of events, and of the period, to raise and to clear an alarm at.
+  constexpr double faulty_clears = 0.03;
+  constexpr double uneven_raises = 0.02, uneven_clears = 0.01;
+  const LastMinutes last = last_minutes(going.minutes(), false); // the last one is not complete
+  tell_faults(last.faulty_share, at);
+  if (last.faulty_share < faulty_clears)
     set(AlarmKind::sensor_failing, false, at, "the sensor tells nearly every beat again");
   const double uneven = std::abs(last.beat_error_s) / nominal_period_s;
   if (last.has_beat_error && uneven > uneven_raises)
@@ -161,20 +164,33 @@ void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
     set(AlarmKind::out_of_beat, false, at, "the clock is in beat again");
 }
 
-void Alarms::silent(double silence_s, double period_s, const Instant& now) {
+void Alarms::silent(double silence_s, double period_s, const Going& going, const Moment& now) {
+  // Only beats complete a minute.
+  constexpr double minute_s = 60.0;
+  if (silence_s > minute_s && !going.minutes().all().empty())
+    tell_faults(last_minutes(going.minutes(), true).faulty_share, now.wall);
   const double patience = patience_of(period_s);
   if (!(patience > 0.0 && silence_s > patience)) return;
   goes_since_.reset();
-  set(AlarmKind::stopped, true, now,
+  set(AlarmKind::stopped, true, now.wall,
       fmt::format("no beat for {:.3g} s: has the clock stopped?", silence_s));
 }
 
-void Alarms::archive_fails(const Instant& now, const std::string& why) {
-  set(AlarmKind::archive_failing, true, now, why);
+void Alarms::misdated(double error_s, const Moment& now) {
+  set(AlarmKind::sensor_failing, true, now.wall,
+      fmt::format("the source tells a date {:.0f} days {} this computer's",
+                  std::abs(error_s) / seconds_a_day, error_s > 0.0 ? "after" : "before"));
 }
 
-void Alarms::archive_works(const Instant& now) {
-  set(AlarmKind::archive_failing, false, now, "the archive is written again");
+void Alarms::archive_fails(const Moment& now, const std::string& why) {
+  archive_failed_s_ = now.steady_s;
+  set(AlarmKind::archive_failing, true, now.wall, why);
+}
+
+void Alarms::archive_works(const Moment& now) {
+  constexpr double quiet_s = 60.0; // a disk that fails again within it has not recovered
+  if (archive_failed_s_ && now.steady_s - *archive_failed_s_ < quiet_s) return;
+  set(AlarmKind::archive_failing, false, now.wall, "the archive is written again");
 }
 
 } // namespace goingrate::apps

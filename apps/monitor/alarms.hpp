@@ -1,9 +1,11 @@
 // What a clock that is watched is called out for.
 #pragma once
 
+#include "amplitude_fall.hpp"
 #include "daily_wave.hpp"
 #include "going.hpp"
 #include "index.hpp"
+#include "moment.hpp"
 #include "step_alarm.hpp"
 
 #include <array>
@@ -45,10 +47,14 @@ public:
   void heard(const Going& going, double nominal_period_s, bool is_replay);
   /// Goes on from what an earlier run recorded, in order of time.
   void restore(const std::vector<AlarmRecord>& records);
-  /// Nothing was heard for so long.
-  void silent(double silence_s, double period_s, const Instant& now);
-  void archive_fails(const Instant& now, const std::string& why);
-  void archive_works(const Instant& now);
+  /// No good beat was heard for so long: looks at whether it goes, and whether what was heard
+  /// instead is a sensor that fails.
+  void silent(double silence_s, double period_s, const Going& going, const Moment& now);
+  /// The source told a date that is so far from the computer's.
+  void misdated(double error_s, const Moment& now);
+  void archive_fails(const Moment& now, const std::string& why);
+  /// All is on disk. The alarm ends when that has been so for a minute.
+  void archive_works(const Moment& now);
 
   /// What changed since this was last asked.
   std::vector<AlarmChange> take_changes() { return std::exchange(changes_, {}); }
@@ -61,12 +67,15 @@ private:
   void look_at_minutes(const Going& going, double nominal_period_s);
   void goes(const Instant& at, double period_s);
   [[nodiscard]] double patience_of(double period_s) const;
+  void tell_faults(double share, const Instant& at);
   void look_for_steps(const Going& going, double nominal_period_s, bool is_replay);
 
   double patience_s_;
   std::optional<Instant> goes_since_; // while `stopped` is raised
-  DailyWave rate_wave_, amplitude_wave_;
-  StepAlarm rate_, amplitude_;
+  std::optional<double> archive_failed_s_; // by the steady clock
+  DailyWave rate_wave_;
+  StepAlarm rate_;
+  AmplitudeFall amplitude_;
   std::array<std::optional<AlarmChange>, alarm_kinds> raised_;
   std::vector<AlarmChange> changes_;
 };

@@ -70,9 +70,8 @@ Archive::Archive(std::string folder) : folder_(std::move(folder)) {
   const bool is_new = std::filesystem::create_directories(folder_, failed);
   if (failed) throw OutputError(folder_, failed.message());
   if (is_new) sync_folder(std::filesystem::absolute(folder_).lexically_normal().parent_path());
-  const std::string lock = folder_ + "/.lock";
-  lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0) fail(lock);
+  lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) fail(folder_);
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     ::close(lock_);
     throw OutputError(folder_, "another process keeps this archive");
@@ -132,6 +131,8 @@ void Archive::close_day() {
   ::fdatasync(file_);
   ::close(file_);
   file_ = -1;
+  unsynced_.clear();
+  sync_failed_ = false;
 }
 
 void Archive::describe(bool has_edges, std::optional<double> nominal_period_s) {
@@ -145,8 +146,10 @@ void Archive::open_day(const std::string& day) {
   const std::string path = path_of(day);
   struct stat found {};
   const bool is_new = ::stat(path.c_str(), &found) != 0 || found.st_size == 0;
+  if (!is_new) cut_torn_line(path);
   file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) fail(path);
+  synced_bytes_ = ::lseek(file_, 0, SEEK_END);
   day_ = day;
   bool has_header = false;
   std::ifstream written(path);
@@ -191,7 +194,10 @@ void Archive::write(const std::string& text) {
   }
   is_synced_ = false;
   const auto written = ::write(file_, text.data(), text.size());
-  if (written == static_cast<ssize_t>(text.size())) return;
+  if (written == static_cast<ssize_t>(text.size())) {
+    unsynced_ += text;
+    return;
+  }
   const int error = written < 0 ? errno : ENOSPC;
   if (::ftruncate(file_, before.st_size) != 0) errno = error;
   throw OutputError(path_of(day_), std::strerror(error));
@@ -235,6 +241,19 @@ bool Archive::holds(const Instant& time) const {
                      [&](const Beat& event) { return event.time == time; });
 }
 
+std::vector<std::string> Archive::last_notes() const {
+  const auto all = days();
+  if (all.empty()) return {};
+  std::ifstream file(path_of(all.back()));
+  std::vector<std::string> notes;
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("# "))
+      notes.push_back(line.substr(2));
+    else
+      notes.clear();
+  return notes;
+}
+
 void Archive::set_origin(const Instant& origin) {
   origin_ = origin;
   has_origin_ = false;
@@ -247,8 +266,28 @@ void Archive::write_origin() {
 
 void Archive::sync() {
   if (is_synced_) return;
-  if (file_ >= 0 && ::fdatasync(file_) != 0) fail(path_of(day_));
+  if (file_ >= 0) {
+    if (sync_failed_) write_unsynced_again();
+    sync_failed_ = ::fdatasync(file_) != 0;
+    if (sync_failed_) fail(path_of(day_));
+    synced_bytes_ += static_cast<std::int64_t>(unsynced_.size());
+    unsynced_.clear();
+  }
   is_synced_ = true;
+}
+
+// After a failure the system takes its pages for clean, and would tell a success without having
+// written them: the same text in the same place makes them dirty again.
+void Archive::write_unsynced_again() const {
+  const std::string path = path_of(day_);
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC); // the other one only appends
+  if (file < 0) fail(path);
+  const auto written = ::pwrite(file, unsynced_.data(), unsynced_.size(), synced_bytes_);
+  const int error = written < 0 ? errno : ENOSPC;
+  ::close(file);
+  if (written == static_cast<ssize_t>(unsynced_.size())) return;
+  errno = error;
+  fail(path);
 }
 
 } // namespace goingrate::apps

@@ -19,8 +19,9 @@ Beat as_stored(Beat event);
 
 /// Files DIR/YYYY-MM-DD.csv of the native format, the times counted from 1970 (UTC). A line is
 /// handed to the system as soon as it is appended and is safe once sync() returned. What a failure
-/// of power leaves of a line that was not safe yet is cut off when the archive is opened again
-/// (MonitorArchiveTest.ATornLineIsCutOff).
+/// of power leaves of a line that was not safe yet is cut off before the file is appended to again
+/// (MonitorArchiveTest.ATornLineIsCutOff). What a failed sync() may have lost is written again by
+/// the next one (MonitorArchiveTest.WhatAFailedSyncLostIsWrittenAgain).
 class Archive {
 public:
   /// Makes the folder if need be. Throws OutputError if it cannot be written, or if another
@@ -41,6 +42,8 @@ public:
   void note(const std::string& text, const Instant& at);
   /// The comments of a day.
   [[nodiscard]] std::vector<std::string> notes_of(const std::string& day) const;
+  /// Those behind the last event of the last day.
+  [[nodiscard]] std::vector<std::string> last_notes() const;
   /// All that was appended is on disk when it returns. Throws OutputError.
   void sync();
   [[nodiscard]] bool is_synced() const { return is_synced_; }
@@ -65,13 +68,17 @@ private:
   void write(const std::string& text);
   void write_or_close(const std::string& header);
   void write_origin();
+  void write_unsynced_again() const;
   void read_last_day();
   [[nodiscard]] std::vector<Beat> few_events_of(const std::string& day) const;
   [[nodiscard]] std::string path_of(const std::string& day) const;
 
   std::string folder_;
   int lock_ = -1, file_ = -1;
-  std::string day_;       // that is open
+  std::string day_;               // that is open
+  std::string unsynced_;          // its text that is not safe yet
+  std::int64_t synced_bytes_ = 0; // its text that is
+  bool sync_failed_ = false;      // the system may have thrown the unsafe text away
   NativeColumns columns_; // of a new day
   bool day_has_edges_ = false;
   bool is_synced_ = true;

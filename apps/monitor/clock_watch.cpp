@@ -1,5 +1,7 @@
 #include "clock_watch.hpp"
 
+#include "held_notes.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
@@ -47,6 +49,7 @@ ClockWatch::ClockWatch(WatchOptions options)
     : options_(std::move(options)), archive_(options_.folder), index_(options_.folder),
       unread_(options_.folder), places_(archive_, options_.place), numbers_(options_.log),
       alarms_(options_.patience_s), diary_(archive_, index_) {
+  goes_on_from_unread_ = !unread_.text().empty();
   log_.source = options_.folder;
   if (options_.log.nominal_period_s > 0.0) log_.nominal_period_s = options_.log.nominal_period_s;
   restore();
@@ -56,19 +59,20 @@ ClockWatch::ClockWatch(WatchOptions options)
 // that the index does not have: for the minutes, to count on, and for alarms to learn the clock.
 void ClockWatch::restore() {
   const auto days = archive_.days(), indexed = index_.days();
-  const bool agrees = std::includes(days.begin(), days.end(), indexed.begin(), indexed.end());
-  if (!agrees) index_.clear();
+  const bool agrees = std::includes(days.begin(), days.end(), indexed.begin(), indexed.end()) &&
+                      index_.is_of_the_files();
+  if (!agrees) forget_index();
   const std::size_t known = agrees ? indexed.size() - std::min(indexed.size(), learnt_days) : 0;
   const std::string first = known > 0 ? indexed[known] : std::string();
   const auto taken =
       static_cast<std::size_t>(std::lower_bound(days.begin(), days.end(), first) - days.begin());
-  if (!agrees || indexed.empty()) diary_.rebuild_index(days);
+  diary_.rebuild_index({days.begin() + static_cast<std::ptrdiff_t>(taken), days.end()});
   if (taken > 0) {
     std::vector<GoingBlock> hours = index_.hours();
     std::erase_if(hours, [&](const GoingBlock& hour) {
       return day_of({hour.start_s, 0.0}) >= days[taken];
     });
-    going_.restore(hours);
+    going_.restore(hours, index_.first_of_run(days[taken - 1]));
     if (!hours.empty())
       numbers_.go_on_from(numbered_tail(archive_.events_of(days[taken - 1]),
                                         hours.back().last_cycle, options_.log));
@@ -78,6 +82,14 @@ void ClockWatch::restore() {
   diary_.restore();
   alarms_.restore({diary_.records().begin(), diary_.records().end()});
   replay({days.begin() + static_cast<std::ptrdiff_t>(taken), days.end()});
+  if (options_.place.source_is_live) waited_ = still_waiting(archive_.last_notes());
+}
+
+void ClockWatch::forget_index() {
+  try {
+    index_.clear();
+  } catch (const OutputError&) { // another program holds it: days are put again one by one
+  }
 }
 
 void ClockWatch::replay(const std::vector<std::string>& days) {
@@ -92,7 +104,7 @@ void ClockWatch::replay(const std::vector<std::string>& days) {
     take(arrival, true);
 }
 
-void ClockWatch::hold(std::string_view text, const Instant& now) {
+void ClockWatch::hold(std::string_view text, const Moment& now) {
   is_holding_ = true;
   try {
     if (options_.place.source_is_live) unread_.hold(text);
@@ -101,52 +113,78 @@ void ClockWatch::hold(std::string_view text, const Instant& now) {
   }
 }
 
-void ClockWatch::add(const Beat& event, const ClockLog& log, const Instant& now) {
+void ClockWatch::add(const Beat& event, const ClockLog& log, const Moment& now) {
   has_edges_ = has_edges_ || event.edge == Edge::down;
   if (!log_.nominal_period_s) log_.nominal_period_s = log.nominal_period_s;
   archive_.describe(has_edges_ || !log.directions_are_open, log_.nominal_period_s);
-  last_heard_at_ = now;
+  last_heard_ = now;
   is_holding_ = false;
-  if (std::exchange(is_first_, false)) {
-    const bool may_be_read_again = !options_.place.source_is_live || !unread_.text().empty();
-    if (const auto last = places_.meet(event, log, may_be_read_again)) arrivals_.go_on_from(*last);
-  }
+  if (const auto error_s = places_.date_error_s(event, log, now))
+    return keep_misdated(event, *error_s, now);
+  meet(waited_.empty() ? event : waited_.front(), log);
+  for (const Beat& before : std::exchange(waited_, {}))
+    offer(before, log, now);
   if (places_.is_stored(event, log)) return;
   ++heard_;
-  for (const Arrivals::Arrival& arrival : arrivals_.add(event))
-    places_.add(arrival, log, now);
-  note_left_out(arrivals_.take_left_out(), now);
+  offer(event, log, now);
   if (!places_.is_in_burst(log, now)) place(log, now);
   if (numbers_.is_full()) number(numbers_.numbered(log_), false);
   sync(now);
 }
 
-void ClockWatch::note_left_out(const std::vector<Beat>& events, const Instant& now) {
+// The first event of a run may go on from what is stored.
+void ClockWatch::meet(const Beat& event, const ClockLog& log) {
+  if (!std::exchange(is_first_, false)) return;
+  const bool may_be_read_again = !options_.place.source_is_live || goes_on_from_unread_;
+  if (const auto last = places_.meet(event, log, may_be_read_again)) arrivals_.go_on_from(*last);
+}
+
+// One that waits for others is kept as a comment until then.
+void ClockWatch::offer(const Beat& event, const ClockLog& log, const Moment& now) {
+  for (const Arrivals::Arrival& arrival : arrivals_.add(event))
+    places_.add(arrival, log, now);
+  note_left_out(arrivals_.take_left_out(), now);
+  if (!arrivals_.held().empty() && options_.place.source_is_live) note(waiting_note(event), now);
+}
+
+void ClockWatch::keep_misdated(const Beat& event, double error_s, const Moment& now) {
+  ++heard_;
+  note(misdated_note(event, error_s), now);
+  going_.add_spurious();
+  alarms_.misdated(error_s, now);
+  sync(now);
+}
+
+void ClockWatch::note(const std::string& text, const Moment& now) {
+  try {
+    archive_.note(text, now.wall);
+  } catch (const OutputError& error) { // it is no event
+    alarms_.archive_fails(now, error.what());
+  }
+}
+
+void ClockWatch::note_left_out(const std::vector<Beat>& events, const Moment& now) {
   for (const Beat& event : events)
-    try {
-      archive_.note("left out, its time fits nothing: " + format_instant(event.time, 9), now);
-    } catch (const OutputError&) { // it is no event
-    }
+    note(left_out_note(event), now);
 }
 
 // What was heard gets its place in time and waits to be stored.
-void ClockWatch::place(const ClockLog& log, const Instant& now) {
+void ClockWatch::place(const ClockLog& log, const Moment& now) {
   if (places_.is_empty()) return;
-  const auto placed = places_.take(log, *last_heard_at_, numbers_.period_s());
+  const auto placed = places_.take(log, last_heard_->wall, numbers_.period_s());
   note_left_out(placed.left_out, now);
   pending_.insert(pending_.end(), placed.events.begin(), placed.events.end());
   store_pending(now);
 }
 
 // Stored first, used then. What cannot be stored waits.
-void ClockWatch::store_pending(const Instant& now) {
+void ClockWatch::store_pending(const Moment& now) {
   try {
     while (!pending_.empty()) {
       archive_.append(pending_.front().event);
       ++stored_;
       take(pending_.front(), false);
       pending_.pop_front();
-      alarms_.archive_works(now);
     }
   } catch (const OutputError& error) {
     alarms_.archive_fails(now, error.what());
@@ -155,10 +193,9 @@ void ClockWatch::store_pending(const Instant& now) {
   }
 }
 
-void ClockWatch::sync(const Instant& now) {
-  // The computer's clock may be set back.
-  if (archive_.is_synced() || (last_sync_ && std::abs(now - *last_sync_) < sync_every_s)) return;
-  last_sync_ = now;
+void ClockWatch::sync(const Moment& now) {
+  if (archive_.is_synced() || (last_sync_s_ && now.steady_s - *last_sync_s_ < sync_every_s)) return;
+  last_sync_s_ = now.steady_s;
   try {
     archive_.sync();
     acknowledged_ = stored_;
@@ -205,7 +242,9 @@ void ClockWatch::take_beat(const Beat& beat, bool is_replay) {
     complete_day(beat);
   }
   going_.add(beat, missed);
-  if (beat.flag == BeatFlag::good) alarms_.heard(going_, nominal_period_s(), is_replay);
+  if (beat.flag != BeatFlag::good) return;
+  if (!is_replay) last_good_s_ = last_heard_->steady_s; // a beat before it at most
+  alarms_.heard(going_, nominal_period_s(), is_replay);
 }
 
 // The first beat of a new day completes the one before.
@@ -216,12 +255,12 @@ void ClockWatch::complete_day(const Beat& beat) {
   for (const GoingBlock& hour : going_.hours().all())
     if (day_of({hour.start_s, 0.0}) == day) hours.push_back(hour);
   try {
-    index_.put_day(day, hours);
+    index_.put_day(day, hours, going_.first_of_run());
   } catch (const OutputError&) { // it is made again from the files
   }
 }
 
-void ClockWatch::idle(const ClockLog& log, const Instant& now) {
+void ClockWatch::idle(const ClockLog& log, const Moment& now) {
   if (!log_.nominal_period_s) log_.nominal_period_s = log.nominal_period_s;
   place(log, now);
   store_pending(now);
@@ -229,17 +268,25 @@ void ClockWatch::idle(const ClockLog& log, const Instant& now) {
   sync(now);
   if (!is_holding_ && places_.is_empty() && pending_.empty() && archive_.is_synced())
     unread_.clear();
-  if (!last_heard_at_) last_heard_at_ = now; // a clock that stopped before this began
-  alarms_.silent(now - *last_heard_at_, period_s(), now);
+  if (archive_.is_synced() && pending_.empty()) alarms_.archive_works(now);
+  if (!last_good_s_) last_good_s_ = now.steady_s; // a clock that stopped before this began
+  // What is not judged yet may be beats.
+  const bool may_be_beats = numbers_.is_settling() || !places_.is_empty() || !pending_.empty();
+  if (may_be_beats && last_heard_) last_good_s_ = std::max(*last_good_s_, last_heard_->steady_s);
+  alarms_.silent(now.steady_s - *last_good_s_, period_s(), going_, now);
   diary_.add(alarms_.take_changes());
 }
 
-void ClockWatch::end(const ClockLog& log, const Instant& now) {
+bool ClockWatch::is_all_stored() const {
+  return places_.is_empty() && pending_.empty() && arrivals_.held().empty() && archive_.is_synced();
+}
+
+void ClockWatch::end(const ClockLog& log, const Moment& now) {
   for (const Arrivals::Arrival& arrival : arrivals_.rest())
     places_.add(arrival, log, now);
   place(log, now);
   number(numbers_.rest(log_), false);
-  last_sync_.reset();
+  last_sync_s_.reset();
   idle(log, now);
 }
 

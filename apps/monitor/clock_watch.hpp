@@ -7,6 +7,7 @@
 #include "event_places.hpp"
 #include "going.hpp"
 #include "index.hpp"
+#include "moment.hpp"
 #include "unread_lines.hpp"
 
 #include "arrivals.hpp"
@@ -36,17 +37,17 @@ public:
   explicit ClockWatch(WatchOptions options);
 
   /// What the source has said and no event was made of yet: kept on disk until that is.
-  void hold(std::string_view text, const Instant& now);
+  void hold(std::string_view text, const Moment& now);
   /// Lines that were held when the source was last listened to.
   [[nodiscard]] const std::string& unread() const { return unread_.text(); }
   /// No log was found in them.
   void give_up_unread() { unread_.give_up(); }
-  /// An event as the source tells it. `now` counts from 1970.
-  void add(const Beat& event, const ClockLog& log, const Instant& now);
+  /// An event as the source tells it.
+  void add(const Beat& event, const ClockLog& log, const Moment& now);
   /// Called while nothing comes.
-  void idle(const ClockLog& log, const Instant& now);
+  void idle(const ClockLog& log, const Moment& now);
   /// The source has ended.
-  void end(const ClockLog& log, const Instant& now);
+  void end(const ClockLog& log, const Moment& now);
 
   [[nodiscard]] const Going& going() const { return going_; }
   [[nodiscard]] double nominal_period_s() const { return numbers_.nominal_period_s(); }
@@ -57,16 +58,24 @@ public:
   /// Events that are safe on disk, and all that were heard, in this run.
   [[nodiscard]] std::int64_t acknowledged() const { return acknowledged_; }
   [[nodiscard]] std::int64_t heard() const { return heard_; }
+  /// Whether all that was heard is on disk as events or comments, and nothing waits.
+  [[nodiscard]] bool is_all_stored() const;
+  /// A comment for the day's file.
+  void note(const std::string& text, const Moment& now);
   /// Alarms that began or ended since this was last asked.
   std::vector<AlarmChange> take_alarm_changes() { return diary_.take_fresh(); }
 
 private:
   void restore();
+  void forget_index();
   void replay(const std::vector<std::string>& days);
-  void place(const ClockLog& log, const Instant& now);
-  void note_left_out(const std::vector<Beat>& events, const Instant& now);
-  void store_pending(const Instant& now);
-  void sync(const Instant& now);
+  void place(const ClockLog& log, const Moment& now);
+  void meet(const Beat& event, const ClockLog& log);
+  void offer(const Beat& event, const ClockLog& log, const Moment& now);
+  void keep_misdated(const Beat& event, double error_s, const Moment& now);
+  void note_left_out(const std::vector<Beat>& events, const Moment& now);
+  void store_pending(const Moment& now);
+  void sync(const Moment& now);
   void take(const Arrivals::Arrival& arrived, bool is_replay);
   void number(std::vector<Beat> beats, bool is_replay);
   void take_beat(const Beat& beat, bool is_replay);
@@ -85,8 +94,11 @@ private:
   ClockLog log_;           // what is known of the source
   bool has_edges_ = false; // an event of the other direction was heard
   bool is_first_ = true;   // no event of this run yet
+  bool goes_on_from_unread_ = false; // lines of the last run are told again
   bool is_holding_ = true; // no event since the source was opened
-  std::optional<Instant> last_heard_at_, last_sync_;
+  std::optional<Moment> last_heard_;
+  std::optional<double> last_good_s_, last_sync_s_; // by the steady clock
+  std::vector<Beat> waited_; // when the last run ended: not in the archive but as comments
   std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
   std::vector<Gap> gaps_;
   std::deque<CountBreak> breaks_;

@@ -44,20 +44,42 @@ bool EventPlaces::is_stored(const Beat& event, const ClockLog& log) {
   return skips_stored_;
 }
 
-void EventPlaces::add(const Arrival& arrival, const ClockLog& log, const Instant& now) {
-  // Began again while nobody listened, or its clock would be an hour off since it began.
+std::optional<double> EventPlaces::date_error_s(const Beat& event, const ClockLog& log,
+                                                const Moment& now) const {
+  constexpr double a_day_s = 86400.0; // more than any zone of time
+  if (!has_dates(log) || !options_.source_is_live) return {};
+  const double error_s = absolute(event, log) - now.wall;
+  return std::abs(error_s) > a_day_s ? std::optional(error_s) : std::nullopt;
+}
+
+bool EventPlaces::was_set(const Moment& now) {
+  constexpr double rounding_s = 0.01; // NTP sets what is off by more than 0.128 s
+  const double difference_s = now.wall_less_steady_s();
+  const bool was =
+      wall_less_steady_s_ && std::abs(difference_s - *wall_less_steady_s_) > rounding_s;
+  wall_less_steady_s_ = difference_s;
+  return was;
+}
+
+void EventPlaces::add(const Arrival& arrival, const ClockLog& log, const Moment& now) {
+  // It began again while nobody listened, or the computer's calendar was set right, or the source's
+  // clock would be an hour off since it began.
   constexpr double longest_drift_s = 3600.0;
-  const bool is_elsewhere = std::exchange(is_unsure_, false) &&
-                            std::abs(now - absolute(arrival.event, log)) > longest_drift_s;
+  const bool was = was_set(now), is_placed = !has_dates(log) && origin_holds_;
+  const bool is_unsure =
+      std::exchange(is_unsure_, false) || (was && is_placed && options_.source_is_live);
+  const bool is_elsewhere =
+      is_unsure && std::abs(now.wall - absolute(arrival.event, log)) > longest_drift_s;
   if (arrival.begins_anew || is_elsewhere) origin_holds_ = false;
-  if (waiting_.empty()) waiting_since_ = now;
+  if (was && is_elsewhere) goes_on_elsewhere_ = true;
+  if (waiting_.empty()) waiting_since_s_ = now.steady_s;
   waiting_.push_back(arrival);
 }
 
-bool EventPlaces::is_in_burst(const ClockLog& log, const Instant& now) const {
+bool EventPlaces::is_in_burst(const ClockLog& log, const Moment& now) const {
   constexpr double longest_burst_s = 0.2; // a beat takes longer
   return !has_dates(log) && !origin_holds_ && options_.source_is_live && !options_.start &&
-         std::abs(now - waiting_since_) < longest_burst_s;
+         now.steady_s - waiting_since_s_ < longest_burst_s;
 }
 
 // The last event is heard now, or the first one is at `start`; but not before what is stored.
@@ -95,7 +117,8 @@ EventPlaces::Placed EventPlaces::take(const ClockLog& log, const Instant& heard_
     if (event.time.seconds < 0 || event.time.seconds > latest_s)
       placed.left_out.push_back(arrival.event);
     else
-      placed.events.push_back({as_stored(event), has_dates(log) && arrival.begins_anew});
+      placed.events.push_back({as_stored(event), (has_dates(log) && arrival.begins_anew) ||
+                                                     std::exchange(goes_on_elsewhere_, false)});
   }
   waiting_.clear();
   return placed;

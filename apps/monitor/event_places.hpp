@@ -3,6 +3,7 @@
 
 #include "archive.hpp"
 #include "arrivals.hpp"
+#include "moment.hpp"
 
 #include <optional>
 #include <vector>
@@ -30,12 +31,16 @@ public:
   std::optional<Beat> meet(const Beat& event, const ClockLog& log, bool may_be_read_again);
   /// Whether the event is stored already, as the lines of a file are that is read again.
   [[nodiscard]] bool is_stored(const Beat& event, const ClockLog& log);
+  /// Seconds that a date of a live source is after the computer's, if it is more than a day from
+  /// it: a receiver of time that does not know the date yet tells another one.
+  [[nodiscard]] std::optional<double> date_error_s(const Beat& event, const ClockLog& log,
+                                                   const Moment& now) const;
   /// An event that was believed.
-  void add(const Arrival& arrival, const ClockLog& log, const Instant& now);
+  void add(const Arrival& arrival, const ClockLog& log, const Moment& now);
   [[nodiscard]] bool is_empty() const { return waiting_.empty(); }
   /// Whether more must be heard first: lines that a source wrote before it was listened to come in
   /// a burst, and only the last of them tells the time.
-  [[nodiscard]] bool is_in_burst(const ClockLog& log, const Instant& now) const;
+  [[nodiscard]] bool is_in_burst(const ClockLog& log, const Moment& now) const;
 
   /// What was added, some of it with its place and some that has none.
   struct Placed {
@@ -51,11 +56,16 @@ private:
 
   Archive& archive_;
   PlaceOptions options_;
+  /// Whether the computer's calendar was set since this was last asked.
+  [[nodiscard]] bool was_set(const Moment& now);
+
   bool origin_holds_ = false; // times without a date count from the archive's origin
   bool is_unsure_ = false;    // nothing of this run was believed yet
   bool skips_stored_ = false;
   std::vector<Arrival> waiting_;
-  Instant waiting_since_;
+  double waiting_since_s_ = 0.0;
+  std::optional<double> wall_less_steady_s_;
+  bool goes_on_elsewhere_ = false; // the source, which went on, gets another place in time
 };
 
 } // namespace goingrate::apps

@@ -47,7 +47,14 @@ std::optional<double> GoingBlock::beat_error_s() const { return mean(beat_error_
 
 bool GoingBlocks::open(const Instant& time) {
   const std::int64_t start = time.seconds / length_s_ * length_s_;
-  if (!blocks_.empty() && start <= blocks_.back().start_s) return false;
+  const auto is_last = [&] {
+    return !blocks_.empty() && start <= blocks_.back().start_s &&
+           start >= blocks_.back().start_s - length_s_;
+  };
+  if (is_last()) return false;
+  while (!blocks_.empty() && blocks_.back().start_s > start)
+    blocks_.pop_back();
+  if (is_last() && blocks_.back().start_s == start) return false;
   GoingBlock block;
   block.start_s = start;
   blocks_.push_back(block);
@@ -72,7 +79,7 @@ std::optional<Measured> GoingBlocks::rate_over(std::size_t count, double nominal
     if (const auto rate = rate_of(i, nominal_period_s); rate && blocks_[i].run == blocks_[end].run)
       rates.push_back(*rate);
   if (rates.size() < fewest_rates) return {};
-  return Measured{mean_of(rates), sigma_with_wander(rates)};
+  return Measured{mean_of(rates), sigma_with_wander(rates), rates.size()};
 }
 
 void GoingBlocks::merge(const GoingBlock& part) {
@@ -90,13 +97,15 @@ void GoingBlocks::merge(const GoingBlock& part) {
   block.run = part.run;
 }
 
-void Going::restore(const std::vector<GoingBlock>& hours) {
+void Going::restore(const std::vector<GoingBlock>& hours, const std::optional<Beat>& first_of_run) {
   for (const GoingBlock& hour : hours) {
     hours_.merge(hour);
     days_.merge(hour);
     beats_ += hour.beats;
     run_ = hour.run;
   }
+  first_of_run_ = first_of_run;
+  if (first_of_run_) run_of_first_ = run_;
 }
 
 // The downward crossing lies between the upward one before it and this one.
@@ -110,16 +119,17 @@ void Going::add_beat_error(const Beat& up) {
   });
 }
 
+void Going::add_spurious() {
+  if (last_) each_length([](GoingBlocks& blocks) { ++blocks.last().spurious; });
+}
+
 void Going::add(const Beat& beat, std::int64_t missed_before) {
   minute_is_new_ = false;
   if (beat.flag == BeatFlag::down) {
     last_down_ = beat;
     return;
   }
-  if (beat.flag != BeatFlag::good) {
-    if (last_) each_length([](GoingBlocks& blocks) { ++blocks.last().spurious; });
-    return;
-  }
+  if (beat.flag != BeatFlag::good) return add_spurious();
   minute_is_new_ = minutes_.open(beat.time);
   hours_.open(beat.time);
   days_.open(beat.time);

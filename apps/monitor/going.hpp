@@ -28,6 +28,7 @@ struct GoingBlock {
 /// A number with its standard deviation.
 struct Measured {
   double value = 0.0, sigma = 0.0;
+  std::size_t blocks = 0; ///< that it is the mean of
 };
 
 /// Blocks of one length, the oldest forgotten: constant memory.
@@ -35,8 +36,9 @@ class GoingBlocks {
 public:
   GoingBlocks(std::int64_t length_s, std::size_t most) : length_s_(length_s), most_(most) {}
 
-  /// The block that holds `time`; whether it is a new one. Times before the last block's stay in
-  /// the last.
+  /// The block that holds `time`; whether it is a new one. A time one block before the last stays
+  /// in the last; one before that is of a source whose dates fell back: blocks behind it are
+  /// forgotten.
   bool open(const Instant& time);
   [[nodiscard]] GoingBlock& last() { return blocks_.back(); }
   [[nodiscard]] const std::deque<GoingBlock>& all() const { return blocks_; }
@@ -60,10 +62,13 @@ private:
 class Going {
 public:
   void add(const Beat& beat, std::int64_t missed_before);
+  /// An event that is no beat.
+  void add_spurious();
   /// What follows is not counted on from what was before without doubt.
   void break_count() { ++run_; }
-  /// Takes the hours of an earlier time for granted, in order.
-  void restore(const std::vector<GoingBlock>& hours);
+  /// Takes the hours of an earlier time for granted, in order, and the first beat of their last
+  /// run.
+  void restore(const std::vector<GoingBlock>& hours, const std::optional<Beat>& first_of_run);
 
   [[nodiscard]] const GoingBlocks& minutes() const { return minutes_; }
   [[nodiscard]] const GoingBlocks& hours() const { return hours_; }
@@ -71,6 +76,7 @@ public:
   /// Whether the last beat opened a new minute; then the one before is complete.
   [[nodiscard]] bool minute_is_new() const { return minute_is_new_; }
   [[nodiscard]] const std::optional<Beat>& last() const { return last_; }
+  [[nodiscard]] const std::optional<Beat>& first_of_run() const { return first_of_run_; }
   [[nodiscard]] std::int64_t beats() const { return beats_; }
   /// The clock's error, s, since the first beat of the run that goes on now: positive, fast.
   [[nodiscard]] std::optional<double> deviation_s(double nominal_period_s) const;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <sqlite3.h>
+#include <sys/stat.h>
 
 namespace goingrate::apps {
 
@@ -11,8 +12,9 @@ namespace {
 
 constexpr const char* schema = R"(
 PRAGMA journal_mode = WAL;
-PRAGMA user_version = 1;
-CREATE TABLE IF NOT EXISTS day (day TEXT PRIMARY KEY);
+PRAGMA user_version = 2;
+CREATE TABLE IF NOT EXISTS day (day TEXT PRIMARY KEY, bytes INTEGER, changed INTEGER,
+  first_seconds INTEGER, first_fraction REAL, first_cycle INTEGER);
 CREATE TABLE IF NOT EXISTS hour (start INTEGER PRIMARY KEY, beats INTEGER, missed INTEGER,
   spurious INTEGER, amplitude_sum REAL, amplitudes INTEGER, beat_error_sum REAL,
   beat_errors INTEGER, last_seconds INTEGER, last_fraction REAL, last_cycle INTEGER, run INTEGER);
@@ -22,6 +24,18 @@ CREATE TABLE IF NOT EXISTS alarm (at REAL, kind TEXT, raised INTEGER, text TEXT,
   UNIQUE (at, kind, raised));
 )";
 
+// Of a file: its size and when it was last changed, ns since 1970; zeros where there is none.
+struct FileState {
+  std::int64_t bytes = 0, changed_ns = 0;
+  bool operator==(const FileState&) const = default;
+};
+
+FileState state_of(const std::string& path) {
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0) return {};
+  return {found.st_size, found.st_mtim.tv_sec * 1'000'000'000 + found.st_mtim.tv_nsec};
+}
+
 } // namespace
 
 struct ArchiveIndex::Database {
@@ -30,9 +44,26 @@ struct ArchiveIndex::Database {
 
   ~Database() { sqlite3_close(handle); }
 
-  [[nodiscard]] bool open() {
-    return sqlite3_open(path.c_str(), &handle) == SQLITE_OK &&
-           sqlite3_exec(handle, schema, nullptr, nullptr, nullptr) == SQLITE_OK && is_sound();
+  // SQLITE_OK, or why it cannot be used.
+  [[nodiscard]] int open() {
+    constexpr int patience_ms = 100; // of another program that reads it: beats must not wait long
+    int code = sqlite3_open(path.c_str(), &handle);
+    if (code == SQLITE_OK) code = sqlite3_busy_timeout(handle, patience_ms);
+    if (code == SQLITE_OK && is_older())
+      code = sqlite3_exec(handle, "DROP TABLE day; DROP TABLE hour;", nullptr, nullptr, nullptr);
+    if (code == SQLITE_OK) code = sqlite3_exec(handle, schema, nullptr, nullptr, nullptr);
+    if (code != SQLITE_OK) return code;
+    return is_sound() ? SQLITE_OK : SQLITE_CORRUPT;
+  }
+  // Whether its days are those of an earlier form, which are made again.
+  [[nodiscard]] bool is_older() const {
+    std::string version;
+    const auto keep = [](void* to, int, char** columns, char**) {
+      *static_cast<std::string*>(to) = columns[0] != nullptr ? columns[0] : "";
+      return 0;
+    };
+    sqlite3_exec(handle, "PRAGMA user_version", keep, &version, nullptr);
+    return version == "1";
   }
   [[nodiscard]] bool is_sound() const {
     std::string says;
@@ -109,16 +140,23 @@ private:
 
 } // namespace
 
-ArchiveIndex::ArchiveIndex(const std::string& folder) : database_(std::make_unique<Database>()) {
-  database_->path = folder + "/.index.sqlite";
-  if (database_->open()) return;
-  const std::string path = database_->path;
-  database_ = std::make_unique<Database>();
-  database_->path = path;
-  std::error_code ignored;
-  for (const char* end : {"", "-wal", "-shm"})
-    std::filesystem::remove(path + end, ignored);
-  if (!database_->open()) database_->fail();
+ArchiveIndex::ArchiveIndex(const std::string& folder) : folder_(folder) {
+  const auto opened = [this](const std::string& path) {
+    database_ = std::make_unique<Database>();
+    database_->path = path;
+    return database_->open();
+  };
+  const std::string path = folder + "/.index.sqlite";
+  const int code = opened(path);
+  if (code == SQLITE_OK) return;
+  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) {
+    database_.reset();
+    std::error_code ignored;
+    for (const char* end : {"", "-wal", "-shm"})
+      std::filesystem::remove(path + end, ignored);
+    if (opened(path) == SQLITE_OK) return;
+  }
+  if (opened(":memory:") != SQLITE_OK) database_->fail();
 }
 
 ArchiveIndex::~ArchiveIndex() = default;
@@ -129,6 +167,31 @@ std::vector<std::string> ArchiveIndex::days() const {
   while (select.step())
     days.push_back(select.text());
   return days;
+}
+
+std::optional<Beat> ArchiveIndex::first_of_run(const std::string& day) const {
+  Statement select(database_->handle,
+                   "SELECT first_seconds, first_fraction, first_cycle FROM day WHERE day = ? AND "
+                   "first_cycle IS NOT NULL");
+  if (!select.bind(day).step()) return {};
+  Instant at;
+  at.seconds = select.whole();
+  at.fraction = select.real();
+  Beat first = event_at(at);
+  first.cycle = select.whole();
+  return first;
+}
+
+bool ArchiveIndex::is_of_the_files() const {
+  Statement select(database_->handle, "SELECT day, bytes, changed FROM day");
+  while (select.step()) {
+    const std::string path = folder_ + "/" + select.text() + ".csv";
+    FileState put;
+    put.bytes = select.whole();
+    put.changed_ns = select.whole();
+    if (!(put == state_of(path))) return false;
+  }
+  return true;
 }
 
 std::vector<GoingBlock> ArchiveIndex::hours() const {
@@ -187,7 +250,8 @@ std::vector<AlarmRecord> ArchiveIndex::alarms() const {
   return alarms;
 }
 
-void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>& hours) {
+void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>& hours,
+                           const std::optional<Beat>& first_of_run) {
   const Transaction transaction(database_->handle);
   database_->run("BEGIN");
   for (const GoingBlock& h : hours) {
@@ -199,8 +263,14 @@ void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>
     insert.step();
     if (!insert.is_done()) database_->fail();
   }
-  Statement insert(database_->handle, "INSERT OR REPLACE INTO day VALUES (?)");
-  insert.bind(day).step();
+  Statement insert(database_->handle, "INSERT OR REPLACE INTO day VALUES (?, ?, ?, ?, ?, ?)");
+  const FileState file = state_of(folder_ + "/" + day + ".csv");
+  insert.bind(day).bind(file.bytes).bind(file.changed_ns);
+  if (first_of_run) {
+    insert.bind(first_of_run->time.seconds).bind(first_of_run->time.fraction);
+    insert.bind(first_of_run->cycle);
+  }
+  insert.step();
   if (!insert.is_done()) database_->fail();
   database_->run("COMMIT");
 }

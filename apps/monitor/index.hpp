@@ -23,9 +23,10 @@ struct AlarmRecord {
   bool is_raised = false;
 };
 
-/// DIR/.index.sqlite, hidden so that the folder is a log. Throws OutputError where it cannot be
-/// written. A file that is no such index, or a damaged one, is replaced
-/// (MonitorArchiveTest.TheIndexIsMadeAgainFromNothing, .AnIndexThatIsDamagedIsMadeAgain).
+/// DIR/.index.sqlite, hidden so that the folder is a log. A change throws OutputError where it
+/// cannot be written. A file that is no such index, or a damaged one, is replaced
+/// (MonitorArchiveTest.TheIndexIsMadeAgainFromNothing, .AnIndexThatIsDamagedIsMadeAgain); one that
+/// cannot be opened for another reason stays, and what is put is kept in memory.
 class ArchiveIndex {
 public:
   explicit ArchiveIndex(const std::string& folder);
@@ -36,7 +37,12 @@ public:
   [[nodiscard]] std::vector<GoingBlock> hours() const;
   [[nodiscard]] std::vector<CountBreak> breaks() const;
   [[nodiscard]] std::vector<AlarmRecord> alarms() const;
-  void put_day(const std::string& day, const std::vector<GoingBlock>& hours);
+  /// The first beat of the run that went on at the end of a day.
+  [[nodiscard]] std::optional<Beat> first_of_run(const std::string& day) const;
+  /// Whether the files of its days are as long and as old as they were when these were put.
+  [[nodiscard]] bool is_of_the_files() const;
+  void put_day(const std::string& day, const std::vector<GoingBlock>& hours,
+               const std::optional<Beat>& first_of_run);
   void put_break(const CountBreak& gap);
   void put_alarm(const AlarmRecord& alarm);
   /// Everything is forgotten.
@@ -44,6 +50,7 @@ public:
 
 private:
   struct Database;
+  std::string folder_;
   std::unique_ptr<Database> database_;
 };
 

@@ -1,7 +1,9 @@
 // goingrate monitor: a clock watched for years.
 #include "monitor.hpp"
 
+#include "alarm_commands.hpp"
 #include "clock_watch.hpp"
+#include "file_position.hpp"
 #include "server.hpp"
 #include "source.hpp"
 
@@ -34,10 +36,12 @@ extern "C" void end_watch(int number) {
   std::signal(number, SIG_DFL);
 }
 
-Instant now() {
+Moment now() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
-  return {ns / 1'000'000'000, static_cast<double>(ns % 1'000'000'000) * 1e-9};
+  const auto running = std::chrono::steady_clock::now().time_since_epoch();
+  return {{ns / 1'000'000'000, static_cast<double>(ns % 1'000'000'000) * 1e-9},
+          std::chrono::duration<double>(running).count()};
 }
 
 WatchOptions watch_options(const MonitorOptions& options) {
@@ -60,18 +64,23 @@ public:
       : options_(options), global_(global),
         address_(options.listen.empty() ? std::nullopt
                                         : std::optional(parse_address(options.listen))),
-        watch_(watch_options(options)), answering_(options.name) {
+        watch_(watch_options(options)), position_(options.archive), commands_(options.on_alarm),
+        answering_(options.name) {
     if (!address_) return;
     server_.emplace(*address_);
     say(global_, fmt::format("listening at port {}", server_->port()));
-    publish(now());
+    publish(now().wall);
   }
 
   // Until the source ends, or a signal comes. A source that fails is opened again.
   void run() {
     while (!is_to_end) {
       try {
-        follow();
+        if (!is_file(options_.source))
+          follow({options_.source});
+        else
+          for (const FilePosition::Part& part : position_.parts_of(options_.source))
+            follow(part);
         if (ends_for_good(options_.source)) break;
       } catch (const InputError& error) {
         watch_.give_up_unread();
@@ -88,23 +97,36 @@ public:
   }
 
 private:
-  void follow() {
-    const OpenSource source(options_.source);
+  void follow(const FilePosition::Part& part) {
+    const OpenSource source(part.path);
+    const bool may_grow = part.path == options_.source;
     ClockLog known;
     const auto wait = [&](std::string_view held) {
       if (!held.empty()) watch_.hold(held, now());
       watch_.idle(known, now());
+      save_position();
       tell();
-      return !is_to_end;
+      return may_grow && !is_to_end;
     };
     LogFollower log(source.path(), reading_options(options_.log), wait, watch_.unread());
     known = log.log();
+    std::uint32_t known_lines = part.known_lines, last_line = 0;
     for (auto event = log.next(); event && !is_to_end; event = log.next()) {
+      if (event->line < last_line) known_lines = 0; // of another file in its place
+      last_line = event->line;
+      if (event->line <= known_lines) continue;
       watch_.add(*event, log.log(), now());
+      if (is_file(options_.source)) position_.took(part.path, event->line);
+      save_position();
       tell();
     }
-    watch_.end(log.log(), now());
+    if (may_grow) watch_.end(log.log(), now());
+    save_position();
     tell();
+  }
+
+  void save_position() {
+    if (watch_.is_all_stored()) position_.save();
   }
 
   // Alarms at once, answers once a second.
@@ -112,12 +134,14 @@ private:
     for (const AlarmChange& change : watch_.take_alarm_changes()) {
       say(global_, fmt::format("{} {}: {}", change.is_raised ? "alarm" : "over",
                                name_of(change.kind), change.text));
-      if (!options_.on_alarm.empty())
-        run_on_alarm(options_.on_alarm, std::string(name_of(change.kind)), change.is_raised,
-                     change.text);
+      commands_.run(change);
+    }
+    for (const std::string& failure : commands_.take_failures()) {
+      say(global_, failure);
+      watch_.note(failure, now());
     }
     const auto at = std::chrono::steady_clock::now();
-    if (server_ && at - published_ >= std::chrono::seconds(1)) publish(now());
+    if (server_ && at - published_ >= std::chrono::seconds(1)) publish(now().wall);
   }
 
   void publish(const Instant& at) {
@@ -129,6 +153,8 @@ private:
   const GlobalOptions& global_;
   std::optional<ListenAddress> address_;
   ClockWatch watch_;
+  FilePosition position_;
+  AlarmCommands commands_;
   WatchAnswering answering_;
   std::optional<MonitorServer> server_;
   std::chrono::steady_clock::time_point published_;

@@ -1,5 +1,7 @@
 #include "server.hpp"
 
+#include "guarded_server.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <arpa/inet.h>
@@ -12,7 +14,6 @@
 #include <fmt/format.h>
 #include <functional>
 #include <future>
-#include <httplib.h>
 #include <mutex>
 #include <semaphore>
 #include <thread>
@@ -59,7 +60,7 @@ bool is_this_computer(const std::string& host) {
 // until there is room, so that no client takes the files that the archive needs.
 class BoundedPool : public httplib::TaskQueue {
 public:
-  explicit BoundedPool(std::ptrdiff_t threads)
+  explicit BoundedPool(int threads)
       : pool_(static_cast<std::size_t>(threads)), room_(2 * threads) {}
   void enqueue(std::function<void()> task) override {
     while (!room_.try_acquire_for(std::chrono::milliseconds(100)))
@@ -138,17 +139,7 @@ struct MonitorServer::Parts {
 
   void set_up(const std::string& host) {
     if (is_this_computer(host)) refuse_other_names();
-    // A connection holds a thread, also one that says nothing: sixteen listeners and the silent of
-    // two seconds leave some to answer.
-    constexpr std::ptrdiff_t threads = 64;
-    constexpr std::time_t silence_s = 2;
     server.new_task_queue = [] { return new BoundedPool(threads); };
-    constexpr std::size_t most_request_bytes = 8192;
-    server.set_payload_max_length(most_request_bytes);
-    server.set_read_timeout(silence_s);
-    server.set_write_timeout(10);
-    server.set_keep_alive_max_count(100);
-    server.set_keep_alive_timeout(silence_s);
     server.set_default_headers(
         {{"Content-Security-Policy",
           "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -169,7 +160,8 @@ struct MonitorServer::Parts {
     serve_events();
   }
 
-  httplib::Server server;
+  static constexpr int threads = 64;            // a connection holds one
+  GuardedServer server{threads / 2, "/events"}; // one address leaves half of them to others
   std::thread thread;
   std::promise<void> ended;
   std::mutex mutex;

@@ -17,12 +17,11 @@ struct ListenAddress {
 /// Throws ArgumentError naming `option` for what is no such address.
 ListenAddress parse_address(const std::string& text);
 
-/// Serves the page, /api/…, /metrics and /events (server-sent events) from 64 threads of its own;
-/// as many connections wait for one. A request may have 8 KiB; a connection that says nothing for
-/// two seconds, or takes nothing for ten, is closed; at most sixteen listen to events, others are
-/// told to come again. A client that sends byte by byte can hold a thread, and 64 of them the page,
-/// but not the archive. Where it listens to this computer alone, a request for another name than
-/// localhost or an address is refused, so that no page of the web reads it through a name of its own.
+/// Serves the page, /api/…, /metrics and /events (server-sent events) from 64 threads of its own,
+/// of which one address has half at most; as many connections wait for one. What a request may cost
+/// is bounded (GuardedServer). At most sixteen listen to events, others are told to come again.
+/// Where it listens to this computer alone, a request for another name than localhost or an address
+/// is refused, so that no page of the web reads it through a name of its own.
 class MonitorServer {
 public:
   /// Listens at once. Throws OutputError if the address cannot be used.

@@ -1,5 +1,6 @@
 #include "source.hpp"
 
+#include "child.hpp"
 #include "sound_events.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -47,16 +48,6 @@ speed_t code_of(const std::string& speed) {
   throw ArgumentError("the speed of the serial line", speed,
                       "one of 1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, "
                       "921600");
-}
-
-// A child has neither the monitor's signals nor its files: not the lock, not the port.
-void stand_alone(int kept) {
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE})
-    std::signal(number, SIG_DFL);
-  ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
-  constexpr int first_own = 3;
-  if (kept > first_own) ::close_range(first_own, static_cast<unsigned>(kept) - 1, 0);
-  ::close_range(static_cast<unsigned>(std::max(kept + 1, first_own)), ~0U, 0);
 }
 
 } // namespace
@@ -124,21 +115,6 @@ void OpenSource::open_sound(const std::string& device) {
   held_ = pipe[0];
   if (listener_ < 0) throw InputError({device}, std::strerror(errno), "a process");
   path_ = fmt::format("/dev/fd/{}", pipe[0]);
-}
-
-void run_on_alarm(const std::string& command, const std::string& kind, bool is_raised,
-                  const std::string& text) {
-  const pid_t child = ::fork();
-  if (child > 0) ::waitpid(child, nullptr, 0);
-  if (child != 0) return;
-  if (::fork() != 0) std::_Exit(0); // the command is nobody's child: none has to wait for it
-  ::setenv("GOINGRATE_ALARM", kind.c_str(), 1);
-  ::setenv("GOINGRATE_STATE", is_raised ? "raised" : "cleared", 1);
-  ::setenv("GOINGRATE_TEXT", text.c_str(), 1);
-  stand_alone(STDERR_FILENO);
-  ::execlp("timeout", "timeout", "-k", "5", "60", "/bin/sh", "-c", command.c_str(), nullptr);
-  ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr); // where there is no such program
-  std::_Exit(127);
 }
 
 } // namespace goingrate::apps

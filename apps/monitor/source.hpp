@@ -35,9 +35,4 @@ private:
   pid_t listener_ = 0; // of the sound
 };
 
-/// Runs a command of the shell, with nothing to read, and does not wait for it; after a minute it
-/// is ended.
-void run_on_alarm(const std::string& command, const std::string& kind, bool is_raised,
-                  const std::string& text);
-
 } // namespace goingrate::apps

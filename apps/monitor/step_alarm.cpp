@@ -62,7 +62,7 @@ std::optional<FoundStep> StepAlarm::add_to(std::size_t scale, double mean) {
     const double difference = mean - level, sigma = std::sqrt(s.square);
     if (s.differences >= fewest_differences && sigma > 0.0 &&
         std::abs(difference) > sigma * s.limit)
-      return FoundStep{difference, sigma, minutes_of(scale)};
+      return FoundStep{difference, sigma, level, minutes_of(scale)};
     if (s.differences < most_differences) {
       s.differences += 1.0;
       s.limit = limit(scale, s.differences, false_alarms_a_year_);

@@ -12,6 +12,7 @@ namespace goingrate::apps {
 /// A change that was found.
 struct FoundStep {
   double size = 0.0, sigma = 0.0;
+  double level = 0.0;       ///< before it
   std::int64_t minutes = 0; ///< of the means that were compared
 };
 

@@ -19,7 +19,9 @@ Json value_or_null(const std::optional<double>& value) {
 
 Json rate_json(const std::optional<Measured>& rate) {
   if (!rate) return nullptr;
-  return {{"s_per_day", rate->value * seconds_a_day}, {"sigma", rate->sigma * seconds_a_day}};
+  return {{"s_per_day", rate->value * seconds_a_day},
+          {"sigma", rate->sigma * seconds_a_day},
+          {"blocks", rate->blocks}};
 }
 
 // The whole past in days, since single hours of a year are many.
@@ -74,6 +76,8 @@ Json now_json(const ClockWatch& watch, const std::string& name, const Instant& n
           {"beats", going.beats()},
           {"nominal_period_s", nominal > 0.0 ? Json(nominal) : Json(nullptr)},
           {"deviation_s", value_or_null(going.deviation_s(nominal))},
+          {"deviation_since",
+           going.first_of_run() ? Json(going.first_of_run()->time.to_double()) : Json(nullptr)},
           {"amplitude_rad", value_or_null(amplitude)},
           {"beat_error_s", value_or_null(beat_error)},
           {"rate",

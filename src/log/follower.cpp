@@ -85,6 +85,7 @@ struct LogFollower::Parts {
     std::error_code unknown;
     is_file = path != "-" && std::filesystem::is_regular_file(path, unknown);
     lines.emplace(open_source(path, options.unpacked_limit, wait), path, before);
+    lines->cut_long_lines();
     settle();
   }
 
@@ -155,6 +156,7 @@ struct LogFollower::Parts {
     while (is_file && !gave_up) {
       try {
         lines.emplace(open_source(path, options.unpacked_limit, wait), path);
+        lines->cut_long_lines();
         settle();
         return true;
       } catch (const InputError&) { // the file has disappeared again

@@ -260,6 +260,15 @@ bool LineReader::refill() {
   return count > 0;
 }
 
+// What is left is the beginning of one line.
+void LineReader::cut_rest() {
+  constexpr std::size_t told = 64; // bytes of it
+  constexpr std::string_view words = " … line cut … ";
+  std::copy(rest_.begin(), rest_.begin() + told, buffer_.begin()); // moves towards the front
+  std::copy(words.begin(), words.end(), buffer_.begin() + told);
+  rest_ = {buffer_.data(), told + words.size()};
+}
+
 void LineReader::settle_line_end() {
   constexpr std::string_view mark = "\xef\xbb\xbf";
   if (rest_.starts_with(mark)) rest_.remove_prefix(mark.size());
@@ -310,6 +319,7 @@ std::optional<Line> LineReader::next() {
         text.remove_suffix(1);
       return Line{text, ++number_, true};
     }
+    if (rest_.size() > longest_line && cuts_long_lines_) cut_rest();
     searched = rest_.size();
     if (refill()) continue;
     if (rest_.empty()) return {};

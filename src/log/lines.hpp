@@ -56,7 +56,10 @@ public:
   /// Whether `head` was all of it.
   [[nodiscard]] bool whole_is_in_head() const { return whole_is_in_head_; }
 
-  /// The next line. Throws InputError for a line of more than 16 MiB.
+  /// From now on a line of more than 16 MiB is told by its beginning and its end, with words
+  /// between that no field has.
+  void cut_long_lines() { cuts_long_lines_ = true; }
+  /// The next line. Throws InputError for a line of more than 16 MiB, if it is not to be cut.
   std::optional<Line> next();
 
   /// The text from the next line on, as far as it is at hand, for those who cut lines themselves;
@@ -83,6 +86,7 @@ public:
 
 private:
   bool refill();
+  void cut_rest();
   void settle_line_end();
 
   std::unique_ptr<ByteSource> source_; // none for a text in memory
@@ -95,6 +99,7 @@ private:
   bool at_end_ = false;
   bool whole_is_in_head_ = false;
   bool started_ = false;
+  bool cuts_long_lines_ = false;
 };
 
 } // namespace goingrate

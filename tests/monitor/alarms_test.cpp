@@ -1,9 +1,12 @@
+#include "alarm_commands.hpp"
+#include "amplitude_fall.hpp"
+#include "monitor/full_disk.hpp"
 #include "monitor/watched_clock.hpp"
 
-#include <csignal>
 #include <fstream>
 #include <numbers>
-#include <sys/resource.h>
+#include <sqlite3.h>
+#include <thread>
 
 namespace goingrate::apps {
 namespace {
@@ -79,6 +82,58 @@ TEST_F(MonitorAlarmsTest, ABeatNowAndThenIsNoClockThatGoes) {
   EXPECT_EQ(changes, 1);
 }
 
+// What a sensor tells of a clock that has stopped is no beat.
+TEST_F(MonitorAlarmsTest, ASensorThatChattersHidesNoStop) {
+  for (const bool is_stuck : {false, true}) {
+    std::filesystem::remove_all(options_.folder);
+    ClockWatch watch(options_);
+    hear(watch, 0, 1000);
+    int stopped = 0, failing = 0;
+    double at = 1000.0;
+    for (double next = at; at < 1120.0; at += 0.1) { // an event every 0.7 s on average
+      for (; next < at; next += -0.7 * std::log(random_.uniform()))
+        watch.add(event_at(Instant::from_seconds(is_stuck ? 1000.0 : next)), log_, began + next);
+      watch.idle(log_, began + at);
+      for (const AlarmChange& change : watch.take_alarm_changes()) {
+        stopped += change.kind == AlarmKind::stopped ? 1 : 0;
+        failing += change.kind == AlarmKind::sensor_failing ? 1 : 0;
+        EXPECT_TRUE(change.kind != AlarmKind::stopped || at < 1030.0) << is_stuck;
+      }
+    }
+    EXPECT_EQ(stopped, 1) << is_stuck;
+    EXPECT_EQ(failing, 1) << is_stuck;
+  }
+}
+
+TEST_F(MonitorAlarmsTest, ADiskThatIsFullNowAndThenIsToldOnce) {
+  ClockWatch watch(options_);
+  hear(watch, 0, 50);
+  for (std::int64_t n = 50; n < 350; n += 20) {
+    {
+      const FullDisk disk(0);
+      hear(watch, n, n + 10);
+    }
+    hear(watch, n + 10, n + 20);
+  }
+  EXPECT_EQ(count(watch, AlarmKind::archive_failing), begins);
+}
+
+TEST_F(MonitorAlarmsTest, AnAlarmHasOneCommentWhileItsIndexIsLocked) {
+  ClockWatch watch(options_);
+  hear(watch, 0, 100);
+  sqlite3* reader = nullptr;
+  ASSERT_EQ(sqlite3_open((options_.folder + "/.index.sqlite").c_str(), &reader), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(reader, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  for (int tenth = 0; tenth < 20; ++tenth)
+    watch.idle(log_, began + (200.0 + 0.1 * tenth));
+  sqlite3_close(reader);
+  std::ifstream day(options_.folder + "/" + day_of(began) + ".csv");
+  int comments = 0;
+  for (std::string line; std::getline(day, line);)
+    comments += line.starts_with("# alarm begins stopped") ? 1 : 0;
+  EXPECT_EQ(comments, 1);
+}
+
 TEST_F(MonitorAlarmsTest, ASensorThatFails) {
   ClockWatch watch(options_);
   std::int64_t n = 0;
@@ -113,8 +168,9 @@ TEST_F(MonitorAlarmsTest, AnAmplitudeThatFalls) {
     return count(watch, AlarmKind::amplitude_falling);
   };
   EXPECT_EQ(hear_hours(10, 0.05), silent);
-  EXPECT_EQ(hear_hours(1, 0.049), once);   // 1e-3 against 1.3e-5 of a minute's mean
-  EXPECT_EQ(hear_hours(3, 0.050), silent); // it is well when it rises
+  EXPECT_EQ(hear_hours(1, 0.049), begins); // 1e-3 against 1.3e-5 of a minute's mean
+  EXPECT_EQ(hear_hours(1, 0.048), silent); // the same fall
+  EXPECT_EQ(hear_hours(2, 0.050), ends);
 }
 
 TEST_F(MonitorAlarmsTest, ARateThatSteps) {
@@ -129,24 +185,6 @@ TEST_F(MonitorAlarmsTest, ARateThatSteps) {
   }
   EXPECT_EQ(count(watch, AlarmKind::rate_step), once);
 }
-
-// No file may grow beyond a size: what a full disk does to a process.
-class FullDisk {
-public:
-  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
-private:
-  void (*handler_)(int);
-  rlimit before_{};
-};
 
 TEST_F(MonitorAlarmsTest, WhatComesWhileTheDiskIsFullIsWrittenLater) {
   options_.place.start = began + -100.0; // so that a day begins while it is full
@@ -184,6 +222,92 @@ TEST_F(MonitorAlarmsTest, AnArchiveThatIsFullFromTheBeginning) {
   hear(watch, 100, 200);
   EXPECT_EQ(count(watch, AlarmKind::archive_failing), ends);
   EXPECT_EQ(watch.acknowledged(), 200);
+}
+
+// Minutes of a clock whose amplitude of 30 mrad falls, after steady days, by a share a day for
+// sixty days; the day of the first alarm, if there is one.
+struct FallTold {
+  int times = 0;
+  double first_day = 0.0;
+};
+FallTold fall_told(double share_a_day, int steady_days) {
+  RandomStream random(5, StreamPurpose::jitter);
+  AmplitudeFall watch;
+  FallTold told;
+  for (std::int64_t minute = 0; minute < (steady_days + 60) * 1440; ++minute) {
+    const double day = static_cast<double>(minute) / 1440.0 - steady_days;
+    const double level = 30.0 * (1.0 - share_a_day * std::max(0.0, day));
+    if (level < 5.0) break;
+    if (watch.add(minute, level + 0.1 * random.normal()) && told.times++ == 0) told.first_day = day;
+  }
+  return told;
+}
+
+TEST(AmplitudeFallTest, OneThatGoesOnIsToldOnce) {
+  for (const double share : {0.005, 0.01, 0.03, 0.1})
+    for (const int steady_days : {0, 40}) {
+      const FallTold told = fall_told(share, steady_days);
+      EXPECT_EQ(told.times, 1) << share << " " << steady_days;
+      // Nine means of days, and the one that is going on.
+      EXPECT_GT(told.first_day, 0.0) << share << " " << steady_days;
+      EXPECT_LT(told.first_day, 10.1) << share << " " << steady_days;
+    }
+  EXPECT_EQ(fall_told(0.0, 0).times, 0);
+}
+
+TEST(AmplitudeFallTest, IsOverWhenItHasComeBackOrHeld) {
+  for (const double after : {27.0, 29.5}) {
+    RandomStream random(6, StreamPurpose::jitter);
+    AmplitudeFall watch;
+    std::int64_t minute = 0;
+    const auto hear_days = [&](int days, double level) {
+      int told = 0;
+      for (const std::int64_t end = minute + days * 1440; minute < end; ++minute)
+        told += watch.add(minute, level + 0.1 * random.normal()) ? 1 : 0;
+      return told;
+    };
+    EXPECT_EQ(hear_days(10, 30.0), 0);
+    EXPECT_EQ(hear_days(2, 27.0), 1);
+    EXPECT_TRUE(watch.is_raised());
+    EXPECT_EQ(hear_days(5, after), 0);
+    EXPECT_EQ(watch.is_raised(), after < 28.5); // half way
+    EXPECT_EQ(hear_days(35, after), 0);
+    EXPECT_FALSE(watch.is_raised());
+    EXPECT_EQ(hear_days(1, after - 3.0), 1); // another one
+  }
+}
+
+// A clock that is wound every week and whose drive wanders is not called out.
+TEST(AmplitudeFallTest, TheSagOfAWeekIsNone) {
+  int told = 0;
+  for (const double wander : {0.0, 0.3}) {
+    RandomStream random(7, StreamPurpose::jitter);
+    AmplitudeFall watch;
+    double away = 0.0;
+    for (std::int64_t minute = 0; minute < 2 * 525960; ++minute) {
+      constexpr double memory_minutes = 2880.0;
+      away += -away / memory_minutes + std::sqrt(2.0 / memory_minutes) * wander * random.normal();
+      const double sag = 0.4 * static_cast<double>(minute % (7 * 1440)) / (7.0 * 1440.0);
+      told += watch.add(minute, 30.0 + away - sag + 0.1 * random.normal()) ? 1 : 0;
+    }
+  }
+  EXPECT_LE(told, 4); // years
+}
+
+TEST(AlarmCommandsTest, OneThatFailsIsNoticed) {
+  const auto failure_of = [](const std::string& command) {
+    AlarmCommands commands(command);
+    commands.run({AlarmKind::stopped, true, {}, "it's quiet"});
+    for (int tenth = 0; tenth < 300; ++tenth) { // a busy computer's half minute
+      if (const auto failures = commands.take_failures(); !failures.empty()) return failures[0];
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      if (command == "true" && tenth == 10) break;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(failure_of("[ \"$GOINGRATE_ALARM/$GOINGRATE_STATE\" = stopped/raised ] && exit 3"),
+            "the command of alarm stopped failed with code 3");
+  EXPECT_EQ(failure_of("true"), "");
 }
 
 TEST(DailyWaveTest, IsLearntAndTakenOut) {

@@ -1,11 +1,32 @@
 #include "archive.hpp"
 #include "index.hpp"
 
+#include "monitor/full_disk.hpp"
+
 #include "goingrate/base/errors.hpp"
 
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+namespace {
+// What a sync of these tests does: fails, and throws away so many bytes at the end of the file.
+bool sync_fails = false;
+off_t lost_bytes = 0;
+} // namespace
+
+// In the place of the C library's.
+extern "C" int fdatasync(int file) {
+  if (!sync_fails) return static_cast<int>(::syscall(SYS_fdatasync, file));
+  const std::string name = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file));
+  std::fstream bytes(name, std::ios::in | std::ios::out | std::ios::binary);
+  bytes.seekp(-lost_bytes, std::ios::end);
+  bytes << std::string(static_cast<std::size_t>(lost_bytes), '\0');
+  errno = EIO;
+  return -1;
+}
 
 namespace goingrate::apps {
 namespace {
@@ -60,6 +81,43 @@ TEST_F(MonitorArchiveTest, ATornLineIsCutOff) {
   }
 }
 
+TEST_F(MonitorArchiveTest, ATornLineIsCutOffOfADayThatIsNotTheLast) {
+  fill();
+  {
+    std::ofstream(day("2025-12-24")) << "# a day of a clock that was wrong\n";
+    std::ofstream(day("2025-11-27"), std::ios::app) << "17642016";
+    Archive archive(folder_);
+    archive.append(event_at({1764201608, 0.25}));
+    archive.append(event_at({1764201609, 0.25}));
+  }
+  const auto events = Archive(folder_).events_of("2025-11-27");
+  ASSERT_EQ(events.size(), 10U);
+  EXPECT_EQ(events[8].time, (Instant{1764201608, 0.25}));
+}
+
+TEST_F(MonitorArchiveTest, WhatAFailedSyncLostIsWrittenAgain) {
+  {
+    Archive archive(folder_);
+    for (std::int64_t i = 0; i < 5; ++i)
+      archive.append(event_at({1764201600 + i, 0.25}));
+    archive.sync();
+    for (std::int64_t i = 5; i < 8; ++i)
+      archive.append(event_at({1764201600 + i, 0.25}));
+    sync_fails = true;
+    lost_bytes = 50; // two events and part of a third
+    EXPECT_THROW(archive.sync(), OutputError);
+    EXPECT_FALSE(archive.is_synced());
+    sync_fails = false;
+    archive.append(event_at({1764201608, 0.25}));
+    archive.sync();
+    EXPECT_TRUE(archive.is_synced());
+  }
+  const auto events = Archive(folder_).events_of("2025-11-27");
+  ASSERT_EQ(events.size(), 9U);
+  for (std::int64_t i = 0; i < 9; ++i)
+    EXPECT_EQ(events[static_cast<std::size_t>(i)].time, (Instant{1764201600 + i, 0.25}));
+}
+
 TEST_F(MonitorArchiveTest, DamageInTheMiddleCutsNothingOff) {
   fill();
   {
@@ -111,6 +169,8 @@ TEST_F(MonitorArchiveTest, ADayMayHaveOneEvent) {
 
 TEST_F(MonitorArchiveTest, OneProcessKeepsIt) {
   const Archive archive(folder_);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) // a lock is no file there
+    std::filesystem::remove(entry.path());
   EXPECT_THROW(Archive{folder_}, OutputError);
 }
 
@@ -133,7 +193,7 @@ TEST_F(MonitorArchiveTest, TheIndexIsMadeAgainFromNothing) {
   hour.start_s = 3600;
   hour.beats = 7;
   hour.last_time = {7199, 0.125};
-  index.put_day("1970-01-01", {hour});
+  index.put_day("1970-01-01", {hour}, {});
   index.put_break({{5000, 0.5}, 12, 34, 0.75});
   index.put_alarm({6000.0, "stopped", "it's quiet", true});
   const ArchiveIndex again(folder_);
@@ -146,6 +206,25 @@ TEST_F(MonitorArchiveTest, TheIndexIsMadeAgainFromNothing) {
   EXPECT_EQ(again.alarms()[0].text, "it's quiet");
 }
 
+TEST_F(MonitorArchiveTest, AnIndexIsKeptWhileItCannotBeUsed) {
+  std::filesystem::create_directories(folder_);
+  {
+    ArchiveIndex index(folder_);
+    for (std::int64_t h = 0; h < 1000; ++h) {
+      GoingBlock hour;
+      hour.start_s = 3600 * h;
+      index.put_day(day_of({hour.start_s, 0.0}), {hour}, {});
+    }
+  }
+  {
+    const FullDisk disk(0);
+    ArchiveIndex index(folder_);
+    index.put_alarm({6000.0, "stopped", "in memory", true});
+    EXPECT_EQ(index.alarms().size(), 1U);
+  }
+  EXPECT_EQ(ArchiveIndex(folder_).hours().size(), 1000U);
+}
+
 TEST_F(MonitorArchiveTest, AnIndexThatIsDamagedIsMadeAgain) {
   std::filesystem::create_directories(folder_);
   {
@@ -153,7 +232,7 @@ TEST_F(MonitorArchiveTest, AnIndexThatIsDamagedIsMadeAgain) {
     for (std::int64_t h = 0; h < 20000; ++h) {
       GoingBlock hour;
       hour.start_s = 3600 * h;
-      index.put_day(day_of({hour.start_s, 0.0}), {hour});
+      index.put_day(day_of({hour.start_s, 0.0}), {hour}, {});
     }
   }
   {

@@ -1,10 +1,10 @@
 #include "monitor/watched_clock.hpp"
 #include "watch_json.hpp"
 
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 namespace goingrate::apps {
 namespace {
@@ -114,6 +114,7 @@ TEST_F(MonitorWatchTest, AFileThatIsReadAgainIsNotStoredAgain) {
 
 TEST_F(MonitorWatchTest, DatesAreTheSourcesOwn) {
   log_.origin = TimeOrigin::epoch;
+  options_.place.source_is_live = false;
   ClockWatch watch(options_);
   for (std::int64_t n = 0; n < 100; ++n)
     watch.add(event_at(began + (time_of(n) - 3e8)), log_, began + time_of(n));
@@ -150,11 +151,162 @@ TEST_F(MonitorWatchTest, AComputersClockThatIsSetBackStopsNoSync) {
   ClockWatch watch(options_);
   hear(watch, 0, 100);
   for (std::int64_t n = 100; n < 110; ++n) {
-    const Instant now = began + (time_of(n) - 1800.0);
-    watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
-    watch.idle(log_, now + 0.5);
+    const double at = time_of(n);
+    watch.add(event_at(Instant::from_seconds(at)), log_,
+              {began + (at - 1800.0), began.to_double() + at});
+    watch.idle(log_, {began + (at - 1799.5), began.to_double() + at + 0.5});
   }
   EXPECT_GE(watch.acknowledged(), 108);
+}
+
+TEST_F(MonitorWatchTest, SilenceIsNotMeasuredByACalendar) {
+  ClockWatch watch(options_);
+  const auto hear_by = [&](std::int64_t from, std::int64_t to, double calendar_ahead_s) {
+    for (std::int64_t n = from; n < to; ++n) {
+      const Moment now{began + (time_of(n) + calendar_ahead_s), time_of(n)};
+      watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
+      watch.idle(log_, now);
+    }
+  };
+  hear_by(0, 100, 0.0);
+  watch.idle(log_, {began + 3700.5, 100.5}); // set forward between two beats
+  hear_by(101, 200, 3600.0);
+  EXPECT_TRUE(watch.take_alarm_changes().empty());
+  watch.idle(log_, {began + 300.0, 210.0}); // set back, and it has stopped
+  EXPECT_EQ(watch.take_alarm_changes().size(), 1U);
+}
+
+TEST_F(MonitorWatchTest, ACalendarThatIsSetPlacesTheSourceAnew) {
+  ClockWatch watch(options_);
+  const auto hear_by = [&](std::int64_t from, std::int64_t to, double calendar_ahead_s) {
+    for (std::int64_t n = from; n < to; ++n) {
+      const Moment now{began + (time_of(n) + calendar_ahead_s), time_of(n)};
+      watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
+      watch.idle(log_, now);
+    }
+  };
+  hear_by(0, 100, 0.0);
+  hear_by(100, 200, 10800.0); // NTP tells the time to a computer that had none
+  EXPECT_NEAR(watch.going().last()->time - began, 199.0 + 10800.0, 0.1); // heard at once
+  EXPECT_EQ(watch.going().last()->cycle, 199); // the source itself went on
+}
+
+// Of dates of a receiver that does not know the year yet.
+TEST_F(MonitorWatchTest, DatesThatAreFarFromTheComputersAreKeptAsComments) {
+  log_.origin = TimeOrigin::epoch;
+  ClockWatch watch(options_);
+  const auto hear_dated = [&](std::int64_t from, std::int64_t to, double error_s) {
+    for (std::int64_t n = from; n < to; ++n) {
+      watch.add(event_at(began + (time_of(n) + error_s)), log_, began + (time_of(n) + 0.05));
+      watch.idle(log_, began + (time_of(n) + 0.15));
+    }
+  };
+  hear_dated(0, 200, 0.0);
+  EXPECT_TRUE(watch.take_alarm_changes().empty());
+  hear_dated(200, 203, 3.3e8);
+  const auto raised = watch.take_alarm_changes();
+  ASSERT_EQ(raised.size(), 1U);
+  EXPECT_EQ(raised[0].kind, AlarmKind::sensor_failing);
+  hear_dated(203, 1500, 0.0);
+  EXPECT_EQ(watch.going().last()->cycle, 1499);
+  EXPECT_GE(watch.going().minutes().all().size(), 25U);
+  EXPECT_EQ(watch.take_alarm_changes().size(), 1U); // over
+  watch.idle(log_, began + 1502.0);
+  EXPECT_EQ(watch.acknowledged() + 3, watch.heard());
+  EXPECT_FALSE(std::filesystem::exists(options_.folder + "/" + day_of(began + 3.3e8) + ".csv"));
+  int comments = 0;
+  std::ifstream day(options_.folder + "/" + day_of(began) + ".csv");
+  for (std::string line; std::getline(day, line);)
+    comments += line.starts_with("# left out, its date is +330000000 s from") ? 1 : 0;
+  EXPECT_EQ(comments, 3);
+  log_.origin = TimeOrigin::none;
+}
+
+TEST_F(MonitorWatchTest, BlocksBeginAnewWhereDatesFallBack) {
+  Going going;
+  std::int64_t cycle = 0;
+  const auto hear_from = [&](std::int64_t start, std::int64_t beats) {
+    for (std::int64_t n = 0; n < beats; ++n) {
+      Beat beat = event_at({1764201600 + start + n, 0.0});
+      beat.cycle = cycle++;
+      going.add(beat, 0);
+    }
+  };
+  hear_from(0, 300);
+  hear_from(330'000'000, 4);
+  going.break_count();
+  hear_from(310, 600);
+  EXPECT_EQ(going.minutes().all().back().start_s, 1764201600 + 900);
+  EXPECT_EQ(going.minutes().all().size(), 16U);
+  EXPECT_TRUE(going.minutes().rate_over(5, 1.0));
+  EXPECT_EQ(going.days().all().back().start_s, 1764201600 - 1764201600 % 86400);
+}
+
+// Killed while they wait for a third one.
+TEST_F(MonitorWatchTest, EventsBehindAGapAreOnDiskAtOnce) {
+  for (const double amplitude_rad : {std::nan(""), 0.03}) {
+    std::filesystem::remove_all(options_.folder);
+    const auto heard = [&](std::int64_t n) {
+      return event_at(Instant::from_seconds(time_of(n)), Edge::up, 0, amplitude_rad);
+    };
+    {
+      ClockWatch watch(options_);
+      hear(watch, 0, 100);
+      hear_event(watch, heard(300), 300.0, 300);
+      hear_event(watch, heard(301), 301.0, 301);
+      watch.idle(log_, began + 302.5);
+      EXPECT_EQ(watch.going().last()->cycle, 99);
+    }
+    const auto notes = [&] {
+      std::ifstream day(options_.folder + "/" + day_of(began) + ".csv");
+      int count = 0;
+      for (std::string line; std::getline(day, line);)
+        count += line.starts_with("# waits for others") ? 1 : 0;
+      return count;
+    };
+    EXPECT_EQ(notes(), 2);
+    ClockWatch watch(options_);
+    hear(watch, 302, 320);
+    watch.end(log_, began + 321.0);
+    EXPECT_EQ(watch.going().last()->cycle, 319);
+    EXPECT_EQ(notes(), 2);
+    std::ifstream day(options_.folder + "/" + day_of(began) + ".csv");
+    int rows = 0;
+    for (std::string line; std::getline(day, line);)
+      rows += std::isdigit(static_cast<unsigned char>(line[0])) != 0 ? 1 : 0;
+    EXPECT_EQ(rows, 100 + 20);
+  }
+}
+
+TEST_F(MonitorWatchTest, TheErrorIsCountedFromTheSameBeatAfterARestart) {
+  options_.place.start = began;
+  double before = 0.0;
+  {
+    ClockWatch watch(options_);
+    hear_at_once(watch, 17 * 86400);
+    before = *watch.going().deviation_s(period_s);
+    EXPECT_NEAR(before, 17.0 * 86400.0 * 20e-6, 1e-2);
+  }
+  const ClockWatch watch(options_);
+  EXPECT_NEAR(*watch.going().deviation_s(period_s), before, 1e-3); // jitter of a beat
+  EXPECT_NEAR(watch.going().first_of_run()->time - began, 0.0, 1.0);
+}
+
+TEST_F(MonitorWatchTest, AnIndexOfOtherFilesIsNotBelieved) {
+  options_.place.start = began;
+  {
+    ClockWatch watch(options_);
+    hear_at_once(watch, 200000);
+  }
+  const auto beats = [&] { return ClockWatch(options_).going().beats(); };
+  EXPECT_EQ(beats(), 200000);
+  {
+    std::ofstream day(options_.folder + "/" + day_of(began) + ".csv", std::ios::app);
+    day << "# a comment of a person\n";
+  }
+  EXPECT_FALSE(ArchiveIndex(options_.folder).is_of_the_files());
+  EXPECT_EQ(beats(), 200000); // made again
+  EXPECT_TRUE(ArchiveIndex(options_.folder).is_of_the_files());
 }
 
 TEST_F(MonitorWatchTest, AlarmsOutliveARestartAndTheIndex) {
@@ -206,6 +358,22 @@ TEST_F(MonitorWatchTest, LinesThatAreNotRecognisedYetOutliveAKill) {
   EXPECT_EQ(watch.unread(), "");
 }
 
+TEST_F(MonitorWatchTest, ALoggerThatTellsTheSameTimesAgainIsHeard) {
+  for (const std::int64_t start : {0, 200}) {
+    ClockWatch watch(options_);
+    watch.hold("# goingrate log: 1\n", began + static_cast<double>(start));
+    for (std::int64_t n = 0; n < 100; ++n) // a logger that is switched on counts from 0
+      hear_event(watch, event_at({n, 0.0}), static_cast<double>(start + n), n);
+    watch.end(log_, began + static_cast<double>(start + 101));
+    EXPECT_EQ(watch.heard(), 100);
+  }
+  std::size_t rows = 0;
+  const Archive archive(options_.folder);
+  for (const std::string& day : archive.days())
+    rows += archive.events_of(day).size();
+  EXPECT_EQ(rows, 200U);
+}
+
 TEST_F(MonitorWatchTest, LinesThatAreStoredAlreadyAreNotStoredAgain) {
   std::vector<double> times;
   for (std::int64_t n = 0; n < 100; ++n)
@@ -229,30 +397,6 @@ TEST_F(MonitorWatchTest, LinesThatAreStoredAlreadyAreNotStoredAgain) {
     EXPECT_TRUE(watch.unread().empty());
   }
   EXPECT_EQ(Archive(options_.folder).events_of(day_of(began)).size(), 100U);
-}
-
-TEST_F(MonitorWatchTest, LongAnswersAreMadeOnceAMinute) {
-  ClockWatch watch(options_);
-  hear(watch, 0, 610);
-  WatchAnswering answering("x");
-  const std::string before = answering.at(began + 610.0, watch).minutes;
-  hear(watch, 610, 620);
-  EXPECT_EQ(answering.at(began + 620.0, watch).minutes, before);
-  EXPECT_NE(answering.at(began + 670.0, watch).minutes, before); // a minute old
-  hear(watch, 620, 665);
-  EXPECT_NE(answering.at(began + 665.0, watch).minutes.find("[1764202260,"), std::string::npos);
-}
-
-TEST_F(MonitorWatchTest, AnswersAreJsonAndMetrics) {
-  ClockWatch watch(options_);
-  hear(watch, 0, 1000);
-  WatchAnswering answering("the \"Hall\" <clock>\xff");
-  const WatchAnswers& answers = answering.at(began + 1000.0, watch);
-  for (const std::string* text : {&answers.now, &answers.minutes, &answers.hours, &answers.days,
-                                  &answers.alarms, &answers.breaks})
-    EXPECT_TRUE(nlohmann::json::accept(*text)) << *text;
-  EXPECT_NE(answers.metrics.find("goingrate_beats_total 1000"), std::string::npos);
-  EXPECT_NE(answers.metrics.find("goingrate_alarm{kind=\"stopped\"} 0"), std::string::npos);
 }
 
 } // namespace

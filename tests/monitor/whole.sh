@@ -155,6 +155,8 @@ check("nothing is taken", get("/api/now", "POST", "x")[0] in (404, 405) and get(
 slow = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]  # that never ask
 waited = time.time()
 check("thirty that say nothing leave it answering", get("/api/now")[0] == 200 and time.time() - waited < 10)
+for link in slow:
+    link.close()
 listeners = []
 for _ in range(20):
     link = socket.create_connection(("127.0.0.1", port), timeout=10)
@@ -164,7 +166,7 @@ began = time.time()
 check("and twenty that listen", get("/api/now")[0] == 200)
 first = listeners[0].recv(4096).decode(errors="replace")
 check("events are sent", "text/event-stream" in first)
-for link in slow + listeners:
+for link in listeners:
     link.close()
 crowd = [socket.create_connection(("127.0.0.1", port), timeout=2) for _ in range(120)]
 for link in crowd:  # each sends a byte of a request now and then
@@ -209,11 +211,20 @@ check "and the one after it" within 20 has_rows rotated 200
 kill $monitor
 wait $monitor || fault=1
 check "by its day" test -s rotated/2025-11-27.csv
+beats 200 250 >> growing.log # while no monitor runs
+mv growing.log growing.log.1
+beats 250 300 > growing.log
+"$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
+monitor=$!
+check "what was rotated while it was down is read first" within 20 has_rows rotated 300
+kill $monitor
+wait $monitor || fault=1
+check "once" test "$(rows rotated)" = 300
 
 # Two monitors of one archive.
 "$goingrate" --quiet monitor growing.log --archive rotated --start 1764201600 &
-beats 200 300 >> growing.log
-check "one keeps it" within 20 has_rows rotated 300
+beats 300 400 >> growing.log
+check "one keeps it" within 20 has_rows rotated 400
 "$goingrate" monitor - --archive rotated < growing.log 2> refused && fault=1
 check "another process is told so" grep -q "another process keeps this archive" refused
 exit $fault

@@ -27,6 +27,7 @@ print weather 100 "$base"
 print isochronism 300 "$base"
 print ring_down 10 "$base"
 print monitor 4 "$base"
+print watch_cost
 for name in solvers fit_speed fit_peer reading stability python web; do
   print "$name"
 done

@@ -1,0 +1,32 @@
+// The commands that are run when an alarm begins or ends.
+#pragma once
+
+#include "alarms.hpp"
+
+#include <string>
+#include <sys/types.h>
+#include <vector>
+
+namespace goingrate::apps {
+
+/// Runs a command of the shell for every alarm, with nothing to read, and does not wait for it;
+/// after a minute it is ended (AlarmCommandsTest).
+class AlarmCommands {
+public:
+  explicit AlarmCommands(std::string command) : command_(std::move(command)) {}
+
+  void run(const AlarmChange& change);
+  /// What those that have ended since this was last asked say of a failure, in words.
+  std::vector<std::string> take_failures();
+
+private:
+  struct Running {
+    pid_t process = 0;
+    std::string alarm;
+  };
+
+  std::string command_; // nothing is run where it is empty
+  std::vector<Running> running_;
+};
+
+} // namespace goingrate::apps

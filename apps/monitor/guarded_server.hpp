@@ -1,0 +1,28 @@
+// An HTTP server of which no client can have more than its share of memory, time and threads.
+#pragma once
+
+#include "client_shares.hpp"
+
+#include <httplib.h>
+
+namespace goingrate::apps {
+
+/// Answers GET and HEAD, one request a connection. It reads the request itself: 8 KiB at most, in
+/// five seconds at most, without a body. Of what it read the library behind it sees the path and
+/// the host, nothing else: no ranges, no encodings (MonitorServerTest).
+class GuardedServer : public httplib::Server {
+public:
+  /// `most_connections` of one address are answered at a time. A path that is `endless` may be
+  /// answered for as long as its client listens, any other for a minute.
+  GuardedServer(int most_connections, std::string endless)
+      : shares_(most_connections), endless_(std::move(endless)) {}
+
+private:
+  bool process_and_close_socket(socket_t socket) override;
+  void answer(socket_t socket);
+
+  ClientShares shares_;
+  std::string endless_;
+};
+
+} // namespace goingrate::apps
