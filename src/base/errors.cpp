@@ -7,8 +7,8 @@
 namespace goingrate {
 
 ArgumentError::ArgumentError(std::string_view name, double value, std::string_view legal)
-    : std::invalid_argument(printable(fmt::format("{} = {:.17g}: must be {}", name, value, legal))),
-      name_(name), value_(fmt::format("{:.17g}", value)), legal_(legal) {}
+    : std::invalid_argument(printable(fmt::format("{} = {}: must be {}", name, value, legal))),
+      name_(name), value_(fmt::format("{}", value)), legal_(legal) {}
 
 ArgumentError::ArgumentError(std::string_view name, std::string_view value, std::string_view legal)
     : std::invalid_argument(printable(fmt::format("{} = '{}': must be {}", name, value, legal))),

@@ -218,13 +218,20 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
   // Of the amplitude by the drive: 100 times as much, or as little, is no clock any more.
   auto drive =
       nearest_limit([&](double f) { return changed(epsilon, f); }, 1.0, most_s, 0.01, 100.0);
+  constexpr double beyond = 1e-3; // relative: past the limit, which is good to 1e-4
+  const bool stops =
+      drive &&
+      !std::isfinite(changed(epsilon, *drive * (*drive < 1.0 ? 1.0 - beyond : 1.0 + beyond)));
   if (drive) drive = stationary_amplitude(driven(scenario.clock, *drive));
-  all.push_back({"amplitude", *stationary_amplitude(scenario.clock), drive});
+  all.push_back({"amplitude", *stationary_amplitude(scenario.clock), drive, stops});
   for (const ErrorPart& part : budget.parts) {
     const double others2 = all2 - part.rms_s * part.rms_s, room2 = most_s * most_s - others2;
-    all.push_back(
-        {part.key, part.size,
-         room2 > 0.0 ? std::optional(part.size * std::sqrt(room2) / part.rms_s) : std::nullopt});
+    const double limit = part.size * std::sqrt(std::max(0.0, room2)) / part.rms_s;
+    // A drive that varies by more than itself drives nothing.
+    const double largest =
+        part.key.starts_with("drive.") ? 1.0 : std::numeric_limits<double>::infinity();
+    const bool is_limit = room2 > 0.0 && limit <= largest;
+    all.push_back({part.key, part.size, is_limit ? std::optional(limit) : std::nullopt});
   }
   return all;
 }

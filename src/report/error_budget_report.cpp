@@ -41,7 +41,7 @@ std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requi
   text += fmt::format("  {:<52} {:<20} {}\n", "", "now", "limit");
   for (const Requirement& one : needed)
     text += fmt::format("  {:<52} {:<20} {}\n", named(one.key), value(one.key, one.present),
-                        one.limit       ? value(one.key, *one.limit)
+                        one.limit ? value(one.key, *one.limit) + (one.stops ? " (it stops)" : "")
                         : all <= most_s ? "none found"
                                         : "not by this alone");
   return text;
@@ -61,10 +61,10 @@ std::string error_budget_json(const ErrorBudget& budget, const std::vector<Requi
                              {"rms_s", json_number(part.rms_s)}});
   json["requirements"] = Json::array();
   for (const Requirement& one : needed)
-    json["requirements"].push_back(
-        {{"key", one.key},
-         {"present", json_number(one.present)},
-         {"limit", one.limit ? json_number(*one.limit) : Json(nullptr)}});
+    json["requirements"].push_back({{"key", one.key},
+                                    {"present", json_number(one.present)},
+                                    {"limit", one.limit ? json_number(*one.limit) : Json(nullptr)},
+                                    {"stops", one.stops}});
   return json.dump(1) + '\n';
 }
 

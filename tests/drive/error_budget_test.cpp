@@ -101,6 +101,22 @@ TEST(ErrorBudgetTest, LimitsKeepTheError) {
     }
 }
 
+// A drive that varies by more than itself is none, and below phi0 there is no swing.
+TEST(ErrorBudgetTest, LimitsAreThoseOfAClock) {
+  const Scenario scenario = clock_that_varies();
+  const double week = 7.0 * day, now = error_budget(scenario, week).all_s();
+  bool seen = false;
+  for (const Requirement& one : requirements(scenario, 1e3 * now, week)) {
+    if (one.key.starts_with("drive.")) EXPECT_FALSE(one.limit) << one.key;
+    if (one.key != "amplitude") continue;
+    seen = true;
+    EXPECT_TRUE(one.stops);
+    EXPECT_GE(one.limit.value_or(0.0), scenario.clock.phi0);
+    EXPECT_LT(one.limit.value_or(1.0), 1.01 * scenario.clock.phi0); // good to 1e-4 of the drive
+  }
+  EXPECT_TRUE(seen);
+}
+
 TEST(ErrorBudgetTest, WhatHasNoLinearResponseIsRefused) {
   Scenario scenario = clock_that_varies();
   scenario.clock.mu = 0.0;

@@ -43,6 +43,7 @@ struct Requirement {
   std::string key;             ///< "clock.epsilon", "amplitude", or a key of the scenario
   double present;              ///< its value now
   std::optional<double> limit; ///< nothing: not by this alone, or it makes no difference
+  bool stops = false;          ///< at that limit the clock stops, or is none that can be
 };
 
 /// Of the friction (the drive following it, so that the swing stays), of the amplitude (by the
