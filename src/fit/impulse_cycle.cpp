@@ -248,8 +248,7 @@ std::optional<Coefficients> irregular_coefficients(const Grid& values,
 
 // What is known of the data, cycle by cycle.
 struct Sight {
-  Grid late, amplitude; // the second empty where the log has none
-  double mean_amplitude = unknown;
+  Grid late, amplitude;                           // the second empty where the log has none
   double late_noise = 0.0, amplitude_noise = 0.0; // of one value
 };
 
@@ -276,23 +275,31 @@ double mean_of_known(std::span<const double> values) {
   return known > 0.0 ? sum / known : unknown;
 }
 
-// By how much the amplitude grows from one push to the next, from the first interval to the last;
-// nothing where these have gaps.
-double growth_of(const Grid& amplitude, double periods) {
-  const auto n = static_cast<std::size_t>(std::lround(periods));
-  const std::span<const double> all(amplitude);
-  const double pushes = static_cast<double>(all.size()) / periods - 1.0;
-  const double growth = (mean_of_known(all.last(n)) - mean_of_known(all.first(n))) / pushes;
-  return std::isfinite(growth) ? growth : 0.0;
+// The amplitude between the first push that was seen and the last.
+struct PushedSwing {
+  double mean = unknown;
+  double growth = 0.0; ///< from one push to the next, by the first and the last interval
+};
+PushedSwing swing_between(const Grid& amplitude, const std::vector<double>& pushes) {
+  const auto length = static_cast<double>(amplitude.size());
+  const auto first = std::lower_bound(pushes.begin(), pushes.end(), 0.0);
+  const auto last = std::upper_bound(first, pushes.end(), length - 1.0) - 1;
+  const auto from_to = [&](double from, double to) { // crossings after one push up to another
+    return mean_of_known(std::span(amplitude).subspan(static_cast<std::size_t>(from) + 1,
+                                                      static_cast<std::size_t>(to - from)));
+  };
+  if (last - first < 2) return {};
+  const double growth = (from_to(*(last - 1), *last) - from_to(*first, *(first + 1))) /
+                        static_cast<double>(last - first - 1);
+  return {from_to(*first, *last), std::isfinite(growth) ? growth : 0.0};
 }
 
 // The first `most` cycles.
 Sight seen(const TimingData& data, std::size_t most) {
-  Sight sight{on_cycles(data, data.lateness_s, most), {}, unknown};
+  Sight sight{on_cycles(data, data.lateness_s, most), {}};
   if (data.has_amplitude()) {
     sight.amplitude = on_cycles(data, data.amplitude_rad, most);
-    sight.mean_amplitude = mean_of_known(sight.amplitude);
-    if (!std::isfinite(sight.mean_amplitude)) sight.amplitude.clear();
+    if (!std::isfinite(mean_of_known(sight.amplitude))) sight.amplitude.clear();
   }
   sight.late_noise = noise_of(sight.late);
   sight.amplitude_noise = noise_of(sight.amplitude);
@@ -329,8 +336,8 @@ ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, do
   found.gain += swing->gain(swing->tooth);
   found.amplitude_step = swing->tooth;
   // What is lost between two pushes is in proportion to the amplitude, whatever a push gives.
-  const double fall = swing->tooth.value - growth_of(sight.amplitude, periods);
-  const double share = 0.5 / sight.mean_amplitude;
+  const PushedSwing seen = swing_between(sight.amplitude, pushes);
+  const double fall = swing->tooth.value - seen.growth, share = 0.5 / seen.mean;
   const double per_step = share / std::hypot(1.0, share * fall) / (pi * periods);
   found.epsilon = {std::asinh(share * fall) / (pi * periods), per_step * swing->tooth.sigma};
   return found;

@@ -92,9 +92,9 @@ std::vector<std::vector<double>> likeliest(std::vector<std::vector<double>> cloc
   return clocks;
 }
 
-// Starts of a richer model: the minimum of the simpler one and, beside a drive that it has not,
-// every clock that a stationary log could come from: what a clock without it seems to be sure of
-// may be the drive's doing.
+// Starts of a richer model: the minimum of the simpler one and, if that does not determine its
+// clock, every clock that a stationary log could come from. What a clock whose times walk seems to
+// be sure of may be the drive's doing.
 std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitProblem& problem,
                                                const ModelChoice& model) {
   const TimingData& data = *problem.data;
@@ -116,7 +116,7 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
   const bool slow_is_new = model.slow && !before.has(Quantity::slow_rms);
   if (auto start = drive_is_new ? start_by_amplitudes(parameters, data, noise) : std::nullopt)
     points.push_back(std::move(*start));
-  else if (drive_is_new)
+  else if (drive_is_new && (simpler.model.walk || !knows_its_clock(simpler)))
     points.insert(points.end(), grid.begin(), grid.end());
   if (!drive_is_new && !slow_is_new) return points;
   return noise_variants(likeliest(std::move(points), problem), parameters, data);

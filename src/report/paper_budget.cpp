@@ -53,7 +53,7 @@ double free_angle() {
     return two_pi * (1.0 - std::cos(angle)) * c.epsilon * inverse_q_per_friction(angle)[0];
   };
   double angle = *stationary_amplitude(c);
-  constexpr int steps = 6; // the loss is nearly quadratic in the angle
+  constexpr int steps = 6; // the loss is nearly a parabola in the angle
   for (int i = 0; i < steps; ++i)
     angle *= std::sqrt(4.0 * c.mu * c.phi0 / loss(angle));
   return angle;
