@@ -51,12 +51,12 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
-  // Where the averaged model is far off, as in swings above a radian, the corrections change with
-  // the clock as much as it does itself: then their slopes are taken as well.
+  // Where the averaged model is far off, as in free swings of more than a radian, the corrections
+  // change with the clock as much as it does itself: then their slopes are taken as well.
   constexpr double slow = 0.1;               // of the gain hoped for a round before
   constexpr std::size_t most_beats = 20'000; // for which slopes are cheap
   const bool may_be_slow = refined.problem.data->size() <= most_beats &&
-                           !refined.problem.parameters.has(Quantity::drive_rms);
+                           refined.problem.parameters.escapement == Escapement::none;
   double hoped = std::numeric_limits<double>::infinity();
   bool is_slow = false;
   for (int round = 0; round < rounds; ++round) {

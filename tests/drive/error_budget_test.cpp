@@ -107,7 +107,9 @@ TEST(ErrorBudgetTest, LimitsAreThoseOfAClock) {
   const double week = 7.0 * day, now = error_budget(scenario, week).all_s();
   bool seen = false;
   for (const Requirement& one : requirements(scenario, 1e3 * now, week)) {
-    if (one.key.starts_with("drive.")) EXPECT_FALSE(one.limit) << one.key;
+    if (one.key.starts_with("drive.")) {
+      EXPECT_FALSE(one.limit) << one.key;
+    }
     if (one.key != "amplitude") continue;
     seen = true;
     EXPECT_TRUE(one.stops);
