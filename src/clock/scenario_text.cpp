@@ -102,7 +102,7 @@ const toml::node* find(const toml::node& node, std::string_view key, const std::
   if (const toml::table* table = node.as_table())
     for (const auto& [name, entry] : *table) {
       const auto number = entry.value<double>();
-      if (name.str() == key && (!number || fmt::format("{:.17g}", *number) == value)) return &entry;
+      if (name.str() == key && (!number || fmt::format("{}", *number) == value)) return &entry;
       if (const toml::node* found = find(entry, key, value)) return found;
     }
   return nullptr;
