@@ -99,8 +99,9 @@ void ModelSearch::choose_slow_drive(Fitted&& slow) {
   }
   const double ahead = gain - one_in_a_hundred;
   if (gain > one_in_twenty && ahead < three_sigma)
-    best_.rivals.push_back(
-        {place_among(best_.problem.parameters, best_.minimum.x, slow), 0.5 * std::abs(ahead)});
+    other_noise_ = {
+        {place_among(best_.problem.parameters, best_.minimum.x, slow), 0.5 * std::abs(ahead)},
+        best_.minimum.x};
 }
 
 void ModelSearch::add_other_noise() {

@@ -161,16 +161,9 @@ TEST_F(MonitorWatchTest, AComputersClockThatIsSetBackStopsNoSync) {
 
 TEST_F(MonitorWatchTest, SilenceIsNotMeasuredByACalendar) {
   ClockWatch watch(options_);
-  const auto hear_by = [&](std::int64_t from, std::int64_t to, double calendar_ahead_s) {
-    for (std::int64_t n = from; n < to; ++n) {
-      const Moment now{began + (time_of(n) + calendar_ahead_s), time_of(n)};
-      watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
-      watch.idle(log_, now);
-    }
-  };
-  hear_by(0, 100, 0.0);
+  hear_by_calendar(watch, 0, 100, 0.0);
   watch.idle(log_, {began + 3700.5, 100.5}); // set forward between two beats
-  hear_by(101, 200, 3600.0);
+  hear_by_calendar(watch, 101, 200, 3600.0);
   EXPECT_TRUE(watch.take_alarm_changes().empty());
   watch.idle(log_, {began + 300.0, 210.0}); // set back, and it has stopped
   EXPECT_EQ(watch.take_alarm_changes().size(), 1U);
@@ -178,15 +171,8 @@ TEST_F(MonitorWatchTest, SilenceIsNotMeasuredByACalendar) {
 
 TEST_F(MonitorWatchTest, ACalendarThatIsSetPlacesTheSourceAnew) {
   ClockWatch watch(options_);
-  const auto hear_by = [&](std::int64_t from, std::int64_t to, double calendar_ahead_s) {
-    for (std::int64_t n = from; n < to; ++n) {
-      const Moment now{began + (time_of(n) + calendar_ahead_s), time_of(n)};
-      watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
-      watch.idle(log_, now);
-    }
-  };
-  hear_by(0, 100, 0.0);
-  hear_by(100, 200, 10800.0); // NTP tells the time to a computer that had none
+  hear_by_calendar(watch, 0, 100, 0.0);
+  hear_by_calendar(watch, 100, 200, 10800.0); // NTP tells the time to a computer that had none
   EXPECT_NEAR(watch.going().last()->time - began, 199.0 + 10800.0, 0.1); // heard at once
   EXPECT_EQ(watch.going().last()->cycle, 199); // the source itself went on
 }

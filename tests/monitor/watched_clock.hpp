@@ -46,6 +46,14 @@ protected:
       watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
     watch.idle(log_, now + 1.0);
   }
+  // The same each as it comes, by a calendar that is so far ahead of the steady clock.
+  void hear_by_calendar(ClockWatch& watch, std::int64_t from, std::int64_t to, double ahead_s) {
+    for (std::int64_t n = from; n < to; ++n) {
+      const Moment now{began + (time_of(n) + ahead_s), time_of(n)};
+      watch.add(event_at(Instant::from_seconds(time_of(n))), log_, now);
+      watch.idle(log_, now);
+    }
+  }
   double time_of(std::int64_t beat) {
     return static_cast<double>(beat) * period_s / (1.0 + gain_) + 1e-5 * random_.normal();
   }
