@@ -58,6 +58,17 @@ template <class T> struct AveragedLaws {
     }
     return slope;
   }
+  /// (growth(y) - growth(x))/(y - x), without cancellation.
+  [[nodiscard]] T mean_growth_slope(const T& x, const T& y) const {
+    using std::sqrt;
+    T slope = epsilon * -2.0;
+    if (!linear) {
+      const T a = sqrt(x), b = sqrt(y), both = a + b;
+      slope -= (quadratic * (both - a * b / both) * (2.0 / 3.0) + dry / both) *
+               (4.0 / std::numbers::pi);
+    }
+    return slope;
+  }
   [[nodiscard]] T push(const T& x) const {
     using std::sqrt;
     const T y = sqrt(x - phi0 * phi0);

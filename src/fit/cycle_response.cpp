@@ -49,8 +49,8 @@ std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double
   response.beside = {over(amplitude.w - 1.0, averaged.gone), over(amplitude.u, averaged.raised),
                      late.w * second - averaged.follow, over(late.u * second, averaged.kick),
                      late.bend.wu * second - averaged.follow_by_drive};
-  response.amplitude2 = amplitude.bend;
-  response.late = {late.bend.ww * second, late.bend.wu * second, late.bend.uu * second};
+  response.bends = {amplitude.bend,
+                    {late.bend.ww * second, late.bend.wu * second, late.bend.uu * second}};
   return response;
 }
 
@@ -68,6 +68,13 @@ CycleResponses::CycleResponses(const ClockParameters& clock, const AveragedLaws<
   }
   for (; all_.size() < 2; at *= ratio)
     all_.push_back({at, all_.empty() ? CycleResponse{} : all_.back().response});
+  for (std::size_t i = 1; i < all_.size(); ++i) {
+    const Node& last = all_[i - 1];
+    const CycleGains<double>&a = last.response.beside, &b = all_[i].response.beside;
+    const double half = 0.5 * (all_[i].speed2 - last.speed2);
+    all_[i].gone = last.gone + half * (a.gone + b.gone);
+    all_[i].follow = last.follow + half * (a.follow + b.follow);
+  }
 }
 
 } // namespace goingrate::timing_model

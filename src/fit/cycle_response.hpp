@@ -18,6 +18,7 @@
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -54,12 +55,20 @@ struct CycleBend {
   }
 };
 
+inline CycleBend between(const CycleBend& a, const CycleBend& b, double share) {
+  return {std::lerp(a.ww, b.ww, share), std::lerp(a.wu, b.wu, share), std::lerp(a.uu, b.uu, share)};
+}
+
+struct CycleBends {
+  CycleBend amplitude2; ///< rad^2
+  CycleBend late;       ///< s
+};
+
 /// The full equation beside the averaged one, where a clock crosses at one speed.
 struct CycleResponse {
   /// Factors of the gains; of follow and follow_by_drive, which may be 0, what is to be added.
   CycleGains<double> beside{1.0, 1.0, 0.0, 1.0, 0.0};
-  CycleBend amplitude2; ///< rad^2
-  CycleBend late;       ///< s
+  CycleBends bends;
 };
 
 /// By differences of the return map of a clock that crosses with phi'^2 = `speed2` when its
@@ -77,10 +86,13 @@ public:
                  double least_speed2, double greatest_speed2, double offset);
 
   [[nodiscard]] double offset() const { return offset_; }
-  [[nodiscard]] const CycleResponse& nearest(double speed2) const {
+  /// What is of second order at a crossing with this speed.
+  [[nodiscard]] CycleBends bends(double speed2) const {
     const std::size_t below = before(speed2);
     const Node &a = all_[below], &b = all_[below + 1];
-    return speed2 - a.speed2 < b.speed2 - speed2 ? a.response : b.response;
+    const double share = std::clamp((speed2 - a.speed2) / (b.speed2 - a.speed2), 0.0, 1.0);
+    return {between(a.response.bends.amplitude2, b.response.bends.amplitude2, share),
+            between(a.response.bends.late, b.response.bends.late, share)};
   }
   /// Makes averaged gains those at a crossing with this speed.
   template <class T> void correct(const T& speed2, CycleGains<T>& gains) const {
@@ -99,11 +111,35 @@ public:
     gains.follow_by_drive += between(a.follow_by_drive, b.follow_by_drive);
   }
 
+  /// The integrals of the factor of gone and of what is added to follow, over departures of phi'^2
+  /// from `speed2` to `speed2` + w.
+  template <class T>
+  [[nodiscard]] std::pair<T, T> beside_on_the_way(double speed2, const T& w) const {
+    const T end = w + speed2;
+    return {integral(end, &Node::gone, &CycleGains<double>::gone) -
+                integral(speed2, &Node::gone, &CycleGains<double>::gone),
+            integral(end, &Node::follow, &CycleGains<double>::follow) -
+                integral(speed2, &Node::follow, &CycleGains<double>::follow)};
+  }
+
 private:
   struct Node {
     double speed2;
     CycleResponse response;
+    double gone = 0.0, follow = 0.0; // integrals of `beside` from the first node
   };
+  // Of a line between neighbours, and of the nearer end's value beyond.
+  template <class T>
+  [[nodiscard]] T integral(const T& speed2, double Node::*sum,
+                           double CycleGains<double>::*what) const {
+    const std::size_t below = before(plain(speed2));
+    const Node &a = all_[below], &b = all_[below + 1];
+    const double at_a = a.response.beside.*what, at_b = b.response.beside.*what;
+    if (plain(speed2) > b.speed2) return (speed2 - b.speed2) * at_b + b.*sum;
+    const T passed = speed2 - a.speed2;
+    if (plain(passed) < 0.0) return passed * at_a + a.*sum;
+    return passed * (passed * (0.5 * (at_b - at_a) / (b.speed2 - a.speed2)) + at_a) + a.*sum;
+  }
   // The node below a speed, which is no number where a search has gone astray; not the last one.
   [[nodiscard]] std::size_t before(double speed2) const {
     const auto above =
@@ -130,26 +166,26 @@ struct ResponseAt {
     if (clock != nullptr) clock->correct(T(w + speed2), gains);
     return gains;
   }
-  /// By how much w has grown after a cycle, and by how much it makes the clock late. Averaged, the
-  /// latter is an integral in closed form; what the full equation adds hardly bends on the way.
+  /// By how much w has grown after a cycle, and by how much it makes the clock late: the averaged
+  /// laws between the two amplitudes, in closed form, and the integral of what stands beside them.
   template <class T>
   [[nodiscard]] std::pair<T, T> passed(const AveragedLaws<T>& laws, const T& amplitude2,
                                        const T& T0, const T& w) const {
-    const T on_course = amplitude2 + shift;
-    CycleGains<T> gains = averaged_cycle(laws, T(on_course + w * 0.5), T0);
-    const T mean = gains.gone / (laws.growth_slope(T(on_course + w * 0.5)) * two_pi);
-    gains.follow = T(0.0);
-    if (clock != nullptr) clock->correct(T(w * 0.5 + speed2), gains);
-    const T averaged = mean * T0 * (laws.rate(on_course) - laws.rate(T(on_course + w)));
-    return {gains.gone * w, averaged + gains.follow * w};
+    using std::expm1;
+    const T on_course = amplitude2 + shift, there = on_course + w;
+    const T a = laws.mean_growth_slope(on_course, there) * two_pi;
+    const T gone = expm1(a);
+    const T averaged = gone / a * T0 * (laws.rate(on_course) - laws.rate(there));
+    if (clock == nullptr) return {gone * w, averaged};
+    const auto [factor, follow] = clock->beside_on_the_way(speed2, w);
+    return {gone * factor, averaged + follow};
   }
   /// phi'^2 of the undisturbed crossing, for the averaged amplitude squared.
   template <class T> [[nodiscard]] T speed2_of(const T& amplitude2) const {
     return amplitude2 + (clock == nullptr ? 0.0 : shift - clock->offset());
   }
-  [[nodiscard]] const CycleResponse& nearest(double w) const {
-    static const CycleResponse averaged;
-    return clock == nullptr ? averaged : clock->nearest(speed2 + w);
+  [[nodiscard]] CycleBends bends(double w) const {
+    return clock == nullptr ? CycleBends{} : clock->bends(speed2 + w);
   }
 };
 

@@ -130,19 +130,17 @@ public:
                                                 const T& excess, const T& scale) {
     frozen_ = false; // an amplitude changes the covariance, and so the gain for times
     still_ = 0;
-    // The extended filter evaluates the turning angle exactly at the estimated state of the clock
-    // and adds the slope and, for small angles, the second derivative there.
-    const T on_course = response.speed2_of(sight.amplitude2);
-    const T there = extended_ ? T(on_course + way(sight, response)) : on_course;
-    const T slope = scale * slope_of_turning_angle(*sight.laws, there);
-    T value = excess;
-    if (extended_)
-      value += scale * (turning_angle_at(*sight.laws, on_course) -
-                        turning_angle_at(*sight.laws, there)) +
-               slope / there * covariance_[1][1] * 0.25;
-    else
+    T value = excess, slope, variance;
+    if (extended_) {
+      const TurningAngle seen = turning_angle_seen(sight, response, excess, scale);
+      value = seen.value;
+      slope = seen.slope;
+      variance = seen.variance;
+    } else {
+      slope = scale * slope_of_turning_angle(*sight.laws, response.speed2_of(sight.amplitude2));
       value -= slope * state_[1];
-    const T variance = slope * slope * covariance_[1][1] + noise_.amplitude * noise_.amplitude;
+      variance = slope * slope * covariance_[1][1] + noise_.amplitude * noise_.amplitude;
+    }
     const T precision = T(1.0) / variance;
     std::array<T, D> shared, gain;
     for (std::size_t i = 0; i < D; ++i) {
@@ -212,14 +210,46 @@ private:
         to[i][k] += what[i][k];
   }
 
-  // Departure of the squared amplitude from the course. A poorly known amplitude may appear to lie
-  // at the escapement, where no gains exist, so the departure is kept short of it.
-  [[nodiscard]] T way(const Sight<T>& sight, const ResponseAt& response) const {
+  // A departure of the squared amplitude from the course. A poorly known amplitude may appear to
+  // lie at the escapement, where no gains exist, so the departure is kept short of it.
+  static T kept_outside(const Sight<T>& sight, const ResponseAt& response, const T& w) {
     constexpr double largest_step_share = 0.9;
-    const T& w = state_[1];
     const T farthest = (sight.laws->phi0 * sight.laws->phi0 - sight.amplitude2 - response.shift) *
                        largest_step_share;
     return w < farthest ? farthest : w;
+  }
+
+  struct TurningAngle {
+    T value, variance; // of the innovation
+    T slope;
+  };
+  // The extended filter takes the turning angle and its slope at the amplitude that this
+  // observation leads to, and adds half the second derivative, for small angles, times the variance
+  // that is then left (iterated extended Kalman filter: Jazwinski 1970, ch. 8). Where the amplitude
+  // is known beforehand, as after the first beats, that is the amplitude foreseen.
+  [[nodiscard]] TurningAngle turning_angle_seen(const Sight<T>& sight, const ResponseAt& response,
+                                                const T& excess, const T& scale) const {
+    const T on_course = response.speed2_of(sight.amplitude2);
+    const T angle_on_course = turning_angle_at(*sight.laws, on_course);
+    const T power = noise_.amplitude * noise_.amplitude;
+    const T foreseen = kept_outside(sight, response, state_[1]);
+    constexpr int most_steps = 4;          // their errors fall as squares
+    constexpr double settled_share = 0.01; // of the noise, that the bend may still have
+    T at = foreseen;
+    TurningAngle seen;
+    for (int step = 0; step < most_steps; ++step) {
+      const T there = on_course + at;
+      seen.slope = scale * slope_of_turning_angle(*sight.laws, there);
+      seen.variance = seen.slope * seen.slope * covariance_[1][1] + power;
+      const T left = covariance_[1][1] * power / seen.variance;
+      seen.value = excess + scale * (angle_on_course - turning_angle_at(*sight.laws, there)) +
+                   seen.slope * (at - foreseen) + seen.slope / there * left * 0.25;
+      const double bend = plain(seen.slope) / plain(there) * plain(covariance_[1][1]) * 0.25;
+      if (bend <= settled_share * plain(noise_.amplitude)) break;
+      at = kept_outside(sight, response,
+                        T(foreseen + covariance_[1][1] * seen.slope / seen.variance * seen.value));
+    }
+    return seen;
   }
 
   static CycleGains<T> gains(const Sight<T>& sight, const ResponseAt& response, const T& w) {
@@ -254,10 +284,10 @@ private:
   // Advances by one cycle. The mean first accounts for the departure of the amplitude from the
   // course, then for that of the drive; the covariance uses the gains with both departures.
   GOINGRATE_INLINED void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
-    const T end = way(sight, response);
+    const T end = kept_outside(sight, response, state_[1]);
     const auto [grown, late] = response.passed(*sight.laws, sight.amplitude2, sight.T0, end);
     CycleGains<T> there = gains(sight, response, end);
-    const CycleResponse& bends = response.nearest(plain(end));
+    const CycleBends bends = response.bends(plain(end));
     const T w2 = covariance_[1][1];
     T product = T(0.0), u2 = noise_.drive * noise_.drive;
     std::array<T, D> next;

@@ -1,10 +1,11 @@
 // Clocks drawn from a prior, with one jump of mu, phi0 or epsilon at a known cycle, or with a rough
 // drive and amplitudes: whether the search finds what a fit that is started from the truth finds,
-// whether what is stated is right, and whether what could be stated is.
+// whether what is stated is right, and whether what could be stated is; and whether the signed root
+// of the likelihood ratio at the truth, of all logs, is standard normal.
 //   study_prior write FOLDER LOGS SEED (jump|rough)     logs, and for each what a fit is told of it
 //   study_prior score FOLDER LOGS SEED (jump|rough) [each]
-// Between them `goingrate batch fit` writes FOLDER/found.jsonl and FOLDER/told.jsonl; `each` prints
-// a line a log.
+// Between them `goingrate batch fit` writes FOLDER/found.jsonl, FOLDER/told.jsonl and, with the
+// I-th parameter held at its true value, FOLDER/held-I.jsonl; `each` prints a line a log.
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/log/writing.hpp"
 #include "support/prior_clocks.hpp"
@@ -15,7 +16,10 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -48,6 +52,26 @@ std::string par_of(const FitOptions& options) {
   return text;
 }
 
+// The parameters that are scored: not the amplitude at rest, whose truth is known to first order
+// only. Where T0 is given, or nothing changes, the list is shorter.
+std::vector<std::string> scored_names(const test::DrawnClock& drawn) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : drawn.truth)
+    if (name != "lambda0" && !drawn.options.fixed.contains(name)) names.push_back(name);
+  return names;
+}
+
+constexpr std::size_t largest_scored_count = 5; // T0, epsilon, mu, phi0 and the changed one
+
+FitOptions with_one_held(const test::DrawnClock& drawn, std::size_t i) {
+  FitOptions options = test::told_the_truth(drawn);
+  const auto names = scored_names(drawn);
+  if (i >= names.size()) return options; // batch wants a file for each log
+  options.start.erase(names[i]);
+  options.fixed[names[i]] = drawn.truth.at(names[i]);
+  return options;
+}
+
 // In order of their names, as batch takes the files of a folder.
 void write(const Study& study) {
   std::filesystem::create_directories(study.folder / "logs");
@@ -59,6 +83,9 @@ void write(const Study& study) {
     std::ofstream(study.folder / "logs" / (name + ".csv")) << native_log_text(log, decimals);
     std::ofstream(study.folder / "logs" / (name + ".found")) << par_of(drawn.options);
     std::ofstream(study.folder / "logs" / (name + ".told")) << par_of(test::told_the_truth(drawn));
+    for (std::size_t j = 0; j < largest_scored_count; ++j)
+      std::ofstream(study.folder / "logs" / fmt::format("{}.held-{}", name, j))
+          << par_of(with_one_held(drawn, j));
   }
 }
 
@@ -68,7 +95,9 @@ struct Outcome {
   double worst = 0.0;  // |z| of what is stated
   std::string worst_name;
   bool has_twin = false;
-  int could = 0, stated = 0; // parameters that the informed fit states, and of these the search's
+  // Parameters that the informed fit states to 5 %, of these the search's, and of these the ones
+  // with at most 1.3 times its sigma.
+  int could = 0, stated = 0, sharp = 0;
   std::string model;
   double p = 0.0;
 };
@@ -105,6 +134,7 @@ void judge(const test::DrawnClock& drawn, const Json& found, const Json& told, O
     if (is_known(*best) && best->at("sigma") < 0.05 * std::abs(value)) {
       ++outcome.could;
       outcome.stated += stated ? 1 : 0;
+      outcome.sharp += stated && own->at("sigma") <= 1.3 * best->at("sigma").get<double>() ? 1 : 0;
     }
     if (!stated) continue;
     const double z =
@@ -147,11 +177,72 @@ void print_each(std::uint64_t seed, const Outcome& o) {
              o.model);
 }
 
+using Roots = std::map<std::string, std::vector<double>>; // by parameter; a changed one as "after"
+
+// (value - truth) / |value - truth| * sqrt(2 log L(best) - 2 log L(best with the truth held)).
+Roots signed_roots(const Study& study, const std::vector<Json>& found,
+                   const std::vector<Json>& told) {
+  std::vector<std::vector<Json>> held;
+  for (std::size_t j = 0; j < largest_scored_count; ++j)
+    held.push_back(results_in(study.folder / fmt::format("held-{}.jsonl", j)));
+  Roots roots;
+  for (std::size_t i = 0; i < study.logs; ++i) {
+    const test::DrawnClock drawn = study.clock(i);
+    const auto names = scored_names(drawn);
+    for (std::size_t j = 0; j < names.size(); ++j) {
+      const Json& at_truth = held[j].at(i);
+      if (!at_truth.contains("parameters") || !told[i].contains("parameters")) continue;
+      const bool search_wins = found[i].contains("parameters") &&
+                               two_log_likelihood(found[i]) > two_log_likelihood(told[i]);
+      const Json& best = search_wins ? found[i] : told[i];
+      const Json* own = parameter(best, names[j]);
+      if (own == nullptr || !own->at("value").is_number()) continue;
+      const double gain = two_log_likelihood(best) - two_log_likelihood(at_truth);
+      roots[names[j].ends_with("@1") ? "after" : names[j]].push_back(
+          std::copysign(std::sqrt(std::max(0.0, gain)),
+                        own->at("value").get<double>() - drawn.truth.at(names[j])));
+    }
+  }
+  return roots;
+}
+
+// Kolmogorov and Smirnov's chance of a larger distance from the standard normal distribution.
+double chance_if_normal(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  double distance = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double below = 0.5 * std::erfc(-values[i] / std::numbers::sqrt2);
+    distance = std::max(
+        {distance, below - static_cast<double>(i) / n, static_cast<double>(i + 1) / n - below});
+  }
+  constexpr int terms = 100; // of a series that ends far earlier for any distance of interest
+  double chance = 0.0;
+  for (int k = 1; k <= terms; ++k)
+    chance += (k % 2 == 1 ? 2.0 : -2.0) * std::exp(-2.0 * k * k * n * distance * distance);
+  return std::clamp(chance, 0.0, 1.0);
+}
+
+void print_roots(const Roots& roots) {
+  fmt::print("signed root of the likelihood ratio at the truth, of all logs\n");
+  for (const auto& [name, values] : roots) {
+    const auto n = static_cast<double>(values.size());
+    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+    const double square = std::inner_product(values.begin(), values.end(), values.begin(), 0.0) / n;
+    const auto within =
+        std::count_if(values.begin(), values.end(), [](double z) { return std::abs(z) < 1.0; });
+    fmt::print("  {:8} {:4} logs, mean {:+.2f} +- {:.2f}, sd {:.2f}, 68 % hold {:.2f}, "
+               "p of a normal law {:.2g}\n",
+               name, values.size(), mean, 1.0 / std::sqrt(n), std::sqrt(square - mean * mean),
+               static_cast<double>(within) / n, chance_if_normal(values));
+  }
+}
+
 void score(const Study& study, bool each) {
   const auto found = results_in(study.folder / "found.jsonl");
   const auto told = results_in(study.folder / "told.jsonl");
   std::size_t failed = 0, behind = 0, wrong = 0, unlisted = 0;
-  int could = 0, stated = 0;
+  int could = 0, stated = 0, sharp = 0;
   for (std::size_t i = 0; i < study.logs; ++i) {
     const Outcome o = outcome_of(study.clock(i), found.at(i), told.at(i));
     if (each) print_each(study.seed + i, o);
@@ -161,13 +252,16 @@ void score(const Study& study, bool each) {
     unlisted += o.worst > 5.0 && !o.has_twin ? 1 : 0;
     could += o.could;
     stated += o.stated;
+    sharp += o.sharp;
   }
   fmt::print("{} logs, {} without a result\n", study.logs, failed);
   fmt::print("2 log L more than 1 behind the fit from the truth: {}\n", behind);
   fmt::print("something stated more than 5 sigma off: {}, of these without a twin told: {}\n",
              wrong, unlisted);
-  fmt::print("parameters that the fit from the truth knows to 5 %: {}, stated: {:.1f} %\n", could,
-             100.0 * stated / std::max(1, could));
+  fmt::print("parameters that the fit from the truth knows to 5 %: {}, stated: {:.1f} %, "
+             "with at most 1.3 times its sigma: {:.1f} %\n",
+             could, 100.0 * stated / std::max(1, could), 100.0 * sharp / std::max(1, could));
+  print_roots(signed_roots(study, found, told));
 }
 
 } // namespace

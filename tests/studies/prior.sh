@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints how the search does on clocks drawn from a prior: with a jump, and with a rough drive and amplitudes.
-# Each log is fitted twice by `goingrate batch`: from what people know, and started at the truth, which a file
-# of parameters beside the log holds. Arguments: logs (600) of the first, and a quarter as many of the second;
+# Each log is fitted by `goingrate batch` from what people know, started at the truth, which a file of
+# parameters beside the log holds, and so with one parameter after the other held there. Arguments: logs (600) of the first, and a quarter as many of the second;
 # first seed (1), "each" for a line a log.
 set -e
 . "$(dirname "$0")/common.sh"
@@ -9,7 +9,7 @@ built study_prior goingrate_command
 fit_all() { # LOGS SEED KIND [each]
   local work=build/bench/prior-$1-$2-$3 way # stays where it is interrupted, and is taken up
   build/bench/study_prior write "$work" "$1" "$2" "$3"
-  for way in found told; do
+  for way in found told held-0 held-1 held-2 held-3 held-4; do
     build/bench/goingrate batch fit "$work/logs/*.csv" --from "{.}.$way" --resume -o "$work/$way.jsonl"
   done 2>&1 | grep ' jobs in '
   build/bench/study_prior score "$work" "$@"
