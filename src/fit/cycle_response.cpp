@@ -19,7 +19,8 @@ double over(double exact, double averaged) { return averaged == 0.0 ? 1.0 : exac
 std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double speed2,
                                             const AveragedLaws<double>& laws, double amplitude2) {
   // Small enough for a third derivative to show in the sixth digit; far above rounding.
-  const double room = std::max(0.0, amplitude2 - laws.phi0 * laws.phi0);
+  const double room = amplitude2 - laws.phi0 * laws.phi0;
+  if (!(room > 0.0)) return {};
   const double dw = std::min(3e-3 * speed2, 0.1 * room), du = 1e-2;
   std::array<std::array<Next, 3>, 3> next; // of w = -dw, 0, dw and u = -du, 0, du
   for (const int i : {0, 1, 2})

@@ -72,8 +72,9 @@ struct CycleResponse {
 };
 
 /// By differences of the return map of a clock that crosses with phi'^2 = `speed2` when its
-/// averaged amplitude squared is `amplitude2`; nothing where the map is not regular there. Gains to
-/// 3e-5 (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
+/// averaged amplitude squared is `amplitude2`; nothing where the map is not regular or the averaged
+/// swing does not pass the escapement. Gains to 3e-5
+/// (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
 std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double speed2,
                                             const AveragedLaws<double>& laws, double amplitude2);
 

@@ -134,17 +134,22 @@ bool is_rounding(const Fitted& fitted) {
   return rms(fitted.seen.late_s) < least_jitter(*fitted.problem.data);
 }
 
-double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
+double value_without_weak_priors(const FitProblem& problem, const Minimum& minimum) {
   double weak = 0.0;
   for (const CoordinatePrior& prior : problem.priors)
     if (!prior.stated) weak += 0.5 * std::pow(prior.pull(minimum.x), 2);
+  return minimum.value - weak;
+}
+
+double bayes_criterion(const FitProblem& problem, const Minimum& minimum) {
   double seen = static_cast<double>(problem.data->size()) - 1.0;
   for (const double a : problem.data->amplitude_rad)
     seen += std::isnan(a) ? 0.0 : 1.0;
   const auto parameters = std::count_if( // a moment is a part of its event's date
       problem.parameters.slots.begin(), problem.parameters.slots.end(),
       [](const Slot& slot) { return slot.free && !is_of_moment(slot.quantity); });
-  return 2.0 * (minimum.value - weak) + static_cast<double>(parameters) * std::log(seen);
+  return 2.0 * value_without_weak_priors(problem, minimum) +
+         static_cast<double>(parameters) * std::log(seen);
 }
 
 std::optional<NoiseShape> noise_shape(const Fitted& fitted) {

@@ -27,6 +27,10 @@ struct Fitted {
 /// Whether the times are met as closely as their digits allow: then there is no noise to speak of.
 bool is_rounding(const Fitted& fitted);
 
+/// L without the weak priors: these are about the start of a search, and ends of searches from
+/// different starts are to be compared.
+double value_without_weak_priors(const FitProblem& problem, const Minimum& minimum);
+
 /// -2 log likelihood + k log n, without the weak priors.
 double bayes_criterion(const FitProblem& problem, const Minimum& minimum);
 

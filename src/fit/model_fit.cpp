@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace goingrate::timing_model {
 
@@ -160,12 +161,18 @@ Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, const FitOptions
   const FewBeats few =
       few_beats(data, simpler.front()->problem.parameters.event_cycles, enough_to_screen);
   Fitted rough;
+  double best = std::numeric_limits<double>::infinity();
   for (const Fitted* start : simpler) {
     const Fitted plain = on_few_beats(*start, few);
     if (!plain.minimum.usable) continue;
     Fitted end = fit_from(plain, options, model, &few.data);
-    const double best = std::min(plain.minimum.value + largest_deficit, rough.minimum.value);
-    if (end.minimum.usable && end.minimum.value < best) rough = std::move(end);
+    if (!end.minimum.usable) continue;
+    const double value = value_without_weak_priors(end.problem, end.minimum);
+    if (value > value_without_weak_priors(plain.problem, plain.minimum) + largest_deficit ||
+        !(value < best))
+      continue;
+    best = value;
+    rough = std::move(end);
   }
   if (!rough.minimum.usable) return {};
   const auto on_all = [&](const std::vector<double>& x) {
@@ -239,7 +246,8 @@ Fitted fit_from_either(const Fitted& one, const Fitted& other, const FitOptions&
   if (sees_second_order(problem, options) && data.size() > 2 * enough_to_screen)
     return fit_in_two_steps(std::array{&one, &other}, options, model, data);
   Fitted first = fit_from(one, options, model), second = fit_from(other, options, model);
-  return second.minimum.usable && by_value(second.minimum, first.minimum) ? second : first;
+  return second.minimum.usable && (!first.minimum.usable || second.bic < first.bic) ? second
+                                                                                    : first;
 }
 
 } // namespace goingrate::timing_model

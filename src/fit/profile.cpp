@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace goingrate::timing_model {
 
@@ -16,148 +17,236 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double q68 = 1.0, q95 = 1.959964;
 
+// A point of the ridge on which L is least for each value of one coordinate.
+struct Foot {
+  double z = 0.0;          // of that coordinate, in sigmas of the curvature
+  double rise = 0.0;       // of L
+  std::vector<double> x;   // where
+  std::vector<double> u;   // the same in the coordinates that straighten the valley
+  Eigen::VectorXd tangent; // du/dz
+};
+
 // The profile likelihood of one coordinate; z is its distance from the minimum in sigmas of the
-// curvature.
+// curvature. Away from the minimum the ridge is followed from foot to foot: extrapolated by the
+// cubic through the last two feet and their directions, and brought back by steps of scoring in the
+// other coordinates.
 class Profile {
 public:
   /// `widening`: the stated sigma over the curvature's. `search`: where the likelihood is no
-  /// parabola, find the ends of the interval by searches; without it they stay open.
+  /// parabola, follow the ridge to the ends of the interval; without it they stay open.
   Profile(const ProfiledPlace& place, std::size_t k, double widening, bool search)
       : problem_(place.problem), minimum_(place.minimum), known_(place.known), k_(k),
-        valley_(problem_, minimum_.x, k), widening_(widening), search_(search) {}
+        valley_(problem_, minimum_.x, k), widening_(widening), search_(search) {
+    first_.x = minimum_.x;
+    first_.u = valley_.u_of(first_.x);
+    const auto row = known_.unwidened.row(static_cast<Eigen::Index>(k_));
+    first_.tangent = in_valley(first_.u, known_.unwidened * row.transpose() / row.norm());
+    restart();
+  }
 
   /// The ends of the interval, in z.
   Interval ends() {
-    const double low = risen(-q95), high = risen(q95);
-    Interval found{end(-q68, low), end(q68, high), end(-q95, low), end(q95, high)};
-    found.low95 =
-        std::min(found.low95,
-                 found.low68); // searches end at a finite tolerance, which could reverse the order
-    found.high95 = std::max(found.high95, found.high68);
-    return found;
+    const auto [low68, low95] = ends_on(-1.0);
+    const auto [high68, high95] = ends_on(1.0);
+    return {low68, high68, low95, high95};
   }
 
   /// The fall of 2 log L at z, in the units of FittedParameter; nothing where the model does not
   /// hold. To be called at growing distances on one side, then on the other.
   std::optional<double> fall(double z) {
-    if (last_ && last_->z * z < 0.0) last_.reset();
-    constexpr double least_gain = 0.02; // of L: for smaller gains the predicted gain is accurate
-    const auto there = step_of_others(along(z));
-    const auto risen = there && there->gain < least_gain
-                           ? std::optional(there->value - there->gain - minimum_.value)
-                           : rise(z);
-    if (!risen) return {};
-    return 2.0 * std::max(0.0, *risen) / (widening_ * widening_);
+    if (last_.z * z < 0.0) restart();
+    if (!walk_to(z)) return {};
+    return 2.0 * std::max(0.0, last_.rise) / (widening_ * widening_);
   }
 
 private:
-  // The shape at q: from one step of scoring, or, if that shows no parabola, from a search;
-  // infinite if both fail.
-  double risen(double q) {
-    const double looked = shape(q);
-    if (!broken(looked) || !search_) return looked;
-    const double z = q * widening_;
-    last_.reset();
-    return rise(z).value_or(infinite) / (0.5 * z * z);
+  struct Ends {
+    double at68, at95;
+  };
+
+  // A change of x as one of u, at u.
+  [[nodiscard]] Eigen::VectorXd in_valley(const std::vector<double>& u,
+                                          const Eigen::VectorXd& change) const {
+    return valley_.slopes(u).partialPivLu().solve(change);
   }
 
-  // The point z sigma away along the ridge predicted by the curvature. T0 follows the ridge.
-  [[nodiscard]] std::vector<double> straight(double z) const {
-    const auto row = known_.unwidened.row(static_cast<Eigen::Index>(k_));
-    const Eigen::VectorXd direction = known_.unwidened * row.transpose() / row.norm();
-    std::vector<double> u = valley_.u_of(minimum_.x);
-    const Eigen::VectorXd in_u = valley_.slopes(u).partialPivLu().solve(direction);
-    for (std::size_t i = 0; i < u.size(); ++i)
-      u[i] += z * in_u[static_cast<Eigen::Index>(i)];
-    std::vector<double> x = valley_.x_of(u);
-    return x;
+  // With a row for each coordinate that makes a change of one, a factor e of most, cost half of L:
+  // where the likelihood is flat, steps are kept short, and a determined coordinate does not feel
+  // it.
+  static Eigen::MatrixXd damped(const Eigen::MatrixXd& rows) {
+    Eigen::MatrixXd both(rows.rows() + rows.cols(), rows.cols());
+    both << rows, Eigen::MatrixXd::Identity(rows.cols(), rows.cols());
+    return both;
   }
 
   // A step of scoring in the other coordinates: the change it makes and what it gains. Nothing
   // where the model is not defined.
   struct Step {
-    double value = 0.0; // L before the step
+    Evaluation here; // before the step
     double gain = 0.0;
     Eigen::VectorXd change;
   };
   [[nodiscard]] std::optional<Step> step_of_others(std::span<const double> x) const {
-    const auto there = evaluate(problem_, x);
+    auto there = evaluate(problem_, x);
     if (!there) return {};
     const auto n = there->triangle.cols(), k = static_cast<Eigen::Index>(k_);
-    Step step{there->value, 0.0, Eigen::VectorXd::Zero(n)};
+    Step step{std::move(*there), 0.0, Eigen::VectorXd::Zero(n)};
     if (n == 1) return step;
     Eigen::MatrixXd others(n, n - 1);
-    others << there->triangle.leftCols(k), there->triangle.rightCols(n - k - 1);
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(others);
-    const Eigen::VectorXd change = qr.solve(-there->projected);
-    step.gain = 0.5 * (others * change).squaredNorm();
+    others << step.here.triangle.leftCols(k), step.here.triangle.rightCols(n - k - 1);
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(damped(others));
+    Eigen::VectorXd projected = Eigen::VectorXd::Zero(2 * n - 1);
+    projected.head(n) = step.here.projected;
+    const Eigen::VectorXd change = qr.solve(-projected);
+    const Eigen::VectorXd moved = others * change;
+    step.gain = -moved.dot(step.here.projected) - 0.5 * moved.squaredNorm();
     step.change.head(k) = change.head(k);
     step.change.tail(n - k - 1) = change.tail(n - k - 1);
     return step;
   }
 
-  // A step of scoring halfway to q measures how much the ridge bends.
-  [[nodiscard]] std::vector<double> along(double z) {
-    std::vector<double> x = straight(z);
-    const std::size_t side = z < 0.0 ? 0 : 1;
-    if (!bend_[side]) {
-      const double half = std::copysign(0.5 * q95 * widening_, z);
-      const auto step = step_of_others(straight(half));
-      bend_[side] = step ? Eigen::VectorXd(step->change / (half * half))
-                         : Eigen::VectorXd::Zero(static_cast<Eigen::Index>(x.size()));
+  // The rise at q sigma along the tangent, after one step of scoring, over the parabola's; 0 where
+  // that step gains so much that it may not be believed.
+  [[nodiscard]] double look(double q) const {
+    constexpr double largest_gain = 3.0; // parabolas
+    const double z = q * widening_, parabola = 0.5 * z * z;
+    const auto there = step_of_others(valley_.x_of(ahead(first_, z)));
+    if (!there || there->gain > largest_gain * parabola) return 0.0;
+    return (there->here.value - there->gain - minimum_.value) / parabola;
+  }
+
+  // Where the profile has risen by q^2/2. One look tells whether the parabola holds.
+  Ends ends_on(double side) {
+    constexpr double straight = 0.1; // of the rise: a twentieth of the interval
+    constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
+    const double shape = look(side * q95);
+    if (std::abs(shape - 1.0) < straight) return {side * q68 * widening_, side * q95 * widening_};
+    if (shape > least_straight && shape < largest_straight) {
+      // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
+      const double b = (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
+      const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };
+      return {root(side * q68 * widening_), root(side * q95 * widening_)};
     }
-    for (std::size_t i = 0; i < x.size(); ++i)
-      x[i] += z * z * (*bend_[side])[static_cast<Eigen::Index>(i)];
+    if (!search_) return {side * infinite, side * infinite};
+    restart();
+    const double at68 = walk_to_root(q68 * widening_, side);
+    return {at68, std::isfinite(at68) ? walk_to_root(q95 * widening_, side) : at68};
+  }
+
+  static double root_of(const Foot& foot) { return std::sqrt(2.0 * std::max(0.0, foot.rise)); }
+
+  // Follows the ridge until the root of twice the rise is `target`, and says where that is;
+  // infinite where it is not reached.
+  double walk_to_root(double target, double side) {
+    constexpr double farthest = 30.0;  // sigma
+    constexpr double tolerance = 0.02; // of the root
+    while (root_of(last_) < target) {
+      pulse();
+      if (std::abs(last_.z) > farthest * widening_ || !advance(last_.z + side * stride_))
+        return side * infinite;
+    }
+    // The foot before and the last one, between which the root is nearly linear.
+    double inside = before_.z, root_inside = root_of(before_);
+    double outside = last_.z, root_outside = root_of(last_);
+    const Foot beyond = last_;
+    for (int round = 0; round < 4; ++round) {
+      const double z =
+          inside + (target - root_inside) / (root_outside - root_inside) * (outside - inside);
+      const auto between = foot_at(z, before_, beyond);
+      if (!between) return z;
+      const double root = root_of(*between);
+      if (std::abs(root - target) < tolerance * target) return z;
+      (root < target ? inside : outside) = z;
+      (root < target ? root_inside : root_outside) = root;
+    }
+    return 0.5 * (inside + outside);
+  }
+
+  bool walk_to(double z) {
+    while (last_.z != z) {
+      pulse();
+      const double left = z - last_.z;
+      const double step = std::abs(left) < 1.5 * stride_ ? left : std::copysign(stride_, left);
+      if (!advance(std::abs(left) <= stride_ || step == left ? z : last_.z + step)) return false;
+    }
+    return true;
+  }
+
+  void restart() {
+    last_ = before_ = first_;
+    stride_ = first_stride * widening_;
+  }
+
+  // One foot further, to z or less far where the ridge bends; by a search where it folds, so that
+  // steps lead nowhere; false where that fails too.
+  bool advance(double z) {
+    constexpr double least_stride = 0.02;              // sigma
+    constexpr double easy_gain = 0.1, hard_gain = 5.0; // of L, of the first step of scoring
+    constexpr double longest_stride = 2.0;             // sigma
+    while (true) {
+      double gain = 0.0;
+      if (auto next = foot_near(foreseen(z), z, gain)) {
+        if (gain < easy_gain) stride_ = std::min(2.0 * stride_, longest_stride * widening_);
+        if (gain > hard_gain) stride_ *= 0.5;
+        before_ = std::exchange(last_, std::move(*next));
+        return true;
+      }
+      stride_ = 0.4 * std::min(stride_, std::abs(z - last_.z));
+      if (stride_ < least_stride * widening_)
+        return search_on(std::copysign(first_stride, z - last_.z));
+      z = last_.z + std::copysign(stride_, z - last_.z);
+    }
+  }
+
+  // Where the foot at z may be: on the cubic, on the tangent or where the last one was, whichever
+  // L likes best.
+  [[nodiscard]] std::vector<double> foreseen(double z) const {
+    std::vector<double> best = with_own(last_.x, z);
+    double least = minus_log_likelihood(problem_, best).value_or(infinite);
+    const auto consider = [&](const std::vector<double>& u) {
+      std::vector<double> x = with_own(valley_.x_of(u), z);
+      const double there = minus_log_likelihood(problem_, x).value_or(infinite);
+      if (!(there < least)) return;
+      least = there;
+      best = std::move(x);
+    };
+    consider(ahead(last_, z - last_.z));
+    if (last_.z != before_.z) consider(extrapolated(before_, last_, z));
+    return best;
+  }
+  // x with the profile's own coordinate at z.
+  [[nodiscard]] std::vector<double> with_own(std::vector<double> x, double z) const {
+    x[k_] = minimum_.x[k_] + z * known_.curvature_sigma(k_);
     return x;
   }
 
-  // The rise of the profile at q divided by the parabola's; 0 where it is unknown.
-  [[nodiscard]] double shape(double q) {
-    const double z = q * widening_;
-    const auto there = step_of_others(along(z));
-    return there ? (there->value - there->gain - minimum_.value) / (0.5 * z * z) : 0.0;
+  bool search_on(double strides) {
+    stride_ = first_stride * widening_;
+    const double z = last_.z + strides * widening_;
+    auto next = by_search(with_own(last_.x, z), z);
+    if (!next) return false;
+    before_ = std::exchange(last_, std::move(*next));
+    return true;
   }
 
-  // Beyond this the root of the rise is not nearly linear. A profile that rises too little may have
-  // no end.
-  static bool broken(double shape) { return !(shape > 0.65 && shape < 1.5); }
-  // A search that ends higher than this has failed: no profile rises so steeply.
-  static constexpr double largest_rise = 30.0; // parabolas
-
-  double end(double q, double shape) {
-    constexpr double straight = 0.1; // of the rise: a twentieth of the interval
-    const double z = q * widening_;
-    double reach = z;
-    if (!(shape > 0.0) || (broken(shape) && !search_)) {
-      reach = std::copysign(infinite, q);
-    } else if (broken(shape)) {
-      reach = searched(q);
-    } else if (std::abs(shape - 1.0) > straight) {
-      // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
-      const double b = (std::sqrt(shape) - 1.0) / (std::copysign(q95, q) * widening_);
-      reach = (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b);
-    }
-    return reach;
+  static std::vector<double> ahead(const Foot& foot, double dz) {
+    return moved(foot.u, foot.tangent, dz);
   }
-
-  // The start of a search with this coordinate held at z: on the ridge predicted by the curvature,
-  // or at the end of the last search, extrapolated, whichever is lower.
-  [[nodiscard]] std::vector<double> start_at(double z) {
-    std::vector<double> ridge = along(z);
-    const double wanted = z * known_.curvature_sigma(k_);
-    double length = z; // along the ridge to where it has that coordinate: off it L rises steeply
-    for (int round = 0; round < 3; ++round) {
-      length *= wanted / (ridge[k_] - minimum_.x[k_]);
-      ridge = along(length);
+  // On the cubic through two feet that has their directions.
+  static std::vector<double> extrapolated(const Foot& a, const Foot& b, double z) {
+    const double h = b.z - a.z, s = (z - a.z) / h;
+    const double of_b = s * s * (3.0 - 2.0 * s), along_a = s * (1.0 - s) * (1.0 - s) * h,
+                 along_b = s * s * (s - 1.0) * h;
+    std::vector<double> u = a.u;
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      u[i] += of_b * (b.u[i] - a.u[i]) + along_a * a.tangent[k] + along_b * b.tangent[k];
     }
-    ridge[k_] = minimum_.x[k_] + wanted;
-    if (!last_) return ridge;
-    std::vector<double> stretched = minimum_.x;
-    for (std::size_t i = 0; i < stretched.size(); ++i)
-      stretched[i] += (last_->x[i] - stretched[i]) * z / last_->z;
-    const auto here = minus_log_likelihood(problem_, ridge);
-    const auto there = minus_log_likelihood(problem_, stretched);
-    return there && (!here || *there < *here) ? stretched : ridge;
+    return u;
+  }
+  [[nodiscard]] std::optional<Foot> foot_at(double z, const Foot& a, const Foot& b) const {
+    double gain = 0.0;
+    return foot_near(with_own(valley_.x_of(extrapolated(a, b, z)), z), z, gain);
   }
 
   [[nodiscard]] bool is_allowed(std::span<const double> x) const {
@@ -166,98 +255,80 @@ private:
     return true;
   }
 
-  // The profile at z, by steps of scoring in the other coordinates as long as these gain what they
-  // predict.
-  std::optional<double> rise_by_steps(double z, std::vector<double> x) {
-    constexpr double least_gain = 0.05; // of L: a step that gains less gains what it promises
-    double before = infinite;
-    for (int steps = 0; steps < 3; ++steps) {
+  // The foot at z from a point beside it, by steps of scoring until one gains next to nothing, or
+  // by a search where a bound is met. `first_gain`: what the first step promises.
+  [[nodiscard]] std::optional<Foot> foot_near(std::vector<double> x, double z,
+                                              double& first_gain) const {
+    constexpr double least_gain = 0.02; // of L: a step that gains less gains what it promises
+    constexpr double kink_gain = 0.25;  // of L: what steps may still promise where L has kinks
+    constexpr int most_steps = 6;
+    for (int steps = 0;; ++steps) {
+      if (!is_allowed(x)) return by_search(std::move(x), z);
       const auto step = step_of_others(x);
-      if (!step || !(step->value < before)) return {};
-      for (std::size_t i = 0; i < x.size(); ++i)
-        x[i] += step->change[static_cast<Eigen::Index>(i)];
-      if (!is_allowed(x)) return {};
-      if (step->gain < least_gain) {
-        last_ = Solution{z, std::move(x)};
-        return step->value - step->gain - minimum_.value;
-      }
-      before = step->value;
+      if (!step) return {};
+      if (steps == 0) first_gain = step->gain;
+      if (step->gain < least_gain)
+        return foot(x, z, step->here.value - step->gain, step->here.triangle);
+      auto next = steps < most_steps ? lower(x, *step) : std::nullopt;
+      if (next)
+        x = std::move(*next);
+      else
+        return step->gain < kink_gain ? foot(x, z, step->here.value, step->here.triangle)
+                                      : std::nullopt;
+    }
+  }
+  static std::vector<double> moved(std::vector<double> from, const Eigen::VectorXd& change,
+                                   double share) {
+    for (std::size_t i = 0; i < from.size(); ++i)
+      from[i] += share * change[static_cast<Eigen::Index>(i)];
+    return from;
+  }
+  // As far along the step, in the coordinates that straighten the valley, as L falls.
+  [[nodiscard]] std::optional<std::vector<double>> lower(const std::vector<double>& x,
+                                                         const Step& step) const {
+    const std::vector<double> u = valley_.u_of(x);
+    const Eigen::VectorXd way = in_valley(u, step.change);
+    for (double share = 1.0; share > 0.01; share *= 0.25) {
+      std::vector<double> next = valley_.x_of(moved(u, way, share));
+      next[k_] = x[k_];
+      const auto there = minus_log_likelihood(problem_, next);
+      if (there && *there < step.here.value) return next;
     }
     return {};
   }
 
-  // The same, with a search where the steps fail; nothing if the search fails too.
-  std::optional<double> rise(double z) {
-    const double coordinate = minimum_.x[k_] + z * known_.curvature_sigma(k_);
-    std::vector<double> start = start_at(z);
-    if (const auto risen = rise_by_steps(z, start)) return risen;
-    const FitProblem held = with_held(problem_, k_, coordinate);
-    start.erase(start.begin() + static_cast<std::ptrdiff_t>(k_));
+  [[nodiscard]] std::optional<Foot> by_search(std::vector<double> x, double z) const {
+    for (std::size_t i = 0; i < problem_.bounds.size(); ++i)
+      x[i] = std::clamp(x[i], problem_.bounds[i][0], problem_.bounds[i][1]);
+    const double coordinate = x[k_];
+    x.erase(x.begin() + static_cast<std::ptrdiff_t>(k_));
     constexpr SearchLimits limits{30, 0.01}; // of 0.5 or 1.9
-    Minimum found = minimise(held, start, limits);
-    const double parabola = 0.5 * z * z;
-    const double risen = found.value + prior_on(coordinate) - minimum_.value;
-    if (!found.usable || risen > largest_rise * parabola)
-      return rises_by_itself(held, coordinate, z) ? std::optional(parabola) : std::nullopt;
+    Minimum found = minimise(with_held(problem_, k_, coordinate), x, limits);
+    if (!found.usable || !found.converged) return {};
     found.x.insert(found.x.begin() + static_cast<std::ptrdiff_t>(k_), coordinate);
-    last_ = Solution{z, std::move(found.x)};
-    return risen;
+    const auto at = evaluate(problem_, found.x);
+    if (!at) return {};
+    return foot(found.x, z, at->value, at->triangle);
   }
 
-  // The value of the held coordinate at z.
-  [[nodiscard]] double prior_on(double coordinate) const {
-    double own = 0.0;
-    for (const CoordinatePrior& prior : problem_.priors)
-      if (prior.index == k_ && !prior.planned)
-        own += 0.5 * std::pow((coordinate - prior.centre) / prior.sigma, 2);
-    return own;
+  // The direction of the ridge there is C e_k / C_kk with the covariance C.
+  [[nodiscard]] std::optional<Foot> foot(const std::vector<double>& x, double z, double value,
+                                         const Eigen::MatrixXd& triangle) const {
+    const auto n = triangle.cols();
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(damped(triangle));
+    const Eigen::MatrixXd root = qr.matrixQR().topRows(n);
+    const auto upper = root.triangularView<Eigen::Upper>();
+    Eigen::VectorXd way = Eigen::VectorXd::Unit(n, static_cast<Eigen::Index>(k_));
+    way = upper.transpose().solve(way);
+    way = upper.solve(way);
+    way *= known_.curvature_sigma(k_) / way[static_cast<Eigen::Index>(k_)];
+    Foot foot{z, value - minimum_.value, x, valley_.u_of(x), {}};
+    foot.tangent = in_valley(foot.u, way);
+    if (!foot.tangent.allFinite() || !std::isfinite(foot.rise)) return {};
+    return foot;
   }
 
-  // Whether a search from the coordinates already found stays near them. If it does, the interval
-  // of the curvature is kept: such a search sees only part of the profile.
-  [[nodiscard]] bool rises_by_itself(const FitProblem& held, double coordinate, double z) const {
-    std::vector<double> others = minimum_.x;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k_));
-    const Minimum found = minimise(held, others, {30, 0.01, 1e4});
-    return found.usable &&
-           found.value + prior_on(coordinate) - minimum_.value < largest_rise * 0.5 * z * z;
-  }
-
-  // The square root of twice the rise is nearly linear in z, so regula falsi finds where it is q.
-  // Where a search does not converge, a point nearer to the last success is tried; an end that is
-  // not reached stays open.
-  double searched(double q) {
-    const double target = std::abs(q) * widening_, side = std::copysign(1.0, q);
-    constexpr double farthest_root = 8.0, root_tolerance = 0.02, longest_step = 1.6;
-    double inside = 0.0, root_inside = 0.0, outside = infinite, root_outside = infinite;
-    double unreached = infinite, z = target;
-    last_.reset();
-    for (int round = 0; round < 9; ++round) {
-      pulse();
-      if (const auto risen = rise(side * z)) {
-        const double root = std::sqrt(2.0 * std::max(0.0, *risen));
-        if (std::abs(root - target) < root_tolerance * target) return side * z;
-        (root < target ? inside : outside) = z;
-        (root < target ? root_inside : root_outside) = root;
-      } else {
-        unreached = z;
-      }
-      if (inside >= farthest_root * widening_) return side * infinite;
-      const double part = (target - root_inside) / (root_outside - root_inside);
-      const double slope = root_inside > 0.0 ? root_inside / inside : 1.0;
-      z = std::isfinite(outside)
-              ? inside + std::clamp(part, 0.1, 0.9) * (outside - inside)
-              : std::min({longest_step * std::max(inside, 0.25 * target),
-                          std::max(1.05 * inside, target / slope), farthest_root * widening_});
-      if (z >= unreached) z = 0.5 * (inside + unreached);
-    }
-    return side * (std::isfinite(outside) ? 0.5 * (inside + outside) : infinite);
-  }
-
-  struct Solution {
-    double z;
-    std::vector<double> x;
-  };
+  static constexpr double first_stride = 0.25; // sigma
 
   const FitProblem& problem_;
   const Minimum& minimum_;
@@ -266,8 +337,9 @@ private:
   Valley valley_;
   double widening_;
   bool search_;
-  std::optional<Solution> last_;                       // of the last search
-  std::array<std::optional<Eigen::VectorXd>, 2> bend_; // below and above the minimum
+  Foot first_;          // the minimum
+  Foot last_, before_;  // the last two
+  double stride_ = 0.0; // in z
 };
 
 // If every relative sigma is below this, the likelihood counts as a parabola: the two sides of an

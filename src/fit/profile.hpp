@@ -15,11 +15,11 @@ struct ProfiledPlace {
 /// Where L, minimised over all other coordinates, has risen by q^2/2 (q = 1 and 1.96, times the
 /// widening) on either side of the minimum. One look at 1.96 sigma, corrected by a scoring step in
 /// the other coordinates, tells whether the parabola holds: then, within a tenth, it is taken;
-/// where it is bent the root of the rise is taken for one, where it is broken from searches with
-/// the coordinate held (or are open, if the model does not hold or the parameter is hardly
-/// determined). Infinite where L does not rise far enough within eight sigma. Coordinates that are
-/// not determined anyway get infinite ends. `few`, if given, is the same fit on beats that stand
-/// for all: looks and searches are made there, in units of sigma, if every sigma is the same there
+/// where it is bent the root of the rise is taken for one, where it is broken the ridge is followed
+/// (or the ends are open, if the model does not hold or the parameter is hardly determined).
+/// Infinite where L does not rise far enough within thirty sigma. Coordinates that are not
+/// determined anyway get infinite ends. `few`, if given, is the same fit on beats that stand for
+/// all: looks and ridges are those there, in units of sigma, if every sigma is the same there
 /// within a fifth, or small.
 std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* few,
                                 bool model_holds);

@@ -5,6 +5,7 @@
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace goingrate::timing_model {
 
@@ -31,6 +32,18 @@ std::optional<ClockStep> clock_step(const FitProblem& problem, std::span<const d
   return ClockStep{std::move(step), 0.5 * seen.squaredNorm()};
 }
 
+// L of the clock at its minimum by these dynamics themselves, infinite where it has none; nothing
+// where they cannot follow that clock.
+std::optional<double> by_its_own(FitDynamics dynamics, Fitted& fitted) {
+  FitProblem& problem = fitted.problem;
+  problem.parameters.start_ratio = limit_cycle_ratio(problem.parameters, fitted.minimum.x);
+  auto correction = difference_to(dynamics, problem, fitted.minimum.x);
+  if (!correction) return {};
+  problem.correction = std::move(*correction);
+  return minus_log_likelihood(problem, fitted.minimum.x)
+      .value_or(std::numeric_limits<double>::infinity());
+}
+
 // Whether the innovations show that the place explains nothing.
 bool is_lost(const Fitted& fitted) {
   constexpr double beyond_chance = 1e-6;
@@ -51,27 +64,28 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
-  // Where the averaged model is far off, as in free swings of more than a radian, the corrections
+  // Where the averaged model is far off, as in free swings of more than a radian, or where
+  // amplitudes show a clock that strays from its course to many digits, the corrections
   // change with the clock as much as it does itself: then their slopes are taken as well.
   constexpr double slow = 0.1;               // of the gain hoped for a round before
   constexpr std::size_t most_beats = 20'000; // for which slopes are cheap
   const bool may_be_slow = refined.problem.data->size() <= most_beats &&
-                           refined.problem.parameters.escapement == Escapement::none;
+                           (refined.problem.parameters.escapement == Escapement::none ||
+                            (refined.problem.parameters.has(Quantity::drive_rms) &&
+                             refined.problem.data->has_amplitude()));
   double hoped = std::numeric_limits<double>::infinity();
   bool is_slow = false;
   for (int round = 0; round < rounds; ++round) {
-    refined.problem.parameters.start_ratio =
-        limit_cycle_ratio(refined.problem.parameters, refined.minimum.x);
-    auto correction = difference_to(dynamics, refined.problem, refined.minimum.x);
-    if (!correction) return false;
-    refined.problem.correction = std::move(*correction);
+    auto here = by_its_own(dynamics, refined);
+    if (!here) return false;
     if (is_slow)
       if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
         refined.problem.correction.slopes = std::move(*slopes);
-    const auto here = minus_log_likelihood(refined.problem, refined.minimum.x);
+    if (is_slow) here = minus_log_likelihood(refined.problem, refined.minimum.x);
     if (here && *here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
+      best.minimum.usable = true; // the model holds there, whether or not a search has ended there
     }
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
