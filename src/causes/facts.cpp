@@ -164,8 +164,7 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
     std::vector<Cause> alternatives{Cause::knock};
     if (is_hole(*input.data, first.beat)) alternatives.push_back(Cause::stop);
     all.push_back({Cause::sensor_shift, gain, std::move(evidence), std::move(alternatives),
-                   "Was the sensor moved? If so, the beats of the other direction are displaced "
-                   "as well.",
+                   "If it was, the beats of the other direction come displaced the other way.",
                    numbers});
     return;
   }
@@ -226,7 +225,7 @@ void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
          fmt::format("the rate swings by {:+.3g} s/day every {:.5g} s, {}",
                      line.amplitude * seconds_per_day, period_s, by_chance(line.false_alarm)),
          {},
-         "The numbers of teeth in the train tell which wheel comes round in that time.",
+         "The numbers of teeth in the train tell which.",
          numbers});
     return;
   }

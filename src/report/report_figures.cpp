@@ -337,14 +337,20 @@ void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
 // The rates of single periods may be thousands of times that of the log, whose unit would be the
 // wrong one for them.
 std::optional<Figure> in_unit_of_its_rates(std::optional<Figure> figure) {
-  constexpr double longest_ms_per_day = 1e4; // five digits
-  if (!figure || figure->y.unit != "ms/day") return figure;
-  const AxisScale axis = figure_axes(*figure).y;
-  if (std::max(std::abs(axis.from), std::abs(axis.to)) < longest_ms_per_day) return figure;
-  figure->y.unit = "s/day";
-  for (Series& series : figure->series)
-    for (double& rate : series.y)
-      rate *= 1e-3;
+  constexpr double longest_number = 1e4; // five digits
+  constexpr std::array<std::string_view, 3> units{"µs/day", "ms/day", "s/day"};
+  if (!figure) return figure;
+  const auto* unit = std::find(units.begin(), units.end(), figure->y.unit);
+  const auto is_long = [&] {
+    const AxisScale axis = figure_axes(*figure).y;
+    return std::max(std::abs(axis.from), std::abs(axis.to)) >= longest_number;
+  };
+  for (; unit != units.end() && unit + 1 != units.end() && is_long(); ++unit) {
+    figure->y.unit = *(unit + 1);
+    for (Series& series : figure->series)
+      for (double& rate : series.y)
+        rate *= 1e-3;
+  }
   return figure;
 }
 

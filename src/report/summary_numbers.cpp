@@ -27,11 +27,6 @@ bool is_noise_of_drive(std::string_view name) {
 
 std::string number(double value) { return with_sigma(value, 0.0, 3); }
 
-DisplayUnit unit_of_scatter(double rms_s) {
-  if (rms_s < 1e-3) return {"µs", 1e6};
-  return rms_s < 1.0 ? DisplayUnit{"ms", 1e3} : DisplayUnit{"s", 1.0};
-}
-
 /// Gathers the rows for one log.
 class Numbers {
 public:
@@ -85,12 +80,11 @@ void Numbers::add_going() {
         with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
   else
     add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
+  if (swings_freely(data_)) return;
   if (const auto& error = data_.sensor.beat_error_s)
     add("beat error, tick − tock",
         with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms");
-  const bool swings_freely =
-      data_.fit.has_result() && data_.fit.model.escapement == Escapement::none;
-  if (!rate.nominal_is_known || swings_freely) return;
+  if (!rate.nominal_is_known) return;
   add("rate over the whole log, end to end", words_.rate(rate.rate_excess, rate.rate_excess_sigma));
   add_stretches();
   add_logbook();
@@ -184,9 +178,11 @@ std::string Numbers::value_of(const FittedParameter& p) const {
   const double sigma = p.status == ParameterStatus::fixed ? 0.0 : p.sigma;
   if (p.unit == "rad") return words_.angle(p.value, sigma);
   if (p.name == "jitter_rms" || p.name == "walk_rms") {
-    const DisplayUnit unit = unit_of_scatter(p.value);
+    const DisplayUnit unit = short_time_unit(p.value);
     return fmt::format("{} {}", with_sigma(unit.factor * p.value, unit.factor * sigma), unit.name);
   }
+  if (p.name == "drive_rms" || p.name == "slow_rms")
+    return with_sigma(100.0 * p.value, 100.0 * sigma) + " %";
   return with_sigma(p.value, sigma) + (p.unit.empty() ? "" : " " + p.unit);
 }
 
@@ -201,7 +197,7 @@ void Numbers::add_fit() {
     if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed ? ", given"
                                    : p.status == ParameterStatus::prior
-                                       ? ", with what else is known"
+                                       ? ", from the log and what was known before"
                                        : "";
     add(name_of_parameter(p), value_of(p).append(known));
   }
@@ -244,9 +240,9 @@ void Numbers::add_covariate(const CovariateEffect& effect) {
         words_.rate(part.coefficient, part.sigma) + "/" + per);
   if (effect.part(EffectWay::at_once) != nullptr)
     add("  the whole follows with a lag of", fmt::format("{} s", number(effect.lag_s)));
-  add(fmt::format("  time error without and with {} taken off", effect.name),
-      fmt::format("{} and {} s (rms, on the other half)", number(effect.without_s),
-                  number(effect.with_s)));
+  add(fmt::format("  time error, rms, with {} left in", effect.name),
+      number(effect.without_s) + " s");
+  add("    taken off, by what the other half tells", number(effect.with_s) + " s");
 }
 
 void Numbers::add_isochronism() {
@@ -273,8 +269,9 @@ std::string Numbers::deviation(const DeviationRow& row) const {
 }
 
 // The longest times rest on one or two differences; four spans of the log are the least to speak
-// of.
+// of. The rate of a free swing changes with its amplitude, and a deviation would show that alone.
 void Numbers::add_deviation() {
+  if (swings_freely(data_)) return;
   std::vector<DeviationRow> rows = data_.deviation.rows;
   std::erase_if(rows, [](const DeviationRow& row) { return !std::isfinite(row.value); });
   if (rows.empty()) return;
