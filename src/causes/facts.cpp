@@ -105,7 +105,7 @@ std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, 
   const std::vector<Jump> at_once = jumps(data, 1);
   constexpr double sigma_per_median = 1.4826; // of the absolute values of a normal variable
   const double scatter = sigma_per_median * median_size(jump);
-  const double least = scatter * std::sqrt(price + believed);
+  const double least = scatter * std::sqrt(price + convincing_gain);
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < jump.size(); ++i)
     if (std::abs(jump[i].scaled) > least) places.push_back(i);
@@ -196,7 +196,7 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   CauseNumbers numbers;
   numbers.size = share;
   numbers.places = static_cast<std::size_t>(missed);
-  if (gain > believed)
+  if (gain > convincing_gain)
     all.push_back(
         {Cause::missed_beats,
          gain,
@@ -241,7 +241,7 @@ void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all)
   // The uncertainty of an rms is relative, so it is compared by its logarithm.
   const double gain = std::pow(std::log(fast.rms / usual_drive_rms) * fast.rms / sigma, 2) -
                       std::log(static_cast<double>(input.data->size()));
-  if (gain < believed) return;
+  if (gain < convincing_gain) return;
   const std::string size =
       std::isfinite(fast.high68)
           ? fmt::format("{:.2g} % from period to period (rms; {:.2g} to {:.2g})", 100.0 * fast.rms,

@@ -15,7 +15,9 @@ namespace goingrate {
 
 namespace {
 
-std::string percent(double share) { return with_sigma(100.0 * share, 0.0, 2) + " %"; }
+std::string percent(const FittedParameter& share) {
+  return with_sigma(100.0 * share.value, 100.0 * share.sigma, 2) + " %";
+}
 
 const FittedParameter* known(const FitSummary& fit, std::string_view name) {
   const FittedParameter* found = fit.find(name);
@@ -27,12 +29,12 @@ std::string wander(const FitSummary& fit, bool told_a_change) {
   const std::string change = fit.events.empty() && told_a_change ? ", which absorbs the change" : "";
   const FittedParameter* slow = known(fit, "slow_rms");
   if (fit.model.slow && slow != nullptr)
-    return fmt::format(" with a drive that wanders slowly, by {} rms{}", percent(slow->value),
+    return fmt::format(" with a drive that wanders slowly, by {} rms{}", percent(*slow),
                        change);
   const FittedParameter* fast = known(fit, "drive_rms");
   if (fit.model.drive && fast != nullptr)
     return fmt::format(" with a drive that varies from period to period, by {} rms",
-                       percent(fast->value));
+                       percent(*fast));
   return fit.model.walk ? " with a rate that wanders by itself" + change : "";
 }
 

@@ -88,11 +88,11 @@ private:
 
 // The mean rate over a window is the error gained in it over its length: no sum is needed.
 Series TimeFigures::running_mean(std::span<const double> error) const {
-  constexpr std::size_t windows = 100; // in the length of the log
-  constexpr std::size_t shortest = 10; // beats
-  const std::size_t reach = std::max(shortest, data_.beats.size() / windows) / 2;
+  constexpr std::size_t windows = 100;     // in the length of the log
+  constexpr std::size_t fewest_beats = 10; // beats
+  const std::size_t reach = std::max(fewest_beats, data_.beats.size() / windows) / 2;
   Series mean{Series::Style::line, "", {}, {}, {}, {}, vermilion};
-  if (data_.beats.size() < 4 * shortest) return mean;
+  if (data_.beats.size() < 4 * fewest_beats) return mean;
   double longest = 0.0;
   for (std::size_t i = reach; i + reach < data_.beats.size(); ++i) {
     const std::size_t from = i - reach;
@@ -365,8 +365,10 @@ void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& fi
     figures.push_back(of_time.amplitude_residual());
   for (Figure& figure : figures)
     figure.group = "course";
-  figures.push_back(of_time.error());
-  add(figures, in_unit_of_its_rates(rate_amplitude_figure(data)));
+  if (!swings_freely(data)) { // nothing shows the time by a free swing
+    figures.push_back(of_time.error());
+    add(figures, in_unit_of_its_rates(rate_amplitude_figure(data)));
+  }
   add(figures, period_amplitude_figure(data));
   add(figures, q_figure(data.fit));
   if (fitted) add(figures, of_time.drive());
@@ -403,7 +405,8 @@ std::vector<Figure> report_figures(const Analysis& data) {
   if (data.beats.size() > 1) add_time_figures(data, fitted, figures);
   if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1)
     figures.push_back(spectrum_figure(data));
-  if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
+  if (!data.deviation.rows.empty() && !swings_freely(data))
+    figures.push_back(deviation_figure(data));
   add(figures, beat_figure(data.log));
   if (fitted) add(figures, correlation_figure(data.fit));
   if (fitted) add(figures, interval_figure(data.fit));

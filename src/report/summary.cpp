@@ -13,7 +13,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t terminal = 80; // columns
+constexpr std::size_t line_columns = 80; // columns
 
 constexpr std::size_t widest_name = 48; // columns: leaves room for a value with its ± and unit
 
@@ -28,7 +28,7 @@ std::string row_of(const SummaryNumber& number, std::size_t width) {
     begin = end + 1;
   }
   return text + wrapped(fmt::format("  {:<{}}  {}", name.substr(last), width, number.value),
-                        terminal, width + 2);
+                        line_columns, width + 2);
 }
 
 // Names on the left, values in a column of their own.
@@ -47,7 +47,7 @@ std::string table_of(const std::vector<SummaryNumber>& numbers) {
 std::string report_text(const Analysis& data) {
   std::string text = file_name(data.log.source) + "\n\n";
   for (const std::string& sentence : report_sentences(data))
-    text += wrapped(sentence, terminal, 2) + "\n";
+    text += wrapped(sentence, line_columns, 2) + "\n";
   return text + "\n" + table_of(summary_numbers(data));
 }
 

@@ -177,13 +177,9 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
 std::string Numbers::value_of(const FittedParameter& p) const {
   const double sigma = p.status == ParameterStatus::fixed ? 0.0 : p.sigma;
   if (p.unit == "rad") return words_.angle(p.value, sigma);
-  if (p.name == "jitter_rms" || p.name == "walk_rms") {
-    const DisplayUnit unit = short_time_unit(p.value);
-    return fmt::format("{} {}", with_sigma(unit.factor * p.value, unit.factor * sigma), unit.name);
-  }
-  if (p.name == "drive_rms" || p.name == "slow_rms")
-    return with_sigma(100.0 * p.value, 100.0 * sigma) + " %";
-  return with_sigma(p.value, sigma) + (p.unit.empty() ? "" : " " + p.unit);
+  const FittedParameter shown = in_shown_unit(words_.angle_unit(), p);
+  return with_sigma(shown.value, p.status == ParameterStatus::fixed ? 0.0 : shown.sigma) +
+         (shown.unit.empty() ? "" : " " + shown.unit);
 }
 
 void Numbers::add_fit() {

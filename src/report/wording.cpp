@@ -33,8 +33,8 @@ DisplayUnit unit_of_rates(const Analysis& data) {
 }
 
 DisplayUnit unit_of_angles(double largest_rad) {
-  constexpr double wide = 0.5; // rad
-  return largest_rad > wide ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
+  constexpr double widest_in_mrad = 0.5; // rad
+  return largest_rad > widest_in_mrad ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
 }
 
 double largest_of_model(const FitSummary& fit) {
@@ -94,12 +94,17 @@ DisplayUnit angle_unit(const FitSummary& fit) {
   return fit.decay ? angle_unit(*fit.decay) : unit_of_angles(largest_of_model(fit));
 }
 
-FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter) {
-  if (parameter.unit != "rad") return parameter;
-  parameter.unit = angle.name;
+FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter parameter) {
+  const bool is_scatter = parameter.name == "jitter_rms" || parameter.name == "walk_rms";
+  const bool is_share = parameter.name == "drive_rms" || parameter.name == "slow_rms";
+  if (parameter.unit != "rad" && !is_scatter && !is_share) return parameter;
+  const DisplayUnit unit = is_scatter ? short_time_unit(parameter.value)
+                           : is_share ? DisplayUnit{"%", 100.0}
+                                      : angle;
+  parameter.unit = unit.name;
   for (double* size : {&parameter.value, &parameter.sigma, &parameter.low68, &parameter.high68,
                        &parameter.low95, &parameter.high95, &parameter.sigma_by_law})
-    *size *= angle.factor;
+    *size *= unit.factor;
   return parameter;
 }
 

@@ -25,8 +25,9 @@ DisplayUnit angle_unit(const Decay& decay);
 /// The same for any fit, by the amplitudes of its model.
 DisplayUnit angle_unit(const FitSummary& fit);
 
-/// The parameter with an angle in that unit instead of rad; any other as it is.
-FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter);
+/// The parameter in the unit in which it is shown: an angle in that unit instead of rad, a scatter
+/// of times in ms, µs or ns, a variation of the drive in %; any other as it is.
+FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter parameter);
 
 /// A quantity of this fit as it is shown: an angle, and the amplitude that it belongs to, in that
 /// unit; of the mean period what its sigma covers.

@@ -109,7 +109,7 @@ async function checkFigures() {
   check(await value(`[...document.querySelectorAll("figure h3")].every((e) => e.parentElement.querySelector(".live") || getComputedStyle(e).display === "inline")`),
     "a heading stands over a figure or leads a caption");
   check(await value(`[...document.querySelectorAll(".live")].every((e) => e.data.every((t) => t.x.length < 6000))`),
-    "no trace has more than a few values a pixel");
+    "no trace has more than a few values per pixel");
 }
 
 async function checkZoom() {
