@@ -102,10 +102,9 @@ std::string advice_on(Cause cause, bool sees_amplitude) {
   case Cause::temperature:
     return "Heating also changes the oil and the air: compare two seasons before compensating.";
   case Cause::length_step:
-    return sees_amplitude
-               ? "Was the rating nut turned, a weight added, or the case moved?"
-               : "Was the rating nut turned, a weight added, or the case moved? A small change of "
-                 "the drive can look the same; a log of the amplitude would tell them apart.";
+    return sees_amplitude ? "What was done to the clock then?"
+                          : "What was done to the clock then? A log of the amplitude would tell "
+                            "whether the drive changed instead.";
   case Cause::drive_step:
   case Cause::friction_step:
     return sees_amplitude ? "Was the clock wound, oiled or touched then?"

@@ -128,8 +128,8 @@ std::string chi2_lines(const FitQuality& q) {
 std::string statistics_lines(const FitSummary& fit, const DisplayUnit& angle) {
   const FitQuality& q = fit.quality;
   std::string text =
-      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {} s\n",
-                  fit.residual_s.size(), fit.correlated.size(), with_sigma(q.rms_s, 0.0, 3));
+      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {}\n",
+                  fit.residual_s.size(), fit.correlated.size(), short_time(q.rms_s, 0.0));
   text += chi2_lines(q);
   if (std::isfinite(q.amplitude_rms_rad))
     text += fmt::format("  amplitude residual rms {} {}\n",

@@ -133,7 +133,7 @@ std::string quality_table(const FitSummary& fit, const DisplayUnit& angle) {
                  ? "of what is left of each beat when those before it are known; below 0.001: that "
                    "has a shape, read the values as rough"
                  : "below 0.001: the residuals have a shape, read the values as rough"});
-  table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs",
+  table.row({"residual of the times, rms", short_time(q.rms_s, 0.0),
              q.of_innovations ? "includes the wander of the drive or the rate" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
     table.row({"residual of the amplitudes, rms",

@@ -156,8 +156,7 @@ std::string key_figures(const Analysis& data) {
   const RateSummary& rate = data.rate;
   const Wording words(data);
   std::string cards;
-  const bool swings_freely = data.fit.has_result() && data.fit.model.escapement == Escapement::none;
-  if (swings_freely) {
+  if (swings_freely(data)) {
     // A rate is that of a clock.
   } else if (rate.nominal_is_known) {
     if (data.stretches.size() > 1 || data.now.rate.rate_excess != rate.rate_excess)
@@ -178,7 +177,7 @@ std::string key_figures(const Analysis& data) {
                      : std::string("from the first beat to the last")) +
                     "; ± allows for how it varied on the way");
   cards += card_of_q(data.fit, words);
-  if (const auto& error = data.sensor.beat_error_s)
+  if (const auto& error = data.sensor.beat_error_s; error && !swings_freely(data))
     cards += card("Beat error", measured(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms",
                   "what tick and tock differ by (half of it is also called so): the clock is out "
                   "of beat, or the sensor "

@@ -75,7 +75,7 @@ public:
 
 private:
   // What is left out first, where there is more to say than a reader takes in.
-  enum class Weight { second_cause, model, logbook, dated_cause, main };
+  enum class Weight { second_cause, model, logbook, trend, dated_cause, main };
   struct Sentence {
     std::string text;
     Weight weight;
@@ -110,7 +110,9 @@ private:
     say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
-    say(whether_worse());
+    // Without a date of its own it says little beside the cause.
+    say(whether_worse(),
+        changes_.empty() && !suspicions_.empty() ? Weight::trend : Weight::main);
     say(out_of_beat(), Weight::second_cause);
     if (data_.logbook && !data_.logbook->entries.empty())
       say(logbook_sentence(*data_.logbook, words_), Weight::logbook);

@@ -36,7 +36,7 @@ void BeatFit::take_logs(const BeatSnippet& snippet, double strength) {
   logs_.resize(snippet.powers.size());
   for (std::size_t i = 0; i < logs_.size(); ++i)
     logs_[i] = std::log(snippet.powers[i] / static_cast<float>(snippet.background) +
-                        static_cast<float>(foot * strength));
+                        static_cast<float>(foot_share * strength));
 }
 
 void BeatFit::predict(double strength) {
@@ -46,8 +46,8 @@ void BeatFit::predict(double strength) {
   own_.resize(grid_.size);
   for (std::size_t k = 0; k < grid_.size; ++k) {
     const double sound = strength * kind_.shape[k];
-    const double all = 1.0 + sound + foot * strength;
-    const double noise = grid_.log_variance(sound, foot * strength);
+    const double all = 1.0 + sound + foot_share * strength;
+    const double noise = grid_.log_variance(sound, foot_share * strength);
     expected_[k] = std::log(all) - 0.5 * noise; // the mean of a logarithm
     noise_[k] = std::sqrt(noise);
     own_[k] = std::sqrt(kind_.variance[k]) * sound / all;
@@ -100,8 +100,8 @@ BeatPlace BeatFit::placed(std::ptrdiff_t best, double strength) const {
 }
 
 double BeatFit::log_likelihood(std::ptrdiff_t best, double strength) const {
-  const double silence = 1.0 + foot * strength;
-  const double noise = grid_.log_variance(0.0, foot * strength);
+  const double silence = 1.0 + foot_share * strength;
+  const double noise = grid_.log_variance(0.0, foot_share * strength);
   double sum = 0.0;
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     const auto log = static_cast<double>(logs_[i]);

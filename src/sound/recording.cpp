@@ -118,8 +118,8 @@ struct Recording::File {
     std::vector<float> some(block_bytes);
     while (const sf_count_t got = next(channel, some)) {
       for (const float value : std::span(some).first(static_cast<std::size_t>(got)))
-        all.push_back(
-            static_cast<std::int16_t>(std::lround(loudest * std::clamp(value, -1.0F, 1.0F))));
+        all.push_back(static_cast<std::int16_t>(
+            std::lround(largest_sample * std::clamp(value, -1.0F, 1.0F))));
       if (sizeof(std::int16_t) * all.size() > limit)
         throw InputError(
             {name}, fmt::format("a channel of sound that unpacks to more than {} bytes", limit),

@@ -109,6 +109,7 @@ TEST(HtmlReportTest, AFreeSwingIsShownAsNoClock) {
 
 TEST(HtmlReportTest, TheSquaredAmplitudesAreOnTheScaleThatWasFitted) {
   Analysis data = some_report();
+  data.fit.decay.emplace();
   const auto widest = [&] {
     for (const Figure& figure : report_figures(data))
       if (figure.id == "period-amplitude") {

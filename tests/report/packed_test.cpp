@@ -74,7 +74,7 @@ TEST(PackedReportTest, KeepsEveryValueWithinHalfAStep) {
   const auto back = unpacked(packed(values), values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i]))
-      EXPECT_NEAR(back[i], values[i], 1026.0 / 131068.0 + 1e-9) << i;
+      EXPECT_NEAR(back[i], values[i], 1026.0 / 131068.0 + 1e-9) << i; // half a step, and rounding
     else
       EXPECT_TRUE(std::isnan(back[i])) << i;
   }
