@@ -24,17 +24,19 @@ const FittedParameter* known(const FitSummary& fit, std::string_view name) {
   return found != nullptr && std::isfinite(found->value) ? found : nullptr;
 }
 
-// The noise of the clock itself that the model needs to explain the log.
-std::string wander(const FitSummary& fit, bool told_a_change) {
-  const std::string change = fit.events.empty() && told_a_change ? ", which absorbs the change" : "";
+// The noise of the clock itself that the model needs to explain the log. Where fast and slow drive
+// are split by the spectrum, the table has their sizes.
+std::string wander(const Analysis& data, bool told_a_change) {
+  const FitSummary& fit = data.fit;
+  const std::string change =
+      fit.events.empty() && told_a_change ? ", which absorbs the change" : "";
   const FittedParameter* slow = known(fit, "slow_rms");
   if (fit.model.slow && slow != nullptr)
-    return fmt::format(" with a drive that wanders slowly, by {} rms{}", percent(*slow),
-                       change);
+    return fmt::format(" with a drive that wanders slowly, by {} rms{}", percent(*slow), change);
   const FittedParameter* fast = known(fit, "drive_rms");
   if (fit.model.drive && fast != nullptr)
-    return fmt::format(" with a drive that varies from period to period, by {} rms",
-                       percent(*fast));
+    return " with a drive that varies from period to period" +
+           (data.drive.split ? "" : fmt::format(", by {} rms", percent(*fast)));
   return fit.model.walk ? " with a rate that wanders by itself" + change : "";
 }
 
@@ -55,8 +57,7 @@ std::string remedy(const Analysis& data, bool sees_amplitude) {
   if (!swings_freely(data))
     return fmt::format("; {}a ring-down or a change of the driving weight would", amplitudes);
   const bool is_told = data.fit.decay && !std::isfinite(data.fit.decay->q.value);
-  return is_told ? ""
-                 : fmt::format("; {}a longer log or a larger first swing would", amplitudes);
+  return is_told ? "" : fmt::format("; {}a longer log or a larger first swing would", amplitudes);
 }
 
 } // namespace
@@ -71,7 +72,7 @@ std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_
     return "The model of the pendulum does not explain this log, so none of its numbers is given.";
   constexpr double least_p = 1e-3; // of white residuals
   const bool is_rough = fit.quality.whiteness_p < least_p;
-  const std::string needs = wander(fit, told_a_change);
+  const std::string needs = wander(data, told_a_change);
   std::string text = "The model of the pendulum explains this log";
   text += is_rough ? " only roughly" : needs.empty() ? " to within its noise" : needs;
   if (const std::string open = undetermined(fit); !open.empty())

@@ -7,9 +7,9 @@
 
 namespace goingrate {
 
-/// One sentence: whether the model explains the log, which noise of the clock it needs for that, and
-/// what it leaves open. `sees_amplitude`: the log has amplitudes; `told_a_change`: the sentences before
-/// this one date a change of the rate.
+/// One sentence: whether the model explains the log, which noise of the clock it needs for that,
+/// and what it leaves open. `sees_amplitude`: the log has amplitudes; `told_a_change`: the
+/// sentences before this one date a change of the rate.
 std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_a_change);
 
 } // namespace goingrate

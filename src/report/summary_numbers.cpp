@@ -202,9 +202,9 @@ void Numbers::add_fit() {
   const bool is_of_epsilon = knows_friction && !fit.decay && fit.model.friction() == "linear";
   if ((fit.decay || knows_friction) && std::isfinite(fit.q_factor.value))
     add(is_of_epsilon ? "quality factor of that friction, Q = 1/2ε"
-        : fit.decay ? fmt::format("quality factor Q at {}, whichever law of friction",
-                                  words_.angle(fit.decay->amplitude_rad, 0.0))
-                    : "quality factor Q " + fit.q_factor.expression,
+        : fit.decay   ? fmt::format("quality factor Q at {}, whichever law of friction",
+                                    words_.angle(fit.decay->amplitude_rad, 0.0))
+                      : "quality factor Q " + fit.q_factor.expression,
         with_sigma(fit.q_factor.value, fit.q_factor.sigma));
 }
 
@@ -246,14 +246,13 @@ void Numbers::add_isochronism() {
   const Isochronism& found = *data_.isochronism;
   const std::string_view unit = words_.angle_unit().name;
   const double per = 1.0 / words_.angle_unit().factor;
-  const std::string slope = words_.rate(per * found.slope, per * found.sigma);
   add(fmt::format("rate per {} of amplitude, near {}", unit,
                   words_.angle(found.amplitude_rad, 0.0)),
-      fmt::format("{}/{}{}", slope, unit,
-                  found.fitted_slope ? fmt::format(" (the fitted pendulum by itself: {:+.3g})",
-                                                   words_.rate_unit().factor * per *
-                                                       *found.fitted_slope)
-                                     : ""));
+      fmt::format("{}/{}", words_.rate(per * found.slope, per * found.sigma), unit));
+  if (found.fitted_slope)
+    add("  by the fitted pendulum alone",
+        fmt::format("{:+.3g} {}/{}", words_.rate_unit().factor * per * *found.fitted_slope,
+                    words_.rate_unit().name, unit));
 }
 
 std::string Numbers::deviation(const DeviationRow& row) const {
