@@ -74,7 +74,7 @@ private:
 
   [[nodiscard]] std::string step() const {
     const std::string moment = when_.empty() ? words_.moment(numbers_.at_s) : std::string(when_);
-    const std::string by = when_.empty() ? fmt::format(", by {} in the end", size()) : "";
+    const std::string by = when_.empty() ? fmt::format(", by {} in the end", signed_size()) : "";
     switch (suspicion_.cause) {
     case Cause::drive_step:
       return fmt::format("most likely the force that drives the pendulum changed {}: the rate "
@@ -87,7 +87,7 @@ private:
     default:
       return fmt::format("most likely the regulation changed {} (the rating nut, a weight on the "
                          "bob, the suspension): the rate changed at once{} and stayed{}",
-                         moment, when_.empty() ? fmt::format(" by {}", size()) : "",
+                         moment, when_.empty() ? fmt::format(" by {}", signed_size()) : "",
                          sees_amplitude_ ? ", and the swing did not follow" : "");
     }
   }
@@ -135,6 +135,10 @@ private:
 
   [[nodiscard]] std::string_view late_or_early() const {
     return numbers_.size < 0.0 ? "earlier" : "later";
+  }
+
+  [[nodiscard]] std::string signed_size() const {
+    return fmt::format("{}{}", numbers_.size < 0.0 ? '-' : '+', size());
   }
 
   [[nodiscard]] std::string size() const {

@@ -99,9 +99,11 @@ TEST(SummaryTest, TheCauseOfADatedChangeIsNotLeftOut) {
   Suspicion second{Cause::length_step, 40.0, "evidence"};
   first.numbers.at_s = 303.0;
   second.numbers.at_s = 900.0;
+  second.numbers.size = -2e-5;
   data.suspicions = {first, second};
   const std::string text = all_of(report_sentences(data));
   EXPECT_NE(text.find("the regulation changed"), std::string::npos) << text;
+  EXPECT_NE(text.find("changed at once by -1728 ms/day"), std::string::npos) << text;
   EXPECT_EQ(text.find("The model of the pendulum"), std::string::npos) << text;
 }
 
