@@ -45,14 +45,14 @@ CLI::Validator seed_range() {
 void say(const GlobalOptions& global, std::string_view line) {
   if (global.quiet) return;
   // In a file or a pipe a note stays on its line, where a program finds it.
-  constexpr std::size_t terminal = 80;
+  constexpr std::size_t line_columns = 80;
   const std::string shown = printable(line);
   if (!error_is_terminal()) {
     std::fputs((shown + '\n').c_str(), stderr);
     return;
   }
   constexpr const char* wipe = "\r\x1b[K"; // what a line of progress may have left
-  const std::string lines = wrapped(shown, terminal, 2);
+  const std::string lines = wrapped(shown, line_columns, 2);
   const std::size_t colon = lines.find(": ");
   const bool has_kind = colon < lines.find(' '); // "assumed: ...", "warning: ..."
   const std::string kind = has_kind ? lines.substr(0, colon + 1) : "";
@@ -402,7 +402,7 @@ std::string_view option_of(Setting setting) {
 void name_options(std::vector<Assumption>& assumptions) {
   for (Assumption& assumption : assumptions) {
     if (assumption.setting == Setting::none) continue;
-    assumption.text += fmt::format(" ({}{}{})", option_of(assumption.setting),
+    assumption.text += fmt::format(" (see {}{}{})", option_of(assumption.setting),
                                    assumption.value.empty() ? "" : " ", assumption.value);
     assumption.setting = Setting::none;
   }

@@ -56,7 +56,7 @@ CLI::Validator seed_range();
 void add_log_options(CLI::App& command, LogOptions& options);
 /// The same without the log itself.
 void add_log_settings(CLI::App& command, LogOptions& options);
-/// Of these, the ones that say how the text is read.
+/// The subset of these that says how the text is read.
 void add_reading_options(CLI::App& command, LogOptions& options);
 
 /// What the options ask of the reader.

@@ -22,9 +22,9 @@ constexpr std::array topics{
     Topic{"formats", "logs that are read",
           R"(The layout of a log is recognised from its first lines and reported on standard
 error. Several files, a folder or a ZIP are read as one log of one clock.
-  timestamps      one time a line: seconds, ms, us, ns, days, or
+  timestamps      one time per line: seconds, ms, us, ns, days, or
                   2013-02-22 23:38:00.2279906
-  periods         one period a line
+  periods         one period per line
   clock-error     label, error of the clock, amplitude
   phase           Stable32: the clock's error every --tau0 s; a 0 between
                   other values marks a gap; or, with dates, columns named

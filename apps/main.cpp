@@ -13,6 +13,7 @@
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -96,6 +97,23 @@ void add_commands(CLI::App& program, const goingrate::apps::GlobalOptions& globa
   apps::add_help(program);
 }
 
+// What is wrong with the words of a command line. CLI11's own texts speak of its types.
+std::string usage_words(const CLI::ParseError& error) {
+  const std::string what = error.what();
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
+    if (const std::size_t at = what.find(" is required"); at != std::string::npos) {
+      std::string name = what.substr(0, at);
+      if (!name.starts_with('-'))
+        std::transform(name.begin(), name.end(), name.begin(),
+                       [](unsigned char c) { return std::toupper(c); });
+      return name + " is missing";
+    }
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
+    if (const std::size_t at = what.find(": 1 required "); at != std::string::npos)
+      return what.substr(0, at) + ": expected a value behind it";
+  return what;
+}
+
 // Reports a usage error, or prints the help that was asked for.
 int explain(const CLI::App& program, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) {
@@ -107,7 +125,8 @@ int explain(const CLI::App& program, const CLI::ParseError& error) {
   if (!commands.empty()) name += " " + commands.front()->get_name();
   if (const auto unexpected = unexpected_word(program, name))
     return complain(wrong_usage, *unexpected);
-  return complain(wrong_usage, fmt::format("{} ({} --help lists the options)", error.what(), name));
+  return complain(wrong_usage,
+                  fmt::format("{} ({} --help lists the options)", usage_words(error), name));
 }
 
 // Answers --complete (for the shell) and --man (for the build), which --help does not list.

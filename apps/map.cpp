@@ -23,7 +23,7 @@ struct MapCommand {
   std::size_t points = 41;
   bool first_order = false;
   std::vector<std::string> solve;
-  ScenarioOptions under; // whose conditions an error is to be met
+  ScenarioOptions under; // the conditions under which the error limit must hold
   double after_days = 7.0;
   std::string output, json, plot;
 };
@@ -143,7 +143,7 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
       ->capture_default_str();
   command->add_option("--epsilon", options->epsilon, "smallest and largest friction")->expected(2);
   command->add_option("--mu", options->mu, "smallest and largest torque")->expected(2);
-  command->add_option("--points", options->points, "a side")
+  command->add_option("--points", options->points, "grid points along each axis")
       ->check(CLI::Range(2, 2000))
       ->capture_default_str();
   command->add_flag("--first-order", options->first_order,

@@ -115,7 +115,7 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
   if (!options.diary_output.empty())
     files.emplace_back(options.diary_output, logbook_text(findings_of(data)));
   write_whole_files(files);
-  if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).string());
+  if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).lexically_normal().string());
 }
 
 // What the analysis depends on.

@@ -178,10 +178,10 @@ void run_many(const Scenario& scenario, const SimulateOptions& options,
   const ClockRun first(scenario, options.seed);
   std::vector<Writer> writers;
   writers.reserve(options.realisations);
-  constexpr std::size_t at_once = 64; // files that are open at a time
+  constexpr std::size_t most_open_files = 64; // files that are open at a time
   ProgressBar bar(global.quiet, "simulating");
-  for (std::size_t from = 0; from < options.realisations; from += at_once) {
-    const std::size_t count = std::min(at_once, options.realisations - from);
+  for (std::size_t from = 0; from < options.realisations; from += most_open_files) {
+    const std::size_t count = std::min(most_open_files, options.realisations - from);
     for (std::size_t k = from; k < from + count; ++k)
       writers.emplace_back(scenario, first.last(), options.seed + k,
                            numbered(options.output, k, options.realisations),
@@ -221,7 +221,7 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
       ->required();
   command->add_option("-o,--output", options->output,
                       "the log to write; standard output if not given");
-  command->add_option("--truth", options->truth, "also write the true state, one row a period");
+  command->add_option("--truth", options->truth, "also write the true state, one row per period");
   auto* plot = add_plot_option(*command, options->plot, "the true rate and amplitude");
   command->add_option("--seed", options->seed, "of the random streams")
       ->check(seed_range())

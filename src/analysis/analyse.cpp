@@ -276,8 +276,8 @@ std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const 
   const double turn_s = periods * times.reference_period_s;
   const double resolution = turn_s / times.elapsed_s.back();
   std::erase_if(lines, [&](const SpectralLine& line) {
-    // Of pushes that wait for the amplitude, 39 swings apart or 40, the pattern of the two comes round
-    // as well.
+    // Pushes that wait for the amplitude come, say, 39 or 40 swings apart, and the pattern of the two
+    // intervals repeats as well.
     constexpr double longest_pattern = 20.0; // intervals
     if (!times.impulses->is_regular && line.frequency_hz * turn_s * longest_pattern > 1.0)
       return true;

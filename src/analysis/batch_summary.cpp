@@ -67,9 +67,9 @@ public:
     if (sigma > 0.0) sigmas_.push_back(sigma);
     scatter_.add(value);
     if (!against_truth || std::isnan(truth_) || !(sigma > 0.0)) return;
-    constexpr double open = std::numeric_limits<double>::infinity();
+    constexpr double no_end = std::numeric_limits<double>::infinity();
     const auto holds = [&](const char* low, const char* high) {
-      return number(parameter, low, -open) <= truth_ && truth_ <= number(parameter, high, open);
+      return number(parameter, low, -no_end) <= truth_ && truth_ <= number(parameter, high, no_end);
     };
     within68_ += holds("low68", "high68") ? 1 : 0;
     within95_ += holds("low95", "high95") ? 1 : 0;

@@ -171,11 +171,11 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
 // The degrees of freedom of a chi2 variable with the relative spread of this variance; n/m if it
 // has no interval.
 double edf_of(const DeviationRow& row) {
-  constexpr double fewest = 1.0;
+  constexpr double fewest_degrees = 1.0;
   if (!row.interval)
-    return std::max(fewest, static_cast<double>(row.n) / static_cast<double>(row.m));
+    return std::max(fewest_degrees, static_cast<double>(row.n) / static_cast<double>(row.m));
   const double relative = 0.5 * (row.high * row.high - row.low * row.low) / (row.value * row.value);
-  return std::max(fewest, 2.0 / (relative * relative));
+  return std::max(fewest_degrees, 2.0 / (relative * relative));
 }
 
 /// The variances of clocks from those of their differences, and how they scatter.
@@ -228,10 +228,10 @@ private:
   // The variance at which an estimate is as low as `found` in 5 cases of 100.
   [[nodiscard]] double largest_variance(Eigen::Index c, double found,
                                         Eigen::VectorXd variance) const {
-    constexpr double one_sided = 1.644854; // quantile of the normal law, 95 %
+    constexpr double quantile_95 = 1.644854; // quantile of the normal law, 95 %
     const auto is_too_small = [&](double v) {
       variance[c] = v;
-      return v - one_sided * scatter(c, variance) < found;
+      return v - quantile_95 * scatter(c, variance) < found;
     };
     double low = std::max(0.0, found), high = std::max(low, variance.maxCoeff());
     constexpr int doublings = 40, halvings = 50;

@@ -63,7 +63,8 @@ double mean_of_known(const std::vector<double>& values, double otherwise) {
   return count > 0.0 ? sum / count : otherwise;
 }
 
-// Of the density in the mean weather, from those of what it is made of.
+// The standard deviation of the density in the mean weather, from those of temperature, pressure
+// and humidity.
 double density_sigma(const EventColumns& columns, const std::vector<RateTerm>& terms) {
   const auto sigma_of = [&](std::string_view name) {
     const RateTerm* term = find(terms, name);
@@ -96,7 +97,7 @@ void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
     }
 }
 
-// Of a clock whose place and dates are known.
+// The tide's term, for a clock whose place and dates are known.
 std::optional<RateTerm> tide_term(const NumberedLog& loaded, const TimingData& data) {
   const ClockLog& log = loaded.log;
   if (!log.site || log.origin == TimeOrigin::none || loaded.good.empty()) return {};

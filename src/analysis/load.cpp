@@ -100,8 +100,9 @@ private:
     const double period_s = loaded_.beats.typical_period_s;
     const double grain_s = time_grain(std::min(good.size(), times_for_grain), period_s,
                                       [&](std::size_t i) { return good[i].time - good[0].time; });
-    constexpr double coarse = 1e-5; // of a period: 0.9 s/day
-    if (!(grain_s > coarse * period_s && 2.0 * rounding_sigma(grain_s) > loaded_.beats.scatter_s))
+    constexpr double coarse_share = 1e-5; // of a period: 0.9 s/day
+    if (!(grain_s > coarse_share * period_s &&
+          2.0 * rounding_sigma(grain_s) > loaded_.beats.scatter_s))
       return;
     assume(fmt::format("the times are whole multiples of {:.6g} s: each is rounded by {:.2g} s rms",
                        grain_s, rounding_sigma(grain_s)));
@@ -145,8 +146,8 @@ private:
     use_sensor_offset();
   }
 
-  // Of a wheel that closes a contact, as once a minute: too many to be missed beats, which are
-  // counted one by one.
+  // How many swings a wheel that closes a contact takes from one contact to the next, as once a
+  // minute: too many to count as missed beats, which are counted one by one.
   [[nodiscard]] std::int64_t swings_between_contacts() const {
     const ClockLog& log = loaded_.log;
     if (!log.nominal_period_s) return 1;

@@ -50,7 +50,7 @@ struct Span {
   [[nodiscard]] bool holds(double at_s) const { return at_s >= from_s && at_s <= to_s; }
 };
 
-// Of the changes that nobody else noted, the one that goes with the entry: the nearest, or, where
+// The change that goes with the entry, among those that no other entry has claimed: the nearest, or, where
 // only the day is known, the most significant.
 Change* change_for(const LogbookEntry& entry, double at_s, std::vector<Change>& changes) {
   const Span span(entry, at_s);
@@ -80,11 +80,11 @@ Change change_at(double at_s, std::span<const Beat> beats) {
 
 // Things done within a minute of each other are one change, that of the first of them.
 void take_entry(const LogbookEntry& entry, std::span<const Beat> beats, Diary& diary) {
-  constexpr double at_once_s = 60.0;
+  constexpr double same_moment_s = 60.0;
   const double at_s = entry.time - beats.front().time;
   Change* change = change_for(entry, at_s, diary.changes);
   const auto is_taken = [&](const Change& known) {
-    return known.noted && std::abs(known.at_s - at_s) < at_once_s;
+    return known.noted && std::abs(known.at_s - at_s) < same_moment_s;
   };
   const bool is_within = at_s > 0.0 && entry.time < beats.back().time;
   if (change == nullptr && is_within && !entry.whole_day &&
@@ -297,7 +297,7 @@ void add_break(const Gap& gap, const Beat& before, const Beat& after, const Beat
   }
 }
 
-// Of all parts of the log: where a new one begins, the gap after the last beat of the old says why.
+// Adds the breaks between the parts of the log; the gap after the last beat of a part tells why it ends.
 void add_breaks(const Analysis& data, std::vector<LogbookEntry>& entries) {
   const Beat* before = nullptr;
   for (const Beat& beat : data.numbered.beats) {

@@ -39,8 +39,8 @@ bool rounding_explains(const TimingData& times) {
     least = std::min(least, rest);
     most = std::max(most, rest);
   }
-  constexpr double allowed = 1.05; // steps: least squares do not find the very best line
-  return most - least <= allowed * grain_of(times);
+  constexpr double allowed_steps = 1.05; // steps: least squares do not find the very best line
+  return most - least <= allowed_steps * grain_of(times);
 }
 
 std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,

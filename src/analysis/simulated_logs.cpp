@@ -99,7 +99,8 @@ std::map<std::string, double> true_parameters(const Scenario& scenario) {
   Truth truth;
   const ClockParameters& clock = scenario.clock;
   const auto tooth = saw_tooth(clock);
-  // Of an escapement that waits for the amplitude the interval is an outcome.
+  // If the escapement waits for the amplitude, the interval is not given but results from the
+  // motion.
   const double rests = tooth ? tooth->periods : static_cast<double>(clock.every);
   add_clock(with_drive_divided(clock, rests), truth);
   if (clock.below > 0.0 && !tooth)

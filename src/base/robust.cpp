@@ -13,11 +13,11 @@ double median(std::span<double> values) {
 }
 
 double robust_sigma(std::span<double> values) {
-  constexpr double normal = 1.4826; // standard deviation over median absolute deviation
+  constexpr double sigma_per_mad = 1.4826; // standard deviation over median absolute deviation
   const double middle = median(values);
   for (double& value : values)
     value = std::abs(value - middle);
-  return normal * median(values);
+  return sigma_per_mad * median(values);
 }
 
 double trimmed_mean(std::span<double> values) {

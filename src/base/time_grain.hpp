@@ -9,7 +9,7 @@
 
 namespace goingrate {
 
-/// Of how many times a grain is found: chance makes none in so many.
+/// How many times are searched for a grain: with so many, chance makes none.
 inline constexpr std::size_t times_for_grain = 4096;
 
 /// The greatest step of which the first `count` times are whole multiples after the first of them,

@@ -7,7 +7,7 @@
 
 namespace goingrate {
 
-/// Of goingrate and of the libraries that its numbers depend on, by name.
+/// The versions of goingrate and of the libraries that its numbers depend on, by name.
 std::span<const std::pair<std::string_view, std::string_view>> versions();
 
 } // namespace goingrate

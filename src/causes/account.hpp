@@ -1,8 +1,8 @@
 // What explains the course of a clock's rate and amplitude, one cause after the other. Private to
 // the causes room.
 //
-// Of a rate r and an amplitude a in n blocks each cause makes courses c_i(t), whose sizes are found
-// by generalised least squares in noise that is sized along with them:
+// In a rate r and an amplitude a, given in n blocks, each cause makes courses c_i(t), whose sizes
+// are found by generalised least squares in noise that is sized along with them:
 //   r = sum of b_i c_i + noise,   a = sum of e_i d_i + noise.
 // The gain of a further cause is by how much it raises 2 log L of both series, less log n for each
 // size and time constant (Schwarz) and 2 log n for each date, which n blocks tell n times as finely
@@ -18,7 +18,7 @@
 namespace goingrate::timing_model {
 
 /// The gain from which on a cause is believed: odds of exp(3), about 20, to 1.
-inline constexpr double believed = 6.0;
+inline constexpr double convincing_gain = 6.0;
 
 /// The courses of one cause, each with one value per block.
 struct Courses {
@@ -55,7 +55,8 @@ struct Sizes {
 class WhitenedSeries {
 public:
   using Series = std::vector<std::vector<double>>;
-  /// Of the series' cosines, those of the courses taken, and noise that was fitted.
+  /// From the cosine transforms of the series and of the courses taken so far, and the fitted
+  /// noise.
   WhitenedSeries(const std::vector<double>& series, const Series& taken, const RateNoise& noise);
   [[nodiscard]] const Eigen::VectorXd& rest() const { return rest_; }
   /// Further courses, one per column, likewise less what those taken explain of them.

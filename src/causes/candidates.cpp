@@ -152,7 +152,7 @@ private:
   void consider_visits(const StepScan& scan, Candidate& best) const {
     const auto [from, to] = scan.best_visit();
     const FittedVisit found = fitted_visit(account_, blocks_, from, to);
-    const double gain = account_.gain_of(found.courses) - believed;
+    const double gain = account_.gain_of(found.courses) - convincing_gain;
     if (gain <= best.gain) return;
     best = {Cause::magnet,
             found.courses,

@@ -127,13 +127,13 @@ double doubt_of_place(const Look& look, double at_s) {
 Judgement judged_about(const TimingData& data, const Stretch& stretch, double at_s,
                        double doubt_s) {
   std::vector<Look> looks;
-  constexpr double finest_block_beats = 4.0, block_ratio = 4.0; // beats a block
+  constexpr double finest_block_beats = 4.0, block_ratio = 4.0; // beats per block
   for (double length_s = finest_block_beats * data.reference_period_s;; length_s *= block_ratio) {
     if (doubt_s > 0.25 * most_blocks * length_s) continue; // the change may lie outside
     auto blocks = blocks_about(data, stretch, at_s, length_s);
     if (!blocks) break;
     Look look = look_at(std::move(*blocks), stretch, at_s, doubt_s);
-    if (look.best_gain() > believed) looks.push_back(std::move(look));
+    if (look.best_gain() > convincing_gain) looks.push_back(std::move(look));
   }
   Judgement told{.at_s = at_s};
   if (looks.empty()) return told;

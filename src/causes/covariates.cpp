@@ -61,7 +61,7 @@ public:
   [[nodiscard]] double coefficient() const { return found_.coefficients.front(); }
   [[nodiscard]] double sigma() const { return found_.sigmas.front(); }
   [[nodiscard]] double lag_s() const { return action_.lag_s; }
-  /// Of what it does at once, where something else follows.
+  /// The part that acts at once, where another part follows later.
   [[nodiscard]] std::optional<EffectPart> at_once() const {
     if (!action_.also_at_once) return {};
     return EffectPart{EffectWay::at_once, found_.coefficients[1], found_.sigmas[1]};

@@ -46,7 +46,7 @@ public:
     if (!wanders_) return all;
     account_ = without(nullptr, healthy_);
     const double gain = account_.gain_of(wandering, 2);
-    if (gain > believed) all.push_back(wander(gain));
+    if (gain > convincing_gain) all.push_back(wander(gain));
     return all;
   }
 
@@ -108,7 +108,7 @@ private:
   [[nodiscard]] double least_gain() const {
     const auto faults = std::count_if(taken_.begin(), taken_.end(),
                                       [](const Candidate& taken) { return taken.is_fault; });
-    return believed * (1.0 + static_cast<double>(faults));
+    return convincing_gain * (1.0 + static_cast<double>(faults));
   }
 
   // Noise of a healthy clock: white, with a corner from its response to white noise of the drive.
@@ -165,7 +165,7 @@ private:
     // Without amplitudes a lasting step may also be a step of the drive or friction whose
     // relaxation the noise hides.
     const double least = account_.sees_amplitude() || found.kind != ChangeKind::regulation
-                             ? believed
+                             ? convincing_gain
                              : std::numeric_limits<double>::infinity();
     for (const ChangeKind other : {ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction})
       if (other != found.kind && found.ahead < least &&
@@ -197,7 +197,7 @@ private:
       if (!taken.is_fault) continue;
       account_ = without(&taken, wanders_ ? wandering : healthy_);
       const double gain = account_.gain_of(taken.courses);
-      if (gain < believed) continue;
+      if (gain < convincing_gain) continue;
       Candidate found = is_step(taken.cause) ? looked_at_closely(taken) : taken;
       found.gain = gain;
       found.sizes = sizes_of(found);

@@ -25,7 +25,8 @@ std::string swing(const Sizes& sizes, const char* per) {
                      1e3 * sizes.amplitude_sigma[0], per);
 }
 
-// Of a lag only the time is said: how much is the covariate's to say, with the lag in doubt.
+// For an answer that lags only the lag is told: its size is told by the covariate's own fit, which
+// allows for the doubt about the lag.
 std::string answer_to_temperature(const Candidate& found) {
   if (!(found.time_s > 0.0)) return fmt::format("the rate answers by {} per K", size(found.sizes));
   const bool also_at_once = found.sizes.rate.size() > 2; // the last is of the time before the log
@@ -101,10 +102,9 @@ std::string advice_on(Cause cause, bool sees_amplitude) {
   case Cause::temperature:
     return "Heating also changes the oil and the air: compare two seasons before compensating.";
   case Cause::length_step:
-    return sees_amplitude
-               ? "Was the rating nut turned, a weight added, or the case moved?"
-               : "Was the rating nut turned, a weight added, or the case moved? A small change of "
-                 "the drive can look the same; a log of the amplitude would tell them apart.";
+    return sees_amplitude ? "What was done to the clock then?"
+                          : "What was done to the clock then? A log of the amplitude would tell "
+                            "whether the drive changed instead.";
   case Cause::drive_step:
   case Cause::friction_step:
     return sees_amplitude ? "Was the clock wound, oiled or touched then?"

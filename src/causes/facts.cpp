@@ -105,7 +105,7 @@ std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, 
   const std::vector<Jump> at_once = jumps(data, 1);
   constexpr double sigma_per_median = 1.4826; // of the absolute values of a normal variable
   const double scatter = sigma_per_median * median_size(jump);
-  const double least = scatter * std::sqrt(price + believed);
+  const double least = scatter * std::sqrt(price + convincing_gain);
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < jump.size(); ++i)
     if (std::abs(jump[i].scaled) > least) places.push_back(i);
@@ -164,8 +164,7 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
     std::vector<Cause> alternatives{Cause::knock};
     if (is_hole(*input.data, first.beat)) alternatives.push_back(Cause::stop);
     all.push_back({Cause::sensor_shift, gain, std::move(evidence), std::move(alternatives),
-                   "Was the sensor moved? If so, the beats of the other direction are displaced "
-                   "as well.",
+                   "If it was, the beats of the other direction come displaced the other way.",
                    numbers});
     return;
   }
@@ -197,7 +196,7 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   CauseNumbers numbers;
   numbers.size = share;
   numbers.places = static_cast<std::size_t>(missed);
-  if (gain > believed)
+  if (gain > convincing_gain)
     all.push_back(
         {Cause::missed_beats,
          gain,
@@ -226,7 +225,7 @@ void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
          fmt::format("the rate swings by {:+.3g} s/day every {:.5g} s, {}",
                      line.amplitude * seconds_per_day, period_s, by_chance(line.false_alarm)),
          {},
-         "The numbers of teeth in the train tell which wheel comes round in that time.",
+         "The numbers of teeth in the train tell which.",
          numbers});
     return;
   }
@@ -242,7 +241,7 @@ void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all)
   // The uncertainty of an rms is relative, so it is compared by its logarithm.
   const double gain = std::pow(std::log(fast.rms / usual_drive_rms) * fast.rms / sigma, 2) -
                       std::log(static_cast<double>(input.data->size()));
-  if (gain < believed) return;
+  if (gain < convincing_gain) return;
   const std::string size =
       std::isfinite(fast.high68)
           ? fmt::format("{:.2g} % from period to period (rms; {:.2g} to {:.2g})", 100.0 * fast.rms,

@@ -63,8 +63,8 @@ public:
   /// Includes the uncertainty of the amplitude noise and of the first-order relation.
   [[nodiscard]] double sigma() const {
     constexpr double relative_sigma_of_error_variance = 0.2;
-    // Of the first-order relation; no study measures it. sigma/slope is never smaller: its median
-    // over the longest logs of tests/studies/isochronism.txt is 0.0064.
+    // The error of the first-order relation; no study measures it. sigma/slope is never smaller:
+    // its median over the longest logs of tests/studies/isochronism.txt is 0.0064.
     constexpr double relative_model_error = 5e-3;
     return std::hypot(std::sqrt(covariance_(0, 0)),
                       relative_sigma_of_error_variance * share_ * found_[0],

@@ -31,8 +31,8 @@ double without_bend(const std::vector<double>& jump, std::size_t i, std::size_t 
                   : std::numeric_limits<double>::quiet_NaN();
   };
   double least = jump[i];
-  const auto consider = [&](double foretold) {
-    const double left = jump[i] - foretold;
+  const auto consider = [&](double predicted) {
+    const double left = jump[i] - predicted;
     if (std::isnan(left)) return;
     if (left * jump[i] <= 0.0)
       least = 0.0;

@@ -227,7 +227,7 @@ std::vector<double> read_series(const std::string& path) {
     else if (!named && factors.empty())
       named = true; // one row of names
     else
-      throw InputError({path, number, 1}, fmt::format("'{}'", line), "a finite number a line");
+      throw InputError({path, number, 1}, fmt::format("'{}'", line), "one finite number per line");
   }
   if (factors.empty()) throw InputError({path}, "no numbers", "a series of factors");
   return factors;

@@ -239,7 +239,7 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   result.jitter_s =
       rms_of(parts.fit, parts.fit.interval68(Component::jitter), Component::jitter, as_found);
   result.slow_gain = parts.fit.gain_of_slow();
-  if (result.slow_gain < ComponentFit::evidence) result.slow.low68 = 0.0;
+  if (result.slow_gain < ComponentFit::least_evidence) result.slow.low68 = 0.0;
   result.costs = costs_of(parts, period_s, response);
   for (DriveCost& cost : result.costs)
     if (result.slow.low68 == 0.0) cost.slow_s.low68 = 0.0;

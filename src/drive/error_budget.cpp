@@ -185,8 +185,8 @@ ErrorBudget error_budget(const Scenario& scenario, double after_s) {
   ErrorBudget budget{after_s, {}};
   add_drive(scenario, after_s, budget.parts);
   add_length(scenario, after_s, budget.parts);
-  constexpr double nothing_s = 1e-12; // a rounding error
-  std::erase_if(budget.parts, [](const ErrorPart& part) { return part.rms_s < nothing_s; });
+  constexpr double rounding_s = 1e-12; // a rounding error
+  std::erase_if(budget.parts, [](const ErrorPart& part) { return part.rms_s < rounding_s; });
   return budget;
 }
 
@@ -215,13 +215,14 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
     };
     all.push_back({"clock.epsilon", epsilon, nearest_limit(kept, epsilon, most_s, 1e-7, 1e-2)});
   }
-  // Of the amplitude by the drive: 100 times as much, or as little, is no clock any more.
+  // The limit of the amplitude, as the drive sets it. A clock does not run with 100 times the
+  // drive, or a hundredth of it.
   auto drive =
       nearest_limit([&](double f) { return changed(epsilon, f); }, 1.0, most_s, 0.01, 100.0);
-  constexpr double beyond = 1e-3; // relative: past the limit, which is good to 1e-4
+  constexpr double margin = 1e-3; // relative: past the limit, which is good to 1e-4
   const bool stops =
       drive &&
-      !std::isfinite(changed(epsilon, *drive * (*drive < 1.0 ? 1.0 - beyond : 1.0 + beyond)));
+      !std::isfinite(changed(epsilon, *drive * (*drive < 1.0 ? 1.0 - margin : 1.0 + margin)));
   if (drive) drive = stationary_amplitude(driven(scenario.clock, *drive));
   all.push_back({"amplitude", *stationary_amplitude(scenario.clock), drive, stops});
   for (const ErrorPart& part : budget.parts) {

@@ -99,7 +99,8 @@ public:
   }
 
   [[nodiscard]] bool holds() const {
-    // Of the beats, for a clock that nearly stalls and recovers.
+    // The share of beats at which the amplitude may be held, for a clock that nearly stalls and
+    // recovers.
     constexpr double largest_held_share = 1e-3;
     return std::isfinite(mean_drive_) &&
            static_cast<double>(held_) <= largest_held_share * static_cast<double>(rates_.size());

@@ -1,8 +1,9 @@
 // The rate that a clock would show if its response were the same at every amplitude. Private to the
 // drive room.
 //
-// Of x = lambda^2, y = sqrt(x - phi0^2) and the drive's relative variation d the averaged equations
-// (Hoyng, eqs. dotl4, dotpsi4) are, with x0, y0 in stationary operation and tau_r the relaxation,
+// In terms of x = lambda^2, y = sqrt(x - phi0^2) and the drive's relative variation d, the averaged
+// equations (Hoyng, eqs. dotl4, dotpsi4) are, with x0, y0 in stationary operation and tau_r the
+// relaxation,
 //   tau_r x' = x0 (1 + d) - x,     rate = c (1 + d) y/x - x/16 + constant,     c = g_fast x0/y0:
 // the amplitude answers in proportion, the rate does not. Solved for d these are a recursion over
 // the beats that gives drive and amplitude, and from them the rate of the linear response,

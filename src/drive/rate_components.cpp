@@ -294,7 +294,7 @@ RateComponents ComponentFit::best_for(Component which) const {
       absent = fewer;
   };
   leave_out(Component::jitter, evidence_of_jitter);
-  leave_out(Component::slow, evidence);
+  leave_out(Component::slow, least_evidence);
   return lowest_over_memory({.absent = absent}).at;
 }
 

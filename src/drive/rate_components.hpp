@@ -2,7 +2,7 @@
 // drive room.
 //
 // The rate of period n is that of a white drive and a slow one through the clock's response H, and
-// the sensor's jitter. Of T the period, d, s, j the rms of fast drive, slow drive and jitter, and
+// the sensor's jitter. With T the period, d, s, j the rms of fast drive, slow drive and jitter, and
 // r = exp(-T/tau) the slow drive's memory from period to period, its one-sided density is
 //   S(f) = |H|^2 2 T [d^2 + s^2 (1 - r^2)/(1 - 2 r cos(2 pi f T) + r^2)] + 8 (j^2/T) sin^2(pi f T).
 // Whittle's likelihood of the periodogram I is -log L = sum over f of log E + I/E, where E is what
@@ -47,8 +47,9 @@ public:
   /// The same without the parts that the log does not show, but for `which`: a size that cannot
   /// fall below 0 is 0 or too large on average, and what it takes is missing elsewhere.
   [[nodiscard]] RateComponents best_for(Component which) const;
-  /// Of a slow drive, in log L: noise alone gains as much in one log of eight.
-  static constexpr double evidence = 2.0;
+  /// The gain in log L from which on a slow drive is believed: noise alone gains as much in one log
+  /// of eight.
+  static constexpr double least_evidence = 2.0;
 
   /// By how much -log L falls short of that without a slow drive.
   [[nodiscard]] double gain_of_slow() const { return without_slow_ - best_value_; }

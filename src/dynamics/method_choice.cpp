@@ -20,10 +20,10 @@ using std::numbers::pi;
 
 namespace {
 
-constexpr double unbounded = std::numeric_limits<double>::infinity();
+constexpr double no_bound = std::numeric_limits<double>::infinity();
 constexpr double safety = 2.0;
 
-// The clocks and amplitudes a scene runs through.
+// The clocks and amplitudes that occur in a scenario.
 struct Scene {
   std::vector<ClockParameters> clocks; // at the start and after each event
   double low2 = 0.0, high2 = 0.0;      // range of v^2
@@ -88,9 +88,9 @@ OnePeriod exact_period(const ClockParameters& clock, double x, double factor) {
   return {regular, pendulum.speed2().hi - x, step.excess};
 }
 
-// The bound of the header for an averaged method, s.
+// The error bound that the header gives for an averaged method, s.
 double averaged_bound(const Scene& scene, AveragedOrder order) {
-  if (!(scene.low2 > 0.0)) return unbounded;
+  if (!(scene.low2 > 0.0)) return no_bound;
   double worst_excess = 0.0, worst_amplitude = 0.0;
   for (const ClockParameters& clock : scene.clocks) {
     double steepest = pi / 8.0, change_off = 0.0;
@@ -101,7 +101,7 @@ double averaged_bound(const Scene& scene, AveragedOrder order) {
         const OnePeriod exact = exact_period(clock, x, factor);
         const OnePeriod averaged =
             one_period(AveragedPendulum(clock, std::sqrt(x), order), factor, x);
-        if (!exact.regular || !averaged.regular) return unbounded;
+        if (!exact.regular || !averaged.regular) return no_bound;
         worst_excess = std::max(worst_excess, std::abs(averaged.excess - exact.excess));
         change_off = std::max(change_off, std::abs(averaged.change - exact.change));
         if (x_before > 0.0)

@@ -19,11 +19,11 @@ void check_axis(const char* name, const std::vector<double>& values) {
 }
 
 double stationary_rate(const ClockParameters& clock, Equations equations) {
-  constexpr double stalls = std::numeric_limits<double>::quiet_NaN();
+  constexpr double no_rate = std::numeric_limits<double>::quiet_NaN();
   if (equations == Equations::first_order)
-    return stationary_rate_first_order(clock).value_or(stalls);
+    return stationary_rate_first_order(clock).value_or(no_rate);
   const auto cycle = limit_cycle(clock);
-  return cycle ? cycle->rate_excess : stalls;
+  return cycle ? cycle->rate_excess : no_rate;
 }
 
 } // namespace

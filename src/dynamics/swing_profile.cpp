@@ -8,7 +8,7 @@ namespace goingrate {
 namespace {
 
 using Stretch = SwingStretch<double>;
-constexpr double beyond_reach = std::numeric_limits<double>::infinity();
+constexpr double no_angle = std::numeric_limits<double>::infinity();
 
 TorqueTable mirrored(TorqueTable table) {
   for (auto& point : table.points)
@@ -29,7 +29,7 @@ std::vector<Stretch> upwards(const TorqueTable& table) {
     const double slope = (torque_to - torque) / (to - from);
     stretches.push_back({to, torque - slope * from, slope});
   }
-  stretches.push_back({beyond_reach});
+  stretches.push_back({no_angle});
   return stretches;
 }
 
@@ -57,12 +57,12 @@ PeriodProfile period_profile(const ClockParameters& clock) {
     return profile;
   }
   for (SwingProfile<double>* side : {&profile.right, &profile.left}) {
-    side->rise = {{beyond_reach}};
+    side->rise = {{no_angle}};
     side->fall = {{0.0}};
   }
   if (clock.escapement != Escapement::single_impulse) return profile;
   const double angle = clock.impulse_angle;
-  if (angle > 0.0) profile.right.rise = kick_at(angle, clock.impulse, beyond_reach);
+  if (angle > 0.0) profile.right.rise = kick_at(angle, clock.impulse, no_angle);
   if (angle < 0.0) profile.left.fall = kick_at(-angle, clock.impulse, 0.0);
   if (angle == 0.0) profile.right.kick_at_start = clock.impulse;
   return profile;

@@ -37,11 +37,11 @@ double density(double t, double p, double humidity) {
 std::vector<double> air_density(std::span<const double> temperature_c,
                                 std::span<const double> pressure_mbar,
                                 std::span<const double> humidity_percent) {
-  constexpr double usual = 0.5, pascals = 100.0; // of a room; in a mbar
+  constexpr double usual_humidity = 0.5, pascals = 100.0; // of a room; in a mbar
   std::vector<double> result;
   result.reserve(temperature_c.size());
   for (std::size_t i = 0; i < temperature_c.size(); ++i) {
-    const double humidity = humidity_percent.empty() ? usual : 0.01 * humidity_percent[i];
+    const double humidity = humidity_percent.empty() ? usual_humidity : 0.01 * humidity_percent[i];
     result.push_back(density(temperature_c[i], pascals * pressure_mbar[i], humidity));
   }
   return result;

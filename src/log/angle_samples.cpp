@@ -77,7 +77,7 @@ std::span<const AngleSample> around(std::span<const AngleSample> samples, std::s
   return samples.subspan(begin, end - begin);
 }
 
-// Of irregular samples the usual time between two.
+// The usual time between two samples, which may be irregular.
 double usual_step(std::span<const AngleSample> samples) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < samples.size(); ++i)
@@ -96,8 +96,8 @@ public:
     ++points_;
   }
   [[nodiscard]] std::optional<double> slope() const {
-    constexpr int fewest = 5; // two more than its terms
-    if (points_ < fewest) return {};
+    constexpr int fewest_samples = 5; // two more than its terms
+    if (points_ < fewest_samples) return {};
     const double slope = normal_.ldlt().solve(moment_)[1];
     return std::isfinite(slope) ? std::optional(slope) : std::nullopt;
   }
@@ -151,7 +151,7 @@ private:
   };
 
   // Half the width of the samples for one passage, periods. A quarter: then no two passages share
-  // a sample, and their errors are independent. Fewer than ten samples a period take wider ones.
+  // a sample, and their errors are independent. Fewer than ten samples per period take wider ones.
   [[nodiscard]] double reach() const {
     constexpr double fewest_samples = 5.0, widest = 0.6; // widest: the fewest leave a freedom still
     return std::clamp(0.5 * fewest_samples / samples_per_period_, 0.25, widest);
@@ -199,8 +199,9 @@ private:
     swing.middle = zero + c[2];
     swing.root_s = -std::atan2(shape.side * c[0], shape.side * c[1]) / shape.w;
     if (level) swing.root_s = shape.zero_of(c, swing.root_s);
-    constexpr double farthest = 0.1; // periods, from where it was looked for
-    if (!(std::abs(swing.root_s) < std::max(0.5 * (b.time - a.time), farthest * period))) return {};
+    constexpr double farthest_periods = 0.1; // periods, from where it was looked for
+    if (!(std::abs(swing.root_s) < std::max(0.5 * (b.time - a.time), farthest_periods * period)))
+      return {};
     const Eigen::Vector3d at_root = shape.row(swing.root_s);
     swing.unit_sigma_s = std::sqrt(at_root.dot(inverse * at_root)) / (swing.amplitude * shape.w);
     swing.residual2 = std::max(0.0, sums.sum2 - c.dot(sums.moment));
@@ -214,27 +215,28 @@ private:
   // The period and the fading about each passage, from its neighbours: both change as a swing dies
   // away, and a period that is wrong by a per cent makes an amplitude wrong by half a per cent.
   void look_at_neighbours() {
-    constexpr std::size_t neighbours = 12; // passages either way
+    constexpr std::size_t neighbour_count = 12; // passages either way
     const std::vector<double> half_swings = count_half_swings();
     for (std::size_t k = 0; k < fits_.size(); ++k) {
       if (!fits_[k]) continue;
       LocalParabola time, size;
-      const std::size_t end = std::min(fits_.size(), k + neighbours + 1);
-      for (std::size_t i = k > neighbours ? k - neighbours : 0; i < end; ++i) {
+      const std::size_t end = std::min(fits_.size(), k + neighbour_count + 1);
+      for (std::size_t i = k > neighbour_count ? k - neighbour_count : 0; i < end; ++i) {
         if (!fits_[i]) continue;
         const double after = fits_[i]->time_after(*fits_[k]);
         time.add(half_swings[i] - half_swings[k], after);
         size.add(after, std::log(fits_[i]->amplitude));
       }
-      constexpr double farthest = 0.2; // of the period; else there is a false passage among them
+      constexpr double farthest_share =
+          0.2; // of the period; else there is a false passage among them
       if (const auto half = time.slope();
-          half && std::abs(2.0 * *half / period_s_ - 1.0) < farthest)
+          half && std::abs(2.0 * *half / period_s_ - 1.0) < farthest_share)
         local_[k].period_s = 2.0 * *half;
       if (const auto slope = size.slope()) local_[k].decay = -*slope;
     }
   }
 
-  // Of each passage, from the first on; some passages may be missing.
+  // The number of half swings from the first passage to each; some passages may be missing.
   [[nodiscard]] std::vector<double> count_half_swings() const {
     std::vector<double> counts(fits_.size(), 0.0);
     const Swing* last = nullptr;

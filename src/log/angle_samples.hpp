@@ -38,7 +38,7 @@ struct SampledSwings {
   std::size_t unfitted = 0; ///< passages with too few samples around them
 };
 
-/// With fewer samples a period than this nothing is found: with two the swing is not determined,
+/// With fewer samples per period than this nothing is found: with two the swing is not determined,
 /// and with a few more it is by their noise alone.
 inline constexpr double fewest_samples_per_period = 2.5;
 
@@ -51,8 +51,8 @@ inline constexpr double fewest_samples_per_period = 2.5;
 /// taken into account, so that the amplitude is the turning angle. The crossing is where that swing
 /// is at the rest angle; this, if not given, is the median of the middles. No two passages share a
 /// sample, so the errors of their times and amplitudes are independent; its sigma is that of the
-/// crossing under the pooled noise of all fits. With fewer than 10 samples a period the samples lie
-/// within 2.5/samples periods, at most 0.6, and the middle of a swing is the rest angle: then
+/// crossing under the pooled noise of all fits. With fewer than 10 samples per period the samples
+/// lie within 2.5/samples periods, at most 0.6, and the middle of a swing is the rest angle: then
 /// neighbours share samples, and what is fitted to all of them is known up to half as well again as
 /// it says.
 ///

@@ -21,7 +21,7 @@ namespace goingrate {
 struct BeatNoise {
   double jitter2 = 0.0;    ///< j^2: white in time, the sensor
   double walk2 = 0.0;      ///< w^2 per cycle: white in rate, the drive
-  double rate_walk2 = 0.0; ///< r^2 a cycle: the rate itself wanders, drifts or steps
+  double rate_walk2 = 0.0; ///< r^2 per cycle: the rate itself wanders, drifts or steps
 };
 
 /// Mean square of `values` (mean zero) without the largest 5 %, scaled up to what it is for a

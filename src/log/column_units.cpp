@@ -146,8 +146,8 @@ void Detection::refuse_unread_samples(std::size_t time) const {
   }
 }
 
-// Of dates with strokes. One that exists in one order only settles it; else the number that changes
-// from day to day is that of the day.
+// The order of day and month in dates with strokes. A date that exists in one order only settles it;
+// otherwise the number that changes from day to day is the day.
 void Detection::settle_date_order(std::size_t column) {
   std::size_t strokes = 0, day_first = 0, month_first = 0;
   std::set<std::string> firsts, seconds;
@@ -282,7 +282,7 @@ void Detection::settle_tau0() {
     assume(fmt::format("one value every {:.6g} s, the step of the first column", layout_.tau0_s),
            Setting::tau0);
   } else {
-    assume("one value a second", Setting::tau0);
+    assume("one value per second", Setting::tau0);
     if (!options_.format && layout_.find(ColumnRole::phase))
       assume("the values are the clock's error, neither periods nor frequencies", Setting::format);
   }

@@ -140,7 +140,7 @@ private:
     part.date = date_of(part.layout, log, rows);
   }
 
-  // Of the middle of the head: a logger's clock may not be set when it begins.
+  // The date in the middle of the head: a logger's clock may not be set yet at its beginning.
   static std::optional<Instant> date_of(const Layout& layout, const ClockLog& log,
                                         const RowReader& rows) {
     std::vector<Instant> times;
@@ -262,11 +262,11 @@ void refuse_mixed_dates(const std::vector<FilePart>& parts) {
 }
 
 std::string names_of(const std::vector<FilePart>& parts) {
-  constexpr std::size_t most = 5;
+  constexpr std::size_t most_named = 5;
   std::string names;
-  for (std::size_t i = 0; i < std::min(most, parts.size()); ++i)
+  for (std::size_t i = 0; i < std::min(most_named, parts.size()); ++i)
     names += (i > 0 ? ", " : "") + fs::path(parts[i].path).filename().string();
-  return parts.size() > most ? names + ", …" : names;
+  return parts.size() > most_named ? names + ", …" : names;
 }
 
 } // namespace

@@ -105,7 +105,7 @@ struct LogFollower::Parts {
     }
   }
 
-  // Whether the text is a log of a kind that does not grow by one event a line: then no more lines
+  // Whether the text is a log of a kind that does not grow by one event per line: then no more lines
   // are awaited.
   [[nodiscard]] bool is_of_another_kind(std::string_view text) const {
     ClockLog unused;
@@ -145,7 +145,7 @@ struct LogFollower::Parts {
     if (found.format == LogFormat::angle || found.newest_first)
       throw InputError({path, found.first_line, 1},
                        found.newest_first ? "the newest line first" : "samples of an angle",
-                       "a log that grows by one event a line");
+                       "a log that grows by one event per line");
     layout = std::move(found);
     rows.emplace(*layout, options, log);
     is_first = true;

@@ -56,7 +56,7 @@ LogFormat Detection::format_of_one_column() const {
   const ColumnSample& only = samples_.front();
   if (!parse_number(first_[0].text, layout_.point)) {
     const HeadLine& first = head_.rows.front();
-    throw InputError(log_.place(first.number), shown(first.text), "a time a line");
+    throw InputError(log_.place(first.number), shown(first.text), "one time per line");
   }
   const bool steady = !is_number(0) || only.rising > 0.6 || only.falling > 0.7;
   const bool beats = !is_number(0) || options_.unit || unit_for_step(only.typical_step, only);

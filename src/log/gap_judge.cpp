@@ -22,10 +22,10 @@ std::size_t stretch_for(double cycles) {
       std::clamp(stretch_per_cycle * cycles, shortest_stretch, longest_stretch));
 }
 
-// Of the breaks after which the beats had to be looked for afresh these are stops of the clock or
-// jumps of the reference: one in 5000 a beat of their length, one in ten from 500 beats on, since a
-// clock is seldom set going again within minutes. Where the beats were not lost none is: there only
-// a false beat beside the gap can be off.
+// The share of breaks, among those after which the beats had to be looked for afresh, that are
+// stops of the clock or jumps of the reference: one in 5000 for each beat of their length, up to
+// one in ten from 500 beats on, since a clock is seldom restarted within minutes. If the beats were
+// not lost the share is zero: then only a false beat next to the gap can be displaced.
 double displaced_share(double cycles) { return std::min(2e-4 * cycles, 0.1); }
 
 } // namespace

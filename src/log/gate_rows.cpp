@@ -7,8 +7,8 @@
 
 namespace goingrate {
 
-// Of the row's own column, where a reference measured it. A broken value is no rate: that of the
-// row before serves.
+// The counter's rate from the row's own column, where a reference measured it. If the value is
+// broken, that of the row before is used.
 double RowReader::counter_rate_at(const Line& line) {
   const auto column = layout_.find(ColumnRole::counter_rate);
   if (!column) return layout_.counter_hz;
@@ -35,7 +35,7 @@ std::optional<RowReader::Oscillation> RowReader::oscillation_at(const Line& line
   return seconds;
 }
 
-// Of a row of the wrong length: whether it begins as rows do, and is none of a program's words.
+// For a row of the wrong length: whether it begins like a row rather than like a program's message.
 bool RowReader::is_begun_row() const {
   const std::string_view first = fields_.front().text;
   return parse_number(first, layout_.point) || parse_calendar(first, layout_.point);

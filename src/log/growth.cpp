@@ -8,13 +8,15 @@
 namespace goingrate {
 
 namespace {
-constexpr std::size_t remembered = 64; // bytes: some lines, which no other log has at this place
+constexpr std::size_t remembered_bytes =
+    64; // bytes: some lines, which no other log has at this place
 }
 
 void Growth::took(const char* bytes, std::size_t count, std::uint64_t end) {
   end_ = end;
-  last_.append(bytes + (count - std::min(count, remembered)), std::min(count, remembered));
-  last_.erase(0, last_.size() - std::min(last_.size(), remembered));
+  last_.append(bytes + (count - std::min(count, remembered_bytes)),
+               std::min(count, remembered_bytes));
+  last_.erase(0, last_.size() - std::min(last_.size(), remembered_bytes));
 }
 
 bool Growth::is_replaced(int descriptor, const std::string& path) {

@@ -41,10 +41,10 @@ void IssueList::add(std::size_t line, std::size_t column, IssueKind kind, std::s
         last.last_line + 1 == line && last.action == action)
       return lengthen(last, line);
   }
-  constexpr std::size_t always_listed = 500, lines_an_issue = 25; // 250 bytes for 25 lines
-  constexpr std::size_t ever_listed = 20'000; // 5 MB: a log may be followed for years
+  constexpr std::size_t issues_in_full = 500, lines_an_issue = 25; // 250 bytes for 25 lines
+  constexpr std::size_t most_issues = 20'000; // 5 MB: a log may be followed for years
   const bool too_many =
-      issues.size() >= std::clamp(line / lines_an_issue, always_listed, ever_listed);
+      issues.size() >= std::clamp(line / lines_an_issue, issues_in_full, most_issues);
   if (too_many) {
     constexpr std::ptrdiff_t issues_looked_at = 64; // more than there are kinds
     const auto end =

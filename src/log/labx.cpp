@@ -14,8 +14,8 @@ namespace goingrate {
 
 namespace {
 
-/// Goes through elements in the order of the text, without a stack: a file may be nested as deeply
-/// as it likes.
+/// Goes through the elements in the order of the text. It needs no stack, so a deeply nested file
+/// does no harm.
 class Elements {
 public:
   explicit Elements(std::string_view text) : rest_(text) {}
@@ -102,7 +102,7 @@ std::string table_of_labx(std::string_view text, const std::string& name) {
   if (channels.empty() || channels.size() > most_fields)
     throw InputError({name, 0, 0}, fmt::format("{} channels with values", channels.size()),
                      fmt::format("a CASSY measurement with 1 to {}", most_fields));
-  std::string table(1, ' '); // a name that begins as recordings do makes none
+  std::string table(1, ' '); // so that a channel's name is not taken for the head of a sound file
   for (const Channel& channel : channels)
     table += channel.name + (&channel == &channels.back() ? '\n' : '\t');
   for (std::size_t row = 0; row < rows; ++row)

@@ -84,11 +84,11 @@ std::string_view in_words(LogFormat format) {
   case LogFormat::clock_error:
     return "a clock-error log (label s, error s, amplitude mrad)";
   case LogFormat::periods:
-    return "one period a line";
+    return "one period per line";
   case LogFormat::phase:
-    return "phase data, the clock's error in seconds a line (positive: fast)";
+    return "phase data: the clock's error in seconds (positive: fast), one value per line";
   case LogFormat::frequency:
-    return "frequency data, the relative rate a line";
+    return "frequency data: the relative rate, one value per line";
   case LogFormat::ticc:
     return "TICC timestamps";
   case LogFormat::ticc_interval:
@@ -106,7 +106,7 @@ std::string_view in_words(LogFormat format) {
   case LogFormat::timestamps:
     break;
   }
-  return "one time a line";
+  return "one time per line";
 }
 
 std::vector<std::string> format_names() {

@@ -84,7 +84,8 @@ private:
   static constexpr int wait_ms =
       100; // a tenth of a second: shorter than a beat, long for a computer
 
-  // Of a pipe or a terminal; also at its end, which read() then tells. False if nobody waits on.
+  // Waits for input from a pipe or a terminal. True at its end too, which read() then reports;
+  // false if the caller stopped waiting.
   [[nodiscard]] bool something_comes() const {
     pollfd descriptor{descriptor_, POLLIN, 0};
     const auto comes = [&](int ms) { // not where a signal ended the wait
@@ -96,8 +97,8 @@ private:
       if (comes(wait_ms)) return true;
     return false;
   }
-  // Of a file that is followed: then what comes next is no continuation. One that another has
-  // replaced is read to its end first, which its writer may not have written yet.
+  // Whether a followed file has started over, so that what comes next does not continue it. A file
+  // that was replaced by another is first read to its end, which may still be being written.
   [[nodiscard]] bool has_begun_anew() {
     if (!was_at_end_ || !growth_.begins_anew(descriptor_, path_)) return false;
     constexpr int quiet_waits = 10; // a second
@@ -262,11 +263,12 @@ bool LineReader::refill() {
 
 // What is left is the beginning of one line.
 void LineReader::cut_rest() {
-  constexpr std::size_t told = 64; // bytes of it
+  constexpr std::size_t most_told_bytes = 64; // bytes of it
   constexpr std::string_view words = " … line cut … ";
-  std::copy(rest_.begin(), rest_.begin() + told, buffer_.begin()); // moves towards the front
-  std::copy(words.begin(), words.end(), buffer_.begin() + told);
-  rest_ = {buffer_.data(), told + words.size()};
+  std::copy(rest_.begin(), rest_.begin() + most_told_bytes,
+            buffer_.begin()); // moves towards the front
+  std::copy(words.begin(), words.end(), buffer_.begin() + most_told_bytes);
+  rest_ = {buffer_.data(), most_told_bytes + words.size()};
 }
 
 void LineReader::settle_line_end() {
@@ -295,9 +297,10 @@ std::string_view LineReader::head(std::size_t lines) {
   const double mean = seen / count;
   const double more = std::max(0.0, all - seen) / std::max(mean, shortest_expected);
   lines_expected_ = seen > 0.0 ? static_cast<std::size_t>(count + more) : 0;
-  constexpr std::size_t at_most = 10; // times the lines asked for: a buffer may hold many more
+  constexpr std::size_t most_lines_ratio =
+      10; // times the lines asked for: a buffer may hold many more
   std::size_t end = 0;
-  for (std::size_t line = 0; line < at_most * lines && end < rest_.size(); ++line)
+  for (std::size_t line = 0; line < most_lines_ratio * lines && end < rest_.size(); ++line)
     end = std::min(rest_.find(line_end_, end), rest_.size() - 1) + 1;
   whole_is_in_head_ = at_end_ && end == rest_.size();
   return rest_.substr(0, end);

@@ -165,7 +165,7 @@ LogHead cut_head(std::string_view text, bool whole, const std::string& source, b
          count_fields(first.text, ' ') <= most_words))
       throw InputError({source, first.number, 1}, "a header and 0 events", "lines of data");
     throw InputError({source, first.number, 1}, shown(first.text),
-                     "a log: a time a line, or columns with a header");
+                     "a log: one time per line, or columns with a header");
   }
   const auto commonest = std::max_element(counts.begin(), counts.end(),
                                           [](auto& a, auto& b) { return a.second < b.second; });
@@ -220,8 +220,8 @@ void describe_steps(ColumnSample& sample, const std::vector<double>& values) {
   const auto [shortest, longest] = std::minmax_element(steps.begin(), steps.end());
   sample.even = steps.size() + 1 == values.size() && *shortest == *longest;
   if (std::max(sample.rising, sample.falling) > 0.98) {
-    // Of times at which a contact bounced most steps are from one bounce to the next: they are no
-    // steps of the column. Nine in ten at most, and gaps are fewer than the tenth.
+    // Where a contact bounces, most steps are from one bounce to the next and tell nothing of the
+    // beat. At most nine in ten are such, and gaps are rarer than one in ten.
     const auto most = steps.begin() + static_cast<std::ptrdiff_t>(9 * (steps.size() - 1) / 10);
     std::nth_element(steps.begin(), most, steps.end());
     const double bounce = 0.1 * *most;
@@ -239,7 +239,7 @@ void describe_swing(ColumnSample& sample, const std::vector<double>& values) {
     variance += a * a;
     next += a * b;
   }
-  // Five samples a swing or more have a correlation of cos(2 pi / 5) or more. Fewer obey the
+  // Five samples per swing or more have a correlation of cos(2 pi / 5) or more. Fewer obey the
   // difference equation of a sine, x[i+1] + x[i-1] = 2 cos(2 pi / n) x[i], with n above 2.5.
   double sums = 0.0, with = 0.0;
   for (std::size_t i = 1; i + 1 < values.size(); ++i) {

@@ -113,7 +113,7 @@ std::size_t Numbering::place(std::size_t i) {
 std::optional<std::size_t> Numbering::beat_among_bounces(std::size_t i) const {
   // Twice the log of the odds needed: of events close together one in forty precedes the beat, and
   // odds of a hundred to one decide.
-  constexpr double decisive2 = 2.0 * (3.7 + decisive_log_odds);
+  constexpr double decisive_sigmas2 = 2.0 * (3.7 + decisive_log_odds);
   const auto squared_sigmas = [&](std::size_t k) {
     const double since = beats_[k].time - beats_[last_].time;
     const double cycles = std::max(1.0, std::round((since - filter_.offset()) / filter_.period()));
@@ -121,23 +121,23 @@ std::optional<std::size_t> Numbering::beat_among_bounces(std::size_t i) const {
     return error * error / filter_.error_variance(filter_.after(cycles));
   };
   const double first = squared_sigmas(i);
-  if (first < decisive2) return {};
+  if (first < decisive_sigmas2) return {};
   for (std::size_t k = i + 1; is_bounce(k); ++k)
-    if (beats_[k].edge == Edge::up && first - squared_sigmas(k) > decisive2) return k;
+    if (beats_[k].edge == Edge::up && first - squared_sigmas(k) > decisive_sigmas2) return k;
   return {};
 }
 
 // If cycles are missing before event i: a bounce at the predicted time of one of the missing beats.
 // A false event of either direction came shortly before it.
 std::optional<std::size_t> Numbering::missing_among_bounces(std::size_t i) const {
-  constexpr double near2 = 9.0; // squared sigmas
+  constexpr double near_sigmas2 = 9.0; // squared sigmas
   for (std::size_t k = last_ + 1; k < i; ++k) {
     if (beats_[k].flag != BeatFlag::bounce || beats_[k].edge != Edge::up) continue;
     const double since = beats_[k].time - beats_[last_].time;
     const double cycles = std::round((since - filter_.offset()) / filter_.period());
     if (cycles < 1.0) continue;
     const double error = filter_.error(since, cycles);
-    if (error * error < near2 * filter_.error_variance(filter_.after(cycles))) return k;
+    if (error * error < near_sigmas2 * filter_.error_variance(filter_.after(cycles))) return k;
   }
   return {};
 }

@@ -11,7 +11,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t most_tried = 40; // three events a period
+constexpr std::size_t most_tried = 40; // three events per period
 
 // How many cycles after `start` have an event on its grid, and how far off these are, rms.
 struct Agreement {
@@ -63,15 +63,15 @@ std::vector<double> commonest(const std::vector<double>& steps, double typical_s
 double local_period(std::span<const Beat> events, std::size_t from, const PhaseSearch& search) {
   const double period_s = search.period_s;
   // Of a period: a swing of 140 degrees takes 1.5 of a small one, and beyond lie two swings.
-  constexpr double shortest = 1.0 / 1.5, longest = 1.5;
+  constexpr double shortest_ratio = 1.0 / 1.5, longest_ratio = 1.5;
   constexpr std::size_t fewest_steps = 4, most_steps = 5; // so few that a period changes little
   std::vector<double> all;
   const Beat* before = nullptr;
   for (std::size_t i = from; i < events.size(); ++i) {
     if (!may_be_up(events[i])) continue;
-    if (events[i].time - events[from].time > longest * search.window * period_s) break;
+    if (events[i].time - events[from].time > longest_ratio * search.window * period_s) break;
     const double step = before == nullptr ? 0.0 : events[i].time - before->time;
-    if (step > shortest * period_s && step < longest * period_s) all.push_back(step);
+    if (step > shortest_ratio * period_s && step < longest_ratio * period_s) all.push_back(step);
     before = &events[i];
   }
   std::vector<double> steps = commonest(all, period_s);

@@ -32,9 +32,11 @@ std::optional<double> stated(const LogHead& head, std::string_view key, double l
 }
 
 std::optional<Site> stated_site(const LogHead& head) {
-  constexpr double beyond = 1e-9; // degrees: the poles themselves will do
-  const auto latitude = stated(head, "latitude_deg", -90.0 - beyond, 90.0 + beyond);
-  const auto longitude = stated(head, "longitude_deg", -180.0 - beyond, 360.0 + beyond);
+  constexpr double pole_margin_deg = 1e-9; // degrees: the poles themselves will do
+  const auto latitude =
+      stated(head, "latitude_deg", -90.0 - pole_margin_deg, 90.0 + pole_margin_deg);
+  const auto longitude =
+      stated(head, "longitude_deg", -180.0 - pole_margin_deg, 360.0 + pole_margin_deg);
   return latitude && longitude ? std::optional(Site{*latitude, *longitude}) : std::nullopt;
 }
 
@@ -142,7 +144,7 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
   if (swings.samples_per_period > 0.0 && swings.samples_per_period < fewest_samples_per_period)
     throw InputError(
         log.place(layout.first_line),
-        fmt::format("sampled too coarsely: {:.2g} samples a period", swings.samples_per_period),
+        fmt::format("sampled too coarsely: {:.2g} samples per period", swings.samples_per_period),
         fmt::format("at least {}", fewest_samples_per_period));
   for (const SampledCrossing& crossing : swings.crossings) {
     const bool known = in_rad && crossing.amplitude > 0.0 && crossing.amplitude < 3.14;

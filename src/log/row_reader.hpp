@@ -123,7 +123,7 @@ private:
   Instant grid_begin_; // where its values have dates
   std::optional<Oscillation> oscillation_; // of the row before
   std::optional<Instant> stamp_; // the coarse time of the line before
-  bool plain_;                   // nothing but seconds, one number a line
+  bool plain_;                   // nothing but seconds, one number per line
   bool in_order_ = true;
   std::optional<Beat> entered_; // the first of a gate's two edges
 };

@@ -19,9 +19,9 @@ constexpr double per_million = 1e-6;
 std::optional<double> watch_period(double period_s) {
   constexpr std::array beats_an_hour{14400.0, 16200.0, 18000.0, 19800.0, 21600.0,
                                      25200.0, 28800.0, 36000.0, 43200.0};
-  constexpr double nearest = 0.005; // seven minutes a day
+  constexpr double largest_difference = 0.005; // seven minutes a day
   for (const double beats : beats_an_hour)
-    if (const double usual = 7200.0 / beats; std::abs(period_s / usual - 1.0) < nearest)
+    if (const double usual = 7200.0 / beats; std::abs(period_s / usual - 1.0) < largest_difference)
       return usual;
   return {};
 }
@@ -35,26 +35,26 @@ public:
     if (!options.pps_channel) {
       log.time_base_sigma = per_million * options.clock_ppm;
       log.assumptions.push_back(
-          {fmt::format("the recorder's {} samples a second are right to ±{:.4g} parts in 10⁶, "
+          {fmt::format("the recorder's {} samples per second are right to ±{:.4g} parts in 10⁶, "
                        "which is ±{:.3g} s a day of the clock's rate",
                        rate_hz_, options.clock_ppm, log.time_base_sigma * 86400.0),
            Setting::clock_ppm});
       return;
     }
     pulses_.emplace(recording.channel(*options.pps_channel, options.unpacked_limit));
-    constexpr double fewest = 3.0;
+    constexpr double fewest_periods = 3.0;
     const double seconds = log.sound->duration_s;
-    if (static_cast<double>(pulses_->count()) < std::max(fewest, 0.5 * seconds))
+    if (static_cast<double>(pulses_->count()) < std::max(fewest_periods, 0.5 * seconds))
       throw InputError(
           {name},
           fmt::format("{} pulses that are whole seconds apart in channel {}, in {:.4g} s",
                       pulses_->count(), *options.pps_channel, seconds),
-          "one a second, in half of them at least");
+          "one per second, in half of them at least");
     log.time_base_sigma = pulses_->rate_sigma();
     log.sound->has_pps = true;
     log.assumptions.push_back(
         {fmt::format("channel {} tells the seconds: {} pulses, by which the recorder takes "
-                     "{:.9g} ± {:.2g} samples a second",
+                     "{:.9g} ± {:.2g} samples per second",
                      *options.pps_channel, pulses_->count(), pulses_->rate_hz(),
                      pulses_->rate_hz() * pulses_->rate_sigma()),
          Setting::pps_channel});
@@ -74,7 +74,7 @@ private:
 void check_rate(const Recording& recording, const std::string& name) {
   constexpr double lowest_hz = 4e3, highest_hz = 4e5;
   if (recording.rate_hz() < lowest_hz || recording.rate_hz() > highest_hz)
-    throw InputError({name}, fmt::format("{} samples a second", recording.rate_hz()),
+    throw InputError({name}, fmt::format("{} samples per second", recording.rate_hz()),
                      fmt::format("between {} and {}", lowest_hz, highest_hz));
 }
 
@@ -112,7 +112,7 @@ void say_what_is_heard(ClockLog& log, const TickTrain& train) {
     log.assumptions.push_back(
         {"ticks and tocks in turn; which of the two is the tick cannot be heard"});
   else
-    log.assumptions.push_back({"one sound a period"});
+    log.assumptions.push_back({"one sound per period"});
 }
 
 } // namespace
@@ -141,15 +141,15 @@ ClockLog read_recording(Recording recording, const std::string& name,
                      recording.missing_bytes())});
   const TimeBase time_base(recording, options, name, log);
   TickTrain train = find_ticks(sound, options.nominal_period_s, options.progress);
-  constexpr std::size_t fewest = 6; // three periods
-  if (train.ticks.size() < fewest)
+  constexpr std::size_t fewest_beats = 6; // three periods
+  if (train.ticks.size() < fewest_beats)
     throw InputError(
         {name},
         train.period > 0.0
             ? fmt::format("{} beats that stand out of the noise in {:.4g} s", train.ticks.size(),
                           log.sound->duration_s)
             : fmt::format("{:.4g} s of sound in which nothing repeats", log.sound->duration_s),
-        "the ticks of one clock, of a period between 0.15 and 3.6 s");
+        "the ticks of one clock with a period between 0.15 and 3.6 s");
   std::size_t left_out = 0;
   for (const Tick& tick : train.ticks) {
     if (!time_base.covers(tick.at)) {
@@ -164,10 +164,10 @@ ClockLog read_recording(Recording recording, const std::string& name,
   if (left_out > 0)
     log.assumptions.push_back(
         {fmt::format("{} beats are left out: no pulse of the reference is near them", left_out)});
-  if (log.events.size() < fewest)
+  if (log.events.size() < fewest_beats)
     throw InputError({name},
                      fmt::format("{} beats near pulses of the reference", log.events.size()),
-                     fmt::format("at least {}", fewest));
+                     fmt::format("at least {}", fewest_beats));
   log.sound->drowned = train.drowned;
   log.sound->has_tocks = train.has_tocks;
   log.sound->tick = std::move(train.tick);

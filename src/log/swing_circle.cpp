@@ -27,8 +27,8 @@ double SwingCircle::angle_of(double place_x, double place_y) const {
 }
 
 std::optional<SwingCircle> circle_through(std::span<const double> x, std::span<const double> y) {
-  constexpr std::size_t fewest = 10;
-  if (x.size() < fewest) return {};
+  constexpr std::size_t fewest_points = 10;
+  if (x.size() < fewest_points) return {};
   const auto count = static_cast<Eigen::Index>(x.size());
   const Places given_x = Eigen::Map<const Places>(x.data(), count);
   const Places given_y = Eigen::Map<const Places>(y.data(), count);
@@ -58,8 +58,8 @@ std::optional<SwingCircle> circle_through(std::span<const double> x, std::span<c
   SwingCircle found{mean_x + scale * circle[0], mean_y + scale * circle[1], scale * circle[2],
                     scale * std::sqrt(variance * inverse(2, 2))};
   found.hangs_below = found.y > mean_y;
-  constexpr double known_to = 0.2; // of the radius
-  if (!(found.radius > 0.0) || !(found.radius_sigma < known_to * found.radius)) return {};
+  constexpr double radius_error = 0.2; // of the radius
+  if (!(found.radius > 0.0) || !(found.radius_sigma < radius_error * found.radius)) return {};
   return found;
 }
 

@@ -12,7 +12,7 @@
 
 namespace goingrate {
 
-/// What a pendulum's swing has beside the sine of its turning angle A,
+/// The part of a pendulum's swing of turning angle A that a sine leaves out,
 ///   phi = 8 sum_n q^(n + 1/2) / ((2 n + 1) (1 + q^(2 n + 1))) sin((2 n + 1) theta),
 /// q the nome of the modulus sin(A/2) (NIST DLMF 22.11 with phi = 2 asin(k sn)).
 class Overtones {

@@ -17,7 +17,7 @@ using Vector = Eigen::Vector3d;
 
 constexpr double astronomical_unit_m = 149597870700.0;
 constexpr double moon_m3_s2 = 4.9028e12, sun_m3_s2 = 1.32712440e20; // mass times G
-constexpr double yielding = 1.16; // of the solid Earth, 1 + h - 3/2 k (Longman)
+constexpr double earth_yield_factor = 1.16; // of the solid Earth, 1 + h - 3/2 k (Longman)
 constexpr double radians = std::numbers::pi / 180.0;
 constexpr double seconds_a_day = 86400.0;
 
@@ -134,7 +134,7 @@ double tidal_pull(const Instant& utc, const Site& site) {
 }
 
 double tidal_rate(const Instant& utc, const Site& site) {
-  return -0.5 * yielding * tidal_pull(utc, site) / gravity(site);
+  return -0.5 * earth_yield_factor * tidal_pull(utc, site) / gravity(site);
 }
 
 std::vector<double> tidal_advance(std::span<const double> elapsed_s, const Instant& begin,

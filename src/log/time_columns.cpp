@@ -38,8 +38,8 @@ std::size_t likely_time(std::span<const ColumnSample> samples) {
   return first;
 }
 
-// Of two columns named as times: dates that stay for a run of lines, and numbers that rise within
-// it.
+// Finds, among the columns named as times, a pair in which one holds a date that stays the same for
+// a run of lines and the other numbers that rise within the run.
 std::optional<DateAndTime> run_and_time(std::span<const ColumnSample> samples,
                                         const Layout& layout) {
   std::vector<std::size_t> times;

@@ -17,9 +17,9 @@ bool counts_lines(const ColumnSample& sample);
 /// else the first.
 void guess_time(std::span<const ColumnSample> samples, Layout& layout);
 
-/// Of columns named as times, one that holds dates alone goes with the column of times of day, or
-/// is ignored if there is none; of several others the first counts. Returns the places of times
-/// that are not read.
+/// Decides which columns named as times are read: a column of dates alone is joined with the column
+/// of times of day, or ignored if there is none; of several others the first is used. Returns the
+/// places of the time columns that are not read.
 std::vector<std::size_t> settle_named_times(std::span<const ColumnSample> samples, Layout& layout);
 
 } // namespace goingrate

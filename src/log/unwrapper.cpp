@@ -44,7 +44,7 @@ Instant Unwrapper::placed(const Instant& raw, double typical_step_s) {
 }
 
 // A step back is a wrap if the next reading then follows as soon as the ones before did. Over
-// midnight any gap is believed, unless the times began at nothing and do so again: then the logger
+// midnight any gap is believed, unless the times began at zero and do so again: then the logger
 // has.
 void Unwrapper::guess(double before_s, double after_s, double typical_step_s) {
   constexpr double patience = 20.0; // steps: a short gap may hide the wrap itself

@@ -37,7 +37,7 @@ bool is_hole(const Reading& a, const Reading& b) {
 }
 
 /// The readings of one quantity, in order of time, and the curve between them: straight lines, or a
-/// cubic spline where neighbours foretell a reading better by cubics than by lines.
+/// cubic spline where neighbours predict a reading better by cubics than by lines.
 class Series {
 public:
   explicit Series(std::vector<Reading> readings)
@@ -71,7 +71,7 @@ public:
                 (right * right * right - right) * bend_[last_ + 1]);
   }
 
-  /// Of an interpolated value. Where the errors of readings are independent, with variance v, the
+  /// The standard deviation of an interpolated value. Where the errors of readings are independent, with variance v, the
   /// departure of a reading from the line between its neighbours has the variance 3/2 v, and an
   /// interpolated value, over all places between two readings, 2/3 v, which is 4/9 of that. For a
   /// random walk it is 1/3 of it, for smoother courses less, and with cubics too.
@@ -100,8 +100,8 @@ private:
   // Second derivatives of the spline through readings `first` to before `end`, which have no hole
   // between them; at both ends those of the cubic through the nearest four.
   void bend(std::size_t first, std::size_t end) {
-    constexpr std::size_t fewest = 5;
-    if (end - first < fewest) return;
+    constexpr std::size_t fewest_readings = 5;
+    if (end - first < fewest_readings) return;
     bend_[first] = end_bend(first, first + 1, first + 2, first + 3);
     bend_[end - 1] = end_bend(end - 1, end - 2, end - 3, end - 4);
     // Elimination of the tridiagonal equations that make the slope continuous.
@@ -139,7 +139,7 @@ private:
       for (std::size_t k = i - reach + 1; k <= i + reach; ++k)
         has_hole = has_hole || is_hole(readings_[k - 1], readings_[k]);
       if (has_hole) continue;
-      const double d = readings_[i].value - foretold(i, reach);
+      const double d = readings_[i].value - predicted(i, reach);
       sum2 += d * d;
       ++count;
     }
@@ -147,7 +147,7 @@ private:
   }
 
   // Lagrange's polynomial through the neighbours of reading i, at i.
-  [[nodiscard]] double foretold(std::size_t i, std::size_t reach) const {
+  [[nodiscard]] double predicted(std::size_t i, std::size_t reach) const {
     double sum = 0.0;
     for (std::size_t a = i - reach; a <= i + reach; ++a) {
       if (a == i) continue;

@@ -35,8 +35,8 @@ struct Shortening {
 
 Shortening shorten(double from, double to, double step) {
   Shortening result;
-  constexpr double longest = 2e5; // steps: labels of more than about five digits
-  if (std::max(std::abs(from), std::abs(to)) / step > longest)
+  constexpr double most_steps = 2e5; // steps: labels of more than about five digits
+  if (std::max(std::abs(from), std::abs(to)) / step > most_steps)
     result.origin_steps = std::round(0.5 * (from + to) / step / 10.0) * 10.0;
   const double origin = result.origin_steps * step;
   const double largest = std::max(std::abs(from - origin), std::abs(to - origin));

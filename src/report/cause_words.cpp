@@ -1,8 +1,5 @@
 #include "cause_words.hpp"
 
-#include "base/readable.hpp"
-#include "goingrate/report/tables.hpp"
-
 #include <cmath>
 #include <fmt/format.h>
 #include <vector>
@@ -11,14 +8,11 @@ namespace goingrate {
 
 namespace {
 
-// "a, b or c"
 std::string one_of(const std::vector<Cause>& causes) {
-  std::string text;
-  for (std::size_t i = 0; i < causes.size(); ++i) {
-    if (i > 0) text += i + 1 == causes.size() ? " or " : ", ";
-    text += owners_name(causes[i]);
-  }
-  return text;
+  std::vector<std::string> names;
+  for (const Cause cause : causes)
+    names.emplace_back(owners_name(cause));
+  return listed(names, "or");
 }
 
 /// Speaks of one suspicion.
@@ -50,19 +44,19 @@ private:
     case Cause::unknown:
       return wander();
     case Cause::growing_friction:
-      return fmt::format("the rate drifts by {} each day{}: most likely friction grows, or the "
+      return fmt::format("the rate {} by {} each day{}: most likely friction grows, or the "
                          "drive fades",
-                         size(), swing(" each day"));
+                         falls_or_rises(), size(), swing(" each day"));
     case Cause::length_drift:
-      return fmt::format("the rate drifts by {} each day{}: most likely the pendulum's length "
+      return fmt::format("the rate {} by {} each day{}: most likely the pendulum's length "
                          "drifts, as it does while a suspension stretches or a rod dries",
-                         size(), sees_amplitude_ ? " and the swing does not follow" : "");
+                         falls_or_rises(), size(), sees_amplitude_ ? " and the swing does not follow" : "");
     case Cause::temperature:
       return fmt::format("the rate follows the temperature: it {} by {} per kelvin",
-                         numbers_.size < 0.0 ? "falls" : "rises", size());
+                         falls_or_rises(), size());
     case Cause::pressure:
       return fmt::format("the rate follows the air pressure: it {} by {} per millibar",
-                         numbers_.size < 0.0 ? "falls" : "rises", size());
+                         falls_or_rises(), size());
     case Cause::unlogged_weather:
       return fmt::format(
           "the rate swings by {} either way with the time of day: most likely it "
@@ -80,7 +74,7 @@ private:
 
   [[nodiscard]] std::string step() const {
     const std::string moment = when_.empty() ? words_.moment(numbers_.at_s) : std::string(when_);
-    const std::string by = when_.empty() ? fmt::format(", by {} in the end", size()) : "";
+    const std::string by = when_.empty() ? fmt::format(", by {} in the end", signed_size()) : "";
     switch (suspicion_.cause) {
     case Cause::drive_step:
       return fmt::format("most likely the force that drives the pendulum changed {}: the rate "
@@ -93,7 +87,7 @@ private:
     default:
       return fmt::format("most likely the regulation changed {} (the rating nut, a weight on the "
                          "bob, the suspension): the rate changed at once{} and stayed{}",
-                         moment, when_.empty() ? fmt::format(" by {}", size()) : "",
+                         moment, when_.empty() ? fmt::format(" by {}", signed_size()) : "",
                          sees_amplitude_ ? ", and the swing did not follow" : "");
     }
   }
@@ -113,14 +107,15 @@ private:
                          "the train, or something that goes with one, comes round in that time",
                          size(), numbers_.period_s);
     case Cause::sensor_shift:
-      return fmt::format("{} the times are displaced by {} ms, and the clock goes on as "
-                         "before: most likely the sensor was moved",
-                         words_.moment(numbers_.at_s), readable_signed(1e3 * numbers_.size, 3));
+      return fmt::format("{} the beats begin to come {} {} than before, and the clock goes on as it "
+                         "did: most likely the sensor was moved",
+                         words_.moment(numbers_.at_s), short_time(std::abs(numbers_.size), 0.0),
+                         late_or_early());
     case Cause::knock:
-      return fmt::format("the times jump in {} places, most by {} ms {}, and the clock goes on "
-                         "as before: most likely it was knocked",
-                         numbers_.places, readable_signed(1e3 * numbers_.size, 3),
-                         words_.moment(numbers_.at_s));
+      return fmt::format("the times jump in {} places, farthest {}, where the beats begin to come "
+                         "{} {}, and the clock goes on as it did: most likely it was knocked",
+                         numbers_.places, words_.moment(numbers_.at_s),
+                         short_time(std::abs(numbers_.size), 0.0), late_or_early());
     case Cause::missed_beats:
       return fmt::format("the sensor missed {:.2g} % of the beats, in {} places",
                          100.0 * numbers_.size, numbers_.places);
@@ -132,6 +127,18 @@ private:
     default:
       return suspicion_.evidence;
     }
+  }
+
+  [[nodiscard]] std::string_view falls_or_rises() const {
+    return numbers_.size < 0.0 ? "falls" : "rises";
+  }
+
+  [[nodiscard]] std::string_view late_or_early() const {
+    return numbers_.size < 0.0 ? "earlier" : "later";
+  }
+
+  [[nodiscard]] std::string signed_size() const {
+    return fmt::format("{}{}", numbers_.size < 0.0 ? '-' : '+', size());
   }
 
   [[nodiscard]] std::string size() const {

@@ -45,7 +45,7 @@ std::string chart_text(const std::vector<ChartRow>& rows, double nominal_period_
              (b.status != SwingStatus::crossed || a.ns_per_period < b.ns_per_period);
     });
     fmt::format_to(out, "{}\n  {:<15} {:<29} {:>12} {:>10} {:>11} {:>11}\n", scene, "method",
-                   "setting", "ns a period", "setup us", "max error", "seconds");
+                   "setting", "ns per period", "setup us", "max error", "seconds");
     for (const ChartRow& row : mine) {
       if (row.status != SwingStatus::crossed) {
         fmt::format_to(out, "  {:<15} {:<29} {}\n", row.method, row.setting, words_for(row.status));
@@ -86,7 +86,7 @@ Figure chart_figure(const std::vector<ChartRow>& rows, const std::string& scene,
   figure.id = "chart";
   figure.title = fmt::format("Speed and accuracy: {}", scene);
   figure.caption = "Largest error of a crossing time against the time a period takes.";
-  figure.x = {"time a period", "ns", true};
+  figure.x = {"time per period", "ns", true};
   figure.y = {"largest error", "s", true};
   const double to_seconds = nominal_period_s / two_pi;
   const auto error_s = [&](const ChartRow& row) {

@@ -21,9 +21,9 @@ constexpr int purple = 3;
 
 // Means over stretches of beats: of a single period the jitter hides what is looked for.
 Series stretch_means(const Analysis& data, const Wording& words) {
-  constexpr std::size_t wanted = 300;
-  constexpr std::size_t shortest = 10; // beats
-  const std::size_t length = std::max(shortest, data.beats.size() / wanted);
+  constexpr std::size_t wanted_points = 300;
+  constexpr std::size_t fewest_beats = 10; // beats
+  const std::size_t length = std::max(fewest_beats, data.beats.size() / wanted_points);
   const auto error = clock_error(data.beats, data.rate.nominal_period_s);
   Series means{
       Series::Style::points, fmt::format("means over {} beats", length), {}, {}, {}, {}, blue};

@@ -89,9 +89,9 @@ std::string correlations_text(const Comparison& comparison) {
 std::string hat_text(const std::vector<HatRow>& rows, std::string_view title) {
   if (rows.empty()) return {};
   std::string text = fmt::format("\n{}\n{:>9}", title, "τ/s");
-  constexpr int wide = 20;
+  constexpr int value_columns = 20;
   for (std::size_t i = 0; i < rows.front().clocks.size(); ++i)
-    text += fmt::format(" {:>{}}", letter(i), wide);
+    text += fmt::format(" {:>{}}", letter(i), value_columns);
   text += '\n';
   for (const HatRow& row : rows) {
     text += fmt::format("{:>9.6g}", row.tau_s);
@@ -103,7 +103,7 @@ std::string hat_text(const std::vector<HatRow>& rows, std::string_view title) {
                           : std::isfinite(clock.upper_limit)
                               ? fmt::format("below {:.2e}", clock.upper_limit)
                               : "not known",
-                          wide);
+                          value_columns);
     }
     text += '\n';
   }
@@ -111,10 +111,10 @@ std::string hat_text(const std::vector<HatRow>& rows, std::string_view title) {
 }
 
 std::string warning_of_company(const Comparison& comparison) {
-  constexpr double together = 0.5;
+  constexpr double shared_correlation = 0.5;
   std::string text;
   for (const ClockPair& pair : comparison.pairs)
-    if (!comparison.hat.empty() && std::abs(pair.correlation) > together)
+    if (!comparison.hat.empty() && std::abs(pair.correlation) > shared_correlation)
       text += fmt::format("{} and {} vary together, and this table does not hold for them as it "
                           "stands: weather that is logged is taken off.\n",
                           letter(pair.first), letter(pair.second));

@@ -5,6 +5,7 @@
 
 #include "fit/gravity_share.hpp"
 #include "goingrate/clock/restoring.hpp"
+#include "goingrate/report/tables.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,9 +33,9 @@ struct Stretches {
 };
 
 Stretches stretches_of(const Analysis& data, const std::vector<double>& amplitude_rad) {
-  constexpr std::size_t wanted = 200;
+  constexpr std::size_t wanted_points = 200;
   Stretches stretches;
-  stretches.beats = std::max<std::size_t>(1, data.beats.size() / wanted);
+  stretches.beats = std::max<std::size_t>(1, data.beats.size() / wanted_points);
   const std::size_t length = stretches.beats;
   for (std::size_t from = 0; from + length < data.beats.size(); from += length) {
     double sum = 0.0, seen = 0.0;
@@ -52,7 +53,8 @@ Stretches stretches_of(const Analysis& data, const std::vector<double>& amplitud
   return stretches;
 }
 
-// Of a free swing to a small one. What a wrong scale shows as more than three radians is no swing.
+// The period of a free swing over that of a small one. An amplitude above three radians comes from
+// a wrong scale and is cut to that.
 double period_ratio(double gravity_share, double squared_rad2) {
   constexpr double least_rad = 1e-6, most_rad = 3.0;
   return free_period_ratio(gravity_share, std::clamp(std::sqrt(squared_rad2), least_rad, most_rad));
@@ -97,11 +99,14 @@ Series band(const Decay& decay, const char* label, double DecayEstimate::*low,
 
 std::optional<Figure> period_amplitude_figure(const Analysis& data) {
   const bool measured = data.log.has_amplitude;
+  const FittedParameter* found = data.fit.find("amplitude_scale");
+  const bool is_scaled = found != nullptr && std::isfinite(found->value) && found->value > 0.0;
+  const double scale = is_scaled ? found->value : 1.0; // of the log's amplitudes to the true ones
   const std::vector<double>& course = data.fit.model_amplitude_rad;
   if (!data.fit.decay || course.size() != data.beats.size()) return std::nullopt;
   std::vector<double> amplitude = course;
   for (std::size_t i = 0; measured && i < amplitude.size(); ++i)
-    amplitude[i] = data.beats[i].amplitude_rad;
+    amplitude[i] = data.beats[i].amplitude_rad / scale;
   Stretches points = stretches_of(data, amplitude);
   if (points.period_s.size() < 2) return std::nullopt;
   const double largest = *std::max_element(points.squared_rad2.begin(), points.squared_rad2.end());
@@ -121,7 +126,12 @@ std::optional<Figure> period_amplitude_figure(const Analysis& data) {
           "The circular error: a wide swing takes longer, T = T0 (1 + A²/16 + …). The line "
           "is the period of a free pendulum to all orders, with the T0 of the fit; it meets "
           "the axis at T0, the period of small swings. ") +
-          (measured
+          (measured && is_scaled
+               ? fmt::format("The amplitudes are those of the log over {}, the factor of its "
+                             "amplitude column, which the fit has from this very slope: it is no "
+                             "test of the theory here.",
+                             with_sigma(scale, found->sigma, 4))
+           : measured
                ? "Points that leave the line point to amplitudes with a wrong scale, to times "
                  "taken off the vertical, or to a pendulum that is more than a rigid body on a "
                  "fixed axis."

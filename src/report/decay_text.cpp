@@ -18,7 +18,7 @@ std::string open_laws(const Decay& decay) {
   std::vector<std::string> names;
   for (const FrictionLaw& law : decay.laws)
     if (law.is_open()) names.push_back(law.friction);
-  return fmt::format("{}", fmt::join(names, "; "));
+  return listed(names, "and");
 }
 
 // Of a law that is behind by so much in BIC, which is twice the logarithm of the odds (Schwarz,
@@ -33,12 +33,13 @@ std::string times_as_likely(double behind) {
 std::string law_sentence(const Decay& decay) {
   if (decay.laws.empty()) return {};
   if (decay.law_is_open())
-    return fmt::format("The law of friction is open: this log cannot tell apart {} (the best "
-                       "first; the odds against each are below 20 to 1).",
+    return fmt::format("The law of friction is open between {} (the likeliest first; none is 20 "
+                       "times less likely than it).",
                        open_laws(decay));
-  std::string text = fmt::format("The log demands {} friction", decay.laws.front().friction);
+  std::string text =
+      fmt::format("The friction of this pendulum is {}", decay.laws.front().friction);
   if (decay.laws.size() > 1)
-    text += fmt::format(" (the next, {}, is {} less likely)", decay.laws[1].friction,
+    text += fmt::format(" (the next best law, {}, is {} less likely)", decay.laws[1].friction,
                         times_as_likely(decay.laws[1].behind));
   return text + ".";
 }
@@ -47,11 +48,14 @@ std::string angle(double rad, const DisplayUnit& unit) {
   return fmt::format("{} {}", with_sigma(unit.factor * rad, 0.0, 4), unit.name);
 }
 
+// At the one amplitude at which the log tells them best.
 std::string time_sentence(const Decay& decay, const DisplayUnit& unit) {
   if (!is_known(decay.time_s)) return {};
-  return fmt::format("At an amplitude of {} the swing dies away by a factor e in {} s.",
+  const std::string q =
+      is_known(decay.q) ? ", and Q is " + with_sigma(decay.q.value, decay.q.sigma) : "";
+  return fmt::format("At an amplitude of {} the swing dies away by a factor e in {} s{}.",
                      angle(decay.amplitude_rad, unit),
-                     with_sigma(decay.time_s.value, decay.time_s.sigma));
+                     with_sigma(decay.time_s.value, decay.time_s.sigma), q);
 }
 
 std::string q_sentence(const Decay& decay, const DisplayUnit& unit) {
@@ -62,13 +66,14 @@ std::string q_sentence(const Decay& decay, const DisplayUnit& unit) {
   if (last == all.end())
     return "Q is not determined: the log allows too many ways to lose the swing. A longer log, one "
            "with amplitudes, or a larger first swing would tell more.";
-  std::string text;
-  if (is_known(decay.q))
-    text = fmt::format("Q there is {}; it goes", with_sigma(decay.q.value, decay.q.sigma));
-  else
-    text = "Q goes";
-  return text +
-         fmt::format(" from {} at {} to {} at {}.", with_sigma(first->q.value, first->q.sigma),
+  constexpr double least_significance = 2.0; // sigma of the difference
+  const bool is_steady = std::abs(first->q.value - last->q.value) <
+                         least_significance * std::hypot(first->q.sigma, last->q.sigma);
+  const std::string_view form = is_steady
+                                    ? "Q is the same for wide and small swings, within its error: {} "
+                                      "at {} and {} at {}."
+                                    : "Q goes from {} at {} to {} at {}.";
+  return fmt::format(fmt::runtime(form), with_sigma(first->q.value, first->q.sigma),
                      angle(first->amplitude_rad, unit), with_sigma(last->q.value, last->q.sigma),
                      angle(last->amplitude_rad, unit));
 }

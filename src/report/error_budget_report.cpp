@@ -10,7 +10,7 @@ namespace goingrate {
 
 namespace {
 
-// A quantity as people name it, and its value there.
+// A key of a scenario in words, and the unit in which its value is shown.
 std::string named(const std::string& key) {
   if (key == "clock.epsilon") return "friction ε (Q = 1/2ε), the swing kept by the drive";
   if (key == "amplitude") return "amplitude, rad, by the drive";

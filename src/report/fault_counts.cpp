@@ -7,8 +7,8 @@ namespace goingrate {
 
 namespace {
 
-// Of a log of both directions: cycles within a segment in which the downward passage is missing.
-// Where most are missing, the log is none of both directions.
+// For a log of both directions: the cycles within a segment whose downward passage is missing. If
+// most are missing, the log has one direction only, and none is counted.
 std::int64_t missed_downward(const Beats& numbered) {
   std::int64_t missing = 0, seen = 0, all = 0; // downward passages
   const Beat* last = nullptr;

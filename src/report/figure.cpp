@@ -17,7 +17,8 @@ namespace goingrate {
 
 namespace {
 
-// The drawing, in its own units. Texts have 13 of them, on a telephone 20; margins hold the latter.
+// Sizes of the drawing, in its own units. Text is 13 units high, on a telephone 20; the margins
+// have room for the latter.
 constexpr double width = 720.0;
 constexpr double plot_height = 320.0;
 constexpr double least_left = 80.0;

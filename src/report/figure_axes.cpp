@@ -117,10 +117,10 @@ FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside) 
     bool also_unused = false;
     include(other, x, unused, also_unused);
   }
-  constexpr double sideways = 0.01; // room so that dots at the edge are not cut
-  constexpr double upwards = 0.05;
-  axes.x = x.scale(figure.x, sideways);
-  axes.y = y.scale(figure.y, upwards);
+  constexpr double side_margin = 0.01; // room so that dots at the edge are not cut
+  constexpr double top_margin = 0.05;
+  axes.x = x.scale(figure.x, side_margin);
+  axes.y = y.scale(figure.y, top_margin);
   return axes;
 }
 
@@ -147,13 +147,13 @@ SeriesWithin within(const Series& series, const FigureAxes& axes) {
 }
 
 std::vector<Look> series_looks(const Figure& figure) {
-  constexpr std::size_t sparse = 160; // dots that have room to be large
+  constexpr std::size_t most_large_dots = 160; // dots that have room to be large
   std::vector<Look> looks;
   int lines = 0;
   int marks = 0;
   for (const Series& series : figure.series) {
     const int colour = series.colour < 0 ? 0 : series.colour % static_cast<int>(okabe_ito.size());
-    Look look{colour, 0, series.x.size() > sparse};
+    Look look{colour, 0, series.x.size() > most_large_dots};
     if (series.style == Series::Style::line)
       look.kind = lines++ % line_kinds;
     else if (series.style != Series::Style::band)

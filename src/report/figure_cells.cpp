@@ -11,7 +11,7 @@
 namespace goingrate {
 
 std::string cells_markup(const std::vector<Cell>& cells) {
-  constexpr double fullest = 0.8; // the number on it stays readable
+  constexpr double fullest_share = 0.8; // the number on it stays readable
   std::string text;
   for (const Cell& cell : cells) {
     if (!std::isfinite(cell.value)) continue;
@@ -22,7 +22,7 @@ std::string cells_markup(const std::vector<Cell>& cells) {
                    "fill-opacity=\"{:.2f}\"/>\n"
                    "<text x=\"{}\" y=\"{}\" dy=\".35em\" text-anchor=\"middle\">{}</text>\n",
                    cell.value < 0.0 ? 1 : 0, coordinate(cell.left), coordinate(cell.top),
-                   coordinate(cell.width), coordinate(cell.height), fullest * size,
+                   coordinate(cell.width), coordinate(cell.height), fullest_share * size,
                    coordinate(cell.left + 0.5 * cell.width),
                    coordinate(cell.top + 0.5 * cell.height), typeset(fmt::format("{:.2f}", shown)));
   }

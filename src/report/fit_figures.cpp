@@ -101,7 +101,8 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
 }
 
 std::optional<Figure> interval_figure(const FitSummary& fit) {
-  constexpr double edge = 5.0; // sigma: where bars are cut; ends are sought up to 8 (profile.hpp)
+  constexpr double edge_sigmas =
+      5.0; // sigma: where bars are cut; ends are sought up to 8 (profile.hpp)
   Series narrow{Series::Style::bars, "68 %", {}, {}, {}, {}, blue};
   Series wide{Series::Style::bars, "95 %", {}, {}, {}, {}, vermilion};
   Figure figure{"intervals",
@@ -116,15 +117,15 @@ std::optional<Figure> interval_figure(const FitSummary& fit) {
                        double high) {
     series.x.push_back(at);
     series.y.push_back(0.0);
-    series.low.push_back(std::clamp((low - p.value) / p.sigma, -edge, edge));
-    series.high.push_back(std::clamp((high - p.value) / p.sigma, -edge, edge));
+    series.low.push_back(std::clamp((low - p.value) / p.sigma, -edge_sigmas, edge_sigmas));
+    series.high.push_back(std::clamp((high - p.value) / p.sigma, -edge_sigmas, edge_sigmas));
   };
   for (const FittedParameter& p : fit.parameters) {
     if (!has_intervals(p)) continue;
     const auto at = static_cast<double>(figure.x.names.size());
-    constexpr double aside = 0.08; // places, so that both bars are seen
-    add(narrow, at - aside, p, p.low68, p.high68);
-    if (p.low95 < p.high95) add(wide, at + aside, p, p.low95, p.high95);
+    constexpr double side_step = 0.08; // places, so that both bars are seen
+    add(narrow, at - side_step, p, p.low68, p.high68);
+    if (p.low95 < p.high95) add(wide, at + side_step, p, p.low95, p.high95);
     figure.x.names.push_back(symbol_of(p.name));
   }
   if (figure.x.names.empty()) return std::nullopt;

@@ -53,8 +53,8 @@ std::string remarks_on(const FittedParameter& p) {
       remarks.push_back(fmt::format("95 %: {}", interval(p.low95, p.high95, p.value)));
   }
   if (p.status == ParameterStatus::prior) remarks.emplace_back("with prior");
-  constexpr double wider = 1.05; // what two digits of sigma show
-  if (p.sigma_by_law > 0.0 && p.sigma > wider * p.sigma_by_law)
+  constexpr double least_widening = 1.05; // what two digits of sigma show
+  if (p.sigma_by_law > 0.0 && p.sigma > least_widening * p.sigma_by_law)
     remarks.push_back(fmt::format("whichever law of friction, ± {} by that of the model",
                                   with_sigma(p.sigma_by_law, 0.0, 2)));
   if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
@@ -66,7 +66,7 @@ std::string remarks_on(const FittedParameter& p) {
 std::string parameter_lines(const FitSummary& fit, const DisplayUnit& angle) {
   std::vector<FittedParameter> parameters;
   for (const FittedParameter& p : fit.parameters)
-    parameters.push_back(with_angles_in(angle, p));
+    parameters.push_back(in_shown_unit(angle, p));
   std::size_t name_width = 14, value_width = 0;
   for (const FittedParameter& p : parameters) {
     name_width = std::max(name_width, characters(symbol_and_name(p.name)));
@@ -102,7 +102,7 @@ bool has_value(const FitSummary& fit, const std::string& name) {
   return found && std::isfinite(found->value);
 }
 
-// Of parameters that have a value; the correlation of one that has none is that of its prior.
+// Only parameters that have a value: without one, the correlation would be that of the prior.
 std::string correlation_lines(const FitSummary& fit) {
   std::string text;
   for (std::size_t i = 0; i < fit.correlated.size(); ++i)
@@ -128,8 +128,8 @@ std::string chi2_lines(const FitQuality& q) {
 std::string statistics_lines(const FitSummary& fit, const DisplayUnit& angle) {
   const FitQuality& q = fit.quality;
   std::string text =
-      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {} s\n",
-                  fit.residual_s.size(), fit.correlated.size(), with_sigma(q.rms_s, 0.0, 3));
+      fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {}\n",
+                  fit.residual_s.size(), fit.correlated.size(), short_time(q.rms_s, 0.0));
   text += chi2_lines(q);
   if (std::isfinite(q.amplitude_rms_rad))
     text += fmt::format("  amplitude residual rms {} {}\n",
@@ -181,7 +181,7 @@ std::string fit_text(const FitSummary& fit) {
   std::string text = fmt::format(
       "[model]\n  dynamics {}, escapement {}, friction {}, noise {}\n  chosen: {}\n  search {}\n",
       name_of(fit.dynamics), name_of(fit.model.escapement), fit.model.friction(), fit.model.noise(),
-      fit.chosen_by, fit.termination);
+      in_symbols(fit.chosen_by), fit.termination);
   text += statistics_lines(fit, angle);
   text += "[parameters]\n" + parameter_lines(fit, angle);
   text += "[determined by this log]\n" + derived_lines(fit, angle);
@@ -193,11 +193,11 @@ std::string fit_text(const FitSummary& fit) {
   text += test_lines(fit);
   text += "[models tried]\n";
   for (const FitAlternative& a : fit.alternatives)
-    text += fmt::format("  {}\n    BIC {:.8g}: {}\n", a.model, a.bic, a.verdict);
+    text += fmt::format("  {}\n    BIC {:.8g}: {}\n", a.model, a.bic, in_symbols(a.verdict));
   for (const FitNote& note : fit.notes)
     text += "note: " + note.text + "\n";
-  constexpr std::size_t terminal = 80;
-  return wrapped(text, terminal, 2);
+  constexpr std::size_t line_columns = 80;
+  return wrapped(text, line_columns, 2);
 }
 
 } // namespace goingrate

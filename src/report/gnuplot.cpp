@@ -113,9 +113,10 @@ std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view scr
 
 // On one line; the end of it says most.
 std::string in_one_line(std::string_view text) {
-  constexpr std::size_t most = 400;
+  constexpr std::size_t most_characters = 400;
   std::string line;
-  for (const char c : text.substr(text.size() > most ? text.size() - most : 0)) {
+  for (const char c :
+       text.substr(text.size() > most_characters ? text.size() - most_characters : 0)) {
     const bool blank = static_cast<unsigned char>(c) <= ' ';
     if (!blank)
       line += c;

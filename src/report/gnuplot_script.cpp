@@ -28,7 +28,7 @@ constexpr double tick_label_row = 0.45;
 constexpr double axis_title_row = 0.45;
 constexpr double legend_row = 0.36;
 constexpr double marker_row = 0.36;
-constexpr double edge = 0.05;           // that stays white whatever stands beside it
+constexpr double edge_share = 0.05;     // that stays white whatever stands beside it
 constexpr double character = 0.14;      // width of one at 8 points
 constexpr double tick_character = 0.17; // digits are wider
 
@@ -153,7 +153,8 @@ void Script::lay_out() {
     const double axis_title = panel.axes.y.title.empty() ? 0.35 : 0.85;
     left_ = std::max(left_, axis_title +
                                 tick_character * static_cast<double>(longest(panel.axes.y.ticks)));
-    right_ = std::min(right_, width - edge - tick_character * half_of_last_label(panel.axes.x));
+    right_ =
+        std::min(right_, width - edge_share - tick_character * half_of_last_label(panel.axes.x));
   }
   const double plot_height = panels_.size() > 1 ? height_in_stack : height_alone;
   for (Panel& panel : panels_) {

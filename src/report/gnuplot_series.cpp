@@ -164,12 +164,12 @@ void Writer::add_bars() {
 
 // Blue above zero, vermilion below, the stronger the further; the number on it.
 void Writer::add_cells() {
-  constexpr double fullest = 0.8;
+  constexpr double fullest_share = 0.8;
   std::string squares, words;
   for (std::size_t i = 0; i < series_.x.size(); ++i) {
     const double value = series_.low[i];
     if (!std::isfinite(value)) continue;
-    const double part = fullest * std::min(1.0, std::abs(value));
+    const double part = fullest_share * std::min(1.0, std::abs(value));
     const long ink = std::strtol(palette(value < 0.0 ? 1 : 0).data() + 1, nullptr, 16);
     long mixed = 0;
     for (const int shift : {16, 8, 0})

@@ -13,8 +13,8 @@ double value_at(const AxisScale& scale, double place);
 
 std::string number(double value);
 
-/// Text that gnuplot takes as it stands; of what could end it, control characters become blanks and
-/// apostrophes those of print.
+/// Text that is safe between gnuplot's apostrophes: control characters become blanks, apostrophes
+/// typographic ones.
 std::string quoted(std::string_view text);
 
 /// Text for a comment line.

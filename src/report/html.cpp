@@ -9,6 +9,7 @@
 #include "report_figures.hpp"
 #include "wording.hpp"
 
+#include <array>
 #include <fmt/format.h>
 #include <utility>
 
@@ -204,17 +205,27 @@ constexpr std::string_view content_policy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; base-uri 'none'; form-action 'none'";
 
-constexpr std::string_view contents = R"(<nav aria-label="Contents"><ul>
-<li><a href="#key-figures">Key figures</a></li>
-<li><a href="#diary">Diary</a></li>
-<li><a href="#figures">Figures</a></li>
-<li><a href="#fit">Fit</a></li>
-<li><a href="#drive">Drive</a></li>
-<li><a href="#stability">Stability</a></li>
-<li><a href="#reading">How the log was read</a></li>
-<li><a href="#words">Words</a></li>
-</ul></nav>
-)";
+struct Part {
+  std::string_view id, title;
+  bool is_of_a_clock; ///< a pendulum that swings freely has none
+};
+
+constexpr std::array<Part, 8> parts{{{"key-figures", "Key figures", false},
+                                     {"diary", "Diary", false},
+                                     {"figures", "Figures", false},
+                                     {"fit", "Fit", false},
+                                     {"drive", "Drive", true},
+                                     {"stability", "Stability", true},
+                                     {"reading", "How the log was read", false},
+                                     {"words", "Words", false}}};
+
+std::string contents(const Analysis& data) {
+  std::string html = "<nav aria-label=\"Contents\"><ul>\n";
+  for (const Part& part : parts)
+    if (!part.is_of_a_clock || !swings_freely(data))
+      html += fmt::format("<li><a href=\"#{}\">{}</a></li>\n", part.id, part.title);
+  return html + "</ul></nav>\n";
+}
 
 } // namespace
 
@@ -226,12 +237,13 @@ std::string report_html(const Analysis& data) {
                   "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
                   "<title>Clock report: {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n"
                   "<header>\n<h1>Clock report: {0}</h1>\n{3}</header>\n<main>\n",
-                  name, page::style(), figure_style(), contents, content_policy);
+                  name, page::style(), figure_style(), contents(data), content_policy);
   const std::vector<Figure> figures = report_figures(data);
   html += page::section("summary", "What the log says", sentences(data));
+  const bool is_clock = !swings_freely(data);
   html += page::key_figures(data) + page::diary(data) + figures_section(data, figures) +
-          page::fit(data) + page::drive(data) + page::stability(data) + page::reading(data) +
-          page::words();
+          page::fit(data) + (is_clock ? page::drive(data) + page::stability(data) : "") +
+          page::reading(data) + page::words();
   return html + "</main>\n" + json_element(data) + scripts(figures) + "</body>\n</html>\n";
 }
 

@@ -15,7 +15,7 @@ struct MeanAmplitude {
   int beats = 0;
 };
 
-/// Of the first, or the last, twenty beats.
+/// The mean amplitude of the first twenty beats, or with `end` of the last twenty.
 MeanAmplitude amplitude_at(const std::vector<Beat>& beats, bool end);
 
 } // namespace goingrate

@@ -11,8 +11,8 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::uint16_t missing = 65535;
-constexpr double most = 65534.0;
+constexpr std::uint16_t missing_code = 65535;
+constexpr double largest_code = 65534.0;
 
 void append_bytes(std::string& bytes, std::uint64_t number, int count) {
   for (int i = 0; i < count; ++i)
@@ -28,14 +28,14 @@ void append_block(std::string& bytes, std::span<const double> block) {
     greatest = std::max(greatest, value);
   }
   if (least > greatest) least = greatest = 0.0;
-  const double step = (greatest - least) / most;
+  const double step = (greatest - least) / largest_code;
   append_bytes(bytes, std::bit_cast<std::uint64_t>(least), 8);
   append_bytes(bytes, std::bit_cast<std::uint64_t>(step), 8);
   for (const double value : block) {
-    std::uint16_t number = missing;
+    std::uint16_t number = missing_code;
     if (std::isfinite(value))
       number = step > 0.0 ? static_cast<std::uint16_t>(
-                                std::clamp(std::round((value - least) / step), 0.0, most))
+                                std::clamp(std::round((value - least) / step), 0.0, largest_code))
                           : std::uint16_t{0};
     append_bytes(bytes, number, 2);
   }

@@ -45,7 +45,7 @@ std::string parameter_table(const FitSummary& fit, const DisplayUnit& angle) {
   Table table("Parameters of the model",
               {"parameter", "value ± σ", "unit", "status", "meaning", "shift by first order, σ"});
   for (const FittedParameter& fitted : fit.parameters) {
-    const FittedParameter p = with_angles_in(angle, fitted);
+    const FittedParameter p = in_shown_unit(angle, fitted);
     const bool known = has_value(p);
     constexpr int digits_of_fixed = 10;
     table.row({symbol_and_name(p.name),
@@ -77,14 +77,14 @@ bool is_undetermined(const FitSummary& fit, const std::string& name) {
   return found && !has_value(*found);
 }
 
-// Of parameters that have a value; the correlation of one that has none is that of its prior.
+// Only parameters that have a value: without one, the correlation would be that of the prior.
 std::string correlation_table(const FitSummary& fit) {
-  constexpr double least = 0.1; // smaller ones change no conclusion
+  constexpr double least_correlation = 0.1; // smaller ones change no conclusion
   Table table("Correlations above 0.1 in size", {"parameter", "with", "correlation"});
   for (std::size_t i = 0; i < fit.correlation.size() && i < fit.correlated.size(); ++i) {
     const auto& row = fit.correlation[i];
     for (std::size_t k = i + 1; k < row.size() && k < fit.correlated.size(); ++k) {
-      if (!(std::abs(row[k]) > least)) continue;
+      if (!(std::abs(row[k]) > least_correlation)) continue;
       if (is_undetermined(fit, fit.correlated[i]) || is_undetermined(fit, fit.correlated[k]))
         continue;
       table.row({symbol_of(fit.correlated[i]), symbol_of(fit.correlated[k]),
@@ -115,8 +115,7 @@ std::string decay_part(const FitSummary& fit, const DisplayUnit& unit) {
                range(at->q.low68, at->q.high68, at->q.sigma),
                range(at->q.low95, at->q.high95, at->q.sigma)});
   }
-  return paragraph(escape_markup(decay_sentences(*fit.decay))) +
-         (table.empty() ? "" : table.html());
+  return table.empty() ? "" : table.html(); // the summary has it in words
 }
 
 std::string quality_table(const FitSummary& fit, const DisplayUnit& angle) {
@@ -134,7 +133,7 @@ std::string quality_table(const FitSummary& fit, const DisplayUnit& angle) {
                  ? "of what is left of each beat when those before it are known; below 0.001: that "
                    "has a shape, read the values as rough"
                  : "below 0.001: the residuals have a shape, read the values as rough"});
-  table.row({"residual of the times, rms", plain_number(1e6 * q.rms_s) + " µs",
+  table.row({"residual of the times, rms", short_time(q.rms_s, 0.0),
              q.of_innovations ? "includes the wander of the drive or the rate" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
     table.row({"residual of the amplitudes, rms",
@@ -150,7 +149,7 @@ std::string quality_table(const FitSummary& fit, const DisplayUnit& angle) {
 std::string alternatives_table(const FitSummary& fit) {
   Table table("Models tried", {"model", "BIC", "verdict"});
   for (const FitAlternative& tried : fit.alternatives)
-    table.row({tried.model, plain_number(tried.bic, 7), tried.verdict});
+    table.row({tried.model, plain_number(tried.bic, 7), in_symbols(tried.verdict)});
   return table.empty() ? "" : table.html();
 }
 
@@ -230,7 +229,7 @@ std::string fit(const Analysis& data) {
     return section("fit", "Fit of the pendulum model", paragraph("No fit was made."));
   body = paragraph(fmt::format("Equations: {}; escapement: {}; noise: {}. Chosen because: {}.",
                                name_of(fit.dynamics), name_of(fit.model.escapement),
-                               fit.model.noise(), fit.chosen_by));
+                               fit.model.noise(), in_symbols(fit.chosen_by)));
   const DisplayUnit angle = Wording(data).angle_unit();
   body += decay_part(fit, angle) + parameter_table(fit, angle) + combination_table(fit, angle) +
           correlation_table(fit) + quality_table(fit, angle) + alternatives_table(fit);

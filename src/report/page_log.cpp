@@ -105,7 +105,7 @@ std::string and_more(std::size_t all, std::size_t shown) {
 std::string issue_table(const ClockLog& log) {
   const std::vector<LineIssue>& issues = log.issues;
   if (issues.empty()) return paragraph("Every line of the log could be used.");
-  constexpr std::size_t most = 20;
+  constexpr std::size_t most_rows = 20;
   constexpr std::size_t bytes = 120; // of a faulty line
   Table table("Lines with something wrong", {"line", "column", "found", "what was done"});
   const auto line_of = [&](const LineIssue& issue) {
@@ -113,25 +113,25 @@ std::string issue_table(const ClockLog& log) {
     return log.files.empty() ? fmt::format("{}", place.line)
                              : fmt::format("{}:{}", file_name(place.file), place.line);
   };
-  for (std::size_t i = 0; i < std::min(most, issues.size()); ++i)
+  for (std::size_t i = 0; i < std::min(most_rows, issues.size()); ++i)
     table.row({line_of(issues[i]), issues[i].column > 0 ? fmt::format("{}", issues[i].column) : "–",
                shortened(issues[i].found, bytes), shortened(issues[i].action, bytes)});
-  return table.html() + and_more(issues.size(), most);
+  return table.html() + and_more(issues.size(), most_rows);
 }
 
 std::string gap_table(const std::vector<Gap>& gaps) {
-  constexpr std::size_t most = 50;
+  constexpr std::size_t most_rows = 50;
   Table table("Gaps over which the beats could not be counted",
               {"after cycle", "best guess of cycles missing", "probability of that guess"});
   std::size_t unbridged = 0;
   for (const Gap& gap : gaps) {
-    if (gap.bridged || ++unbridged > most) continue;
+    if (gap.bridged || ++unbridged > most_rows) continue;
     table.row({fmt::format("{}", gap.after_cycle), fmt::format("{}", gap.length),
                plain_number(gap.probability, 2)});
   }
   if (unbridged == 0)
     return paragraph("No gap had to be left open: the count of beats holds throughout.");
-  return table.html() + and_more(unbridged, most);
+  return table.html() + and_more(unbridged, most_rows);
 }
 
 } // namespace
@@ -144,7 +144,7 @@ std::string duration_text(double seconds) {
   return plain_number(seconds / seconds_per_day, 4) + " days";
 }
 
-// Of a ring-down whose log determines it.
+// The Q of a ring-down; empty if the log does not determine it.
 std::string card_of_q(const FitSummary& fit, const Wording& words) {
   if (!fit.decay || !std::isfinite(fit.decay->q.value)) return "";
   return card("Quality factor Q", measured(fit.decay->q.value, fit.decay->q.sigma),
@@ -156,8 +156,7 @@ std::string key_figures(const Analysis& data) {
   const RateSummary& rate = data.rate;
   const Wording words(data);
   std::string cards;
-  const bool swings_freely = data.fit.has_result() && data.fit.model.escapement == Escapement::none;
-  if (swings_freely) {
+  if (swings_freely(data)) {
     // A rate is that of a clock.
   } else if (rate.nominal_is_known) {
     if (data.stretches.size() > 1 || data.now.rate.rate_excess != rate.rate_excess)
@@ -178,7 +177,7 @@ std::string key_figures(const Analysis& data) {
                      : std::string("from the first beat to the last")) +
                     "; ± allows for how it varied on the way");
   cards += card_of_q(data.fit, words);
-  if (const auto& error = data.sensor.beat_error_s)
+  if (const auto& error = data.sensor.beat_error_s; error && !swings_freely(data))
     cards += card("Beat error", measured(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms",
                   "what tick and tock differ by (half of it is also called so): the clock is out "
                   "of beat, or the sensor "

@@ -28,7 +28,7 @@ constexpr std::array<ParameterWords, 25> words{{
     {"offset", "", "how far the sensor stands from the vertical"},
     {"amplitude_scale", "", "factor of the amplitude column"},
     {"jitter_rms", "", "scatter of the sensor's times, rms"},
-    {"walk_rms", "", "random walk of the times a period, rms"},
+    {"walk_rms", "", "random walk of the times per period, rms"},
     {"drive_rms", "", "variation of the drive from period to period, rms"},
     {"slow_rms", "", "slow variation of the drive, rms"},
     {"slow_time", "", "memory of the slow variation"},
@@ -55,6 +55,7 @@ bool is_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 
 std::string word_in_symbols(std::string_view word) {
   if (word == "lambda") return "λ"; // no parameter by itself
   if (word == "sqrt") return "√";
+  if (word == "sigma") return "σ";
   const ParameterWords* found = find(word);
   return std::string(found != nullptr && !found->symbol.empty() ? found->symbol : word);
 }

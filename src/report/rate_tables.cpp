@@ -207,18 +207,19 @@ std::string part_rate_text(const PartRate& part, bool nominal_is_known) {
 }
 
 std::string segment_lines(const Beats& beats, const RateSummary& summary) {
-  constexpr std::size_t most = 6; // enough to see; --json has all
+  constexpr std::size_t most_rows = 6; // enough to see; --json has all
   auto segments = segment_rates(beats.beats, summary.nominal_period_s);
   for (PartRate& part : segments)
     add_time_base(part.rate, summary.time_base_sigma);
   std::string text;
-  for (std::size_t i = 0; i < std::min(most, segments.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(most_rows, segments.size()); ++i) {
     const PartRate& part = segments[i];
     text += fmt::format("  segment {}: cycles {} to {}, {} s, {}\n", part.segment, part.from_cycle,
                         part.to_cycle, readable(part.rate.duration_s, 6),
                         part_rate_text(part, summary.nominal_is_known));
   }
-  if (segments.size() > most) text += fmt::format("  and {} more\n", segments.size() - most);
+  if (segments.size() > most_rows)
+    text += fmt::format("  and {} more\n", segments.size() - most_rows);
   return text;
 }
 

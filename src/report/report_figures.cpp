@@ -88,11 +88,11 @@ private:
 
 // The mean rate over a window is the error gained in it over its length: no sum is needed.
 Series TimeFigures::running_mean(std::span<const double> error) const {
-  constexpr std::size_t windows = 100; // in the length of the log
-  constexpr std::size_t shortest = 10; // beats
-  const std::size_t reach = std::max(shortest, data_.beats.size() / windows) / 2;
+  constexpr std::size_t windows = 100;     // in the length of the log
+  constexpr std::size_t fewest_beats = 10; // beats
+  const std::size_t reach = std::max(fewest_beats, data_.beats.size() / windows) / 2;
   Series mean{Series::Style::line, "", {}, {}, {}, {}, vermilion};
-  if (data_.beats.size() < 4 * shortest) return mean;
+  if (data_.beats.size() < 4 * fewest_beats) return mean;
   double longest = 0.0;
   for (std::size_t i = reach; i + reach < data_.beats.size(); ++i) {
     const std::size_t from = i - reach;
@@ -337,14 +337,20 @@ void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
 // The rates of single periods may be thousands of times that of the log, whose unit would be the
 // wrong one for them.
 std::optional<Figure> in_unit_of_its_rates(std::optional<Figure> figure) {
-  constexpr double longest_ms_per_day = 1e4; // five digits
-  if (!figure || figure->y.unit != "ms/day") return figure;
-  const AxisScale axis = figure_axes(*figure).y;
-  if (std::max(std::abs(axis.from), std::abs(axis.to)) < longest_ms_per_day) return figure;
-  figure->y.unit = "s/day";
-  for (Series& series : figure->series)
-    for (double& rate : series.y)
-      rate *= 1e-3;
+  constexpr double longest_number = 1e4; // five digits
+  constexpr std::array<std::string_view, 3> units{"µs/day", "ms/day", "s/day"};
+  if (!figure) return figure;
+  const auto* unit = std::find(units.begin(), units.end(), figure->y.unit);
+  const auto is_long = [&] {
+    const AxisScale axis = figure_axes(*figure).y;
+    return std::max(std::abs(axis.from), std::abs(axis.to)) >= longest_number;
+  };
+  for (; unit != units.end() && unit + 1 != units.end() && is_long(); ++unit) {
+    figure->y.unit = *(unit + 1);
+    for (Series& series : figure->series)
+      for (double& rate : series.y)
+        rate *= 1e-3;
+  }
   return figure;
 }
 
@@ -359,8 +365,10 @@ void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& fi
     figures.push_back(of_time.amplitude_residual());
   for (Figure& figure : figures)
     figure.group = "course";
-  figures.push_back(of_time.error());
-  add(figures, in_unit_of_its_rates(rate_amplitude_figure(data)));
+  if (!swings_freely(data)) { // nothing shows the time by a free swing
+    figures.push_back(of_time.error());
+    add(figures, in_unit_of_its_rates(rate_amplitude_figure(data)));
+  }
   add(figures, period_amplitude_figure(data));
   add(figures, q_figure(data.fit));
   if (fitted) add(figures, of_time.drive());
@@ -397,7 +405,8 @@ std::vector<Figure> report_figures(const Analysis& data) {
   if (data.beats.size() > 1) add_time_figures(data, fitted, figures);
   if (data.drive.rate_spectrum && data.drive.rate_spectrum->frequency_hz.size() > 1)
     figures.push_back(spectrum_figure(data));
-  if (!data.deviation.rows.empty()) figures.push_back(deviation_figure(data));
+  if (!data.deviation.rows.empty() && !swings_freely(data))
+    figures.push_back(deviation_figure(data));
   add(figures, beat_figure(data.log));
   if (fitted) add(figures, correlation_figure(data.fit));
   if (fitted) add(figures, interval_figure(data.fit));

@@ -21,8 +21,8 @@ std::optional<Figure> beat_figure(const ClockLog& log);
 std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, double time_factor,
                                    std::vector<Marker> markers);
 
-/// Of a free pendulum: the period against the squared amplitude, with the period of a free swing as
-/// a line. The amplitudes are the log's, or those of the fit where the log has none.
+/// For a free pendulum: the period against the squared amplitude, with the period of a free swing
+/// as a line. The amplitudes are the log's, or those of the fit where the log has none.
 std::optional<Figure> period_amplitude_figure(const Analysis& data);
 
 /// Q against the amplitude with its intervals; nothing where fewer than two are determined.

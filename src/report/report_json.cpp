@@ -115,8 +115,9 @@ Json covariates_object(const std::vector<CovariateEffect>& effects) {
 // Long spectra are averaged in narrow bands so that the page stays small.
 Json averaged_spectrum_object(const DriveAnalysis& drive) {
   Json json = spectrum_object(drive);
-  constexpr std::size_t longest = 4096;
-  const bool averaged = drive.rate_spectrum && drive.rate_spectrum->frequency_hz.size() > longest;
+  constexpr std::size_t longest_spectrum = 4096;
+  const bool averaged =
+      drive.rate_spectrum && drive.rate_spectrum->frequency_hz.size() > longest_spectrum;
   json["averaged_in_bands"] = averaged;
   if (!averaged) return json;
   constexpr int per_decade = 300;

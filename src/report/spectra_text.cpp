@@ -15,7 +15,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t terminal = 80; // columns
+constexpr std::size_t line_columns = 80; // columns
 
 std::string rms_line(const char* name, const RmsEstimate& rms, double factor, const char* unit) {
   const auto number = [](double value) { return fmt::format("{:.3g}", value); };
@@ -92,7 +92,7 @@ std::string prediction_lines(const DeviationTable& table, bool all_noise) {
       text += prediction_line(*p, name);
   }
   if (left_out)
-    text += fmt::format("No time error is foretold beyond {}: noise alone does not explain this "
+    text += fmt::format("No time error is predicted beyond {}: noise alone does not explain this "
                         "log.\n",
                         time_in_words(table.rows.back().tau_s));
   return text;
@@ -121,12 +121,13 @@ std::string deviation_text(const DeviationTable& table) {
 
 std::string deviation_findings(const DeviationTable& table) {
   std::string text;
-  constexpr std::size_t most = 8; // of a table of all tau the regions would be as many as the rows
+  constexpr std::size_t most_regions =
+      8; // of a table of all tau the regions would be as many as the rows
   const auto regions = slope_regions(table);
   const bool all_noise =
       std::all_of(regions.begin(), regions.end(),
                   [&](const SlopeRegion& region) { return may_be_noise(region, table.kind); });
-  if (regions.size() <= most)
+  if (regions.size() <= most_regions)
     for (const SlopeRegion& region : regions)
       text += region_line(region, table.kind);
   else
@@ -134,7 +135,7 @@ std::string deviation_findings(const DeviationTable& table) {
                         regions.size() - 1);
   text += floor_line(table);
   text += prediction_lines(table, all_noise);
-  return wrapped(text, terminal, 2);
+  return wrapped(text, line_columns, 2);
 }
 
 namespace {
@@ -242,7 +243,7 @@ std::string drive_text(const DriveAnalysis& drive, std::span<const ExpectedPerio
                        "elsewhere, {}a ring-down, or a deliberate change of the driving weight.\n",
                        drive.sees_amplitude ? "" : "an amplitude column, ");
   if (drive.split) text += split_lines(*drive.split);
-  return wrapped(text + line_lines(drive, expected), terminal, 2);
+  return wrapped(text + line_lines(drive, expected), line_columns, 2);
 }
 
 std::string spectrum_table(const DriveAnalysis& drive) {

@@ -27,11 +27,6 @@ bool is_noise_of_drive(std::string_view name) {
 
 std::string number(double value) { return with_sigma(value, 0.0, 3); }
 
-DisplayUnit unit_of_scatter(double rms_s) {
-  if (rms_s < 1e-3) return {"µs", 1e6};
-  return rms_s < 1.0 ? DisplayUnit{"ms", 1e3} : DisplayUnit{"s", 1.0};
-}
-
 /// Gathers the rows for one log.
 class Numbers {
 public:
@@ -85,12 +80,11 @@ void Numbers::add_going() {
         with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
   else
     add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
+  if (swings_freely(data_)) return;
   if (const auto& error = data_.sensor.beat_error_s)
     add("beat error, tick − tock",
         with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms");
-  const bool swings_freely =
-      data_.fit.has_result() && data_.fit.model.escapement == Escapement::none;
-  if (!rate.nominal_is_known || swings_freely) return;
+  if (!rate.nominal_is_known) return;
   add("rate over the whole log, end to end", words_.rate(rate.rate_excess, rate.rate_excess_sigma));
   add_stretches();
   add_logbook();
@@ -183,11 +177,9 @@ std::string Numbers::name_of_parameter(const FittedParameter& parameter) const {
 std::string Numbers::value_of(const FittedParameter& p) const {
   const double sigma = p.status == ParameterStatus::fixed ? 0.0 : p.sigma;
   if (p.unit == "rad") return words_.angle(p.value, sigma);
-  if (p.name == "jitter_rms" || p.name == "walk_rms") {
-    const DisplayUnit unit = unit_of_scatter(p.value);
-    return fmt::format("{} {}", with_sigma(unit.factor * p.value, unit.factor * sigma), unit.name);
-  }
-  return with_sigma(p.value, sigma) + (p.unit.empty() ? "" : " " + p.unit);
+  const FittedParameter shown = in_shown_unit(words_.angle_unit(), p);
+  return with_sigma(shown.value, p.status == ParameterStatus::fixed ? 0.0 : shown.sigma) +
+         (shown.unit.empty() ? "" : " " + shown.unit);
 }
 
 void Numbers::add_fit() {
@@ -201,7 +193,7 @@ void Numbers::add_fit() {
     if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed ? ", given"
                                    : p.status == ParameterStatus::prior
-                                       ? ", with what else is known"
+                                       ? ", from the log and what was known before"
                                        : "";
     add(name_of_parameter(p), value_of(p).append(known));
   }
@@ -210,9 +202,9 @@ void Numbers::add_fit() {
   const bool is_of_epsilon = knows_friction && !fit.decay && fit.model.friction() == "linear";
   if ((fit.decay || knows_friction) && std::isfinite(fit.q_factor.value))
     add(is_of_epsilon ? "quality factor of that friction, Q = 1/2ε"
-        : fit.decay ? fmt::format("quality factor Q at {}, whichever law of friction",
-                                  words_.angle(fit.decay->amplitude_rad, 0.0))
-                    : "quality factor Q " + fit.q_factor.expression,
+        : fit.decay   ? fmt::format("quality factor Q at {}, whichever law of friction",
+                                    words_.angle(fit.decay->amplitude_rad, 0.0))
+                      : "quality factor Q " + fit.q_factor.expression,
         with_sigma(fit.q_factor.value, fit.q_factor.sigma));
 }
 
@@ -244,9 +236,9 @@ void Numbers::add_covariate(const CovariateEffect& effect) {
         words_.rate(part.coefficient, part.sigma) + "/" + per);
   if (effect.part(EffectWay::at_once) != nullptr)
     add("  the whole follows with a lag of", fmt::format("{} s", number(effect.lag_s)));
-  add(fmt::format("  time error without and with {} taken off", effect.name),
-      fmt::format("{} and {} s (rms, on the other half)", number(effect.without_s),
-                  number(effect.with_s)));
+  add(fmt::format("  time error, rms, with {} left in", effect.name),
+      number(effect.without_s) + " s");
+  add("    taken off, by what the other half tells", number(effect.with_s) + " s");
 }
 
 void Numbers::add_isochronism() {
@@ -254,14 +246,13 @@ void Numbers::add_isochronism() {
   const Isochronism& found = *data_.isochronism;
   const std::string_view unit = words_.angle_unit().name;
   const double per = 1.0 / words_.angle_unit().factor;
-  const std::string slope = words_.rate(per * found.slope, per * found.sigma);
   add(fmt::format("rate per {} of amplitude, near {}", unit,
                   words_.angle(found.amplitude_rad, 0.0)),
-      fmt::format("{}/{}{}", slope, unit,
-                  found.fitted_slope ? fmt::format(" (the fitted pendulum by itself: {:+.3g})",
-                                                   words_.rate_unit().factor * per *
-                                                       *found.fitted_slope)
-                                     : ""));
+      fmt::format("{}/{}", words_.rate(per * found.slope, per * found.sigma), unit));
+  if (found.fitted_slope)
+    add("  by the fitted pendulum alone",
+        fmt::format("{:+.3g} {}/{}", words_.rate_unit().factor * per * *found.fitted_slope,
+                    words_.rate_unit().name, unit));
 }
 
 std::string Numbers::deviation(const DeviationRow& row) const {
@@ -273,8 +264,9 @@ std::string Numbers::deviation(const DeviationRow& row) const {
 }
 
 // The longest times rest on one or two differences; four spans of the log are the least to speak
-// of.
+// of. The rate of a free swing changes with its amplitude, and a deviation would show that alone.
 void Numbers::add_deviation() {
+  if (swings_freely(data_)) return;
   std::vector<DeviationRow> rows = data_.deviation.rows;
   std::erase_if(rows, [](const DeviationRow& row) { return !std::isfinite(row.value); });
   if (rows.empty()) return;

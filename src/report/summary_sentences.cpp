@@ -4,6 +4,8 @@
 #include "cause_words.hpp"
 #include "impulse_words.hpp"
 #include "logbook_words.hpp"
+#include "model_words.hpp"
+#include "part_words.hpp"
 #include "wording.hpp"
 
 #include "log/usual_step.hpp"
@@ -25,10 +27,6 @@ namespace {
 bool sees_amplitude(const Analysis& data) {
   return std::any_of(data.beats.begin(), data.beats.end(),
                      [](const Beat& beat) { return std::isfinite(beat.amplitude_rad); });
-}
-
-bool swings_freely(const Analysis& data) {
-  return data.fit.has_result() && data.fit.model.escapement == Escapement::none;
 }
 
 bool is_in(const Interruption& event, double at_s) {
@@ -57,7 +55,8 @@ public:
       if (!is_in_one(data.diary, change.at_s) && !change.is_only_noted())
         changes_.push_back(&change);
     for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
-      if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)))
+      if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)) &&
+          !(suspicion.cause == Cause::stop && stop_is_told(data)))
         suspicions_.push_back(suspicion);
   }
 
@@ -66,7 +65,7 @@ public:
       say_how_it_comes_to_rest();
     else
       say_how_the_clock_goes();
-    say_what_the_model_tells();
+    say(model_sentence(data_, sees_amplitude_, !changes_.empty()), Weight::model);
     leave_out_what_has_no_room();
     std::vector<std::string> told;
     for (Sentence& sentence : sentences_)
@@ -76,7 +75,7 @@ public:
 
 private:
   // What is left out first, where there is more to say than a reader takes in.
-  enum class Weight { second_cause, model, logbook, main };
+  enum class Weight { second_cause, model, logbook, trend, dated_cause, main };
   struct Sentence {
     std::string text;
     Weight weight;
@@ -86,9 +85,17 @@ private:
     if (!sentence.empty()) sentences_.push_back({std::move(sentence), weight});
   }
 
+  // One text may be two sentences: what is seen, and what to do about it.
+  [[nodiscard]] std::size_t count() const {
+    std::size_t count = 0;
+    for (const Sentence& sentence : sentences_)
+      count += sentences_in(sentence.text);
+    return count;
+  }
+
   void leave_out_what_has_no_room() {
     constexpr std::size_t most_sentences = 6;
-    while (sentences_.size() > most_sentences) {
+    while (count() > most_sentences) {
       const auto least = std::min_element(
           sentences_.begin(), sentences_.end(),
           [](const Sentence& a, const Sentence& b) { return a.weight < b.weight; });
@@ -98,11 +105,15 @@ private:
   }
 
   void say_how_the_clock_goes() {
-    say(which_beats());
     say(going());
+    say(which_part(data_, words_));
+    say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
-    say(whether_worse());
+    // Without a date of its own it says little beside the cause.
+    say(whether_worse(),
+        changes_.empty() && !suspicions_.empty() ? Weight::trend : Weight::main);
+    say(out_of_beat(), Weight::second_cause);
     if (data_.logbook && !data_.logbook->entries.empty())
       say(logbook_sentence(*data_.logbook, words_), Weight::logbook);
     say_what_it_suffers_from();
@@ -112,19 +123,16 @@ private:
 
   void say_what_it_suffers_from();
   void say_how_it_comes_to_rest();
-  void say_what_the_model_tells();
-  [[nodiscard]] std::string which_beats() const;
-  [[nodiscard]] static std::string_view why_in_parts(const std::vector<Gap>& gaps);
-  [[nodiscard]] std::string which_part() const;
   [[nodiscard]] std::string going() const;
   [[nodiscard]] std::string interruption(const Interruption& event) const;
   [[nodiscard]] std::string whether_worse() const;
   [[nodiscard]] std::string changes() const;
+  [[nodiscard]] std::string when_it_changed() const;
+  [[nodiscard]] std::string out_of_beat() const;
   [[nodiscard]] std::string zero_rate() const;
   [[nodiscard]] std::string pushes() const;
   [[nodiscard]] std::string what_to_do() const;
   [[nodiscard]] std::string rate_words(double rate, double sigma) const;
-  [[nodiscard]] std::string wander() const;
   [[nodiscard]] std::string every_nth() const;
   [[nodiscard]] bool moves_on() const;
   [[nodiscard]] bool is_near_an_interruption(const Suspicion& suspicion) const;
@@ -162,54 +170,11 @@ bool Sentences::moves_on() const {
   return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
 }
 
-// Why a log is in parts, if it is for one reason everywhere.
-std::string_view Sentences::why_in_parts(const std::vector<Gap>& gaps) {
-  std::optional<GapKind> kind;
-  for (const Gap& gap : gaps) {
-    if (gap.bridged) continue;
-    if (kind && *kind != gap.kind) return "";
-    kind = gap.kind;
-  }
-  if (!kind) return "";
-  switch (*kind) {
-  case GapKind::step:
-    return ", because the beats go on displaced, as if the reference had been set";
-  case GapKind::stop:
-    return ", because the clock seems to have stood still in between";
-  case GapKind::restart:
-    return ", because the time goes back in between";
-  case GapKind::missed:
-  case GapKind::gap:
-    break;
-  }
-  return ", because too many beats are missing in between to count them";
-}
-
-// For a log in several parts: which of them the report is about.
-std::string Sentences::which_part() const {
-  if (data_.numbered.segments < 2) return {};
-  const std::string parts =
-      fmt::format("This log is in {} parts that could not be joined{}; what follows is about the "
-                  "longest, ",
-                  data_.numbered.segments, why_in_parts(data_.numbered.gaps));
-  if (words_.is_dated())
-    return parts + fmt::format("from {} to {}.", words_.short_moment(0.0),
-                               words_.short_moment(data_.rate.duration_s));
-  const double begin_s = data_.beats.front().time - data_.numbered.beats.front().time;
-  const double end_s = begin_s + data_.rate.duration_s;
-  return parts + fmt::format("from {} to {} after the log's first event.",
-                             words_.short_moment(begin_s), words_.short_moment(end_s));
-}
-
-// What of the clock this log holds.
-std::string Sentences::which_beats() const {
-  const std::string part = which_part(), nth = every_nth();
-  return part + (part.empty() || nth.empty() ? "" : " ") + nth;
-}
-
 std::string Sentences::going() const {
   const RateSummary& rate = data_.rate;
+  const bool is_whole = data_.numbered.segments < 2;
   const std::string span = words_.duration(rate.duration_s);
+  const std::string log = is_whole ? "this log" : "the longest part of this log";
   if (!rate.nominal_is_known)
     return fmt::format("Whether this clock gains or loses is not known, because no nominal period "
                        "is; over {} its mean period is {} s.",
@@ -222,13 +187,14 @@ std::string Sentences::going() const {
           ? ""
           : fmt::format(", if its period should be {:.9g} s", rate.nominal_period_s);
   if (moves_on())
-    return fmt::format("In the last {} of this log of {} the clock {}{}.",
-                       words_.duration(now.duration_s), span, how, guess);
+    return fmt::format("In the last {} of {} of {} the clock {}{}.",
+                       words_.duration(now.duration_s), log, span, how, guess);
   if (data_.stretches.size() > 1) return fmt::format("The clock now {}{}.", how, guess);
-  return is_zero ? fmt::format("Over the {} of this log the clock neither gains nor loses beyond "
+  return is_zero ? fmt::format("Over the {} of {} the clock neither gains nor loses beyond "
                                "what the log can tell: its rate is {}{}.",
-                               span, words_.rate(now.rate_excess, now.rate_excess_sigma), guess)
-                 : fmt::format("Over the {} of this log the clock {}{}.", span, how, guess);
+                               span, log, words_.rate(now.rate_excess, now.rate_excess_sigma),
+                               guess)
+                 : fmt::format("Over the {} of {} the clock {}{}.", span, log, how, guess);
 }
 
 // Half the period given for the period is the commonest slip.
@@ -266,18 +232,34 @@ std::string Sentences::changes() const {
     const RateSummary& after = data_.stretches[1].rate;
     // A rate that the time base leaves open has changes that it does not.
     if (!data_.rate.nominal_is_known || data_.rate.time_base_sigma > 0.0)
-      return fmt::format("Its rate changed {}, by {}", words_.moment(first.at_s),
+      return fmt::format("The rate changed {}, by {}", words_.moment(first.at_s),
                          words_.rate(after.rate_excess - before.rate_excess,
                                      std::hypot(own_rate_sigma(before), own_rate_sigma(after))));
     return fmt::format(
-        "Its rate changed {}, from {} before to {}{} after{}", words_.moment(first.at_s),
+        "The rate changed {}, from {} before to {}{} after{}", words_.moment(first.at_s),
         words_.rate(before.rate_excess, before.rate_excess_sigma), moves_on() ? "a mean of " : "",
         words_.rate(after.rate_excess, after.rate_excess_sigma),
         moves_on() ? ", and it has moved on since" : "");
   }
-  if (changes_.size() == 1) return fmt::format("Its rate changed {}", words_.moment(first.at_s));
-  return fmt::format("Its rate changed {} times, first {} and last {}", changes_.size(),
-                     words_.moment(first.at_s), words_.moment(changes_.back()->at_s));
+  return "The rate changed " + when_it_changed();
+}
+
+std::string Sentences::when_it_changed() const {
+  const double first_s = changes_.front()->at_s, last_s = changes_.back()->at_s;
+  if (changes_.size() == 1) return words_.moment(first_s);
+  if (changes_.size() == 2) return "twice, " + words_.moments(first_s, last_s);
+  return fmt::format("{} times, first {} and last {}", changes_.size(), words_.moment(first_s),
+                     words_.moment(last_s));
+}
+
+// A share of the period as large as 2 ms, by a timegrapher, in a watch of 18,000 beats an hour.
+std::string Sentences::out_of_beat() const {
+  constexpr double least_share = 0.01; // of the period: tick less tock
+  const auto& error = data_.sensor.beat_error_s;
+  if (!error || std::abs(error->value) < least_share * data_.rate.mean_period_s) return {};
+  return fmt::format("Tick and tock differ by {}: the clock is out of beat{}.",
+                     short_time(std::abs(error->value), error->sigma),
+                     data_.log.sound ? "" : ", or the sensor stands beside the vertical");
 }
 
 // Trends are judged in logs that are long enough for it.
@@ -288,10 +270,10 @@ std::string Sentences::whether_worse() const {
     trend = fmt::format("the log is too short, with {} beats, to tell whether it is getting worse",
                         data_.beats.size());
   else if (has(is_drift))
-    trend = "it goes on changing, in one direction through the log";
+    trend = "the rate has moved in one direction throughout this log";
   else if (has([](Cause cause) { return cause == Cause::slow_drive || cause == Cause::unknown; }))
-    trend = "its rate is not steady, but no trend through the log shows";
-  else if (suspicions_.empty())
+    trend = "the rate is not steady, but shows no trend through the log";
+  else if (suspicions_.empty() && !stop_is_told(data_) && out_of_beat().empty())
     trend =
         changes_.empty() && data_.diary.interruptions.empty()
             ? "nothing in this log shows that anything is wrong with the clock, or that it is "
@@ -317,7 +299,8 @@ void Sentences::say_what_it_suffers_from() {
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
                                   [&](const Suspicion& s) { return s.cause != first.cause; });
   if (other != suspicions_.end())
-    say(explanation(*other, words_, sees_amplitude_), Weight::second_cause);
+    say(explanation(*other, words_, sees_amplitude_),
+        is_step(other->cause) ? Weight::dated_cause : Weight::second_cause);
 }
 
 // What brings the rate to zero; empty if it is zero as far as the log can tell.
@@ -330,8 +313,14 @@ std::string Sentences::zero_rate() const {
                        with_sigma(std::abs(data_.nut->turns), data_.nut->sigma, 3),
                        1e3 * std::abs(data_.nut->raise_m));
   if (!(std::abs(now.rate_excess) > 2.0 * now.rate_excess_sigma)) return {};
-  return fmt::format("turn the rating nut so that the bob goes {}, to bring the rate to zero.",
-                     now.rate_excess < 0.0 ? "up" : "down");
+  const bool is_slow = now.rate_excess < 0.0;
+  constexpr double slowest_balance_s = 0.5; // a chronometer's: 14,400 beats an hour
+  const std::string balance =
+      data_.rate.nominal_period_s > slowest_balance_s
+          ? ""
+          : fmt::format(" (of a balance: move the regulator towards {})", is_slow ? "fast" : "slow");
+  return fmt::format("turn the rating nut so that the bob goes {}{}, to bring the rate to zero.",
+                     is_slow ? "up" : "down", balance);
 }
 
 std::string Sentences::pushes() const {
@@ -381,58 +370,6 @@ void Sentences::say_how_it_comes_to_rest() {
                     "period changes as it comes to rest.",
                     with_sigma(period->value, period->sigma, 10)));
   if (!suspicions_.empty()) say(explanation(suspicions_.front(), words_, sees_amplitude_));
-}
-
-// The noise of the clock itself that the model needs to explain the log.
-std::string Sentences::wander() const {
-  const FitSummary& fit = data_.fit;
-  const bool holds_changes = fit.events.empty() && !changes_.empty();
-  const std::string change = holds_changes ? ", which absorbs the change above" : "";
-  const FittedParameter* slow = fit.find("slow_rms");
-  if (fit.model.slow && slow != nullptr && std::isfinite(slow->value))
-    return fmt::format(" with a drive that wanders slowly, by {} % rms{}",
-                       with_sigma(100.0 * slow->value, 0.0, 2), change);
-  return fit.model.walk ? " with a rate that wanders by itself" + change : "";
-}
-
-// Whether the model explains the log, and what of it the log determines.
-void Sentences::say_what_the_model_tells() {
-  const FitSummary& fit = data_.fit;
-  if (!fit.has_result() && !fit.termination.empty())
-    return say(fmt::format("No pendulum was fitted: {}.", fit.termination));
-  if (!fit.has_result() || fit.parameters.empty()) {
-    say("No model of a pendulum could be fitted to this log.");
-    return;
-  }
-  if (fit.status == FitStatus::contradicts_log) {
-    say("The model of the pendulum does not explain this log, so none of its numbers is given.",
-        Weight::model);
-    return;
-  }
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> names{
-      {{"T0", "the natural period T0"},
-       {"epsilon", "the friction ε"},
-       {"mu", "the drive μ"},
-       {"phi0", "the escapement's angle φ0"}}};
-  std::vector<std::string_view> unknown;
-  for (const auto& [name, word] : names)
-    if (const FittedParameter* found = fit.find(name);
-        found != nullptr && found->status == ParameterStatus::undetermined)
-      unknown.push_back(word);
-  constexpr double least_p = 1e-3; // of white residuals
-  const bool rough = fit.quality.whiteness_p < least_p;
-  const std::string needs = wander();
-  std::string text =
-      "The model of the pendulum explains this log" + (rough           ? " only roughly"
-                                                       : needs.empty() ? " to within its noise"
-                                                                       : needs);
-  const bool swings_freely = fit.model.escapement == Escapement::none;
-  const std::string_view remedy = swings_freely ? "a longer log or a larger first swing"
-                                                : "a ring-down or a change of the driving weight";
-  if (!unknown.empty())
-    text += fmt::format(", {} the log does not tell {}; {}{} would", rough ? "and" : "but",
-                        fmt::join(unknown, ", "), sees_amplitude_ ? "" : "amplitudes, ", remedy);
-  say(text + ".", Weight::model);
 }
 
 } // namespace

@@ -17,6 +17,7 @@ namespace {
 
 constexpr DisplayUnit per_day{"s/day", seconds_per_day};
 constexpr DisplayUnit thousandths_per_day{"ms/day", 1e3 * seconds_per_day};
+constexpr DisplayUnit millionths_per_day{"µs/day", 1e6 * seconds_per_day};
 
 double size_of(const PartRate& part) {
   const double sigma = part.rate.rate_excess_sigma;
@@ -27,12 +28,13 @@ DisplayUnit unit_of_rates(const Analysis& data) {
   double largest = std::abs(data.rate.rate_excess);
   for (const PartRate& stretch : data.stretches)
     largest = std::max(largest, size_of(stretch));
-  return seconds_gained_per_day(largest) < 1.0 ? thousandths_per_day : per_day;
+  const double largest_s = std::abs(seconds_gained_per_day(largest));
+  return largest_s < 1e-3 ? millionths_per_day : largest_s < 1.0 ? thousandths_per_day : per_day;
 }
 
 DisplayUnit unit_of_angles(double largest_rad) {
-  constexpr double wide = 0.5; // rad
-  return largest_rad > wide ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
+  constexpr double widest_in_mrad = 0.5; // rad
+  return largest_rad > widest_in_mrad ? DisplayUnit{"rad", 1.0} : DisplayUnit{"mrad", 1e3};
 }
 
 double largest_of_model(const FitSummary& fit) {
@@ -92,12 +94,17 @@ DisplayUnit angle_unit(const FitSummary& fit) {
   return fit.decay ? angle_unit(*fit.decay) : unit_of_angles(largest_of_model(fit));
 }
 
-FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter) {
-  if (parameter.unit != "rad") return parameter;
-  parameter.unit = angle.name;
+FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter parameter) {
+  const bool is_scatter = parameter.name == "jitter_rms" || parameter.name == "walk_rms";
+  const bool is_share = parameter.name == "drive_rms" || parameter.name == "slow_rms";
+  if (parameter.unit != "rad" && !is_scatter && !is_share) return parameter;
+  const DisplayUnit unit = is_scatter ? short_time_unit(parameter.value)
+                           : is_share ? DisplayUnit{"%", 100.0}
+                                      : angle;
+  parameter.unit = unit.name;
   for (double* size : {&parameter.value, &parameter.sigma, &parameter.low68, &parameter.high68,
                        &parameter.low95, &parameter.high95, &parameter.sigma_by_law})
-    *size *= angle.factor;
+    *size *= unit.factor;
   return parameter;
 }
 
@@ -164,9 +171,18 @@ std::string Wording::moment(double at_s) const {
   return "on " + date + " at " + time;
 }
 
+std::string Wording::moments(double first_s, double second_s) const {
+  if (is_dated_) return moment(first_s) + " and " + moment(second_s);
+  return time_since(first_s) + " and " + moment(second_s);
+}
+
 std::string Wording::span(double from_s, double to_s) const {
-  return fmt::format("{} to {}{}", short_moment(from_s), short_moment(to_s),
-                     is_dated_ ? "" : " after the first beat");
+  if (!is_dated_)
+    return fmt::format("{} to {} after the first beat", short_moment(from_s), short_moment(to_s));
+  const auto [first_date, begin] = date_and_time(first_ + from_s);
+  const auto [last_date, end] = date_and_time(first_ + to_s);
+  return fmt::format("{} {} to {}", first_date, begin,
+                     first_date == last_date ? end : last_date + " " + end);
 }
 
 std::string Wording::short_moment(double at_s) const {
@@ -179,6 +195,41 @@ std::string capitalised(std::string text) {
   if (!text.empty())
     text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
   return text;
+}
+
+std::string listed(const std::vector<std::string>& names, std::string_view last_word) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? fmt::format(" {} ", last_word) : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
+std::size_t sentences_in(std::string_view text) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool ends = text[i] == '.' || text[i] == '?';
+    if (ends && (i + 1 == text.size() || text[i + 1] == ' ')) ++count;
+  }
+  return count;
+}
+
+DisplayUnit short_time_unit(double seconds) {
+  const double size = std::abs(seconds);
+  if (size < 1e-6) return {"ns", 1e9};
+  if (size < 1e-3) return {"µs", 1e6};
+  return size < 1.0 ? DisplayUnit{"ms", 1e3} : DisplayUnit{"s", 1.0};
+}
+
+std::string short_time(double seconds, double sigma_s) {
+  const DisplayUnit unit = short_time_unit(seconds);
+  return fmt::format("{} {}", with_sigma(unit.factor * seconds, unit.factor * sigma_s, 3),
+                     unit.name);
+}
+
+bool swings_freely(const Analysis& data) {
+  return data.fit.has_result() && data.fit.model.escapement == Escapement::none;
 }
 
 std::string unit_of_covariate(const CovariateEffect& effect) {

@@ -6,6 +6,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace goingrate {
 
@@ -24,8 +25,9 @@ DisplayUnit angle_unit(const Decay& decay);
 /// The same for any fit, by the amplitudes of its model.
 DisplayUnit angle_unit(const FitSummary& fit);
 
-/// The parameter with an angle in that unit instead of rad; any other as it is.
-FittedParameter with_angles_in(const DisplayUnit& angle, FittedParameter parameter);
+/// The parameter in the unit in which it is shown: an angle in that unit instead of rad, a scatter
+/// of times in ms, µs or ns, a variation of the drive in %; any other as it is.
+FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter parameter);
 
 /// A quantity of this fit as it is shown: an angle, and the amplitude that it belongs to, in that
 /// unit; of the mean period what its sigma covers.
@@ -36,7 +38,8 @@ class Wording {
 public:
   explicit Wording(const Analysis& data);
 
-  /// Of a relative rate: ms/day where all rates of the log are below 1 s/day, else s/day.
+  /// Of a relative rate: s/day, or ms/day where all rates of the log are below 1 s/day, or µs/day
+  /// below 1 ms/day.
   [[nodiscard]] const DisplayUnit& rate_unit() const { return rate_; }
   /// mrad, or rad where the pendulum swings by more than half a radian.
   [[nodiscard]] const DisplayUnit& angle_unit() const { return angle_; }
@@ -53,7 +56,9 @@ public:
   [[nodiscard]] std::string duration(double seconds) const;
   /// "300 s after the first beat", or "on 2013-03-31 at 00:03:30" where the log's times are dates.
   [[nodiscard]] std::string moment(double at_s) const;
-  /// "1800 s to 2160 s after the first beat".
+  /// "300 s and 900 s after the first beat", or "on 2013-03-31 at 00:03:30 and on ...".
+  [[nodiscard]] std::string moments(double first_s, double second_s) const;
+  /// "1800 s to 2160 s after the first beat", "2013-03-31 00:03:30 to 00:06:40".
   [[nodiscard]] std::string span(double from_s, double to_s) const;
   /// The same for a table: "300 s", "2013-03-31 00:03:30".
   [[nodiscard]] std::string short_moment(double at_s) const;
@@ -70,6 +75,21 @@ private:
 
 /// The text with its first letter as a capital.
 std::string capitalised(std::string text);
+
+/// "a, b or c", with `last_word` before the last.
+std::string listed(const std::vector<std::string>& names, std::string_view last_word);
+
+/// The sentences of a text: what ends with a full stop or a question mark.
+std::size_t sentences_in(std::string_view text);
+
+/// s, ms, µs or ns: the unit in which a scatter or a displacement of times is read most easily.
+DisplayUnit short_time_unit(double seconds);
+
+/// "33.2 ± 1.1 ns".
+std::string short_time(double seconds, double sigma_s);
+
+/// Whether the fit found a pendulum that nothing drives.
+bool swings_freely(const Analysis& data);
 
 /// What a coefficient of the rate is per: "K", "mbar", "kg/m³".
 std::string unit_of_covariate(const CovariateEffect& effect);

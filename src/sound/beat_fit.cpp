@@ -11,11 +11,11 @@ BeatPlace BeatFit::operator()(const BeatSnippet& snippet) {
   constexpr int rounds = 3;
   for (int round = 0; round < rounds; ++round) {
     take_logs(snippet, strength);
-    foretell(strength);
+    predict(strength);
     best = best_shift();
     const double now = strength_at(snippet, best);
-    constexpr double settled = 0.05; // relative: the logarithms hardly change
-    if (std::abs(now - strength) < settled * strength) break;
+    constexpr double settled_change = 0.05; // relative: the logarithms hardly change
+    if (std::abs(now - strength) < settled_change * strength) break;
     strength = now;
   }
   return placed(best, strength);
@@ -36,18 +36,18 @@ void BeatFit::take_logs(const BeatSnippet& snippet, double strength) {
   logs_.resize(snippet.powers.size());
   for (std::size_t i = 0; i < logs_.size(); ++i)
     logs_[i] = std::log(snippet.powers[i] / static_cast<float>(snippet.background) +
-                        static_cast<float>(foot * strength));
+                        static_cast<float>(foot_share * strength));
 }
 
-void BeatFit::foretell(double strength) {
+void BeatFit::predict(double strength) {
   expected_.resize(grid_.size);
   weights_.resize(grid_.size);
   noise_.resize(grid_.size);
   own_.resize(grid_.size);
   for (std::size_t k = 0; k < grid_.size; ++k) {
     const double sound = strength * kind_.shape[k];
-    const double all = 1.0 + sound + foot * strength;
-    const double noise = grid_.log_variance(sound, foot * strength);
+    const double all = 1.0 + sound + foot_share * strength;
+    const double noise = grid_.log_variance(sound, foot_share * strength);
     expected_[k] = std::log(all) - 0.5 * noise; // the mean of a logarithm
     noise_[k] = std::sqrt(noise);
     own_[k] = std::sqrt(kind_.variance[k]) * sound / all;
@@ -93,15 +93,15 @@ BeatPlace BeatFit::placed(std::ptrdiff_t best, double strength) const {
   place.bin = static_cast<double>(best + static_cast<std::ptrdiff_t>(grid_.lead)) +
               (bend > 0.0 ? 0.5 * (before - after) / bend : 0.0);
   const double excess = std::max(1.0, here / static_cast<double>(grid_.size));
-  constexpr double finest = 0.03; // bins: what the parabola and the mean shape are right to
-  place.sigma = std::hypot(std::sqrt(excess) * sigma(), finest, spread(best));
+  constexpr double finest_bins = 0.03; // bins: what the parabola and the mean shape are right to
+  place.sigma = std::hypot(std::sqrt(excess) * sigma(), finest_bins, spread(best));
   place.quality = log_likelihood(best, strength);
   return place;
 }
 
 double BeatFit::log_likelihood(std::ptrdiff_t best, double strength) const {
-  const double silence = 1.0 + foot * strength;
-  const double noise = grid_.log_variance(0.0, foot * strength);
+  const double silence = 1.0 + foot_share * strength;
+  const double noise = grid_.log_variance(0.0, foot_share * strength);
   double sum = 0.0;
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     const auto log = static_cast<double>(logs_[i]);
@@ -123,9 +123,9 @@ double BeatFit::spread(std::ptrdiff_t best) const {
     const double off = static_cast<double>(i) - static_cast<double>(best);
     const auto worse = static_cast<double>(misfits_[i] - misfits_[static_cast<std::size_t>(best)]);
     const double likely = std::exp(-0.5 / alike * worse);
-    constexpr double at_hand = 2.0; // bins: what the parabola has
+    constexpr double reach_bins = 2.0; // bins: what the parabola has
     sum += likely;
-    if (std::abs(off) > at_hand) squares += likely * off * off;
+    if (std::abs(off) > reach_bins) squares += likely * off * off;
   }
   return std::sqrt(squares / sum);
 }

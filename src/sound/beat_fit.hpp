@@ -39,12 +39,12 @@ private:
 
   // A hundredth of the strength is added: the foot of a loud beat changes by orders of magnitude
   // within a bin, and would be all that counts.
-  static constexpr double foot = 0.01;
+  static constexpr double foot_share = 0.01;
 
   void take_logs(const BeatSnippet& snippet, double strength);
 
   // Expected logarithms and the inverse of their variances.
-  void foretell(double strength);
+  void predict(double strength);
 
   [[nodiscard]] double misfit(std::ptrdiff_t shift) const;
 
@@ -53,14 +53,15 @@ private:
   // Between bins by the parabola through three misfits.
   [[nodiscard]] BeatPlace placed(std::ptrdiff_t best, double strength) const;
 
-  // Of all powers of the snippet, those around the beat being background; but for a constant.
+  // The log-likelihood of all powers of the snippet, up to a constant; those around the beat are
+  // background.
   [[nodiscard]] double log_likelihood(std::ptrdiff_t best, double strength) const;
 
   // How far other places, as likely as they are, lie from the best: in noise there are several.
   [[nodiscard]] double spread(std::ptrdiff_t best) const;
 
-  // Of the place, in bins: the estimate is a sum of the logarithms' errors, each times weight and
-  // slope.
+  // The standard deviation of the place, in bins: the estimate is a sum of the logarithms' errors,
+  // each times its weight and slope.
   [[nodiscard]] double sigma() const;
 
   static double correlated(std::span<const double> terms, std::span<const double> correlation);

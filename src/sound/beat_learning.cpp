@@ -28,7 +28,7 @@ public:
       : grid_(grid), snippets_(std::move(snippets)) {}
 
   // From the mean of all, which loud beats out of line blur, and from one beat, in which faint ones
-  // are drowned: whichever comes to foretell them better.
+  // are drowned: whichever comes to predict them better.
   BeatKind run() {
     const std::vector<double> none(grid_.size, 0.0);
     best_ = {none, none, {1.0}, 0.0, 0.0};
@@ -69,11 +69,11 @@ private:
     const double loudest = *std::max_element(kind_.shape.begin(), kind_.shape.end());
     for (double& value : kind_.shape)
       value /= loudest > 0.0 ? loudest : 1.0;
-    constexpr double alike_to = 0.1; // the square of a third: one beat is not quite another
-    kind_.variance.assign(grid_.size, alike_to);
+    constexpr double likeness_limit = 0.1; // the square of a third: one beat is not quite another
+    kind_.variance.assign(grid_.size, likeness_limit);
   }
 
-  // The kind by which most beats are foretold best is kept: by the median of the log-likelihood,
+  // The kind by which most beats are predicted best is kept: by the median of the log-likelihood,
   // and clearly, as a kind that scatters over places fits a little better than it should.
   void settle() {
     constexpr int rounds = 4;
@@ -136,7 +136,7 @@ private:
       kind_.variance[k] = own_variance(k, values);
   }
 
-  // Of the logarithm, what the noise does not explain.
+  // The variance of the logarithm that the noise does not explain.
   [[nodiscard]] double own_variance(std::size_t k, std::vector<double>& values) const {
     values.clear();
     double noise = 0.0, own = 0.0;
@@ -152,11 +152,12 @@ private:
     if (values.empty() || !(own > 0.0)) return 0.0;
     const double sigma = robust_sigma(values);
     const auto count = static_cast<double>(values.size());
-    constexpr double least = 0.01; // a tenth of the power: what shapes between bins are known to
-    return std::max(least, (sigma * sigma - noise / count) / (own / count));
+    constexpr double least_power_share =
+        0.01; // a tenth of the power: what shapes between bins are known to
+    return std::max(least_power_share, (sigma * sigma - noise / count) / (own / count));
   }
 
-  // Of what the beats differ by from their mean, where that is more than the noise.
+  // The correlation of the beats' departures from their mean, where these exceed the noise.
   void learn_correlation() {
     std::vector<double> products(longest_correlation, 0.0), sizes(longest_correlation, 1e-12);
     for (std::size_t i = 0; i < snippets_.size(); ++i) {
@@ -167,9 +168,10 @@ private:
         const double noise = grid_.log_variance(sound);
         const double variance = kind_.variance[k] * sound * sound / (all * all);
         const double power = std::max(1e-6, 1.0 + power_at(snippets_[i], places_[i].bin, k));
-        constexpr double most = 3.0; // standard deviations
+        constexpr double most_sigmas = 3.0; // standard deviations
         if (variance > noise)
-          own[k] = std::clamp(std::log(power / all) / std::sqrt(variance + noise), -most, most);
+          own[k] = std::clamp(std::log(power / all) / std::sqrt(variance + noise), -most_sigmas,
+                              most_sigmas);
       }
       for (std::size_t lag = 0; lag < longest_correlation; ++lag)
         for (std::size_t k = lag; k < grid_.size; ++k)

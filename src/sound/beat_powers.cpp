@@ -47,17 +47,17 @@ BeatSnippet SnippetReader::read(double bin, double after) {
 }
 
 void measure_background(SnippetReader& snippets, const TickTrack& track, BeatGrid& grid) {
-  constexpr std::size_t most = 300, lags = 24;
+  constexpr std::size_t most_beats = 300, lags = 24;
   std::vector<double> products(lags, 0.0), sizes(lags, 1e-12), squares;
-  const std::size_t every = track.ticks.size() / most + 1;
+  const std::size_t every = track.ticks.size() / most_beats + 1;
   for (std::size_t i = 0; i + 1 < track.ticks.size(); i += every) {
     const BeatSnippet snippet = snippets.read(0.5 * (track.ticks[i].bin + track.ticks[i + 1].bin));
     std::vector<double> powers(snippet.powers.begin(), snippet.powers.end());
     const double mean = trimmed_mean(powers);
     std::vector<double> off;
-    constexpr double largest = 4.0; // what is louder is no background
+    constexpr double largest_power = 4.0; // what is louder is no background
     for (const float power : snippet.powers)
-      off.push_back(std::min(static_cast<double>(power) / mean - 1.0, largest));
+      off.push_back(std::min(static_cast<double>(power) / mean - 1.0, largest_power));
     for (std::size_t lag = 0; lag < lags; ++lag)
       for (std::size_t k = lag; k < off.size(); ++k)
         products[lag] += off[k] * off[k - lag], sizes[lag] += 1.0;

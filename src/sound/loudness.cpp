@@ -9,7 +9,8 @@ namespace goingrate {
 
 namespace {
 
-constexpr float highest = 4.0F, lowest = -2.0F; // of `above`: a bang counts no more than a tick
+constexpr float highest_excess = 4.0F,
+                lowest_excess = -2.0F; // of `above`: a bang counts no more than a tick
 
 // Mean power of each bin.
 std::vector<float> powers(Whitening& sound, std::int64_t count, std::int64_t hop,
@@ -34,15 +35,17 @@ std::vector<float> powers(Whitening& sound, std::int64_t count, std::int64_t hop
   return power;
 }
 
-constexpr float silent = -60.0F; // ln(power) of what is no sound: a recorder left something out
+constexpr float silent_log_power =
+    -60.0F; // ln(power) of what is no sound: a recorder left something out
 
 // The median of what is sound; `silent` if that is too little to tell.
 float sound_median(std::span<const float> values) {
   std::vector<double> copy;
   for (const float value : values)
-    if (value > silent) copy.push_back(static_cast<double>(value));
+    if (value > silent_log_power) copy.push_back(static_cast<double>(value));
   constexpr std::size_t least_share = 4; // one part in it
-  return least_share * copy.size() <= values.size() ? silent : static_cast<float>(median(copy));
+  return least_share * copy.size() <= values.size() ? silent_log_power
+                                                    : static_cast<float>(median(copy));
 }
 
 // Medians of blocks, and of five blocks in a row; in silence that of the sound before it, or after,
@@ -58,11 +61,11 @@ std::vector<float> background_of(std::span<const float> log_power, float least) 
     const std::size_t to = std::min(medians.size(), i + reach + 1);
     smooth.push_back(sound_median(std::span<const float>(medians).subspan(from, to - from)));
   }
-  const auto first =
-      std::find_if(smooth.begin(), smooth.end(), [](float value) { return value > silent; });
-  float before = first == smooth.end() ? silent : *first;
+  const auto first = std::find_if(smooth.begin(), smooth.end(),
+                                  [](float value) { return value > silent_log_power; });
+  float before = first == smooth.end() ? silent_log_power : *first;
   for (float& value : smooth)
-    before = value = std::max(least, value > silent ? value : before);
+    before = value = std::max(least, value > silent_log_power ? value : before);
   return smooth;
 }
 
@@ -88,13 +91,15 @@ Loudness measure_loudness(Whitening& sound, std::int64_t count, double rate_hz,
   for (const float power : above)
     mean += static_cast<double>(power) / static_cast<double>(above.size());
   for (float& power : above)
-    power = std::max(std::log(power), silent);
-  constexpr double finest = 1e-7; // of the mean power: 70 dB below it nothing is background
+    power = std::max(std::log(power), silent_log_power);
+  constexpr double finest_share = 1e-7; // of the mean power: 70 dB below it nothing is background
   loudness.floor_log =
-      background_of(above, static_cast<float>(std::log(std::max(finest * mean, 1e-25))));
+      background_of(above, static_cast<float>(std::log(std::max(finest_share * mean, 1e-25))));
   for (std::size_t i = 0; i < above.size(); ++i) {
     const float floor = loudness.floor_log[i / Loudness::floor_bins];
-    above[i] = above[i] > silent ? std::clamp(above[i] - floor, lowest, highest) : 0.0F;
+    above[i] = above[i] > silent_log_power
+                   ? std::clamp(above[i] - floor, lowest_excess, highest_excess)
+                   : 0.0F;
   }
   return loudness;
 }

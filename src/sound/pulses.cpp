@@ -12,7 +12,7 @@ namespace {
 
 /// A line through pulses: place against second.
 struct Line {
-  double seconds = 0.0, place = 0.0, slope = 1.0; // means, and samples a second
+  double seconds = 0.0, place = 0.0, slope = 1.0; // means, and samples per second
 };
 
 Line line_through(std::span<const double> seconds, std::span<const double> places) {
@@ -131,8 +131,8 @@ bool SecondPulses::covers(double place) const {
   return later || earlier;
 }
 
-// Of one pulse about the line through its neighbours, in samples: from second differences, which a
-// drift of the sampling rate does not enter.
+// The scatter of one pulse about the line through its neighbours, in samples, from second
+// differences, which a drift of the sampling rate does not affect.
 double SecondPulses::scatter() const {
   std::vector<double> squares;
   for (std::size_t i = 1; i + 1 < places_.size(); ++i)
@@ -144,13 +144,13 @@ double SecondPulses::scatter() const {
 // The end of a line through eight points is known to 0.65 of the scatter of one, its middle to
 // 0.35.
 double SecondPulses::rate_sigma() const {
-  constexpr double end = 0.65;
-  return std::sqrt(2.0) * end * scatter() / (places_.back() - places_.front());
+  constexpr double end_factor = 0.65;
+  return std::sqrt(2.0) * end_factor * scatter() / (places_.back() - places_.front());
 }
 
 double SecondPulses::time_sigma_s() const {
-  constexpr double middle = 0.35;
-  return middle * scatter() / nominal_hz_;
+  constexpr double middle_factor = 0.35;
+  return middle_factor * scatter() / nominal_hz_;
 }
 
 } // namespace goingrate

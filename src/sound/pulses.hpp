@@ -1,4 +1,4 @@
-// Pulses of a reference clock, one a second, in a channel of a recording.
+// Pulses of a reference clock, one per second, in a channel of a recording.
 #pragma once
 
 #include "goingrate/sound/ticks.hpp"
@@ -11,7 +11,7 @@ namespace goingrate {
 class SecondPulses {
 public:
   /// Finds the leading edges: the steepest rises or falls, whichever are steeper, where they reach
-  /// half of the median size of one a second, to a fraction of a sample. Pulses that are missing
+  /// half of the median size of one per second, to a fraction of a sample. Pulses that are missing
   /// are counted over; what is no whole second from the others is left out.
   explicit SecondPulses(const SoundSamples& samples);
 

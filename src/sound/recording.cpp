@@ -60,8 +60,8 @@ std::uint64_t stated_size(std::string_view head) {
   std::uint64_t size = 0;
   for (std::size_t i = 0; i < 4; ++i)
     size = size << 8U | static_cast<unsigned char>(head[little ? 7 - i : 4 + i]);
-  constexpr std::uint64_t before = 8, stream = 0xFFFFFF00;
-  return size == 0 || size >= stream ? 0 : size + before;
+  constexpr std::uint64_t bytes_before = 8, stream_length = 0xFFFFFF00;
+  return size == 0 || size >= stream_length ? 0 : size + bytes_before;
 }
 
 std::string head_of(const std::string& path) {
@@ -111,15 +111,15 @@ struct Recording::File {
     return type == SF_FORMAT_OGG || !plain || info.seekable == 0 || info.frames > longest;
   }
 
-  // A channel as a whole, 16 bits a sample.
+  // A channel as a whole, 16 bits per sample.
   std::vector<std::int16_t> unpacked(std::size_t channel, std::uint64_t limit) {
-    constexpr std::size_t at_once = 1 << 16;
+    constexpr std::size_t block_bytes = 1 << 16;
     std::vector<std::int16_t> all;
-    std::vector<float> some(at_once);
+    std::vector<float> some(block_bytes);
     while (const sf_count_t got = next(channel, some)) {
       for (const float value : std::span(some).first(static_cast<std::size_t>(got)))
-        all.push_back(
-            static_cast<std::int16_t>(std::lround(loudest * std::clamp(value, -1.0F, 1.0F))));
+        all.push_back(static_cast<std::int16_t>(
+            std::lround(largest_sample * std::clamp(value, -1.0F, 1.0F))));
       if (sizeof(std::int16_t) * all.size() > limit)
         throw InputError(
             {name}, fmt::format("a channel of sound that unpacks to more than {} bytes", limit),
@@ -131,7 +131,7 @@ struct Recording::File {
                        "a WAV or FLAC that states its length");
     return all;
   }
-  static constexpr float loudest = 32767.0F; // of 16 bits
+  static constexpr float largest_sample = 32767.0F; // of 16 bits
 
   // The next samples of one channel; how many there were.
   sf_count_t next(std::size_t channel, std::span<float> to) {
@@ -141,8 +141,8 @@ struct Recording::File {
         sf_readf_float(sound.get(), frames.data(), static_cast<sf_count_t>(to.size()));
     for (std::size_t i = 0; i < static_cast<std::size_t>(got); ++i) {
       to[i] = frames[i * channels + channel];
-      constexpr float largest = 1e15F; // of which the square is a float
-      if (!(std::abs(to[i]) < largest))
+      constexpr float largest_squarable = 1e15F; // of which the square is a float
+      if (!(std::abs(to[i]) < largest_squarable))
         throw InputError(
             {name},
             fmt::format("what is no number {:.6g} s from the beginning",
@@ -228,8 +228,9 @@ SoundSamples Recording::channel(std::size_t number, std::uint64_t unpacked_limit
       for (std::size_t i = 0; i < to.size(); ++i) {
         const std::int64_t at = first + static_cast<std::int64_t>(i);
         const bool inside = at >= 0 && at < static_cast<std::int64_t>(all->size());
-        to[i] = inside ? static_cast<float>((*all)[static_cast<std::size_t>(at)]) / File::loudest
-                       : 0.0F;
+        to[i] =
+            inside ? static_cast<float>((*all)[static_cast<std::size_t>(at)]) / File::largest_sample
+                   : 0.0F;
       }
     };
     return samples;

@@ -73,9 +73,9 @@ std::vector<float> filter_with(const std::function<double(double)>& response) {
 
 std::vector<float> band_of_ticks(Whitening& sound, const Loudness& loudness,
                                  const TickTrack& track) {
-  constexpr std::size_t most = 600;
+  constexpr std::size_t most_windows = 600;
   Correlation beats(sound, loudness), between(sound, loudness);
-  const std::size_t every = track.ticks.size() / most + 1;
+  const std::size_t every = track.ticks.size() / most_windows + 1;
   for (std::size_t i = 0; i + 1 < track.ticks.size(); i += every) {
     const RoughTick& tick = track.ticks[i];
     if (!tick.clock_goes) continue;

@@ -38,10 +38,10 @@ std::vector<float> beat_like(std::span<const float> above) {
   constexpr std::size_t beat = 2, syllable = 30;
   const std::vector<double> sums = sums_of(above);
   std::vector<float> result;
-  constexpr double most = 2.0; // a sound of its own does not tell more than several beats
+  constexpr double most_weight = 2.0; // a sound of its own does not tell more than several beats
   for (std::size_t i = 0; i < above.size(); i += coarse)
-    result.push_back(static_cast<float>(
-        std::clamp(mean_around(sums, i, beat) - mean_around(sums, i, syllable), -most, most)));
+    result.push_back(static_cast<float>(std::clamp(
+        mean_around(sums, i, beat) - mean_around(sums, i, syllable), -most_weight, most_weight)));
   return result;
 }
 
@@ -90,7 +90,7 @@ double at(std::span<const double> values, double place) {
   return (1.0 - part) * values[i] + part * values[i + 1];
 }
 
-// Less what repeats in the rhythm of the mains, 100 or 120 times a second: it does so as well one
+// Less what repeats in the rhythm of the mains, 100 or 120 times per second: it does so as well one
 // such time earlier and later, which beats do not.
 std::vector<double> without_hum(const std::vector<double>& correlation, double coarse_a_second) {
   std::vector<double> result = correlation;
@@ -163,8 +163,9 @@ std::optional<double> second_sound(const Loudness& loudness, const Windows& wind
   std::vector<double> work = mean;
   std::sort(work.begin(), work.end());
   const double middle = work[size / 2];
-  constexpr double below = 0.16; // of normal values, one standard deviation
-  const double scatter = middle - work[static_cast<std::size_t>(below * static_cast<double>(size))];
+  constexpr double quantile_below = 0.16; // of normal values, one standard deviation
+  const double scatter =
+      middle - work[static_cast<std::size_t>(quantile_below * static_cast<double>(size))];
   constexpr double scatter_factor = 6.0, least_share = 0.15; // of the louder one
   if (*best - middle < scatter_factor * scatter ||
       *best - middle < least_share * (mean[0] - middle))

@@ -10,7 +10,7 @@ namespace goingrate {
 /// How beats follow each other, in bins of the loudness.
 struct TickPattern {
   double period = 0.0;     ///< of the oscillation
-  bool has_tocks = true;   ///< false: one sound a period
+  bool has_tocks = true;   ///< false: one sound per period
   bool is_even = false;    ///< one sound repeats, and is taken for both
   double tock_after = 0.0; ///< from a tick to its tock
 };

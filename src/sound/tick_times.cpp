@@ -37,9 +37,9 @@ MeanBeat mean_beat(const BeatKind& kind, const BeatGrid& grid, double strength, 
 void drop_repeated(std::vector<Tick>& ticks, double period) {
   std::sort(ticks.begin(), ticks.end(), [](const Tick& a, const Tick& b) { return a.at < b.at; });
   std::vector<Tick> kept;
-  constexpr double nearest = 0.15; // of a period: ticks and tocks are farther apart
+  constexpr double nearest_share = 0.15; // of a period: ticks and tocks are farther apart
   for (const Tick& tick : ticks) {
-    if (kept.empty() || tick.at - kept.back().at > nearest * period)
+    if (kept.empty() || tick.at - kept.back().at > nearest_share * period)
       kept.push_back(tick);
     else if (tick.sigma < kept.back().sigma)
       kept.back() = tick;
@@ -54,8 +54,8 @@ std::int64_t drop_covered(std::vector<Tick>& ticks) {
   std::vector<double> sigmas;
   for (const Tick& tick : ticks)
     sigmas.push_back(tick.sigma);
-  constexpr double worst = 8.0; // such a beat tells a sixty-fourth of what the usual one does
-  const double most = worst * median(sigmas);
+  constexpr double worst_ratio = 8.0; // such a beat tells a sixty-fourth of what the usual one does
+  const double most = worst_ratio * median(sigmas);
   return static_cast<std::int64_t>(
       std::erase_if(ticks, [&](const Tick& tick) { return tick.sigma > most; }));
 }

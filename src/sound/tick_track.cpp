@@ -82,9 +82,9 @@ private:
   // Beats are drowned, so that silence says little. What tells a beat for sure comes up to twice as
   // much: a loud bang is not worth many beats.
   static float bounded(float value) {
-    constexpr float least = -4.0F, knee = 12.0F;
-    if (value > knee) return knee * (2.0F - knee / value);
-    return std::max(value, least);
+    constexpr float least_excess = -4.0F, knee_excess = 12.0F;
+    if (value > knee_excess) return knee_excess * (2.0F - knee_excess / value);
+    return std::max(value, least_excess);
   }
 
   std::span<const float> above_;
@@ -187,12 +187,12 @@ std::vector<double> one_a_period(const std::vector<double>& bins, double period)
 // The best place near an expected one.
 RoughTick place_near(std::span<const float> score, double bin, bool is_tock) {
   constexpr std::ptrdiff_t reach = 3;
-  constexpr double usual = 1.5; // bins that beats are off the smooth course
+  constexpr double usual_wander_bins = 1.5; // bins that beats are off the smooth course
   RoughTick tick{bin, is_tock, -std::numeric_limits<double>::infinity()};
   const auto middle = static_cast<std::ptrdiff_t>(std::lround(bin));
   for (std::ptrdiff_t i = middle - reach; i <= middle + reach; ++i) {
     if (i < 0 || i >= static_cast<std::ptrdiff_t>(score.size())) continue;
-    const double off = (static_cast<double>(i) - bin) / usual;
+    const double off = (static_cast<double>(i) - bin) / usual_wander_bins;
     const double value = static_cast<double>(score[static_cast<std::size_t>(i)]) - 0.5 * off * off;
     if (value > tick.score) tick.score = value, tick.bin = static_cast<double>(i);
   }
@@ -210,8 +210,9 @@ void judge(std::vector<RoughTick>& ticks, std::vector<double> control) {
     std::nth_element(control.begin(), at, control.end());
     return *at;
   };
-  constexpr double nearly_all = 0.98, most = 0.8;
-  const double clear = std::max(0.0, quantile(nearly_all)), least = std::max(0.0, quantile(most));
+  constexpr double nearly_all_share = 0.98, most_share = 0.8;
+  const double clear = std::max(0.0, quantile(nearly_all_share)),
+               least = std::max(0.0, quantile(most_share));
   constexpr std::size_t beats_on_either_side = 10;
   constexpr double going_share = 0.25; // of them: noise comes to a fiftieth
   std::vector<double> sums{0.0};
@@ -270,10 +271,10 @@ Shape mean_shape(std::span<const float> above, std::span<const RoughTick> ticks,
 // Bins from where a shape is said to begin to where it does: where it is clear of the noise in it,
 // and of what is not quite aligned.
 std::ptrdiff_t onset_shift(const Shape& shape, double noise) {
-  constexpr double begun = 0.1; // of the logarithm
+  constexpr double begun_share = 0.1; // of the logarithm
   constexpr double noise_factor = 6.0;
   const double level =
-      std::max(begun * *std::max_element(shape.begin(), shape.end()), noise_factor * noise);
+      std::max(begun_share * *std::max_element(shape.begin(), shape.end()), noise_factor * noise);
   for (std::size_t k = 0; k < shape.size(); ++k)
     if (shape[k] > level) return static_cast<std::ptrdiff_t>(k) - lead;
   return 0;
@@ -350,8 +351,9 @@ private:
     for (std::size_t i = span; i < bins.size(); ++i)
       periods.push_back((bins[i] - bins[i - span]) / static_cast<double>(span));
     const double period = median(periods);
-    constexpr double most = 0.002; // relative: the pattern's is better than that
-    if (std::abs(period / track_.pattern.period - 1.0) < most) track_.pattern.period = period;
+    constexpr double largest_error = 0.002; // relative: the pattern's is better than that
+    if (std::abs(period / track_.pattern.period - 1.0) < largest_error)
+      track_.pattern.period = period;
   }
 
   void learn() {

@@ -27,21 +27,21 @@ public:
   TickTrain run() {
     if (!hears_a_clock()) return {};
     sound_.follow_by(band_of_ticks(sound_, loudness_, track_ticks(loudness_, pattern_)));
-    (void)hears(tell_(listened, listened_again)); // else the period is that heard before
+    (void)hears(tell_(listened_share, share_again)); // else the period is that heard before
     return time_ticks(sound_, loudness_, track_ticks(loudness_, pattern_), samples_.rate_hz,
-                      tell_(listened_again, 1.0));
+                      tell_(share_again, 1.0));
   }
 
 private:
-  static constexpr double listened = 0.3, listened_again = 0.8; // shares of the time
+  static constexpr double listened_share = 0.3, share_again = 0.8; // shares of the time
 
   // In all of the sound, or else in one of the bands where clocks are heard.
   bool hears_a_clock() {
-    if (hears(tell_(0.0, listened))) return true;
+    if (hears(tell_(0.0, listened_share))) return true;
     for (const double frequency_hz : {3000.0, 1500.0, 6000.0}) {
       if (2.0 * frequency_hz > 0.5 * samples_.rate_hz) continue;
       sound_.follow_by(band_around(frequency_hz, samples_.rate_hz));
-      if (hears(tell_(listened, listened))) return true;
+      if (hears(tell_(listened_share, listened_share))) return true;
     }
     return false;
   }

@@ -78,9 +78,9 @@ void Whitening::read(std::int64_t first, std::span<float> to) {
                 raw_);
   std::fill(to.begin(), to.end(), 0.0F);
   // Tap by tap over many samples: that is what compilers vectorise.
-  constexpr std::size_t at_once = 1024;
-  for (std::size_t begin = 0; begin < to.size(); begin += at_once) {
-    const std::size_t size = std::min(at_once, to.size() - begin);
+  constexpr std::size_t block_samples = 1024;
+  for (std::size_t begin = 0; begin < to.size(); begin += block_samples) {
+    const std::size_t size = std::min(block_samples, to.size() - begin);
     for (std::size_t k = 0; k < filter_.size(); ++k) {
       const float weight = filter_[k];
       const float* from = raw_.data() + begin + before - k;

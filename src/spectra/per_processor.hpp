@@ -1,9 +1,9 @@
-// Functions that are compiled twice, for any processor and for those with more. Private to the
-// spectra room.
+// Functions that are compiled twice: for any processor, and for those with a further set of
+// instructions. Private to the spectra room.
 #pragma once
 
-// GOINGRATE_PER_PROCESSOR("avx2") before a function: the program takes the version for the
-// processor it finds itself on. The arithmetic is that of the source in both (nothing is
+// GOINGRATE_PER_PROCESSOR("avx2") before a function: the program picks the version for the
+// processor that it runs on. The arithmetic is that of the source in both (nothing is
 // contracted), so the results are the same bit for bit. Where the C library cannot choose (not
 // glibc) there is the plain one alone. What such a function calls must be inlined to gain by it.
 // ThreadSanitizer is not ready when the choice is made.

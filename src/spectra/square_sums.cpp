@@ -43,7 +43,7 @@ GOINGRATE_INLINE inline double squares_of(std::size_t count, const Difference& d
   });
 }
 
-// Of those differences that are known.
+// The sum over the differences that are known.
 template <class Difference>
 SquareSum known_squares(std::size_t count, const Difference& difference) {
   SquareSum total;

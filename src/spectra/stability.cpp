@@ -286,8 +286,8 @@ DeviationRow row_without_noise(const Source& source, const MeanSquare& mean, dou
 
 std::size_t threads_for(const DeviationOptions& options, std::size_t points, std::size_t factors) {
   if (options.threads > 0) return options.threads;
-  constexpr std::size_t worth_a_thread = 10'000'000; // terms, some 10 ms
-  return points * factors < worth_a_thread ? 1 : threads_or_usual(0);
+  constexpr std::size_t terms_a_thread = 10'000'000; // terms, some 10 ms
+  return points * factors < terms_a_thread ? 1 : threads_or_usual(0);
 }
 
 // How many factors one thread takes together. Sums over windows depend in the last digit on what

@@ -47,8 +47,8 @@ TEST(CompareTest, RatesStandOnOneAxis) {
   EXPECT_EQ(result.clocks[0].error_s.size(), result.clocks[1].error_s.size());
   EXPECT_NEAR(static_cast<double>(result.clocks[0].error_s.size()), 35000.0 / 2.0, 3.0);
   EXPECT_TRUE(result.hat.empty()) << "two clocks cannot be told apart";
-  // White rate of 1e-6 a second: the deviation at 256 s is 1e-6/16, that of the difference root two
-  // times as large; a quarter is three sigma of 130 averages, and interpolation costs little.
+  // White rate of 1e-6 per second: the deviation at 256 s is 1e-6/16, that of the difference root
+  // two times as large; a quarter is three sigma of 130 averages, and interpolation costs little.
   for (const DeviationRow& row : result.pairs.at(0).deviation.rows) {
     if (row.tau_s != 256.0) continue;
     EXPECT_NEAR(row.value, std::numbers::sqrt2 * 1e-6 / 16.0, 2.5e-8);

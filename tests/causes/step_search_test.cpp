@@ -49,7 +49,7 @@ TEST(StepScanTest, FindsAVisitThatNoStepShows) {
     EXPECT_EQ(from, 21U) << seed; // a step of eight sigma is not a block off
     EXPECT_EQ(to, 29U) << seed;
     const FittedVisit visit = fitted_visit(account, blocks, from, to);
-    EXPECT_GT(account.gain_of(visit.courses), believed);
+    EXPECT_GT(account.gain_of(visit.courses), convincing_gain);
     // A block's mean tells the place to 1/8 of it at one sigma.
     EXPECT_NEAR(visit.from, 21.0, 0.5) << seed;
     EXPECT_NEAR(visit.to, 29.0, 0.5) << seed;

@@ -19,7 +19,7 @@ TEST(RatingNutTest, AClockThatLosesWantsItsBobUp) {
   // turns.
   const RatingNut nut{0.75e-3, 0.99396};
   const NutTurns losing = turns_to_zero_rate(nut, -10.0 / 86400.0, 0.1 / 86400.0);
-  EXPECT_NEAR(losing.turns, 0.30678, 1e-5);
+  EXPECT_NEAR(losing.turns, 0.30678, 1e-5); // the last digit given, here and below
   EXPECT_NEAR(losing.sigma, 0.0030678, 1e-7);
   EXPECT_NEAR(losing.raise_m, 0.23008e-3, 1e-8);
   EXPECT_NEAR(turns_to_zero_rate(nut, 10.0 / 86400.0, 0.0).turns, -0.30678, 1e-5);

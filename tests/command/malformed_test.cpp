@@ -206,7 +206,7 @@ std::vector<Malformed> options() {
        "taus = 'long': must be octave, decade, all, or numbers in seconds"},
       {"UnknownKind", "stability bad.log --kind sdev -o out.csv", good, 2,
        "found sdev, expected one of adev"},
-      {"NoLog", "rate -o out.csv", good, 2, "log is required"},
+      {"NoLog", "rate -o out.csv", good, 2, "LOG is missing"},
       {"OneLogTwice", rate("bad.log"), good, 2, "log = 'bad.log': must be named once, by itself or by its folder"},
       {"UnknownCommand", "tick bad.log", good, 2,
        "'tick' is not a command (goingrate --help lists them)"},

@@ -77,7 +77,7 @@ TEST_F(RateCommandTest, DegreesTakenForRadiansAreNotPassedOver) {
 
 TEST_F(RateCommandTest, TimesWhoseDirectionNothingTellsAreSaidToBeOfOne) {
   const char* note =
-      "assumed: each event is one period, and not a passage in either direction (--both-edges)";
+      "assumed: each event is one period, and not a passage in either direction (see --both-edges)";
   const std::string rows = evenly(100, 1.0002);
   std::string labelled = "time (s),edge\n";
   for (const std::string& line : lines_of(rows))
@@ -187,7 +187,7 @@ TEST_F(RateCommandTest, WithoutANominalPeriodNoGainIsClaimed) {
 }
 
 TEST_F(RateCommandTest, FollowPrintsBeatsAsTheyComeAndRaisesTheAlarm) {
-  // A clock of four beats a second that stops for two seconds, seen through a pipe.
+  // A clock of four beats per second that stops for two seconds, seen through a pipe.
   put("feed.sh", "t=0\nwhile [ $t -lt 40 ]; do\n  echo \"$((100 + t / 4)).$((t % 4 * 25))\" | "
                  "sed 's/\\.0$/.00/'\n  t=$((t + 1))\n  [ $t -eq 20 ] && sleep 1.5 && t=28\n"
                  "  sleep 0.02\ndone\n");

@@ -39,7 +39,7 @@ TEST(DriveSplitTest, RecoversBothParts) {
     slow_inside += holds(split.slow, 0.1) ? 1 : 0;
   }
   EXPECT_NEAR(fast, 0.3, 0.002); // 0.4 % each, thirty logs
-  EXPECT_NEAR(slow, 0.1, 0.02);  // some six independent values a log, thirty logs
+  EXPECT_NEAR(slow, 0.1, 0.02);  // some six independent values per log, thirty logs
   EXPECT_GE(fast_inside, 13);    // 20.5 expected, within three standard deviations
   EXPECT_LE(fast_inside, 28);
   EXPECT_GE(slow_inside, 13);

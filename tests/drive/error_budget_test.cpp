@@ -49,7 +49,8 @@ TEST(ErrorBudgetTest, AnEscapementThatRestsRepaysItsNoise) {
   Scenario seldom = clock_that_varies();
   seldom.clock.mu *= 10.0;
   seldom.clock.every = 10;
-  EXPECT_NEAR(simulated_error(seldom) / error_budget(seldom, 40'000.0).all_s(), 1.0, 0.12);
+  EXPECT_NEAR(simulated_error(seldom) / error_budget(seldom, 40'000.0).all_s(), 1.0,
+              0.12); // likewise
 }
 
 TEST(ErrorBudgetTest, OtherLawsAnswerByTheirOwnMoments) {
@@ -60,7 +61,8 @@ TEST(ErrorBudgetTest, OtherLawsAnswerByTheirOwnMoments) {
   scenario.clock.impulse_angle = 0.01;
   scenario.clock.gravity_share = 0.8;
   scenario.clock.quadratic_drag = 2e-3;
-  EXPECT_NEAR(simulated_error(scenario) / error_budget(scenario, 40'000.0).all_s(), 1.0, 0.12);
+  EXPECT_NEAR(simulated_error(scenario) / error_budget(scenario, 40'000.0).all_s(), 1.0,
+              0.12); // likewise
 }
 
 TEST(ErrorBudgetTest, SinesAndDriftsAreWhatTheySay) {
@@ -74,7 +76,8 @@ TEST(ErrorBudgetTest, SinesAndDriftsAreWhatTheySay) {
   scenario.temperature = {};
   scenario.length = {};
   scenario.length.drift_per_day = 1e-6;
-  EXPECT_NEAR(error_budget(scenario, 7.0 * day).all_s(), 0.5 * 0.5e-6 * 49.0 * day, 1e-9);
+  // Rounding.
+  EXPECT_NEAR(error_budget(scenario, 7.0 * day).all_s(), 0.5 * 0.5e-6 * 49.0 * day, 1e-12);
 }
 
 TEST(ErrorBudgetTest, LimitsKeepTheError) {
@@ -97,6 +100,7 @@ TEST(ErrorBudgetTest, LimitsKeepTheError) {
       } else {
         other.drive.slow_rms *= share;
       }
+      // Ten times what limits are good to.
       EXPECT_NEAR(error_budget(other, week).all_s() / most, 1.0, 1e-3) << one.key << ' ' << most;
     }
 }

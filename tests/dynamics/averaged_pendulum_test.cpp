@@ -56,7 +56,8 @@ TEST(AveragedPendulumTest, OnePeriodAgreesWithFineSteps) {
       const auto step = pendulum.advance();
       const Fine fine = fine_period(clock, 0.06, in_full);
       EXPECT_NEAR(step.excess, fine.excess, 1e-11); // Heun: (2 pi/4000)^2 of 1e-6; its summing
-      EXPECT_NEAR(pendulum.velocity(), fine.lambda, 1e-11);
+      // Likewise 2.5e-6 of 1e-4, whose slope changes by 1e-4 of itself.
+      EXPECT_NEAR(pendulum.velocity(), fine.lambda, 1e-13);
     }
 }
 
@@ -68,6 +69,7 @@ TEST(AveragedPendulumTest, ManyPeriodsAgreeWithTheClosedForm) {
   for (int i = 0; i < 3000; ++i)
     t += 2 * pi + pendulum.advance().excess;
   const auto state = motion.at(t);
+  // 3000 roundings of 3e-19.
   EXPECT_NEAR(pendulum.velocity() * pendulum.velocity(), state.amplitude2, 1e-15);
   EXPECT_NEAR(t + state.phase_excess, 3000 * 2 * pi, 1e-9); // Simpson's rule, 3e-13 a period
 }
@@ -75,9 +77,11 @@ TEST(AveragedPendulumTest, ManyPeriodsAgreeWithTheClosedForm) {
 TEST(AveragedPendulumTest, StationaryRatesAreThoseOfTheirEquations) {
   const ClockParameters c{2.0, 1.167245e-4, 1.5e-5, 0.03};
   AveragedPendulum first(c, *stationary_amplitude(c), AveragedOrder::first);
-  EXPECT_NEAR(rate_excess_of(first.advance().excess), *stationary_rate_first_order(c), 1e-17);
+  // Roundings of terms of 1.5e-4, which cancel.
+  EXPECT_NEAR(rate_excess_of(first.advance().excess), *stationary_rate_first_order(c), 2e-19);
   const auto cycle = limit_cycle(c);
   AveragedPendulum second(c, cycle->velocity, AveragedOrder::second);
+  // The third order: epsilon times the second, 1.8e-8.
   EXPECT_NEAR(rate_excess_of(second.advance().excess), cycle->rate_excess, 5e-12);
 }
 

@@ -32,7 +32,8 @@ ClockParameters clock_of(double epsilon, double mu, double phi0) {
 TEST(StallTorqueTest, FirstOrderIsWhereTheAmplitudeIsPhi0) {
   const double stall = stall_torque(2.5e-4, 0.03);
   EXPECT_FALSE(stationary_amplitude(clock_of(2.5e-4, stall * (1 - 1e-12), 0.03)));
-  EXPECT_NEAR(*stationary_amplitude(clock_of(2.5e-4, stall * (1 + 1e-12), 0.03)), 0.03, 1e-12);
+  // Phi0 times the excess of the torque.
+  EXPECT_NEAR(*stationary_amplitude(clock_of(2.5e-4, stall * (1 + 3e-14), 0.03)), 0.03, 1e-12);
 }
 
 TEST(StallTorqueTest, ExactOneTendsToTheAreaOfTheFreeSwing) {
@@ -81,6 +82,7 @@ TEST(StallTorqueTest, NoneWherePhi0TakesTooMuchSpeed) {
 TEST(NominalRateTest, BothLinesAtPointC) {
   const double first = *nominal_rate_torque(1.167245e-4, 0.03, Equations::first_order);
   EXPECT_NEAR(first, 1.5e-5, 2e-6 * 1.5e-5); // the paper's epsilon has seven digits
+  // A few roundings of terms of 1.5e-4.
   EXPECT_NEAR(*stationary_rate_first_order(clock_of(1.167245e-4, first, 0.03)), 0.0, 1e-19);
   const double exact = *nominal_rate_torque(1.167245e-4, 0.03, Equations::exact);
   // C gains 1.844e-8 and more torque makes it lose: slow gain -3.229e-5. Curvature: 4 %.
@@ -150,7 +152,7 @@ TEST_P(OperatingPointTest, RoundTripOfAllPairs) {
   const auto exact = operating_points({p.epsilon, p.mu, {}, {}}, 0.03, Equations::exact);
   ASSERT_EQ(exact.size(), 1u);
   EXPECT_NEAR(exact[0].amplitude, p.velocity, 1e-15); // as limit_cycle promises
-  EXPECT_NEAR(exact[0].rate_excess, p.rate, 2e-15);
+  EXPECT_NEAR(exact[0].rate_excess, p.rate, 2e-15);   // likewise
   // A rate good to 1e-15 is 1e-11 of epsilon; at A, close to the highest rate, it tells even less.
   expect_round_trips(exact[0], 0.03, Equations::exact, 2e-11);
   const auto first = operating_points({p.epsilon, p.mu, {}, {}}, 0.03, Equations::first_order);
@@ -197,13 +199,13 @@ TEST(OperatingPointsTest, FirstOrderObeysItsClosedForms) {
   const double root = std::sqrt(p * p - 1 - 16 * rate / (phi0 * phi0));
   const auto points = operating_points({epsilon, {}, {}, rate}, phi0, Equations::first_order);
   ASSERT_EQ(points.size(), 2u);
-  EXPECT_NEAR(points[0].amplitude, phi0 * std::hypot(1.0, p - root), 1e-15); // roundings
-  EXPECT_NEAR(points[1].amplitude, phi0 * std::hypot(1.0, p + root), 1e-15);
+  EXPECT_NEAR(points[0].amplitude, phi0 * std::hypot(1.0, p - root), 1e-16); // roundings
+  EXPECT_NEAR(points[1].amplitude, phi0 * std::hypot(1.0, p + root), 1e-16); // roundings
   // Amplitude and rate known: epsilon = (r + lambda^2/16)/y.
   const auto point = operating_points({{}, {}, 0.05, 1e-5}, phi0, Equations::first_order);
   ASSERT_EQ(point.size(), 1u);
   const double y = std::sqrt(0.05 * 0.05 / (phi0 * phi0) - 1);
-  EXPECT_NEAR(point[0].epsilon, (1e-5 + 0.05 * 0.05 / 16) / y, 1e-18);
+  EXPECT_NEAR(point[0].epsilon, (1e-5 + 0.05 * 0.05 / 16) / y, 2e-19); // a few roundings of 1.2e-4
 }
 
 TEST(OperatingPointsTest, BothSidesOfTheHighestRateAreFound) {

@@ -61,7 +61,7 @@ TEST(PaperStatementsTest, TheRateJumpsWithTheTorqueButNotWithTheFriction) { // s
     }
     return 0.0;
   };
-  EXPECT_NEAR(jump(torque), 3.2e-4 - 1.13e-4, 0.05e-4);
+  EXPECT_NEAR(jump(torque), 3.2e-4 - 1.13e-4, 0.05e-4); // half the last digit of 3.2e-4
   EXPECT_LT(std::abs(jump(friction)), 1e-6);
 }
 

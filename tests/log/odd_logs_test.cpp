@@ -71,17 +71,17 @@ std::vector<Odd> odd_logs() {
        [](int i) {
          return fmt::format("{} {}", date(i, "28.02.2013", "01.03.2013"), time_of_day(i));
        },
-       "one time a line"},
+       "one time per line"},
       {"TabsAndBlanksMixed", "",
        [](int i) { return fmt::format("{}{}21.5{}46.4", seconds(i), i % 2 ? "\t" : "  ", " \t"); },
        "2 other columns are not read"},
-      {"BlanksBehind", "", [](int i) { return seconds(i) + "   \t "; }, "one time a line"},
+      {"BlanksBehind", "", [](int i) { return seconds(i) + "   \t "; }, "one time per line"},
       {"SeparatorBehind", "time_s,amplitude_rad,\n", [](int i) { return seconds(i) + ",0.05,"; },
        "a list of crossings"},
       {"NameOfTwoWords", "Time (s)\n# by hand\n", [](int i) { return seconds(i); }, "columns"},
       {"CommentsAndBlankLines", "\n\n",
-       [](int i) { return (i == 20 ? "# checked\n\n" : "") + seconds(i); }, "one time a line"},
-      {"CarriageReturnTwice", "", [](int i) { return seconds(i) + "\r\r"; }, "one time a line"},
+       [](int i) { return (i == 20 ? "# checked\n\n" : "") + seconds(i); }, "one time per line"},
+      {"CarriageReturnTwice", "", [](int i) { return seconds(i) + "\r\r"; }, "one time per line"},
       {"PipesAround", "| n | time | amp |\n",
        [](int i) { return fmt::format("| {} | {} | 46.4 |", i, seconds(i)); },
        "times are those of column 3, 'time'"},
@@ -93,7 +93,7 @@ std::vector<Odd> odd_logs() {
        [](int i) { return seconds(i) + "," + seconds(i, 7); }, "an earlier one says the same"},
       {"HoleOfNuls", "",
        [](int i) { return (i == 20 ? std::string(512, '\0') + "\n" : "") + seconds(i); },
-       "one time a line"},
+       "one time per line"},
   };
 }
 

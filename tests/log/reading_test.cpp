@@ -17,7 +17,7 @@ TEST(ReadingTest, BareTimestampsAreFoundAndSaid) {
   EXPECT_EQ(log.format, LogFormat::timestamps);
   ASSERT_EQ(log.events.size(), 3u);
   EXPECT_EQ(log.events[0].time.fraction, 0.2279906);
-  EXPECT_NE(log.assumptions.front().text.find("one time a line"), std::string::npos);
+  EXPECT_NE(log.assumptions.front().text.find("one time per line"), std::string::npos);
 }
 
 TEST(ReadingTest, AClockErrorLogGivesTrueTimes) {
@@ -27,7 +27,7 @@ TEST(ReadingTest, AClockErrorLogGivesTrueTimes) {
   EXPECT_EQ(log.format, LogFormat::clock_error);
   EXPECT_EQ(log.nominal_period_s, 3.0);
   EXPECT_EQ(log.events[0].time.seconds, 1364774404); // label minus error: the clock is 1.27 s slow
-  EXPECT_NEAR(log.events[0].time.fraction, 0.275606, 1e-15);
+  EXPECT_NEAR(log.events[0].time.fraction, 0.275606, 1e-16); // a rounding of 0.3
   EXPECT_DOUBLE_EQ(log.events[0].amplitude_rad, 46.421165e-3);
 }
 
@@ -169,10 +169,11 @@ TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
   ASSERT_EQ(log.issues.size(), 1u)
       << "an amplitude that does not reach the edge cannot have crossed it: the median is taken";
   const double shift = std::asin(0.012 / 0.05) * 3.0 / (2.0 * std::numbers::pi);
+  // Roundings of fractions of a second.
   EXPECT_NEAR((log.events[0].time - Instant{100, 0.0}), shift, 1e-15);
   EXPECT_NEAR((log.events[1].time - Instant{101, 0.0}), shift, 1e-15)
       << "the falling pendulum meets the other edge, as early";
-  EXPECT_NEAR((log.events[2].time - Instant{102, 0.0}), shift, 1e-15);
+  EXPECT_NEAR((log.events[2].time - Instant{102, 0.0}), shift, 1e-15); // likewise
 }
 
 } // namespace

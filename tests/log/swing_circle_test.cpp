@@ -28,10 +28,12 @@ TEST(SwingCircleTest, FindsLengthAndCentre) {
   const Arc exact = arc(0.3, 0.0, 1);
   const auto circle = circle_through(exact.x, exact.y);
   ASSERT_TRUE(circle);
-  EXPECT_NEAR(circle->radius, 0.8, 1e-10);
-  EXPECT_NEAR(circle->x, 3.0, 1e-10);
-  EXPECT_NEAR(circle->y, 5.0, 1e-10);
-  EXPECT_NEAR(circle->angle_of(3.0 + 0.8 * std::sin(0.2), 5.0 - 0.8 * std::cos(0.2)), 0.2, 1e-10);
+  // An arc of 0.3 rad tells its circle a hundred times worse than a rounding.
+  EXPECT_NEAR(circle->radius, 0.8, 1e-13);
+  EXPECT_NEAR(circle->x, 3.0, 1e-13); // likewise
+  EXPECT_NEAR(circle->y, 5.0, 1e-13); // likewise
+  // Likewise.
+  EXPECT_NEAR(circle->angle_of(3.0 + 0.8 * std::sin(0.2), 5.0 - 0.8 * std::cos(0.2)), 0.2, 1e-13);
 }
 
 TEST(SwingCircleTest, SigmaCoversAndIsWithoutBias) {

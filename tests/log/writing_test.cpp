@@ -88,6 +88,7 @@ TEST(WritingTest, TiccLinesComeBackToTheirElevenDecimals) {
   ASSERT_EQ(log.events.size(), beats.size());
   EXPECT_EQ(ticc_text(log.events), text);
   for (std::size_t i = 0; i < beats.size(); ++i)
+    // Two times of eleven decimals.
     EXPECT_NEAR(log.events[i].time - log.events[0].time, beats[i].time - beats[0].time, 1.1e-11);
 }
 

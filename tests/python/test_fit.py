@@ -141,7 +141,7 @@ SCENARIO = {
 
 @pytest.mark.parametrize("model", ["averaged1", "averaged2", "map"])
 def test_predictions_are_kept(model):
-    """A fit of half a log foretells the other half."""
+    """A fit of half a log predicts the other half."""
     log, truth = gr.simulate(SCENARIO, seed=11)
     half = gr.Log(time_s=log.time_s[:2001], nominal_period_s=2)
     fit = gr.fit(half, fix={"T0": 2}, events=["150:mu"], model=model)
@@ -172,7 +172,7 @@ def test_a_prediction_is_the_course_of_the_fitted_clock(jump, jump_fit):
 
 
 def test_predictions_have_honest_sigmas():
-    """Of forty clocks, foretold for as long again as they were seen."""
+    """Forty clocks, predicted for as long again as they were seen."""
     pulls = []
     for seed in range(40):
         log, truth = gr.simulate({**SCENARIO, "run": {"periods": 2000}}, seed=100 + seed)
@@ -284,7 +284,7 @@ def test_a_law_of_ones_own_is_that_of_the_library():
     clock = {"nominal_period": 2.0, "epsilon": epsilon, "mu": mu, "phi0": phi0}
     _, truth = gr.simulate({"clock": clock, "start": {"amplitude": 2 * np.sin(0.025)},
                             "run": {"periods": 40, "method": "direct"}})
-    # 1e-12 a period is what CustomPendulum promises.
+    # 1e-12 per period is what CustomPendulum promises.
     np.testing.assert_allclose(mine.period_s, truth.period_s, rtol=2e-12)
     np.testing.assert_allclose(mine.velocity, truth.velocity, rtol=4e-11)  # of 40 periods
     np.testing.assert_allclose(mine.time_s, truth.time_s, rtol=1e-12)

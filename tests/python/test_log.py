@@ -84,7 +84,7 @@ def test_times_and_amplitudes_come_back(beats):
 
 def test_two_parts_keep_what_one_loses():
     start, n = 1_700_000_000, np.arange(1000)
-    seconds, fraction = start + 2 * n, 0.25 + 1e-11 * n  # 10 ps a beat
+    seconds, fraction = start + 2 * n, 0.25 + 1e-11 * n  # 10 ps per beat
     log = gr.Log(seconds=seconds, fraction=fraction)
     np.testing.assert_array_equal(log.seconds, seconds)
     np.testing.assert_array_equal(log.fraction, fraction)

@@ -96,6 +96,34 @@ TEST(HtmlReportTest, HasEveryPartInItsPlace) {
   }
 }
 
+TEST(HtmlReportTest, AFreeSwingIsShownAsNoClock) {
+  Analysis data = some_report();
+  data.fit.model.escapement = Escapement::none;
+  const std::string page = page_of(data);
+  for (const char* part : {"id=\"figure-rate\"", "id=\"fit\"", "id=\"diary\""})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  for (const char* part : {"id=\"figure-error\"", "id=\"figure-deviation\"", "id=\"drive\"",
+                           "#drive\"", "id=\"stability\"", "#stability\""})
+    EXPECT_EQ(page.find(part), std::string::npos) << part;
+}
+
+TEST(HtmlReportTest, TheSquaredAmplitudesAreOnTheScaleThatWasFitted) {
+  Analysis data = some_report();
+  data.fit.decay.emplace();
+  const auto widest = [&] {
+    for (const Figure& figure : report_figures(data))
+      if (figure.id == "period-amplitude") {
+        const auto& squared = figure.series.front().x;
+        return *std::max_element(squared.begin(), squared.end());
+      }
+    return 0.0;
+  };
+  const double as_logged = widest();
+  ASSERT_GT(as_logged, 0.0);
+  data.fit.parameters.push_back({"amplitude_scale", "", ParameterStatus::free, 0.5, 0.01});
+  EXPECT_NEAR(widest() / as_logged, 4.0, 1e-12); // rounding
+}
+
 TEST(HtmlReportTest, NeedsNothingFromOutside) {
   // plotly.js names addresses, none of which it calls; page.js offers no button that would.
   const std::string page = test::without_scripts(page_of(some_report()));
@@ -312,14 +340,14 @@ TEST(HtmlReportTest, AProfileGoesThroughThePointsThatWereFitted) {
       if (std::abs(curve.x[i] - z) < 1e-9) return curve.y[i];
     return nan;
   };
-  EXPECT_NEAR(fall_at(0, -2.0), 3.8415, 1e-4);
-  EXPECT_NEAR(fall_at(0, -1.0), 1.0, 1e-9);
-  EXPECT_NEAR(fall_at(0, 0.0), 0.0, 1e-9);
-  EXPECT_NEAR(fall_at(0, 1.0), 0.25, 1e-9) << "halfway to an end at two sigma";
-  EXPECT_NEAR(fall_at(0, 2.0), 1.0, 1e-9);
-  EXPECT_NEAR(fall_at(0, 5.0), 3.8415, 1e-4);
-  EXPECT_NEAR(figure->series[1].x.front(), -1.0, 1e-9) << "nothing beyond the points";
-  EXPECT_NEAR(figure->series[1].x.back(), 1.0, 1e-9);
+  EXPECT_NEAR(fall_at(0, -2.0), 3.8415, 1e-12); // rounding, here and below
+  EXPECT_NEAR(fall_at(0, -1.0), 1.0, 1e-12);
+  EXPECT_NEAR(fall_at(0, 0.0), 0.0, 1e-12);
+  EXPECT_NEAR(fall_at(0, 1.0), 0.25, 1e-12) << "halfway to an end at two sigma";
+  EXPECT_NEAR(fall_at(0, 2.0), 1.0, 1e-12);
+  EXPECT_NEAR(fall_at(0, 5.0), 3.8415, 1e-12);
+  EXPECT_NEAR(figure->series[1].x.front(), -1.0, 1e-12) << "nothing beyond the points";
+  EXPECT_NEAR(figure->series[1].x.back(), 1.0, 1e-12);
 }
 
 } // namespace

@@ -51,6 +51,25 @@ TEST(TextTest, ADecayHasOneUnitOfAngle) {
   EXPECT_EQ(wide.find("mrad"), std::string::npos) << wide;
 }
 
+TEST(TextTest, AQThatDoesNotChangeIsSaidNotTo) {
+  Decay decay = some_decay(0.2);
+  decay.q_at_amplitude.front().q.value = decay.q_at_amplitude.back().q.value + 3.0; // 0.4 sigma
+  EXPECT_NE(decay_sentences(decay).find("Q is the same for wide and small swings"),
+            std::string::npos)
+      << decay_sentences(decay);
+}
+
+TEST(TextTest, ScattersAndSharesAreShownInUnitsOfTheirSize) {
+  FitSummary fit;
+  fit.parameters = {
+      {"jitter_rms", "s", ParameterStatus::free, 2e-5, 1e-6, 1.9e-5, 2.1e-5, 1.8e-5, 2.2e-5},
+      {"drive_rms", "", ParameterStatus::free, 0.05, 0.01, 0.04, 0.06, 0.03, 0.07}};
+  fit.alternatives = {{"averaged1", 1.0, "lambda0 moves by 46 sigma"}};
+  const std::string text = fit_text(fit);
+  for (const char* words : {"20.0 ± 1.0 µs", "5.0 ± 1.0 %", "λ0 moves by 46 σ"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << " is not in\n" << text;
+}
+
 TEST(TextTest, AFitHasOneUnitOfAngle) {
   FitSummary fit;
   fit.parameters = {
@@ -86,8 +105,7 @@ TEST(TextTest, TheOddsOfALawAreInWords) {
   EXPECT_NE(decay_sentences(decay).find("is more than a million times less likely"),
             std::string::npos);
   decay.laws[1].behind = 2.0;
-  EXPECT_NE(decay_sentences(decay).find("the odds against each are below 20 to 1"),
-            std::string::npos);
+  EXPECT_NE(decay_sentences(decay).find("none is 20 times less likely than it"), std::string::npos);
 }
 
 Beat beat(std::int64_t cycle, double t, BeatFlag flag = BeatFlag::good, std::uint16_t segment = 0) {
@@ -225,7 +243,7 @@ TEST(TextTest, ASlopeThatIsNoNoisesIsCalledByNoName) {
   EXPECT_NE(jump.find("slope is -0.5."), std::string::npos) << jump;
   EXPECT_NE(jump.find("A step or a trend"), std::string::npos) << jump;
   EXPECT_EQ(jump.find("Expected time error"), std::string::npos) << jump;
-  EXPECT_NE(jump.find("No time error is foretold"), std::string::npos) << jump;
+  EXPECT_NE(jump.find("No time error is predicted"), std::string::npos) << jump;
   for (const std::string& text : {noise, jump}) {
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)

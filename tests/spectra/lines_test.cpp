@@ -48,7 +48,7 @@ TEST(LinesTest, FindsALineToItsBound) {
     a2 += std::pow((lines[0].amplitude - amplitude) / lines[0].amplitude_sigma, 2) / runs;
   }
   EXPECT_NEAR(f2, 1.0, 0.6); // fifty squares scatter by 0.2
-  EXPECT_NEAR(a2, 1.0, 0.6);
+  EXPECT_NEAR(a2, 1.0, 0.6); // likewise
 }
 
 TEST(LinesTest, AStrongLineDoesNotPassForSeveral) {

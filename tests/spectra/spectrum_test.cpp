@@ -245,10 +245,10 @@ TEST(Spectrum, IsAffectedByTheTrendOnlyAtTheLowestFrequencies) {
   // an average of 4000 independent ordinates errs by 1.6 %, at k = 0 and 32 by 2.2 %: four of them
   EXPECT_NEAR(spectrum.density[0], expected[0], 0.088 * expected[0]); // k = 0 is not doubled
   for (std::size_t k = 1; k < 3; ++k)
-    EXPECT_NEAR(spectrum.density[k] / 2.0, expected[k], 0.064 * expected[k]) << k;
+    EXPECT_NEAR(spectrum.density[k] / 2.0, expected[k], 0.064 * expected[k]) << k; // likewise
   for (std::size_t k = 3; k < 32; ++k)
-    EXPECT_NEAR(spectrum.density[k] / 2.0, 1.0, 0.064) << k;
-  EXPECT_NEAR(spectrum.density[32], 1.0, 0.088); // nor is L/2
+    EXPECT_NEAR(spectrum.density[k] / 2.0, 1.0, 0.064) << k; // likewise
+  EXPECT_NEAR(spectrum.density[32], 1.0, 0.088);             // nor is L/2
 }
 
 TEST(Spectrum, DoesNotSeeAStraightLine) {

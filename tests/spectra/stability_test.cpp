@@ -53,10 +53,10 @@ TEST(Stability, ReproducesTheTenPhasesOfNbs14) {
                                      48.55555, -96.33333, -2.22222,  111.88889, 0};
   const auto adev = values(DeviationKind::adev, phase, 1.0, {1, 2});
   const auto oadev = values(DeviationKind::oadev, phase, 1.0, {1, 2});
-  EXPECT_NEAR(adev[0], 91.22945, 0.5e-5); // half a unit of the last printed digit, here and below
-  EXPECT_NEAR(adev[1], 115.8082, 0.5e-4);
-  EXPECT_NEAR(oadev[0], 91.22945, 0.5e-5);
-  EXPECT_NEAR(oadev[1], 85.95287, 0.5e-5);
+  EXPECT_NEAR(adev[0], 91.22945, 0.5e-5);  // half a unit of the last printed digit, here and below
+  EXPECT_NEAR(adev[1], 115.8082, 0.5e-4);  // half the last digit of the table
+  EXPECT_NEAR(oadev[0], 91.22945, 0.5e-5); // likewise
+  EXPECT_NEAR(oadev[1], 85.95287, 0.5e-5); // likewise
 }
 
 TEST(Stability, EqualsTheSlowOracleOnDataWithGaps) {

@@ -42,7 +42,7 @@ awk -v jobs=$jobs -v periods=$periods -v log_bytes="$log_bytes" -v packed="$pack
   -v merge_s="$merge_s" -v lines=$lines 'BEGIN {
   printf "%d logs of %d beats, %.2g beats in all\n", jobs, periods, jobs * periods
   printf "logs: %.1f MB each, %.1f packed; %.0f TB and %.0f\n", log_bytes / 1e6, packed / 1e6, jobs * log_bytes / 1e12, jobs * packed / 1e12
-  printf "merge of 20 shares, %d lines, %.0f MB: %.2f s, %.1f us a line, %.0f MB/s\n", lines, merged / 1e6, merge_s, 1e6 * merge_s / lines, merged / merge_s / 1e6 }'
+  printf "merge of 20 shares, %d lines, %.0f MB: %.2f s, %.1f us per line, %.0f MB/s\n", lines, merged / 1e6, merge_s, 1e6 * merge_s / lines, merged / merge_s / 1e6 }'
 for command in rate fit; do
   awk -v command=$command -v jobs=$jobs -v each="$(seconds_each $command.notes)" -v bytes="$(wc -c < $command.jsonl)" \
     -v months="$months" -v log_bytes="$log_bytes" -v merge_s="$merge_s" -v merged="$merged_bytes" 'BEGIN {

@@ -19,7 +19,7 @@ for command in "fit $known --fix phi0=0.03" "fit $known" rate; do
   # shellcheck disable=SC2086
   time "$goingrate" batch "${clocks[@]}" -- $command -o "$work/${command%% *}.jsonl"
 done 2>&1
-echo "bytes a line: $(($(wc -c < "$work/fit.jsonl") / jobs))"
+echo "bytes per line: $(($(wc -c < "$work/fit.jsonl") / jobs))"
 for shares in 1 20; do
   for ((k = 1; k <= shares; ++k)); do
     "$goingrate" --quiet batch "${clocks[@]}" --share "$k/$shares" -- rate -o "$work/$shares-$k.jsonl"

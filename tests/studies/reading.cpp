@@ -17,7 +17,7 @@ namespace {
 
 using namespace goingrate;
 
-// Unix seconds with 12 decimals, one a line: a period of 2.0001 s and 10 us of jitter.
+// Unix seconds with 12 decimals, one per line: a period of 2.0001 s and 10 us of jitter.
 void write_year(const char* path, std::int64_t beats) {
   std::FILE* file = std::fopen(path, "w");
   if (file == nullptr) std::exit(1);

@@ -84,7 +84,7 @@ void speeds() {
                             (void)final_periods(quasistat(600000), {1, 64, 1});
                           }) /
                           64 / 600000;
-  std::printf("ensemble of 64, one thread: %.1f ns a period, single runs %.1f: %.2f times\n",
+  std::printf("ensemble of 64, one thread: %.1f ns per period, single runs %.1f: %.2f times\n",
               1e9 * together, 1e9 * single, single / together);
 }
 

@@ -115,7 +115,7 @@ def main():
               ("ours", [COMMAND, "--version"]),
               ("python with numpy", ["/usr/bin/python3", "-c", "import numpy"]),
               ("with pandas", ["/usr/bin/python3", "-c", "import pandas"]))))
-    print(f"{'job':<32}{'beats':>9}{'s':>9}{'exponent':>9}{'bytes a beat':>14}  peers: s, times ours")
+    print(f"{'job':<32}{'beats':>9}{'s':>9}{'exponent':>9}{'bytes per beat':>14}  peers: s, times ours")
     with tempfile.TemporaryDirectory() as name:
         for job, most, make, our, peers in jobs(Path(name)):
             before = None

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Prints what a monitor costs: memory over many lines, one in a hundred of them garbled; the share of a processor at a
-# beat a second; the longest time from the arrival of a line to its place on disk (with strace). Arguments: millions of
+# beat per second; the longest time from the arrival of a line to its place on disk (with strace). Arguments: millions of
 # lines (50), seconds of the other two (120).
 set -e
 . "$(dirname "$0")/common.sh"
@@ -50,7 +50,7 @@ process, to = watch("slow")
 time.sleep(2)
 used = seconds_used(process)
 beat(to)
-print(f"share of a processor at a beat a second: {100 * (seconds_used(process) - used) / seconds:.2f} %")
+print(f"share of a processor at a beat per second: {100 * (seconds_used(process) - used) / seconds:.2f} %")
 process.send_signal(signal.SIGTERM)
 process.wait(60)
 

@@ -25,7 +25,7 @@ struct FaultyLog {
 
 /// A random log of 800 to 12,000 periods. Missed U(0, 10 %), false U(0, 10 %) (half of them within
 /// 2 % of a period after a beat that was seen), jitter log-uniform 1e-7 to 1e-2 of the period,
-/// noise of the rate log-uniform 1e-8 to 1e-3, its random walk 1e-10 to 1e-6 a cycle; up to three
+/// noise of the rate log-uniform 1e-8 to 1e-3, its random walk 1e-10 to 1e-6 per cycle; up to three
 /// gaps of 1 to 5000 periods (log-uniform); in three logs of ten a ramp of the rate of up to 1e-3
 /// over the log, a step of the rate of up to 1e-3, a stop of 20 to 5000 periods that ends at any
 /// phase, a step of the reference by up to half a period; in one of four both directions.

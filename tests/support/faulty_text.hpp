@@ -11,12 +11,12 @@
 
 namespace goingrate::test {
 
-/// What is wrong with a log, beside 2 % of missed and 1 % of false events in all of them.
+/// What is wrong with a log, besides the 2 % of missed and 1 % of false events that all have.
 enum class TextFault {
   bounce,       ///< every edge is followed by one to four more, 2 to 6 ms apart
   some_bounce,  ///< a third of the edges is
   bursts,       ///< one edge in fifty is followed by five to fifteen within 40 ms
-  restart,      ///< the logger begins again at nothing, once to three times
+  restart,      ///< the logger starts again at time zero, once to three times
   pasted,       ///< another sensor's log of the same hours follows
   hour_jump,    ///< the reference is set by an hour, forward or back
   lost,         ///< 70 % of the beats are missing, and the period is given
@@ -34,12 +34,12 @@ inline constexpr std::array text_fault_names{
 
 struct FaultyText {
   std::string text;
-  std::vector<TrueEvent> truth; ///< one a line
+  std::vector<TrueEvent> truth; ///< one per line
   std::optional<double> nominal_period_s;
 };
 
 /// A random log of 800 to 4000 periods of 0.8 to 3 s, jitter 1e-6 to 1e-3 of the period, noise of
-/// the rate 1e-8 to 1e-5 and its random walk 1e-10 to 1e-8 a cycle (all log-uniform).
+/// the rate 1e-8 to 1e-5 and its random walk 1e-10 to 1e-8 per cycle (all log-uniform).
 class FaultyTextMaker {
 public:
   FaultyTextMaker(TextFault fault, std::uint64_t seed)

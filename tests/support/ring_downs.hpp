@@ -88,7 +88,7 @@ private:
     f = {f.epsilon * too_long, f.quadratic * too_long, f.dry * too_long};
   }
 
-  // A phone or a video: 20 to 60 samples a second, noise of 0.3 to 3 % of the last amplitude.
+  // A phone or a video: 20 to 60 samples per second, noise of 0.3 to 3 % of the last amplitude.
   void sample(RingDown& drawn) {
     const double rate_hz = between(20.0, 60.0), rest = between(-0.02, 0.02);
     drawn.noise = drawn.last_rad * geometric(0.003, 0.03);

@@ -11,8 +11,8 @@ namespace goingrate::python {
 
 namespace py = pybind11;
 
-/// Numbers that Python has laid out already: one dimension, contiguous, of this very type; the
-/// package sees to it.
+/// An array that Python hands over in the right form (one dimension, contiguous, of this very
+/// type); the package makes sure of it.
 template <class T> using Array = py::array_t<T, py::array::c_style>;
 
 template <class T> std::span<const T> span_of(const Array<T>& array) {
@@ -37,7 +37,7 @@ template <class T> py::array array_of(std::vector<T>&& values) {
   return view_of(std::span<const T>(*kept), owner);
 }
 
-/// One value an element of a sequence of structs, as an array.
+/// One value of each element of a sequence of structs, as an array.
 template <class Sequence, class Member> py::array column_of(const Sequence& rows, Member member) {
   using Value = std::decay_t<decltype(member(*rows.begin()))>;
   py::array_t<Value> column(static_cast<py::ssize_t>(rows.size()));

@@ -12,10 +12,11 @@ namespace goingrate::python {
 /// A log is never changed once it is read, so many results may share one.
 using SharedLog = std::shared_ptr<NumberedLog>;
 
-/// A copy of all of it, whose `good` points into itself.
+/// A deep copy: its `good` points into the copy.
 NumberedLog copy_of(const NumberedLog& loaded);
 
 std::string bytes_of(const NumberedLog& loaded);
-NumberedLog log_of(std::string_view bytes); ///< throws std::invalid_argument for other bytes
+NumberedLog log_of(std::string_view bytes); ///< throws std::invalid_argument for bytes that
+                                            ///< bytes_of() did not write
 
 } // namespace goingrate::python

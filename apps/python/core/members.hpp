@@ -1,5 +1,5 @@
 // The members of every struct that a pickle holds, in order. A struct that has grown does not
-// compile here until its new member is named; archive_version then counts one up.
+// compile here until its new member is named; then increase archive_version by one.
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"

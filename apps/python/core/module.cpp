@@ -2,7 +2,7 @@
 
 PYBIND11_MODULE(_core, module) {
   module.doc() =
-      "goingrate's library as it is; the classes for people are in the package around it";
+      "the C++ library, bound as it is; use the classes of the package goingrate instead";
   module.attr("version") = GOINGRATE_VERSION;
   using namespace goingrate::python;
   bind_errors(module);

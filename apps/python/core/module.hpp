@@ -1,5 +1,5 @@
-// What the files of the extension module `goingrate._core` share. One file a topic; each adds its
-// part to the module. The pleasant classes are Python, in ../goingrate.
+// What the files of the extension module `goingrate._core` share. One file per topic; each adds its
+// part to the module. The classes that users see are written in Python, in ../goingrate.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -24,7 +24,7 @@ Values values_of(const FitSummary& fit) {
   for (const FittedParameter& parameter : fit.parameters) {
     if (!std::isfinite(parameter.value))
       throw NumericsError(fmt::format(
-          "the fit does not determine {}: it does not say how well it foretells", parameter.name));
+          "the fit does not determine {}: so its predictions have no uncertainty", parameter.name));
     values[parameter.name] = parameter.value;
   }
   return values;

@@ -43,7 +43,7 @@ class RateMap:
         return self.rate_excess * _S_PER_DAY
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row a point: epsilon, mu, rate_excess, rate_s_per_day."""
+        """A DataFrame with a row per point: epsilon, mu, rate_excess, rate_s_per_day."""
         epsilon, mu = np.meshgrid(self.epsilon, self.mu)
         return frame(
             {
@@ -211,7 +211,7 @@ class Integration:
         return self.cycle * self.nominal_period_s + drift
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row a period."""
+        """A DataFrame with a row per period."""
         names = ("cycle", "time_s", "period_s", "rate_excess", "amplitude_rad", "velocity")
         return frame({name: getattr(self, name) for name in names})
 

@@ -19,7 +19,7 @@ Taus = Union[str, Sequence[float], Array]
 
 
 class Deviation(Report):
-    """A table of deviations: arrays of one entry an averaging time.
+    """A table of deviations: arrays with one entry per averaging time.
 
     ``print(deviation)`` is the table of ``goingrate stability`` with what it says.
     """
@@ -74,7 +74,7 @@ class Deviation(Report):
         return self._core.alpha
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row an averaging time."""
+        """A DataFrame with a row per averaging time."""
         columns = ("tau_s", "m", "n", "value", "low", "high", "alpha")
         return frame({name: getattr(self, name) for name in columns})
 
@@ -141,11 +141,11 @@ def deviation(
     log : Log, optional
         Its clock's error at every cycle.
     phase : array_like, shape (n,), optional
-        Time errors, s, at equal intervals; NaN: a gap. Of contiguous float64 no copy is made.
+        Time errors, s, at equal intervals; NaN: a gap. Contiguous float64 is not copied.
     frequency : array_like, shape (n,), optional
         Fractional frequencies at equal intervals.
     rate : float, optional
-        Samples a second (as allantools has it); 1 if neither this nor `tau0_s` is given.
+        Samples per second (as in allantools); 1 if neither this nor `tau0_s` is given.
     tau0_s : float, optional
         The interval, s: 1 / rate.
     kind : str

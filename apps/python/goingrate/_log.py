@@ -322,7 +322,7 @@ class Log:
         return self._core.native_text(decimals)
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row an event: time_s, elapsed_s, cycle, flag, edge, amplitude_rad."""
+        """A DataFrame with a row per event: time_s, elapsed_s, cycle, flag, edge, amplitude_rad."""
         return frame(
             {
                 "time_s": self.time_s,

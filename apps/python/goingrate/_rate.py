@@ -139,12 +139,12 @@ class Rate(Report):
         return _core.segment_rates(self.log._core)
 
     def to_csv(self, running_cycles: int = 0) -> str:
-        """The table that ``goingrate rate`` writes, a row an event; with `running_cycles` also the
+        """The table that ``goingrate rate`` writes, a row per event; with `running_cycles` also the
         rate over the last so many."""
         return _core.rate_csv(self.log._core, running_cycles)
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row a period: cycle, period_s, rate_excess, rate_s_per_day,
+        """A DataFrame with a row per period: cycle, period_s, rate_excess, rate_s_per_day,
         amplitude_rad."""
         each = self.rate_excess_each
         return frame(

@@ -47,7 +47,7 @@ class Truth:
         self.method = method
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row a period."""
+        """A DataFrame with a row per period."""
         names = ("cycle", "time_s", "period_s", "velocity", "amplitude_rad", "mu")
         return frame({name: getattr(self, name) for name in names})
 

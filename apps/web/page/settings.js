@@ -80,10 +80,10 @@ export function settingWords(forReport, hasWeather) {
   });
 }
 
-// What the command assumed instead of an option: lines that end in "(--option value)", or name the period.
+// What the command assumed instead of an option: lines that end in "(see --option value)", or name the period.
 function assumedFor(option, lines) {
-  const line = lines.find((one) => one.match(/\((--[a-z0-9-]+)(?: .*)?\)$/)?.[1] === option) ?? "";
-  const value = line.match(/\(--[a-z0-9-]+ (.*)\)$/)?.[1] ?? line.match(/nominal period ([\d.]+) s/)?.[1];
+  const line = lines.find((one) => one.match(/\(see (--[a-z0-9-]+)(?: .*)?\)$/)?.[1] === option) ?? "";
+  const value = line.match(/\(see --[a-z0-9-]+ (.*)\)$/)?.[1] ?? line.match(/nominal period ([\d.]+) s/)?.[1];
   return /[A-Z]$/.test(value ?? "") ? undefined : value; // "time=N" is no value
 }
 

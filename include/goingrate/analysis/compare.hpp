@@ -63,7 +63,7 @@ struct Comparison {
 /// Compares the clocks of two logs or more. Errors between beats are those on the straight line,
 /// also over one missing beat; where more are missing they are unknown.
 ///
-/// Of n >= 3 clocks whose noises are independent the variances follow from those of the
+/// For n >= 3 clocks with independent noises, the variances follow from those of the
 /// differences, s_ij = v_i + v_j, by least squares: v_i = (S_i - T)/(n - 2), S_i = sum_j s_ij,
 /// T = sum s_ij/(n - 1); for n = 3 the three-cornered hat (Gray and Allan, 1974). Sigma is the
 /// scatter that these estimates have at the EDF of each row, with the covariance of two differences

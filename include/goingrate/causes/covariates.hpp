@@ -55,7 +55,7 @@ struct CovariateEffect {
   double lag_s = 0.0;       ///< time constant of the lag, s; 0 if the log shows none
   double without_s = 0.0;   ///< rms time error over the other half, its mean rate removed, s
   double with_s = 0.0;      ///< the same with the coefficient, s
-  /// Of a value between two readings, in the unit of the covariate (K, mbar, kg/m^3); 0 if there is
+  /// The standard deviation of a value between two readings, in the unit of the covariate (K, mbar, kg/m^3); 0 if there is
   /// a reading at each beat.
   double interpolation_sigma = 0.0;
   double step_s = 0.0;      ///< between two readings, s; 0 if there is one at each beat
@@ -63,7 +63,7 @@ struct CovariateEffect {
   /// The ways, where the log tells them apart: `at_once` alone, of a rod whose compensation comes
   /// after `lag_s`, when the whole holds; or two through and beside the amplitude.
   std::vector<EffectPart> parts{};
-  /// Of the amplitude, rad per unit of the covariate; NaN where the log has none.
+  /// The coefficient of the amplitude, rad per unit of the covariate; NaN where the log has none.
   double amplitude = std::numeric_limits<double>::quiet_NaN(), amplitude_sigma = amplitude;
   /// The part that comes by a way; none where it is not told.
   [[nodiscard]] const EffectPart* part(EffectWay way) const;

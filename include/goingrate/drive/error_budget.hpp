@@ -46,9 +46,9 @@ struct Requirement {
   bool stops = false;          ///< at that limit the clock stops, or is none that can be
 };
 
-/// Of the friction (the drive following it, so that the swing stays), of the amplitude (by the
-/// drive alone), and of each condition, for an error below `most_s` (s, above 0) after `after_s`.
-/// Limits are those nearest to what there is, to 1e-4 of themselves
+/// The limits of the friction (with the drive adjusted so that the swing stays), of the amplitude
+/// (as the drive alone sets it) and of each condition, for an error below `most_s` (s, above 0)
+/// after `after_s`. Limits are those nearest to what there is, to 1e-4 of themselves
 /// (ErrorBudgetTest.LimitsKeepTheError).
 std::vector<Requirement> requirements(const Scenario& scenario, double most_s, double after_s);
 

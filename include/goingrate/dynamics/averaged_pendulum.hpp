@@ -29,7 +29,7 @@ bool knows_second_order(const ClockParameters& clock);
 /// In first order the velocity is lambda, the cycle average of the amplitude; in second order it is
 /// phi' at the upward crossing. The downward crossing is put in the middle of the period, where it
 /// is to first order for symmetric escapements. What the equations lack against the full pendulum
-/// is listed in averaged.hpp and averaged2.hpp; 20 to 50 ns a period.
+/// is listed in averaged.hpp and averaged2.hpp; 20 to 50 ns per period.
 class AveragedPendulum {
 public:
   /// Starts at an upward crossing. Throws ArgumentError as check_velocity does, for clock

@@ -28,7 +28,7 @@ struct CustomLaws {
 ///
 /// Velocity and period to 1e-12 of direct integration for the laws that it knows too
 /// (CustomPendulumTest.AgreesWithDirectIntegration, CustomPendulumTest.JumpsAreSteppedToNotOver);
-/// about 20 us a period.
+/// about 20 us per period.
 class CustomPendulum {
 public:
   /// Starts at an upward crossing with phi' = `velocity` in (0, 2); throws ArgumentError otherwise.

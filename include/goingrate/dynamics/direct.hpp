@@ -16,8 +16,8 @@ namespace goingrate {
 /// Crossing times of point C are within 1e-14 of those of 128-bit arithmetic after 2000 periods and
 /// within 1e-12 after 1e5 noisy ones (DirectTest.CrossingTimesOfPointC,
 /// DirectTest.CrossingTimesOfANoisyDrive); the velocity does not freeze short of the limit cycle
-/// (DirectTest.LimitCycleDoesNotFreeze). About 1.3 us a period, 3 us for profiles and for friction
-/// that is not linear.
+/// (DirectTest.LimitCycleDoesNotFreeze). About 1.3 us per period, 3 us for profiles and for
+/// friction that is not linear.
 class DirectPendulum {
 public:
   /// Starts at an upward crossing with phi' = `velocity` (scaled, above 0 and below top_velocity,

@@ -101,7 +101,7 @@ private:
 ///
 /// At C within 2e-14 of the exact crossing times over 2000 periods, 2e-13 over 1e5
 /// (MapTest.CrossingTimesOfPointC, MapTest.CrossingTimesOfANoisyDrive); with the digits of a double
-/// its rate is within 2e-15 (MapTest.InDigitsOfADouble). 40 ns a period; a patch takes up to some
+/// its rate is within 2e-15 (MapTest.InDigitsOfADouble). 40 ns per period; a patch takes up to some
 /// milliseconds to make.
 class MapPendulum {
 public:

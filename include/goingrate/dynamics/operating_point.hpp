@@ -34,8 +34,8 @@ std::optional<double> exact_stall_torque(double epsilon, double phi0);
 
 /// The torque at which a clock of this friction keeps nominal time: the dashed line of fig. rate.
 ///
-/// Of the two torques with rate excess 0 the larger one, where more torque means losing (at the
-/// smaller one, nearer the stall line, it means gaining). In first order
+/// The larger of the two torques with rate excess 0: there more torque makes the clock lose (at the
+/// smaller one, nearer the stall line, gain). In first order
 ///   mu = (pi/2) eps phi0 (1 + y^2),  y = p + sqrt(p^2 - 1),  p = 8 eps/phi0^2.
 /// Nothing if epsilon < phi0^2/8 (or its counterpart in the exact equations), where the clock loses
 /// whatever the torque, or if amplitude 2 or torque 1 is exceeded. Accuracy as operating_points

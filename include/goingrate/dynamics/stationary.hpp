@@ -14,7 +14,7 @@ namespace goingrate {
 /// The amplitude at which drive and friction balance, in first order (cycle average): lambda =
 /// sqrt(2 mu phi0 / (pi epsilon)) (Hoyng, eq. statam); for other laws the largest lambda with
 /// friction_moment = a (moments.hpp), e.g. sqrt(e / (2 pi epsilon)) for a single impulse.
-/// Of an escapement that rests it is sqrt(<lambda^2>) (intermittent.hpp).
+/// If the escapement acts only now and then, it is sqrt(<lambda^2>) (intermittent.hpp).
 /// Nothing if there is no drive or no friction, or if the escapement is not reached (lambda <=
 /// phi0) and the clock stalls.
 std::optional<double> stationary_amplitude(const ClockParameters& clock);

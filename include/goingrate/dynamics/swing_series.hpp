@@ -194,7 +194,7 @@ public:
   ///
   /// Terms come in pairs, even and odd. What follows the last pair p1 is p1 r and less, with r the
   /// ratio of pairs, which falls. Two frequencies can cancel in one pair, so p1 counts at least as
-  /// much as the pairs before it foretell, and r is the larger of the last two.
+  /// much as the pairs before it predict, and r is the larger of the last two.
   [[nodiscard]] bool reaches(int i) const {
     const Rung& rung = ladder()[static_cast<std::size_t>(i)];
     const T h2 = rung.step * rung.step;
@@ -221,7 +221,7 @@ public:
   /// serve the next and the processor need not wait for the test. None is longer than 1.16: the
   /// events of half_swing are further apart or looked for one by one.
   static constexpr int rungs = 200; // down to 1e-9
-  /// Of step i, 0 to rungs - 1, from long to short.
+  /// The length of step i, 0 to rungs - 1, from long to short.
   [[nodiscard]] static const T& step_length(int i) {
     return ladder()[static_cast<std::size_t>(i)].step;
   }

@@ -14,9 +14,9 @@ namespace goingrate {
 /// The kinds of logs that are read; data/guide/formats.md shows a line of each.
 enum class LogFormat {
   native,      ///< '#' header, then CSV with named columns
-  timestamps,  ///< a time a line: seconds, another unit, MJD, date and time, a counter
+  timestamps,  ///< a time per line: seconds, another unit, MJD, date and time, a counter
   clock_error, ///< "label error amplitude_mrad": label s, error s (positive: fast), amplitude mrad
-  periods,     ///< a period a line
+  periods,     ///< a period per line
   phase,       ///< the clock's error a line, one every tau0: Stable32, SigmaTheta .xtt
   frequency,   ///< relative frequency a line, one every tau0: SigmaTheta .ykt
   ticc,        ///< TAPR TICC: "time chA"
@@ -78,7 +78,7 @@ struct Layout {
   double counter_hz = 0.0;      ///< rate of a counter, where no column tells it
   std::string channel;          ///< of the TICC that is read; others are left out
   bool newest_first = false;
-  /// Of periods that are added up: a column of coarser times, which tells pauses.
+  /// Where periods are added up: a column of coarser times, which shows pauses.
   std::optional<std::size_t> coarse_time;
   bool date_begins_run = false; ///< the date is that of a run, the times count from it
   double label_step_s = 0.0;    ///< between the labels that clock errors stand beside; 0: none

@@ -14,7 +14,7 @@
 
 namespace goingrate {
 
-/// Bytes that a packed file may unpack to, if nothing else is said: six years of beats a second.
+/// Bytes that a packed file may unpack to, if nothing else is said: six years of beats per second.
 /// A few megabytes of gzip can hold a thousand times as much.
 inline constexpr std::uint64_t usual_unpacked_limit = std::uint64_t{4} << 30;
 
@@ -93,7 +93,7 @@ std::vector<OtherReading> readings_for_phases(const GridData& grid);
 /// or in half of them (holes of zeros are left out), of no known format, has more than 256 columns
 /// or a line of more than 16 MiB, unpacks to more than the limit, if fewer than half of its lines
 /// can be used, or fewer than three events are found; ArgumentError for options out of range.
-/// Memory: 48 bytes a line and at most ten times the text (tests/fuzz). Formats: ReadingTest,
+/// Memory: 48 bytes per line and at most ten times the text (tests/fuzz). Formats: ReadingTest,
 /// Formats/ReadsInTheWild. Speed and memory: tests/studies/reading.txt.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});

@@ -26,7 +26,7 @@ struct WeatherRequest {
 /// Several files of one quantity are joined in order of time. Between two readings the value is
 /// interpolated, unless they are more than three usual intervals of their file apart: there, and outside the
 /// readings, it is NaN. The curve is the straight line, or a cubic spline where cubics through four
-/// neighbours foretell a reading better than lines: in smooth courses, not in rough or noisy ones.
+/// neighbours predict a reading better than lines: in smooth courses, not in rough or noisy ones.
 /// The standard deviation of an interpolated value is 2/3 of the rms by which readings left out differ
 /// from the curve: that of readings with independent errors, at most 1.16 times that of a random
 /// walk, and more than that of anything smoother (WeatherTest.InterpolatesWithItsSigma,

@@ -118,7 +118,7 @@ std::string deviation_text(const DeviationTable& table);
 
 /// What the table says, in sentences of at most 80 columns: each region of one noise type, or that
 /// its slope is no noise's; the jitter; and the time error to expect after a day and a week, with
-/// what is extrapolated said. Beyond the table nothing is foretold of a log that is more than
+/// what is extrapolated said. Beyond the table nothing is predicted of a log that is more than
 /// noise.
 std::string deviation_findings(const DeviationTable& table);
 

@@ -57,7 +57,7 @@ struct TickTrain {
 ///
 /// Returns no ticks where nothing periodic stands out. Accuracy and coverage of sigma:
 /// TicksTest.TimesAreRightWithinTheirSigma; noises, rates and faults: tests/studies/sound.txt. Cost
-/// O(N), some 30 ns a sample; memory 13 bytes a millisecond. The samples must be finite. Throws
+/// O(N), some 30 ns per sample; memory 13 bytes per millisecond. The samples must be finite. Throws
 /// ArgumentError for a sampling rate outside 4 kHz to 400 kHz, or a nominal period outside 0.15
 /// to 3.6 s.
 TickTrain find_ticks(const SoundSamples& samples, std::optional<double> nominal_period_s = {},

@@ -53,7 +53,7 @@ struct LineSearch {
 /// Accuracy: white and red noise show a line no oftener than it says
 /// (LinesTest.NoiseShowsALineNoOftenerThanItSays, LinesTest.ARedContinuumHasNoLines); frequency and
 /// amplitude to their Cramer-Rao bounds (LinesTest.FindsALineToItsBound). Cost: one transform of 2
-/// N values a line.
+/// N values per line.
 [[nodiscard]] std::vector<SpectralLine>
 find_lines(std::span<const double> series, double interval_s, const LineSearch& search = {});
 

@@ -1,0 +1,84 @@
+#include "model_words.hpp"
+
+#include "parameter_words.hpp"
+#include "wording.hpp"
+
+#include "goingrate/report/tables.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <string_view>
+#include <vector>
+
+namespace goingrate {
+
+namespace {
+
+std::string percent(const FittedParameter& share) {
+  return with_sigma(100.0 * share.value, 100.0 * share.sigma, 2) + " %";
+}
+
+const FittedParameter* known(const FitSummary& fit, std::string_view name) {
+  const FittedParameter* found = fit.find(name);
+  return found != nullptr && std::isfinite(found->value) ? found : nullptr;
+}
+
+// The noise of the clock itself that the model needs to explain the log. Where fast and slow drive
+// are split by the spectrum, the table has their sizes.
+std::string wander(const Analysis& data, bool told_a_change) {
+  const FitSummary& fit = data.fit;
+  const std::string change =
+      fit.events.empty() && told_a_change ? ", which absorbs the change" : "";
+  const FittedParameter* slow = known(fit, "slow_rms");
+  if (fit.model.slow && slow != nullptr)
+    return fmt::format(" with a drive that wanders slowly, by {} rms{}", percent(*slow), change);
+  const FittedParameter* fast = known(fit, "drive_rms");
+  if (fit.model.drive && fast != nullptr)
+    return " with a drive that varies from period to period" +
+           (data.drive.split ? "" : fmt::format(", by {} rms", percent(*fast)));
+  return fit.model.walk ? " with a rate that wanders by itself" + change : "";
+}
+
+// "the friction ε, the driving torque μ or ...": what the table has no row for.
+std::string undetermined(const FitSummary& fit) {
+  constexpr std::array<std::string_view, 4> asked{"T0", "epsilon", "mu", "phi0"};
+  std::vector<std::string> names;
+  for (const std::string_view name : asked)
+    if (const FittedParameter* found = fit.find(name);
+        found != nullptr && found->status == ParameterStatus::undetermined)
+      names.push_back(fmt::format("the {} {}", meaning_of(name), symbol_of(name)));
+  return listed(names, "or");
+}
+
+// What would tell the parameters that are left open.
+std::string remedy(const Analysis& data, bool sees_amplitude) {
+  const std::string amplitudes = sees_amplitude ? "" : "amplitudes, ";
+  if (!swings_freely(data))
+    return fmt::format("; {}a ring-down or a change of the driving weight would", amplitudes);
+  const bool is_told = data.fit.decay && !std::isfinite(data.fit.decay->q.value);
+  return is_told ? "" : fmt::format("; {}a longer log or a larger first swing would", amplitudes);
+}
+
+} // namespace
+
+std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_a_change) {
+  const FitSummary& fit = data.fit;
+  if (!fit.has_result() && !fit.termination.empty())
+    return fmt::format("No pendulum was fitted: {}.", fit.termination);
+  if (!fit.has_result() || fit.parameters.empty())
+    return "No model of a pendulum could be fitted to this log.";
+  if (fit.status == FitStatus::contradicts_log)
+    return "The model of the pendulum does not explain this log, so none of its numbers is given.";
+  constexpr double least_p = 1e-3; // of white residuals
+  const bool is_rough = fit.quality.whiteness_p < least_p;
+  const std::string needs = wander(data, told_a_change);
+  std::string text = "The model of the pendulum explains this log";
+  text += is_rough ? " only roughly" : needs.empty() ? " to within its noise" : needs;
+  if (const std::string open = undetermined(fit); !open.empty())
+    text += fmt::format(", {} the log does not tell {}{}", is_rough ? "and" : "but", open,
+                        remedy(data, sees_amplitude));
+  return text + ".";
+}
+
+} // namespace goingrate
