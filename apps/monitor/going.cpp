@@ -154,6 +154,17 @@ void Going::add(const Beat& beat, std::int64_t missed_before) {
   ++beats_;
 }
 
+double Going::missed_share() const {
+  constexpr std::size_t hours_a_day = 24;
+  double beats = 1.0, missed = 0.5;
+  const auto& all = hours_.all();
+  for (std::size_t i = all.size() - std::min(all.size(), hours_a_day); i < all.size(); ++i) {
+    missed += static_cast<double>(all[i].missed);
+    beats += static_cast<double>(all[i].beats + all[i].missed);
+  }
+  return missed / beats;
+}
+
 std::optional<double> Going::deviation_s(double nominal_period_s) const {
   if (!last_ || !first_of_run_ || nominal_period_s <= 0.0) return {};
   return -residual_from_grid(last_->time, first_of_run_->time, last_->cycle - first_of_run_->cycle,

@@ -78,6 +78,9 @@ public:
   [[nodiscard]] const std::optional<Beat>& last() const { return last_; }
   [[nodiscard]] const std::optional<Beat>& first_of_run() const { return first_of_run_; }
   [[nodiscard]] std::int64_t beats() const { return beats_; }
+  /// The share of beats that were missed one by one in the last day; never 0, nor 1, as that of a
+  /// few beats says little.
+  [[nodiscard]] double missed_share() const;
   /// The clock's error, s, since the first beat of the run that goes on now: positive, fast.
   [[nodiscard]] std::optional<double> deviation_s(double nominal_period_s) const;
 

@@ -115,7 +115,7 @@ private:
       if (event->line < last_line) known_lines = 0; // of another file in its place
       last_line = event->line;
       if (event->line <= known_lines) continue;
-      watch_.add(*event, log.log(), now());
+      watch_.add({*event, log.values()}, log.log(), now());
       if (is_file(options_.source)) position_.took(part.path, event->line);
       save_position();
       tell();
