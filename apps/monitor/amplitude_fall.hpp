@@ -38,8 +38,8 @@ private:
   void stands_at(double level);
 
   DailyWave wave_;
-  static constexpr double usual_fall = 0.05; // as while it is wound without maintaining power
-  StepAlarm steps_{usual_fall};              // of the logarithm
+  static constexpr double usual_fall = 0.1; // as in minutes of winding without maintaining power
+  StepAlarm steps_{usual_fall};             // of the logarithm
   std::int64_t day_ = 0; // that is going on
   double day_sum_ = 0.0;
   std::int64_t day_minutes_ = 0;

@@ -91,13 +91,12 @@ void StepAlarm::begin_anew(const FoundStep& found) {
 }
 
 bool StepAlarm::is_beyond(const Scale& s, double difference) const {
-  constexpr double margin = 1.5; // a clock that is wound three days late
   constexpr std::int64_t settling_minutes = 3 * minutes_a_week;
   if (s.differences < fewest_differences || !(s.square > 0.0)) return false;
   const double size = std::abs(difference);
-  double habit = (difference > 0.0 ? s.rises : s.falls).habit();
-  if (minutes_heard_ <= settling_minutes) habit = std::max(habit, usual_step_);
-  return size > s.limit * std::sqrt(s.square) && size > margin * habit;
+  double habitual = (difference > 0.0 ? s.rises : s.falls).limit();
+  if (minutes_heard_ <= settling_minutes) habitual = std::max(habitual, 1.5 * usual_step_);
+  return size > s.limit * std::sqrt(s.square) && size > habitual;
 }
 
 void StepAlarm::learn(std::size_t scale, double difference) {

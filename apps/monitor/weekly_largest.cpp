@@ -18,4 +18,11 @@ double WeeklyLargest::habit() const {
   return sorted[1];
 }
 
+double WeeklyLargest::limit() const {
+  auto sorted = largest_;
+  std::nth_element(sorted.begin(), sorted.begin() + weeks / 2, sorted.end());
+  const double its_own = habit();
+  return its_own + std::max(0.5 * its_own, 2.0 * (its_own - sorted[weeks / 2]));
+}
+
 } // namespace goingrate::apps

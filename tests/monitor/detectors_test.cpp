@@ -51,7 +51,7 @@ TEST(AmplitudeFallTest, IsOverWhenItHasComeBackOrHeld) {
         told += watch.add(minute, level + 0.1 * random.normal()) ? 1 : 0;
       return told;
     };
-    EXPECT_EQ(hear_days(10, 30.0), 0);
+    EXPECT_EQ(hear_days(24, 30.0), 0);
     EXPECT_EQ(hear_days(2, 27.0), 1);
     EXPECT_TRUE(watch.is_raised());
     EXPECT_EQ(hear_days(5, after), 0);
