@@ -4,6 +4,8 @@
 #include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 namespace goingrate::apps {
 
@@ -12,14 +14,21 @@ namespace {
 constexpr std::int64_t minutes_a_day = 1440;
 constexpr std::size_t winding_days = 8;   // a clock that is wound once a week has been wound
 constexpr std::size_t fewest_changes = 3; // that have a scatter worth the name
-constexpr std::array<std::size_t, 3> spans_days{winding_days, 16, 32};
-constexpr std::int64_t held_days = 32;   // then the level is the usual one
-constexpr double season_a_day = 0.002;   // of the amplitude: 0.1 · 2π in 365 days, rounded up
+constexpr std::int64_t held_days = 32;    // then the level is the usual one
+constexpr double season_a_day = 0.002;    // of the amplitude: 0.1 · 2π in 365 days, rounded up
+
+// Changes from one mean to the next, of days or of weeks: a week has the sag of a clock that is wound
+// once a week in it.
+struct Span {
+  std::size_t changes, days;
+};
+constexpr std::array spans{Span{winding_days, 1}, Span{16, 1}, Span{32, 1}, Span{4, 7}, Span{8, 7}};
+constexpr std::size_t days_of(const Span& span) { return (span.changes + 1) * span.days; }
 
 double falling_limit(double changes) {
   constexpr double false_alarms_a_year = 0.2, days_a_year = 365.25;
   constexpr double probability =
-      false_alarms_a_year / days_a_year / static_cast<double>(spans_days.size());
+      false_alarms_a_year / days_a_year / static_cast<double>(spans.size());
   const boost::math::students_t t(changes - 1.0);
   return boost::math::quantile(boost::math::complement(t, probability));
 }
@@ -81,7 +90,7 @@ std::optional<AmplitudeFall::Found> AmplitudeFall::end_day() {
   if (2 * day_minutes_ < minutes_a_day) return {}; // the mean of a part has the day's wave in it
   const double mean = day_sum_ / static_cast<double>(day_minutes_);
   days_.push_back(mean);
-  if (days_.size() > spans_days.back() + 1) days_.pop_front();
+  if (days_.size() > days_of(spans.back())) days_.pop_front();
   if (!day_has_fall_) stands_at(mean); // else part of it is of the time before
   ++days_without_fall_;
   const auto found = fall_of_days();
@@ -92,26 +101,36 @@ std::optional<AmplitudeFall::Found> AmplitudeFall::end_day() {
 
 std::optional<AmplitudeFall::Found> AmplitudeFall::fall_of_days() const {
   if (days_.size() < fewest_changes + 1) return {};
-  if (days_.size() < winding_days + 1) return fall_over(days_.size() - 1);
-  for (const std::size_t days : spans_days)
-    if (days_.size() > days)
-      if (const auto found = fall_over(days)) return found;
+  // No winding takes half of the amplitude: where so much would be gone it is not waited for.
+  const std::size_t known = days_.size() - 1;
+  const double would_be_gone = (days_.front() - days_.back()) / static_cast<double>(known) *
+                               static_cast<double>(winding_days);
+  if (known < winding_days)
+    return would_be_gone < 0.5 * days_.front() ? std::nullopt : fall_over(known, 1);
+  for (const Span& span : spans)
+    if (days_.size() >= days_of(span))
+      if (const auto found = fall_over(span.changes, span.days)) return found;
   return {};
 }
 
-std::optional<AmplitudeFall::Found> AmplitudeFall::fall_over(std::size_t days) const {
-  const std::size_t first = days_.size() - 1 - days;
-  const auto changes = static_cast<double>(days);
-  const double mean = (days_.back() - days_[first]) / changes;
+// Over so many changes of the means of so many days.
+std::optional<AmplitudeFall::Found> AmplitudeFall::fall_over(std::size_t changes,
+                                                             std::size_t days) const {
+  std::vector<double> means;
+  for (auto day = days_.end() - static_cast<std::ptrdiff_t>((changes + 1) * days);
+       day != days_.end(); day += static_cast<std::ptrdiff_t>(days))
+    means.push_back(std::accumulate(day, day + static_cast<std::ptrdiff_t>(days), 0.0) /
+                    static_cast<double>(days));
+  const auto count = static_cast<double>(changes);
+  const double mean = (means.back() - means.front()) / count;
   double squares = 0.0;
-  for (std::size_t i = first + 1; i < days_.size(); ++i)
-    squares += std::pow(days_[i] - days_[i - 1] - mean, 2);
-  // No winding takes half of the amplitude: where so much would be gone it is not waited for.
-  constexpr double waited_days = static_cast<double>(winding_days);
-  if (days < winding_days && -mean * waited_days < 0.5 * days_[first]) return {};
-  const double sigma = std::sqrt(squares / (changes - 1.0) / changes); // of the mean change
-  if (!(-mean - season_a_day * days_[first] > falling_limit(changes) * sigma)) return {};
-  return Found{-mean * changes, sigma * changes, minutes_a_day * static_cast<std::int64_t>(days)};
+  for (std::size_t i = 1; i < means.size(); ++i)
+    squares += std::pow(means[i] - means[i - 1] - mean, 2);
+  const double sigma = std::sqrt(squares / (count - 1.0) / count); // of the mean change
+  const double season = season_a_day * static_cast<double>(days) * means.front();
+  if (!(-mean - season > falling_limit(count) * sigma)) return {};
+  return Found{-mean * count, sigma * count,
+               minutes_a_day * static_cast<std::int64_t>((changes + 1) * days - 1)};
 }
 
 // A fall that goes on is the same one.

@@ -11,9 +11,9 @@
 namespace goingrate::apps {
 
 /// Finds a fall that comes at once, as a step of the logarithm that StepAlarm looks for, and one
-/// that goes on for days, as daily means whose changes over 8, 16 or 32 days are further below those
-/// of a season than a random walk would be (Student's t of the changes; limit: 0.2 false alarms a
-/// year). A season takes 2 ‰ of the amplitude a day at most, which is ± 10 % in a year. One fall is
+/// that goes on for days, as means of days or of weeks whose changes, 8 to 32 of days or 4 and 8 of
+/// weeks, are further below those of a season than a random walk would be (Student's t of the
+/// changes; limit: 0.2 false alarms a year). A season takes 2 ‰ of the amplitude a day at most, which is ± 10 % in a year. One fall is
 /// found once: it is over when the amplitude has come back by more than half of it, or has not
 /// fallen for a month (AmplitudeFallTest).
 class AmplitudeFall {
@@ -33,7 +33,7 @@ private:
   std::optional<Found> add_to_day(std::int64_t day, double mean);
   std::optional<Found> end_day();
   [[nodiscard]] std::optional<Found> fall_of_days() const;
-  [[nodiscard]] std::optional<Found> fall_over(std::size_t changes) const;
+  [[nodiscard]] std::optional<Found> fall_over(std::size_t changes, std::size_t days) const;
   std::optional<Found> fell(const Found& found, double old_level, double level);
   void stands_at(double level);
 

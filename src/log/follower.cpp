@@ -125,7 +125,9 @@ struct LogFollower::Parts {
                "left out");
     if (layout && is_same(start.layout, *layout))
       return rows->begin_anew(before + start.layout.first_line);
-    read_on(settle_layout(start.text, false, log, options), before);
+    const Layout found = settle_layout(start.text, false, log, options);
+    if (found.first_line > 1) head = first_lines(start.text, found.first_line - 1);
+    read_on(found, before);
   }
 
   // Without a recognised beginning, reading goes on with the layout before, if there is one;
@@ -199,6 +201,7 @@ struct LogFollower::Parts {
   ClockLog log;
   std::optional<LineReader> lines;
   std::optional<Layout> layout;
+  std::string head; // the lines of the log before its data
   std::optional<RowReader> rows;
   std::size_t handed_out = 0; // of log.events
   bool is_first = true;       // no event of this layout was handed out
@@ -209,6 +212,8 @@ LogFollower::LogFollower(const std::string& path, const ReadingOptions& options,
     : parts_(std::make_unique<Parts>(path, options, std::move(wait), before)) {}
 
 LogFollower::~LogFollower() = default;
+
+const std::string& LogFollower::head() const { return parts_->head; }
 
 const ClockLog& LogFollower::log() const { return parts_->log; }
 

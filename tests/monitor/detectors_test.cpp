@@ -62,6 +62,23 @@ TEST(AmplitudeFallTest, IsOverWhenItHasComeBackOrHeld) {
   }
 }
 
+// Of a spring whose amplitude sags by a tenth from one winding to the next.
+TEST(AmplitudeFallTest, OneUnderTheSagOfAWeekIsTold) {
+  for (const double share_a_day : {0.0, 0.01}) {
+    RandomStream random(12, StreamPurpose::jitter);
+    AmplitudeFall watch;
+    double told_after_days = 0.0;
+    for (std::int64_t minute = 0; minute < 120 * 1440 && told_after_days == 0.0; ++minute) {
+      const double days = static_cast<double>(minute) / 1440.0 - 60.0;
+      const double sag = 0.1 * static_cast<double>(minute % 10080) / 10080.0;
+      const double level = 30.0 * (1.0 - sag - share_a_day * std::max(0.0, days));
+      if (watch.add(minute, level + 0.1 * random.normal())) told_after_days = days;
+    }
+    EXPECT_EQ(told_after_days > 0.0, share_a_day > 0.0);
+    EXPECT_LT(told_after_days, 43.0); // 4 changes of means of weeks, and the weeks themselves
+  }
+}
+
 // A season takes 10 % and gives it back.
 TEST(AmplitudeFallTest, ASeasonIsNone) {
   RandomStream random(9, StreamPurpose::jitter);

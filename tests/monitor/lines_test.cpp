@@ -1,4 +1,5 @@
 #include "monitor/watched_clock.hpp"
+#include "source_head.hpp"
 
 #include <cctype>
 #include <cmath>
@@ -138,6 +139,17 @@ TEST_F(MonitorLinesTest, EventsBehindAGapAreOnDiskAtOnce) {
       rows += std::isdigit(static_cast<unsigned char>(line[0])) != 0 ? 1 : 0;
     EXPECT_EQ(rows, 100 + 20);
   }
+}
+
+TEST_F(MonitorLinesTest, AHeadOutlivesARestart) {
+  const Archive archive(options_.folder); // makes the folder
+  const std::string head = "# goingrate log: 1\ntime_s,temperature_c\n";
+  SourceHead(options_.folder, "/dev/ttyACM0:9600").keep(head);
+  SourceHead again(options_.folder, "/dev/ttyACM0:9600");
+  EXPECT_EQ(again.text(), head);
+  again.keep(""); // what it told is not told again
+  EXPECT_EQ(SourceHead(options_.folder, "/dev/ttyACM0:9600").text(), head);
+  EXPECT_EQ(SourceHead(options_.folder, "another").text(), "");
 }
 
 // Of a source that says nothing of its layout, killed before there were lines enough.

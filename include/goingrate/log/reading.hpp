@@ -131,7 +131,8 @@ public:
   using Wait = std::function<bool(std::string_view held)>;
 
   /// Waits for the first lines to find out the layout. `before` is text that came out of a pipe
-  /// before: lines that were held when it was last followed. Throws InputError as read_log does.
+  /// before: lines that were held when it was last followed, or its head(). Throws InputError as
+  /// read_log does.
   LogFollower(const std::string& path, const ReadingOptions& options, Wait wait,
               std::string before = {});
   ~LogFollower();
@@ -140,6 +141,8 @@ public:
   std::optional<Beat> next();
   /// What else was said of the event that next() gave.
   [[nodiscard]] EventValues values() const;
+  /// The lines before the first of the data, which tell the layout; empty where there are none.
+  [[nodiscard]] const std::string& head() const;
   /// Assumptions and issues so far.
   [[nodiscard]] const ClockLog& log() const;
 
