@@ -18,7 +18,8 @@ CREATE TABLE IF NOT EXISTS day (day TEXT PRIMARY KEY, bytes INTEGER, changed INT
   first_seconds INTEGER, first_fraction REAL, first_cycle INTEGER);
 CREATE TABLE IF NOT EXISTS hour (start INTEGER PRIMARY KEY, beats INTEGER, missed INTEGER,
   spurious INTEGER, amplitude_sum REAL, amplitudes INTEGER, beat_error_sum REAL,
-  beat_errors INTEGER, last_seconds INTEGER, last_fraction REAL, last_cycle INTEGER, run INTEGER);
+  beat_errors INTEGER, last_cycle INTEGER, mark_seconds INTEGER, mark_fraction REAL,
+  mark_cycle INTEGER, run INTEGER);
 CREATE TABLE IF NOT EXISTS learnt (day TEXT PRIMARY KEY, numbers BLOB);
 CREATE TABLE IF NOT EXISTS break (seconds INTEGER, fraction REAL, after_cycle INTEGER,
   missing INTEGER, probability REAL, UNIQUE (after_cycle));
@@ -212,7 +213,7 @@ std::vector<GoingBlock> ArchiveIndex::hours() const {
   std::vector<GoingBlock> hours;
   Statement select(database_->handle,
                    "SELECT start, beats, missed, spurious, amplitude_sum, amplitudes, "
-                   "beat_error_sum, beat_errors, last_seconds, last_fraction, last_cycle, run "
+                   "beat_error_sum, beat_errors, last_cycle, mark_seconds, mark_fraction, mark_cycle, run "
                    "FROM hour ORDER BY start");
   while (select.step()) {
     GoingBlock h;
@@ -224,9 +225,10 @@ std::vector<GoingBlock> ArchiveIndex::hours() const {
     h.amplitudes = select.whole();
     h.beat_error_sum = select.real();
     h.beat_errors = select.whole();
-    h.last_time.seconds = select.whole();
-    h.last_time.fraction = select.real();
     h.last_cycle = select.whole();
+    h.mark_time.seconds = select.whole();
+    h.mark_time.fraction = select.real();
+    h.mark_cycle = select.whole();
     h.run = select.whole();
     hours.push_back(h);
   }
@@ -270,10 +272,11 @@ void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>
   database_->run("BEGIN");
   for (const GoingBlock& h : hours) {
     Statement insert(database_->handle,
-                     "INSERT OR REPLACE INTO hour VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                     "INSERT OR REPLACE INTO hour VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     insert.bind(h.start_s).bind(h.beats).bind(h.missed).bind(h.spurious).bind(h.amplitude_sum);
     insert.bind(h.amplitudes).bind(h.beat_error_sum).bind(h.beat_errors);
-    insert.bind(h.last_time.seconds).bind(h.last_time.fraction).bind(h.last_cycle).bind(h.run);
+    insert.bind(h.last_cycle).bind(h.mark_time.seconds).bind(h.mark_time.fraction);
+    insert.bind(h.mark_cycle).bind(h.run);
     insert.step();
     if (!insert.is_done()) database_->fail();
   }

@@ -293,14 +293,14 @@ TEST_F(MonitorArchiveTest, TheIndexIsMadeAgainFromNothing) {
   GoingBlock hour;
   hour.start_s = 3600;
   hour.beats = 7;
-  hour.last_time = {7199, 0.125};
+  hour.mark_time = {7199, 0.125};
   index.put_day("1970-01-01", {hour}, {});
   index.put_break({{5000, 0.5}, 12, 34, 0.75});
   index.put_alarm({6000.0, "stopped", "it's quiet", true});
   const ArchiveIndex again(folder_);
   ASSERT_EQ(again.hours().size(), 1U);
   EXPECT_EQ(again.hours()[0].beats, 7);
-  EXPECT_EQ(again.hours()[0].last_time, hour.last_time);
+  EXPECT_EQ(again.hours()[0].mark_time, hour.mark_time);
   ASSERT_EQ(again.breaks().size(), 1U);
   EXPECT_EQ(again.breaks()[0].probability, 0.75);
   ASSERT_EQ(again.alarms().size(), 1U);

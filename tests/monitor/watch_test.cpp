@@ -20,6 +20,18 @@ TEST_F(MonitorWatchTest, TellsTheRate) {
   EXPECT_EQ(watch.acknowledged(), 8000);
 }
 
+// The last beat of a minute is missed, and an event beside it taken for it.
+TEST_F(MonitorWatchTest, AWrongBeatIsNoRate) {
+  Going going;
+  for (std::int64_t n = 0; n < 600; ++n) {
+    Beat beat = event_at({1764201600 + n, n % 60 == 59 ? 0.1 : n % 60 == 0 ? 0.15 : 0.0});
+    beat.cycle = n;
+    going.add(beat, 0);
+  }
+  for (std::size_t i = 1; i + 1 < going.minutes().all().size(); ++i)
+    EXPECT_NEAR(*going.minutes().rate_of(i, 1.0), 0.0, 1e-15) << i;
+}
+
 TEST_F(MonitorWatchTest, TheCountIsCarriedOverABreakOfTheMonitor) {
   {
     ClockWatch watch(options_);
