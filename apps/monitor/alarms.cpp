@@ -1,6 +1,7 @@
 #include "alarms.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -11,11 +12,30 @@ namespace {
 constexpr double seconds_a_day = 86400.0;
 constexpr std::size_t looked_back_minutes = 10;
 
-// The share of events that were missing or false, and the beat error, of the last minutes.
+} // namespace
+
+// Events that were missing or false, of all, and the beat error, of the last minutes.
 struct LastMinutes {
-  double faulty_share = 0.0, beat_error_s = 0.0;
+  std::int64_t events = 0, faults = 0;
+  double beat_error_s = 0.0;
   bool has_beat_error = false;
+
+  [[nodiscard]] double faulty_share() const {
+    return events > 0 ? static_cast<double>(faults) / static_cast<double>(events) : 0.0;
+  }
+  // Whether a sensor that is good enough, whose faults come one by one, would say so more than once
+  // in five years.
+  [[nodiscard]] bool tells_of_failure() const {
+    constexpr double tolerated_share = 0.05;
+    constexpr double false_alarms_a_year = 0.2;
+    constexpr double tests_a_year = 525960.0 / static_cast<double>(looked_back_minutes);
+    return faults > 0 &&
+           boost::math::ibeta(static_cast<double>(faults), static_cast<double>(events - faults + 1),
+                              tolerated_share) < false_alarms_a_year / tests_a_year;
+  }
 };
+
+namespace {
 
 LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last) {
   GoingBlock sum;
@@ -29,9 +49,8 @@ LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last) {
     sum.beat_errors += all[i].beat_errors;
   }
   LastMinutes last;
-  if (const auto events = sum.beats + sum.missed + sum.spurious; events > 0)
-    last.faulty_share =
-        static_cast<double>(sum.missed + sum.spurious) / static_cast<double>(events);
+  last.faults = sum.missed + sum.spurious;
+  last.events = sum.beats + last.faults;
   last.has_beat_error = sum.beat_errors > 0;
   last.beat_error_s = sum.beat_error_s().value_or(0.0);
   return last;
@@ -92,25 +111,30 @@ std::vector<AlarmChange> Alarms::raised() const {
 }
 
 void Alarms::heard(const Going& going, double nominal_period_s, bool is_replay) {
-  if (!is_replay) goes(going.last()->time, nominal_period_s);
+  if (!is_replay) goes(going.last()->time, going, nominal_period_s);
   if (!going.minute_is_new() || going.minutes().all().size() < 2) return;
   look_for_steps(going, nominal_period_s, is_replay);
   if (!is_replay) look_at_minutes(going, nominal_period_s);
 }
 
 // It goes again when it has gone for as long as it may be silent.
-void Alarms::goes(const Instant& at, double period_s) {
+void Alarms::goes(const Instant& at, const Going& going, double period_s) {
   if (!is_raised(AlarmKind::stopped)) return;
   if (!goes_since_) goes_since_ = at;
-  if (at - *goes_since_ >= patience_of(period_s)) {
+  if (at - *goes_since_ >= patience_of(going, period_s)) {
     set(AlarmKind::stopped, false, at, "the clock goes again");
     goes_since_.reset();
   }
 }
 
-double Alarms::patience_of(double period_s) const {
-  constexpr double patience_periods = 5.0;
-  return patience_s_ > 0.0 ? patience_s_ : patience_periods * period_s;
+// Five periods, or more where beats are missed so often that as many in a row would be missed by
+// chance more than once in five years.
+double Alarms::patience_of(const Going& going, double period_s) const {
+  constexpr double fewest_periods = 5.0, false_alarms_a_year = 0.2, seconds_a_year = 31557600.0;
+  if (patience_s_ > 0.0) return patience_s_;
+  const double missed = going.missed_share();
+  const double chance = false_alarms_a_year * period_s / seconds_a_year; // of each beat
+  return period_s * std::max(fewest_periods, 1.0 + std::log(chance) / std::log(missed));
 }
 
 void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is_replay) {
@@ -119,31 +143,49 @@ void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is
   const Instant at = going.last()->time;
   const std::int64_t minute = minutes.all()[complete].start_s / 60;
   const auto rate =
-      rate_.add(rate_wave_.without(minute, minutes.rate_of(complete, nominal_period_s)));
-  const auto fall = amplitude_.add(minute, minutes.all()[complete].amplitude_rad());
-  if (rate) rate_wave_.stepped(rate->size);
+      habits_.rate.add(habits_.rate_wave.without(minute, minutes.rate_of(complete, nominal_period_s)));
+  const auto fall = habits_.amplitude.add(minute, minutes.all()[complete].amplitude_rad());
+  if (rate) habits_.rate_wave.stepped(rate->size);
   if (is_replay) return;
   if (rate)
     set(AlarmKind::rate_step, true, at,
         fmt::format("the rate changed by {:+.2g} ± {:.1g} s/day within the last {}",
                     rate->size * seconds_a_day, rate->sigma * seconds_a_day,
                     duration(2 * rate->minutes)));
-  else if (!rate_.is_raised())
+  else if (!habits_.rate.is_raised())
     set(AlarmKind::rate_step, false, at, "the rate since the change is taken for the usual one");
   if (fall)
     set(AlarmKind::amplitude_falling, true, at,
         fmt::format("the amplitude fell by {:.2g} ± {:.1g} mrad within the last {}",
                     fall->size * 1e3, fall->sigma * 1e3, duration(fall->minutes)));
-  else if (!amplitude_.is_raised())
+  else if (!habits_.amplitude.is_raised())
     set(AlarmKind::amplitude_falling, false, at, "the amplitude has come back, or holds");
 }
 
-void Alarms::tell_faults(double share, const Instant& at) {
-  constexpr double raises = 0.10; // of the events
-  if (share > raises)
+void Alarms::tell_faults(const LastMinutes& last, const Instant& at) {
+  if (last.tells_of_failure())
     set(AlarmKind::sensor_failing, true, at,
         fmt::format("{:.0f} % of the events of the last {} minutes were missing or false",
-                    100.0 * share, looked_back_minutes));
+                    100.0 * last.faulty_share(), looked_back_minutes));
+}
+
+void Alarms::Habits::pass(Learnt& learnt) {
+  rate_wave.pass(learnt);
+  rate.pass(learnt);
+  amplitude.pass(learnt);
+}
+
+std::vector<double> Alarms::learnt() const {
+  Learnt learnt;
+  Habits(habits_).pass(learnt);
+  return learnt.numbers();
+}
+
+void Alarms::take_learnt(std::vector<double> numbers) {
+  Learnt learnt(std::move(numbers));
+  Habits habits;
+  habits.pass(learnt);
+  if (learnt.is_read_whole()) habits_ = std::move(habits);
 }
 
 void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
@@ -152,8 +194,8 @@ void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
   constexpr double faulty_clears = 0.03;
   constexpr double uneven_raises = 0.02, uneven_clears = 0.01;
   const LastMinutes last = last_minutes(going.minutes(), false); // the last one is not complete
-  tell_faults(last.faulty_share, at);
-  if (last.faulty_share < faulty_clears)
+  tell_faults(last, at);
+  if (last.faulty_share() < faulty_clears)
     set(AlarmKind::sensor_failing, false, at, "the sensor tells nearly every beat again");
   const double uneven = std::abs(last.beat_error_s) / nominal_period_s;
   if (last.has_beat_error && uneven > uneven_raises)
@@ -168,8 +210,8 @@ void Alarms::silent(double silence_s, double period_s, const Going& going, const
   // Only beats complete a minute.
   constexpr double minute_s = 60.0;
   if (silence_s > minute_s && !going.minutes().all().empty())
-    tell_faults(last_minutes(going.minutes(), true).faulty_share, now.wall);
-  const double patience = patience_of(period_s);
+    tell_faults(last_minutes(going.minutes(), true), now.wall);
+  const double patience = patience_of(going, period_s);
   if (!(patience > 0.0 && silence_s > patience)) return;
   goes_since_.reset();
   set(AlarmKind::stopped, true, now.wall,

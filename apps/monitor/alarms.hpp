@@ -36,6 +36,8 @@ struct AlarmChange {
   std::string text; ///< what a person is told
 };
 
+struct LastMinutes;
+
 /// Raises and clears alarms. Each has a limit to be raised at and a lower one to be cleared at.
 class Alarms {
 public:
@@ -47,6 +49,9 @@ public:
   void heard(const Going& going, double nominal_period_s, bool is_replay);
   /// Goes on from what an earlier run recorded, in order of time.
   void restore(const std::vector<AlarmRecord>& records);
+  /// What was learnt of the clock so far, as numbers; take_learnt() goes on from them.
+  [[nodiscard]] std::vector<double> learnt() const;
+  void take_learnt(std::vector<double> numbers);
   /// No good beat was heard for so long: looks at whether it goes, and whether what was heard
   /// instead is a sensor that fails.
   void silent(double silence_s, double period_s, const Going& going, const Moment& now);
@@ -65,17 +70,23 @@ private:
   void set(AlarmKind kind, bool raised, const Instant& at, const std::string& text);
   [[nodiscard]] bool is_raised(AlarmKind kind) const;
   void look_at_minutes(const Going& going, double nominal_period_s);
-  void goes(const Instant& at, double period_s);
-  [[nodiscard]] double patience_of(double period_s) const;
-  void tell_faults(double share, const Instant& at);
+  void goes(const Instant& at, const Going& going, double period_s);
+  [[nodiscard]] double patience_of(const Going& going, double period_s) const;
+  void tell_faults(const LastMinutes& last, const Instant& at);
   void look_for_steps(const Going& going, double nominal_period_s, bool is_replay);
 
   double patience_s_;
   std::optional<Instant> goes_since_; // while `stopped` is raised
   std::optional<double> archive_failed_s_; // by the steady clock
-  DailyWave rate_wave_;
-  StepAlarm rate_;
-  AmplitudeFall amplitude_;
+  // All that is learnt of a clock.
+  struct Habits {
+    static constexpr double usual_winding = 10e-6; // what winding changes the rate by at most
+    DailyWave rate_wave;
+    StepAlarm rate{usual_winding};
+    AmplitudeFall amplitude;
+    void pass(Learnt& learnt);
+  };
+  Habits habits_;
   std::array<std::optional<AlarmChange>, alarm_kinds> raised_;
   std::vector<AlarmChange> changes_;
 };

@@ -10,11 +10,12 @@
 
 namespace goingrate::apps {
 
-/// Finds a fall that comes at once, as a step of what StepAlarm looks for, and one that goes on for
-/// days, as daily means whose changes are further below zero than those of a random walk without
-/// drift would be (Student's t of the changes; limit: 0.2 false alarms a year). One fall is found
-/// once: it is over when the amplitude has come back by more than half of it, or has not fallen for
-/// a month (AmplitudeFallTest).
+/// Finds a fall that comes at once, as a step of the logarithm that StepAlarm looks for, and one
+/// that goes on for days, as means of days or of weeks whose changes, 8 to 32 of days or 4 and 8 of
+/// weeks, are further below those of a season than a random walk would be (Student's t of the
+/// changes; limit: 0.2 false alarms a year). A season takes 2 ‰ of the amplitude a day at most, which is ± 10 % in a year. One fall is
+/// found once: it is over when the amplitude has come back by more than half of it, or has not
+/// fallen for a month (AmplitudeFallTest).
 class AmplitudeFall {
 public:
   struct Found {
@@ -26,16 +27,19 @@ public:
   std::optional<Found> add(std::int64_t minute, std::optional<double> mean);
   /// Whether a fall was found that is not over.
   [[nodiscard]] bool is_raised() const { return old_level_.has_value(); }
+  void pass(Learnt& learnt);
 
 private:
   std::optional<Found> add_to_day(std::int64_t day, double mean);
   std::optional<Found> end_day();
   [[nodiscard]] std::optional<Found> fall_of_days() const;
+  [[nodiscard]] std::optional<Found> fall_over(std::size_t changes, std::size_t days) const;
   std::optional<Found> fell(const Found& found, double old_level, double level);
   void stands_at(double level);
 
   DailyWave wave_;
-  StepAlarm steps_;
+  static constexpr double usual_fall = 0.1; // as in minutes of winding without maintaining power
+  StepAlarm steps_{usual_fall};             // of the logarithm
   std::int64_t day_ = 0; // that is going on
   double day_sum_ = 0.0;
   std::int64_t day_minutes_ = 0;

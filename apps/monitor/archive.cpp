@@ -1,9 +1,12 @@
 #include "archive.hpp"
 
+#include "held_notes.hpp"
+
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/reading.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -13,6 +16,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fstream>
+#include <limits>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -46,6 +50,40 @@ void sync_folder(const std::string& folder) {
   if (!done) fail(folder);
 }
 
+struct NamedColumn {
+  std::string_view name;
+  bool NativeColumns::*column;
+};
+constexpr std::array named_columns{NamedColumn{"edge", &NativeColumns::edge},
+                                   NamedColumn{"width_s", &NativeColumns::width},
+                                   NamedColumn{"amplitude_rad", &NativeColumns::amplitude},
+                                   NamedColumn{"temperature_c", &NativeColumns::temperature},
+                                   NamedColumn{"pressure_mbar", &NativeColumns::pressure},
+                                   NamedColumn{"humidity_percent", &NativeColumns::humidity}};
+
+// The columns of a day's file; nothing if it has no header.
+std::optional<NativeColumns> header_of(const std::string& path) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with("time_s")) continue;
+    NativeColumns columns;
+    columns.decimals = decimals;
+    for (const auto& [name, column] : named_columns)
+      columns.*column = (line + ",").find(fmt::format(",{},", name)) != line.npos;
+    return columns;
+  }
+  return {};
+}
+
+// What the columns do not hold.
+EventValues beside(const EventValues& values, const NativeColumns& columns) {
+  constexpr double in_its_column = std::numeric_limits<double>::quiet_NaN();
+  return {columns.width ? in_its_column : values.width_s,
+          columns.temperature ? in_its_column : values.temperature_c,
+          columns.pressure ? in_its_column : values.pressure_mbar,
+          columns.humidity ? in_its_column : values.humidity_percent};
+}
+
 bool is_day(const std::string& name) {
   return name.size() == 14 && name.ends_with(".csv") && name[4] == '-' && name[7] == '-';
 }
@@ -56,8 +94,15 @@ std::string day_of(const Instant& time) {
   return fmt::format("{:%Y-%m-%d}", fmt::gmtime(static_cast<std::time_t>(time.seconds)));
 }
 
-Beat as_stored(Beat event) {
+HeardEvent as_stored(HeardEvent event) {
+  double& width_s = event.values.width_s;
+  if (!std::isnan(width_s)) {
+    // A row has the leading edge, and its reader adds half of the width.
+    width_s = std::strtod(format_instant(Instant::from_seconds(width_s), decimals).c_str(), nullptr);
+    event.time = event.time + -0.5 * width_s;
+  }
   if (const auto time = parse_instant(format_instant(event.time, decimals))) event.time = *time;
+  if (!std::isnan(width_s)) event.time = event.time + 0.5 * width_s;
   if (!std::isnan(event.amplitude_rad))
     event.amplitude_rad = std::strtod(fmt::format("{:.9g}", event.amplitude_rad).c_str(), nullptr);
   return event;
@@ -88,6 +133,7 @@ void Archive::read_last_day() {
   const auto all = days();
   if (all.empty()) return;
   cut_torn_line(path_of(all.back()));
+  if (const auto header = header_of(path_of(all.back()))) columns_ = *header;
   std::ifstream file(path_of(all.back()));
   for (std::string line; std::getline(file, line);)
     if (line.starts_with(origin_words))
@@ -102,6 +148,13 @@ std::vector<std::string> Archive::days() const {
     if (const std::string name = entry.path().filename().string(); is_day(name))
       days.push_back(name.substr(0, name.size() - 4));
   std::sort(days.begin(), days.end());
+  return days;
+}
+
+std::vector<std::string> Archive::days_between(const std::string& after,
+                                               const std::string& before) const {
+  auto days = this->days();
+  std::erase_if(days, [&](const std::string& day) { return !(day > after && day < before); });
   return days;
 }
 
@@ -135,9 +188,10 @@ void Archive::close_day() {
   sync_failed_ = false;
 }
 
-void Archive::describe(bool has_edges, std::optional<double> nominal_period_s) {
-  columns_.edge = has_edges;
-  columns_.nominal_period_s = nominal_period_s;
+void Archive::describe(const NativeColumns& columns) {
+  columns_ = columns;
+  columns_.amplitude = true;
+  columns_.decimals = decimals;
 }
 
 void Archive::open_day(const std::string& day) {
@@ -151,15 +205,11 @@ void Archive::open_day(const std::string& day) {
   if (file_ < 0) fail(path);
   synced_bytes_ = ::lseek(file_, 0, SEEK_END);
   day_ = day;
-  bool has_header = false;
-  std::ifstream written(path);
-  for (std::string line; !is_new && std::getline(written, line);)
-    if (line.starts_with("time_s")) {
-      has_header = true;
-      day_has_edges_ = line.find(",edge") != line.npos;
-    }
-  if (!has_header) {
-    day_has_edges_ = columns_.edge;
+  const auto header = header_of(path);
+  if (header) {
+    day_columns_ = *header;
+  } else {
+    day_columns_ = columns_;
     std::string head = native_log_header(columns_);
     if (origin_) head += fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals));
     write_or_close(head);
@@ -192,6 +242,9 @@ void Archive::write(const std::string& text) {
     close_day();
     throw OutputError(path_of(day_), "the file was removed");
   }
+  constexpr std::size_t most_unsafe_bytes = 4 << 20; // of a day and a half
+  if (sync_failed_ && unsynced_.size() + text.size() > most_unsafe_bytes)
+    throw OutputError(path_of(day_), "what was written before is not safe yet, and it is much");
   is_synced_ = false;
   const auto written = ::write(file_, text.data(), text.size());
   if (written == static_cast<ssize_t>(text.size())) {
@@ -199,25 +252,23 @@ void Archive::write(const std::string& text) {
     return;
   }
   const int error = written < 0 ? errno : ENOSPC;
-  if (::ftruncate(file_, before.st_size) != 0) errno = error;
+  if (::ftruncate(file_, before.st_size) != 0) { // what is torn is cut off when it is opened again
+    close_day();
+  }
   throw OutputError(path_of(day_), std::strerror(error));
 }
 
-void Archive::append(const Beat& event) {
+void Archive::append(const HeardEvent& event) {
   const std::string day = day_of(event.time);
   if (file_ < 0 || day != day_) open_day(day);
   if (!has_origin_ && origin_) write_origin();
-  if (event.edge == Edge::down && !day_has_edges_) { // else it would be read as an upward one
-    write(fmt::format("# down {}\n", format_instant(event.time, decimals)));
-    last_time_ = event.time;
-    return;
-  }
-  NativeColumns columns = columns_;
-  columns.edge = day_has_edges_;
-  SensedEvent sensed;
-  sensed.beat = event;
   std::string text;
-  append_native_line(text, sensed, columns);
+  if (event.edge == Edge::down && !day_columns_.edge) // else it would be read as an upward one
+    text = fmt::format("# down {}\n", format_instant(event.time, decimals));
+  else
+    append_native_line(text, event, event.values, day_columns_);
+  if (const auto words = words_of(beside(event.values, day_columns_)); !words.empty())
+    text += fmt::format("# beside:{}\n", words);
   write(text);
   last_time_ = event.time;
 }

@@ -1,6 +1,8 @@
 // The archive of a clock that is watched: one native log a day, appended to and never rewritten.
 #pragma once
 
+#include "arrivals.hpp"
+
 #include "goingrate/log/clock_log.hpp"
 #include "goingrate/log/writing.hpp"
 
@@ -14,8 +16,8 @@ namespace goingrate::apps {
 /// The day (UTC) of a time since 1970 as YYYY-MM-DD.
 std::string day_of(const Instant& time);
 
-/// The event as the archive keeps it: times to the nanosecond, amplitudes to nine digits.
-Beat as_stored(Beat event);
+/// The event as the archive keeps it: times and widths to the nanosecond, amplitudes to nine digits.
+HeardEvent as_stored(HeardEvent event);
 
 /// Files DIR/YYYY-MM-DD.csv of the native format, the times counted from 1970 (UTC). A line is
 /// handed to the system as soon as it is appended and is safe once sync() returned. What a failure
@@ -31,12 +33,14 @@ public:
   Archive(const Archive&) = delete;
   Archive& operator=(const Archive&) = delete;
 
-  /// What the header of a new day says of the source: whether it tells directions, and its nominal
-  /// period.
-  void describe(bool has_edges, std::optional<double> nominal_period_s);
-  /// Appends an event whose time counts from 1970. Throws OutputError; then nothing of the event is
-  /// in the file.
-  void append(const Beat& event);
+  /// What the header of a new day says of the source: the columns that it tells, its nominal period
+  /// and the width of its flag. Before that it is what the header of the last day says.
+  void describe(const NativeColumns& columns);
+  /// Appends an event whose time counts from 1970. What the day that is open has no column for, as
+  /// it began with another header, stands in a comment behind it. Throws OutputError; then nothing
+  /// of the event is in the file: also where a disk that fails has left so much unsafe that no more
+  /// is kept in memory for another attempt (MonitorArchiveTest.WhatIsUnsafeIsBounded).
+  void append(const HeardEvent& event);
   /// Appends a comment, which readers of logs pass over, to the day that is open, or to that of
   /// `at`. Throws OutputError.
   void note(const std::string& text, const Instant& at);
@@ -56,6 +60,9 @@ public:
 
   /// The days that there are, in order.
   [[nodiscard]] std::vector<std::string> days() const;
+  /// Those after one day and before another.
+  [[nodiscard]] std::vector<std::string> days_between(const std::string& after,
+                                                      const std::string& before) const;
   /// The events of one day; none if it cannot be read.
   [[nodiscard]] std::vector<Beat> events_of(const std::string& day) const;
   /// Whether an event of just that time is in it.
@@ -80,7 +87,7 @@ private:
   std::int64_t synced_bytes_ = 0; // its text that is
   bool sync_failed_ = false;      // the system may have thrown the unsafe text away
   NativeColumns columns_; // of a new day
-  bool day_has_edges_ = false;
+  NativeColumns day_columns_; // of the one that is open
   bool is_synced_ = true;
   bool has_origin_ = true; // the day that is open has it
   std::optional<Instant> origin_, last_time_;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t most_breaks = 500; // that are remembered in memory
 constexpr std::size_t tail_beats = 200;  // that tell how the count goes on
 
-constexpr std::size_t learnt_days = 14; // that alarms are learnt from again after a start
+constexpr std::size_t reread_days = 3; // for the minutes of two days, after a start
 
 constexpr double sync_every_s = 1.0; // so that every line is safe within two
 
@@ -55,17 +55,17 @@ ClockWatch::ClockWatch(WatchOptions options)
   restore();
 }
 
-// Days of the index but the last fourteen are taken from it; those are read again with the ones
-// that the index does not have: for the minutes, to count on, and for alarms to learn the clock.
+// Days of the index but the last three are taken from it, with what alarms had learnt by then; those
+// three are read again, with the ones that the index does not have.
 void ClockWatch::restore() {
   const auto days = archive_.days(), indexed = index_.days();
   const bool agrees = std::includes(days.begin(), days.end(), indexed.begin(), indexed.end()) &&
                       index_.is_of_the_files();
   if (!agrees) forget_index();
-  const std::size_t known = agrees ? indexed.size() - std::min(indexed.size(), learnt_days) : 0;
-  const std::string first = known > 0 ? indexed[known] : std::string();
-  const auto taken =
-      static_cast<std::size_t>(std::lower_bound(days.begin(), days.end(), first) - days.begin());
+  // A day may be missing in the middle, which another program did not let be put.
+  const auto unbroken = std::mismatch(indexed.begin(), indexed.end(), days.begin(), days.end()).first;
+  const auto in_index = agrees ? static_cast<std::size_t>(unbroken - indexed.begin()) : 0;
+  const std::size_t taken = in_index - std::min(in_index, reread_days);
   diary_.rebuild_index({days.begin() + static_cast<std::ptrdiff_t>(taken), days.end()});
   if (taken > 0) {
     std::vector<GoingBlock> hours = index_.hours();
@@ -73,6 +73,7 @@ void ClockWatch::restore() {
       return day_of({hour.start_s, 0.0}) >= days[taken];
     });
     going_.restore(hours, index_.first_of_run(days[taken - 1]));
+    alarms_.take_learnt(index_.learnt(days[taken - 1]));
     if (!hours.empty())
       numbers_.go_on_from(numbered_tail(archive_.events_of(days[taken - 1]),
                                         hours.back().last_cycle, options_.log));
@@ -96,12 +97,9 @@ void ClockWatch::replay(const std::vector<std::string>& days) {
   Arrivals replayed;
   for (const std::string& day : days) {
     for (const Beat& event : archive_.events_of(day))
-      for (const Arrivals::Arrival& arrival : replayed.add(event))
-        take(arrival, true);
+      take(replayed.believe(event), true);
     number(numbers_.numbered(log_), true);
   }
-  for (const Arrivals::Arrival& arrival : replayed.rest())
-    take(arrival, true);
 }
 
 void ClockWatch::hold(std::string_view text, const Moment& now) {
@@ -113,16 +111,30 @@ void ClockWatch::hold(std::string_view text, const Moment& now) {
   }
 }
 
-void ClockWatch::add(const Beat& event, const ClockLog& log, const Moment& now) {
-  has_edges_ = has_edges_ || event.edge == Edge::down;
+// What it has told once it is taken to tell.
+void ClockWatch::describe(const HeardEvent& event, const ClockLog& log) {
   if (!log_.nominal_period_s) log_.nominal_period_s = log.nominal_period_s;
-  archive_.describe(has_edges_ || !log.directions_are_open, log_.nominal_period_s);
+  const auto tells = [](bool& column, const std::vector<double>& of_log, double value) {
+    column = column || !of_log.empty() || !std::isnan(value);
+  };
+  columns_.edge = columns_.edge || event.edge == Edge::down || !log.directions_are_open;
+  tells(columns_.width, log.columns.width_s, event.values.width_s);
+  tells(columns_.temperature, log.columns.temperature_c, event.values.temperature_c);
+  tells(columns_.pressure, log.columns.pressure_mbar, event.values.pressure_mbar);
+  tells(columns_.humidity, log.columns.humidity_percent, event.values.humidity_percent);
+  columns_.nominal_period_s = log_.nominal_period_s;
+  columns_.flag_width_rad = log.flag_width_rad;
+  archive_.describe(columns_);
+}
+
+void ClockWatch::add(const HeardEvent& event, const ClockLog& log, const Moment& now) {
+  describe(event, log);
   last_heard_ = now;
   is_holding_ = false;
   if (const auto error_s = places_.date_error_s(event, log, now))
     return keep_misdated(event, *error_s, now);
-  meet(waited_.empty() ? event : waited_.front(), log);
-  for (const Beat& before : std::exchange(waited_, {}))
+  meet(waited_.empty() ? event : waited_.front(), log, now);
+  for (const HeardEvent& before : std::exchange(waited_, {}))
     offer(before, log, now);
   if (places_.is_stored(event, log)) return;
   ++heard_;
@@ -133,21 +145,25 @@ void ClockWatch::add(const Beat& event, const ClockLog& log, const Moment& now) 
 }
 
 // The first event of a run may go on from what is stored.
-void ClockWatch::meet(const Beat& event, const ClockLog& log) {
+void ClockWatch::meet(const HeardEvent& event, const ClockLog& log, const Moment& now) {
   if (!std::exchange(is_first_, false)) return;
   const bool may_be_read_again = !options_.place.source_is_live || goes_on_from_unread_;
-  if (const auto last = places_.meet(event, log, may_be_read_again)) arrivals_.go_on_from(*last);
+  if (const auto last = places_.meet(event, log, may_be_read_again))
+    arrivals_.go_on_from(*last, options_.place.source_is_live
+                                    ? std::optional(now.steady_s - (now.wall - *archive_.last_time()))
+                                    : std::nullopt);
 }
 
 // One that waits for others is kept as a comment until then.
-void ClockWatch::offer(const Beat& event, const ClockLog& log, const Moment& now) {
-  for (const Arrivals::Arrival& arrival : arrivals_.add(event))
+void ClockWatch::offer(const HeardEvent& event, const ClockLog& log, const Moment& now) {
+  const auto heard_s = options_.place.source_is_live ? std::optional(now.steady_s) : std::nullopt;
+  for (const Arrivals::Arrival& arrival : arrivals_.add(event, heard_s))
     places_.add(arrival, log, now);
   note_left_out(arrivals_.take_left_out(), now);
   if (!arrivals_.held().empty() && options_.place.source_is_live) note(waiting_note(event), now);
 }
 
-void ClockWatch::keep_misdated(const Beat& event, double error_s, const Moment& now) {
+void ClockWatch::keep_misdated(const HeardEvent& event, double error_s, const Moment& now) {
   ++heard_;
   note(misdated_note(event, error_s), now);
   going_.add_spurious();
@@ -163,8 +179,8 @@ void ClockWatch::note(const std::string& text, const Moment& now) {
   }
 }
 
-void ClockWatch::note_left_out(const std::vector<Beat>& events, const Moment& now) {
-  for (const Beat& event : events)
+void ClockWatch::note_left_out(const std::vector<HeardEvent>& events, const Moment& now) {
+  for (const HeardEvent& event : events)
     note(left_out_note(event), now);
 }
 
@@ -188,9 +204,19 @@ void ClockWatch::store_pending(const Moment& now) {
     }
   } catch (const OutputError& error) {
     alarms_.archive_fails(now, error.what());
-    constexpr std::size_t most_pending = 1'000'000; // of 40 bytes
-    if (pending_.size() > most_pending) pending_.pop_front();
+    for (; pending_.size() > options_.most_pending; ++lost_)
+      pending_.pop_front();
+    return;
   }
+  tell_lost(now);
+}
+
+// In its place, behind what could be kept before.
+void ClockWatch::tell_lost(const Moment& now) {
+  const auto fresh = lost_ - std::exchange(told_lost_, lost_);
+  if (fresh > 0)
+    note(fmt::format("{} events were lost: the archive could not be written for too long", fresh),
+         now);
 }
 
 void ClockWatch::sync(const Moment& now) {
@@ -247,6 +273,15 @@ void ClockWatch::take_beat(const Beat& beat, bool is_replay) {
   alarms_.heard(going_, nominal_period_s(), is_replay);
 }
 
+// Days up to that of a beat that have a file, of comments, and no good beat. The folder is not
+// looked through where one day follows the other.
+std::vector<std::string> ClockWatch::silent_days(const Beat& beat) const {
+  constexpr std::int64_t day_s = 86400;
+  const bool is_first = going_.days().all().size() == 1;
+  if (!is_first && going_.last()->time.seconds / day_s + 1 == beat.time.seconds / day_s) return {};
+  return archive_.days_between(is_first ? "" : day_of(going_.last()->time), day_of(beat.time));
+}
+
 // The first beat of a new day completes the one before.
 void ClockWatch::complete_day(const Beat& beat) {
   const std::string day = day_of(going_.last()->time);
@@ -254,8 +289,15 @@ void ClockWatch::complete_day(const Beat& beat) {
   std::vector<GoingBlock> hours;
   for (const GoingBlock& hour : going_.hours().all())
     if (day_of({hour.start_s, 0.0}) == day) hours.push_back(hour);
+  const auto learnt = alarms_.learnt();
+  const auto put = [&](const std::string& name, const std::vector<GoingBlock>& its_hours) {
+    index_.put_day(name, its_hours, going_.first_of_run());
+    index_.put_learnt(name, learnt);
+  };
   try {
-    index_.put_day(day, hours, going_.first_of_run());
+    for (const std::string& silent : silent_days(beat))
+      put(silent, {});
+    put(day, hours);
   } catch (const OutputError&) { // it is made again from the files
   }
 }

@@ -26,6 +26,7 @@ struct WatchOptions {
   LogOptions log;
   std::string folder;
   double patience_s = 0.0; ///< silence that is an alarm; 0: five periods
+  std::size_t most_pending = 1'000'000; ///< events, of 100 bytes, that wait for a disk
   PlaceOptions place;
 };
 
@@ -43,7 +44,7 @@ public:
   /// No log was found in them.
   void give_up_unread() { unread_.give_up(); }
   /// An event as the source tells it.
-  void add(const Beat& event, const ClockLog& log, const Moment& now);
+  void add(const HeardEvent& event, const ClockLog& log, const Moment& now);
   /// Called while nothing comes.
   void idle(const ClockLog& log, const Moment& now);
   /// The source has ended.
@@ -58,6 +59,9 @@ public:
   /// Events that are safe on disk, and all that were heard, in this run.
   [[nodiscard]] std::int64_t acknowledged() const { return acknowledged_; }
   [[nodiscard]] std::int64_t heard() const { return heard_; }
+  /// Events that could not be kept: the archive could not be written for so long that they were too
+  /// many.
+  [[nodiscard]] std::int64_t lost() const { return lost_; }
   /// Whether all that was heard is on disk as events or comments, and nothing waits.
   [[nodiscard]] bool is_all_stored() const;
   /// A comment for the day's file.
@@ -70,16 +74,19 @@ private:
   void forget_index();
   void replay(const std::vector<std::string>& days);
   void place(const ClockLog& log, const Moment& now);
-  void meet(const Beat& event, const ClockLog& log);
-  void offer(const Beat& event, const ClockLog& log, const Moment& now);
-  void keep_misdated(const Beat& event, double error_s, const Moment& now);
-  void note_left_out(const std::vector<Beat>& events, const Moment& now);
+  void describe(const HeardEvent& event, const ClockLog& log);
+  void meet(const HeardEvent& event, const ClockLog& log, const Moment& now);
+  void offer(const HeardEvent& event, const ClockLog& log, const Moment& now);
+  void keep_misdated(const HeardEvent& event, double error_s, const Moment& now);
+  void note_left_out(const std::vector<HeardEvent>& events, const Moment& now);
+  void tell_lost(const Moment& now);
   void store_pending(const Moment& now);
   void sync(const Moment& now);
   void take(const Arrivals::Arrival& arrived, bool is_replay);
   void number(std::vector<Beat> beats, bool is_replay);
   void take_beat(const Beat& beat, bool is_replay);
   void complete_day(const Beat& beat);
+  [[nodiscard]] std::vector<std::string> silent_days(const Beat& beat) const;
 
   WatchOptions options_;
   Archive archive_;
@@ -92,17 +99,17 @@ private:
   Alarms alarms_;
   AlarmDiary diary_;
   ClockLog log_;           // what is known of the source
-  bool has_edges_ = false; // an event of the other direction was heard
+  NativeColumns columns_;  // that it was heard to have
   bool is_first_ = true;   // no event of this run yet
   bool goes_on_from_unread_ = false; // lines of the last run are told again
   bool is_holding_ = true; // no event since the source was opened
   std::optional<Moment> last_heard_;
   std::optional<double> last_good_s_, last_sync_s_; // by the steady clock
-  std::vector<Beat> waited_; // when the last run ended: not in the archive but as comments
+  std::vector<HeardEvent> waited_; // when the last run ended: not in the archive but as comments
   std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
   std::vector<Gap> gaps_;
   std::deque<CountBreak> breaks_;
-  std::int64_t acknowledged_ = 0, heard_ = 0, stored_ = 0;
+  std::int64_t acknowledged_ = 0, heard_ = 0, stored_ = 0, lost_ = 0, told_lost_ = 0;
 };
 
 } // namespace goingrate::apps

@@ -34,6 +34,13 @@ std::optional<double> DailyWave::without(std::int64_t minute, std::optional<doub
   return *mean - x.tail<terms - 1>().dot(learnt.tail<terms - 1>());
 }
 
+void DailyWave::pass(Learnt& learnt) {
+  for (double& weight : weights_.reshaped())
+    learnt(weight);
+  for (double& sum : sums_)
+    learnt(sum);
+}
+
 void DailyWave::stepped(double size) { sums_ += size * weights_.col(0); }
 
 } // namespace goingrate::apps

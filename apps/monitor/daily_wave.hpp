@@ -1,6 +1,8 @@
 // The wave of a day in a quantity that is measured once a minute.
 #pragma once
 
+#include "learnt.hpp"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
@@ -16,6 +18,7 @@ public:
   std::optional<double> without(std::int64_t minute, std::optional<double> mean);
   /// The level has changed by `size`: what was learnt is moved along with it.
   void stepped(double size);
+  void pass(Learnt& learnt);
 
 private:
   static constexpr int terms = 5;

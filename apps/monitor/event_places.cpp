@@ -10,7 +10,9 @@ namespace {
 
 bool has_dates(const ClockLog& log) { return log.origin != TimeOrigin::none; }
 
-Instant as_stored_at(const Instant& time) { return as_stored(event_at(time)).time; }
+Instant as_stored_at(const Instant& time, const EventValues& values = {}) {
+  return as_stored({event_at(time), values}).time;
+}
 
 // The source's own second 0, if it told `event` at that time.
 Instant origin_for(const Beat& event, const Instant& at) {
@@ -26,11 +28,11 @@ Instant EventPlaces::absolute(const Beat& event, const ClockLog& log) const {
   return Instant{event.time.seconds + origin.seconds, event.time.fraction} + origin.fraction;
 }
 
-std::optional<Beat> EventPlaces::meet(const Beat& event, const ClockLog& log,
+std::optional<Beat> EventPlaces::meet(const HeardEvent& event, const ClockLog& log,
                                       bool may_be_read_again) {
   const auto last_stored = archive_.last_time();
   if (!last_stored || (!has_dates(log) && !archive_.origin())) return {};
-  const Instant at = as_stored_at(absolute(event, log));
+  const Instant at = as_stored_at(absolute(event, log), event.values);
   origin_holds_ = true;
   is_unsure_ = !has_dates(log) && options_.source_is_live;
   skips_stored_ = may_be_read_again && !(at > *last_stored) && archive_.holds(at);
@@ -39,8 +41,9 @@ std::optional<Beat> EventPlaces::meet(const Beat& event, const ClockLog& log,
   return last;
 }
 
-bool EventPlaces::is_stored(const Beat& event, const ClockLog& log) {
-  skips_stored_ = skips_stored_ && !(as_stored_at(absolute(event, log)) > *archive_.last_time());
+bool EventPlaces::is_stored(const HeardEvent& event, const ClockLog& log) {
+  skips_stored_ = skips_stored_ && !(as_stored_at(absolute(event, log), event.values) >
+                                     *archive_.last_time());
   return skips_stored_;
 }
 
@@ -111,7 +114,7 @@ EventPlaces::Placed EventPlaces::take(const ClockLog& log, const Instant& heard_
     choose_origin(heard_at, period_s);
   }
   for (const Arrival& arrival : waiting_) {
-    Beat event = arrival.event;
+    HeardEvent event = arrival.event;
     event.time = absolute(arrival.event, log);
     constexpr std::int64_t latest_s = 9'223'372'036; // in the year 2262
     if (event.time.seconds < 0 || event.time.seconds > latest_s)

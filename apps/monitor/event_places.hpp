@@ -28,9 +28,9 @@ public:
 
   /// The first event of a run. Returns the last one stored, as the source would have told it, if
   /// the event may go on from there. `may_be_read_again`: the source may tell what is stored.
-  std::optional<Beat> meet(const Beat& event, const ClockLog& log, bool may_be_read_again);
+  std::optional<Beat> meet(const HeardEvent& event, const ClockLog& log, bool may_be_read_again);
   /// Whether the event is stored already, as the lines of a file are that is read again.
-  [[nodiscard]] bool is_stored(const Beat& event, const ClockLog& log);
+  [[nodiscard]] bool is_stored(const HeardEvent& event, const ClockLog& log);
   /// Seconds that a date of a live source is after the computer's, if it is more than a day from
   /// it: a receiver of time that does not know the date yet tells another one.
   [[nodiscard]] std::optional<double> date_error_s(const Beat& event, const ClockLog& log,
@@ -44,8 +44,8 @@ public:
 
   /// What was added, some of it with its place and some that has none.
   struct Placed {
-    std::vector<Arrival> events; ///< times count from 1970, as the archive keeps them
-    std::vector<Beat> left_out;  ///< as they were told
+    std::vector<Arrival> events;      ///< times count from 1970, as the archive keeps them
+    std::vector<HeardEvent> left_out; ///< as they were told
   };
   /// `heard_at`: when the last event was heard.
   [[nodiscard]] Placed take(const ClockLog& log, const Instant& heard_at, double period_s);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace goingrate::apps {
 
@@ -42,6 +43,31 @@ double sigma_with_wander(std::vector<double> rates) {
 
 } // namespace
 
+void MiddleBeat::add(const Beat& beat) {
+  constexpr std::size_t most_beats = 6; // with five periods, of which two may be of a wrong beat
+  beats_.push_back(beat);
+  if (beats_.size() > most_beats) beats_.pop_front();
+}
+
+const Beat& MiddleBeat::get() const {
+  constexpr std::size_t fewest_beats = 3;
+  if (beats_.size() < fewest_beats) return beats_.back();
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < beats_.size(); ++i)
+    periods.push_back((beats_[i].time - beats_[i - 1].time) /
+                      static_cast<double>(beats_[i].cycle - beats_[i - 1].cycle));
+  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
+  std::nth_element(periods.begin(), middle, periods.end());
+  std::vector<std::pair<double, const Beat*>> errors; // against a clock of that period
+  for (const Beat& beat : beats_)
+    errors.emplace_back((beat.time - beats_.front().time) -
+                            *middle * static_cast<double>(beat.cycle - beats_.front().cycle),
+                        &beat);
+  const auto chosen = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), chosen, errors.end());
+  return *chosen->second;
+}
+
 std::optional<double> GoingBlock::amplitude_rad() const { return mean(amplitude_sum, amplitudes); }
 std::optional<double> GoingBlock::beat_error_s() const { return mean(beat_error_sum, beat_errors); }
 
@@ -65,9 +91,9 @@ bool GoingBlocks::open(const Instant& time) {
 std::optional<double> GoingBlocks::rate_of(std::size_t i, double nominal_period_s) const {
   if (i == 0 || nominal_period_s <= 0.0) return {};
   const GoingBlock &before = blocks_[i - 1], &block = blocks_[i];
-  const std::int64_t cycles = block.last_cycle - before.last_cycle;
+  const std::int64_t cycles = block.mark_cycle - before.mark_cycle;
   if (before.beats == 0 || block.beats == 0 || before.run != block.run || cycles <= 0) return {};
-  return static_cast<double>(cycles) * nominal_period_s / (block.last_time - before.last_time) -
+  return static_cast<double>(cycles) * nominal_period_s / (block.mark_time - before.mark_time) -
          1.0;
 }
 
@@ -92,8 +118,9 @@ void GoingBlocks::merge(const GoingBlock& part) {
   block.amplitudes += part.amplitudes;
   block.beat_error_sum += part.beat_error_sum;
   block.beat_errors += part.beat_errors;
-  block.last_time = part.last_time;
   block.last_cycle = part.last_cycle;
+  block.mark_time = part.mark_time;
+  block.mark_cycle = part.mark_cycle;
   block.run = part.run;
 }
 
@@ -134,12 +161,16 @@ void Going::add(const Beat& beat, std::int64_t missed_before) {
   hours_.open(beat.time);
   days_.open(beat.time);
   add_beat_error(beat);
+  if (minute_is_new_ || (last_ && run_of_last_ != run_)) middle_.begin_anew();
+  run_of_last_ = run_;
+  middle_.add(beat);
   each_length([&](GoingBlocks& blocks) {
     GoingBlock& block = blocks.last();
     ++block.beats;
     block.missed += missed_before;
-    block.last_time = beat.time;
     block.last_cycle = beat.cycle;
+    block.mark_time = middle_.get().time;
+    block.mark_cycle = middle_.get().cycle;
     block.run = run_;
     if (!std::isnan(beat.amplitude_rad)) {
       block.amplitude_sum += beat.amplitude_rad;
@@ -152,6 +183,17 @@ void Going::add(const Beat& beat, std::int64_t missed_before) {
   }
   last_ = beat;
   ++beats_;
+}
+
+double Going::missed_share() const {
+  constexpr std::size_t hours_a_day = 24;
+  double beats = 1.0, missed = 0.5;
+  const auto& all = hours_.all();
+  for (std::size_t i = all.size() - std::min(all.size(), hours_a_day); i < all.size(); ++i) {
+    missed += static_cast<double>(all[i].missed);
+    beats += static_cast<double>(all[i].beats + all[i].missed);
+  }
+  return missed / beats;
 }
 
 std::optional<double> Going::deviation_s(double nominal_period_s) const {

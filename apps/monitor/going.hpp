@@ -16,13 +16,27 @@ struct GoingBlock {
   std::int64_t beats = 0, missed = 0, spurious = 0;
   double amplitude_sum = 0.0, beat_error_sum = 0.0;
   std::int64_t amplitudes = 0, beat_errors = 0;
-  Instant last_time; ///< of the last good beat, if there is one
-  std::int64_t last_cycle = 0;
+  std::int64_t last_cycle = 0; ///< of the last good beat, if there is one
+  Instant mark_time;           ///< of the one near the end that rates are told from (MiddleBeat)
+  std::int64_t mark_cycle = 0;
   /// Counts go on without doubt within one run.
   std::int64_t run = 0;
 
   [[nodiscard]] std::optional<double> amplitude_rad() const;
   [[nodiscard]] std::optional<double> beat_error_s() const; ///< tick less tock
+};
+
+/// Of the last six beats the one whose time is in the middle of what they tell of the clock: up to two
+/// whose times are wrong, as a false event in the place of a missed beat, do not move it
+/// (MonitorWatchTest.AWrongBeatIsNoRate).
+class MiddleBeat {
+public:
+  void begin_anew() { beats_.clear(); }
+  void add(const Beat& beat);
+  [[nodiscard]] const Beat& get() const;
+
+private:
+  std::deque<Beat> beats_;
 };
 
 /// A number with its standard deviation.
@@ -43,7 +57,7 @@ public:
   [[nodiscard]] GoingBlock& last() { return blocks_.back(); }
   [[nodiscard]] const std::deque<GoingBlock>& all() const { return blocks_; }
   [[nodiscard]] std::int64_t length_s() const { return length_s_; }
-  /// Rate of a block against the last beat of the block before it; nothing across a break.
+  /// Rate of a block against the end of the block before it; nothing across a break.
   [[nodiscard]] std::optional<double> rate_of(std::size_t i, double nominal_period_s) const;
   /// Rate over the last `count` blocks that are complete, in the run that goes on now. Its sigma is
   /// that of a mean of the blocks' rates, of pairs of them, of fours …, the largest, so that slow
@@ -78,6 +92,9 @@ public:
   [[nodiscard]] const std::optional<Beat>& last() const { return last_; }
   [[nodiscard]] const std::optional<Beat>& first_of_run() const { return first_of_run_; }
   [[nodiscard]] std::int64_t beats() const { return beats_; }
+  /// The share of beats that were missed one by one in the last day; never 0, nor 1, as that of a
+  /// few beats says little.
+  [[nodiscard]] double missed_share() const;
   /// The clock's error, s, since the first beat of the run that goes on now: positive, fast.
   [[nodiscard]] std::optional<double> deviation_s(double nominal_period_s) const;
 
@@ -91,7 +108,8 @@ private:
 
   GoingBlocks minutes_{60, 2881}, hours_{3600, 9600}, days_{86400, 7400};
   std::optional<Beat> last_, last_down_, first_of_run_;
-  std::int64_t run_ = 0, run_of_first_ = -1, beats_ = 0;
+  MiddleBeat middle_; // of the minute
+  std::int64_t run_ = 0, run_of_first_ = -1, run_of_last_ = -1, beats_ = 0;
   bool minute_is_new_ = false;
 };
 

@@ -1,5 +1,6 @@
 #include "held_notes.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -13,28 +14,56 @@ namespace {
 constexpr std::string_view waiting_words = "waits for others to go on from it: ";
 constexpr std::string_view left_out_words = "left out, its time fits nothing: ";
 
-std::string words_of(const Beat& event) {
+std::string told_words(const HeardEvent& event) {
   std::string words = format_instant(event.time, 9);
   if (event.edge == Edge::down) words += " down";
   if (!std::isnan(event.amplitude_rad)) words += fmt::format(" {:.9g}", event.amplitude_rad);
-  return words;
+  return words + words_of(event.values);
+}
+
+struct NamedValue {
+  std::string_view name; // as the native format has it
+  double EventValues::*value;
+};
+constexpr std::array named_values{NamedValue{"width_s", &EventValues::width_s},
+                                  NamedValue{"temperature_c", &EventValues::temperature_c},
+                                  NamedValue{"pressure_mbar", &EventValues::pressure_mbar},
+                                  NamedValue{"humidity_percent", &EventValues::humidity_percent}};
+
+// The reverse of words_of(): false if the word is none of a value.
+bool take_word(EventValues& values, const std::string& word) {
+  const std::size_t sign = word.find('=');
+  if (sign == word.npos) return false;
+  for (const auto& [name, value] : named_values)
+    if (word.compare(0, sign, name) == 0)
+      values.*value = std::strtod(word.c_str() + sign + 1, nullptr);
+  return true;
 }
 
 } // namespace
 
-std::string waiting_note(const Beat& event) { return std::string(waiting_words) + words_of(event); }
-
-std::string left_out_note(const Beat& event) {
-  return std::string(left_out_words) + words_of(event);
+std::string words_of(const EventValues& values) {
+  std::string words;
+  for (const auto& [name, value] : named_values)
+    if (!std::isnan(values.*value)) words += fmt::format(" {}={:.9g}", name, values.*value);
+  return words;
 }
 
-std::string misdated_note(const Beat& event, double error_s) {
+std::string waiting_note(const HeardEvent& event) {
+  return std::string(waiting_words) + told_words(event);
+}
+
+std::string left_out_note(const HeardEvent& event) {
+  return std::string(left_out_words) + told_words(event);
+}
+
+std::string misdated_note(const HeardEvent& event, double error_s) {
   return fmt::format("left out, its date is {:+.0f} s from the computer's: {}", error_s,
-                     words_of(event));
+                     told_words(event));
 }
 
-std::vector<Beat> still_waiting(const std::vector<std::string>& notes) {
-  std::vector<Beat> events;
+std::vector<HeardEvent> still_waiting(const std::vector<std::string>& notes) {
+  std::vector<HeardEvent> events;
   for (const std::string& note : notes) {
     if (note.starts_with(left_out_words)) events.clear(); // those that waited
     if (!note.starts_with(waiting_words)) continue;
@@ -43,11 +72,11 @@ std::vector<Beat> still_waiting(const std::vector<std::string>& notes) {
     words >> word;
     const auto time = parse_instant(word);
     if (!time) continue;
-    Beat event = event_at(*time);
+    HeardEvent event = event_at(*time);
     while (words >> word)
       if (word == "down")
         event.edge = Edge::down;
-      else
+      else if (!take_word(event.values, word))
         event.amplitude_rad = std::strtod(word.c_str(), nullptr);
     events.push_back(event);
   }

@@ -1,7 +1,7 @@
 // Comments of events that are no events of the archive, or not yet.
 #pragma once
 
-#include "goingrate/log/clock_log.hpp"
+#include "arrivals.hpp"
 
 #include <string>
 #include <vector>
@@ -9,13 +9,15 @@
 namespace goingrate::apps {
 
 /// Of an event behind a gap, which waits until others go on from it.
-std::string waiting_note(const Beat& event);
+std::string waiting_note(const HeardEvent& event);
 /// Of an event that is not believed, as nothing goes on from it: then nothing waits any more.
-std::string left_out_note(const Beat& event);
+std::string left_out_note(const HeardEvent& event);
 /// Of an event whose date is so many seconds from the computer's.
-std::string misdated_note(const Beat& event, double error_s);
+std::string misdated_note(const HeardEvent& event, double error_s);
+/// Values beside the time as NAME=VALUE, each behind a blank; only those that are known.
+std::string words_of(const EventValues& values);
 /// The events that still waited at the end of a day, by its comments behind the last event. Their
 /// times are the source's own.
-std::vector<Beat> still_waiting(const std::vector<std::string>& notes);
+std::vector<HeardEvent> still_waiting(const std::vector<std::string>& notes);
 
 } // namespace goingrate::apps

@@ -2,6 +2,7 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <cstring>
 #include <filesystem>
 #include <sqlite3.h>
 #include <sys/stat.h>
@@ -12,12 +13,14 @@ namespace {
 
 constexpr const char* schema = R"(
 PRAGMA journal_mode = WAL;
-PRAGMA user_version = 2;
+PRAGMA user_version = 3;
 CREATE TABLE IF NOT EXISTS day (day TEXT PRIMARY KEY, bytes INTEGER, changed INTEGER,
   first_seconds INTEGER, first_fraction REAL, first_cycle INTEGER);
 CREATE TABLE IF NOT EXISTS hour (start INTEGER PRIMARY KEY, beats INTEGER, missed INTEGER,
   spurious INTEGER, amplitude_sum REAL, amplitudes INTEGER, beat_error_sum REAL,
-  beat_errors INTEGER, last_seconds INTEGER, last_fraction REAL, last_cycle INTEGER, run INTEGER);
+  beat_errors INTEGER, last_cycle INTEGER, mark_seconds INTEGER, mark_fraction REAL,
+  mark_cycle INTEGER, run INTEGER);
+CREATE TABLE IF NOT EXISTS learnt (day TEXT PRIMARY KEY, numbers BLOB);
 CREATE TABLE IF NOT EXISTS break (seconds INTEGER, fraction REAL, after_cycle INTEGER,
   missing INTEGER, probability REAL, UNIQUE (after_cycle));
 CREATE TABLE IF NOT EXISTS alarm (at REAL, kind TEXT, raised INTEGER, text TEXT,
@@ -63,7 +66,7 @@ struct ArchiveIndex::Database {
       return 0;
     };
     sqlite3_exec(handle, "PRAGMA user_version", keep, &version, nullptr);
-    return version == "1";
+    return version == "1" || version == "2";
   }
   [[nodiscard]] bool is_sound() const {
     std::string says;
@@ -104,6 +107,11 @@ public:
     sqlite3_bind_text(statement_, ++bound_, value.c_str(), -1, SQLITE_TRANSIENT);
     return *this;
   }
+  Statement& bind(const std::vector<double>& values) {
+    sqlite3_bind_blob64(statement_, ++bound_, values.data(), values.size() * sizeof(double),
+                        SQLITE_TRANSIENT);
+    return *this;
+  }
   /// Whether there is a further row; false also where the statement failed.
   bool step() {
     read_ = 0;
@@ -113,6 +121,13 @@ public:
   [[nodiscard]] bool is_done() const { return result_ == SQLITE_DONE; }
   std::int64_t whole() { return sqlite3_column_int64(statement_, read_++); }
   double real() { return sqlite3_column_double(statement_, read_++); }
+  std::vector<double> reals() {
+    const void* bytes = sqlite3_column_blob(statement_, read_);
+    const int size = sqlite3_column_bytes(statement_, read_++);
+    std::vector<double> values(static_cast<std::size_t>(size) / sizeof(double));
+    if (bytes != nullptr) std::memcpy(values.data(), bytes, values.size() * sizeof(double));
+    return values;
+  }
   std::string text() {
     const auto* words = sqlite3_column_text(statement_, read_++);
     return words == nullptr ? "" : reinterpret_cast<const char*>(words);
@@ -198,7 +213,7 @@ std::vector<GoingBlock> ArchiveIndex::hours() const {
   std::vector<GoingBlock> hours;
   Statement select(database_->handle,
                    "SELECT start, beats, missed, spurious, amplitude_sum, amplitudes, "
-                   "beat_error_sum, beat_errors, last_seconds, last_fraction, last_cycle, run "
+                   "beat_error_sum, beat_errors, last_cycle, mark_seconds, mark_fraction, mark_cycle, run "
                    "FROM hour ORDER BY start");
   while (select.step()) {
     GoingBlock h;
@@ -210,9 +225,10 @@ std::vector<GoingBlock> ArchiveIndex::hours() const {
     h.amplitudes = select.whole();
     h.beat_error_sum = select.real();
     h.beat_errors = select.whole();
-    h.last_time.seconds = select.whole();
-    h.last_time.fraction = select.real();
     h.last_cycle = select.whole();
+    h.mark_time.seconds = select.whole();
+    h.mark_time.fraction = select.real();
+    h.mark_cycle = select.whole();
     h.run = select.whole();
     hours.push_back(h);
   }
@@ -256,10 +272,11 @@ void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>
   database_->run("BEGIN");
   for (const GoingBlock& h : hours) {
     Statement insert(database_->handle,
-                     "INSERT OR REPLACE INTO hour VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                     "INSERT OR REPLACE INTO hour VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     insert.bind(h.start_s).bind(h.beats).bind(h.missed).bind(h.spurious).bind(h.amplitude_sum);
     insert.bind(h.amplitudes).bind(h.beat_error_sum).bind(h.beat_errors);
-    insert.bind(h.last_time.seconds).bind(h.last_time.fraction).bind(h.last_cycle).bind(h.run);
+    insert.bind(h.last_cycle).bind(h.mark_time.seconds).bind(h.mark_time.fraction);
+    insert.bind(h.mark_cycle).bind(h.run);
     insert.step();
     if (!insert.is_done()) database_->fail();
   }
@@ -273,6 +290,19 @@ void ArchiveIndex::put_day(const std::string& day, const std::vector<GoingBlock>
   insert.step();
   if (!insert.is_done()) database_->fail();
   database_->run("COMMIT");
+}
+
+void ArchiveIndex::put_learnt(const std::string& day, const std::vector<double>& numbers) {
+  Statement insert(database_->handle, "INSERT OR REPLACE INTO learnt VALUES (?, ?)");
+  insert.bind(day).bind(numbers).step();
+  if (!insert.is_done()) database_->fail();
+  database_->run("DELETE FROM learnt WHERE day NOT IN (SELECT day FROM learnt ORDER BY day DESC "
+                 "LIMIT 30)");
+}
+
+std::vector<double> ArchiveIndex::learnt(const std::string& day) const {
+  Statement select(database_->handle, "SELECT numbers FROM learnt WHERE day = ?");
+  return select.bind(day).step() ? select.reals() : std::vector<double>();
 }
 
 void ArchiveIndex::put_break(const CountBreak& gap) {
@@ -291,6 +321,7 @@ void ArchiveIndex::put_alarm(const AlarmRecord& alarm) {
 void ArchiveIndex::clear() {
   database_->run("DELETE FROM day");
   database_->run("DELETE FROM hour");
+  database_->run("DELETE FROM learnt");
   database_->run("DELETE FROM break");
   database_->run("DELETE FROM alarm");
 }

@@ -39,10 +39,14 @@ public:
   [[nodiscard]] std::vector<AlarmRecord> alarms() const;
   /// The first beat of the run that went on at the end of a day.
   [[nodiscard]] std::optional<Beat> first_of_run(const std::string& day) const;
+  /// What alarms had learnt when a day ended; empty if it is not known. That of the last thirty days
+  /// is.
+  [[nodiscard]] std::vector<double> learnt(const std::string& day) const;
   /// Whether the files of its days are as long and as old as they were when these were put.
   [[nodiscard]] bool is_of_the_files() const;
   void put_day(const std::string& day, const std::vector<GoingBlock>& hours,
                const std::optional<Beat>& first_of_run);
+  void put_learnt(const std::string& day, const std::vector<double>& numbers);
   void put_break(const CountBreak& gap);
   void put_alarm(const AlarmRecord& alarm);
   /// Everything is forgotten.

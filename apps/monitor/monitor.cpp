@@ -6,6 +6,7 @@
 #include "file_position.hpp"
 #include "server.hpp"
 #include "source.hpp"
+#include "source_head.hpp"
 
 #include "goingrate/base/errors.hpp"
 
@@ -64,7 +65,8 @@ public:
       : options_(options), global_(global),
         address_(options.listen.empty() ? std::nullopt
                                         : std::optional(parse_address(options.listen))),
-        watch_(watch_options(options)), position_(options.archive), commands_(options.on_alarm),
+        watch_(watch_options(options)), position_(options.archive),
+        head_(options.archive, options.source), commands_(options.on_alarm),
         answering_(options.name) {
     if (!address_) return;
     server_.emplace(*address_);
@@ -108,14 +110,15 @@ private:
       tell();
       return may_grow && !is_to_end;
     };
-    LogFollower log(source.path(), reading_options(options_.log), wait, watch_.unread());
+    LogFollower log(source.path(), reading_options(options_.log), wait, before());
+    if (!is_file(options_.source)) head_.keep(log.head());
     known = log.log();
     std::uint32_t known_lines = part.known_lines, last_line = 0;
     for (auto event = log.next(); event && !is_to_end; event = log.next()) {
       if (event->line < last_line) known_lines = 0; // of another file in its place
       last_line = event->line;
       if (event->line <= known_lines) continue;
-      watch_.add(*event, log.log(), now());
+      watch_.add({*event, log.values()}, log.log(), now());
       if (is_file(options_.source)) position_.took(part.path, event->line);
       save_position();
       tell();
@@ -123,6 +126,12 @@ private:
     if (may_grow) watch_.end(log.log(), now());
     save_position();
     tell();
+  }
+
+  // What a source that is heard as it speaks said last time.
+  [[nodiscard]] std::string before() const {
+    const bool is_new = watch_.unread().empty() && !is_file(options_.source);
+    return is_new ? head_.text() : watch_.unread();
   }
 
   void save_position() {
@@ -154,6 +163,7 @@ private:
   std::optional<ListenAddress> address_;
   ClockWatch watch_;
   FilePosition position_;
+  SourceHead head_;
   AlarmCommands commands_;
   WatchAnswering answering_;
   std::optional<MonitorServer> server_;

@@ -8,7 +8,7 @@
 namespace goingrate::apps {
 
 /// The file DIR/.unread: the first lines of a source, as they came, until events have been made of
-/// them and are safe (MonitorWatchTest.LinesThatAreNotRecognisedYetOutliveAKill).
+/// them and are safe (MonitorLinesTest.LinesThatAreNotRecognisedYetOutliveAKill).
 class UnreadLines {
 public:
   /// Reads what an earlier run left.

@@ -87,7 +87,8 @@ Json now_json(const ClockWatch& watch, const std::string& name, const Instant& n
             {"year", rate_json(rate_of_a_year(going, nominal))}}},
           {"alarms", std::move(raised)},
           {"heard", watch.heard()},
-          {"acknowledged", watch.acknowledged()}};
+          {"acknowledged", watch.acknowledged()},
+          {"lost", watch.lost()}};
 }
 
 // One metric in Prometheus' text format; nothing where it is not known.
@@ -103,6 +104,9 @@ std::string metrics_of(const Json& now) {
   put(text, "goingrate_beats_total", "counter", "Beats that were numbered.", now["beats"]);
   put(text, "goingrate_acknowledged_total", "counter", "Events of this run that are on disk.",
       now["acknowledged"]);
+  put(text, "goingrate_lost_total", "counter",
+      "Events of this run that could not be kept while the archive could not be written.",
+      now["lost"]);
   put(text, "goingrate_last_beat_seconds", "gauge", "Time of the last beat since 1970.",
       now["last_beat"]);
   put(text, "goingrate_deviation_seconds", "gauge", "The clock's error; positive: fast.",

@@ -125,7 +125,9 @@ struct LogFollower::Parts {
                "left out");
     if (layout && is_same(start.layout, *layout))
       return rows->begin_anew(before + start.layout.first_line);
-    read_on(settle_layout(start.text, false, log, options), before);
+    const Layout found = settle_layout(start.text, false, log, options);
+    if (found.first_line > 1) head = first_lines(start.text, found.first_line - 1);
+    read_on(found, before);
   }
 
   // Without a recognised beginning, reading goes on with the layout before, if there is one;
@@ -146,6 +148,7 @@ struct LogFollower::Parts {
       throw InputError({path, found.first_line, 1},
                        found.newest_first ? "the newest line first" : "samples of an angle",
                        "a log that grows by one event per line");
+    log.columns = {}; // those of a layout before
     layout = std::move(found);
     rows.emplace(*layout, options, log);
     is_first = true;
@@ -167,6 +170,29 @@ struct LogFollower::Parts {
     return false;
   }
 
+  // The row reader looks back at the last events, so these are kept.
+  void forget_old() {
+    constexpr std::size_t beats_looked_back_at = 16, most_handed_out = 4096;
+    if (handed_out <= most_handed_out) return;
+    const std::size_t gone = handed_out - beats_looked_back_at, left = log.events.size() - gone;
+    const auto shorten = [left](auto& all) {
+      if (all.size() > left) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(left));
+    };
+    shorten(log.events);
+    for (std::vector<double>* column : log.columns.all())
+      shorten(*column);
+    handed_out -= gone;
+  }
+
+  // A column's value of the event that was handed out last. A column that began later than the
+  // events ends with them.
+  [[nodiscard]] double last_of(const std::vector<double>& column) const {
+    const std::size_t from_end = log.events.size() - handed_out + 1;
+    return handed_out > 0 && column.size() >= from_end
+               ? column[column.size() - from_end]
+               : std::numeric_limits<double>::quiet_NaN();
+  }
+
   std::string path;
   ReadingOptions options;
   std::function<bool()> wait;
@@ -175,6 +201,7 @@ struct LogFollower::Parts {
   ClockLog log;
   std::optional<LineReader> lines;
   std::optional<Layout> layout;
+  std::string head; // the lines of the log before its data
   std::optional<RowReader> rows;
   std::size_t handed_out = 0; // of log.events
   bool is_first = true;       // no event of this layout was handed out
@@ -185,6 +212,8 @@ LogFollower::LogFollower(const std::string& path, const ReadingOptions& options,
     : parts_(std::make_unique<Parts>(path, options, std::move(wait), before)) {}
 
 LogFollower::~LogFollower() = default;
+
+const std::string& LogFollower::head() const { return parts_->head; }
 
 const ClockLog& LogFollower::log() const { return parts_->log; }
 
@@ -200,15 +229,14 @@ std::optional<Beat> LogFollower::next() {
   const Beat beat = events[parts_->handed_out++];
   if (std::exchange(parts_->is_first, false))
     parts_->log.origin = origin_of(*parts_->layout, beat.time);
-  // The row reader looks back at the last events, so these are kept.
-  constexpr std::size_t beats_looked_back_at = 16, most_handed_out = 4096;
-  if (parts_->handed_out > most_handed_out) {
-    const std::size_t gone = parts_->handed_out - beats_looked_back_at;
-    events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(gone));
-    parts_->handed_out -= gone;
-    parts_->log.columns = {}; // not needed while following
-  }
+  parts_->forget_old();
   return beat;
+}
+
+EventValues LogFollower::values() const {
+  const EventColumns& columns = parts_->log.columns;
+  return {parts_->last_of(columns.width_s), parts_->last_of(columns.temperature_c),
+          parts_->last_of(columns.pressure_mbar), parts_->last_of(columns.humidity_percent)};
 }
 
 } // namespace goingrate

@@ -261,14 +261,21 @@ bool LineReader::refill() {
   return count > 0;
 }
 
-// What is left is the beginning of one line.
-void LineReader::cut_rest() {
+// What is left is, from `begin` on, the beginning of one line, and long.
+void LineReader::cut_rest(std::size_t begin) {
   constexpr std::size_t most_told_bytes = 64; // bytes of it
   constexpr std::string_view words = " … line cut … ";
-  std::copy(rest_.begin(), rest_.begin() + most_told_bytes,
-            buffer_.begin()); // moves towards the front
-  std::copy(words.begin(), words.end(), buffer_.begin() + most_told_bytes);
-  rest_ = {buffer_.data(), most_told_bytes + words.size()};
+  const auto kept = static_cast<std::ptrdiff_t>(begin + most_told_bytes);
+  std::copy(rest_.begin(), rest_.begin() + kept, buffer_.begin()); // moves towards the front
+  std::copy(words.begin(), words.end(), buffer_.begin() + kept);
+  rest_ = {buffer_.data(), begin + most_told_bytes + words.size()};
+}
+
+// Cuts the last line at hand, which has no end yet, where it is longer than any of a log.
+void LineReader::cut_last_line() {
+  constexpr std::size_t most_bytes_of_a_line = 1 << 16; // of a log
+  const std::size_t begin = rest_.rfind('\n') + 1; // npos + 1 is 0
+  if (cuts_long_lines_ && rest_.size() - begin > most_bytes_of_a_line) cut_rest(begin);
 }
 
 void LineReader::settle_line_end() {
@@ -283,8 +290,8 @@ std::string_view LineReader::head(std::size_t lines) {
   const auto enough = [&] {
     return static_cast<std::size_t>(std::count(rest_.begin(), rest_.end(), '\n')) >= lines;
   };
-  while (!enough() && rest_.size() < longest_line && refill()) {
-  }
+  while (!enough() && rest_.size() < longest_line && refill())
+    cut_last_line();
   settle_line_end();
   const auto count = static_cast<double>(std::count(rest_.begin(), rest_.end(), line_end_)) + 1.0;
   const double seen = static_cast<double>(rest_.size());
@@ -322,7 +329,7 @@ std::optional<Line> LineReader::next() {
         text.remove_suffix(1);
       return Line{text, ++number_, true};
     }
-    if (rest_.size() > longest_line && cuts_long_lines_) cut_rest();
+    if (rest_.size() > longest_line && cuts_long_lines_) cut_rest(0);
     searched = rest_.size();
     if (refill()) continue;
     if (rest_.empty()) return {};

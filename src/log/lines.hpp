@@ -86,7 +86,8 @@ public:
 
 private:
   bool refill();
-  void cut_rest();
+  void cut_rest(std::size_t begin);
+  void cut_last_line();
   void settle_line_end();
 
   std::unique_ptr<ByteSource> source_; // none for a text in memory

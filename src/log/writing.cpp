@@ -61,11 +61,7 @@ std::string_view edge_word(const SensedEvent& event) {
   return up ? ",up" : ",down";
 }
 
-struct Air { // what a simulated sensor does not see
-  double pressure_mbar = std::nan(""), humidity_percent = std::nan("");
-};
-
-void append_line(std::string& text, const SensedEvent& event, const Air& air,
+void append_line(std::string& text, const SensedEvent& event, const EventValues& air,
                  const NativeColumns& columns) {
   DecimalText line;
   append_instant(line, event.beat.time, columns.decimals);
@@ -89,6 +85,17 @@ void append_native_line(std::string& text, const SensedEvent& event, const Nativ
   append_line(text, event, {}, columns);
 }
 
+void append_native_line(std::string& text, const Beat& event, const EventValues& values,
+                        const NativeColumns& columns) {
+  SensedEvent sensed;
+  sensed.beat = event;
+  sensed.width_s = values.width_s;
+  sensed.temperature_c = values.temperature_c;
+  if (columns.width && !std::isnan(values.width_s))
+    sensed.beat.time = event.time + -0.5 * values.width_s; // the leading edge
+  append_line(text, sensed, values, columns);
+}
+
 std::string native_log_text(const ClockLog& log, int decimals) {
   NativeColumns columns;
   columns.edge = std::any_of(log.events.begin(), log.events.end(),
@@ -103,18 +110,12 @@ std::string native_log_text(const ClockLog& log, int decimals) {
   columns.flag_width_rad = log.flag_width_rad;
   std::string text = native_log_header(columns);
   for (std::size_t i = 0; i < log.events.size(); ++i) {
-    SensedEvent event;
-    event.beat = log.events[i];
-    if (columns.width) {
-      event.width_s = log.columns.width_s[i];
-      if (!std::isnan(event.width_s))
-        event.beat.time = event.beat.time + -0.5 * event.width_s; // the leading edge
-    }
-    if (columns.temperature) event.temperature_c = log.columns.temperature_c[i];
-    Air air;
-    if (columns.pressure) air.pressure_mbar = log.columns.pressure_mbar[i];
-    if (columns.humidity) air.humidity_percent = log.columns.humidity_percent[i];
-    append_line(text, event, air, columns);
+    EventValues values;
+    if (columns.width) values.width_s = log.columns.width_s[i];
+    if (columns.temperature) values.temperature_c = log.columns.temperature_c[i];
+    if (columns.pressure) values.pressure_mbar = log.columns.pressure_mbar[i];
+    if (columns.humidity) values.humidity_percent = log.columns.humidity_percent[i];
+    append_native_line(text, log.events[i], values, columns);
   }
   return text;
 }

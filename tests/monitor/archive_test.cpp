@@ -4,6 +4,7 @@
 #include "monitor/full_disk.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/log/reading.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -43,11 +44,16 @@ protected:
   // Ten beats a second apart, from two seconds before a midnight on.
   void fill(std::int64_t from = 1764201598) const {
     Archive archive(folder_);
-    archive.describe(false, 1.0);
+    archive.describe(columns());
     for (std::int64_t i = 0; i < 10; ++i)
       archive.append(event_at({from + i, 0.25}));
     archive.sync();
     EXPECT_TRUE(archive.is_synced());
+  }
+  static NativeColumns columns() {
+    NativeColumns columns;
+    columns.nominal_period_s = 1.0;
+    return columns;
   }
   [[nodiscard]] std::string day(const std::string& name) const {
     return folder_ + "/" + name + ".csv";
@@ -145,7 +151,9 @@ TEST_F(MonitorArchiveTest, DirectionsThatComeLateAreNotTakenForUpwardCrossings) 
   fill();
   {
     Archive archive(folder_);
-    archive.describe(true, 1.0);
+    NativeColumns with_edges = columns();
+    with_edges.edge = true;
+    archive.describe(with_edges);
     archive.append(event_at({1764201608, 0.25}));
     archive.append(event_at({1764201608, 0.75}, Edge::down));
     archive.append(event_at({1764288000, 0.25}, Edge::down)); // the next day
@@ -157,6 +165,87 @@ TEST_F(MonitorArchiveTest, DirectionsThatComeLateAreNotTakenForUpwardCrossings) 
   const auto next = archive.events_of("2025-11-28");
   ASSERT_EQ(next.size(), 2U);
   EXPECT_EQ(next[0].edge, Edge::down);
+}
+
+// What a gate and a weather station tell beside the time.
+TEST_F(MonitorArchiveTest, ADayHasTheColumnsOfItsSource) {
+  const EventValues told{0.0123456789, 21.25, 1013.5, 45.0};
+  const auto heard = [&](std::int64_t second) {
+    return as_stored({event_at({second, 0.1234567891}, Edge::up, 0, 0.03), told});
+  };
+  {
+    Archive archive(folder_);
+    NativeColumns all = columns();
+    all.width = all.temperature = all.pressure = all.humidity = true;
+    all.flag_width_rad = 0.002;
+    archive.describe(all);
+    for (std::int64_t i = 0; i < 10; ++i)
+      archive.append(heard(1764201600 + i));
+  }
+  const ClockLog log = read_log_file(day("2025-11-27"));
+  ASSERT_EQ(log.events.size(), 10U);
+  EXPECT_EQ(log.flag_width_rad, 0.002);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(log.events[i].time, heard(1764201600 + static_cast<std::int64_t>(i)).time);
+    EXPECT_EQ(log.columns.width_s[i], 0.012345679);
+    EXPECT_EQ(log.columns.temperature_c[i], 21.25);
+    EXPECT_EQ(log.columns.pressure_mbar[i], 1013.5);
+    EXPECT_EQ(log.columns.humidity_percent[i], 45.0);
+  }
+  EXPECT_EQ(Archive(folder_).last_time(), heard(1764201609).time);
+}
+
+TEST_F(MonitorArchiveTest, WhatTheDayHasNoColumnForStandsInAComment) {
+  fill();
+  Archive archive(folder_);
+  NativeColumns with_temperature = columns();
+  with_temperature.temperature = true;
+  archive.describe(with_temperature);
+  EventValues values;
+  values.temperature_c = 21.5;
+  archive.append({event_at({1764201608, 0.25}), values});
+  archive.append({event_at({1764288000, 0.25}), values}); // the next day
+  EXPECT_EQ(archive.notes_of("2025-11-27").back(), "beside: temperature_c=21.5");
+  EXPECT_TRUE(archive.notes_of("2025-11-28").back().starts_with("nominal_period_s"));
+}
+
+// Before the source has said what it tells, a comment may begin the day.
+TEST_F(MonitorArchiveTest, ADayThatBeginsWithACommentHasTheColumnsOfTheLastOne) {
+  {
+    Archive archive(folder_);
+    NativeColumns with_edges = columns();
+    with_edges.edge = with_edges.temperature = true;
+    archive.describe(with_edges);
+    archive.append(event_at({1764201600, 0.25}));
+  }
+  Archive archive(folder_);
+  archive.note("alarm begins stopped", {1764288000, 0.0});
+  std::ifstream file(day("2025-11-28"));
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_NE(text.find("time_s,edge,amplitude_rad,temperature_c\n"), text.npos) << text;
+}
+
+// A disk that writes and never says that it is safe, for days.
+TEST_F(MonitorArchiveTest, WhatIsUnsafeIsBounded) {
+  Archive archive(folder_);
+  archive.append(event_at({1764201600, 0.25}));
+  archive.sync();
+  archive.append(event_at({1764201601, 0.25}));
+  sync_fails = true;
+  lost_bytes = 0;
+  EXPECT_THROW(archive.sync(), OutputError);
+  std::int64_t written = 2;
+  EXPECT_THROW(
+      for (; written < 1'000'000; ++written)
+          archive.append(event_at({1764201600, static_cast<double>(written) * 1e-7})),
+      OutputError);
+  EXPECT_LT(std::filesystem::file_size(day("2025-11-27")), 5U << 20);
+  EXPECT_THROW(archive.note("too much", {1764201601, 0.0}), OutputError);
+  sync_fails = false;
+  archive.sync();
+  archive.append(event_at({1764201700, 0.25}));
+  archive.sync();
+  EXPECT_EQ(archive.events_of("2025-11-27").size(), static_cast<std::size_t>(written) + 1);
 }
 
 TEST_F(MonitorArchiveTest, ADayMayHaveOneEvent) {
@@ -184,6 +273,18 @@ TEST_F(MonitorArchiveTest, TheOriginIsFoundAgain) {
   EXPECT_EQ(Archive(folder_).origin(), (Instant{1764201000, 0.5}));
 }
 
+TEST_F(MonitorArchiveTest, TheIndexHasWhatWasLearntOfTheLastDays) {
+  std::filesystem::create_directories(folder_);
+  {
+    ArchiveIndex index(folder_);
+    for (std::int64_t d = 0; d < 40; ++d)
+      index.put_learnt(day_of({86400 * d, 0.0}), {static_cast<double>(d), 0.5});
+  }
+  const ArchiveIndex index(folder_);
+  EXPECT_EQ(index.learnt("1970-02-09"), (std::vector<double>{39.0, 0.5}));
+  EXPECT_TRUE(index.learnt("1970-01-02").empty());
+}
+
 TEST_F(MonitorArchiveTest, TheIndexIsMadeAgainFromNothing) {
   std::filesystem::create_directories(folder_);
   std::ofstream(folder_ + "/.index.sqlite") << "this is no database, however long it may be";
@@ -192,14 +293,14 @@ TEST_F(MonitorArchiveTest, TheIndexIsMadeAgainFromNothing) {
   GoingBlock hour;
   hour.start_s = 3600;
   hour.beats = 7;
-  hour.last_time = {7199, 0.125};
+  hour.mark_time = {7199, 0.125};
   index.put_day("1970-01-01", {hour}, {});
   index.put_break({{5000, 0.5}, 12, 34, 0.75});
   index.put_alarm({6000.0, "stopped", "it's quiet", true});
   const ArchiveIndex again(folder_);
   ASSERT_EQ(again.hours().size(), 1U);
   EXPECT_EQ(again.hours()[0].beats, 7);
-  EXPECT_EQ(again.hours()[0].last_time, hour.last_time);
+  EXPECT_EQ(again.hours()[0].mark_time, hour.mark_time);
   ASSERT_EQ(again.breaks().size(), 1U);
   EXPECT_EQ(again.breaks()[0].probability, 0.75);
   ASSERT_EQ(again.alarms().size(), 1U);

@@ -18,6 +18,7 @@ for (const scheme of ["light", "dark"]) {
   await browser.setScheme(scheme);
   for (const width of [390, 768, 1280]) {
     await browser.setWidth(width);
+    await browser.until(`document.getElementById("rate").viewBox.baseVal.width === Math.max(320, document.getElementById("rate").clientWidth)`, "the figures fit the page");
     const wide = await browser.value(`document.documentElement.scrollWidth`);
     check(wide <= width, `${scheme}, ${width} px: nothing scrolls sideways (${wide})`);
     const { data } = await browser.send("Page.captureScreenshot", { format: "png", captureBeyondViewport: true });

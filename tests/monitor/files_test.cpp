@@ -2,6 +2,7 @@
 
 #include "goingrate/log/reading.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -81,6 +82,41 @@ TEST_F(FilePositionTest, ALineThatIsTooLongIsCutAndReported) {
   EXPECT_EQ(events, 310);
   ASSERT_EQ(log.log().issues.size(), 1U);
   EXPECT_EQ(log.log().issues[0].line, 301U);
+}
+
+TEST_F(FilePositionTest, ALineThatIsTooLongBeforeTheLayoutIsKnownIsCut) {
+  for (const std::size_t lines_before : {0, 5}) {
+    std::filesystem::remove(log_);
+    write(log_, 0, static_cast<int>(lines_before));
+    std::ofstream(log_, std::ios::app) << std::string(40 << 20, 'x') << '\n';
+    write(log_, 5, 300);
+    LogFollower log(log_, {}, [](std::string_view) { return false; });
+    std::size_t events = 0;
+    while (log.next())
+      ++events;
+    EXPECT_EQ(events, lines_before + 295);
+  }
+}
+
+// Also behind the events that are not kept in memory any more.
+TEST_F(FilePositionTest, WhatALineTellsBesideItsTimeIsHandedOut) {
+  {
+    std::ofstream file(log_, std::ios::trunc);
+    file << "# goingrate log: 1\ntime_s,edge,width_s,temperature_c,pressure_mbar,humidity_percent\n";
+    for (int n = 0; n < 10000; ++n)
+      file << 1764201600 + n << ".25,up," << (n % 7 == 0 ? "" : "0.01") << ',' << 20 + n % 10
+           << ",101" << n % 10 << ",4" << n % 10 << '\n';
+  }
+  LogFollower log(log_, {}, [](std::string_view) { return false; });
+  int n = 0;
+  for (; log.next(); ++n) {
+    const EventValues values = log.values();
+    ASSERT_EQ(std::isnan(values.width_s), n % 7 == 0) << n;
+    ASSERT_EQ(values.temperature_c, 20 + n % 10) << n;
+    ASSERT_EQ(values.pressure_mbar, 1010 + n % 10) << n;
+    ASSERT_EQ(values.humidity_percent, 40 + n % 10) << n;
+  }
+  EXPECT_EQ(n, 10000);
 }
 
 TEST_F(FilePositionTest, IssuesOfALogThatIsFollowedDoNotGrowForEver) {

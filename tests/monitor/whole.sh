@@ -72,6 +72,33 @@ kill $monitor
 wait $monitor || fault=1
 exec 3>&-
 
+# What a source tells beside the time is in the archive, also when it told its columns before a kill -9 only, and a
+# report uses it.
+mkfifo gate
+told() { # from N to M, of a clock that loses 10 ppm a degree
+  awk -v from="$1" -v to="$2" 'BEGIN { t = from; for (n = from; n < to; ++n) { c = 20 + 2 * sin(n / 300)
+    printf "%.6f,%.6f,%.2f,1013.2\n", t - 0.002 + 1e-5 * 600 * (1 - cos(n / 300)), 0.004, c; t += 1 } }'
+}
+"$goingrate" --quiet monitor gate --archive beside &
+monitor=$!
+exec 3> gate
+{ printf '# goingrate log: 1\n# nominal_period_s: 1\ntime_s,width_s,temperature_c,pressure_mbar\n'; told 0 3000; } >&3
+check "rows with columns" within 20 has_rows beside 3000
+kill -9 $monitor
+wait $monitor 2> /dev/null || true
+exec 3>&-
+"$goingrate" --quiet monitor gate --archive beside &
+monitor=$!
+exec 3> gate
+told 3000 6000 >&3
+check "and after a kill -9" within 20 has_rows beside 6000
+kill $monitor
+wait $monitor || fault=1
+exec 3>&-
+check "all have them" [ "$(cat beside/*.csv | grep -cE '^[0-9.]+,up,0.004000000,,(1|2)[0-9.]+,1013.2$')" = 6000 ]
+"$goingrate" --quiet report beside -o beside.html > beside.txt
+check "and a report finds the 10 ppm a degree" grep -q 'falls by 86[34].*per kelvin' beside.txt
+
 # A FIFO whose writer has gone is a clock that is silent, and no writer at all is no reason to hang.
 mkfifo lonely
 "$goingrate" monitor lonely --archive lonely.d --patience 1 2> lonely.said &

@@ -2,11 +2,10 @@
 // long a step of some ppm takes to be found. Arguments: years of each clock (4), first seed (1).
 #include "daily_wave.hpp"
 #include "step_alarm.hpp"
-
-#include "goingrate/base/random.hpp"
-#include "goingrate/dynamics/clock_run.hpp"
+#include "studies/monitor_clocks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -19,50 +18,6 @@ using namespace goingrate::apps;
 
 namespace {
 
-struct Watched {
-  const char* name;
-  ClockParameters clock;
-  double fast_rms, slow_rms; // of the drive, relative
-  double jitter_s;
-  double daily_ppm; // of the length, by temperature; weather of some days has a third of it
-};
-
-const std::vector<Watched> clocks{
-    {"regulator, 2 s, Q 10,000", {2.0, 5e-5, 4e-6, 0.015}, 0.05, 0.0, 2e-5, 0.5},
-    {"longcase, 2 s, Q 2000", {2.0, 2.5e-4, 4e-5, 0.03}, 0.2, 0.02, 5e-5, 10.0},
-    {"turret, 3 s, Q 5000", {3.0, 1e-4, 1e-5, 0.02}, 0.1, 0.01, 2e-5, 5.0},
-};
-
-// Rates of minutes over some years.
-std::vector<double> minute_rates(const Watched& w, double years, std::uint64_t seed) {
-  Scenario scenario;
-  scenario.clock = w.clock;
-  scenario.drive.fast_rms = w.fast_rms;
-  scenario.drive.slow_rms = w.slow_rms;
-  if (w.slow_rms > 0.0) scenario.drive.slow_time_s = 3600.0;
-  scenario.duration_s = years * 365.25 * 86400.0;
-  scenario.method.method = Method::map;
-  RandomStream jitter(seed, StreamPurpose::jitter), weather(seed, StreamPurpose::temperature_noise);
-  constexpr double weather_minutes = 3.0 * 1440.0;
-  double warmth = 0.0;
-  ClockRun run(scenario, seed);
-  std::vector<double> rates;
-  double from_s = 0.0, from_cycle = 0.0;
-  while (const auto period = run.next()) {
-    const double at_s = period->time_s.value();
-    if (at_s < 60.0 * static_cast<double>(rates.size() + 1)) continue;
-    const double heard_s = at_s + w.jitter_s * jitter.normal();
-    const auto cycle = static_cast<double>(period->cycle);
-    warmth += -warmth / weather_minutes + std::sqrt(2.0 / weather_minutes) * weather.normal();
-    const double day = 2.0 * 3.141592653589793 * at_s / 86400.0;
-    rates.push_back((cycle - from_cycle) * w.clock.nominal_period_s / (heard_s - from_s) - 1.0 -
-                    0.5e-6 * w.daily_ppm * (std::sin(day) + warmth / 3.0));
-    from_s = heard_s;
-    from_cycle = cycle;
-  }
-  return rates;
-}
-
 double spread(const std::vector<double>& x) {
   double mean = 0.0, squares = 0.0;
   for (const double v : x)
@@ -72,23 +27,22 @@ double spread(const std::vector<double>& x) {
   return std::sqrt(squares / static_cast<double>(x.size()));
 }
 
-// As a monitor hears it: without the wave of the day.
-std::optional<FoundStep> heard(DailyWave& wave, StepAlarm& alarm, std::size_t minute, double rate) {
-  const auto found = alarm.add(wave.without(static_cast<std::int64_t>(minute), rate));
-  if (found) wave.stepped(found->size);
-  return found;
-}
+// What a monitor has learnt of the rate.
+struct Watch {
+  DailyWave wave;
+  StepAlarm alarm{10e-6}; // as Alarms has it
+
+  std::optional<FoundStep> hear(std::size_t minute, double rate) {
+    const auto found = alarm.add(wave.without(static_cast<std::int64_t>(minute), rate));
+    if (found) wave.stepped(found->size);
+    return found;
+  }
+};
 
 // Minutes from a step to its alarm; infinity if none comes within sixty days.
-double delay_of(const std::vector<double>& rates, std::size_t at, double step) {
-  DailyWave wave;
-  StepAlarm alarm;
-  constexpr std::size_t learnt_minutes = 90 * 1440;
-  const std::size_t from = at - std::min(at, learnt_minutes);
-  for (std::size_t i = from; i < std::min(rates.size(), at + 60 * 1440); ++i) {
-    const auto found = heard(wave, alarm, i, rates[i] + (i >= at ? step : 0.0));
-    if (found && i >= at) return static_cast<double>(i - at + 1);
-  }
+double delay_of(Watch watch, const std::vector<double>& rates, std::size_t at, double step) {
+  for (std::size_t i = at; i < std::min(rates.size(), at + 60 * 1440); ++i)
+    if (watch.hear(i, rates[i] + step)) return static_cast<double>(i - at + 1);
   return std::numeric_limits<double>::infinity();
 }
 
@@ -132,12 +86,13 @@ double least_delay(const std::vector<double>& information, double step) {
 }
 
 std::string minutes(double count) {
-  return std::isinf(count) ? "not found" : fmt::format("{:.0f} min", count);
+  return std::isinf(count) ? "never" : fmt::format("{:.0f}", count);
 }
 
-// Rates less the wave that is the same every day, and less their mean.
+// Rates of a year less the wave that is the same every day, and less their mean.
 std::vector<double> without_mean_day(std::vector<double> rates) {
-  constexpr std::size_t day = 1440;
+  constexpr std::size_t day = 1440, year = 525960;
+  rates.resize(std::min(rates.size(), year));
   for (std::size_t minute = 0; minute < day; ++minute) {
     double sum = 0.0, count = 0.0;
     for (std::size_t i = minute; i < rates.size(); i += day, ++count)
@@ -153,33 +108,44 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
+constexpr std::array steps_ppm{2.0, 5.0, 20.0};
+
+void print_clock(const std::string& name, const std::vector<double>& rates, double years) {
+  constexpr std::size_t steps_of_each = 15;
+  Watch watch;
+  int false_alarms = 0;
+  std::array<std::vector<double>, steps_ppm.size()> delays;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    if (i > 0 && i % (rates.size() / (steps_of_each + 2)) == 0 &&
+        delays[0].size() < steps_of_each)
+      for (std::size_t s = 0; s < steps_ppm.size(); ++s)
+        delays[s].push_back(delay_of(watch, rates, i, 1e-6 * steps_ppm[s]));
+    if (watch.hear(i, rates[i])) ++false_alarms;
+  }
+  constexpr std::size_t prediction_minutes = 5000;
+  const auto information = information_of_step(without_mean_day(rates), prediction_minutes);
+  fmt::print("{:<46} {:5.2f} {:3} {:5.2f}", name, 1e6 * spread(rates), false_alarms,
+             static_cast<double>(false_alarms) / years);
+  for (std::size_t s = 0; s < steps_ppm.size(); ++s)
+    fmt::print(" {:>5}/{:<5}", minutes(median(delays[s])),
+               minutes(least_delay(information, 1e-6 * steps_ppm[s])));
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
 } // namespace
 
 int main(int count, char** words) {
   const double years = count > 1 ? std::atof(words[1]) : 4.0;
   const auto seed = static_cast<std::uint64_t>(count > 2 ? std::atoll(words[2]) : 1);
-  fmt::print(
-      "false alarms in {:g} years of each clock; a step of the rate: median minutes to its alarm,\n"
-      "and the least that any detector needs that is called out falsely once a year (Lorden;\n"
-      "what it does not find within 5000 minutes it never does: the clock's wander hides it)\n\n",
-      years);
-  for (const Watched& w : clocks) {
-    const auto rates = minute_rates(w, years, seed);
-    DailyWave wave;
-    StepAlarm alarm;
-    int false_alarms = 0;
-    for (std::size_t i = 0; i < rates.size(); ++i)
-      false_alarms += heard(wave, alarm, i, rates[i]) ? 1 : 0;
-    constexpr std::size_t prediction_minutes = 5000;
-    const auto information = information_of_step(without_mean_day(rates), prediction_minutes);
-    fmt::print("{:<28} {} false alarms in {:g} years; minutes scatter by {:.2g} ppm\n", w.name,
-               false_alarms, years, 1e6 * spread(rates));
-    for (const double ppm : {2.0, 5.0, 20.0}) {
-      std::vector<double> delays;
-      for (std::size_t k = 1; k <= 15; ++k)
-        delays.push_back(delay_of(rates, k * rates.size() / 17, 1e-6 * ppm));
-      fmt::print("{:>28} {:3.0f} ppm: {:>9}, by theory {}\n", "", ppm, minutes(median(delays)),
-                 minutes(least_delay(information, 1e-6 * ppm)));
-    }
-  }
+  fmt::print("steps of the rate: how much minutes scatter, ppm; false alarms in {:g} years, and a "
+             "year;\nmedian minutes from a step of 2, 5 and 20 ppm to its alarm / the least that "
+             "any detector\nneeds that is called out falsely once a year (Lorden, of a Gaussian "
+             "clock of that spectrum;\nwhat it does not find within 5000 minutes it never "
+             "does)\n\n{:<46} {:>5} {:>3} {:>5} {:>11} {:>11} {:>11}\n",
+             years, "", "ppm", "n", "/year", "2 ppm", "5 ppm", "20 ppm");
+  for (const SwungClock& clock : swung_clocks)
+    print_clock(clock.name, minute_rates(clock, years, seed), years);
+  for (const WanderingClock& clock : wandering_clocks)
+    print_clock(clock.name, minute_rates(clock, years, seed), years);
 }

@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
-# Prints how often clocks that are watched are called out for nothing, and how long a step of the rate takes to be
-# found. Arguments: years of each clock (4), first seed (1).
+# Prints how often clocks that are watched are called out for nothing, and how long a step of the rate and other faults
+# take to be found. Arguments: years of each clock (4), first seed (1), years of each clock whose every beat is
+# simulated (2).
 set -e
 . "$(dirname "$0")/common.sh"
-built study_monitor
+built study_monitor study_monitor_alarms
 head_line "${2:-1}"
 build/bench/study_monitor "${1:-4}" "${2:-1}"
+echo
+build/bench/study_monitor_alarms "${3:-2}" "${2:-1}"

@@ -6,7 +6,9 @@ set -e
 . "$(dirname "$0")/common.sh"
 built_command
 head_line
-"${PYTHON:-python3}" - "$goingrate" "$here" "${1:-50}" "${2:-120}" <<'PY'
+cp "$goingrate" "$here/goingrate" # which a build in the meantime does not change
+echo "on $(df --output=fstype "$here" | tail -n 1)"
+"${PYTHON:-python3}" - "$here/goingrate" "$here" "${1:-50}" "${2:-120}" <<'PY'
 import os, re, shutil, signal, subprocess, sys, time
 command, folder, millions, seconds = sys.argv[1], sys.argv[2], float(sys.argv[3]), float(sys.argv[4])
 os.chdir(folder)

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -112,6 +113,14 @@ ClockLog read_log_file(const std::string& path, const ReadingOptions& options = 
 /// or half of it); ArgumentError if one of several is no regular file, or given twice.
 ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOptions& options = {});
 
+/// What else a log says of one event; NaN where it does not.
+struct EventValues {
+  double width_s = std::numeric_limits<double>::quiet_NaN();
+  double temperature_c = std::numeric_limits<double>::quiet_NaN();
+  double pressure_mbar = std::numeric_limits<double>::quiet_NaN();
+  double humidity_percent = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// A log that is still being written: events as they come. A file that is cut off or replaced by
 /// another of its name is read from its beginning. Lines before the first that make sense are left
 /// out. Times in seconds that begin again are handed out as they stand.
@@ -122,13 +131,18 @@ public:
   using Wait = std::function<bool(std::string_view held)>;
 
   /// Waits for the first lines to find out the layout. `before` is text that came out of a pipe
-  /// before: lines that were held when it was last followed. Throws InputError as read_log does.
+  /// before: lines that were held when it was last followed, or its head(). Throws InputError as
+  /// read_log does.
   LogFollower(const std::string& path, const ReadingOptions& options, Wait wait,
               std::string before = {});
   ~LogFollower();
 
   /// The next event; nothing at the end.
   std::optional<Beat> next();
+  /// What else was said of the event that next() gave.
+  [[nodiscard]] EventValues values() const;
+  /// The lines before the first of the data, which tell the layout; empty where there are none.
+  [[nodiscard]] const std::string& head() const;
   /// Assumptions and issues so far.
   [[nodiscard]] const ClockLog& log() const;
 

@@ -4,6 +4,7 @@
 #include "goingrate/log/beats.hpp"
 #include "goingrate/log/clock_log.hpp"
 #include "goingrate/log/rates.hpp"
+#include "goingrate/log/reading.hpp"
 #include "goingrate/log/sensor.hpp"
 
 #include <optional>
@@ -35,6 +36,9 @@ std::string native_log_text(const ClockLog& log, int decimals);
 /// The same, piece by piece, for logs that are written as they grow.
 std::string native_log_header(const NativeColumns& columns);
 void append_native_line(std::string& text, const SensedEvent& event, const NativeColumns& columns);
+/// Of an event as a reader gives it: where it has a width, its time is the middle of the flag.
+void append_native_line(std::string& text, const Beat& event, const EventValues& values,
+                        const NativeColumns& columns);
 
 /// Phase data as Stable32 takes them: '#' header with tau0, then the clock's error x (s, positive:
 /// fast), one line per cycle, an exact 0 where a beat is missing (the first excepted).
