@@ -40,7 +40,9 @@ Scene scene_of(const Scenario& scenario) {
                       ? static_cast<double>(*scenario.periods)
                       : std::ceil(*scenario.duration_s / scenario.clock.nominal_period_s);
   scene.factors = factor_range(scenario.drive);
-  if (scenario.clock.is_intermittent()) scene.factors.low = std::min(scene.factors.low, 0.0);
+  if (std::any_of(scene.clocks.begin(), scene.clocks.end(),
+                  [](const ClockParameters& clock) { return clock.is_intermittent(); }))
+    scene.factors.low = std::min(scene.factors.low, 0.0);
   std::vector<double> speeds;
   if (scenario.start_amplitude) speeds.push_back(*scenario.start_amplitude);
   for (const ClockParameters& clock : scene.clocks) {
