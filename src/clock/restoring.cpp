@@ -2,7 +2,7 @@
 
 #include "goingrate/base/errors.hpp"
 
-#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/trapezoidal.hpp>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
@@ -99,9 +99,9 @@ double free_passage_time(double gravity_share, double angle, double half) {
   const auto integrand = [&](double u) {
     return 1.0 / std::sqrt(stiffness_at(gravity_share, angle, u));
   };
-  using Quadrature = boost::math::quadrature::gauss_kronrod<double, 15>;
-  constexpr unsigned most_halvings = 12;
-  return 2.0 * Quadrature::integrate(integrand, 0.0, std::asin(half / angle), most_halvings, 1e-14);
+  // Up to 3 rad the integrand has no pole within half of the interval's length.
+  using Quadrature = boost::math::quadrature::gauss<double, 30>;
+  return 2.0 * Quadrature::integrate(integrand, 0.0, std::asin(half / angle));
 }
 
 } // namespace goingrate

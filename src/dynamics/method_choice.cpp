@@ -90,11 +90,23 @@ OnePeriod exact_period(const ClockParameters& clock, double x, double factor) {
   return {regular, pendulum.speed2().hi - x, step.excess};
 }
 
+// The clocks of the periods in which something acts: each part of an action that crossings cut.
+std::vector<ClockParameters> acting_clocks(const std::vector<ClockParameters>& clocks) {
+  std::vector<ClockParameters> acting;
+  for (const ClockParameters& clock : clocks) {
+    if (const auto parts = action_parts(clock))
+      acting.insert(acting.end(), {parts->before, parts->after});
+    else
+      acting.push_back(clock);
+  }
+  return acting;
+}
+
 // The bound of the header for an averaged method, s.
 double averaged_bound(const Scene& scene, AveragedOrder order) {
   if (!(scene.low2 > 0.0)) return unbounded;
   double worst_excess = 0.0, worst_amplitude = 0.0;
-  for (const ClockParameters& clock : scene.clocks) {
+  for (const ClockParameters& clock : acting_clocks(scene.clocks)) {
     double steepest = pi / 8.0, change_off = 0.0;
     for (const double factor :
          {0.5 * (scene.factors.low + scene.factors.high), scene.factors.low, scene.factors.high}) {

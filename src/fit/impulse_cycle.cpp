@@ -86,14 +86,21 @@ using Shapes = Eigen::Vector3d;
 enum Shape : std::size_t { tooth_shape, hump_shape, middle_shape };
 Shapes shapes_of(double m, double n) { return {tooth(m, n), hump(m, n), middle(m, n)}; }
 
-// How many of them are sought: of two swings one pattern is all there is, of some the three are
-// hardly three.
-Eigen::Index shapes_in(std::size_t n) {
+// Which of them are sought.
+using Sought = std::span<const Shape>;
+constexpr std::array<Shape, 3> in_order{tooth_shape, hump_shape, middle_shape};
+constexpr std::array<Shape, 2> no_hump{tooth_shape, middle_shape}; // an amplitude has none
+constexpr Sought tooth_alone = Sought(in_order).first(1),
+                 tooth_and_hump = Sought(in_order).first(2), every_shape = in_order;
+// Of two swings one pattern is all there is, of some the three are hardly three.
+Sought few_shapes(std::size_t n) { return n == 2 ? tooth_alone : tooth_and_hump; }
+Sought most_shapes(std::size_t n) {
   constexpr std::size_t least_swings = 6; // between pushes
-  return n == 2 ? 1 : n < least_swings ? 2 : 3;
+  return n < least_swings ? few_shapes(n) : every_shape;
 }
+Sought in_amplitudes(Sought in_times) { return in_times.size() == 3 ? no_hump : tooth_alone; }
 
-// Least squares of the first so many shapes.
+// Least squares of shapes.
 struct LeastSquares {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Shapes right = Shapes::Zero();
@@ -102,26 +109,28 @@ struct LeastSquares {
     normal += shapes * shapes.transpose();
     right += value * shapes;
   }
-  [[nodiscard]] Shapes solved(Eigen::Index count) const {
-    Shapes found = Shapes::Zero();
-    if (count == 3)
-      found = normal.ldlt().solve(right);
-    else if (count == 2)
-      found.head<2>() = normal.topLeftCorner<2, 2>().ldlt().solve(right.head<2>());
-    else if (normal(0, 0) > 0.0)
-      found(0) = right(0) / normal(0, 0);
-    return found;
+  // Shapes that are not sought have their places in the equations, and nothing to do there.
+  [[nodiscard]] Shapes solved(Sought sought) const {
+    Eigen::Matrix3d left = Eigen::Matrix3d::Identity();
+    Shapes known = Shapes::Zero();
+    for (const auto k : sought) {
+      const auto row = static_cast<Eigen::Index>(k);
+      known(row) = right(row);
+      for (const auto l : sought)
+        left(row, static_cast<Eigen::Index>(l)) = normal(row, static_cast<Eigen::Index>(l));
+    }
+    return left.ldlt().solve(known);
   }
 };
 
 // What the shapes, begun at place `first` of the cycle, explain of folded means: the sum of
 // squares.
-double explained(const std::vector<double>& means, std::size_t first, Eigen::Index count) {
+double explained(const std::vector<double>& means, std::size_t first, Sought sought) {
   const std::size_t n = means.size();
   LeastSquares sums;
   for (std::size_t m = 1; m <= n; ++m)
     sums.add(shapes_of(static_cast<double>(m), static_cast<double>(n)), means[(first + m) % n]);
-  return sums.solved(count).dot(sums.right);
+  return sums.solved(sought).dot(sums.right);
 }
 
 double explained_by_sine(const std::vector<double>& means) {
@@ -213,7 +222,7 @@ struct Coefficients {
 // `values` without their slow part; `shape_at(i, j)` gives the shapes at crossing i after push j.
 template <class ShapeAt>
 std::optional<Coefficients> coefficients(const Grid& values, const std::vector<double>& pushes,
-                                         Eigen::Index count, ShapeAt shape_at) {
+                                         Sought sought, ShapeAt shape_at) {
   std::array<std::vector<double>, 3> each;
   for (std::size_t j = 1; j < pushes.size(); ++j) {
     if (pushes[j - 1] < -0.5 || pushes[j] > static_cast<double>(values.size()) - 1.0) continue;
@@ -223,15 +232,15 @@ std::optional<Coefficients> coefficients(const Grid& values, const std::vector<d
     for (std::size_t i = from; i <= to; ++i)
       sums.add(shape_at(i, j - 1), values[i]);
     if (!std::isfinite(sums.right(0)) || !(sums.normal(0, 0) > 0.0)) continue; // a beat is missing
-    const Shapes found = sums.solved(count);
+    const Shapes found = sums.solved(sought);
     if (!found.allFinite()) continue;
-    for (Eigen::Index k = 0; k < count; ++k)
-      each[static_cast<std::size_t>(k)].push_back(found(k));
+    for (const auto k : sought)
+      each[k].push_back(found(static_cast<Eigen::Index>(k)));
   }
   if (each.front().size() < least_cycles) return {};
   Coefficients result;
   result.cycles = static_cast<double>(each.front().size());
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+  for (const auto k : sought) {
     result.of[k] = mean_of(each[k]);
     result.steady = result.steady && is_steady(each[k], result.of[k].value);
   }
@@ -241,17 +250,18 @@ std::optional<Coefficients> coefficients(const Grid& values, const std::vector<d
 // Of pushes once in n periods: their shapes have no slow part.
 std::optional<Coefficients> regular_coefficients(const Grid& values,
                                                  const std::vector<double>& pushes, std::size_t n,
-                                                 Eigen::Index count) {
+                                                 Sought sought) {
   std::vector<Shapes> shapes;
   for (std::size_t m = 1; m <= n; ++m)
     shapes.push_back(shapes_of(static_cast<double>(m), static_cast<double>(n)));
-  return coefficients(values, pushes, count, [&](std::size_t i, std::size_t j) {
+  return coefficients(values, pushes, sought, [&](std::size_t i, std::size_t j) {
     return shapes[i - static_cast<std::size_t>(pushes[j]) - 1];
   });
 }
 
-std::optional<Coefficients>
-irregular_coefficients(const Grid& values, const std::vector<double>& pushes, std::size_t n) {
+std::optional<Coefficients> irregular_coefficients(const Grid& values,
+                                                   const std::vector<double>& pushes, std::size_t n,
+                                                   Sought sought) {
   std::array<Grid, 3> less_slow;
   for (std::size_t k = 0; k < 3; ++k) {
     Grid shape(values.size());
@@ -260,7 +270,7 @@ irregular_coefficients(const Grid& values, const std::vector<double>& pushes, st
                            static_cast<double>(i))(static_cast<Eigen::Index>(k));
     less_slow[k] = less_moving_mean(shape, n);
   }
-  return coefficients(less_moving_mean(values, n), pushes, shapes_in(n),
+  return coefficients(less_moving_mean(values, n), pushes, sought,
                       [&](std::size_t i, std::size_t) -> Shapes {
                         return {less_slow[0][i], less_slow[1][i], less_slow[2][i]};
                       });
@@ -367,51 +377,93 @@ ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, do
   return found;
 }
 
-// The best place for a push once in n periods. `sine` becomes what a sine of n periods explains, if
-// that is more than before: where it is more than any pushes do, something goes round.
-std::optional<Candidate> regular_candidate(const Sight& sight, std::size_t n, double price,
-                                           double& sine) {
-  const bool has_swing = !sight.amplitude.empty();
-  const Grid times = less_moving_mean(sight.late, n),
-             amplitudes = less_moving_mean(sight.amplitude, n);
-  const auto late = folded_means(times, n), swing = folded_means(amplitudes, n);
-  // An amplitude has no hump; the shapes are sought in their order.
-  const Eigen::Index count = shapes_in(n), of_swing = count == 3 ? 3 : 1;
-  const auto in_noise = [&](double in_late, double in_swing) {
+// Pushes once in n periods, wherever they begin.
+class RegularSearch {
+public:
+  RegularSearch(const Sight& sight, std::size_t n, double price)
+      : sight_(sight), n_(n), price_(price), times_(less_moving_mean(sight.late, n)),
+        amplitudes_(less_moving_mean(sight.amplitude, n)), late_(folded_means(times_, n)),
+        swing_(folded_means(amplitudes_, n)) {}
+
+  // The best place. A tooth begun one swing early or late and a crossing that is off between make
+  // the same pattern: the third shape is asked for only where the pattern is more than a tooth and
+  // a hump, the crossing being that before the push or that after it, or where these show nothing.
+  [[nodiscard]] std::optional<Candidate> best() const {
+    const Sought all = most_shapes(n_), few = few_shapes(n_);
+    const std::size_t place = best_place(few), next = (place + 1) % n_;
+    auto plain = candidate(place, few);
+    if (all.size() == few.size()) return plain;
+    const bool shows = plain && plain->pushes.gain > least_gain;
+    const std::size_t whole_at = !shows                                 ? best_place(all)
+                                 : score(next, all) > score(place, all) ? next
+                                                                        : place;
+    const double more = (score(whole_at, all) - score(place, few)) *
+                        static_cast<double>(sight_.late.size()); // of chi^2
+    if (!(more > least_gain)) return plain;
+    auto whole = candidate(whole_at, all);
+    if (!whole) return plain;
+    whole->pushes.gain += shows ? plain->pushes.gain : -price_;
+    return whole;
+  }
+
+  // What a sine of n periods explains.
+  [[nodiscard]] double sine() const {
+    constexpr std::size_t shapeless = 3; // periods: any pattern of so few is a sine
+    if (n_ <= shapeless) return 0.0;
+    return in_noise(explained_by_sine(late_), has_swing() ? explained_by_sine(swing_) : 0.0);
+  }
+
+private:
+  [[nodiscard]] bool has_swing() const { return !sight_.amplitude.empty(); }
+  [[nodiscard]] double in_noise(double late, double swing) const {
     const auto over = [](double squares, double noise) {
       return noise > 0.0 ? squares / (noise * noise) : 0.0;
     };
-    return (over(in_late, sight.late_noise) + over(in_swing, sight.amplitude_noise)) /
-           static_cast<double>(n);
-  };
-  const auto score = [&](std::size_t first) {
-    return in_noise(explained(late, first, count),
-                    has_swing ? explained(swing, first, of_swing) : 0.0);
-  };
-  std::size_t best = 0;
-  for (std::size_t first = 1; first < n; ++first)
-    if (score(first) > score(best)) best = first;
-  constexpr std::size_t shapeless = 3; // periods: any pattern of so few is a sine
-  if (n > shapeless)
-    sine = std::max(sine,
-                    in_noise(explained_by_sine(late), has_swing ? explained_by_sine(swing) : 0.0));
-  const auto pushes = regular_pushes(best, n, static_cast<double>(sight.late.size()));
-  const auto of_times = regular_coefficients(times, pushes, n, count);
-  const auto of_swings =
-      has_swing ? regular_coefficients(amplitudes, pushes, n, of_swing) : std::nullopt;
-  if (!of_times || !of_times->steady) return {};
-  if (has_swing && (!of_swings || !of_swings->steady)) return {};
-  // A push raises the swing, or comes through the vertical and makes that crossing early; a weak
-  // tooth of a wheel does neither.
-  const bool early = (*of_times)[middle_shape].value < 0.0 &&
-                     of_times->gain(middle_shape) > of_times->gain(hump_shape);
-  const double raised = has_swing   ? (*of_swings)[tooth_shape].value
-                        : count > 1 ? (*of_times)[hump_shape].value
-                                    : std::abs((*of_times)[tooth_shape].value);
-  if (!(raised > 0.0) && (has_swing || !early)) return {};
-  return Candidate{described(sight, pushes, static_cast<double>(n), *of_times, of_swings, price),
-                   score(best)};
-}
+    return (over(late, sight_.late_noise) + over(swing, sight_.amplitude_noise)) /
+           static_cast<double>(n_);
+  }
+  [[nodiscard]] double score(std::size_t first, Sought sought) const {
+    return in_noise(explained(late_, first, sought),
+                    has_swing() ? explained(swing_, first, in_amplitudes(sought)) : 0.0);
+  }
+  [[nodiscard]] std::size_t best_place(Sought sought) const {
+    std::size_t best = 0;
+    for (std::size_t first = 1; first < n_; ++first)
+      if (score(first, sought) > score(best, sought)) best = first;
+    return best;
+  }
+
+  // With three shapes only where the third shows.
+  [[nodiscard]] std::optional<Candidate> candidate(std::size_t first, Sought sought) const {
+    const bool is_whole = sought.size() == every_shape.size();
+    const auto pushes = regular_pushes(first, n_, static_cast<double>(sight_.late.size()));
+    const auto late = regular_coefficients(times_, pushes, n_, sought);
+    const auto swing = has_swing()
+                           ? regular_coefficients(amplitudes_, pushes, n_, in_amplitudes(sought))
+                           : std::nullopt;
+    if (!late || !late->steady) return {};
+    if (has_swing() && (!swing || !swing->steady)) return {};
+    const double middle = late->gain(middle_shape) + (swing ? swing->gain(middle_shape) : 0.0);
+    if (is_whole && !(middle > least_gain)) return {};
+    // A push raises the swing, or comes through the vertical and makes that crossing early; a weak
+    // tooth of a wheel does neither.
+    const bool early = is_whole && (*late)[middle_shape].value < 0.0;
+    const double raised = has_swing()         ? (*swing)[tooth_shape].value
+                          : sought.size() > 1 ? (*late)[hump_shape].value
+                                              : std::abs((*late)[tooth_shape].value);
+    if (!(raised > 0.0) && (has_swing() || !early)) return {};
+    Candidate found{described(sight_, pushes, static_cast<double>(n_), *late, swing, price_),
+                    score(first, sought)};
+    if (is_whole) found.pushes.gain = middle; // the others share in it
+    return found;
+  }
+
+  const Sight& sight_;
+  std::size_t n_;
+  double price_;
+  Grid times_, amplitudes_;          // less what wanders
+  std::vector<double> late_, swing_; // the same, folded
+};
 
 // Pushes that each stand out of the amplitudes.
 std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
@@ -449,8 +501,9 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   constexpr double least_steady = 0.5; // intervals that vary more are knocks or a hand
   if (periods < 2.0 || robust_sigma(intervals) > least_steady * periods) return {};
   const auto n = static_cast<std::size_t>(std::lround(periods));
-  const auto times = irregular_coefficients(sight.late, pushes, n);
-  const auto swings = irregular_coefficients(sight.amplitude, pushes, n);
+  const auto times = irregular_coefficients(sight.late, pushes, n, most_shapes(n));
+  const auto swings =
+      irregular_coefficients(sight.amplitude, pushes, n, in_amplitudes(most_shapes(n)));
   if (!times || !swings) return {};
   Candidate found{
       described(sight, pushes, periods, *times, swings, price),
@@ -481,8 +534,11 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
         (!best || candidate->squares > best->squares))
       best = std::move(candidate);
   };
-  for (std::size_t n = 2; n <= longest_cycle && n * least_cycles <= sight.late.size(); ++n)
-    take(regular_candidate(sight, n, price, sine));
+  for (std::size_t n = 2; n <= longest_cycle && n * least_cycles <= sight.late.size(); ++n) {
+    const RegularSearch search(sight, n, price);
+    sine = std::max(sine, search.sine()); // more than any pushes: something goes round
+    take(search.best());
+  }
   if (!sight.amplitude.empty()) take(visible_pushes(sight, price));
   if (!best || best->squares < sine) return {};
   if (!best->pushes.cycles.empty() && sight.late.size() == searched_cycles) // each one, to the end
