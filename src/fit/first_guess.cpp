@@ -2,8 +2,6 @@
 #include "amplitude_clock.hpp"
 #include "fit_setup.hpp"
 
-#include "goingrate/clock/restoring.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -53,8 +51,7 @@ double growth_by_rate(const TimingData& data, const Parameters& parameters, std:
   return -16.0 * (mean_rate(data, to - std::max<std::size_t>(1, (to - from) / 8), to + 1) - before);
 }
 
-// The speed at the vertical, which is lambda to first order, of the first or the last swings.
-double known_speed(const TimingData& data, bool last, double gravity_share) {
+double known_amplitude(const TimingData& data, bool last) {
   std::vector<double> seen;
   for (const double a : data.amplitude_rad)
     if (a > 0.0) seen.push_back(a);
@@ -64,21 +61,12 @@ double known_speed(const TimingData& data, bool last, double gravity_share) {
   double sum = 0.0;
   for (auto it = begin; it != begin + static_cast<std::ptrdiff_t>(take); ++it)
     sum += *it;
-  const double widest = 0.9 * std::numbers::pi; // of what noise may make of it
-  return velocity_of_turning_angle(gravity_share,
-                                   std::min(sum / static_cast<double>(take), widest));
+  return sum / static_cast<double>(take);
 }
 
 struct Guess {
-  double epsilon, lambda, ratio, start_ratio, gravity_share;
+  double epsilon, lambda, ratio, start_ratio;
 };
-
-// The shares of gravity to start from: where it is sought, both pure cases.
-std::vector<double> gravity_shares(const Parameters& parameters) {
-  const Slot* share = parameters.find(Quantity::gravity_share);
-  if (share == nullptr) return {1.0};
-  return share->free ? std::vector{0.0, 1.0} : std::vector{share->fixed_value};
-}
 
 double noise_value(const Slot& slot, const NoiseGuess& noise, double fast_gain,
                    const TimingData& data) {
@@ -121,7 +109,6 @@ std::vector<double> coordinates(const Guess& guess, const Parameters& parameters
     if (slot.quantity == Quantity::epsilon) value = epsilon;
     if (slot.quantity == Quantity::phi0) value = phi0;
     if (slot.quantity == Quantity::amplitude_scale) value = 1.0;
-    if (slot.quantity == Quantity::gravity_share) value = guess.gravity_share;
     if (slot.quantity == Quantity::lambda0) value = guess.lambda * guess.start_ratio;
     if (is_noise(slot.quantity)) value = noise_value(slot, noise, mu * fast_gain, data);
     if (slot.quantity == Quantity::mu) {
@@ -155,21 +142,16 @@ double amplitude_from_rate(double epsilon, double ratio, double T0, const Timing
 
 } // namespace
 
-namespace {
-
-void add_starting_points(double gravity_share, const Parameters& parameters, const TimingData& data,
-                         const NoiseGuess& noise, std::vector<std::vector<double>>& points) {
-  const double seen_first = known_speed(data, false, gravity_share);
-  const double seen_last = known_speed(data, true, gravity_share);
+std::vector<std::vector<double>> starting_points(const Parameters& parameters,
+                                                 const TimingData& data, const NoiseGuess& noise) {
+  const double seen_first = known_amplitude(data, false);
+  const double seen_last = known_amplitude(data, true);
   const bool driven = parameters.escapement != Escapement::none;
   const bool impulse = parameters.escapement == Escapement::single_impulse;
   const Slot& T0 = *parameters.find(Quantity::T0);
   const bool by_rate = !T0.free && driven && seen_last == 0.0;
-  // Clocks swing as far as that; a pendulum that is let go may do so up to its top.
-  const std::vector<double> lambdas = seen_last > 0.0 ? std::vector{seen_last}
-                                      : driven
-                                          ? std::vector{0.025, 0.05, 0.1, 0.2}
-                                          : std::vector{0.025, 0.05, 0.1, 0.2, 0.5, 1.0, 1.4, 1.7};
+  const std::vector<double> lambdas =
+      seen_last > 0.0 ? std::vector{seen_last} : std::vector{0.025, 0.05, 0.1, 0.2};
   // With a change in the log, ε and μ show in the response to it. Without one they show only in how
   // the amplitude goes from its start to its stationary value, so more start values are tried.
   const bool changes = !parameters.event_cycles.empty();
@@ -183,6 +165,7 @@ void add_starting_points(double gravity_share, const Parameters& parameters, con
   const std::vector<double> epsilons = changes
                                            ? std::vector{1e-5, 5e-5, 2e-4, 8e-4, 3e-3}
                                            : std::vector{1e-5, 3e-5, 8e-5, 2e-4, 4e-4, 1e-3, 3e-3};
+  std::vector<std::vector<double>> points;
   for (const double epsilon : epsilons)
     for (const double ratio : ratios) {
       std::vector<double> amplitudes = lambdas;
@@ -192,18 +175,9 @@ void add_starting_points(double gravity_share, const Parameters& parameters, con
         amplitudes = {by_mean}; // the range of amplitudes of clocks
       for (const double lambda : amplitudes)
         for (const double start_ratio : start_ratios)
-          points.push_back(coordinates({epsilon, lambda, ratio, start_ratio, gravity_share},
-                                       parameters, data, noise));
+          points.push_back(
+              coordinates({epsilon, lambda, ratio, start_ratio}, parameters, data, noise));
     }
-}
-
-} // namespace
-
-std::vector<std::vector<double>> starting_points(const Parameters& parameters,
-                                                 const TimingData& data, const NoiseGuess& noise) {
-  std::vector<std::vector<double>> points;
-  for (const double share : gravity_shares(parameters))
-    add_starting_points(share, parameters, data, noise, points);
   return points;
 }
 
@@ -212,8 +186,8 @@ start_by_amplitudes(const Parameters& parameters, const TimingData& data, const 
   const auto clock = amplitude_clock(data, parameters);
   if (!clock) return {};
   const double lambda = std::sqrt(clock->amplitude2);
-  auto start = coordinates({clock->epsilon, lambda, lambda / clock->phi0, 1.0, 1.0}, parameters,
-                           data, noise);
+  auto start =
+      coordinates({clock->epsilon, lambda, lambda / clock->phi0, 1.0}, parameters, data, noise);
   const Slot& T0 = *parameters.find(Quantity::T0);
   if (T0.free) start[T0.index] = T0.coordinate_of(clock->T0);
   return start;
