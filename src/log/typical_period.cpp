@@ -164,7 +164,8 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
                      "times that increase");
   const double middle_s = centre;
   const double own = shortest_length(work, middle_s);
-  const bool wide = nominal_s && may_be_wide_swings(own, *nominal_s) && have_a_course(intervals);
+  const bool has_a_course = have_a_course(intervals);
+  const bool wide = nominal_s && may_be_wide_swings(own, *nominal_s) && has_a_course;
   centre = wide ? own : nominal_s.value_or(own);
   double periods = 0.0;
   std::vector<double> lengths;
@@ -178,6 +179,7 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
       static_cast<double>(lengths.size()) <= 0.05 * static_cast<double>(work.size()))
     refuse_nominal(source, events[1].line, middle_s, centre);
   TypicalPeriod typical = bulk_of(intervals, std::move(lengths), periods);
+  typical.has_a_course = has_a_course;
   typical.grain_s = time_grain(std::min(events.size(), times_for_grain), typical.mean_s,
                                [&](std::size_t i) { return events[i].time - events[0].time; });
   return typical;

@@ -29,6 +29,7 @@ struct TypicalPeriod {
   double scatter_s = 0.0; ///< their robust standard deviation (from the median absolute deviation)
   double second_s2 = 0.0; ///< trimmed mean square of t[i+2] - 2 t[i+1] + t[i], s^2
   double mean_step = 1.0; ///< periods from one event to the next; above 1 where many are lost
+  bool has_a_course = false; ///< have_a_course() of the intervals
   double grain_s = 0.0;   ///< steps of the logger's times, at most a sixteenth of the period
 };
 
