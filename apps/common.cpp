@@ -116,6 +116,13 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
                   "it gives the amplitudes; without, the times are those of its leading edge and "
                   "are moved to the vertical with each beat's amplitude")
       ->check(CLI::Range(0.0, 1.0) & not_negative());
+  command
+      .add_option("--gravity-share", options.gravity_share,
+                  "share of gravity in the restoring torque, the rest being a spring's: 1 a "
+                  "pendulum, 0 torsion. The circular error, amplitudes from --flag-width and the "
+                  "fit follow it")
+      ->check(CLI::Range(-10.0, 1.5))
+      ->capture_default_str();
   auto* place = command.add_option(
       "--sensor-offset", options.sensor_offset,
       "angle (rad) at which the sensor stands: times are moved to the vertical, and amplitudes had "
@@ -330,6 +337,7 @@ LoadRequest load_request(const LogOptions& options) {
   request.both_edges = options.both_edges;
   request.dead_time_s = options.dead_time_s;
   if (options.flag_width_rad > 0.0) request.flag_width_rad = options.flag_width_rad;
+  request.gravity_share = options.gravity_share;
   request.find_sensor_offset = options.sensor_offset == "auto";
   if (!options.sensor_offset.empty() && !request.find_sensor_offset)
     request.sensor_offset_rad = numbers_in("sensor-offset", options.sensor_offset).front();

@@ -27,6 +27,7 @@ struct LogOptions {
   std::string format;
   double nominal_period_s = 0.0; ///< 0: not given
   double flag_width_rad = 0.0;
+  double gravity_share = 1.0;
   double gap_probability = NumberingOptions{}.least_probability;
   bool both_edges = false;
   std::string sensor_offset;        ///< rad, or auto
@@ -115,6 +116,8 @@ void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
 
 /// The same as the library takes it.
 FitRequest fit_request(const ModelOptions& options);
+/// The log read with the share of gravity that its fit is to hold, if it is.
+LogOptions with_held_share(LogOptions log, const ModelOptions& options);
 
 /// Sets the help of the program and of the subcommands that are added later in 80 columns.
 void narrow_help(CLI::App& program);

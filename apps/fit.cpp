@@ -64,7 +64,7 @@ JobOutcome job_result(const FitCommand& options, const NumberedLog& loaded) {
 }
 
 void run(const FitCommand& options, const GlobalOptions& global) {
-  const NumberedLog loaded = load(options.log, global);
+  const NumberedLog loaded = load(with_held_share(options.log, options.model), global);
   const FitRequest request = fit_request(options.model);
   const FitOptions asked = fit_options(searching(request), loaded);
   const TimingData data = fit_data(loaded);
@@ -91,7 +91,7 @@ Job add_fit_job(CLI::App& command) {
   auto options = std::make_shared<FitCommand>();
   add_log_settings(command, options->log);
   add_model_options(command, options->model);
-  return {[options] { return options->log; },
+  return {[options] { return with_held_share(options->log, options->model); },
           [options](NumberedLog loaded) { return job_result(*options, loaded); }};
 }
 

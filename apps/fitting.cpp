@@ -94,6 +94,12 @@ FitRequest fit_request(const ModelOptions& options) {
   return request;
 }
 
+LogOptions with_held_share(LogOptions log, const ModelOptions& options) {
+  for (const auto& [name, value] : fit_request(options).fixed)
+    if (name == "gravity_share") log.gravity_share = value;
+  return log;
+}
+
 std::vector<double> numbers_in(const std::string& option, const std::string& text) {
   std::vector<double> numbers;
   for (std::size_t begin = 0; begin <= text.size();) {

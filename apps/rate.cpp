@@ -36,7 +36,7 @@ void write_table(StreamedFile& file, const RateOptions& options, const NumberedL
     return;
   }
   RateTable table({loaded.nominal_period_s, loaded.log.has_amplitude, options.running_cycles,
-                   loaded.beats.step},
+                   loaded.beats.step, loaded.sensor.gravity_share},
                   loaded.log.columns, loaded.beats.gaps);
   file.text() = table.header();
   for (std::size_t i = 0; i < loaded.beats.beats.size(); ++i) {

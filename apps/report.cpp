@@ -51,7 +51,7 @@ JobOutcome job_result(const ReportCommand& options, NumberedLog loaded) {
 }
 
 Analysis analysis_of(const ReportCommand& options, const GlobalOptions& global) {
-  NumberedLog loaded = load(options.log, global);
+  NumberedLog loaded = load(with_held_share(options.log, options.model), global);
   AnalysisRequest request = request_of(options, loaded);
   StepLine line(global.quiet, "numbering the beats");
   request.now = [&](std::string_view what) { line(what); };
@@ -142,7 +142,7 @@ Job add_report_job(CLI::App& command) {
   auto options = std::make_shared<ReportCommand>();
   add_log_settings(command, options->log);
   add_settings(command, *options);
-  return {[options] { return options->log; },
+  return {[options] { return with_held_share(options->log, options->model); },
           [options](NumberedLog loaded) { return job_result(*options, std::move(loaded)); }};
 }
 

@@ -151,6 +151,15 @@ void put_priors(const FitRequest& request, FitOptions& result) {
   result.priors.insert(result.priors.end(), request.priors.begin(), request.priors.end());
 }
 
+// What the log was read with holds in its fit, unless that is asked for something else.
+void put_gravity_share(const NumberedLog& loaded, FitOptions& result) {
+  const std::string name = "gravity_share";
+  const bool said = result.fixed.contains(name) || result.start.contains(name) ||
+                    std::find(result.freed.begin(), result.freed.end(), name) != result.freed.end();
+  if (!said && loaded.sensor.gravity_share != 1.0)
+    result.fixed[name] = loaded.sensor.gravity_share;
+}
+
 // The word is one that the option knows.
 void put_word(const char* name, const std::string& word, const char* legal,
               bool (*set)(FitOptions&, std::string_view), FitOptions& result) {
@@ -180,6 +189,7 @@ FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded) {
   put_fixed(request, result);
   put_freed(request, result);
   put_priors(request, result);
+  put_gravity_share(loaded, result);
   drop_partial_start(result);
   return with_seen_offset(std::move(result), loaded);
 }

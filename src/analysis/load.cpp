@@ -13,6 +13,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
+#include <limits>
 
 namespace goingrate {
 
@@ -24,6 +25,7 @@ class Loading {
 public:
   Loading(ClockLog log, const LoadRequest& request) : request_(request) {
     loaded_.log = std::move(log);
+    loaded_.sensor.gravity_share = request.gravity_share;
   }
 
   NumberedLog run() {
@@ -77,6 +79,21 @@ private:
     loaded_.log.events.clear();
   }
 
+  // From one good upward crossing to the next; unknown where one is missing.
+  static std::vector<double> periods_of(std::span<const Beat> beats) {
+    std::vector<double> periods;
+    const Beat* before = nullptr;
+    for (const Beat& beat : beats) {
+      if (beat.flag != BeatFlag::good) continue;
+      const bool follows =
+          before != nullptr && before->segment == beat.segment && before->cycle + 1 == beat.cycle;
+      periods.push_back(follows ? beat.time - before->time
+                                : std::numeric_limits<double>::quiet_NaN());
+      before = &beat;
+    }
+    return periods;
+  }
+
   // The mean period of what was numbered is that of the intervals; where most events are false ones
   // the count may be no clock's.
   void refuse_if_numbered_wrong() const {
@@ -86,6 +103,7 @@ private:
     const double mean = (loaded_.good.back().time - loaded_.good.front().time) / cycles;
     const double typical = loaded_.beats.typical_period_s;
     if (std::abs(mean / typical - 1.0) <= largest_rate_excess) return;
+    if (have_a_course(periods_of(loaded_.good))) return; // of a wide swing that dies away
     throw ImpossibleReading(
         loaded_.log.place(loaded_.good.front().line),
         fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
@@ -182,6 +200,9 @@ private:
     // A period that is given is believed; one that the log states must be that of its beats.
     const bool possible = std::abs(typical / loaded_.nominal_period_s - 1.0) <= largest_rate_excess;
     if (possible || request_.reading.nominal_period_s) return;
+    if (may_be_wide_swings(typical, loaded_.nominal_period_s) &&
+        have_a_course(periods_of(loaded_.beats.beats)))
+      return;
     throw ImpossibleReading(
         log.place(loaded_.beats.beats.front().line), fmt::format("beats {:.6g} s apart", typical),
         fmt::format("those of a clock whose nominal period is {:.6g} s", loaded_.nominal_period_s),
@@ -205,10 +226,11 @@ private:
              Setting::flag_width);
     if (widths && width > 0.0) {
       log.events = std::move(loaded_.beats.beats);
-      const double period_s = log.nominal_period_s
-                                  ? *log.nominal_period_s
-                                  : small_swing_period(log, width, loaded_.nominal_period_s);
-      set_amplitudes_from_widths(log, width, period_s);
+      const double period_s =
+          log.nominal_period_s
+              ? *log.nominal_period_s
+              : small_swing_period(log, width, loaded_.nominal_period_s, request_.gravity_share);
+      set_amplitudes_from_widths(log, width, period_s, request_.gravity_share);
       move_middles_to_vertical(log, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {

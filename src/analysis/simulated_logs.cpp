@@ -49,15 +49,30 @@ void add_clock(const ClockParameters& clock, Truth& truth) {
   }
 }
 
-void add_event(const ClockEvent& event, std::size_t k, double rests, Truth& truth) {
+// How many periods there are to one in which the escapement acts; of one that waits for the
+// amplitude that is an outcome. Nothing where no number tells it.
+std::optional<double> periods_to_an_action(const ClockParameters& clock) {
+  if (const auto tooth = saw_tooth(clock)) return tooth->periods;
+  if (clock.below > 0.0) return {};
+  return static_cast<double>(clock.every);
+}
+
+// `clock` is what the event leaves, `rests` its periods_to_an_action.
+void add_event(const ClockEvent& event, std::size_t k, const ClockParameters& clock,
+               std::optional<double> rests, Truth& truth) {
+  const bool rests_change = event.every || event.below;
+  const auto add_drive = [&](const char* name, std::optional<double> changed, double value) {
+    if (rests && (changed || (rests_change && value != 0.0)))
+      truth.add(fmt::format("{}@{}", name, k), value / *rests);
+  };
   const auto add = [&](const char* name, std::optional<double> value) {
     truth.add(fmt::format("{}@{}", name, k), value);
   };
   add("T0", event.nominal_period_s);
   add("epsilon", event.epsilon);
-  if (event.mu) add("mu", *event.mu / rests);
+  add_drive("mu", event.mu, clock.acting_torque());
   add("phi0", event.phi0);
-  if (event.impulse) add("impulse", *event.impulse / rests);
+  add_drive("impulse", event.impulse, clock.impulse);
   add("impulse_angle", event.impulse_angle);
 }
 
@@ -99,11 +114,9 @@ std::map<std::string, double> true_parameters(const Scenario& scenario) {
   Truth truth;
   const ClockParameters& clock = scenario.clock;
   const auto tooth = saw_tooth(clock);
-  // If the escapement waits for the amplitude, the interval is not given but results from the
-  // motion.
-  const double rests = tooth ? tooth->periods : static_cast<double>(clock.every);
-  add_clock(with_drive_divided(clock, rests), truth);
-  if (clock.below > 0.0 && !tooth)
+  const auto rests = periods_to_an_action(clock);
+  add_clock(with_drive_divided(clock, rests.value_or(1.0)), truth);
+  if (!rests)
     for (const char* drive : {"mu", "impulse"}) // no number tells its mean
       truth.leave_out(drive);
   Scenario exact = scenario;
@@ -113,8 +126,11 @@ std::map<std::string, double> true_parameters(const Scenario& scenario) {
   truth.add("lambda0", clock.every > 1 || (tooth && !scenario.start_amplitude)
                            ? std::sqrt(start * start + energy_of_period(clock, start))
                            : start);
-  for (std::size_t k = 0; k < scenario.events.size(); ++k)
-    add_event(scenario.events[k], k + 1, rests, truth);
+  ClockParameters after = clock;
+  for (std::size_t k = 0; k < scenario.events.size(); ++k) {
+    after = scenario.events[k].applied_to(after);
+    add_event(scenario.events[k], k + 1, after, periods_to_an_action(after), truth);
+  }
   add_noise(scenario, truth);
   return truth.take();
 }

@@ -2,6 +2,7 @@
 
 #include "goingrate/base/errors.hpp"
 
+#include <boost/math/quadrature/gauss.hpp>
 #include <boost/math/quadrature/trapezoidal.hpp>
 #include <boost/math/tools/roots.hpp>
 #include <cmath>
@@ -72,18 +73,35 @@ void check_velocity(const ClockParameters& clock, double velocity, std::string_v
                                   top));
 }
 
+namespace {
+
+// (speed at angle sin u)^2 / (angle cos u)^2 of the free pendulum that turns at `angle`: cos x -
+// cos A = 2 sin((A + x)/2) sin((A - x)/2), so that no digits are lost where x is near A.
+double stiffness_at(double gravity_share, double angle, double u) {
+  const double x = angle * std::sin(u);
+  return 1.0 - gravity_share + gravity_share * sinc(0.5 * (angle + x)) * sinc(0.5 * (angle - x));
+}
+
+} // namespace
+
 double free_period_ratio(double gravity_share, double angle) {
   if (!(angle > 0.0 && angle < top_angle(gravity_share)))
     throw ArgumentError("amplitude", angle, "above 0 and below pi rad, and below the top");
-  // cos x - cos A = 2 sin((A + x)/2) sin((A - x)/2): no digits are lost where x is near A. The
-  // integrand is periodic and analytic, so that the trapezoidal rule converges exponentially.
+  // The integrand is periodic and analytic: the trapezoidal rule converges exponentially.
   const auto integrand = [&](double u) {
-    const double x = angle * std::sin(u);
-    const double r =
-        1.0 - gravity_share + gravity_share * sinc(0.5 * (angle + x)) * sinc(0.5 * (angle - x));
-    return 1.0 / std::sqrt(r);
+    return 1.0 / std::sqrt(stiffness_at(gravity_share, angle, u));
   };
   return boost::math::quadrature::trapezoidal(integrand, -0.5 * pi, 0.5 * pi, 1e-14, 20) / pi;
+}
+
+double free_passage_time(double gravity_share, double angle, double half) {
+  if (!(angle < top_angle(gravity_share))) return std::numeric_limits<double>::quiet_NaN();
+  const auto integrand = [&](double u) {
+    return 1.0 / std::sqrt(stiffness_at(gravity_share, angle, u));
+  };
+  // Up to 3 rad the integrand has no pole within half of the interval's length.
+  using Quadrature = boost::math::quadrature::gauss<double, 30>;
+  return 2.0 * Quadrature::integrate(integrand, 0.0, std::asin(half / angle));
 }
 
 } // namespace goingrate

@@ -17,6 +17,8 @@ ClockParameters ClockEvent::applied_to(ClockParameters clock) const {
   clock.dry_friction = dry_friction.value_or(clock.dry_friction);
   clock.impulse = impulse.value_or(clock.impulse);
   clock.impulse_angle = impulse_angle.value_or(clock.impulse_angle);
+  clock.every = every.value_or(clock.every);
+  clock.below = below.value_or(clock.below);
   return clock;
 }
 

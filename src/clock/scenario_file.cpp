@@ -203,6 +203,8 @@ ClockEvent read_event(Section section) {
   event.dry_friction = section.number("dry_friction");
   event.impulse = section.number("impulse");
   event.impulse_angle = section.number("angle");
+  event.every = section.count("every");
+  event.below = section.number("below");
   section.finish();
   return event;
 }

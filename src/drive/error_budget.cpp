@@ -21,20 +21,49 @@ using std::numbers::pi;
 
 namespace {
 
+// The clock with its drive times a factor.
+ClockParameters driven(const ClockParameters& clock, double factor) {
+  ClockParameters other = with_drive_divided(clock, 1.0 / factor);
+  other.every = clock.every;
+  other.below = clock.below;
+  return other;
+}
+
+// How the rate answers, and to how many periods there is one factor of the drive that counts.
+struct Answer {
+  DriveResponse response;
+  double rests = 1.0;
+};
+
+// An escapement that waits for the amplitude to fall begins each wait at its limit, whatever the
+// impulse before it was: what an impulse does to the clock's time is done when the limit is
+// reached, and the rate answers at once and for good.
+Answer answer_of_waiting(const ClockParameters& clock, double lambda) {
+  constexpr double step = 1e-3; // of a central difference: 1e-6 of itself
+  const auto rate = [&](double factor) {
+    return stationary_rate_first_order(driven(clock, factor)).value_or(0.0);
+  };
+  Answer answer;
+  answer.rests = drive_moments(clock, lambda).a / friction_moment(clock, lambda);
+  answer.response.fast_gain = (rate(1.0 + step) - rate(1.0 - step)) / (2.0 * step);
+  answer.response.slow_gain = answer.response.fast_gain;
+  answer.response.corner_hz = 1.0 / (answer.rests * clock.nominal_period_s);
+  return answer;
+}
+
 // In first order, for any law: rate = -s lambda^2/16 - f b/lambda, lambda' = f a - friction, f
 // being the drive's factor.
-DriveResponse response_of(const ClockParameters& clock) {
-  const ClockParameters mean = with_drive_divided(clock, static_cast<double>(clock.every));
-  const auto lambda = stationary_amplitude(mean);
-  if (clock.below > 0.0)
-    throw ArgumentError(
-        "below", clock.below,
-        "0: the rate of a clock that waits for its swing to fall does not answer to "
-        "the drive as a formula says");
+Answer answer_of(const ClockParameters& clock) {
+  const auto lambda = stationary_amplitude(clock);
   if (!lambda)
     throw ArgumentError("clock", name_of(clock.escapement),
                         "a clock with a stationary swing: this one stalls, or has no drive or no "
                         "friction");
+  if (waits_for_amplitude(clock)) return answer_of_waiting(clock, *lambda);
+  // An escapement that rests takes the factor of one period in N, of N times the drive.
+  const auto rests =
+      static_cast<double>(clock.below > 0.0 ? fewest_periods_between_actions(clock) : clock.every);
+  const ClockParameters mean = with_drive_divided(clock, rests);
   const auto growth = [&](double at) {
     return drive_moments(mean, at).a - friction_moment(mean, at);
   };
@@ -51,14 +80,7 @@ DriveResponse response_of(const ClockParameters& clock) {
   response.slow_gain =
       response.fast_gain + slope(rate) * drive_moments(mean, *lambda).a / relaxation;
   response.corner_hz = relaxation / clock.nominal_period_s;
-  return response;
-}
-
-// The clock with its drive times a factor.
-ClockParameters driven(const ClockParameters& clock, double factor) {
-  ClockParameters other = with_drive_divided(clock, 1.0 / factor);
-  other.every = clock.every;
-  return other;
+  return {response, rests};
 }
 
 // At the worst moment, rms over the phase.
@@ -84,9 +106,7 @@ void add_drive(const Scenario& scenario, double after_s, std::vector<ErrorPart>&
   if (drive.series)
     throw ArgumentError("drive.series", "a series",
                         "rms values and sines: what a series will do next nobody knows");
-  const DriveResponse response = response_of(scenario.clock);
-  // An escapement that rests takes the factor of one period in N, of N times the drive.
-  const auto rests = static_cast<double>(scenario.clock.every);
+  const auto [response, rests] = answer_of(scenario.clock);
   timing_model::RateComponents components;
   components.fast2 = drive.fast_rms * drive.fast_rms * rests;
   components.slow2 = drive.slow_rms * drive.slow_rms;
@@ -94,16 +114,20 @@ void add_drive(const Scenario& scenario, double after_s, std::vector<ErrorPart>&
   const double period_s = scenario.clock.nominal_period_s;
   const auto error = [&](auto density) { return time_error(density, after_s, period_s); };
   if (drive.fast_rms > 0.0)
-    parts.push_back(
-        {"the drive from swing to swing", "drive.fast_rms", drive.fast_rms,
-         error([&](double f) { return components.fast_density(f, period_s, response); })});
+    parts.push_back({"the drive from swing to swing", "drive.fast_rms", drive.fast_rms,
+                     error([&, &response = response](double f) {
+                       return components.fast_density(f, period_s, response);
+                     })});
   if (drive.slow_rms > 0.0)
-    parts.push_back(
-        {"the drive as it wanders", "drive.slow_rms", drive.slow_rms,
-         error([&](double f) { return components.slow_density(f, period_s, response); })});
+    parts.push_back({"the drive as it wanders", "drive.slow_rms", drive.slow_rms,
+                     error([&, &response = response](double f) {
+                       return components.slow_density(f, period_s, response);
+                     })});
   add_sines(
       drive.sines, "the drive as it comes round", "drive.sine", after_s,
-      [&](const auto& sine) { return sine.amplitude * std::abs(response.at(1.0 / sine.period_s)); },
+      [&, &response = response](const auto& sine) {
+        return sine.amplitude * std::abs(response.at(1.0 / sine.period_s));
+      },
       parts);
 }
 
@@ -195,36 +219,48 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
   const ErrorBudget budget = error_budget(scenario, after_s);
   const double all2 = budget.all_s() * budget.all_s();
   // A clock that would stall, or that no scenario may have, is no answer.
-  const auto changed = [&](double epsilon, double drive) {
+  const auto error_of = [&](const ClockParameters& clock) {
     try {
       Scenario other = scenario;
-      other.clock = driven(scenario.clock, drive);
-      other.clock.epsilon = epsilon;
+      other.clock = clock;
       return error_budget(other, after_s).all_s();
     } catch (const ArgumentError&) {
       return std::numeric_limits<double>::infinity();
     }
   };
-  const double epsilon = scenario.clock.epsilon;
+  const ClockParameters& clock = scenario.clock;
+  const bool waits = waits_for_amplitude(clock);
+  const double swing = *stationary_amplitude(clock), friction = friction_moment(clock, swing);
   std::vector<Requirement> all;
-  if (epsilon > 0.0) {
-    const double swing = *stationary_amplitude(scenario.clock),
-                 friction = friction_moment(scenario.clock, swing);
-    const auto kept = [&](double e) { // the swing, by a drive that makes up for the friction
-      return changed(e, 1.0 + (e - epsilon) * swing / friction);
+  if (clock.epsilon > 0.0) {
+    // A drive that makes up for the friction keeps the swing; a limit of amplitude does by itself.
+    const auto kept = [&](double epsilon) {
+      const double more = waits ? 1.0 : 1.0 + (epsilon - clock.epsilon) * swing / friction;
+      ClockParameters other = driven(clock, more);
+      other.epsilon = epsilon;
+      return error_of(other);
     };
-    all.push_back({"clock.epsilon", epsilon, nearest_limit(kept, epsilon, most_s, 1e-7, 1e-2)});
+    all.push_back(
+        {"clock.epsilon", clock.epsilon, nearest_limit(kept, clock.epsilon, most_s, 1e-7, 1e-2)});
   }
-  // The limit of the amplitude, as the drive sets it. A clock does not run with 100 times the
-  // drive, or a hundredth of it.
-  auto drive =
-      nearest_limit([&](double f) { return changed(epsilon, f); }, 1.0, most_s, 0.01, 100.0);
+  // lambda^2 by the drive, or by the limit of amplitude.
+  const auto wider = [&](double factor) {
+    ClockParameters other = waits ? clock : driven(clock, factor);
+    other.below *= waits ? std::sqrt(factor) : 1.0;
+    return other;
+  };
+  const auto size = [&](const ClockParameters& of) {
+    return waits ? std::optional(of.below) : stationary_amplitude(of);
+  };
+  // A clock does not run with 100 times as much, or a hundredth of it.
+  const auto limit2 =
+      nearest_limit([&](double f) { return error_of(wider(f)); }, 1.0, most_s, 0.01, 100.0);
   constexpr double margin = 1e-3; // relative: past the limit, which is good to 1e-4
   const bool stops =
-      drive &&
-      !std::isfinite(changed(epsilon, *drive * (*drive < 1.0 ? 1.0 - margin : 1.0 + margin)));
-  if (drive) drive = stationary_amplitude(driven(scenario.clock, *drive));
-  all.push_back({"amplitude", *stationary_amplitude(scenario.clock), drive, stops});
+      limit2 &&
+      !std::isfinite(error_of(wider(*limit2 * (*limit2 < 1.0 ? 1.0 - margin : 1.0 + margin))));
+  all.push_back({waits ? "clock.below" : "amplitude", *size(clock),
+                 limit2 ? size(wider(*limit2)) : std::nullopt, stops});
   for (const ErrorPart& part : budget.parts) {
     const double others2 = all2 - part.rms_s * part.rms_s, room2 = most_s * most_s - others2;
     const double limit = part.size * std::sqrt(std::max(0.0, room2)) / part.rms_s;

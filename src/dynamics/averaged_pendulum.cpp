@@ -32,6 +32,7 @@ void AveragedPendulum::set_clock(const ClockParameters& clock) {
                         "constant torque or a single impulse, with linear friction and gravity "
                         "only");
   clock_ = clock;
+  parts_ = action_parts(clock);
   kept_ = std::expm1(-4.0 * pi * clock.epsilon);
   kept_half_ = std::expm1(-2.0 * pi * clock.epsilon);
 }
@@ -42,6 +43,7 @@ PeriodStep AveragedPendulum::advance(double factor) {
   PeriodStep step = order_ == AveragedOrder::second ? second_order(factor)
                     : clock_.is_plain()             ? first_order(factor)
                                                     : first_order_any_law(factor);
+  begun_ = factor;
   if (!std::isfinite(step.excess) || !(amplitude2_ > 0.0)) step.status = SwingStatus::stalled;
   step.half_excess = 0.5 * step.excess;
   return step;
@@ -81,10 +83,19 @@ PeriodStep AveragedPendulum::first_order_any_law(double factor) {
   struct Slope {
     double amplitude, phase;
   };
+  const auto drive_at = [&](double lambda) -> DriveMoments {
+    if (!parts_) {
+      const auto whole = drive_moments(clock_, lambda);
+      return {factor * whole.a, factor * whole.b};
+    }
+    const auto before = drive_moments(parts_->before, lambda),
+               after = drive_moments(parts_->after, lambda);
+    return {factor * before.a + begun_ * after.a, factor * before.b + begun_ * after.b};
+  };
   const auto slope = [&](double lambda) {
-    const auto drive = drive_moments(clock_, lambda);
-    return Slope{factor * drive.a - friction_moment(clock_, lambda),
-                 circular(lambda * lambda) - factor * drive.b / lambda};
+    const auto drive = drive_at(lambda);
+    return Slope{drive.a - friction_moment(clock_, lambda),
+                 circular(lambda * lambda) - drive.b / lambda};
   };
   const double h = two_pi, start = velocity();
   const Slope k1 = slope(start), k2 = slope(start + 0.5 * h * k1.amplitude),

@@ -94,6 +94,7 @@ ClockRun::ClockRun(const Scenario& scenario, std::uint64_t seed, MapDigits digit
   now_.velocity = start_velocity_;
   now_.nominal_period_s = period_now_s_;
   now_.amplitude_rad = turning_angle_of_velocity(scenario.clock.gravity_share, start_velocity_);
+  in_parts_ = action_parts(clock_).has_value();
 }
 
 std::int64_t ClockRun::fallbacks() const {
@@ -114,8 +115,10 @@ void ClockRun::apply_due_changes() {
   if (due_any) {
     ClockParameters same_period = clock_;
     same_period.nominal_period_s = before.nominal_period_s;
-    if (!(same_period == before))
+    if (!(same_period == before)) {
       std::visit([&](auto& pendulum) { pendulum.set_clock(clock_); }, pendulum_);
+      in_parts_ = action_parts(clock_).has_value();
+    }
   }
   double period_s = clock_.nominal_period_s;
   if (!scenario_.length.none())
@@ -133,8 +136,8 @@ bool ClockRun::complete() const {
 std::optional<Period> ClockRun::next() {
   if (status_ != SwingStatus::crossed || complete()) return {};
   if (!pending_.empty() || !scenario_.length.none()) apply_due_changes();
-  const bool acts = escapement_acts(clock_, now_.cycle, now_.velocity);
-  const double factor = drive_.next(now_.time_s.hi) * (acts ? 1.0 : 0.0);
+  let_in_ = escapement_acts(clock_, now_.cycle, now_.velocity, in_parts_ && let_in_);
+  const double factor = drive_.next(now_.time_s.hi) * (let_in_ ? 1.0 : 0.0);
   const PeriodStep step =
       std::visit([&](auto& pendulum) { return pendulum.advance(factor); }, pendulum_);
   status_ = step.status;

@@ -1,6 +1,7 @@
 #include "goingrate/dynamics/direct.hpp"
 
 #include "goingrate/clock/restoring.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 
 #include <cmath>
 
@@ -17,9 +18,14 @@ void DirectPendulum::set_clock(const ClockParameters& clock) {
   check(clock);
   clock_ = clock;
   if (clock.escapement != Escapement::constant_torque) profile_ = period_profile(clock);
+  const auto parts = action_parts(clock);
+  in_parts_ = parts.has_value();
+  if (!parts) return;
+  before_ = period_profile(parts->before);
+  after_ = period_profile(parts->after);
 }
 
-HalfSwing<double> DirectPendulum::half(bool right, double factor) const {
+HalfSwing<double> DirectPendulum::half(const SwingProfile<double>& side, double factor) const {
   const double v = velocity();
   const double mu = clock_.acting_torque() * factor;
   if (clock_.is_plain()) return half_swing(v, clock_.epsilon, mu, clock_.phi0, helping_);
@@ -27,13 +33,31 @@ HalfSwing<double> DirectPendulum::half(bool right, double factor) const {
                                   clock_.gravity_share};
   if (clock_.escapement == Escapement::constant_torque)
     return half_swing(v, free, mu, clock_.phi0, helping_);
-  return half_swing(v, free, right ? profile_.right : profile_.left, factor);
+  return half_swing(v, free, side, factor);
+}
+
+// The swing to the left, where one action ends and the next may begin.
+SwingProfile<double> DirectPendulum::left_side(double before, double after) const {
+  SwingProfile<double> left{0.0, after_.left.rise, before_.left.fall};
+  const auto times = [](auto& stretches, double factor) {
+    for (auto& stretch : stretches) {
+      stretch.constant *= factor;
+      stretch.slope *= factor;
+    }
+  };
+  times(left.rise, after);
+  times(left.fall, before);
+  return left;
 }
 
 PeriodStep DirectPendulum::advance(double factor) {
   PeriodStep step;
+  const double under_way = in_parts_ ? begun_ : factor;
+  begun_ = factor;
   for (const bool right : {true, false}) {
-    const auto swing = half(right, factor);
+    const auto swing = right       ? half(profile_.right, under_way)
+                       : in_parts_ ? half(left_side(factor, under_way), 1.0)
+                                   : half(profile_.left, factor);
     step.status = swing.status;
     if (swing.status != SwingStatus::crossed) return step;
     v2_ += swing.speed2_change;
@@ -57,7 +81,7 @@ double speed_after_half(const ClockParameters& clock, double velocity, double fa
 }
 
 double DirectPendulum::speed_at_half(double factor) const {
-  const auto swing = half(true, factor);
+  const auto swing = half(profile_.right, factor);
   if (swing.status != SwingStatus::crossed) return velocity();
   TwoPart<double> speed2 = v2_;
   speed2 += swing.speed2_change;

@@ -59,9 +59,10 @@ void add_period(LaneSums& time, const TwoPart<double>& nominal, const Lane& exce
 bool fits_lanes(const Scenario& scenario, Method method) {
   const bool by_period =
       std::all_of(scenario.events.begin(), scenario.events.end(), [](const ClockEvent& event) {
-        return event.at_period && !event.nominal_period_s;
+        return event.at_period && !event.nominal_period_s && !event.every && !event.below;
       });
-  return method == Method::map && !scenario.clock.is_intermittent() && by_period && scenario.periods && scenario.length.none() &&
+  return method == Method::map && !scenario.clock.is_intermittent() && by_period &&
+         scenario.periods && scenario.length.none() &&
          scenario.sensor.edges == SensorEdges::up;
 }
 

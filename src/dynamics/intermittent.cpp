@@ -4,6 +4,7 @@
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -11,10 +12,61 @@ namespace goingrate {
 
 using std::numbers::pi;
 
-bool escapement_acts(const ClockParameters& clock, std::int64_t cycle, double velocity) {
+bool escapement_acts(const ClockParameters& clock, std::int64_t cycle, double velocity,
+                     bool under_way) {
   if (clock.below > 0.0)
-    return velocity < velocity_of_turning_angle(clock.gravity_share, clock.below);
+    return !under_way && velocity < velocity_of_turning_angle(clock.gravity_share, clock.below);
   return clock.every == 1 || cycle % clock.every == 0;
+}
+
+namespace {
+
+// The part of a table on one side of the vertical.
+TorqueTable one_side(const TorqueTable& table, bool right) {
+  TorqueTable part;
+  const auto add_middle = [&](const auto& from, const auto& to) {
+    if (from.angle < 0.0 && to.angle > 0.0)
+      part.points.push_back(
+          {0.0, std::lerp(from.torque, to.torque, -from.angle / (to.angle - from.angle))});
+  };
+  for (std::size_t i = 0; i < table.points.size(); ++i) {
+    const auto& point = table.points[i];
+    if (i > 0) add_middle(table.points[i - 1], point);
+    if (right ? point.angle >= 0.0 : point.angle <= 0.0) part.points.push_back(point);
+  }
+  return part;
+}
+
+bool acts_anywhere(const TorqueTable& table) {
+  return table.points.size() > 1 && std::any_of(table.points.begin(), table.points.end(),
+                                                [](const auto& p) { return p.torque != 0.0; });
+}
+
+} // namespace
+
+std::optional<ActionParts> action_parts(const ClockParameters& clock) {
+  if (!clock.is_intermittent() || clock.escapement != Escapement::profile) return {};
+  ActionParts parts{clock, clock};
+  for (ClockParameters* part : {&parts.before, &parts.after}) {
+    part->every = 1;
+    part->below = 0.0;
+  }
+  parts.before.rising = one_side(clock.rising, false);
+  parts.before.falling = {};
+  parts.after.rising = one_side(clock.rising, true);
+  if (!acts_anywhere(parts.before.rising) || !acts_anywhere(parts.after.rising)) return {};
+  return parts;
+}
+
+std::int64_t fewest_periods_between_actions(const ClockParameters& clock) {
+  return action_parts(clock) ? 2 : 1;
+}
+
+bool waits_for_amplitude(const ClockParameters& clock) {
+  if (!(clock.below > 0.0)) return false;
+  return drive_moments(clock, clock.below).a >
+         static_cast<double>(fewest_periods_between_actions(clock)) *
+             friction_moment(clock, clock.below);
 }
 
 ClockParameters with_drive_divided(ClockParameters clock, double periods) {

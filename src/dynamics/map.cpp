@@ -1,5 +1,7 @@
 #include "goingrate/dynamics/map.hpp"
 
+#include "goingrate/clock/restoring.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 #include "goingrate/dynamics/stationary.hpp"
 #include "base/lanes.hpp"
 
@@ -266,8 +268,11 @@ void MapPatch::at(const std::array<double, lanes>& x, const std::array<double, l
 
 ReturnMap::ReturnMap(const ClockParameters& clock, const FactorRange& factors, MapDigits digits)
     : clock_(clock), factors_(factors), digits_(digits) {
-  const auto cycle = limit_cycle(clock);
+  // Swings that do not repeat range from a limit upwards (and their mean is sought with a map).
+  const auto cycle = clock.below > 0.0 ? std::nullopt : limit_cycle(clock);
   anchor_ = cycle ? cycle->velocity * cycle->velocity : 1.0;
+  if (clock.below > 0.0)
+    anchor_ = std::pow(velocity_of_turning_angle(clock.gravity_share, clock.below), 2);
 }
 
 const MapPatch* ReturnMap::find(double x) {
@@ -297,14 +302,30 @@ void MapPendulum::set_clock(const ClockParameters& clock) {
   resting_ = {};
   if (clock.is_intermittent())
     resting_.map = std::make_unique<ReturnMap>(clock, FactorRange{0.0, 0.0}, digits_);
+  before_ = {};
+  after_ = {};
+  if (const auto parts = action_parts(clock)) {
+    before_.map = std::make_unique<ReturnMap>(parts->before, factors_, digits_);
+    after_.map = std::make_unique<ReturnMap>(parts->after, factors_, digits_);
+  }
+}
+
+// The map of a period in which an action begins (or is all there is) with this factor; nothing
+// where one ends and the next begins.
+MapPendulum::Served* MapPendulum::served_for(double factor) {
+  if (direct_.begun() != 0.0) return factor == 0.0 ? &after_ : nullptr;
+  if (factor == 0.0 && resting_.map) return &resting_;
+  return before_.map ? &before_ : &driven_;
 }
 
 const MapPatch* MapPendulum::patch_for(double factor) {
-  Served& served = factor == 0.0 && resting_.map ? resting_ : driven_;
-  if (!served.map->factors().contains(factor) || !direct_.is_regular()) return nullptr;
+  Served* served = served_for(factor);
+  if (served == nullptr || !direct_.is_regular()) return nullptr;
+  const double acting = served == &after_ ? direct_.begun() : factor;
+  if (!served->map->factors().contains(acting)) return nullptr;
   const double x = direct_.speed2().hi;
-  if (served.patch == nullptr || !served.patch->contains(x)) served.patch = served.map->find(x);
-  return served.patch;
+  if (served->patch == nullptr || !served->patch->contains(x)) served->patch = served->map->find(x);
+  return served->patch;
 }
 
 void MapPendulum::rescale(double ratio) { direct_.rescale(ratio); }
@@ -316,11 +337,12 @@ PeriodStep MapPendulum::advance(double factor) {
     return direct_.advance(factor);
   }
   const double x = direct_.speed2().hi;
-  const auto values = patch->at(x, factor);
+  const double acting = direct_.begun() != 0.0 ? direct_.begun() : factor;
+  const auto values = patch->at(x, acting);
   PeriodStep step;
   step.excess = values.excess;
-  if (halves_) step.half_excess = patch->half_excess(x, factor);
-  direct_.add_to_speed2(values.speed2_change);
+  if (halves_) step.half_excess = patch->half_excess(x, acting);
+  direct_.add_period(values.speed2_change, factor);
   return step;
 }
 

@@ -40,7 +40,9 @@ Scene scene_of(const Scenario& scenario) {
                       ? static_cast<double>(*scenario.periods)
                       : std::ceil(*scenario.duration_s / scenario.clock.nominal_period_s);
   scene.factors = factor_range(scenario.drive);
-  if (scenario.clock.is_intermittent()) scene.factors.low = std::min(scene.factors.low, 0.0);
+  if (std::any_of(scene.clocks.begin(), scene.clocks.end(),
+                  [](const ClockParameters& clock) { return clock.is_intermittent(); }))
+    scene.factors.low = std::min(scene.factors.low, 0.0);
   std::vector<double> speeds;
   if (scenario.start_amplitude) speeds.push_back(*scenario.start_amplitude);
   for (const ClockParameters& clock : scene.clocks) {
@@ -88,11 +90,23 @@ OnePeriod exact_period(const ClockParameters& clock, double x, double factor) {
   return {regular, pendulum.speed2().hi - x, step.excess};
 }
 
+// The clocks of the periods in which something acts: each part of an action that crossings cut.
+std::vector<ClockParameters> acting_clocks(const std::vector<ClockParameters>& clocks) {
+  std::vector<ClockParameters> acting;
+  for (const ClockParameters& clock : clocks) {
+    if (const auto parts = action_parts(clock))
+      acting.insert(acting.end(), {parts->before, parts->after});
+    else
+      acting.push_back(clock);
+  }
+  return acting;
+}
+
 // The error bound that the header gives for an averaged method, s.
 double averaged_bound(const Scene& scene, AveragedOrder order) {
   if (!(scene.low2 > 0.0)) return no_bound;
   double worst_excess = 0.0, worst_amplitude = 0.0;
-  for (const ClockParameters& clock : scene.clocks) {
+  for (const ClockParameters& clock : acting_clocks(scene.clocks)) {
     double steepest = pi / 8.0, change_off = 0.0;
     for (const double factor :
          {0.5 * (scene.factors.low + scene.factors.high), scene.factors.low, scene.factors.high}) {

@@ -41,10 +41,11 @@ std::optional<double> balanced_amplitude(const ClockParameters& clock) {
   return 0.5 * (low + top);
 }
 
-// Whether a push at the limit lifts the swing by more than friction takes in a period: the
-// escapement then rests in between.
-bool waits(const ClockParameters& clock) {
-  return drive_moments(clock, clock.below).a > friction_moment(clock, clock.below);
+// The clock of one that does not come to wait.
+ClockParameters acting_always(ClockParameters clock) {
+  clock.every = fewest_periods_between_actions(clock);
+  clock.below = 0.0;
+  return clock;
 }
 
 // The mean of an escapement that waits for the amplitude to fall, over the swings between two
@@ -66,10 +67,8 @@ std::optional<double> stationary_amplitude(const ClockParameters& clock) {
     return stationary_amplitude(with_drive_divided(clock, static_cast<double>(clock.every)));
   if (clock.below > 0.0) {
     if (!(drive_moments(clock, clock.below).a > 0.0)) return {}; // no push reaches so small a swing
-    if (waits(clock)) return waiting_amplitude(clock);
-    ClockParameters always = clock;
-    always.below = 0.0;
-    return stationary_amplitude(always);
+    return waits_for_amplitude(clock) ? waiting_amplitude(clock)
+                                      : stationary_amplitude(acting_always(clock));
   }
   if (!clock.is_plain()) return balanced_amplitude(clock);
   const double mu = clock.acting_torque();
@@ -135,12 +134,12 @@ std::optional<LimitCycle> plain_limit_cycle(const ClockParameters& clock, double
   return polished(clock, v2.value(), Wide(2) * slope);
 }
 
-// What a cycle of `every` periods, the first of them driven, does to x = v^2.
+// What a cycle of `every` periods, the escapement let in at its beginning, does to x = v^2.
 template <class Period>
 RegularPeriod<Wide> cycle_from(const ClockParameters& clock, Wide x, Period period_at) {
   RegularPeriod<Wide> cycle;
   for (std::int64_t i = 0; i < clock.every; ++i) {
-    const auto period = period_at(x + cycle.speed2_change, i == 0 ? 1.0 : 0.0);
+    const auto period = period_at(x + cycle.speed2_change, i);
     if (!period.regular) return {};
     cycle.speed2_change += period.speed2_change;
     cycle.excess += period.excess;
@@ -176,11 +175,12 @@ std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, doub
 
 // The same for the averaged equations of first order.
 std::optional<LimitCycle> averaged_limit_cycle(const ClockParameters& clock, double start) {
-  return general_limit_cycle(clock, start, DBL_EPSILON, [&](Wide x, double factor) {
-    const double velocity = std::sqrt(static_cast<double>(x));
-    AveragedPendulum pendulum(clock, velocity, AveragedOrder::first_in_full);
-    const PeriodStep step = pendulum.advance(factor);
-    const Wide after = pendulum.velocity();
+  std::optional<AveragedPendulum> pendulum;
+  return general_limit_cycle(clock, start, DBL_EPSILON, [&](Wide x, std::int64_t i) {
+    if (i == 0)
+      pendulum.emplace(clock, std::sqrt(static_cast<double>(x)), AveragedOrder::first_in_full);
+    const PeriodStep step = pendulum->advance(i == 0 ? 1.0 : 0.0);
+    const Wide after = pendulum->velocity();
     return RegularPeriod<Wide>{step.status == SwingStatus::crossed, after * after - x,
                                Wide(step.half_excess), Wide(step.excess)};
   });
@@ -189,13 +189,21 @@ std::optional<LimitCycle> averaged_limit_cycle(const ClockParameters& clock, dou
 } // namespace
 
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
-  if (clock.below > 0.0) return {};
+  if (clock.below > 0.0) {
+    if (!stationary_amplitude(clock)) return {};
+    if (!waits_for_amplitude(clock)) return limit_cycle(acting_always(clock));
+    const auto orbit = waiting_orbit(clock);
+    if (!orbit) return {};
+    return limit_cycle_of(Wide(orbit->velocity) * orbit->velocity, orbit->period_excess);
+  }
   // Beyond the top, first order starts the search over it.
   if (!clock.is_plain() || clock.every > 1) {
     const auto start = stationary_amplitude(clock);
     if (!start || !(*start < top_velocity(clock.gravity_share))) return {};
-    return general_limit_cycle(clock, *start, rounding, [&](Wide x, double factor) {
-      return regular_period<Wide>(clock, x, Wide(factor));
+    const auto parts = action_parts(clock);
+    return general_limit_cycle(clock, *start, rounding, [&](Wide x, std::int64_t i) {
+      if (parts && i < 2) return regular_period<Wide>(i == 0 ? parts->before : parts->after, x, 1);
+      return regular_period<Wide>(clock, x, i == 0 ? 1 : 0);
     });
   }
   const double mu = clock.acting_torque();
@@ -210,10 +218,9 @@ std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
 std::optional<double> stationary_start(const ClockParameters& clock, bool averaged) {
   if (clock.below > 0.0) {
     if (!stationary_amplitude(clock)) return {};
-    if (waits(clock)) return velocity_of_turning_angle(clock.gravity_share, clock.below);
-    ClockParameters always = clock;
-    always.below = 0.0;
-    return stationary_start(always, averaged);
+    if (waits_for_amplitude(clock))
+      return velocity_of_turning_angle(clock.gravity_share, clock.below);
+    return stationary_start(acting_always(clock), averaged);
   }
   const auto mean = stationary_amplitude(clock);
   if (averaged && clock.every == 1) return mean;

@@ -3,6 +3,7 @@
 #include "base/robust.hpp"
 #include "goingrate/fit/timing_data.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -77,34 +78,59 @@ std::vector<double> folded_means(const Grid& values, std::size_t n) {
   return sums;
 }
 
-struct Pair {
-  double tooth = 0.0, hump = 0.0;
-};
+// The crossing in the middle of a push that runs through the vertical, less its mean.
+double middle(double m, double n) { return (m == n ? 1.0 : 0.0) - 1.0 / n; }
 
-// Least squares of pairs of regressors; `both`: the second is in use.
-Pair solved(const std::array<double, 3>& normal, const Pair& right, bool both) {
-  const auto& [tt, th, hh] = normal;
-  const double determinant = tt * hh - th * th;
-  if (!both || !(determinant > 1e-9 * tt * hh)) return {tt > 0.0 ? right.tooth / tt : 0.0, 0.0};
-  return {(hh * right.tooth - th * right.hump) / determinant,
-          (tt * right.hump - th * right.tooth) / determinant};
+// The three shapes at one crossing, or how much there is of each.
+using Shapes = Eigen::Vector3d;
+enum Shape : std::size_t { tooth_shape, hump_shape, middle_shape };
+Shapes shapes_of(double m, double n) { return {tooth(m, n), hump(m, n), middle(m, n)}; }
+
+// Which of them are sought.
+using Sought = std::span<const Shape>;
+constexpr std::array<Shape, 3> in_order{tooth_shape, hump_shape, middle_shape};
+constexpr std::array<Shape, 2> no_hump{tooth_shape, middle_shape}; // an amplitude has none
+constexpr Sought tooth_alone = Sought(in_order).first(1),
+                 tooth_and_hump = Sought(in_order).first(2), every_shape = in_order;
+// Of two swings one pattern is all there is, of some the three are hardly three.
+Sought few_shapes(std::size_t n) { return n == 2 ? tooth_alone : tooth_and_hump; }
+Sought most_shapes(std::size_t n) {
+  constexpr std::size_t least_swings = 6; // between pushes
+  return n < least_swings ? few_shapes(n) : every_shape;
 }
+Sought in_amplitudes(Sought in_times) { return in_times.size() == 3 ? no_hump : tooth_alone; }
+
+// Least squares of shapes.
+struct LeastSquares {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Shapes right = Shapes::Zero();
+
+  void add(const Shapes& shapes, double value) {
+    normal += shapes * shapes.transpose();
+    right += value * shapes;
+  }
+  // Shapes that are not sought have their places in the equations, and nothing to do there.
+  [[nodiscard]] Shapes solved(Sought sought) const {
+    Eigen::Matrix3d left = Eigen::Matrix3d::Identity();
+    Shapes known = Shapes::Zero();
+    for (const auto k : sought) {
+      const auto row = static_cast<Eigen::Index>(k);
+      known(row) = right(row);
+      for (const auto l : sought)
+        left(row, static_cast<Eigen::Index>(l)) = normal(row, static_cast<Eigen::Index>(l));
+    }
+    return left.ldlt().solve(known);
+  }
+};
 
 // What the shapes, begun at place `first` of the cycle, explain of folded means: the sum of
 // squares.
-double explained(const std::vector<double>& means, std::size_t first, bool with_hump) {
+double explained(const std::vector<double>& means, std::size_t first, Sought sought) {
   const std::size_t n = means.size();
-  std::array<double, 3> normal{};
-  Pair right;
-  for (std::size_t m = 1; m <= n; ++m) {
-    const double u = tooth(static_cast<double>(m), static_cast<double>(n)),
-                 h = hump(static_cast<double>(m), static_cast<double>(n)),
-                 value = means[(first + m) % n];
-    normal = {normal[0] + u * u, normal[1] + u * h, normal[2] + h * h};
-    right = {right.tooth + u * value, right.hump + h * value};
-  }
-  const Pair found = solved(normal, right, with_hump);
-  return found.tooth * right.tooth + found.hump * right.hump;
+  LeastSquares sums;
+  for (std::size_t m = 1; m <= n; ++m)
+    sums.add(shapes_of(static_cast<double>(m), static_cast<double>(n)), means[(first + m) % n]);
+  return sums.solved(sought).dot(sums.right);
 }
 
 double explained_by_sine(const std::vector<double>& means) {
@@ -128,7 +154,7 @@ std::vector<double> regular_pushes(std::size_t first, std::size_t n, double last
 }
 
 // The shapes at one crossing. Before the first push and after the last the interval is a usual one.
-Pair shapes_at(const std::vector<double>& pushes, double periods, double cycle) {
+Shapes shapes_at(const std::vector<double>& pushes, double periods, double cycle) {
   const auto next = std::lower_bound(pushes.begin(), pushes.end(), cycle);
   double n = periods, m = 0.0;
   if (next == pushes.begin())
@@ -139,7 +165,7 @@ Pair shapes_at(const std::vector<double>& pushes, double periods, double cycle) 
     n = *next - *(next - 1);
     m = cycle - *(next - 1);
   }
-  return {tooth(m, n), hump(m, n)};
+  return shapes_of(m, n);
 }
 
 // A mean and its standard deviation. Neighbouring cycles share the values that their slow part was
@@ -178,71 +204,75 @@ bool is_steady(const std::vector<double>& each, double mean) {
 // Coefficients of the shapes with standard deviations from their scatter from cycle to cycle, which
 // knows whatever noise there is.
 struct Coefficients {
-  ImpulseCycle::Estimate tooth{0.0, 0.0}, hump{0.0, 0.0};
+  std::array<ImpulseCycle::Estimate, 3> of{{{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}}};
   double cycles = 0.0;
   bool steady = true;
+  [[nodiscard]] const ImpulseCycle::Estimate& operator[](Shape shape) const { return of[shape]; }
   // Of 2 log L, the scatter being found from the same cycles: few of them may look alike by chance.
-  [[nodiscard]] double gain(const ImpulseCycle::Estimate& e) const {
-    if (!(e.sigma > 0.0)) return 0.0;
-    return cycles * std::log1p(std::pow(e.value / e.sigma, 2) / (cycles - 1.0));
+  [[nodiscard]] double gain(Shape shape) const {
+    const auto& [value, sigma] = of[shape];
+    if (!(sigma > 0.0)) return 0.0;
+    return cycles * std::log1p(std::pow(value / sigma, 2) / (cycles - 1.0));
+  }
+  [[nodiscard]] double gain() const {
+    return gain(tooth_shape) + gain(hump_shape) + gain(middle_shape);
   }
 };
 
 // `values` without their slow part; `shape_at(i, j)` gives the shapes at crossing i after push j.
-template <class Shape>
+template <class ShapeAt>
 std::optional<Coefficients> coefficients(const Grid& values, const std::vector<double>& pushes,
-                                         bool with_hump, Shape shape_at) {
-  std::vector<double> each_tooth, each_hump;
+                                         Sought sought, ShapeAt shape_at) {
+  std::array<std::vector<double>, 3> each;
   for (std::size_t j = 1; j < pushes.size(); ++j) {
     if (pushes[j - 1] < -0.5 || pushes[j] > static_cast<double>(values.size()) - 1.0) continue;
-    std::array<double, 3> normal{};
-    Pair right;
+    LeastSquares sums;
     const auto from = static_cast<std::size_t>(pushes[j - 1]) + 1,
                to = static_cast<std::size_t>(pushes[j]);
-    for (std::size_t i = from; i <= to; ++i) {
-      const Pair shape = shape_at(i, j - 1);
-      normal = {normal[0] + shape.tooth * shape.tooth, normal[1] + shape.tooth * shape.hump,
-                normal[2] + shape.hump * shape.hump};
-      right = {right.tooth + shape.tooth * values[i], right.hump + shape.hump * values[i]};
-    }
-    if (!std::isfinite(right.tooth) || !(normal[0] > 0.0)) continue; // a beat is missing
-    const Pair found = solved(normal, right, with_hump);
-    each_tooth.push_back(found.tooth);
-    each_hump.push_back(found.hump);
+    for (std::size_t i = from; i <= to; ++i)
+      sums.add(shape_at(i, j - 1), values[i]);
+    if (!std::isfinite(sums.right(0)) || !(sums.normal(0, 0) > 0.0)) continue; // a beat is missing
+    const Shapes found = sums.solved(sought);
+    if (!found.allFinite()) continue;
+    for (const auto k : sought)
+      each[k].push_back(found(static_cast<Eigen::Index>(k)));
   }
-  if (each_tooth.size() < least_cycles) return {};
-  const ImpulseCycle::Estimate teeth = mean_of(each_tooth), humps = mean_of(each_hump);
-  return Coefficients{teeth, humps, static_cast<double>(each_tooth.size()),
-                      is_steady(each_tooth, teeth.value) &&
-                          (!with_hump || is_steady(each_hump, humps.value))};
+  if (each.front().size() < least_cycles) return {};
+  Coefficients result;
+  result.cycles = static_cast<double>(each.front().size());
+  for (const auto k : sought) {
+    result.of[k] = mean_of(each[k]);
+    result.steady = result.steady && is_steady(each[k], result.of[k].value);
+  }
+  return result;
 }
 
 // Of pushes once in n periods: their shapes have no slow part.
 std::optional<Coefficients> regular_coefficients(const Grid& values,
                                                  const std::vector<double>& pushes, std::size_t n,
-                                                 bool with_hump) {
-  std::vector<Pair> shapes;
+                                                 Sought sought) {
+  std::vector<Shapes> shapes;
   for (std::size_t m = 1; m <= n; ++m)
-    shapes.push_back({tooth(static_cast<double>(m), static_cast<double>(n)),
-                      hump(static_cast<double>(m), static_cast<double>(n))});
-  return coefficients(values, pushes, with_hump, [&](std::size_t i, std::size_t j) {
+    shapes.push_back(shapes_of(static_cast<double>(m), static_cast<double>(n)));
+  return coefficients(values, pushes, sought, [&](std::size_t i, std::size_t j) {
     return shapes[i - static_cast<std::size_t>(pushes[j]) - 1];
   });
 }
 
 std::optional<Coefficients> irregular_coefficients(const Grid& values,
                                                    const std::vector<double>& pushes, std::size_t n,
-                                                   bool with_hump) {
-  Grid teeth(values.size()), humps(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const Pair at = shapes_at(pushes, static_cast<double>(n), static_cast<double>(i));
-    teeth[i] = at.tooth;
-    humps[i] = at.hump;
+                                                   Sought sought) {
+  std::array<Grid, 3> less_slow;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Grid shape(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      shape[i] = shapes_at(pushes, static_cast<double>(n),
+                           static_cast<double>(i))(static_cast<Eigen::Index>(k));
+    less_slow[k] = less_moving_mean(shape, n);
   }
-  const Grid u = less_moving_mean(teeth, n), h = less_moving_mean(humps, n);
-  return coefficients(less_moving_mean(values, n), pushes, with_hump,
-                      [&](std::size_t i, std::size_t) {
-                        return Pair{u[i], h[i]};
+  return coefficients(less_moving_mean(values, n), pushes, sought,
+                      [&](std::size_t i, std::size_t) -> Shapes {
+                        return {less_slow[0][i], less_slow[1][i], less_slow[2][i]};
                       });
 }
 
@@ -316,10 +346,11 @@ struct Candidate {
 double squares_of(const Coefficients& found, double noise, const std::vector<double>& pushes,
                   double periods, std::size_t length) {
   if (!(noise > 0.0)) return 0.0;
+  const Shapes all{found.of[0].value, found.of[1].value, found.of[2].value};
   double sum = 0.0;
   for (std::size_t i = 0; i < length; ++i) {
-    const Pair at = shapes_at(pushes, periods, static_cast<double>(i));
-    sum += std::pow((found.tooth.value * at.tooth + found.hump.value * at.hump) / noise, 2);
+    const Shapes at = shapes_at(pushes, periods, static_cast<double>(i));
+    sum += std::pow(all.dot(at) / noise, 2);
   }
   return sum / static_cast<double>(length);
 }
@@ -328,61 +359,111 @@ ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, do
                        const Coefficients& late, const std::optional<Coefficients>& swing,
                        double price) {
   ImpulseCycle found{periods, true, 0.0, *std::lower_bound(pushes.begin(), pushes.end(), 0.0)};
-  found.lateness = {late.hump.value * height_of_hump(periods),
-                    late.hump.sigma * height_of_hump(periods)};
-  found.kick = late.tooth;
-  found.gain = late.gain(late.hump) + late.gain(late.tooth) - price;
+  const auto& hump = late[hump_shape];
+  found.lateness = {hump.value * height_of_hump(periods), hump.sigma * height_of_hump(periods)};
+  found.kick = late[tooth_shape];
+  found.middle = late[middle_shape];
+  found.gain = late.gain() - price;
   if (!swing) return found;
-  found.gain += swing->gain(swing->tooth);
-  found.amplitude_step = swing->tooth;
+  const auto& step = (*swing)[tooth_shape];
+  found.gain += swing->gain();
+  found.amplitude_step = step;
+  found.amplitude_middle = (*swing)[middle_shape].value;
   // What is lost between two pushes is in proportion to the amplitude, whatever a push gives.
   const PushedSwing seen = swing_between(sight.amplitude, pushes);
-  const double fall = swing->tooth.value - seen.growth, share = 0.5 / seen.mean;
+  const double fall = step.value - seen.growth, share = 0.5 / seen.mean;
   const double per_step = share / std::hypot(1.0, share * fall) / (pi * periods);
-  found.epsilon = {std::asinh(share * fall) / (pi * periods), per_step * swing->tooth.sigma};
+  found.epsilon = {std::asinh(share * fall) / (pi * periods), per_step * step.sigma};
   return found;
 }
 
-// The best place for a push once in n periods. `sine` becomes what a sine of n periods explains, if
-// that is more than before: where it is more than any pushes do, something goes round.
-std::optional<Candidate> regular_candidate(const Sight& sight, std::size_t n, double price,
-                                           double& sine) {
-  const bool has_swing = !sight.amplitude.empty();
-  const Grid times = less_moving_mean(sight.late, n),
-             amplitudes = less_moving_mean(sight.amplitude, n);
-  const auto late = folded_means(times, n), swing = folded_means(amplitudes, n);
-  const bool with_hump = n > 2;
-  const auto in_noise = [&](double of_late, double of_swing) {
+// Pushes once in n periods, wherever they begin.
+class RegularSearch {
+public:
+  RegularSearch(const Sight& sight, std::size_t n, double price)
+      : sight_(sight), n_(n), price_(price), times_(less_moving_mean(sight.late, n)),
+        amplitudes_(less_moving_mean(sight.amplitude, n)), late_(folded_means(times_, n)),
+        swing_(folded_means(amplitudes_, n)) {}
+
+  // The best place. A tooth begun one swing early or late and a crossing that is off between make
+  // the same pattern: the third shape is asked for only where the pattern is more than a tooth and
+  // a hump, the crossing being that before the push or that after it, or where these show nothing.
+  [[nodiscard]] std::optional<Candidate> best() const {
+    const Sought all = most_shapes(n_), few = few_shapes(n_);
+    const std::size_t place = best_place(few), next = (place + 1) % n_;
+    auto plain = candidate(place, few);
+    if (all.size() == few.size()) return plain;
+    const bool shows = plain && plain->pushes.gain > least_gain;
+    const std::size_t whole_at = !shows                                 ? best_place(all)
+                                 : score(next, all) > score(place, all) ? next
+                                                                        : place;
+    const double more = (score(whole_at, all) - score(place, few)) *
+                        static_cast<double>(sight_.late.size()); // of chi^2
+    if (!(more > least_gain)) return plain;
+    auto whole = candidate(whole_at, all);
+    if (!whole) return plain;
+    whole->pushes.gain += shows ? plain->pushes.gain : -price_;
+    return whole;
+  }
+
+  // What a sine of n periods explains.
+  [[nodiscard]] double sine() const {
+    constexpr std::size_t shapeless = 3; // periods: any pattern of so few is a sine
+    if (n_ <= shapeless) return 0.0;
+    return in_noise(explained_by_sine(late_), has_swing() ? explained_by_sine(swing_) : 0.0);
+  }
+
+private:
+  [[nodiscard]] bool has_swing() const { return !sight_.amplitude.empty(); }
+  [[nodiscard]] double in_noise(double late, double swing) const {
     const auto over = [](double squares, double noise) {
       return noise > 0.0 ? squares / (noise * noise) : 0.0;
     };
-    return (over(of_late, sight.late_noise) + over(of_swing, sight.amplitude_noise)) /
-           static_cast<double>(n);
-  };
-  const auto score = [&](std::size_t first) {
-    return in_noise(explained(late, first, with_hump),
-                    has_swing ? explained(swing, first, false) : 0.0);
-  };
-  std::size_t best = 0;
-  for (std::size_t first = 1; first < n; ++first)
-    if (score(first) > score(best)) best = first;
-  constexpr std::size_t shapeless = 3; // periods: any pattern of so few is a sine
-  if (n > shapeless)
-    sine = std::max(sine,
-                    in_noise(explained_by_sine(late), has_swing ? explained_by_sine(swing) : 0.0));
-  const auto pushes = regular_pushes(best, n, static_cast<double>(sight.late.size()));
-  const auto of_times = regular_coefficients(times, pushes, n, with_hump);
-  const auto of_swings =
-      has_swing ? regular_coefficients(amplitudes, pushes, n, false) : std::nullopt;
-  if (!of_times || !of_times->steady) return {};
-  if (has_swing && (!of_swings || !of_swings->steady)) return {};
-  const double raised = has_swing   ? of_swings->tooth.value
-                        : with_hump ? of_times->hump.value
-                                    : std::abs(of_times->tooth.value);
-  if (!(raised > 0.0)) return {}; // a weak tooth of a wheel, not a push
-  return Candidate{described(sight, pushes, static_cast<double>(n), *of_times, of_swings, price),
-                   score(best)};
-}
+    return (over(late, sight_.late_noise) + over(swing, sight_.amplitude_noise)) /
+           static_cast<double>(n_);
+  }
+  [[nodiscard]] double score(std::size_t first, Sought sought) const {
+    return in_noise(explained(late_, first, sought),
+                    has_swing() ? explained(swing_, first, in_amplitudes(sought)) : 0.0);
+  }
+  [[nodiscard]] std::size_t best_place(Sought sought) const {
+    std::size_t best = 0;
+    for (std::size_t first = 1; first < n_; ++first)
+      if (score(first, sought) > score(best, sought)) best = first;
+    return best;
+  }
+
+  // With three shapes only where the third shows.
+  [[nodiscard]] std::optional<Candidate> candidate(std::size_t first, Sought sought) const {
+    const bool is_whole = sought.size() == every_shape.size();
+    const auto pushes = regular_pushes(first, n_, static_cast<double>(sight_.late.size()));
+    const auto late = regular_coefficients(times_, pushes, n_, sought);
+    const auto swing = has_swing()
+                           ? regular_coefficients(amplitudes_, pushes, n_, in_amplitudes(sought))
+                           : std::nullopt;
+    if (!late || !late->steady) return {};
+    if (has_swing() && (!swing || !swing->steady)) return {};
+    const double middle = late->gain(middle_shape) + (swing ? swing->gain(middle_shape) : 0.0);
+    if (is_whole && !(middle > least_gain)) return {};
+    // A push raises the swing, or comes through the vertical and makes that crossing early; a weak
+    // tooth of a wheel does neither.
+    const bool early = is_whole && (*late)[middle_shape].value < 0.0;
+    const double raised = has_swing()         ? (*swing)[tooth_shape].value
+                          : sought.size() > 1 ? (*late)[hump_shape].value
+                                              : std::abs((*late)[tooth_shape].value);
+    if (!(raised > 0.0) && (has_swing() || !early)) return {};
+    Candidate found{described(sight_, pushes, static_cast<double>(n_), *late, swing, price_),
+                    score(first, sought)};
+    if (is_whole) found.pushes.gain = middle; // the others share in it
+    return found;
+  }
+
+  const Sight& sight_;
+  std::size_t n_;
+  double price_;
+  Grid times_, amplitudes_;          // less what wanders
+  std::vector<double> late_, swing_; // the same, folded
+};
 
 // Pushes that each stand out of the amplitudes.
 std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
@@ -420,8 +501,9 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   constexpr double least_steady = 0.5; // intervals that vary more are knocks or a hand
   if (periods < 2.0 || robust_sigma(intervals) > least_steady * periods) return {};
   const auto n = static_cast<std::size_t>(std::lround(periods));
-  const auto times = irregular_coefficients(sight.late, pushes, n, true);
-  const auto swings = irregular_coefficients(sight.amplitude, pushes, n, false);
+  const auto times = irregular_coefficients(sight.late, pushes, n, most_shapes(n));
+  const auto swings =
+      irregular_coefficients(sight.amplitude, pushes, n, in_amplitudes(most_shapes(n)));
   if (!times || !swings) return {};
   Candidate found{
       described(sight, pushes, periods, *times, swings, price),
@@ -452,8 +534,11 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
         (!best || candidate->squares > best->squares))
       best = std::move(candidate);
   };
-  for (std::size_t n = 2; n <= longest_cycle && n * least_cycles <= sight.late.size(); ++n)
-    take(regular_candidate(sight, n, price, sine));
+  for (std::size_t n = 2; n <= longest_cycle && n * least_cycles <= sight.late.size(); ++n) {
+    const RegularSearch search(sight, n, price);
+    sine = std::max(sine, search.sine()); // more than any pushes: something goes round
+    take(search.best());
+  }
   if (!sight.amplitude.empty()) take(visible_pushes(sight, price));
   if (!best || best->squares < sine) return {};
   if (!best->pushes.cycles.empty() && sight.late.size() == searched_cycles) // each one, to the end
@@ -466,9 +551,11 @@ void level_impulses(const ImpulseCycle& found, TimingData& data) {
   const auto pushes = pushes_of(found, data.cycle.back());
   const double hump = found.lateness.value / height_of_hump(found.periods);
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const Pair at = shapes_at(pushes, found.periods, data.cycle[i]);
-    data.lateness_s[i] -= hump * at.hump + found.kick.value * at.tooth;
-    if (found.amplitude_step) data.amplitude_rad[i] -= found.amplitude_step->value * at.tooth;
+    const Shapes at = shapes_at(pushes, found.periods, data.cycle[i]);
+    data.lateness_s[i] -= Shapes(found.kick.value, hump, found.middle.value).dot(at);
+    if (found.amplitude_step)
+      data.amplitude_rad[i] -=
+          Shapes(found.amplitude_step->value, 0.0, found.amplitude_middle).dot(at);
   }
 }
 

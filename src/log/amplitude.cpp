@@ -4,10 +4,9 @@
 #include "typical_period.hpp"
 
 #include "base/scaled_time.hpp"
-#include "goingrate/dynamics/swing_loss.hpp"
+#include "goingrate/clock/restoring.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/ellint_1.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -27,15 +26,10 @@ double median_amplitude(const ClockLog& log) {
   return known.empty() ? 0.0 : median(known);
 }
 
-// Scaled time that a free pendulum of this turning angle takes from -half to +half.
-double passage_time(double half_rad, double amplitude_rad) {
-  const double modulus = std::sin(0.5 * amplitude_rad);
-  return 2.0 * boost::math::ellint_1(modulus, std::asin(std::sin(0.5 * half_rad) / modulus));
-}
-
 } // namespace
 
-double amplitude_from_width(double width_s, double flag_width_rad, double period_s) {
+double amplitude_from_width(double width_s, double flag_width_rad, double period_s,
+                            double gravity_share) {
   const double half = 0.5 * flag_width_rad;
   const double tau = two_pi * width_s / period_s;
   if (!(tau > 0.0 && tau < std::numbers::pi)) return unknown;
@@ -44,7 +38,7 @@ double amplitude_from_width(double width_s, double flag_width_rad, double period
   constexpr int most_steps = 60;
   for (int i = 0; i < most_steps; ++i) {
     if (!(amplitude > half && amplitude < 3.1)) return unknown; // never reaches, or turns over
-    const double excess = passage_time(half, amplitude) - tau;
+    const double excess = free_passage_time(gravity_share, amplitude, half) - tau;
     const double step = excess * amplitude / (2.0 * std::tan(0.5 * tau));
     amplitude += step;
     if (std::abs(step) < 1e-14 * amplitude) return amplitude;
@@ -52,7 +46,8 @@ double amplitude_from_width(double width_s, double flag_width_rad, double period
   return unknown;
 }
 
-double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s) {
+double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s,
+                          double gravity_share) {
   double found = period_s;
   constexpr int rounds = 4; // each leaves an eighth of the squared amplitude of the error before
   for (int round = 0; round < rounds; ++round) {
@@ -61,12 +56,13 @@ double small_swing_period(const ClockLog& log, double flag_width_rad, double per
     for (std::size_t i = 0; i < log.events.size(); ++i) {
       const Beat& beat = log.events[i];
       if (beat.flag != BeatFlag::good) continue;
-      const double amplitude = amplitude_from_width(log.columns.width_s[i], flag_width_rad, found);
+      const double amplitude =
+          amplitude_from_width(log.columns.width_s[i], flag_width_rad, found, gravity_share);
       if (before != nullptr && before->segment == beat.segment && before->cycle < beat.cycle &&
           std::isfinite(amplitude))
         periods.push_back((beat.time - before->time) /
                           static_cast<double>(beat.cycle - before->cycle) /
-                          circular_period_ratio(amplitude));
+                          free_period_ratio(gravity_share, amplitude));
       before = &beat;
     }
     if (!periods.empty()) found = median(periods);
@@ -108,13 +104,14 @@ double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitu
          sigma_s / period_s;
 }
 
-void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double period_s) {
+void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double period_s,
+                                double gravity_share) {
   IssueList issues(log, false);
   for (std::size_t i = 0; i < log.events.size(); ++i) {
     Beat& event = log.events[i];
     const double width = log.columns.width_s[i];
     if (std::isnan(width)) continue;
-    event.amplitude_rad = amplitude_from_width(width, flag_width_rad, period_s);
+    event.amplitude_rad = amplitude_from_width(width, flag_width_rad, period_s, gravity_share);
     log.has_amplitude = log.has_amplitude || !std::isnan(event.amplitude_rad);
     if (std::isnan(event.amplitude_rad))
       issues.add(event.line, 1, IssueKind::out_of_range,
@@ -126,9 +123,9 @@ void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double per
        Setting::flag_width});
 }
 
-double rate_without_circular_error(double rate_excess, double amplitude_rad) {
-  const double modulus = std::sin(0.5 * amplitude_rad);
-  const double longer = boost::math::ellint_1(modulus) / (0.5 * std::numbers::pi); // T(lambda)/T0
+double rate_without_circular_error(double rate_excess, double amplitude_rad, double gravity_share) {
+  if (amplitude_rad == 0.0) return rate_excess;
+  const double longer = free_period_ratio(gravity_share, amplitude_rad);
   // (1 + r) k - 1 without the loss of digits
   return rate_excess * longer + (longer - 1.0);
 }

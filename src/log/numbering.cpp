@@ -13,6 +13,9 @@ namespace {
 constexpr double gate_sigmas2 = 36.0;
 // Without noise a beat may still be off by a step of the rate: 1 %, a fraction of any beat error.
 constexpr double gate_floor = 0.01;
+// From one period to the next those of a swing that dies away from 140 degrees at Q = 300 change by
+// 1.5 %; as much again for the start of the filter.
+constexpr double course_floor = 0.03;
 // Never so wide that an event half-way between two beats could be one.
 constexpr double gate_cap = 0.25;
 // After this many events in a row that fit no beat, the search for beats starts again. With one
@@ -36,10 +39,11 @@ Numbering::Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const 
               // Six sigmas of a difference over twelve periods, at least 1.5 % (the typical period
               // may be off by a thousandth), at most so much that false events seldom agree.
               .tolerance_s = std::clamp(6.0 * std::sqrt(2.0 * noise.jitter2 + 12.0 * noise.walk2),
-                                        0.015 * period_, 0.1 * period_),
+                                        (typical.has_a_course ? 0.05 : 0.015) * period_,
+                                        0.1 * period_),
               .window = 12.5 * typical.mean_step,
               .absence = longest_absence(typical)},
-      floor_(gate_floor * period_), filter_(noise, typical.mean_s) {}
+      floor_((typical.has_a_course ? course_floor : gate_floor) * period_), filter_(noise, typical.mean_s) {}
 
 std::size_t Numbering::next_up(std::size_t i) {
   for (; i < beats_.size() && !may_be_up(beats_[i]); ++i) {

@@ -4,6 +4,7 @@
 #include "dynamics/passage.hpp"
 #include "goingrate/base/errors.hpp"
 #include "goingrate/dynamics/direct.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,12 +25,16 @@ double factor_of(const ClockParameters& clock, double mu) {
 
 Sensor::Sensor(const Scenario& scenario, std::uint64_t seed)
     : scenario_(scenario), settings_(scenario.sensor), clock_(scenario.clock),
-      jitter_(seed, StreamPurpose::jitter), amplitude_noise_(seed, StreamPurpose::amplitude_noise),
-      missed_(seed, StreamPurpose::missed), spurious_(seed, StreamPurpose::spurious),
+      in_parts_(action_parts(clock_).has_value()), jitter_(seed, StreamPurpose::jitter),
+      amplitude_noise_(seed, StreamPurpose::amplitude_noise), missed_(seed, StreamPurpose::missed),
+      spurious_(seed, StreamPurpose::spurious),
       temperature_noise_(seed, StreamPurpose::temperature_noise) {}
 
 void Sensor::see(const Period& period) {
-  const double factor = factor_of(clock_, period.mu);
+  const double let_in = factor_of(clock_, period.mu);
+  // An action that begins before a crossing goes on with its factor after it.
+  const double factor = in_parts_ ? let_in_before_ : let_in;
+  let_in_before_ = let_in;
   if (pending_) {
     pending_->after = clock_;
     pending_->factor_after = factor;
@@ -49,11 +54,12 @@ void Sensor::see(const Period& period) {
   if (settings_.amplitude_rms)
     up.amplitude_rad = period.amplitude_rad + *settings_.amplitude_rms * amplitude_noise_.normal();
   up.before = clock_;
-  up.factor_before = period.cycle > 0 ? factor : 1.0;
+  up.factor_before = period.cycle > 0 ? let_in : 1.0;
   std::erase_if(scenario_.events, [&](const ClockEvent& event) {
     const bool due =
         event.at_period ? period.cycle >= *event.at_period : period.time_s.value() >= *event.at_s;
     if (due) clock_ = event.applied_to(clock_);
+    if (due) in_parts_ = action_parts(clock_).has_value();
     return due;
   });
   up.after = clock_;

@@ -115,6 +115,25 @@ TypicalPeriod bulk_of(const std::vector<double>& intervals, std::vector<double> 
 
 } // namespace
 
+bool have_a_course(std::span<const double> periods) {
+  std::vector<double> known, steps;
+  for (std::size_t i = 0; i < periods.size(); ++i) {
+    if (std::isfinite(periods[i])) known.push_back(periods[i]);
+    const double step = i > 0 ? periods[i] - periods[i - 1] : unknown;
+    if (std::isfinite(step)) steps.push_back(step);
+  }
+  constexpr std::size_t fewest = 8; // that a course can be told from
+  if (known.size() < fewest || steps.size() < fewest) return false;
+  const double middle = median(known), spread = robust_sigma(known), step = robust_sigma(steps);
+  constexpr double least_spread = 0.003, most_scatter = 0.1;
+  return spread > least_spread * middle && step < most_scatter * spread;
+}
+
+bool may_be_wide_swings(double period_s, double nominal_s) {
+  constexpr double widest = 1.6;
+  return period_s > nominal_s && period_s < widest * nominal_s;
+}
+
 std::vector<Stretch> sample_stretches(std::size_t size) {
   if (size <= most_sampled) return {{0, size}};
   std::vector<Stretch> sample;
@@ -144,7 +163,10 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
     throw InputError({source, events[1].line, 1}, "two events at one time in most places",
                      "times that increase");
   const double middle_s = centre;
-  centre = nominal_s.value_or(shortest_length(work, middle_s));
+  const double own = shortest_length(work, middle_s);
+  const bool has_a_course = have_a_course(intervals);
+  const bool wide = nominal_s && may_be_wide_swings(own, *nominal_s) && has_a_course;
+  centre = wide ? own : nominal_s.value_or(own);
   double periods = 0.0;
   std::vector<double> lengths;
   for (double& interval : intervals) {
@@ -153,9 +175,11 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
     if (n > 0.0) lengths.push_back(interval);
     periods += n;
   }
-  if (nominal_s && static_cast<double>(lengths.size()) <= 0.05 * static_cast<double>(work.size()))
+  if (nominal_s && !wide &&
+      static_cast<double>(lengths.size()) <= 0.05 * static_cast<double>(work.size()))
     refuse_nominal(source, events[1].line, middle_s, centre);
   TypicalPeriod typical = bulk_of(intervals, std::move(lengths), periods);
+  typical.has_a_course = has_a_course;
   typical.grain_s = time_grain(std::min(events.size(), times_for_grain), typical.mean_s,
                                [&](std::size_t i) { return events[i].time - events[0].time; });
   return typical;

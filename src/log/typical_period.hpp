@@ -29,6 +29,7 @@ struct TypicalPeriod {
   double scatter_s = 0.0; ///< their robust standard deviation (from the median absolute deviation)
   double second_s2 = 0.0; ///< trimmed mean square of t[i+2] - 2 t[i+1] + t[i], s^2
   double mean_step = 1.0; ///< periods from one event to the next; above 1 where many are lost
+  bool has_a_course = false; ///< have_a_course() of the intervals
   double grain_s = 0.0;   ///< steps of the logger's times, at most a sixteenth of the period
 };
 
@@ -37,10 +38,19 @@ inline bool may_be_up(const Beat& event) {
   return event.edge == Edge::up && event.flag != BeatFlag::bounce;
 }
 
-/// The period of `events`. `nominal_s`, if it is known, settles how many periods an interval holds;
-/// else the shortest of the lengths that the intervals are multiples of, which is their median
-/// unless more than half of the beats are lost.
-/// Throws InputError if there are fewer than three upward crossings or most are at one time,
+/// Whether periods change by their course and not by scatter, as those of a wide free swing do that
+/// dies away: they spread by 0.3 % or more, more than any clock's, and neighbours differ by less
+/// than a tenth of that. NaN is no period.
+bool have_a_course(std::span<const double> periods);
+
+/// Whether small swings that take `nominal_s` may take `period_s` when they are wide: up to 140
+/// degrees under gravity (free_period_ratio, 1.59).
+bool may_be_wide_swings(double period_s, double nominal_s);
+
+/// The period of `events`. `nominal_s`, if it is known, settles how many periods an interval holds,
+/// but for wide swings that die away; else the shortest of the lengths that the intervals are
+/// multiples of, which is their median unless more than half of the beats are lost. Throws
+/// InputError if there are fewer than three upward crossings or most are at one time,
 /// ImpossibleReading if fewer than one interval in twenty is a multiple of the nominal period.
 TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source,
                              std::optional<double> nominal_s = {});

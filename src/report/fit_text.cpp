@@ -186,7 +186,11 @@ std::string fit_text(const FitSummary& fit) {
   text += "[parameters]\n" + parameter_lines(fit, angle);
   text += "[determined by this log]\n" + derived_lines(fit, angle);
   if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
-  if (fit.impulses) text += "[pushes]\n" + impulse_text(*fit.impulses, angle);
+  if (fit.impulses)
+    text += "[pushes]\n" + impulse_text(*fit.impulses, angle);
+  else if (!fit.decay && fit.model.escapement != Escapement::none)
+    text += "[pushes]\n  once in how many swings is undetermined: no saw-tooth stands out; what "
+            "is fitted is the mean drive\n";
   text += experiment_lines(fit);
   if (const std::string lines = correlation_lines(fit); !lines.empty())
     text += "[correlations above 0.1]\n" + lines;

@@ -37,6 +37,10 @@ std::string impulse_text(const ImpulseCycle& pushes, const DisplayUnit& angle) {
                   "push by itself sets it {} µs {}\n",
                   microseconds(pushes.lateness), pushes.lateness.value < 0.0 ? "ahead" : "late",
                   microseconds(pushes.kick), pushes.kick.value < 0.0 ? "ahead" : "back");
+  constexpr double seen = 4.0; // sigma
+  if (std::abs(pushes.middle.value) > seen * pushes.middle.sigma)
+    text += fmt::format("  the crossing in the midst of a push comes {} µs {}\n",
+                        microseconds(pushes.middle), pushes.middle.value < 0.0 ? "early" : "late");
   if (pushes.epsilon)
     text +=
         fmt::format("  if nothing else drives it: ε = {}, Q = {}\n",

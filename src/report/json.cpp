@@ -89,8 +89,8 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
     const AmplitudeSummary& amplitude = *sensor.amplitude;
     json["amplitude_rad"] = {{"mean", json_number(amplitude.mean_rad)},
                              {"sigma_of_one", json_number(amplitude.sigma_rad)}};
-    json["rate_excess_at_zero_amplitude"] =
-        rate(rate_without_circular_error(summary.rate_excess, amplitude.rms_rad));
+    json["rate_excess_at_zero_amplitude"] = rate(
+        rate_without_circular_error(summary.rate_excess, amplitude.rms_rad, sensor.gravity_share));
   }
   json["nominal_period_known"] = summary.nominal_is_known;
   json["nominal_period_s"] = json_number(summary.nominal_period_s);
@@ -134,6 +134,7 @@ Json impulse_object(const ImpulseCycle& pushes) {
            pushes.amplitude_step ? estimate(*pushes.amplitude_step) : Json(nullptr)},
           {"lateness_between_s", estimate(pushes.lateness)},
           {"later_by_push_s", estimate(pushes.kick)},
+          {"crossing_in_push_late_s", estimate(pushes.middle)},
           {"epsilon_if_all_drive", pushes.epsilon ? estimate(*pushes.epsilon) : Json(nullptr)}};
 }
 

@@ -116,8 +116,11 @@ double RateTable::append_period(DecimalText& line, const Beat& beat) const {
 void RateTable::append_extras(DecimalText& line, const Beat* beat, double rate, std::size_t i) {
   if (options_.amplitudes) {
     const bool known = beat != nullptr && !std::isnan(rate) && !std::isnan(beat->amplitude_rad);
-    append_number(line, known ? rate_without_circular_error(rate, beat->amplitude_rad) : unknown,
-                  7);
+    append_number(
+        line,
+        known ? rate_without_circular_error(rate, beat->amplitude_rad, options_.gravity_share)
+              : unknown,
+        7);
   }
   if (options_.running_cycles > 0)
     append_number(line, beat != nullptr ? running_rate(*beat) : unknown, 7);
@@ -239,8 +242,8 @@ std::string sensor_lines(const RateSummary& summary, const SensorFindings& senso
                         1e3 * amplitude->mean_rad, 1e3 * amplitude->sigma_rad);
     if (summary.nominal_is_known)
       text += fmt::format("; without the circular error {:+.5g} s/day",
-                          seconds_gained_per_day(rate_without_circular_error(summary.rate_excess,
-                                                                             amplitude->rms_rad)));
+                          seconds_gained_per_day(rate_without_circular_error(
+                              summary.rate_excess, amplitude->rms_rad, sensor.gravity_share)));
     text += '\n';
   }
   return text;

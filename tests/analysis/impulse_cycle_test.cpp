@@ -2,13 +2,16 @@
 
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/simulated_logs.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <random>
+#include <sstream>
 
 namespace goingrate {
 namespace {
@@ -99,6 +102,63 @@ TEST(ImpulseCycleTest, RoundedValuesAreNoCertainty) {
   const TimingData data = times_of(scenario, 8);
   ASSERT_TRUE(data.impulses);
   EXPECT_EQ(data.impulses->periods, 15.0);
+}
+
+Scenario shortt(double jitter_s, std::int64_t periods) {
+  std::ifstream in(GOINGRATE_SOURCE_DIR "/data/scenarios/clocks/shortt.toml");
+  std::stringstream text;
+  text << in.rdbuf();
+  Scenario scenario = parse_scenario(text.str(), "shortt.toml");
+  scenario.drive = {};
+  scenario.length = {};
+  scenario.sensor.temperature_rms.reset();
+  scenario.sensor.jitter_rms_s = jitter_s;
+  scenario.duration_s.reset();
+  scenario.periods = periods;
+  scenario.method.method = Method::map;
+  return scenario;
+}
+// Its push as an impulse at the vertical, which has no width for a sensor to see.
+Scenario shortt_of_no_width(double jitter_s, std::int64_t periods) {
+  Scenario scenario = shortt(jitter_s, periods);
+  scenario.clock.impulse = energy_of_period(scenario.clock, 0.016);
+  scenario.clock.escapement = Escapement::single_impulse;
+  scenario.clock.rising = {};
+  return scenario;
+}
+
+TEST(ImpulseCycleTest, AShorttsSawToothIsTooFineForADay) {
+  constexpr std::int64_t day = 43'200; // periods
+  const auto tooth = saw_tooth(shortt(1e-8, day).clock);
+  ASSERT_TRUE(tooth);
+  // L^2/(8 <lambda^2> 32 eps) T0/2 pi with L = 4 pi eps N lambda^2: (4 pi N)^2 eps 0.016^2/(256
+  // pi).
+  EXPECT_NEAR(tooth->peak_lateness_s, 5.1e-8, 0.1e-8);
+  EXPECT_FALSE(times_of(shortt_of_no_width(1e-5, day), 21).impulses); // a gain of some 0.3
+  const TimingData fine = times_of(shortt_of_no_width(1e-8, day / 4), 22);
+  ASSERT_TRUE(fine.impulses);
+  EXPECT_EQ(fine.impulses->periods, 15.0);
+  EXPECT_NEAR(fine.impulses->lateness.value, tooth->peak_lateness_s,
+              4.0 * fine.impulses->lateness.sigma);
+}
+
+// An arm that is on the pendulum while it passes the vertical: that crossing comes early by what
+// the arm has done so far, a/2 t^2/lambda scaled, a = 2.675e-5 for t = 0.002/lambda; less a
+// fifteenth.
+TEST(ImpulseCycleTest, TheCrossingInTheMidstOfAPushShowsFirst) {
+  const TimingData day = times_of(shortt(1e-5, 43'200), 23);
+  ASSERT_TRUE(day.impulses);
+  EXPECT_EQ(day.impulses->periods, 15.0);
+  const double time = 0.00205 / 0.016, early = 0.5 * 2.675e-5 * time * time / 0.016 / M_PI;
+  EXPECT_NEAR(day.impulses->middle.value, -early, 4.0 * day.impulses->middle.sigma);
+  EXPECT_FALSE(times_of(shortt(1e-5, 1000), 24).impulses); // 66 pushes
+  // And what is under way is no part of the step: the friction is that of the clock.
+  Scenario with_swing = shortt(1e-8, 20'000);
+  with_swing.sensor.amplitude_rms = 1e-7;
+  const TimingData swing = times_of(with_swing, 25);
+  ASSERT_TRUE(swing.impulses && swing.impulses->epsilon);
+  EXPECT_NEAR(swing.impulses->epsilon->value, 4.545e-6, 4.0 * swing.impulses->epsilon->sigma);
+  EXPECT_LT(swing.impulses->epsilon->sigma, 4.545e-8);
 }
 
 // What is left is as smooth as the sensor allows.

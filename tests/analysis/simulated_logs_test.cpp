@@ -32,6 +32,25 @@ TEST(SimulatedLogsTest, WhatNoNumberTellsIsLeftOut) {
   EXPECT_EQ(truth.at("lambda0"), 0.1);
 }
 
+// A fit has the drive that an escapement that rests gives in the mean.
+TEST(SimulatedLogsTest, AnEventMayChangeHowOftenTheEscapementActs) {
+  Scenario scenario = test::at_point_a(300);
+  scenario.clock.mu *= 5.0;
+  scenario.clock.every = 5;
+  ClockEvent twice_as_often, waits;
+  twice_as_often.at_period = 100;
+  twice_as_often.every = 10;
+  waits.at_period = 200;
+  waits.every = 1;
+  waits.below = 0.039;
+  scenario.events = {twice_as_often, waits};
+  const auto truth = true_parameters(scenario);
+  EXPECT_DOUBLE_EQ(truth.at("mu"), 2e-5);
+  EXPECT_DOUBLE_EQ(truth.at("mu@1"), 1e-5);
+  // What friction takes at the limit: mu = pi eps lambda^2/(2 phi0); half a tooth, 25 %, above it.
+  EXPECT_NEAR(truth.at("mu@2") / (M_PI * 2.5e-4 * 0.039 * 0.039 / 0.06), 1.0, 0.3);
+}
+
 TEST(SimulatedLogsTest, AClockThatStallsSaysWhen) {
   Scenario scenario = test::at_point_a(2000);
   ClockEvent event;

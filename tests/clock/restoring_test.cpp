@@ -42,6 +42,20 @@ TEST(RestoringTest, PeriodUnderGravityIsTheEllipticIntegral) {
         << angle; // some ten roundings
 }
 
+TEST(RestoringTest, PassageUnderGravityIsTheEllipticIntegral) {
+  for (const double angle : {0.05, 0.3, 1.8, 3.0})
+    for (const double share_of_way : {0.01, 0.5, 0.99}) {
+      const double half = share_of_way * angle, modulus = std::sin(0.5 * angle);
+      EXPECT_NEAR(free_passage_time(1.0, angle, half),
+                  2.0 * boost::math::ellint_1(modulus, std::asin(std::sin(0.5 * half) / modulus)),
+                  1e-13)
+          << angle << ' ' << share_of_way;
+    }
+  // Of torsion every swing is a sine.
+  EXPECT_NEAR(free_passage_time(0.0, 2.0, 1.0), pi / 3.0, 1e-14);
+  EXPECT_TRUE(std::isnan(free_passage_time(1.2, 2.9, 0.1)));
+}
+
 TEST(RestoringTest, CircularErrorIsTheShareOfGravitys) {
   EXPECT_DOUBLE_EQ(free_period_ratio(0.0, 2.5), 1.0);
   for (const double share : {0.9, 0.5, -1.0}) {

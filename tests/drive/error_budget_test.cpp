@@ -53,6 +53,43 @@ TEST(ErrorBudgetTest, AnEscapementThatRestsRepaysItsNoise) {
               0.12); // likewise
 }
 
+ClockParameters hipp() {
+  ClockParameters clock{.epsilon = 1e-4};
+  clock.escapement = Escapement::single_impulse;
+  clock.impulse = 3e-4; // lambda^2 grows by half
+  clock.impulse_angle = 0.005;
+  clock.below = 0.035;
+  return clock;
+}
+
+TEST(ErrorBudgetTest, AnEscapementThatWaitsForgetsTheImpulseBefore) {
+  Scenario fast = clock_that_varies();
+  fast.clock = hipp();
+  EXPECT_NEAR(simulated_error(fast) / error_budget(fast, 40'000.0).all_s(), 1.0, 0.12);
+  Scenario slow = fast;
+  slow.drive.fast_rms = 0.0;
+  slow.drive.slow_rms = 0.05;
+  slow.drive.slow_time_s = 3000.0; // some five waits
+  EXPECT_NEAR(simulated_error(slow) / error_budget(slow, 40'000.0).all_s(), 1.0, 0.12);
+}
+
+TEST(ErrorBudgetTest, OfAClockThatWaitsTheLimitIsAsked) {
+  Scenario scenario = clock_that_varies();
+  scenario.clock = hipp();
+  const double now = error_budget(scenario, 7.0 * day).all_s();
+  bool seen = false;
+  for (const Requirement& one : requirements(scenario, 0.7 * now, 7.0 * day)) {
+    EXPECT_NE(one.key, "amplitude");
+    if (one.key != "clock.below") continue;
+    seen = true;
+    EXPECT_EQ(one.present, 0.035);
+    ASSERT_TRUE(one.limit);
+    scenario.clock.below = *one.limit;
+    EXPECT_NEAR(error_budget(scenario, 7.0 * day).all_s() / (0.7 * now), 1.0, 1e-3);
+  }
+  EXPECT_TRUE(seen);
+}
+
 TEST(ErrorBudgetTest, OtherLawsAnswerByTheirOwnMoments) {
   Scenario scenario = clock_that_varies();
   scenario.clock = {.epsilon = 2.5e-4};

@@ -14,11 +14,9 @@ namespace {
 const std::filesystem::path folder{GOINGRATE_SOURCE_DIR "/data/scenarios/clocks"};
 
 // Amplitude, rad, as the file's heading has it.
-const std::map<std::string, double> amplitudes{{"longcase-anchor", 0.053},
-                                               {"turret-gravity", 0.046},
-                                               {"synchronome", 0.035},
-                                               {"hipp", 0.035},
-                                               {"torsion-400-day", 2.36}};
+const std::map<std::string, double> amplitudes{
+    {"longcase-anchor", 0.053}, {"turret-gravity", 0.046}, {"synchronome", 0.035},
+    {"shortt", 0.016},          {"hipp", 0.035},           {"torsion-400-day", 2.36}};
 
 Scenario scenario_of(const std::filesystem::path& path) {
   std::ifstream in(path);

@@ -2,6 +2,7 @@
 
 #include "base/scaled_time.hpp"
 #include "dynamics/passage.hpp"
+#include "goingrate/clock/restoring.hpp"
 #include "goingrate/log/reading.hpp"
 #include "goingrate/log/writing.hpp"
 #include "support/simulated.hpp"
@@ -37,12 +38,15 @@ Scenario flagged(SensorEdges edges) {
 TEST(AmplitudeTest, WidthsGiveTheAmplitudeOfTheFullEquation) {
   ClockParameters free;
   free.escapement = Escapement::none;
-  for (const double amplitude : {0.03, 0.3, 1.2}) {
-    const double speed = 2.0 * std::sin(0.5 * amplitude);
-    const double width = 2.0 * time_from_vertical(free, speed, true, 1.0, 0.012);
-    // Some ten roundings.
-    EXPECT_NEAR(amplitude_from_width(width / two_pi * 2.0, 0.024, 2.0), amplitude, 1e-14);
-  }
+  for (const double share : {1.0, 0.5, 0.0, -0.5})
+    for (const double amplitude : {0.03, 0.3, 1.2}) {
+      free.gravity_share = share;
+      const double speed = velocity_of_turning_angle(share, amplitude);
+      const double width = 2.0 * time_from_vertical(free, speed, true, 1.0, 0.012);
+      // Rounding; at other shares than 1 the angle is a root, found by steps.
+      EXPECT_NEAR(amplitude_from_width(width / two_pi * 2.0, 0.024, 2.0, share), amplitude, 1e-12)
+          << share;
+    }
   EXPECT_TRUE(std::isnan(amplitude_from_width(1.5, 0.024, 2.0)));
   EXPECT_TRUE(std::isnan(amplitude_from_width(1e-9, 0.024, 2.0)));
   EXPECT_TRUE(std::isnan(amplitude_from_width(NAN, 0.024, 2.0)));
@@ -181,6 +185,31 @@ TEST(AmplitudeTest, TheCircularErrorIsTakenOff) {
   // Half a rounding of 1.
   EXPECT_NEAR(rate_without_circular_error(1.0 / period - 1.0, amplitude), 0.0, 1e-16);
   EXPECT_EQ(rate_without_circular_error(1e-4, 0.0), 1e-4);
+  // Torsion has none; half of gravity at 1 rad has half of it to a tenth.
+  EXPECT_EQ(rate_without_circular_error(1e-4, 1.0, 0.0), 1e-4);
+  const double gravity = rate_without_circular_error(0.0, 1.0);
+  EXPECT_NEAR(rate_without_circular_error(0.0, 1.0, 0.5) / gravity, 0.5, 0.05);
+}
+
+// A flag in front of a clock with and without gravity, swinging wide: amplitudes as they are, and a
+// rate that does not follow them once the circular error is off.
+TEST(AmplitudeTest, WidthsFollowTheRestoringTorque) {
+  for (const double share : {0.5, 0.0}) {
+    Scenario scenario = flagged(SensorEdges::gate);
+    scenario.clock = {.epsilon = 1e-5};
+    scenario.clock.escapement = Escapement::none;
+    scenario.clock.gravity_share = share;
+    scenario.start_amplitude = velocity_of_turning_angle(share, 1.0);
+    ClockLog log = read_simulated(scenario);
+    set_amplitudes_from_widths(log, 0.02, 2.0, share);
+    // Friction turns the swing a quarter of a period later by pi eps/2, and the gate's two edges.
+    EXPECT_NEAR(log.events[0].amplitude_rad, 1.0, 2e-5) << share;
+    const double rate = 2.0 / (log.events[2].time - log.events[0].time) - 1.0;
+    EXPECT_NEAR(rate_without_circular_error(rate, log.events[1].amplitude_rad, share), 0.0, 2e-6)
+        << share;
+    set_amplitudes_from_widths(log, 0.02, 2.0); // taken for a pendulum: 4 % too wide and more
+    EXPECT_GT(std::abs(log.events[0].amplitude_rad - 1.0), 0.01) << share;
+  }
 }
 
 TEST(AmplitudeTest, ATemperatureColumnFollowsTheScenario) {

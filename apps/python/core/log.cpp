@@ -52,6 +52,7 @@ LoadRequest request_of(const py::dict& options) {
   put("both_edges", request.both_edges);
   put("dead_time_s", request.dead_time_s);
   put("flag_width_rad", request.flag_width_rad);
+  put("gravity_share", request.gravity_share);
   put("sensor_offset_rad", request.sensor_offset_rad);
   put("find_sensor_offset", request.find_sensor_offset);
   put("gap_probability", request.gap_probability);

@@ -37,7 +37,7 @@ GOINGRATE_MEMBERS(Beats, beats, gaps, typical_period_s, scatter_s, step, missed,
                   bounces, segments, longest_countable_gap)
 GOINGRATE_MEMBERS(SensorEstimate, value, sigma)
 GOINGRATE_MEMBERS(AmplitudeSummary, mean_rad, rms_rad, sigma_rad)
-GOINGRATE_MEMBERS(SensorFindings, beat_error_s, sides_are_unknown, offset_rad, at_vertical, amplitude)
+GOINGRATE_MEMBERS(SensorFindings, beat_error_s, sides_are_unknown, offset_rad, at_vertical, amplitude, gravity_share)
 GOINGRATE_MEMBERS(RateSummary, crossings, periods, duration_s, nominal_period_s, nominal_is_known,
                   mean_period_s, mean_period_sigma_s, last_period_s, rate_excess, rate_excess_sigma,
                   slope_rate_excess, time_base_sigma)
@@ -46,7 +46,7 @@ GOINGRATE_MEMBERS(PartRate, segment, from_cycle, to_cycle, start, rate, amplitud
 GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s, is_known, sigma, step_s)
 GOINGRATE_MEMBERS(ImpulseCycle::Estimate, value, sigma)
 GOINGRATE_MEMBERS(ImpulseCycle, periods, is_regular, gain, first, cycles, amplitude_step, lateness,
-                  kick, epsilon)
+                  kick, middle, amplitude_middle, epsilon)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
                   terms, time_noise, amplitude_noise, no_swings, impulses, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)

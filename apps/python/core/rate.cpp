@@ -38,9 +38,9 @@ py::dict parts_of(const std::vector<PartRate>& parts) {
 }
 
 std::string rate_csv(const NumberedLog& loaded, std::int64_t running_cycles) {
-  RateTable table(
-      {loaded.nominal_period_s, loaded.log.has_amplitude, running_cycles, loaded.beats.step},
-      loaded.log.columns, loaded.beats.gaps);
+  RateTable table({loaded.nominal_period_s, loaded.log.has_amplitude, running_cycles,
+                   loaded.beats.step, loaded.sensor.gravity_share},
+                  loaded.log.columns, loaded.beats.gaps);
   std::string text = table.header();
   for (std::size_t i = 0; i < loaded.beats.beats.size(); ++i)
     table.append(text, loaded.beats.beats[i], i);

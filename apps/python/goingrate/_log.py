@@ -70,7 +70,7 @@ class Log:
         What messages call the log.
     nominal_period_s : float, optional
         T0, the period to compare with; if not given, a guess from the mean period.
-    both_edges, dead_time_s, flag_width_rad, sensor_offset_rad, gap_probability
+    both_edges, dead_time_s, flag_width_rad, gravity_share, sensor_offset_rad, gap_probability
         As for `read`.
 
     Raises
@@ -104,6 +104,7 @@ class Log:
         both_edges: bool = False,
         dead_time_s: float | None = None,
         flag_width_rad: float | None = None,
+        gravity_share: float | None = None,
         sensor_offset_rad: float | str | None = None,
         gap_probability: float | None = None,
     ) -> None:
@@ -117,6 +118,7 @@ class Log:
             both_edges=both_edges,
             dead_time_s=dead_time_s,
             flag_width_rad=flag_width_rad,
+            gravity_share=gravity_share,
             sensor_offset_rad=sensor_offset_rad,
             gap_probability=gap_probability,
         )

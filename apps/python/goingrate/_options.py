@@ -22,6 +22,10 @@ def options_of(**given: Any) -> dict[str, Any]:
         raise ValueError(
             f"flag_width_rad: found {options['flag_width_rad']}, expected above 0, at most 1 rad"
         )
+    if "gravity_share" in options and not -10.0 <= float(options["gravity_share"]) <= 1.5:
+        raise ValueError(
+            f"gravity_share: found {options['gravity_share']}, expected -10 to 1.5 (1 is gravity)"
+        )
     if "gap_probability" in options and not 0.5 <= float(options["gap_probability"]) <= 1.0:
         raise ValueError(
             f"gap_probability: found {options['gap_probability']}, expected 0.5 to 1"

@@ -100,6 +100,7 @@ def read(
     both_edges: bool = False,
     dead_time_s: float | None = None,
     flag_width_rad: float | None = None,
+    gravity_share: float | None = None,
     sensor_offset_rad: float | str | None = None,
     gap_probability: float | None = None,
     only_phases: bool = False,
@@ -157,6 +158,9 @@ def read(
         Events within so many s after an edge are part of it; 0: none are.
     flag_width_rad : float, optional
         Angle of a centred flag as seen from the pivot.
+    gravity_share : float, optional
+        Share of gravity in the restoring torque, the rest being a spring's: 1 (if not given) a
+        pendulum, 0 torsion. The circular error, amplitudes from widths and the fit follow it.
     sensor_offset_rad : float or 'auto', optional
         Where the sensor stands; 'auto': estimated from the log.
     gap_probability : float, optional
@@ -213,6 +217,7 @@ def read(
         both_edges=both_edges,
         dead_time_s=dead_time_s,
         flag_width_rad=flag_width_rad,
+        gravity_share=gravity_share,
         sensor_offset_rad=sensor_offset_rad,
         gap_probability=gap_probability,
         only_phases=only_phases,

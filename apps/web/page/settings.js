@@ -23,6 +23,7 @@ const groups = [
   { title: "The sensor", fields: [
     { option: "--both-edges", label: "Both directions, without labels", kind: "flag" },
     { option: "--flag-width", label: "Angle of the flag from the pivot, rad", kind: "number", hint: "not given" },
+    { option: "--gravity-share", label: "Share of gravity in the restoring torque", kind: "number", hint: "1; torsion 0" },
     { option: "--sensor-offset", label: "Angle at which the sensor stands, rad", kind: "text", hint: "a number, or auto" },
     { option: "--dead-time", label: "A contact bounces for, s", kind: "number" },
     { option: "--rest-angle", label: "Angle at which the pendulum hangs, rad", kind: "number", hint: "of angle samples" },

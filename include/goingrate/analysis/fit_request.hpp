@@ -29,8 +29,9 @@ bool finds_events(const FitRequest& request);
 FitRequest searching(FitRequest request);
 
 /// The options of a fit of this log, the sensor's place freed where the log shows that it is off
-/// (with_seen_offset). Throws ArgumentError for a word that makes no sense, InputError if the file
-/// is unusable or asks for what the log cannot give.
+/// (with_seen_offset), the share of gravity held at that which the log was read with. Throws
+/// ArgumentError for a word that makes no sense, InputError if the file is unusable or asks for
+/// what the log cannot give.
 FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded);
 
 /// "NAME=VALUE"; throws ArgumentError, as the two below do.

@@ -26,6 +26,7 @@ struct LoadRequest {
   std::optional<double> flag_width_rad{}; ///< as seen from the pivot
   std::optional<double> sensor_offset_rad{};
   bool find_sensor_offset = false;
+  double gravity_share = 1.0; ///< of the restoring torque, see clock/restoring.hpp; -10 to 1.5
   double gap_probability = NumberingOptions{}.least_probability;
   bool phases_will_do =
       false; ///< data on a grid may be those of anything: no beats are made of them

@@ -37,4 +37,10 @@ void check_velocity(const ClockParameters& clock, double velocity, std::string_v
 /// Throws ArgumentError for other angles.
 double free_period_ratio(double gravity_share, double angle);
 
+/// Scaled time that the free pendulum that turns at `angle` takes from -half to +half of its way (0
+/// < half < angle, below the top), to 1e-13: 2 int_0^asin(half/angle) du / sqrt(r) with the r
+/// above; 2 F(asin(sin(half/2)/k), k), k = sin(angle/2), under gravity
+/// (RestoringTest.PassageUnderGravityIsTheEllipticIntegral). NaN beyond the top.
+double free_passage_time(double gravity_share, double angle, double half);
+
 } // namespace goingrate

@@ -18,7 +18,8 @@ struct ClockEvent {
   std::optional<std::int64_t> at_period;
   std::optional<double> at_s;
   std::optional<double> nominal_period_s{}, epsilon{}, mu{}, phi0{}, quadratic_drag{},
-      dry_friction{}, impulse{}, impulse_angle{};
+      dry_friction{}, impulse{}, impulse_angle{}, below{};
+  std::optional<std::int64_t> every{};
 
   /// The parameters after this event.
   [[nodiscard]] ClockParameters applied_to(ClockParameters clock) const;

@@ -32,24 +32,28 @@ struct ErrorBudget {
 };
 
 /// The error that builds up in `after_s` (s, above 0). Linear in the conditions; the rms of 300
-/// simulated clocks is within its scatter of it (ErrorBudgetTest.AgreesWithSimulatedClocks). Throws
-/// ArgumentError for a clock that stalls, has no drive, or waits for its swing to fall (Hipp), and
-/// for a series of the drive, which says nothing of what comes next.
+/// simulated clocks is within its scatter of it (ErrorBudgetTest.AgreesWithSimulatedClocks). Of an
+/// escapement that waits for its swing to fall (Hipp), whose every wait begins at the limit, the
+/// rate answers to the drive alike at all frequencies
+/// (ErrorBudgetTest.AnEscapementThatWaitsForgetsTheImpulseBefore). Throws ArgumentError for a clock
+/// that stalls or has no drive, and for a series of the drive, which says nothing of what comes
+/// next.
 ErrorBudget error_budget(const Scenario& scenario, double after_s);
 
 /// What one quantity would have to be, the rest being as it is, for the error to stay below a
 /// limit; where it does already, how far the quantity may go.
 struct Requirement {
-  std::string key;             ///< "clock.epsilon", "amplitude", or a key of the scenario
+  std::string key;             ///< "clock.epsilon", "amplitude", or a key of the scenario;
+                               ///< "clock.below" in place of the amplitude where that is limited
   double present;              ///< its value now
   std::optional<double> limit; ///< nothing: not by this alone, or it makes no difference
   bool stops = false;          ///< at that limit the clock stops, or is none that can be
 };
 
 /// The limits of the friction (with the drive adjusted so that the swing stays), of the amplitude
-/// (as the drive alone sets it) and of each condition, for an error below `most_s` (s, above 0)
-/// after `after_s`. Limits are those nearest to what there is, to 1e-4 of themselves
-/// (ErrorBudgetTest.LimitsKeepTheError).
+/// (as the drive alone sets it, or the limit that it falls to) and of each condition, for an error
+/// below `most_s` (s, above 0) after `after_s`. Limits are those nearest to what there is, to 1e-4
+/// of themselves (ErrorBudgetTest.LimitsKeepTheError).
 std::vector<Requirement> requirements(const Scenario& scenario, double most_s, double after_s);
 
 } // namespace goingrate

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
+#include "goingrate/dynamics/intermittent.hpp"
 #include "goingrate/dynamics/period_step.hpp"
+
+#include <optional>
 
 namespace goingrate {
 
@@ -55,6 +58,8 @@ private:
 
   ClockParameters clock_;
   AveragedOrder order_;
+  std::optional<ActionParts> parts_; // of an action that crossings cut in two, with
+  double begun_ = 0.0;               // the factor of the one that goes on from the period before
   double amplitude2_;
   double kept_ = 0.0, kept_half_ = 0.0; // exp(-4 pi eps) - 1 and the same for half a period
 };

@@ -76,6 +76,7 @@ private:
   ClockParameters clock_;
   double period_now_s_; // T0 with the length as it is
   DriveSequence drive_;
+  bool in_parts_ = false, let_in_ = false; // action_parts; the crossing before let it in
   double start_velocity_;
   Pendulum pendulum_;
   Period now_;

@@ -28,11 +28,13 @@ public:
   /// From the present crossing on the clock has these parameters.
   void set_clock(const ClockParameters& clock);
 
-  /// Advances one period with the torque (or the impulse) times `factor`. After a status other than
-  /// crossed the state is spent.
+  /// Advances one period with the torque (or the impulse) times `factor`; of an action that begins
+  /// on the left (action_parts) that is the factor of the one that begins in this period. After a
+  /// status other than crossed the state is spent.
   PeriodStep advance(double factor = 1.0);
 
-  /// |phi'| at the next downward crossing; velocity() if there is none. Nothing is advanced.
+  /// |phi'| at the next downward crossing, what acts until then times `factor`; velocity() if there
+  /// is none. Nothing is advanced.
   [[nodiscard]] double speed_at_half(double factor) const;
 
   /// phi' at the last crossing, and its square to all digits.
@@ -46,14 +48,23 @@ public:
   [[nodiscard]] bool is_regular() const { return helping_; }
   /// Restates v^2.
   void set_speed2(const TwoPart<double>& speed2) { v2_ = speed2; }
-  /// What somebody else found one regular period to do to v^2.
-  void add_to_speed2(double change) { v2_ += change; }
+  /// What somebody else found one regular period, the drive times `factor`, to do to v^2.
+  void add_period(double speed2_change, double factor) {
+    v2_ += speed2_change;
+    begun_ = factor;
+  }
+  /// The factor of an action that has begun and goes on in the coming period; 0 without one.
+  [[nodiscard]] double begun() const { return in_parts_ ? begun_ : 0.0; }
 
 private:
-  [[nodiscard]] HalfSwing<double> half(bool right, double factor) const;
+  [[nodiscard]] HalfSwing<double> half(const SwingProfile<double>& side, double factor) const;
+  [[nodiscard]] SwingProfile<double> left_side(double before, double after) const;
 
   ClockParameters clock_;
   PeriodProfile profile_; // of escapements other than constant torque
+  bool in_parts_ = false; // the action that begins in a period ends in the next (action_parts)
+  PeriodProfile before_, after_; // its parts
+  double begun_ = 0.0;           // its factor
   TwoPart<double> v2_;
   bool helping_ = true; // the constant torque helps the coming upward swing
 };

@@ -18,10 +18,34 @@
 
 namespace goingrate {
 
-/// Whether the escapement acts in the period that begins with upward crossing `cycle` (0 is the
-/// first) at phi' = `velocity`: in cycles that `every` divides, or when the turning angle of that
-/// velocity is less than `below`.
-bool escapement_acts(const ClockParameters& clock, std::int64_t cycle, double velocity);
+/// Whether the escapement is let in at upward crossing `cycle` (0 is the first), where phi' =
+/// `velocity`: in cycles that `every` divides, or when the turning angle of that velocity is less
+/// than `below`. `under_way`: what an earlier crossing let in is not at its end; a limit of
+/// amplitude lets nothing in before it is.
+///
+/// It then acts from this crossing to the next. A profile whose push runs through the vertical
+/// while phi rises (action_parts) acts as a whole from the turning point on the left that follows
+/// to the one after.
+bool escapement_acts(const ClockParameters& clock, std::int64_t cycle, double velocity,
+                     bool under_way = false);
+
+/// An action that upward crossings cut in two, each part as a clock that acts in every period: what
+/// is done while phi rises to the vertical, and all that follows.
+struct ActionParts {
+  ClockParameters before, after;
+};
+/// The parts for an escapement that rests and is a profile with torque on both sides of the
+/// vertical while phi rises; nothing for others, which act between two upward crossings.
+std::optional<ActionParts> action_parts(const ClockParameters& clock);
+
+/// The periods from one action to the next at least: 2 where one ends in the period after it began
+/// (action_parts) and keeps the next out, else 1.
+std::int64_t fewest_periods_between_actions(const ClockParameters& clock);
+
+/// Whether the escapement is one with a limit of amplitude, and an action at the limit lifts the
+/// swing by more than friction takes until there may be the next, first order: it then rests in
+/// between. Else it acts whenever it may and the swing stays below the limit.
+bool waits_for_amplitude(const ClockParameters& clock);
 
 /// The clock that gives in every period one `periods`-th of what this one gives in one of them.
 ClockParameters with_drive_divided(ClockParameters clock, double periods);
@@ -46,5 +70,27 @@ struct SawTooth {
 /// Nothing for a clock whose escapement acts in every period, other friction, and where it stalls.
 /// IntermittentTest.SawToothAgreesWithTheEquationOfMotion shows how it compares.
 std::optional<SawTooth> saw_tooth(const ClockParameters& clock);
+
+/// The swings of an escapement that waits for the amplitude to fall, in the mean over the orbit
+/// they settle on: by the full equation of motion, impulse after impulse.
+///
+/// What an impulse and the periods after it make of v^2 is a map of the stretch below the limit
+/// into itself that keeps the order but for one jump, and shrinks. Its orbit therefore has one mean
+/// whatever the start; most often it closes after some impulses.
+struct WaitingOrbit {
+  double velocity = 0.0;      ///< phi' at an upward crossing that lets the escapement in
+  double periods = 0.0;       ///< between impulses, in the mean
+  double mean_square = 0.0;   ///< of phi' at the upward crossings
+  double period_excess = 0.0; ///< T - 2 pi, scaled, in the mean
+  std::int64_t impulses = 0;  ///< over which the means are taken
+  /// Of the rate. 1e-14 where the orbit closes; otherwise what the ends of the stretch may miss, by
+  /// the inequality of Denjoy and Koksma: twice the range of T over the time of the stretch.
+  double rate_within = 0.0;
+};
+
+/// That orbit, for any law of friction. Within `rate_within` of the mean over other stretches
+/// (WaitingOrbitTest.MeansAreThoseOfALongRun). Nothing for an escapement that does not wait, one
+/// that acts whenever it can and does not reach its limit, and where the clock stalls. Some 0.1 s.
+std::optional<WaitingOrbit> waiting_orbit(const ClockParameters& clock);
 
 } // namespace goingrate

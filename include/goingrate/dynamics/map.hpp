@@ -136,7 +136,9 @@ private:
   };
   FactorRange factors_;
   MapDigits digits_;
+  [[nodiscard]] Served* served_for(double factor);
   Served driven_, resting_; // the second for an escapement that rests
+  Served before_, after_;   // the parts of an action that crossings cut in two (action_parts)
   bool halves_ = true;
   std::int64_t fallbacks_ = 0;
 };

@@ -28,9 +28,10 @@ std::optional<double> stationary_rate_first_order(const ClockParameters& clock);
 /// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period, from T - 2 pi.
 double rate_excess_of(double period_excess);
 
-/// The limit cycle of the full equation of motion; with `every` N, that of N periods.
+/// The limit cycle of the full equation of motion; with `every` N, that of N periods, and of an
+/// escapement that waits for the amplitude to fall the orbit of waiting_orbit (intermittent.hpp).
 struct LimitCycle {
-  double velocity = 0.0;      ///< v*: phi' at the upward crossing, that before the impulse of N
+  double velocity = 0.0;      ///< v*: phi' at the upward crossing; of many, one before an impulse
   double period_excess = 0.0; ///< T - 2 pi, scaled, to its own rounding; the mean of N
   double period = 0.0;        ///< T, scaled
   double rate_excess = 0.0;   ///< 2 pi / T - 1, without cancellation
@@ -38,8 +39,8 @@ struct LimitCycle {
 
 /// Solves v' = v for the return map of the full equation of motion, any clock law. Velocity and
 /// period within 1e-15, rate excess within 2e-15 of 128-bit values at A, B, C
-/// (StationaryTest.LimitCycleMatchesExactValues). Nothing where the clock stalls or turns over, and
-/// for an escapement that waits for the amplitude to fall, whose swings do not repeat.
+/// (StationaryTest.LimitCycleMatchesExactValues); of an escapement that waits within its
+/// WaitingOrbit::rate_within. Nothing where the clock stalls or turns over.
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock);
 
 /// How the rate answers a small relative change of the drive, mu -> mu (1 + d).

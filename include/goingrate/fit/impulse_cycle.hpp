@@ -5,8 +5,10 @@
 // the m-th crossing after a push, 1 <= m <= N, amplitude and lateness depart from their means by
 //   (L / 2A) u_m  and  (s L T0 / 16) U_m + (what the push itself shifts the phase) u_m,
 //   u_m = ((N + 1)/2 - m) / N,   U_m = m (N - m) / (2 N) less its mean,
-// to first order in pi eps N (dynamics/intermittent.hpp). One shape in the amplitudes and two in
-// the times are sought; N and the swing of the push are those that explain most.
+// to first order in pi eps N (dynamics/intermittent.hpp). A push that runs through the vertical is
+// under way at the N-th: that crossing comes early by what the push has done so far, and its
+// amplitude is between the two. These shapes are sought (that of the N-th from N = 6 on); N and the
+// swing of the push are those that explain most.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +31,10 @@ struct ImpulseCycle {
   std::vector<double> cycles{};             ///< all of them, where they are not regular
   std::optional<Estimate> amplitude_step{}; ///< how much a push raises the amplitude, rad
   Estimate lateness{0.0,
-                    0.0};  ///< of the clock half-way between two pushes, by the circular error, s
-  Estimate kick{0.0, 0.0}; ///< how much later the clock is after a push for the push itself, s
+                    0.0};    ///< of the clock half-way between two pushes, by the circular error, s
+  Estimate kick{0.0, 0.0};   ///< how much later the clock is after a push for the push itself, s
+  Estimate middle{0.0, 0.0}; ///< how late the crossing is in whose midst the push comes, s
+  double amplitude_middle = 0.0; ///< how much the amplitude is above its low there, rad
   /// The friction if these pushes alone drive the clock: asinh(fall/(2 A))/(pi N). A strong
   /// tooth of a wheel that turns in N swings looks the same and shows less.
   std::optional<Estimate> epsilon{};

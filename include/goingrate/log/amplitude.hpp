@@ -13,16 +13,18 @@ namespace goingrate {
 
 /// Turning angle (rad) of a free pendulum of small-swing period `period_s` that passes a centred
 /// flag, `flag_width_rad` wide as seen from the pivot, in `width_s`. Of small swings
-/// (w/2) / sin(tau/2), tau = 2 pi width / T0; here the elliptic integral
-/// 2 F(asin(sin(w/4) / sin(lambda/2)), sin(lambda/2)) = tau is solved for lambda, to 1e-12
-/// (AmplitudeTest.WidthsGiveTheAmplitudeOfTheFullEquation). Friction and drive shift it by their
-/// part in the motion, 1e-4 of lambda and less. NaN if no swing takes so long or so little.
-double amplitude_from_width(double width_s, double flag_width_rad, double period_s);
+/// (w/2) / sin(tau/2), tau = 2 pi width / T0; here free_passage_time (restoring.hpp) = tau is
+/// solved for lambda, to 1e-12 (AmplitudeTest.WidthsGiveTheAmplitudeOfTheFullEquation). Friction
+/// and drive shift it by their part in the motion, 1e-4 of lambda and less. NaN if no swing takes
+/// so long or so little.
+double amplitude_from_width(double width_s, double flag_width_rad, double period_s,
+                            double gravity_share = 1.0);
 
 /// Period of small swings, s: the median over neighbouring good beats of their period less its
 /// circular error, with amplitudes from the widths; `period_s`, near it, where no beat tells. The
 /// mean period of a ring-down from 1 rad is 5 % longer, and so would the amplitudes be.
-double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s);
+double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s,
+                          double gravity_share = 1.0);
 
 /// Moves times that are the middle of a flag's dark time to the vertical: a pendulum that is slowed
 /// down takes longer over the second half of the flag. With the local fall of the amplitudes,
@@ -36,7 +38,8 @@ double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitu
                                   double period_s);
 
 /// Fills the amplitudes of a log from its widths; events whose width fits no swing are issues.
-void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double period_s);
+void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double period_s,
+                                double gravity_share = 1.0);
 
 /// Fills the amplitudes from the two half-periods that a sensor at `offset_rad` sees, which differ
 /// by 4 asin(alpha/lambda) T0 / 2 pi. The events must be numbered and of both directions.
@@ -67,6 +70,7 @@ struct SensorFindings {
   std::optional<SensorEstimate> offset_rad{};
   bool at_vertical = false; ///< the times were moved there
   std::optional<AmplitudeSummary> amplitude{};
+  double gravity_share = 1.0; ///< of the restoring torque (clock/restoring.hpp), as it was told
 };
 
 /// Beat error, s: how much longer the pendulum is on the left (from a downward crossing to the next
@@ -96,7 +100,8 @@ std::optional<SensorEstimate> sensor_offset(std::span<const Beat> beats, double 
 void move_to_vertical(ClockLog& log, double rising_rad, double falling_rad, double period_s);
 
 /// The rate that the clock would have at vanishing amplitude (without the circular error):
-/// (1 + rate) T(lambda)/T0 - 1, with T(lambda) the period of a free pendulum.
-double rate_without_circular_error(double rate_excess, double amplitude_rad);
+/// (1 + rate) T(lambda)/T0 - 1, with T(lambda) the period of a free pendulum (restoring.hpp).
+double rate_without_circular_error(double rate_excess, double amplitude_rad,
+                                   double gravity_share = 1.0);
 
 } // namespace goingrate

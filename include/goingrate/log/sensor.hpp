@@ -77,6 +77,8 @@ private:
   Scenario scenario_;
   const SensorSettings settings_;
   ClockParameters clock_;
+  bool in_parts_;              // an action that begins in a period ends in the next
+  double let_in_before_ = 0.0; // what the period before let in, as a factor
   RandomStream jitter_, amplitude_noise_, missed_, spurious_, temperature_noise_;
   std::vector<SensedEvent> events_;
   std::optional<Passage> pending_; // the last upward one: the laws after it are not known yet

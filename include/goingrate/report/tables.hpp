@@ -46,6 +46,7 @@ public:
     bool amplitudes = false;         ///< adds rate_excess_at_zero_amplitude
     std::int64_t running_cycles = 0; ///< length of running_rate_excess; 0: none
     std::int64_t step = 1;           ///< cycles from one event to the next where none is missing
+    double gravity_share = 1.0;      ///< of the restoring torque, for the circular error
   };
   /// `columns` and `gaps` are those of the log and must outlive the table.
   RateTable(const Options& options, const EventColumns& columns, const std::vector<Gap>& gaps);
