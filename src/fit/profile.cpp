@@ -135,15 +135,16 @@ private:
 
   static double root_of(const Foot& foot) { return std::sqrt(2.0 * std::max(0.0, foot.rise)); }
 
-  // Follows the ridge until the root of twice the rise is `target`, and says where that is;
-  // infinite where it is not reached.
+  // Follows the ridge until the root of twice the rise is `target`, and says where that is. Where
+  // the ridge is lost on the second half of the way the root is continued as a line; infinite where
+  // it is lost before.
   double walk_to_root(double target, double side) {
     constexpr double farthest = 30.0;  // sigma
     constexpr double tolerance = 0.02; // of the root
     while (root_of(last_) < target) {
       pulse();
       if (std::abs(last_.z) > farthest * widening_ || !advance(last_.z + side * stride_))
-        return side * infinite;
+        return root_of(last_) > 0.5 * target ? last_.z * target / root_of(last_) : side * infinite;
     }
     // The foot before and the last one, between which the root is nearly linear.
     double inside = before_.z, root_inside = root_of(before_);
