@@ -334,8 +334,8 @@ private:
   }
 
   static constexpr double first_stride = 0.25; // sigma
-  // Of scoring, each a pass over the log with derivatives: several times what a smooth ridge takes.
-  // A ridge that winds further costs minutes and ends like one that is lost.
+  // Of scoring, each a pass over the log with derivatives; a search counts as the most it may take.
+  // A ridge that needs more can take minutes on a long noisy log: it ends like one that is lost.
   static constexpr int most_steps_of_a_side = 100;
 
   const FitProblem& problem_;
