@@ -135,15 +135,16 @@ private:
 
   static double root_of(const Foot& foot) { return std::sqrt(2.0 * std::max(0.0, foot.rise)); }
 
-  // Follows the ridge until the root of twice the rise is `target`, and says where that is;
-  // infinite where it is not reached.
+  // Follows the ridge until the root of twice the rise is `target`, and says where that is. Where
+  // the ridge is lost on the second half of the way the root is continued as a line; infinite where
+  // it is lost before.
   double walk_to_root(double target, double side) {
     constexpr double farthest = 30.0;  // sigma
     constexpr double tolerance = 0.02; // of the root
     while (root_of(last_) < target) {
       pulse();
       if (std::abs(last_.z) > farthest * widening_ || !advance(last_.z + side * stride_))
-        return side * infinite;
+        return root_of(last_) > 0.5 * target ? last_.z * target / root_of(last_) : side * infinite;
     }
     // The foot before and the last one, between which the root is nearly linear.
     double inside = before_.z, root_inside = root_of(before_);
@@ -175,6 +176,7 @@ private:
   void restart() {
     last_ = before_ = first_;
     stride_ = first_stride * widening_;
+    steps_left_ = most_steps_of_a_side;
   }
 
   // One foot further, to z or less far where the ridge bends; by a search where it folds, so that
@@ -244,7 +246,7 @@ private:
     }
     return u;
   }
-  [[nodiscard]] std::optional<Foot> foot_at(double z, const Foot& a, const Foot& b) const {
+  [[nodiscard]] std::optional<Foot> foot_at(double z, const Foot& a, const Foot& b) {
     double gain = 0.0;
     return foot_near(with_own(valley_.x_of(extrapolated(a, b, z)), z), z, gain);
   }
@@ -258,12 +260,13 @@ private:
   // The foot at z from a point beside it, by steps of scoring until one gains next to nothing, or
   // by a search where a bound is met. `first_gain`: what the first step promises.
   [[nodiscard]] std::optional<Foot> foot_near(std::vector<double> x, double z,
-                                              double& first_gain) const {
+                                              double& first_gain) {
     constexpr double least_gain = 0.02; // of L: a step that gains less gains what it promises
     constexpr double kink_gain = 0.25;  // of L: what steps may still promise where L has kinks
     constexpr int most_steps = 6;
     for (int steps = 0;; ++steps) {
       if (!is_allowed(x)) return by_search(std::move(x), z);
+      if (--steps_left_ < 0) return {};
       const auto step = step_of_others(x);
       if (!step) return {};
       if (steps == 0) first_gain = step->gain;
@@ -297,12 +300,14 @@ private:
     return {};
   }
 
-  [[nodiscard]] std::optional<Foot> by_search(std::vector<double> x, double z) const {
+  [[nodiscard]] std::optional<Foot> by_search(std::vector<double> x, double z) {
+    constexpr int most_steps = 30;
+    if ((steps_left_ -= most_steps) < 0) return {};
     for (std::size_t i = 0; i < problem_.bounds.size(); ++i)
       x[i] = std::clamp(x[i], problem_.bounds[i][0], problem_.bounds[i][1]);
     const double coordinate = x[k_];
     x.erase(x.begin() + static_cast<std::ptrdiff_t>(k_));
-    constexpr SearchLimits limits{30, 0.01}; // of 0.5 or 1.9
+    constexpr SearchLimits limits{most_steps, 0.01}; // of 0.5 or 1.9
     Minimum found = minimise(with_held(problem_, k_, coordinate), x, limits);
     if (!found.usable || !found.converged) return {};
     found.x.insert(found.x.begin() + static_cast<std::ptrdiff_t>(k_), coordinate);
@@ -329,6 +334,9 @@ private:
   }
 
   static constexpr double first_stride = 0.25; // sigma
+  // Of scoring, each a pass over the log with derivatives; a search counts as the most it may take.
+  // A ridge that needs more can take minutes on a long noisy log: it ends like one that is lost.
+  static constexpr int most_steps_of_a_side = 100;
 
   const FitProblem& problem_;
   const Minimum& minimum_;
@@ -340,6 +348,7 @@ private:
   Foot first_;          // the minimum
   Foot last_, before_;  // the last two
   double stride_ = 0.0; // in z
+  int steps_left_ = most_steps_of_a_side;
 };
 
 // If every relative sigma is below this, the likelihood counts as a parabola: the two sides of an
