@@ -63,7 +63,7 @@ private:
   std::deque<double> steps_s_;            // the last ones
   std::optional<Beat> last_, one_before_; // of those believed
   std::optional<double> last_heard_s_;
-  bool is_first_ = true; // no event fitted yet
+  bool is_first_ = true;         // no event fitted yet
   std::vector<HeardEvent> held_; // each follows the one before
   bool held_is_over_silence_ = false;
   std::vector<HeardEvent> left_out_;

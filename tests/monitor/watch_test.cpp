@@ -104,7 +104,8 @@ TEST_F(MonitorWatchTest, WhatAlarmsHaveLearntOutlivesARestart) {
     ClockWatch watch(options);
     const double end = time_of(beats);
     for (std::int64_t n = 0; n < 1200; ++n)
-      hear_event(watch, event_at(Instant::from_seconds(end + static_cast<double>(n) / (1.0 + 25e-6))),
+      hear_event(watch,
+                 event_at(Instant::from_seconds(end + static_cast<double>(n) / (1.0 + 25e-6))),
                  end + static_cast<double>(n), n);
     int told = 0;
     for (const AlarmChange& change : watch.take_alarm_changes())
