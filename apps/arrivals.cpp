@@ -27,8 +27,8 @@ std::vector<Arrivals::Arrival> Arrivals::add(const HeardEvent& event,
   }
   hold(event, heard_s);
   // Noise does not agree with itself so often; a fault of the source may, for a while.
-  constexpr std::size_t over_silence_events = 3, elsewhere_events = 16;
-  if (held_.size() < (held_is_over_silence_ ? over_silence_events : elsewhere_events)) return {};
+  constexpr std::size_t over_silence_events = 3;
+  if (held_.size() < (held_is_over_silence_ ? over_silence_events : elsewhere_events_)) return {};
   last_heard_s_ = heard_s;
   return release();
 }

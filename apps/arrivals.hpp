@@ -22,10 +22,9 @@ struct HeardEvent : Beat {
 };
 
 /// Believes a time that leaps far forward, or back, only if the next ones go on from there: three,
-/// where it leaps over as much time as went by while nothing was heard, and sixteen where it does
-/// not, as lines that a fault of the source makes may agree with each other for a while
-/// (ArrivalsTest). Then a leap back is a source that begins again; what is not believed is left
-/// out.
+/// where it leaps over as much time as went by while nothing was heard, and more where it does not,
+/// as lines that a fault of the source makes may agree with each other for a while (ArrivalsTest).
+/// Then a leap back is a source that begins again; what is not believed is left out.
 class Arrivals {
 public:
   /// An event to go on with.
@@ -33,6 +32,9 @@ public:
     HeardEvent event;
     bool begins_anew = false; ///< its time has nothing to do with those before
   };
+
+  /// `elsewhere_events`: that go on from a leap until it is believed.
+  explicit Arrivals(std::size_t elsewhere_events = 16) : elsewhere_events_(elsewhere_events) {}
 
   /// The last event that was believed before, and when it was heard, s by any steady clock; nothing
   /// where events are not heard as they happen.
@@ -59,11 +61,12 @@ private:
   void leave_out_held();
   void learn(double step_s);
 
+  std::size_t elsewhere_events_;
   double usual_step_s_ = 0.0;             // 0: not known
   std::deque<double> steps_s_;            // the last ones
   std::optional<Beat> last_, one_before_; // of those believed
   std::optional<double> last_heard_s_;
-  bool is_first_ = true; // no event fitted yet
+  bool is_first_ = true;         // no event fitted yet
   std::vector<HeardEvent> held_; // each follows the one before
   bool held_is_over_silence_ = false;
   std::vector<HeardEvent> left_out_;

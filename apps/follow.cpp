@@ -141,7 +141,8 @@ private:
   const LogOptions& options_;
   const GlobalOptions& global_;
   Alarm alarm_;
-  Arrivals arrivals_;
+  static constexpr std::size_t shown_events = 3; // of a logger that begins again: soon on the screen
+  Arrivals arrivals_{shown_events};
   RollingNumbers numbers_;
   std::optional<RateTable> table_;
   EventColumns no_columns_;

@@ -142,8 +142,8 @@ void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is
   const std::size_t complete = minutes.all().size() - 2;
   const Instant at = going.last()->time;
   const std::int64_t minute = minutes.all()[complete].start_s / 60;
-  const auto rate =
-      habits_.rate.add(habits_.rate_wave.without(minute, minutes.rate_of(complete, nominal_period_s)));
+  const auto rate = habits_.rate.add(
+      habits_.rate_wave.without(minute, minutes.rate_of(complete, nominal_period_s)));
   const auto fall = habits_.amplitude.add(minute, minutes.all()[complete].amplitude_rad());
   if (rate) habits_.rate_wave.stepped(rate->size);
   if (is_replay) return;

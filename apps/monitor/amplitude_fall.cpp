@@ -17,8 +17,8 @@ constexpr std::size_t fewest_changes = 3; // that have a scatter worth the name
 constexpr std::int64_t held_days = 32;    // then the level is the usual one
 constexpr double season_a_day = 0.002;    // of the amplitude: 0.1 · 2π in 365 days, rounded up
 
-// Changes from one mean to the next, of days or of weeks: a week has the sag of a clock that is wound
-// once a week in it.
+// Changes from one mean to the next, of days or of weeks: a week has the sag of a clock that is
+// wound once a week in it.
 struct Span {
   std::size_t changes, days;
 };

@@ -13,9 +13,9 @@ namespace goingrate::apps {
 /// Finds a fall that comes at once, as a step of the logarithm that StepAlarm looks for, and one
 /// that goes on for days, as means of days or of weeks whose changes, 8 to 32 of days or 4 and 8 of
 /// weeks, are further below those of a season than a random walk would be (Student's t of the
-/// changes; limit: 0.2 false alarms a year). A season takes 2 ‰ of the amplitude a day at most, which is ± 10 % in a year. One fall is
-/// found once: it is over when the amplitude has come back by more than half of it, or has not
-/// fallen for a month (AmplitudeFallTest).
+/// changes; limit: 0.2 false alarms a year). A season takes 2 ‰ of the amplitude a day at most,
+/// which is ± 10 % in a year. One fall is found once: it is over when the amplitude has come back
+/// by more than half of it, or has not fallen for a month (AmplitudeFallTest).
 class AmplitudeFall {
 public:
   struct Found {
@@ -40,7 +40,7 @@ private:
   DailyWave wave_;
   static constexpr double usual_fall = 0.1; // as in minutes of winding without maintaining power
   StepAlarm steps_{usual_fall};             // of the logarithm
-  std::int64_t day_ = 0; // that is going on
+  std::int64_t day_ = 0;                    // that is going on
   double day_sum_ = 0.0;
   std::int64_t day_minutes_ = 0;
   bool day_has_fall_ = false;

@@ -1,12 +1,12 @@
 #include "archive.hpp"
 
+#include "day_columns.hpp"
 #include "held_notes.hpp"
 
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/reading.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -16,7 +16,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fstream>
-#include <limits>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -26,7 +25,6 @@ namespace goingrate::apps {
 namespace {
 
 constexpr std::string_view origin_words = "# the source's second 0: ";
-constexpr int decimals = 9; // of a second
 
 [[noreturn]] void fail(const std::string& path) { throw OutputError(path, std::strerror(errno)); }
 
@@ -50,40 +48,6 @@ void sync_folder(const std::string& folder) {
   if (!done) fail(folder);
 }
 
-struct NamedColumn {
-  std::string_view name;
-  bool NativeColumns::*column;
-};
-constexpr std::array named_columns{NamedColumn{"edge", &NativeColumns::edge},
-                                   NamedColumn{"width_s", &NativeColumns::width},
-                                   NamedColumn{"amplitude_rad", &NativeColumns::amplitude},
-                                   NamedColumn{"temperature_c", &NativeColumns::temperature},
-                                   NamedColumn{"pressure_mbar", &NativeColumns::pressure},
-                                   NamedColumn{"humidity_percent", &NativeColumns::humidity}};
-
-// The columns of a day's file; nothing if it has no header.
-std::optional<NativeColumns> header_of(const std::string& path) {
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    if (!line.starts_with("time_s")) continue;
-    NativeColumns columns;
-    columns.decimals = decimals;
-    for (const auto& [name, column] : named_columns)
-      columns.*column = (line + ",").find(fmt::format(",{},", name)) != line.npos;
-    return columns;
-  }
-  return {};
-}
-
-// What the columns do not hold.
-EventValues beside(const EventValues& values, const NativeColumns& columns) {
-  constexpr double in_its_column = std::numeric_limits<double>::quiet_NaN();
-  return {columns.width ? in_its_column : values.width_s,
-          columns.temperature ? in_its_column : values.temperature_c,
-          columns.pressure ? in_its_column : values.pressure_mbar,
-          columns.humidity ? in_its_column : values.humidity_percent};
-}
-
 bool is_day(const std::string& name) {
   return name.size() == 14 && name.ends_with(".csv") && name[4] == '-' && name[7] == '-';
 }
@@ -98,10 +62,12 @@ HeardEvent as_stored(HeardEvent event) {
   double& width_s = event.values.width_s;
   if (!std::isnan(width_s)) {
     // A row has the leading edge, and its reader adds half of the width.
-    width_s = std::strtod(format_instant(Instant::from_seconds(width_s), decimals).c_str(), nullptr);
+    width_s = std::strtod(format_instant(Instant::from_seconds(width_s), archive_decimals).c_str(),
+                          nullptr);
     event.time = event.time + -0.5 * width_s;
   }
-  if (const auto time = parse_instant(format_instant(event.time, decimals))) event.time = *time;
+  if (const auto time = parse_instant(format_instant(event.time, archive_decimals)))
+    event.time = *time;
   if (!std::isnan(width_s)) event.time = event.time + 0.5 * width_s;
   if (!std::isnan(event.amplitude_rad))
     event.amplitude_rad = std::strtod(fmt::format("{:.9g}", event.amplitude_rad).c_str(), nullptr);
@@ -110,7 +76,7 @@ HeardEvent as_stored(HeardEvent event) {
 
 Archive::Archive(std::string folder) : folder_(std::move(folder)) {
   columns_.amplitude = true;
-  columns_.decimals = decimals;
+  columns_.decimals = archive_decimals;
   std::error_code failed;
   const bool is_new = std::filesystem::create_directories(folder_, failed);
   if (failed) throw OutputError(folder_, failed.message());
@@ -191,7 +157,7 @@ void Archive::close_day() {
 void Archive::describe(const NativeColumns& columns) {
   columns_ = columns;
   columns_.amplitude = true;
-  columns_.decimals = decimals;
+  columns_.decimals = archive_decimals;
 }
 
 void Archive::open_day(const std::string& day) {
@@ -211,7 +177,8 @@ void Archive::open_day(const std::string& day) {
   } else {
     day_columns_ = columns_;
     std::string head = native_log_header(columns_);
-    if (origin_) head += fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals));
+    if (origin_)
+      head += fmt::format("{}{}\n", origin_words, format_instant(*origin_, archive_decimals));
     write_or_close(head);
     has_origin_ = true;
   }
@@ -264,7 +231,7 @@ void Archive::append(const HeardEvent& event) {
   if (!has_origin_ && origin_) write_origin();
   std::string text;
   if (event.edge == Edge::down && !day_columns_.edge) // else it would be read as an upward one
-    text = fmt::format("# down {}\n", format_instant(event.time, decimals));
+    text = fmt::format("# down {}\n", format_instant(event.time, archive_decimals));
   else
     append_native_line(text, event, event.values, day_columns_);
   if (const auto words = words_of(beside(event.values, day_columns_)); !words.empty())
@@ -311,7 +278,7 @@ void Archive::set_origin(const Instant& origin) {
 }
 
 void Archive::write_origin() {
-  write(fmt::format("{}{}\n", origin_words, format_instant(*origin_, decimals)));
+  write(fmt::format("{}{}\n", origin_words, format_instant(*origin_, archive_decimals)));
   has_origin_ = true;
 }
 

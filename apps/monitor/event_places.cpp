@@ -42,8 +42,8 @@ std::optional<Beat> EventPlaces::meet(const HeardEvent& event, const ClockLog& l
 }
 
 bool EventPlaces::is_stored(const HeardEvent& event, const ClockLog& log) {
-  skips_stored_ = skips_stored_ && !(as_stored_at(absolute(event, log), event.values) >
-                                     *archive_.last_time());
+  skips_stored_ =
+      skips_stored_ && !(as_stored_at(absolute(event, log), event.values) > *archive_.last_time());
   return skips_stored_;
 }
 

@@ -26,8 +26,8 @@ struct GoingBlock {
   [[nodiscard]] std::optional<double> beat_error_s() const; ///< tick less tock
 };
 
-/// Of the last six beats the one whose time is in the middle of what they tell of the clock: up to two
-/// whose times are wrong, as a false event in the place of a missed beat, do not move it
+/// Of the last six beats the one whose time is in the middle of what they tell of the clock: up to
+/// two whose times are wrong, as a false event in the place of a missed beat, do not move it
 /// (MonitorWatchTest.AWrongBeatIsNoRate).
 class MiddleBeat {
 public:

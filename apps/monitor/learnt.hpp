@@ -39,7 +39,9 @@ public:
 
   [[nodiscard]] const std::vector<double>& numbers() const { return numbers_; }
   /// All that was asked for was there, and no more.
-  [[nodiscard]] bool is_read_whole() const { return reads_ && !has_failed_ && at_ == numbers_.size(); }
+  [[nodiscard]] bool is_read_whole() const {
+    return reads_ && !has_failed_ && at_ == numbers_.size();
+  }
 
 private:
   void pass(double& number) {

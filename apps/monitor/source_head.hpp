@@ -5,8 +5,8 @@
 
 namespace goingrate::apps {
 
-/// DIR/.head: the source and the lines before its first data. A monitor that is started again in the
-/// middle of them knows by these what the columns are (MonitorLinesTest.AHeadOutlivesARestart).
+/// DIR/.head: the source and the lines before its first data. A monitor that is started again in
+/// the middle of them knows by these what the columns are (MonitorLinesTest.AHeadOutlivesARestart).
 class SourceHead {
 public:
   /// Reads what an earlier run of the same source left.

@@ -17,8 +17,7 @@ constexpr double minutes_a_year = 525960.0;
 std::int64_t minutes_of(std::size_t scale) { return std::int64_t{1} << scale; }
 
 double memory_of(std::size_t scale) {
-  return std::max(most_differences,
-                  4.0 * static_cast<double>(minutes_a_week / minutes_of(scale)));
+  return std::max(most_differences, 4.0 * static_cast<double>(minutes_a_week / minutes_of(scale)));
 }
 
 // Differences from the same means before are alike, at worst all of the same eight.

@@ -18,8 +18,8 @@ public:
   /// 0 until two weeks have had a change.
   [[nodiscard]] double habit() const;
   /// What is beyond it: larger by half, as where a clock is wound three days late, and, where weeks
-  /// differ much, by twice as much as the habit is larger than the middle week. Of weeks that follow
-  /// Gumbel's law, as largest ones do, it is beyond in one of two hundred.
+  /// differ much, by twice as much as the habit is larger than the middle week. Of weeks that
+  /// follow Gumbel's law, as largest ones do, it is beyond in one of two hundred.
   [[nodiscard]] double limit() const;
 
   void pass(Learnt& learnt) {

@@ -235,10 +235,9 @@ TEST_F(MonitorArchiveTest, WhatIsUnsafeIsBounded) {
   lost_bytes = 0;
   EXPECT_THROW(archive.sync(), OutputError);
   std::int64_t written = 2;
-  EXPECT_THROW(
-      for (; written < 1'000'000; ++written)
-          archive.append(event_at({1764201600, static_cast<double>(written) * 1e-7})),
-      OutputError);
+  EXPECT_THROW(for (; written < 1'000'000; ++written)
+                   archive.append(event_at({1764201600, static_cast<double>(written) * 1e-7})),
+               OutputError);
   EXPECT_LT(std::filesystem::file_size(day("2025-11-27")), 5U << 20);
   EXPECT_THROW(archive.note("too much", {1764201601, 0.0}), OutputError);
   sync_fails = false;

@@ -102,7 +102,8 @@ TEST_F(FilePositionTest, ALineThatIsTooLongBeforeTheLayoutIsKnownIsCut) {
 TEST_F(FilePositionTest, WhatALineTellsBesideItsTimeIsHandedOut) {
   {
     std::ofstream file(log_, std::ios::trunc);
-    file << "# goingrate log: 1\ntime_s,edge,width_s,temperature_c,pressure_mbar,humidity_percent\n";
+    file
+        << "# goingrate log: 1\ntime_s,edge,width_s,temperature_c,pressure_mbar,humidity_percent\n";
     for (int n = 0; n < 10000; ++n)
       file << 1764201600 + n << ".25,up," << (n % 7 == 0 ? "" : "0.01") << ',' << 20 + n % 10
            << ",101" << n % 10 << ",4" << n % 10 << '\n';

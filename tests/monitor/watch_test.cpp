@@ -20,11 +20,11 @@ TEST_F(MonitorWatchTest, TellsTheRate) {
   EXPECT_EQ(watch.acknowledged(), 8000);
 }
 
-// The last beat of a minute is missed, and an event beside it taken for it.
+// The last beat of every second minute is missed, and an event beside it taken for it.
 TEST_F(MonitorWatchTest, AWrongBeatIsNoRate) {
   Going going;
   for (std::int64_t n = 0; n < 600; ++n) {
-    Beat beat = event_at({1764201600 + n, n % 60 == 59 ? 0.1 : n % 60 == 0 ? 0.15 : 0.0});
+    Beat beat = event_at({1764201600 + n, n % 120 == 59 ? 0.1 : 0.0});
     beat.cycle = n;
     going.add(beat, 0);
   }
@@ -94,24 +94,25 @@ TEST_F(MonitorWatchTest, WhatAlarmsHaveLearntOutlivesARestart) {
     ClockWatch watch(options_);
     hear_at_once(watch, beats);
   }
-  for (const bool has_index : {true, false}) {
-    const std::string copy = options_.folder + "-copy";
-    std::filesystem::remove_all(copy);
-    std::filesystem::copy(options_.folder, copy);
-    if (!has_index) std::filesystem::remove(copy + "/.index.sqlite");
+  const std::string without_index = options_.folder + "-copy";
+  std::filesystem::remove_all(without_index);
+  std::filesystem::copy(options_.folder, without_index);
+  std::filesystem::remove(without_index + "/.index.sqlite");
+  for (const std::string& folder : {options_.folder, without_index}) {
     WatchOptions options = options_;
-    options.folder = copy;
+    options.folder = folder;
     ClockWatch watch(options);
     const double end = time_of(beats);
     for (std::int64_t n = 0; n < 1200; ++n)
-      hear_event(watch, event_at(Instant::from_seconds(end + static_cast<double>(n) / (1.0 + 25e-6))),
+      hear_event(watch,
+                 event_at(Instant::from_seconds(end + static_cast<double>(n) / (1.0 + 25e-6))),
                  end + static_cast<double>(n), n);
     int told = 0;
     for (const AlarmChange& change : watch.take_alarm_changes())
       told += change.kind == AlarmKind::rate_step && change.is_raised ? 1 : 0;
-    EXPECT_EQ(told, 1) << has_index;
-    std::filesystem::remove_all(copy);
+    EXPECT_EQ(told, 1) << folder;
   }
+  std::filesystem::remove_all(without_index);
 }
 
 TEST_F(MonitorWatchTest, ADayWithoutABeatBreaksNoIndex) {

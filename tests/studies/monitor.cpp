@@ -116,8 +116,7 @@ void print_clock(const std::string& name, const std::vector<double>& rates, doub
   int false_alarms = 0;
   std::array<std::vector<double>, steps_ppm.size()> delays;
   for (std::size_t i = 0; i < rates.size(); ++i) {
-    if (i > 0 && i % (rates.size() / (steps_of_each + 2)) == 0 &&
-        delays[0].size() < steps_of_each)
+    if (i > 0 && i % (rates.size() / (steps_of_each + 2)) == 0 && delays[0].size() < steps_of_each)
       for (std::size_t s = 0; s < steps_ppm.size(); ++s)
         delays[s].push_back(delay_of(watch, rates, i, 1e-6 * steps_ppm[s]));
     if (watch.hear(i, rates[i])) ++false_alarms;

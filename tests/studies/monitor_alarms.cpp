@@ -62,7 +62,8 @@ class Crossings {
 public:
   Crossings(const WatchedClock& clock, std::uint64_t seed)
       : clock_(clock), noise_(seed, StreamPurpose::jitter), missed_(seed, StreamPurpose::missed),
-        spurious_(seed, StreamPurpose::spurious), amplitude_(seed, StreamPurpose::amplitude_noise) {}
+        spurious_(seed, StreamPurpose::spurious), amplitude_(seed, StreamPurpose::amplitude_noise) {
+  }
 
   void fail(const Fault& fault) {
     fault_ = fault;
@@ -211,8 +212,9 @@ void print_clock(const WatchedClock& clock, double years, std::uint64_t seed) {
         delays[f].push_back(delay_of(faults[f], crossings, watch));
   }
   fmt::print("{:<16}", clock.name);
-  for (const AlarmKind kind : {AlarmKind::stopped, AlarmKind::out_of_beat, AlarmKind::sensor_failing,
-                               AlarmKind::amplitude_falling, AlarmKind::rate_step})
+  for (const AlarmKind kind :
+       {AlarmKind::stopped, AlarmKind::out_of_beat, AlarmKind::sensor_failing,
+        AlarmKind::amplitude_falling, AlarmKind::rate_step})
     fmt::print(" {:>9}", raised[static_cast<std::size_t>(kind)]);
   for (const auto& delay : delays)
     fmt::print(" {:>9}", duration(median(delay)));
@@ -225,11 +227,12 @@ void print_clock(const WatchedClock& clock, double years, std::uint64_t seed) {
 int main(int count, char** words) {
   const double years = count > 1 ? std::atof(words[1]) : 2.0;
   const auto seed = static_cast<std::uint64_t>(count > 2 ? std::atoll(words[2]) : 1);
-  fmt::print("the other alarms: false ones in {:g} years of each clock, beat by beat; median time to "
-             "that of a fault\n{:<16}",
-             years, "");
-  for (const char* column : {"stopped", "out beat", "sensor", "amplitude", "rate", "stops", "3 % out",
-                             "20 % miss", "-15 %", "-1 %/day"})
+  fmt::print(
+      "the other alarms: false ones in {:g} years of each clock, beat by beat; median time to "
+      "that of a fault\n{:<16}",
+      years, "");
+  for (const char* column : {"stopped", "out beat", "sensor", "amplitude", "rate", "stops",
+                             "3 % out", "20 % miss", "-15 %", "-1 %/day"})
     fmt::print(" {:>9}", column);
   fmt::print("\n");
   for (const WatchedClock& clock : clocks)

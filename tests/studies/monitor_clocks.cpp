@@ -41,8 +41,8 @@ public:
     if (minute >= next_) {
       last_ = minute;
       constexpr double earliest = 0.6, latest = 1.2;
-      next_ = minute + usual_minutes_ *
-                           std::clamp(1.0 + scatter_ * random_.normal(), earliest, latest);
+      next_ =
+          minute + usual_minutes_ * std::clamp(1.0 + scatter_ * random_.normal(), earliest, latest);
     }
     return (minute - last_) / usual_minutes_;
   }
@@ -107,7 +107,8 @@ std::vector<double> minute_rates(const WanderingClock& w, double years, std::uin
     walked += w.walk / std::sqrt(minutes_a_day) * slow.normal();
     if (w.flicker > 0.0)
       for (std::size_t octave = 0; octave < octaves; ++octave)
-        rate += w.flicker * flicker[octave].next(std::exp2(static_cast<double>(octave)) + 1.0, slow);
+        rate +=
+            w.flicker * flicker[octave].next(std::exp2(static_cast<double>(octave)) + 1.0, slow);
     rates[i] = 1e-6 * (rate + walked);
   }
   return rates;

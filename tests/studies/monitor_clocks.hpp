@@ -56,10 +56,10 @@ inline const std::vector<WanderingClock> wandering_clocks{
     {"random walk of 1 a day", 0.1, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0, 1.0, 0.0},
     {"flicker of 0.1", 0.03, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0, 0.0, 0.1},
     {"flicker of 1", 0.1, 0.0, 0.0, 7.0, 0.0, 0.0, 0.0, 0.0, 1.0},
-    {"all: weekly 1, day 2, year 10, walk and flicker 0.1", 0.05, 1.0, 0.15, 7.0, 0.0, 2.0, 10.0, 0.1,
-     0.1},
-    {"all: weekly 3, day 3, year 10, walk 0.1, flicker 0.3", 0.5, 3.0, 0.15, 7.0, 0.0, 3.0, 10.0, 0.1,
-     0.3},
+    {"all: weekly 1, day 2, year 10, walk and flicker 0.1", 0.05, 1.0, 0.15, 7.0, 0.0, 2.0, 10.0,
+     0.1, 0.1},
+    {"all: weekly 3, day 3, year 10, walk 0.1, flicker 0.3", 0.5, 3.0, 0.15, 7.0, 0.0, 3.0, 10.0,
+     0.1, 0.3},
 };
 
 /// Rates of minutes over some years. No clock goes for a fifth longer than it is made for.
