@@ -79,7 +79,7 @@ and the lengths of the two half swings give amplitudes.
           "averaged1", "averaged2", "rk4" (dt, rk4_torque = "step", "stage" or
           "switches"); tolerance (s, of crossing times, for auto)
 [[event]] at_period or at (s), and the new values: nominal_period, epsilon,
-          mu, phi0, quadratic_drag, dry_friction, impulse, angle
+          mu, phi0, quadratic_drag, dry_friction, impulse, angle, every, below
 [drive]   fast_rms (white, renewed at every upward crossing), slow_rms and
           slow_time (s), sine = [{amplitude = 0.02, period = 900.0}],
           series = "mu.csv"
