@@ -2,7 +2,7 @@
 
 #include "fit_starts.hpp"
 #include "model_fit.hpp"
-#include "profile.hpp"
+#include "held.hpp"
 #include "rivals.hpp"
 
 #include "base/workers.hpp"

@@ -5,6 +5,7 @@
 #include "experiments.hpp"
 #include "model_choice.hpp"
 #include "possible_changes.hpp"
+#include "listed_twins.hpp"
 #include "profile.hpp"
 #include "reference_run.hpp"
 #include "ring_down.hpp"
@@ -134,54 +135,6 @@ void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
   });
 }
 
-ClockTwin clock_at(const Fitted& fitted, std::span<const double> x, double behind) {
-  ClockTwin clock{{}, 2.0 * behind};
-  for (const Slot& slot : fitted.problem.parameters.slots)
-    if (slot.free && is_of_clock(slot.quantity))
-      clock.parameters.emplace_back(fitted.problem.parameters.name_of(slot), slot.value(x));
-  return clock;
-}
-
-std::string words_for(const ClockTwin& clock) {
-  std::vector<std::string> parts;
-  for (const auto& [name, value] : clock.parameters)
-    if (name != "T0") parts.push_back(fmt::format("{} {:.3g}", name, value));
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
-
-// Other clocks that explain the log as well, one of them in words.
-void state_twins(const Fitted& fitted, const Certainty& known, FitSummary& summary) {
-  constexpr double separation_sigma = 3.5; // sigma
-  const auto is_far = [&](std::span<const double> x) {
-    const auto& slots = fitted.problem.parameters.slots;
-    return std::any_of(slots.begin(), slots.end(), [&](const Slot& slot) {
-      return slot.free && is_of_clock(slot.quantity) && slot.quantity != Quantity::T0 &&
-             std::abs(x[slot.index] - fitted.minimum.x[slot.index]) >=
-                 separation_sigma * known.curvature_sigma(slot.index);
-    });
-  };
-  Rivals listed;
-  for (const Rival& rival : fitted.rivals) {
-    const bool is_new = std::all_of(listed.begin(), listed.end(), [&](const Rival& other) {
-      return known.tells_apart(rival.x, other.x);
-    });
-    if (is_far(rival.x) && is_new) listed.push_back(rival);
-  }
-  std::stable_sort(listed.begin(), listed.end(),
-                   [](const Rival& a, const Rival& b) { return a.behind < b.behind; });
-  for (const Rival& rival : listed)
-    summary.twins.push_back(clock_at(fitted, rival.x, rival.behind));
-  if (summary.twins.empty()) return;
-  summary.notes.push_back(
-      {NoteKind::twin,
-       fmt::format(
-           "two clocks explain this log equally well: {}; or {}. {}",
-           words_for(clock_at(fitted, fitted.minimum.x, 0.0)), words_for(summary.twins.front()),
-           fitted.problem.data->has_amplitude()
-               ? "A ring-down, or T0 from elsewhere, would tell which"
-               : "A rough measurement of the amplitude decides which: a prior on lambda0")});
-}
-
 // The fit on so few beats of a long log that its profile is soon searched; not usable if all are as
 // few.
 Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
@@ -236,7 +189,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
-  state_twins(fitted, fitted.known, summary);
+  list_twins(fitted, summary);
 }
 
 // T0 of the best law, where the terms of friction that the fit has leave it open.

@@ -1,16 +1,9 @@
 // Intervals of the profile likelihood. Private to the fit room.
 #pragma once
 
-#include "inference.hpp"
+#include "ridge.hpp"
 
 namespace goingrate::timing_model {
-
-/// A minimum of L and how well it is known.
-struct ProfiledPlace {
-  const FitProblem& problem;
-  const Minimum& minimum;
-  const Certainty& known;
-};
 
 /// Where L, minimised over all other coordinates, has risen by q^2/2 (q = 1 and 1.96, times the
 /// widening) on either side of the minimum. One look at 1.96 sigma, corrected by a scoring step in
@@ -29,8 +22,5 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
 /// a search where that step gains much. `few` as for intervals().
 std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
                                          const Slot& slot, const Interval& interval);
-
-/// The problem with one coordinate held; its priors on that coordinate are dropped.
-FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate);
 
 } // namespace goingrate::timing_model

@@ -1,6 +1,6 @@
 #include "ring_down.hpp"
 
-#include "profile.hpp"
+#include "held.hpp"
 #include "quality_curve.hpp"
 
 #include "goingrate/dynamics/swing_loss.hpp"

@@ -102,7 +102,7 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
 
 std::optional<Figure> interval_figure(const FitSummary& fit) {
   constexpr double edge_sigmas =
-      5.0; // sigma: where bars are cut; ends are sought up to 8 (profile.hpp)
+      5.0; // sigma: where bars are cut; ends are sought up to 30 (profile.hpp)
   Series narrow{Series::Style::bars, "68 %", {}, {}, {}, {}, blue};
   Series wide{Series::Style::bars, "95 %", {}, {}, {}, {}, vermilion};
   Figure figure{"intervals",

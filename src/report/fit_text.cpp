@@ -83,6 +83,37 @@ std::string parameter_lines(const FitSummary& fit, const DisplayUnit& angle) {
   return text;
 }
 
+std::string parameters_of(const ClockTwin& clock, const FitSummary& fit, const DisplayUnit& angle) {
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < clock.parameters.size(); ++i) {
+    const auto& [name, value] = clock.parameters[i];
+    FittedParameter p;
+    p.name = name;
+    if (const FittedParameter* own = fit.find(name)) p.unit = own->unit;
+    p.value = value;
+    p.sigma = clock.sigma[i].second;
+    p = in_shown_unit(angle, p);
+    if (!std::isfinite(p.sigma)) continue;
+    values.push_back(fmt::format("{} {}{}{}", symbol_of(name), with_sigma(p.value, p.sigma),
+                                 p.unit.empty() ? "" : " ", p.unit));
+  }
+  return values.empty() ? "none of its parameters is determined"
+                        : fmt::format("{}", fmt::join(values, ", "));
+}
+
+// The clocks that a log of two or more may be of.
+std::string twin_lines(const FitSummary& fit, const DisplayUnit& angle) {
+  if (!fit.likeliest_twin) return "";
+  std::string text = "[clocks that explain this log: it is of one of them]\n";
+  text += fmt::format("  1: {}\n", parameters_of(*fit.likeliest_twin, fit, angle));
+  int number = 1;
+  for (const ClockTwin& twin : fit.twins)
+    text += fmt::format("  {} ({} times less likely): {}\n", ++number,
+                        readable(std::exp(0.5 * twin.delta_2logL), 2),
+                        parameters_of(twin, fit, angle));
+  return text;
+}
+
 std::string derived_lines(const FitSummary& fit, const DisplayUnit& angle) {
   std::vector<DerivedQuantity> all = fit.combinations;
   if (std::isfinite(fit.q_factor.value)) all.push_back(fit.q_factor);
@@ -184,6 +215,7 @@ std::string fit_text(const FitSummary& fit) {
       in_symbols(fit.chosen_by), fit.termination);
   text += statistics_lines(fit, angle);
   text += "[parameters]\n" + parameter_lines(fit, angle);
+  text += twin_lines(fit, angle);
   text += "[determined by this log]\n" + derived_lines(fit, angle);
   if (fit.decay) text += "[decay of the swing]\n" + decay_text(*fit.decay);
   if (fit.impulses)

@@ -161,10 +161,14 @@ Json experiment_object(const Experiment& experiment) {
 }
 
 Json twin_object(const ClockTwin& twin) {
-  Json parameters = Json::object();
+  Json parameters = Json::object(), sigma = Json::object();
   for (const auto& [name, value] : twin.parameters)
     parameters[name] = json_number(value);
-  return {{"parameters", parameters}, {"delta_2logL", json_number(twin.delta_2logL)}};
+  for (const auto& [name, value] : twin.sigma)
+    sigma[name] = json_number(value);
+  return {{"parameters", parameters},
+          {"sigma", sigma},
+          {"delta_2logL", json_number(twin.delta_2logL)}};
 }
 
 Json derived_object(const DerivedQuantity& quantity) {
@@ -223,6 +227,7 @@ Json fit_object(const FitSummary& fit) {
   json["twins"] = Json::array();
   for (const ClockTwin& twin : fit.twins)
     json["twins"].push_back(twin_object(twin));
+  json["likeliest_twin"] = fit.likeliest_twin ? twin_object(*fit.likeliest_twin) : Json(nullptr);
   json["experiments"] = Json::array();
   for (const Experiment& experiment : fit.experiments)
     json["experiments"].push_back(experiment_object(experiment));

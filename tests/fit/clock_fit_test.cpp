@@ -326,6 +326,14 @@ TEST(ClockFitTest, SigmaIsTheCramerRaoBoundOfTheFullSimulator) {
   }
 }
 
+// How far a parameter of a listed clock is from the truth, in its sigma.
+double pull_of(const ClockTwin& clock, const std::string& name, double truth) {
+  for (std::size_t i = 0; i < clock.parameters.size(); ++i)
+    if (clock.parameters[i].first == name)
+      return std::abs(clock.parameters[i].second - truth) / clock.sigma[i].second;
+  return std::numeric_limits<double>::infinity();
+}
+
 TEST(ClockFitTest, TwoClocksFitAStationaryLogUnderDriveNoise) {
   const FitSummary blind = test::fit_scene(test::noisy_scene(100000, false), 1001);
   EXPECT_EQ(blind["mu"].status, ParameterStatus::undetermined);
@@ -335,6 +343,10 @@ TEST(ClockFitTest, TwoClocksFitAStationaryLogUnderDriveNoise) {
   EXPECT_LT(blind.twins.front().delta_2logL, 2.0); // one of the two is the true clock
   EXPECT_GE(blind.twins.front().delta_2logL, 0.0);
   EXPECT_EQ(blind.twins.front().parameters.front().first, "epsilon"); // T0 is known
+  ASSERT_TRUE(blind.likeliest_twin);
+  EXPECT_LT(std::min(pull_of(*blind.likeliest_twin, "mu", 4e-5),
+                     pull_of(blind.twins.front(), "mu", 4e-5)),
+            4.0); // sigma of chance
   const FitSummary seen = test::fit_scene(test::noisy_scene(100000, true), 1001);
   expect_within(seen, "mu", 4e-5, 4.0);
   EXPECT_NEAR(seen["epsilon"].value, blind["epsilon"].value, 0.5 * blind["epsilon"].sigma);

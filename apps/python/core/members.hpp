@@ -66,7 +66,7 @@ GOINGRATE_MEMBERS(FitAlternative, model, bic, verdict)
 GOINGRATE_MEMBERS(Experiment, what, relative_sigma)
 GOINGRATE_MEMBERS(Thinning, beats, information_lost)
 GOINGRATE_MEMBERS(FitNote, kind, text)
-GOINGRATE_MEMBERS(ClockTwin, parameters, delta_2logL)
+GOINGRATE_MEMBERS(ClockTwin, parameters, sigma, delta_2logL)
 GOINGRATE_MEMBERS(DecayEstimate, value, sigma, low68, high68, low95, high95)
 GOINGRATE_MEMBERS(QAtAmplitude, amplitude_rad, q)
 GOINGRATE_MEMBERS(FrictionLaw, friction, bic, behind, T0_s, T0_sigma_s, lambda0, lambda0_sigma)
@@ -74,7 +74,7 @@ GOINGRATE_MEMBERS(Decay, amplitude_rad, q, time_s, q_at_amplitude, laws)
 GOINGRATE_MEMBERS(FitSummary, status, termination, dynamics, model, chosen_by, parameters,
                   correlated, correlation, combinations, q_factor, stationary_amplitude,
                   rate_s_per_day, decay_time, decay, jitter_s, amplitude_noise_rad, time_widening,
-                  amplitude_widening, quality, alternatives, twins, experiments, thinning, impulses,
+                  amplitude_widening, quality, alternatives, twins, likeliest_twin, experiments, thinning, impulses,
                   events, notes, residual_s, model_amplitude_rad, amplitude_residual_rad)
 
 GOINGRATE_MEMBERS(DeviationRow, tau_s, m, n, value, low, high, alpha, interval, bias)

@@ -205,9 +205,12 @@ struct FitNote {
   std::string text;
 };
 
-/// Another clock that explains the log about as well: its parameters that were free, without noise.
+/// One of several clocks that explain the log about as well: its parameters that were free, without
+/// noise.
 struct ClockTwin {
   std::vector<std::pair<std::string, double>> parameters;
+  /// Of each, if it is this clock; NaN where even then the log does not determine it.
+  std::vector<std::pair<std::string, double>> sigma;
   double delta_2logL = 0.0; ///< by how much its 2 log L is below that of the fit
 };
 
@@ -233,6 +236,7 @@ struct FitSummary {
   FitQuality quality;
   std::vector<FitAlternative> alternatives;
   std::vector<ClockTwin> twins;        ///< those more than 3.5 sigma away, the likeliest first
+  std::optional<ClockTwin> likeliest_twin{}; ///< where there are any, the clock they compete with
   std::vector<Experiment> experiments; ///< where something is undetermined
   Thinning thinning;
   std::optional<ImpulseCycle> impulses{}; ///< of an escapement that rests: those of the data

@@ -1,0 +1,14 @@
+// The clocks that explain a log, where it is more than one. Private to the fit room.
+#pragma once
+
+#include "fitted.hpp"
+
+#include "goingrate/fit/clock_fit.hpp"
+
+namespace goingrate::timing_model {
+
+/// The rivals that are another clock, more than 3.5 sigma away in a parameter other than T0, each
+/// with what the log says of it if it is that one, and a note that there are such.
+void list_twins(const Fitted& fitted, FitSummary& summary);
+
+} // namespace goingrate::timing_model
