@@ -10,18 +10,27 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// What the likelihood curves like at x says how well the clock there is known; a parameter that is
-// not determined there either has no sigma.
+// The sigmas of the coordinates there; NaN where the model does not hold.
+std::vector<double> sigmas_at(const FitProblem& problem, std::span<const double> x,
+                              const Widening& widening) {
+  std::vector<double> sigmas(x.size(), unknown);
+  const auto there = evaluate(problem, x);
+  if (!there) return sigmas;
+  const Certainty known = certainty(problem, x, *there, widening);
+  for (std::size_t k = 0; k < sigmas.size(); ++k)
+    sigmas[k] = known.sigma(k);
+  return sigmas;
+}
+
+// A parameter that is not determined even if it is this clock has no sigma.
 ClockTwin clock_at(const Fitted& fitted, std::span<const double> x, double behind) {
   ClockTwin clock{{}, {}, 2.0 * behind};
   const FitProblem all = on_every_beat(fitted.problem);
-  const auto there = evaluate(all, x);
-  const auto known =
-      there ? std::optional(certainty(all, x, *there, fitted.widening)) : std::nullopt;
+  const std::vector<double> sigmas = sigmas_at(all, x, fitted.widening);
   for (const Slot& slot : fitted.problem.parameters.slots) {
     if (!slot.free || !is_of_clock(slot.quantity)) continue;
     const std::string name = fitted.problem.parameters.name_of(slot);
-    const double sigma = known ? known->sigma(slot.index) : unknown;
+    const double sigma = sigmas[slot.index];
     const bool is_determined = sigma <= tolerable_sigma(all, slot, x);
     clock.parameters.emplace_back(name, slot.value(x));
     clock.sigma.emplace_back(name, is_determined ? sigma * std::abs(slot.slope(x)) : unknown);
