@@ -55,7 +55,6 @@ TEST(RidgeTest, FeetAreWhereASearchEnds) {
         largest_bend = std::max(largest_bend, std::abs(foot.rise / (0.5 * foot.z * foot.z) - 1.0));
       }
       EXPECT_GE(ridge.last().rise, 1.92) << name << ", lost at " << ridge.last().z << " sigma";
-      std::printf("%s %g: z %.2f, %d steps\n", name, side, ridge.last().z, ridge.steps_taken());
     }
   }
   EXPECT_GT(largest_bend, 0.3); // a parabola would test little
