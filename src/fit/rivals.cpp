@@ -2,6 +2,7 @@
 
 #include "reference_run.hpp"
 #include "refinement.hpp"
+#include "ridge.hpp"
 #include "twin.hpp"
 
 #include "base/workers.hpp"
@@ -12,21 +13,30 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Starts two and five sigma away along the least determined direction, but no further than a factor
-// e^3 in any parameter.
-std::vector<std::vector<double>> along_the_valley(const Certainty& known,
-                                                  std::span<const double> x) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(known.unwidened, Eigen::ComputeThinU);
-  const Eigen::VectorXd weakest = svd.matrixU().col(0) * svd.singularValues()[0];
-  const double longest = 3.0 / std::max(weakest.cwiseAbs().maxCoeff(), 1e-300); // a factor e^3
-  std::vector<std::vector<double>> points;
-  for (const double sigmas : {-5.0, -2.0, 2.0, 5.0}) {
-    points.emplace_back(x.begin(), x.end());
-    const double step = std::clamp(sigmas, -longest, longest);
-    for (std::size_t k = 0; k < x.size(); ++k)
-      points.back()[k] += step * weakest[static_cast<Eigen::Index>(k)];
+constexpr double largest_deficit = 4.5; // of L: three sigma
+
+// Along the coordinate that the log leaves most open, in sigmas of a logarithm: where the ridge has
+// a hollow, and where its end is no worse than a rival may be.
+std::vector<std::vector<double>> hollows_of_the_ridge(const ProfiledPlace& home) {
+  constexpr double farthest = 30.0; // sigma
+  Eigen::Index most_open = 0;
+  home.known.unwidened.rowwise().norm().maxCoeff(&most_open);
+  std::vector<std::vector<double>> hollows;
+  for (const double side : {-1.0, 1.0}) {
+    Ridge ridge(home, static_cast<std::size_t>(most_open), 1.0);
+    double slope = 1.0; // of the last stride
+    while (ridge.last().rise < largest_deficit && std::abs(ridge.last().z) < farthest) {
+      const Foot here = ridge.last();
+      const bool falls_to_here = slope < 0.0;
+      if (!ridge.advance(side)) {
+        hollows.push_back(here.x);
+        break;
+      }
+      slope = ridge.last().rise - here.rise;
+      if (falls_to_here && slope > 0.0) hollows.push_back(here.x);
+    }
   }
-  return points;
+  return hollows;
 }
 
 } // namespace
@@ -44,10 +54,9 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   const Certainty known = certainty(check, home.x, *there, {});
   std::vector<std::vector<double>> starts = others;
   if (!all_but_known(check, known, home.x))
-    for (auto& point : along_the_valley(known, home.x))
+    for (auto& point : hollows_of_the_ridge({check, home, known}))
       starts.push_back(std::move(point));
   std::vector<Minimum> found(starts.size());
-  constexpr double largest_deficit = 4.5; // of L: three sigma
   constexpr double largest_first_order_error =
       100.0; // of L, 14 sigma: the error that first order may make
   share(starts.size(), [&](std::size_t i) {
@@ -107,7 +116,6 @@ Fitted twin_fit(const Fitted& home, const std::vector<double>& start) {
   if (!there || *there > home.minimum.value + largest_start_deficit) return {};
   settle(twin.problem, twin.minimum, {});
   if (!twin.minimum.usable || !refine(twin, home.dynamics)) return {};
-  constexpr double largest_deficit = 4.5; // of L: three sigma
   const bool is_near = twin.minimum.value < home.minimum.value + largest_deficit;
   const auto at = evaluate(home.problem, home.minimum.x);
   const bool is_other =

@@ -107,10 +107,12 @@ std::string twin_lines(const FitSummary& fit, const DisplayUnit& angle) {
   std::string text = "[clocks that explain this log: it is of one of them]\n";
   text += fmt::format("  1: {}\n", parameters_of(*fit.likeliest_twin, fit, angle));
   int number = 1;
-  for (const ClockTwin& twin : fit.twins)
-    text += fmt::format("  {} ({} times less likely): {}\n", ++number,
-                        readable(std::exp(0.5 * twin.delta_2logL), 2),
+  for (const ClockTwin& twin : fit.twins) {
+    const double odds = std::exp(0.5 * twin.delta_2logL);
+    text += fmt::format("  {} ({}): {}\n", ++number,
+                        odds < 1.05 ? "as likely" : readable(odds, 2) + " times less likely",
                         parameters_of(twin, fit, angle));
+  }
   return text;
 }
 
