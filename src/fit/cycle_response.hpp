@@ -18,8 +18,11 @@
 #include "base/scaled_time.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -47,38 +50,30 @@ CycleGains<T> averaged_cycle(const AveragedLaws<T>& laws, const T& amplitude2, c
 }
 
 /// Half the second derivatives by w and by u, and the one by both.
-struct CycleBend {
-  double ww = 0.0, wu = 0.0, uu = 0.0;
+template <class T> struct CycleBend {
+  T ww{}, wu{}, uu{};
   /// What is of second order, for departures of these mean squares and products.
-  template <class T> [[nodiscard]] T of(const T& w2, const T& product, const T& u2) const {
+  [[nodiscard]] T of(const T& w2, const T& product, const T& u2) const {
     return w2 * ww + product * wu + u2 * uu;
   }
 };
 
-inline CycleBend between(const CycleBend& a, const CycleBend& b, double share) {
-  return {std::lerp(a.ww, b.ww, share), std::lerp(a.wu, b.wu, share), std::lerp(a.uu, b.uu, share)};
-}
-
-struct CycleBends {
-  CycleBend amplitude2; ///< rad^2
-  CycleBend late;       ///< s
-};
-
 /// The full equation beside the averaged one, where a clock crosses at one speed.
-struct CycleResponse {
+template <class T> struct CycleResponse {
   /// Factors of the gains; of follow and follow_by_drive, which may be 0, what is to be added.
-  CycleGains<double> beside{1.0, 1.0, 0.0, 1.0, 0.0};
-  CycleBends bends;
+  CycleGains<T> beside{T(1.0), T(1.0), T(0.0), T(1.0), T(0.0)};
+  CycleBend<T> amplitude2; ///< rad^2
+  CycleBend<T> late;       ///< s
 };
 
 /// By differences of the return map of a clock that crosses with phi'^2 = `speed2` when its
 /// averaged amplitude squared is `amplitude2`; nothing where the map is not regular or the averaged
 /// swing does not pass the escapement. Gains to 3e-5
 /// (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
-std::optional<CycleResponse> cycle_response(const ClockParameters& clock, double speed2,
+std::optional<CycleResponse<double>> cycle_response(const ClockParameters& clock, double speed2,
                                             const AveragedLaws<double>& laws, double amplitude2);
 
-/// Those of one clock at all the speeds it may cross with.
+/// Those of one clock at all the speeds it may cross with, and how they change with its laws.
 class CycleResponses {
 public:
   /// For phi'^2 between these; beyond, those at the nearer end. `offset` is by how much the
@@ -87,59 +82,91 @@ public:
                  double least_speed2, double greatest_speed2, double offset);
 
   [[nodiscard]] double offset() const { return offset_; }
-  /// What is of second order at a crossing with this speed.
-  [[nodiscard]] CycleBends bends(double speed2) const {
-    const std::size_t below = before(speed2);
-    const Node &a = all_[below], &b = all_[below + 1];
-    const double share = std::clamp((speed2 - a.speed2) / (b.speed2 - a.speed2), 0.0, 1.0);
-    return {between(a.response.bends.amplitude2, b.response.bends.amplitude2, share),
-            between(a.response.bends.late, b.response.bends.late, share)};
-  }
-  /// Makes averaged gains those at a crossing with this speed.
-  template <class T> void correct(const T& speed2, CycleGains<T>& gains) const {
+
+  /// At a crossing with this speed, of a clock whose laws are near those of the responses.
+  template <class T>
+  [[nodiscard]] CycleResponse<T> at(const T& speed2, const AveragedLaws<T>& laws) const {
     const std::size_t below = before(plain(speed2));
-    const double from = all_[below].speed2, to = all_[below + 1].speed2;
-    T share = (speed2 - from) * (1.0 / (to - from));
+    const Node &a = all_[below], &b = all_[below + 1];
+    T share = (speed2 - a.speed2) * (1.0 / (b.speed2 - a.speed2));
     if (plain(share) < 0.0 || plain(share) > 1.0) share = T(plain(share) < 0.0 ? 0.0 : 1.0);
-    const CycleGains<double>&a = all_[below].response.beside, &b = all_[below + 1].response.beside;
-    const auto between = [&](double at_from, double at_to) {
-      return share * (at_to - at_from) + at_from;
-    };
-    gains.gone *= between(a.gone, b.gone);
-    gains.raised *= between(a.raised, b.raised);
-    gains.follow += between(a.follow, b.follow);
-    gains.kick *= between(a.kick, b.kick);
-    gains.follow_by_drive += between(a.follow_by_drive, b.follow_by_drive);
+    const Changes<T> changes = changed(laws);
+    std::array<T, numbers> values;
+    for (std::size_t j = 0; j < numbers; ++j) {
+      values[j] = share * (b.here[j] - a.here[j]) + a.here[j];
+      for (std::size_t l = 0; l < by_.size(); ++l)
+        values[j] += changes[l] * std::lerp(a.by[l][j], b.by[l][j], plain(share));
+    }
+    return from_numbers(values);
   }
 
   /// The integrals of the factor of gone and of what is added to follow, over departures of phi'^2
   /// from `speed2` to `speed2` + w.
   template <class T>
-  [[nodiscard]] std::pair<T, T> beside_on_the_way(double speed2, const T& w) const {
-    const T end = w + speed2;
-    return {integral(end, &Node::gone, &CycleGains<double>::gone) -
-                integral(speed2, &Node::gone, &CycleGains<double>::gone),
-            integral(end, &Node::follow, &CycleGains<double>::follow) -
-                integral(speed2, &Node::follow, &CycleGains<double>::follow)};
+  [[nodiscard]] std::pair<T, T> beside_on_the_way(const T& speed2, const T& w,
+                                                  const AveragedLaws<T>& laws) const {
+    return {integral(T(speed2 + w), gone, laws) - integral(speed2, gone, laws),
+            integral(T(speed2 + w), follow, laws) - integral(speed2, follow, laws)};
   }
 
 private:
+  // A response as a row of numbers, and the places of two of them.
+  static constexpr std::size_t numbers = 11, gone = 0, follow = 2;
+  using Numbers = std::array<double, numbers>;
+  static constexpr std::size_t most_laws = 5;
+  template <class T> using Changes = std::array<T, most_laws>;
+  using Law = double AveragedLaws<double>::*;
+
   struct Node {
     double speed2;
-    CycleResponse response;
-    double gone = 0.0, follow = 0.0; // integrals of `beside` from the first node
+    Numbers here;
+    std::vector<Numbers> by; // d here/d law
+    Numbers sums{};          // integrals of `here` from the first node
+    std::vector<Numbers> sums_by{};
   };
+
+  template <class T>
+  static CycleResponse<T> from_numbers(const std::array<T, numbers>& n) {
+    return {{n[0], n[1], n[2], n[3], n[4]}, {n[5], n[6], n[7]}, {n[8], n[9], n[10]}};
+  }
+  static Numbers as_numbers(const CycleResponse<double>& response);
+  static std::optional<Node> node_at(const ClockParameters& clock,
+                                     const AveragedLaws<double>& laws, std::span<const Law> by,
+                                     double speed2, double amplitude2);
+
+  // By how much each of the laws `by_` differs from what the responses are for.
+  template <class T> [[nodiscard]] Changes<T> changed(const AveragedLaws<T>& laws) const {
+    Changes<T> changes;
+    for (std::size_t l = 0; l < by_.size(); ++l)
+      changes[l] = law_of(laws, by_[l]) - laws_.*by_[l];
+    return changes;
+  }
+  template <class T> static const T& law_of(const AveragedLaws<T>& laws, Law law) {
+    if (law == &AveragedLaws<double>::epsilon) return laws.epsilon;
+    if (law == &AveragedLaws<double>::mu) return laws.mu;
+    if (law == &AveragedLaws<double>::phi0) return laws.phi0;
+    return law == &AveragedLaws<double>::quadratic ? laws.quadratic : laws.dry;
+  }
+
   // Of a line between neighbours, and of the nearer end's value beyond.
   template <class T>
-  [[nodiscard]] T integral(const T& speed2, double Node::*sum,
-                           double CycleGains<double>::*what) const {
+  [[nodiscard]] T integral(const T& speed2, std::size_t what, const AveragedLaws<T>& laws) const {
     const std::size_t below = before(plain(speed2));
     const Node &a = all_[below], &b = all_[below + 1];
-    const double at_a = a.response.beside.*what, at_b = b.response.beside.*what;
-    if (plain(speed2) > b.speed2) return (speed2 - b.speed2) * at_b + b.*sum;
-    const T passed = speed2 - a.speed2;
-    if (plain(passed) < 0.0) return passed * at_a + a.*sum;
-    return passed * (passed * (0.5 * (at_b - at_a) / (b.speed2 - a.speed2)) + at_a) + a.*sum;
+    const double width = b.speed2 - a.speed2;
+    const auto along = [&](const auto& passed, double at_a, double at_b, double sum_a,
+                           double sum_b) {
+      using P = std::decay_t<decltype(passed)>;
+      if (plain(passed) > width) return P((passed - width) * at_b + sum_b);
+      if (plain(passed) < 0.0) return P(passed * at_a + sum_a);
+      return P(passed * (passed * (0.5 * (at_b - at_a) / width) + at_a) + sum_a);
+    };
+    T sum = along(T(speed2 - a.speed2), a.here[what], b.here[what], a.sums[what], b.sums[what]);
+    const Changes<T> changes = changed(laws);
+    for (std::size_t l = 0; l < by_.size(); ++l)
+      sum += changes[l] * along(plain(speed2) - a.speed2, a.by[l][what], b.by[l][what],
+                                a.sums_by[l][what], b.sums_by[l][what]);
+    return sum;
   }
   // The node below a speed, which is no number where a search has gone astray; not the last one.
   [[nodiscard]] std::size_t before(double speed2) const {
@@ -149,8 +176,10 @@ private:
     return static_cast<std::size_t>(above - all_.begin()) - 1;
   }
 
+  AveragedLaws<double> laws_;
   double offset_ = 0.0;
-  std::vector<Node> all_; ///< at least two, in order of speed
+  std::vector<Law> by_;   // those of the laws that are not zero
+  std::vector<Node> all_; // at least two, in order of speed
 };
 
 /// The response of the clock at one beat of its course: without `clock`, of the averaged one.
@@ -159,13 +188,25 @@ struct ResponseAt {
   double speed2 = 0.0; ///< of the undisturbed crossing
   double shift = 0.0;  ///< of the averaged amplitude squared to where the responses have it
 
-  /// Where the squared amplitude is w above the course's.
+  /// Gains and second derivatives where the squared amplitude is w above the course's.
+  template <class T> struct There {
+    CycleGains<T> gains;
+    CycleBend<T> amplitude2, late;
+  };
   template <class T>
-  [[nodiscard]] CycleGains<T> gains(const AveragedLaws<T>& laws, const T& amplitude2, const T& T0,
-                                    const T& w) const {
-    CycleGains<T> gains = averaged_cycle(laws, T(amplitude2 + w + shift), T0);
-    if (clock != nullptr) clock->correct(T(w + speed2), gains);
-    return gains;
+  [[nodiscard]] There<T> there(const AveragedLaws<T>& laws, const T& amplitude2, const T& T0,
+                               const T& w) const {
+    There<T> there{averaged_cycle(laws, T(amplitude2 + w + shift), T0), {}, {}};
+    if (clock == nullptr) return there;
+    const CycleResponse<T> full = clock->at(T(speed2_of(amplitude2) + w), laws);
+    there.gains.gone *= full.beside.gone;
+    there.gains.raised *= full.beside.raised;
+    there.gains.follow += full.beside.follow;
+    there.gains.kick *= full.beside.kick;
+    there.gains.follow_by_drive += full.beside.follow_by_drive;
+    there.amplitude2 = full.amplitude2;
+    there.late = full.late;
+    return there;
   }
   /// By how much w has grown after a cycle, and by how much it makes the clock late: the averaged
   /// laws between the two amplitudes, in closed form, and the integral of what stands beside them.
@@ -178,15 +219,12 @@ struct ResponseAt {
     const T gone = expm1(a);
     const T averaged = gone / a * T0 * (laws.rate(on_course) - laws.rate(there));
     if (clock == nullptr) return {gone * w, averaged};
-    const auto [factor, follow] = clock->beside_on_the_way(speed2, w);
+    const auto [factor, follow] = clock->beside_on_the_way(speed2_of(amplitude2), w, laws);
     return {gone * factor, averaged + follow};
   }
   /// phi'^2 of the undisturbed crossing, for the averaged amplitude squared.
   template <class T> [[nodiscard]] T speed2_of(const T& amplitude2) const {
     return amplitude2 + (clock == nullptr ? 0.0 : shift - clock->offset());
-  }
-  [[nodiscard]] CycleBends bends(double w) const {
-    return clock == nullptr ? CycleBends{} : clock->bends(speed2 + w);
   }
 };
 

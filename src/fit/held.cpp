@@ -15,6 +15,22 @@ void hold(Slot& slot, std::size_t index, std::span<const double> x) {
   }
 }
 
+// What the held coordinate changes of the correction is part of it from now on.
+void hold(Correction& correction, std::size_t index, double coordinate) {
+  Correction::Slopes& slopes = correction.slopes;
+  if (index >= slopes.late_s.size()) return; // none, or of the noise
+  const auto place = static_cast<std::ptrdiff_t>(index);
+  const double moved = coordinate - slopes.at[index];
+  const auto fold = [&](std::vector<double>& into, std::vector<std::vector<double>>& by) {
+    for (std::size_t i = 0; i < into.size(); ++i)
+      into[i] += moved * by[index][i];
+    by.erase(by.begin() + place);
+  };
+  fold(correction.late_s, slopes.late_s);
+  fold(correction.amplitude, slopes.amplitude);
+  slopes.at.erase(slopes.at.begin() + place);
+}
+
 } // namespace
 
 FitProblem with_held(const FitProblem& problem, std::size_t index, double coordinate) {
@@ -24,6 +40,7 @@ FitProblem with_held(const FitProblem& problem, std::size_t index, double coordi
   for (Slot& slot : held.parameters.slots)
     hold(slot, index, x);
   --held.parameters.free_count;
+  hold(held.correction, index, coordinate);
   std::erase_if(held.priors,
                 [&](const CoordinatePrior& p) { return p.index == index && !p.planned; });
   for (CoordinatePrior& prior : held.priors) {

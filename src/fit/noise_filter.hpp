@@ -252,10 +252,6 @@ private:
     return seen;
   }
 
-  static CycleGains<T> gains(const Sight<T>& sight, const ResponseAt& response, const T& w) {
-    return response.gains(*sight.laws, sight.amplitude2, sight.T0, w);
-  }
-
   // One cycle of a clock with these gains.
   [[nodiscard]] Step cycle(const T& T0, const CycleGains<T>& gains) const {
     using std::exp, std::expm1;
@@ -278,7 +274,8 @@ private:
     return step;
   }
   [[nodiscard]] Step cycle_on_course(const Sight<T>& sight, const ResponseAt& response) const {
-    return cycle(sight.T0, gains(sight, response, T(0.0)));
+    return cycle(sight.T0,
+                 response.there(*sight.laws, sight.amplitude2, sight.T0, T(0.0)).gains);
   }
 
   // Advances by one cycle. The mean first accounts for the departure of the amplitude from the
@@ -286,8 +283,8 @@ private:
   GOINGRATE_INLINED void pass_extended(const Sight<T>& sight, const ResponseAt& response) {
     const T end = kept_outside(sight, response, state_[1]);
     const auto [grown, late] = response.passed(*sight.laws, sight.amplitude2, sight.T0, end);
-    CycleGains<T> there = gains(sight, response, end);
-    const CycleBends bends = response.bends(plain(end));
+    auto [there, of_amplitude2, of_late] =
+        response.there(*sight.laws, sight.amplitude2, sight.T0, end);
     const T w2 = covariance_[1][1];
     T product = T(0.0), u2 = noise_.drive * noise_.drive;
     std::array<T, D> next;
@@ -299,13 +296,13 @@ private:
       next[1] += there.raised * s;
       product = covariance_[1][2];
       u2 += covariance_[2][2] + s * s;
-      there.gone += s * bends.amplitude2.wu;
-      there.raised += s * (2.0 * bends.amplitude2.uu);
+      there.gone += s * of_amplitude2.wu;
+      there.raised += s * of_amplitude2.uu * 2.0;
       there.follow += s * there.follow_by_drive;
-      there.kick += s * (2.0 * bends.late.uu);
+      there.kick += s * of_late.uu * 2.0;
     }
-    next[0] += bends.late.of(w2, product, u2);
-    next[1] += bends.amplitude2.of(w2, product, u2);
+    next[0] += of_late.of(w2, product, u2);
+    next[1] += of_amplitude2.of(w2, product, u2);
     const Step step = cycle(sight.T0, there);
     if constexpr (D == 3) next[2] = step.transition[2][2] * state_[2];
     state_ = next;

@@ -147,8 +147,10 @@ double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x
   return cycle && amplitude ? cycle->velocity / *amplitude : 1.0;
 }
 
-std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
-                                        std::span<const double> x) {
+namespace {
+
+std::optional<Correction> difference(FitDynamics dynamics, const FitProblem& problem,
+                                     std::span<const double> x, bool with_responses) {
   TimingData seen = problem.asked(); // what a perfect sensor would have logged of that clock
   Correction correction;
   std::vector<double> speed2;
@@ -170,7 +172,8 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
     return slot.quantity == Quantity::offset || slot.quantity == Quantity::term ||
            is_of_moment(slot.quantity);
   });
-  const bool disturbed = bare.has(Quantity::drive_rms) || bare.has(Quantity::slow_rms);
+  const bool disturbed =
+      with_responses && (bare.has(Quantity::drive_rms) || bare.has(Quantity::slow_rms));
   ResponseAlong responses(speed2, seen.has_amplitude()); // without, the filter knows of none
   const bool holds = Follower<double>(bare, x, seen).run([&](std::size_t i, const auto& sight) {
     correction.late_s.push_back(sight.late_s);
@@ -179,6 +182,13 @@ std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& 
   });
   if (disturbed) responses.put_into(correction);
   return holds ? std::optional(std::move(correction)) : std::nullopt;
+}
+
+} // namespace
+
+std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
+                                        std::span<const double> x) {
+  return difference(dynamics, problem, x, true);
 }
 
 std::optional<Correction::Slopes>
@@ -197,9 +207,9 @@ slopes_of_difference(FitDynamics dynamics, const FitProblem& problem, std::span<
     if (slot.index != slopes.late_s.size()) return {}; // those of the noise come last
     std::vector<double> beside = slopes.at;
     beside[slot.index] = x[slot.index] + step;
-    const auto more = difference_to(dynamics, problem, beside);
+    const auto more = difference(dynamics, problem, beside, false);
     beside[slot.index] = x[slot.index] - step;
-    const auto less = difference_to(dynamics, problem, beside);
+    const auto less = difference(dynamics, problem, beside, false);
     if (!more || !less) return {};
     slopes.late_s.push_back(quotient(more->late_s, less->late_s));
     slopes.amplitude.push_back(quotient(more->amplitude, less->amplitude));

@@ -64,24 +64,19 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
-  // Where the averaged model is far off, as in free swings of more than a radian, or where
-  // amplitudes show a clock that strays from its course to many digits, the corrections
-  // change with the clock as much as it does itself: then their slopes are taken as well.
-  constexpr double slow = 0.1;               // of the gain hoped for a round before
-  constexpr std::size_t most_beats = 20'000; // for which slopes are cheap
-  const bool may_be_slow = refined.problem.data->size() <= most_beats &&
-                           (refined.problem.parameters.escapement == Escapement::none ||
-                            (refined.problem.parameters.has(Quantity::drive_rms) &&
-                             refined.problem.data->has_amplitude()));
-  double hoped = std::numeric_limits<double>::infinity();
-  bool is_slow = false;
+  // Where the averaged model is far off, as in free swings of more than a radian, the corrections
+  // change with the clock as much as it does itself. Where amplitudes show how a drive varies, the
+  // log tells a change of the clock from the same departure by the drive to many digits, and
+  // corrections that stood still would pass for knowledge. Then their slopes are taken as well.
+  const bool with_slopes = refined.problem.parameters.escapement == Escapement::none ||
+                           (refined.problem.parameters.has(Quantity::drive_rms) &&
+                            refined.problem.data->has_amplitude());
   for (int round = 0; round < rounds; ++round) {
-    auto here = by_its_own(dynamics, refined);
+    const auto here = by_its_own(dynamics, refined);
     if (!here) return false;
-    if (is_slow)
+    if (with_slopes)
       if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
         refined.problem.correction.slopes = std::move(*slopes);
-    if (is_slow) here = minus_log_likelihood(refined.problem, refined.minimum.x);
     if (here && *here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
@@ -92,8 +87,6 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     // At a bound a step goes on hoping for what it cannot have.
     const bool stands = here && std::abs(before - *here) < least_gain;
     if (round > 1 && (step->gain < least_gain || stands)) break;
-    is_slow = is_slow || (may_be_slow && round > 1 && step->gain > slow * hoped);
-    hoped = step->gain;
     before = here.value_or(std::numeric_limits<double>::infinity());
     std::vector<double> moved = refined.minimum.x;
     constexpr double longest_step = 0.3; // along a flat ridge a step of scoring may lead anywhere
@@ -112,7 +105,6 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   }
   if (!std::isfinite(best.minimum.value)) return false;
   refined = std::move(best);
-  refined.problem.correction.slopes = {}; // at the minimum itself they add nothing
   for (Rival& rival : refined.rivals)
     rival.x = moved_along(rival.x, fitted.minimum.x, refined.minimum.x);
   finish(refined);
