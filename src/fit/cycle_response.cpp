@@ -17,7 +17,8 @@ double over(double exact, double averaged) { return averaged == 0.0 ? 1.0 : exac
 } // namespace
 
 std::optional<CycleResponse<double>> cycle_response(const ClockParameters& clock, double speed2,
-                                            const AveragedLaws<double>& laws, double amplitude2) {
+                                                    const AveragedLaws<double>& laws,
+                                                    double amplitude2) {
   // Small enough for a third derivative to show in the sixth digit; far above rounding.
   const double room = amplitude2 - laws.phi0 * laws.phi0;
   if (!(room > 0.0)) return {};
@@ -72,15 +73,17 @@ ClockParameters with_law(ClockParameters clock, double AveragedLaws<double>::*la
 } // namespace
 
 CycleResponses::Numbers CycleResponses::as_numbers(const CycleResponse<double>& r) {
-  return {r.beside.gone,   r.beside.raised, r.beside.follow, r.beside.kick,
-          r.beside.follow_by_drive, r.amplitude2.ww, r.amplitude2.wu, r.amplitude2.uu,
-          r.late.ww, r.late.wu, r.late.uu};
+  return {
+      r.beside.gone,   r.beside.raised, r.beside.follow, r.beside.kick, r.beside.follow_by_drive,
+      r.amplitude2.ww, r.amplitude2.wu, r.amplitude2.uu, r.late.ww,     r.late.wu,
+      r.late.uu};
 }
 
 // Nothing where the clock, or one beside it, has no response.
-std::optional<CycleResponses::Node>
-CycleResponses::node_at(const ClockParameters& clock, const AveragedLaws<double>& laws,
-                        std::span<const Law> by, double speed2, double amplitude2) {
+std::optional<CycleResponses::Node> CycleResponses::node_at(const ClockParameters& clock,
+                                                            const AveragedLaws<double>& laws,
+                                                            std::span<const Law> by, double speed2,
+                                                            double amplitude2) {
   const auto here = cycle_response(clock, speed2, laws, amplitude2);
   if (!here) return {};
   Node node{speed2, as_numbers(*here), {}};
@@ -90,7 +93,8 @@ CycleResponses::node_at(const ClockParameters& clock, const AveragedLaws<double>
     for (const std::size_t k : {0U, 1U}) {
       AveragedLaws<double> other = laws;
       other.*law *= k == 0 ? 1.0 - step : 1.0 + step;
-      const auto response = cycle_response(with_law(clock, law, other.*law), speed2, other, amplitude2);
+      const auto response =
+          cycle_response(with_law(clock, law, other.*law), speed2, other, amplitude2);
       if (!response) return {};
       beside[k] = as_numbers(*response);
     }

@@ -71,7 +71,8 @@ template <class T> struct CycleResponse {
 /// swing does not pass the escapement. Gains to 3e-5
 /// (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
 std::optional<CycleResponse<double>> cycle_response(const ClockParameters& clock, double speed2,
-                                            const AveragedLaws<double>& laws, double amplitude2);
+                                                    const AveragedLaws<double>& laws,
+                                                    double amplitude2);
 
 /// Those of one clock at all the speeds it may cross with, and how they change with its laws.
 class CycleResponses {
@@ -125,14 +126,12 @@ private:
     std::vector<Numbers> sums_by{};
   };
 
-  template <class T>
-  static CycleResponse<T> from_numbers(const std::array<T, numbers>& n) {
+  template <class T> static CycleResponse<T> from_numbers(const std::array<T, numbers>& n) {
     return {{n[0], n[1], n[2], n[3], n[4]}, {n[5], n[6], n[7]}, {n[8], n[9], n[10]}};
   }
   static Numbers as_numbers(const CycleResponse<double>& response);
-  static std::optional<Node> node_at(const ClockParameters& clock,
-                                     const AveragedLaws<double>& laws, std::span<const Law> by,
-                                     double speed2, double amplitude2);
+  static std::optional<Node> node_at(const ClockParameters& clock, const AveragedLaws<double>& laws,
+                                     std::span<const Law> by, double speed2, double amplitude2);
 
   // By how much each of the laws `by_` differs from what the responses are for.
   template <class T> [[nodiscard]] Changes<T> changed(const AveragedLaws<T>& laws) const {

@@ -274,8 +274,7 @@ private:
     return step;
   }
   [[nodiscard]] Step cycle_on_course(const Sight<T>& sight, const ResponseAt& response) const {
-    return cycle(sight.T0,
-                 response.there(*sight.laws, sight.amplitude2, sight.T0, T(0.0)).gains);
+    return cycle(sight.T0, response.there(*sight.laws, sight.amplitude2, sight.T0, T(0.0)).gains);
   }
 
   // Advances by one cycle. The mean first accounts for the departure of the amplitude from the

@@ -61,7 +61,7 @@ TEST_P(CycleResponseTest, GainsAreTheDerivativesOfTheReturnMap) {
     };
     const auto amplitude = [](const auto& period) { return period.speed2_change; };
     const auto late = [](const auto& period) { return period.excess / two_pi; };
-    const auto gains = response.gains(laws, amplitude2, 1.0, w);
+    const auto gains = response.there(laws, amplitude2, 1.0, w).gains;
     // The truncation of differences 3e-3 wide, (3e-3)^2 times some third derivative, which nearer
     // the escapement is greater.
     const double tolerable = part < -0.1 ? 3e-4 : 3e-5;
@@ -87,13 +87,13 @@ TEST_P(CycleResponseTest, GainsAreTheDerivativesOfTheReturnMap) {
   // The averaged equations alone are off by epsilon and mu/lambda: what stands beside them does
   // something.
   const double averaged_kick = averaged_cycle(laws, amplitude2, 1.0).kick;
-  EXPECT_GT(std::abs(response.gains(laws, amplitude2, 1.0, 0.0).kick / averaged_kick - 1.0), 1e-3);
+  EXPECT_GT(std::abs(response.there(laws, amplitude2, 1.0, 0.0).gains.kick / averaged_kick - 1.0), 1e-3);
 }
 
 TEST_P(CycleResponseTest, SecondDerivativesAreThoseOfTheReturnMap) {
   const ClockParameters clock = GetParam()();
   const double speed2 = std::pow(limit_cycle(clock)->velocity, 2);
-  const CycleResponse response =
+  const CycleResponse<double> response =
       *cycle_response(clock, speed2, laws_of(clock), std::pow(*stationary_amplitude(clock), 2));
   const double w = 0.02 * speed2, u = 0.05;
   const auto late = [&](double dw, double du) {
@@ -105,23 +105,52 @@ TEST_P(CycleResponseTest, SecondDerivativesAreThoseOfTheReturnMap) {
   // What is of fourth order in differences as wide as these, beside what a derivative comes to
   // where the circular error and the escapement's do not cancel.
   const double tolerable = 2e-3 * (1.0 / 16.0) / speed2;
-  EXPECT_NEAR((late(w, 0) - 2.0 * here + late(-w, 0)) / (2.0 * w * w), response.bends.late.ww,
+  EXPECT_NEAR((late(w, 0) - 2.0 * here + late(-w, 0)) / (2.0 * w * w), response.late.ww,
               tolerable);
-  EXPECT_NEAR((late(0, u) - 2.0 * here + late(0, -u)) / (2.0 * u * u), response.bends.late.uu,
-              2e-3 * std::abs(response.bends.late.uu));
+  EXPECT_NEAR((late(0, u) - 2.0 * here + late(0, -u)) / (2.0 * u * u), response.late.uu,
+              2e-3 * std::abs(response.late.uu));
   EXPECT_NEAR((late(w, u) - late(w, -u) - late(-w, u) + late(-w, -u)) / (4.0 * w * u),
-              response.bends.late.wu, tolerable);
+              response.late.wu, tolerable);
+}
+
+// Those of a clock half a per cent away are foreseen to what is of second order in that.
+TEST_P(CycleResponseTest, ChangesWithTheLaws) {
+  const ClockParameters clock = GetParam()();
+  const double speed2 = std::pow(limit_cycle(clock)->velocity, 2);
+  const double offset = std::pow(*stationary_amplitude(clock), 2) - speed2;
+  const AveragedLaws<double> laws = laws_of(clock);
+  const CycleResponses responses(clock, laws, 0.8 * speed2, 1.2 * speed2, offset);
+  ClockParameters other = clock;
+  const double change = 0.005;
+  other.epsilon *= 1.0 + change;
+  (other.mu > 0.0 ? other.mu : other.impulse) *= 1.0 + 2.0 * change;
+  (other.phi0 > 0.0 ? other.phi0 : other.impulse_angle) *= 1.0 - change;
+  const AveragedLaws<double> its_laws = laws_of(other);
+  const CycleResponses its_own(other, its_laws, 0.8 * speed2, 1.2 * speed2, offset);
+  const auto was = responses.at(speed2, laws), foreseen = responses.at(speed2, its_laws),
+             is = its_own.at(speed2, its_laws);
+  const auto expect_most = [](double from, double predicted, double to, const char* what) {
+    EXPECT_NEAR(predicted - from, to - from, 0.05 * std::abs(to - from) + 1e-4 * std::abs(to))
+        << what; // a twentieth: second order, ten times the change
+  };
+  expect_most(was.beside.kick, foreseen.beside.kick, is.beside.kick, "kick");
+  expect_most(was.beside.follow, foreseen.beside.follow, is.beside.follow, "follow");
+  expect_most(was.amplitude2.uu, foreseen.amplitude2.uu, is.amplitude2.uu, "amplitude2.uu");
+  expect_most(was.amplitude2.wu, foreseen.amplitude2.wu, is.amplitude2.wu, "amplitude2.wu");
+  expect_most(was.late.uu, foreseen.late.uu, is.late.uu, "late.uu");
+  expect_most(was.late.wu, foreseen.late.wu, is.late.wu, "late.wu");
 }
 
 TEST_P(CycleResponseTest, BeyondTheSpeedsThatAreKnownTheLastOneHolds) {
   const ClockParameters clock = GetParam()();
   const double speed2 = std::pow(limit_cycle(clock)->velocity, 2);
   const double offset = std::pow(*stationary_amplitude(clock), 2) - speed2;
-  const CycleResponses responses(clock, laws_of(clock), speed2, speed2, offset);
-  EXPECT_EQ(responses.bends(9.0 * speed2).late.uu, responses.bends(99.0 * speed2).late.uu);
-  EXPECT_EQ(responses.bends(0.0).late.uu, responses.bends(-speed2).late.uu);
-  const auto [gone, follow] = responses.beside_on_the_way(9.0 * speed2, speed2);
-  const auto [gone_later, follow_later] = responses.beside_on_the_way(99.0 * speed2, speed2);
+  const AveragedLaws<double> laws = laws_of(clock);
+  const CycleResponses responses(clock, laws, speed2, speed2, offset);
+  EXPECT_EQ(responses.at(9.0 * speed2, laws).late.uu, responses.at(99.0 * speed2, laws).late.uu);
+  EXPECT_EQ(responses.at(0.0, laws).late.uu, responses.at(-speed2, laws).late.uu);
+  const auto [gone, follow] = responses.beside_on_the_way(9.0 * speed2, speed2, laws);
+  const auto [gone_later, follow_later] = responses.beside_on_the_way(99.0 * speed2, speed2, laws);
   constexpr double rounding = 100 * 1e-15; // of integrals a hundred times as large
   EXPECT_NEAR(gone_later / gone, 1.0, rounding);
   EXPECT_NEAR(follow_later / follow, 1.0, rounding);
