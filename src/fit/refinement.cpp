@@ -64,6 +64,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
+  int halvings = 4; // of a step that led to a worse place
   // Where the averaged model is far off, as in free swings of more than a radian, the corrections
   // change with the clock as much as it does itself. Where amplitudes show how a drive varies, the
   // log tells a change of the clock from the same departure by the drive to many digits, and
@@ -73,11 +74,19 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
                             refined.problem.data->has_amplitude());
   for (int round = 0; round < rounds; ++round) {
     const auto here = by_its_own(dynamics, refined);
-    if (!here) return false;
+    if (!here && !best.minimum.usable) return false;
+    const bool worse = !here || *here > best.minimum.value + least_gain;
+    if (worse && best.minimum.usable && halvings > 0) { // the model led too far
+      --halvings;
+      for (std::size_t k = 0; k < refined.minimum.x.size(); ++k)
+        refined.minimum.x[k] = 0.5 * (refined.minimum.x[k] + best.minimum.x[k]);
+      continue;
+    }
+    if (!here) break;
     if (with_slopes)
       if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
         refined.problem.correction.slopes = std::move(*slopes);
-    if (here && *here < best.minimum.value) {
+    if (*here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
       best.minimum.usable = true; // the model holds there, whether or not a search has ended there
@@ -85,9 +94,9 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
     // At a bound a step goes on hoping for what it cannot have.
-    const bool stands = here && std::abs(before - *here) < least_gain;
+    const bool stands = std::abs(before - *here) < least_gain;
     if (round > 1 && (step->gain < least_gain || stands)) break;
-    before = here.value_or(std::numeric_limits<double>::infinity());
+    before = *here;
     std::vector<double> moved = refined.minimum.x;
     constexpr double longest_step = 0.3; // along a flat ridge a step of scoring may lead anywhere
     const double part =
@@ -97,7 +106,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
       moved[k] = std::clamp(moved[k] + part * step->of_x[static_cast<Eigen::Index>(k)], low, high);
     }
     const auto there = minus_log_likelihood(refined.problem, moved);
-    if (there && (!here || *there < *here)) refined.minimum.x = moved;
+    if (there && *there < *here) refined.minimum.x = moved;
     if (round == 0) continue; // the difference at the new place is worth more than its minimum here
     settle(refined.problem, refined.minimum, {});
     if (refined.minimum.usable) finish(refined); // the sigmas of the wrong model were too wide

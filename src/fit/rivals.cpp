@@ -75,7 +75,7 @@ bool find_rivals(Fitted& fitted, const std::vector<std::vector<double>>& others)
   found.insert(found.begin(), home);
   Minimum best = home;
   for (const Minimum& end : found)
-    if (end.usable && end.value < best.value) best = end;
+    if (end.usable && end.converged && end.value < best.value) best = end;
   constexpr double least_gain = 0.5; // of L
   const bool moved = best.value < home.value - least_gain;
   if (moved) fitted.minimum.x = best.x;

@@ -63,11 +63,11 @@ TEST(RidgeTest, FeetAreWhereASearchEnds) {
 TEST(RidgeTest, IsLostWhereItsStepsAreSpent) {
   const BentRidge bent;
   const std::size_t k = bent.index_of("mu");
-  constexpr int few = 5;
-  Ridge ridge(bent.place, k, 1.0, few);
+  constexpr int most_steps = 5;
+  Ridge ridge(bent.place, k, 1.0, most_steps);
   while (ridge.advance(1.0)) {
   }
-  EXPECT_LE(ridge.steps_taken(), few);
+  EXPECT_LE(ridge.steps_taken(), most_steps);
   const Foot lost = ridge.last();
   EXPECT_GT(lost.z, 0.0);
   EXPECT_FALSE(ridge.advance(1.0));
