@@ -64,7 +64,6 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
-  int halvings = 4; // of a step that led to a worse place
   // Where the averaged model is far off, as in free swings of more than a radian, the corrections
   // change with the clock as much as it does itself. Where amplitudes show how a drive varies, the
   // log tells a change of the clock from the same departure by the drive to many digits, and
@@ -74,15 +73,12 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
                             refined.problem.data->has_amplitude());
   for (int round = 0; round < rounds; ++round) {
     const auto here = by_its_own(dynamics, refined);
-    if (!here && !best.minimum.usable) return false;
-    const bool worse = !here || *here > best.minimum.value + least_gain;
-    if (worse && best.minimum.usable && halvings > 0) { // the model led too far
-      --halvings;
+    if (!here) { // the search led to where the dynamics cannot follow
+      if (!best.minimum.usable) return false;
       for (std::size_t k = 0; k < refined.minimum.x.size(); ++k)
         refined.minimum.x[k] = 0.5 * (refined.minimum.x[k] + best.minimum.x[k]);
       continue;
     }
-    if (!here) break;
     if (with_slopes)
       if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
         refined.problem.correction.slopes = std::move(*slopes);
