@@ -7,9 +7,11 @@
 namespace goingrate::apps {
 
 namespace {
-constexpr std::size_t fewest_beats = 3;   // two periods
-constexpr std::size_t settling_beats = 8; // show what they are
-constexpr std::size_t kept_beats = 200;   // judge a new one; they are numbered again each time
+constexpr std::size_t fewest_beats = 3;    // two periods
+constexpr std::size_t settling_beats = 8;  // show what they are
+constexpr std::size_t many_beats = 40;     // some of which have a period
+constexpr std::size_t kept_beats = 200;    // judge a new one; they are numbered again each time
+constexpr std::size_t older_beats = 16384; // at least, that judge a long gap: 2 MB at most
 constexpr std::size_t backlog_beats =
     4096; // of a backlog: so many more make those that are kept no matter
 } // namespace
@@ -23,11 +25,13 @@ bool RollingNumbers::is_settling() const {
 }
 
 void RollingNumbers::begin_anew() {
+  older_.clear();
   window_.clear();
   handed_out_ = 0;
 }
 
 void RollingNumbers::go_on_from(std::vector<Beat> numbered) {
+  older_.clear();
   window_ = std::move(numbered);
   handed_out_ = window_.size();
   for (const Beat& beat : window_)
@@ -44,14 +48,31 @@ std::vector<Beat> RollingNumbers::rest(const ClockLog& log) {
   return number_new(log);
 }
 
+Beats RollingNumbers::number(std::vector<Beat> events, const ClockLog& log) const {
+  ClockLog part;
+  part.events = std::move(events);
+  mark_bounces(part, options_.dead_time_s);
+  return number_beats(std::move(part.events), log.source,
+                      {options_.gap_probability, log.nominal_period_s});
+}
+
+Beats RollingNumbers::numbered_window(const ClockLog& log) const {
+  Beats few = number(window_, log);
+  const bool splits =
+      handed_out_ > 0 && few.beats[handed_out_ - 1].segment != few.beats.back().segment;
+  if (!splits || older_.empty()) return few;
+  std::vector<Beat> all = older_;
+  all.insert(all.end(), window_.begin(), window_.end());
+  Beats many = number(std::move(all), log);
+  many.beats.erase(many.beats.begin(),
+                   many.beats.begin() + static_cast<std::ptrdiff_t>(older_.size()));
+  return many;
+}
+
 std::vector<Beat> RollingNumbers::number_new(const ClockLog& log) {
   std::vector<Beat> fresh;
   try {
-    ClockLog part;
-    part.events = window_;
-    mark_bounces(part, options_.dead_time_s);
-    const Beats numbered = number_beats(std::move(part.events), log.source,
-                                        {options_.gap_probability, log.nominal_period_s});
+    const Beats numbered = numbered_window(log);
     period_s_ = numbered.typical_period_s;
     std::vector<Assumption> unused;
     if (nominal_period_s_ == 0.0) nominal_period_s_ = nominal_period(log, numbered, unused);
@@ -64,7 +85,9 @@ std::vector<Beat> RollingNumbers::number_new(const ClockLog& log) {
       fresh.push_back(judged(beat));
     }
     keep_gaps(numbered, shift, last_cycle);
-  } catch (const InputError&) { // no period in these: the next ones may have one
+    failure_.clear();
+  } catch (const InputError& error) { // no period in these: the next ones may have one
+    if (window_.size() - handed_out_ >= many_beats) failure_ = error.what();
     if (window_.size() > kept_beats) begin_anew();
   }
   forget_old();
@@ -103,7 +126,11 @@ Beat RollingNumbers::judged(Beat beat) {
 
 void RollingNumbers::forget_old() {
   if (window_.size() < 2 * kept_beats || handed_out_ < window_.size()) return;
-  window_.erase(window_.begin(), window_.end() - static_cast<std::ptrdiff_t>(kept_beats));
+  const auto kept = window_.end() - static_cast<std::ptrdiff_t>(kept_beats);
+  older_.insert(older_.end(), window_.begin(), kept);
+  if (older_.size() > 2 * older_beats)
+    older_.erase(older_.begin(), older_.end() - static_cast<std::ptrdiff_t>(older_beats));
+  window_.erase(window_.begin(), kept);
   handed_out_ = kept_beats;
 }
 

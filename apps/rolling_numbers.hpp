@@ -5,13 +5,17 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace goingrate::apps {
 
 /// Numbers new events together with the last few hundred, so that what is handed out is what a run
-/// over the whole log would say. What was handed out is never said otherwise: cycles go on from it.
+/// over the whole log would say. A gap that these do not bridge is judged by sixteen to
+/// thirty-two thousand more: only a long run tells the period well enough for a long absence
+/// (MonitorWatchTest.ALongAbsenceIsCounted). What was handed out is never said otherwise: cycles go
+/// on from it.
 class RollingNumbers {
 public:
   explicit RollingNumbers(const LogOptions& options) : options_(options) {}
@@ -33,6 +37,8 @@ public:
   /// The gaps between the beats handed out since this was last asked, by the cycles as handed out.
   std::vector<Gap> take_gaps() { return std::exchange(gaps_, {}); }
 
+  /// Why many events that were added have no numbers, if that is so.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
   [[nodiscard]] double period_s() const { return period_s_; } ///< 0 until it is known
   /// The period that rates are compared with, s; 0 until it is known.
   [[nodiscard]] double nominal_period_s() const { return nominal_period_s_; }
@@ -44,16 +50,20 @@ private:
     int segments = 0;
   };
   std::vector<Beat> number_new(const ClockLog& log);
+  [[nodiscard]] Beats number(std::vector<Beat> events, const ClockLog& log) const;
+  [[nodiscard]] Beats numbered_window(const ClockLog& log) const;
   [[nodiscard]] Shift shift_of(const std::vector<Beat>& numbered) const;
   void keep_gaps(const Beats& numbered, const Shift& shift, std::int64_t from_cycle);
   Beat judged(Beat beat);
   void forget_old();
 
   const LogOptions& options_;
+  std::vector<Beat> older_;    // before the window
   std::vector<Beat> window_;   // those that were handed out are as they were handed out
   std::size_t handed_out_ = 0; // of the window
   std::optional<Beat> last_;   // the last good one that was handed out
   std::vector<Gap> gaps_;
+  std::string failure_;
   double period_s_ = 0.0, nominal_period_s_ = 0.0;
 };
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double seconds_a_day = 86400.0;
 constexpr std::size_t looked_back_minutes = 10;
+constexpr double faulty_clears = 0.03; // share of events below which a sensor works again
 
 } // namespace
 
@@ -37,11 +38,12 @@ struct LastMinutes {
 
 namespace {
 
-LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last) {
+LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last,
+                         std::size_t count = looked_back_minutes) {
   GoingBlock sum;
   const auto& all = minutes.all();
   const std::size_t end = all.size() - (with_last ? 0 : 1);
-  for (std::size_t i = end - std::min(end, looked_back_minutes); i < end; ++i) {
+  for (std::size_t i = end - std::min(end, count); i < end; ++i) {
     sum.beats += all[i].beats;
     sum.missed += all[i].missed;
     sum.spurious += all[i].spurious;
@@ -142,9 +144,16 @@ void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is
   const std::size_t complete = minutes.all().size() - 2;
   const Instant at = going.last()->time;
   const std::int64_t minute = minutes.all()[complete].start_s / 60;
+  // Where the sensor fails, what it tells is not what the clock does.
+  const LastMinutes last = last_minutes(minutes, false), alone = last_minutes(minutes, false, 1);
+  is_faulty_ = last.tells_of_failure() || alone.tells_of_failure() ||
+               (is_faulty_ && last.faulty_share() >= faulty_clears);
+  using Mean = std::optional<double>;
   const auto rate = habits_.rate.add(
-      habits_.rate_wave.without(minute, minutes.rate_of(complete, nominal_period_s)));
-  const auto fall = habits_.amplitude.add(minute, minutes.all()[complete].amplitude_rad());
+      is_faulty_ ? Mean()
+                 : habits_.rate_wave.without(minute, minutes.rate_of(complete, nominal_period_s)));
+  const auto fall =
+      habits_.amplitude.add(minute, is_faulty_ ? Mean() : minutes.all()[complete].amplitude_rad());
   if (rate) habits_.rate_wave.stepped(rate->size);
   if (is_replay) return;
   if (rate)
@@ -190,8 +199,7 @@ void Alarms::take_learnt(std::vector<double> numbers) {
 
 void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
   const Instant at = going.last()->time;
-  // Shares of events, and of the period, to raise and to clear an alarm at.
-  constexpr double faulty_clears = 0.03;
+  // Shares of the period to raise and to clear an alarm at.
   constexpr double uneven_raises = 0.02, uneven_clears = 0.01;
   const LastMinutes last = last_minutes(going.minutes(), false); // the last one is not complete
   tell_faults(last, at);
@@ -212,7 +220,7 @@ void Alarms::silent(double silence_s, double period_s, const Going& going, const
   if (silence_s > minute_s && !going.minutes().all().empty())
     tell_faults(last_minutes(going.minutes(), true), now.wall);
   const double patience = patience_of(going, period_s);
-  if (!(patience > 0.0 && silence_s > patience)) return;
+  if (!(patience > 0.0 && silence_s > patience + lateness_s_)) return;
   goes_since_.reset();
   set(AlarmKind::stopped, true, now.wall,
       fmt::format("no beat for {:.3g} s: has the clock stopped?", silence_s));
@@ -222,6 +230,13 @@ void Alarms::misdated(double error_s, const Moment& now) {
   set(AlarmKind::sensor_failing, true, now.wall,
       fmt::format("the source tells a date {:.0f} days {} this computer's",
                   std::abs(error_s) / seconds_a_day, error_s > 0.0 ? "after" : "before"));
+}
+
+void Alarms::no_beats(const std::string& why, const Moment& now) {
+  set(AlarmKind::sensor_failing, true, now.wall,
+      fmt::format("what the source tells is not numbered: {}; both directions without labels, or "
+                  "another nominal period?",
+                  why));
 }
 
 void Alarms::archive_fails(const Moment& now, const std::string& why) {

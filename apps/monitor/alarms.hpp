@@ -41,8 +41,10 @@ struct LastMinutes;
 /// Raises and clears alarms. Each has a limit to be raised at and a lower one to be cleared at.
 class Alarms {
 public:
-  /// `patience_s`: silence after which the clock has stopped; 0: five periods.
-  explicit Alarms(double patience_s) : patience_s_(patience_s) {}
+  /// `patience_s`: silence after which the clock has stopped; 0: five periods. `lateness_s`: how
+  /// long after a beat its line may come, which is no silence of the clock.
+  explicit Alarms(double patience_s, double lateness_s = 0.0)
+      : patience_s_(patience_s), lateness_s_(lateness_s) {}
 
   /// After a beat: looks at the minute that is complete, if a new one began. With `replay` the past
   /// is learnt from and nothing is raised.
@@ -57,6 +59,8 @@ public:
   void silent(double silence_s, double period_s, const Going& going, const Moment& now);
   /// The source told a date that is so far from the computer's.
   void misdated(double error_s, const Moment& now);
+  /// Many events were heard that are no beats of one clock.
+  void no_beats(const std::string& why, const Moment& now);
   void archive_fails(const Moment& now, const std::string& why);
   /// All is on disk. The alarm ends when that has been so for a minute.
   void archive_works(const Moment& now);
@@ -75,7 +79,7 @@ private:
   void tell_faults(const LastMinutes& last, const Instant& at);
   void look_for_steps(const Going& going, double nominal_period_s, bool is_replay);
 
-  double patience_s_;
+  double patience_s_, lateness_s_;
   std::optional<Instant> goes_since_; // while `stopped` is raised
   std::optional<double> archive_failed_s_; // by the steady clock
   // All that is learnt of a clock.
@@ -87,6 +91,7 @@ private:
     void pass(Learnt& learnt);
   };
   Habits habits_;
+  bool is_faulty_ = false; // too many events of the last minutes were missing or false
   std::array<std::optional<AlarmChange>, alarm_kinds> raised_;
   std::vector<AlarmChange> changes_;
 };

@@ -19,6 +19,7 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
 namespace goingrate::apps {
 
@@ -99,13 +100,27 @@ void Archive::read_last_day() {
   const auto all = days();
   if (all.empty()) return;
   cut_torn_line(path_of(all.back()));
-  if (const auto header = header_of(path_of(all.back()))) columns_ = *header;
-  std::ifstream file(path_of(all.back()));
+  // A day that was only begun tells nothing yet, or half of it.
+  bool has_header = false;
+  for (auto day = all.rbegin(); day != all.rend() && !last_time_; ++day) {
+    const auto header = header_of(path_of(*day));
+    if (header && !std::exchange(has_header, true)) columns_ = *header;
+    if (!origin_) origin_ = origin_of_day(*day);
+    if (const auto events = events_of(*day); !events.empty()) {
+      last_time_ = events.back().time;
+      last_edge_ = events.back().edge;
+    }
+  }
+}
+
+// The last one that is noted there.
+std::optional<Instant> Archive::origin_of_day(const std::string& day) const {
+  std::optional<Instant> origin;
+  std::ifstream file(path_of(day));
   for (std::string line; std::getline(file, line);)
     if (line.starts_with(origin_words))
-      origin_ = parse_instant(std::string_view(line).substr(origin_words.size()));
-  for (auto day = all.rbegin(); day != all.rend() && !last_time_; ++day)
-    if (const auto events = events_of(*day); !events.empty()) last_time_ = events.back().time;
+      origin = parse_instant(std::string_view(line).substr(origin_words.size()));
+  return origin;
 }
 
 std::vector<std::string> Archive::days() const {
@@ -238,6 +253,7 @@ void Archive::append(const HeardEvent& event) {
     text += fmt::format("# beside:{}\n", words);
   write(text);
   last_time_ = event.time;
+  last_edge_ = event.edge;
 }
 
 void Archive::note(const std::string& text, const Instant& at) {

@@ -58,6 +58,9 @@ public:
   void set_origin(const Instant& origin);
   [[nodiscard]] std::optional<Instant> last_time() const { return last_time_; }
 
+  /// The direction of that event.
+  [[nodiscard]] Edge last_edge() const { return last_edge_; }
+
   /// The days that there are, in order.
   [[nodiscard]] std::vector<std::string> days() const;
   /// Those after one day and before another.
@@ -77,6 +80,7 @@ private:
   void write_origin();
   void write_unsynced_again() const;
   void read_last_day();
+  [[nodiscard]] std::optional<Instant> origin_of_day(const std::string& day) const;
   [[nodiscard]] std::vector<Beat> few_events_of(const std::string& day) const;
   [[nodiscard]] std::string path_of(const std::string& day) const;
 
@@ -91,6 +95,7 @@ private:
   bool is_synced_ = true;
   bool has_origin_ = true; // the day that is open has it
   std::optional<Instant> origin_, last_time_;
+  Edge last_edge_ = Edge::up;
 };
 
 } // namespace goingrate::apps

@@ -3,6 +3,7 @@
 #include "held_notes.hpp"
 
 #include "goingrate/base/errors.hpp"
+#include "goingrate/log/amplitude.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,7 @@ constexpr double sync_every_s = 1.0;     // so that every line is safe within tw
 ClockWatch::ClockWatch(WatchOptions options)
     : options_(std::move(options)), archive_(options_.folder), index_(options_.folder),
       unread_(options_.folder), places_(archive_, options_.place), numbers_(options_.log),
-      alarms_(options_.patience_s), diary_(archive_, index_) {
+      alarms_(options_.patience_s, options_.lateness_s), diary_(archive_, index_) {
   goes_on_from_unread_ = !unread_.text().empty();
   log_.source = options_.folder;
   if (options_.log.nominal_period_s > 0.0) log_.nominal_period_s = options_.log.nominal_period_s;
@@ -29,12 +30,21 @@ ClockWatch::ClockWatch(WatchOptions options)
 }
 
 void ClockWatch::hold(std::string_view text, const Moment& now) {
+  // So few lines may be beats of a log that is not recognised yet; more are none.
+  constexpr std::ptrdiff_t most_lines = 30;
   is_holding_ = true;
+  const auto lines = std::count(text.begin(), text.end(), '\n');
+  if (lines > std::exchange(held_lines_, lines) && lines <= most_lines) may_beat(now);
   try {
     if (options_.place.source_is_live) unread_.hold(text);
   } catch (const OutputError& error) {
     alarms_.archive_fails(now, error.what());
   }
+}
+
+// What was heard now is not judged yet: it may be a beat.
+void ClockWatch::may_beat(const Moment& now) {
+  last_good_s_ = std::max(last_good_s_.value_or(now.steady_s), now.steady_s);
 }
 
 // What it has told once it is taken to tell.
@@ -43,13 +53,16 @@ void ClockWatch::describe(const HeardEvent& event, const ClockLog& log) {
   const auto tells = [](bool& column, const std::vector<double>& of_log, double value) {
     column = column || !of_log.empty() || !std::isnan(value);
   };
-  columns_.edge = columns_.edge || event.edge == Edge::down || !log.directions_are_open;
+  columns_.edge = columns_.edge || options_.log.both_edges || event.edge == Edge::down ||
+                  !log.directions_are_open;
   tells(columns_.width, log.columns.width_s, event.values.width_s);
   tells(columns_.temperature, log.columns.temperature_c, event.values.temperature_c);
   tells(columns_.pressure, log.columns.pressure_mbar, event.values.pressure_mbar);
   tells(columns_.humidity, log.columns.humidity_percent, event.values.humidity_percent);
   columns_.nominal_period_s = log_.nominal_period_s;
-  columns_.flag_width_rad = log.flag_width_rad;
+  columns_.flag_width_rad = options_.log.flag_width_rad > 0.0
+                                ? std::optional(options_.log.flag_width_rad)
+                                : log.flag_width_rad;
   archive_.describe(columns_);
 }
 
@@ -74,19 +87,43 @@ void ClockWatch::add(const HeardEvent& event, const ClockLog& log, const Moment&
 void ClockWatch::meet(const HeardEvent& event, const ClockLog& log, const Moment& now) {
   if (!std::exchange(is_first_, false)) return;
   const bool may_be_read_again = !options_.place.source_is_live || goes_on_from_unread_;
-  if (const auto last = places_.meet(event, log, may_be_read_again))
+  if (const auto last = places_.meet(event, log, may_be_read_again)) {
+    last_directed_ = last;
     arrivals_.go_on_from(*last,
                          options_.place.source_is_live
                              ? std::optional(now.steady_s - (now.wall - *archive_.last_time()))
                              : std::nullopt);
+  }
+}
+
+// What its line does not tell, but options do: the direction, which is the other one after half a
+// period, and the amplitude.
+HeardEvent ClockWatch::completed(HeardEvent event, const ClockLog& log) {
+  const LogOptions& asked = options_.log;
+  if (asked.both_edges) {
+    const double halves =
+        last_directed_ ? (event.time - last_directed_->time) / (0.5 * asked.nominal_period_s) : 0.0;
+    const bool turns = std::abs(std::remainder(std::round(halves), 2.0)) > 0.5;
+    const bool was_down = last_directed_ && last_directed_->edge == Edge::down;
+    event.edge = was_down != turns ? Edge::down : Edge::up;
+    last_directed_ = event;
+  }
+  const double flag_rad =
+      asked.flag_width_rad > 0.0 ? asked.flag_width_rad : log.flag_width_rad.value_or(0.0);
+  const double period_s = log_.nominal_period_s.value_or(nominal_period_s());
+  if (std::isnan(event.amplitude_rad) && flag_rad > 0.0 && period_s > 0.0)
+    event.amplitude_rad =
+        amplitude_from_width(event.values.width_s, flag_rad, period_s, asked.gravity_share);
+  return event;
 }
 
 // One that waits for others is kept as a comment until then.
 void ClockWatch::offer(const HeardEvent& event, const ClockLog& log, const Moment& now) {
   const auto heard_s = options_.place.source_is_live ? std::optional(now.steady_s) : std::nullopt;
-  for (const Arrivals::Arrival& arrival : arrivals_.add(event, heard_s))
+  for (const Arrivals::Arrival& arrival : arrivals_.add(completed(event, log), heard_s))
     places_.add(arrival, log, now);
   note_left_out(arrivals_.take_left_out(), now);
+  if (arrivals_.held().size() > 1) may_beat(now); // they go on from each other
   if (!arrivals_.held().empty() && options_.place.source_is_live) note(waiting_note(event), now);
 }
 
@@ -241,8 +278,13 @@ void ClockWatch::idle(const ClockLog& log, const Moment& now) {
   if (!last_good_s_) last_good_s_ = now.steady_s; // a clock that stopped before this began
   // What is not judged yet may be beats.
   const bool may_be_beats = numbers_.is_settling() || !places_.is_empty() || !pending_.empty();
-  if (may_be_beats && last_heard_) last_good_s_ = std::max(*last_good_s_, last_heard_->steady_s);
-  alarms_.silent(now.steady_s - *last_good_s_, period_s(), going_, now);
+  if (may_be_beats && last_heard_) may_beat(*last_heard_);
+  if (!numbers_.failure().empty()) alarms_.no_beats(numbers_.failure(), now);
+  const double silence_s = now.steady_s - *last_good_s_;
+  silence_s_ = heard_ > 0 || !going_.last() || !options_.place.source_is_live
+                   ? silence_s
+                   : std::max(silence_s, now.wall - going_.last()->time);
+  alarms_.silent(silence_s, period_s(), going_, now);
   diary_.add(alarms_.take_changes());
 }
 

@@ -26,6 +26,7 @@ struct WatchOptions {
   LogOptions log;
   std::string folder;
   double patience_s = 0.0; ///< silence that is an alarm; 0: five periods
+  double lateness_s = 0.0; ///< of a line behind its beat at most, where lines come in batches
   std::size_t most_pending = 1'000'000; ///< events, of 100 bytes, that wait for a disk
   PlaceOptions place;
 };
@@ -56,6 +57,8 @@ public:
   [[nodiscard]] const Alarms& alarms() const { return alarms_; }
   [[nodiscard]] const std::deque<AlarmRecord>& alarm_records() const { return diary_.records(); }
   [[nodiscard]] const std::deque<CountBreak>& breaks() const { return breaks_; }
+  /// How long no beat has been heard, s; before the first one of this run by the archive's last.
+  [[nodiscard]] double silence_s() const { return silence_s_; }
   /// Events that are safe on disk, and all that were heard, in this run.
   [[nodiscard]] std::int64_t acknowledged() const { return acknowledged_; }
   [[nodiscard]] std::int64_t heard() const { return heard_; }
@@ -76,9 +79,11 @@ private:
   void place(const ClockLog& log, const Moment& now);
   void describe(const HeardEvent& event, const ClockLog& log);
   void meet(const HeardEvent& event, const ClockLog& log, const Moment& now);
+  [[nodiscard]] HeardEvent completed(HeardEvent event, const ClockLog& log);
   void offer(const HeardEvent& event, const ClockLog& log, const Moment& now);
   void keep_misdated(const HeardEvent& event, double error_s, const Moment& now);
   void note_left_out(const std::vector<HeardEvent>& events, const Moment& now);
+  void may_beat(const Moment& now);
   void tell_lost(const Moment& now);
   void store_pending(const Moment& now);
   void sync(const Moment& now);
@@ -103,8 +108,11 @@ private:
   bool is_first_ = true;   // no event of this run yet
   bool goes_on_from_unread_ = false; // lines of the last run are told again
   bool is_holding_ = true; // no event since the source was opened
+  std::optional<Beat> last_directed_; // where directions are told from times
   std::optional<Moment> last_heard_;
+  std::ptrdiff_t held_lines_ = 0; // that the source had said when it was last asked
   std::optional<double> last_good_s_, last_sync_s_; // by the steady clock
+  double silence_s_ = 0.0;
   std::vector<HeardEvent> waited_; // when the last run ended: not in the archive but as comments
   std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
   std::vector<Gap> gaps_;

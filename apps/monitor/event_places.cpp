@@ -38,6 +38,7 @@ std::optional<Beat> EventPlaces::meet(const HeardEvent& event, const ClockLog& l
   skips_stored_ = may_be_read_again && !(at > *last_stored) && archive_.holds(at);
   Beat last = event;
   last.time = event.time + (*last_stored - at);
+  last.edge = archive_.last_edge();
   return last;
 }
 

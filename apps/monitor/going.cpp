@@ -97,12 +97,16 @@ std::optional<double> GoingBlocks::rate_of(std::size_t i, double nominal_period_
          1.0;
 }
 
-std::optional<Measured> GoingBlocks::rate_over(std::size_t count, double nominal_period_s) const {
+std::optional<Measured> GoingBlocks::rate_over(std::size_t count, double nominal_period_s,
+                                               double silence_s) const {
   if (blocks_.size() < 2) return {};
+  const auto now_s = blocks_.back().mark_time.seconds + static_cast<std::int64_t>(silence_s);
+  const std::int64_t since_s = (now_s / length_s_ - static_cast<std::int64_t>(count)) * length_s_;
   const std::size_t end = blocks_.size() - 1; // the last is not complete
   std::vector<double> rates;
   for (std::size_t i = end - std::min(end, count); i < end; ++i)
-    if (const auto rate = rate_of(i, nominal_period_s); rate && blocks_[i].run == blocks_[end].run)
+    if (const auto rate = rate_of(i, nominal_period_s);
+        rate && blocks_[i].run == blocks_[end].run && blocks_[i].start_s >= since_s)
       rates.push_back(*rate);
   if (rates.size() < fewest_rates) return {};
   return Measured{mean_of(rates), sigma_with_wander(rates), rates.size()};

@@ -59,10 +59,12 @@ public:
   [[nodiscard]] std::int64_t length_s() const { return length_s_; }
   /// Rate of a block against the end of the block before it; nothing across a break.
   [[nodiscard]] std::optional<double> rate_of(std::size_t i, double nominal_period_s) const;
-  /// Rate over the last `count` blocks that are complete, in the run that goes on now. Its sigma is
+  /// Rate over the blocks that are complete, in the run that goes on now, of the last `count`
+  /// lengths of time before now, `silence_s` after the last beat. Its sigma is
   /// that of a mean of the blocks' rates, of pairs of them, of fours …, the largest, so that slow
   /// wander counts. Nothing for fewer than four rates.
-  [[nodiscard]] std::optional<Measured> rate_over(std::size_t count, double nominal_period_s) const;
+  [[nodiscard]] std::optional<Measured> rate_over(std::size_t count, double nominal_period_s,
+                                                  double silence_s = 0.0) const;
   /// Adds a block of an earlier time, or of a shorter length, to the one that holds its start.
   void merge(const GoingBlock& part);
 

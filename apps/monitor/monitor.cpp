@@ -50,6 +50,7 @@ WatchOptions watch_options(const MonitorOptions& options) {
   watch.log = options.log;
   watch.folder = options.archive;
   watch.patience_s = options.patience_s;
+  watch.lateness_s = lateness_of(options.source);
   watch.place.source_is_live = !is_file(options.source);
   if (!options.start.empty()) {
     watch.place.start = parse_instant(options.start);
@@ -209,6 +210,19 @@ void add_monitor(CLI::App& program, const GlobalOptions& global) {
                       "when a source without dates counts from, in seconds since 1970; from its "
                       "first event if not given");
   add_log_settings(*command, options->log);
+  // What belongs to a log as a whole, or to a recording, is not for one that comes line by line.
+  for (const char* name : {"--weather-zone", "--weather-offset", "--weather", "--site",
+                           "--sensor-offset", "--clock-ppm", "--rest-angle"})
+    command->remove_option(command->get_option(name));
+  command->get_option("--both-edges")
+      ->description("the log holds both directions without labels")
+      ->needs(command->get_option("--nominal-period"));
+  command->get_option("--flag-width")
+      ->description("angle (rad) of a centred flag as seen from the pivot: gives the amplitudes, "
+                    "with a column of widths");
+  command->get_option("--gravity-share")
+      ->description("share of gravity in the restoring torque, the rest being a spring's: 1 a "
+                    "pendulum, 0 torsion. Amplitudes from --flag-width follow it");
   command->footer("Example:\n  goingrate monitor - --archive clock < my.log");
   command->callback([options, &global] { run(*options, global); });
 }

@@ -139,6 +139,11 @@ struct MonitorServer::Parts {
 
   void set_up(const std::string& host) {
     if (is_this_computer(host)) refuse_other_names();
+    // A port that another one listens at is taken; the library would share it.
+    server.set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
     server.new_task_queue = [] { return new BoundedPool(threads); };
     server.set_default_headers(
         {{"Content-Security-Policy",

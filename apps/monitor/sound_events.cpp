@@ -17,7 +17,8 @@ namespace goingrate::apps {
 namespace {
 
 constexpr double rate_hz = 48000.0;
-constexpr std::int64_t window_samples = 60 * 48000, step_samples = window_samples / 2;
+constexpr std::int64_t window_samples = static_cast<std::int64_t>(sound_lateness_s * rate_hz),
+                       step_samples = window_samples / 2;
 
 bool write_all(int to, const std::string& text) {
   for (std::size_t done = 0; done < text.size();) {

@@ -5,9 +5,13 @@
 
 namespace goingrate::apps {
 
+/// From a beat to its line at most: the first window begins with one.
+inline constexpr double sound_lateness_s = 60.0;
+
 /// Runs arecord on a device and writes a native log of the beats to a descriptor until either ends;
 /// returns an exit status. Beats are looked for in windows of a minute, the last half of which is
-/// heard again in the next, so lines come up to half a minute late. Times are the sound card's.
+/// heard again in the next, so lines come every half a minute, up to
+/// three quarters of a minute late, the first ones a minute. Times are the sound card's.
 int write_sound_events(const std::string& device, int to);
 
 } // namespace goingrate::apps

@@ -59,6 +59,10 @@ bool is_file(const std::string& source) {
 
 bool ends_for_good(const std::string& source) { return source == "-" || is_file(source); }
 
+double lateness_of(const std::string& source) {
+  return source.starts_with(sound_prefix) ? sound_lateness_s : 0.0;
+}
+
 void check_source(const std::string& source) {
   if (const auto [device, speed] = serial_parts(source); !device.empty()) (void)code_of(speed);
 }

@@ -8,6 +8,8 @@ namespace goingrate::apps {
 
 /// Whether the source is a file, whose events may be old when they are read.
 bool is_file(const std::string& source);
+/// Seconds at most from a beat to its line.
+double lateness_of(const std::string& source);
 /// Throws ArgumentError for a serial line with a speed that none has.
 void check_source(const std::string& source);
 /// Whether the source, once it has ended, will not come back: standard input and files.

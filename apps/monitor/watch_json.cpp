@@ -25,9 +25,10 @@ Json rate_json(const std::optional<Measured>& rate) {
 }
 
 // The whole past in days, since single hours of a year are many.
-std::optional<Measured> rate_of_a_year(const Going& going, double nominal_period_s) {
+std::optional<Measured> rate_of_a_year(const Going& going, double nominal_period_s,
+                                       double silence_s) {
   constexpr std::size_t year_days = 365;
-  return going.days().rate_over(year_days, nominal_period_s);
+  return going.days().rate_over(year_days, nominal_period_s, silence_s);
 }
 
 Json blocks_json(const GoingBlocks& blocks, double nominal_period_s) {
@@ -56,14 +57,15 @@ Json alarm_json(const AlarmRecord& alarm) {
 
 Json now_json(const ClockWatch& watch, const std::string& name, const Instant& now) {
   const Going& going = watch.going();
-  const double nominal = watch.nominal_period_s();
+  const double nominal = watch.nominal_period_s(), silence = watch.silence_s();
+  constexpr double present_s = 60.0; // what was measured longer ago is of no last minute
   Json raised = Json::array();
   for (const AlarmChange& alarm : watch.alarms().raised())
     raised.push_back(
         {{"kind", name_of(alarm.kind)}, {"at", alarm.at.to_double()}, {"text", alarm.text}});
   const bool knows = going.last().has_value();
   std::optional<double> amplitude, beat_error;
-  if (const auto& minutes = going.minutes().all(); minutes.size() > 1) {
+  if (const auto& minutes = going.minutes().all(); minutes.size() > 1 && silence < present_s) {
     amplitude = minutes[minutes.size() - 2].amplitude_rad();
     beat_error = minutes[minutes.size() - 2].beat_error_s();
   }
@@ -81,10 +83,10 @@ Json now_json(const ClockWatch& watch, const std::string& name, const Instant& n
           {"amplitude_rad", value_or_null(amplitude)},
           {"beat_error_s", value_or_null(beat_error)},
           {"rate",
-           {{"ten_minutes", rate_json(going.minutes().rate_over(10, nominal))},
-            {"hour", rate_json(going.minutes().rate_over(60, nominal))},
-            {"day", rate_json(going.hours().rate_over(24, nominal))},
-            {"year", rate_json(rate_of_a_year(going, nominal))}}},
+           {{"ten_minutes", rate_json(going.minutes().rate_over(10, nominal, silence))},
+            {"hour", rate_json(going.minutes().rate_over(60, nominal, silence))},
+            {"day", rate_json(going.hours().rate_over(24, nominal, silence))},
+            {"year", rate_json(rate_of_a_year(going, nominal, silence))}}},
           {"alarms", std::move(raised)},
           {"heard", watch.heard()},
           {"acknowledged", watch.acknowledged()},

@@ -103,6 +103,96 @@ TEST_F(MonitorAlarmsTest, ASensorThatChattersHidesNoStop) {
   }
 }
 
+// A sensor that tells every beat twice, the second time a while later, is called out, and no step.
+TEST_F(MonitorAlarmsTest, ASensorThatFailsTellsNoSteps) {
+  Going going;
+  Alarms alarms(0.0);
+  std::int64_t cycle = 0;
+  for (int minute = 0; minute < 1200; ++minute) {
+    const bool doubles = minute >= 600 && minute < 900;
+    for (int n = 0; n < 60; ++n, ++cycle) {
+      const double late = doubles && (minute % 7 < 3) ? 0.05 : 1e-5 * random_.normal();
+      Beat beat = event_at(began + (static_cast<double>(cycle) + late));
+      beat.cycle = cycle;
+      going.add(beat, 0);
+      alarms.heard(going, 1.0, false);
+      if (doubles) going.add_spurious();
+    }
+  }
+  int failing = 0;
+  for (const AlarmChange& change : alarms.take_changes()) {
+    EXPECT_EQ(change.kind, AlarmKind::sensor_failing) << change.text;
+    ++failing;
+  }
+  EXPECT_EQ(failing, 2); // raised and over
+}
+
+TEST_F(MonitorAlarmsTest, EventsThatAreNoBeatsOfThePeriodAreToldOf) {
+  options_.log.nominal_period_s = 1.5;
+  log_.nominal_period_s = 1.5;
+  ClockWatch watch(options_);
+  for (int n = 0; n < 60; ++n) // both directions of 1.5 s
+    hear_event(watch, event_at(Instant::from_seconds(0.75 * n)), 0.75 * n, n);
+  watch.idle(log_, began + 45.0);
+  EXPECT_EQ(count(watch, AlarmKind::sensor_failing), begins);
+}
+
+// As those of a sound card: what was heard in half a minute comes at its end.
+TEST_F(MonitorAlarmsTest, LinesInBatchesAreNoStop) {
+  options_.lateness_s = 60.0;
+  ClockWatch watch(options_);
+  for (std::int64_t n = 0; n < 600; ++n) {
+    const double told = 15.0 + 30.0 * std::ceil((time_of(n) + 15.0) / 30.0);
+    if (n % 30 == 16)
+      for (double at = told - 29.0; at < told; at += 1.0)
+        watch.idle(log_, began + at);
+    watch.add(event_at(Instant::from_seconds(time_of(n))), log_, began + told);
+  }
+  EXPECT_EQ(count(watch, AlarmKind::stopped), silent);
+  watch.idle(log_, began + 645.0 + 64.0);
+  EXPECT_EQ(count(watch, AlarmKind::stopped), silent);
+  watch.idle(log_, began + 645.0 + 66.0);
+  EXPECT_EQ(count(watch, AlarmKind::stopped), begins);
+}
+
+// A logger that began again, or was set to another time, is believed after sixteen events.
+TEST_F(MonitorAlarmsTest, EventsThatWaitForOthersAreNoStop) {
+  for (const double leap_s : {-1000.0, 1000.0, 3600.0}) {
+    std::filesystem::remove_all(options_.folder);
+    ClockWatch watch(options_);
+    hear(watch, 0, 2000);
+    for (std::int64_t n = 2000; n < 2050; ++n) {
+      watch.idle(log_, began + (static_cast<double>(n) - 0.1));
+      hear_event(watch, event_at(Instant::from_seconds(time_of(n) + leap_s)), time_of(n), n);
+    }
+    EXPECT_EQ(count(watch, AlarmKind::stopped), silent) << leap_s;
+    watch.idle(log_, began + 2060.0);
+    EXPECT_EQ(count(watch, AlarmKind::stopped), begins) << leap_s;
+  }
+}
+
+// Twelve lines tell what the layout is; a source of many that tell none is no clock that goes.
+TEST_F(MonitorAlarmsTest, LinesThatAreNotRecognisedYetMayBeBeats) {
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 100);
+  }
+  ClockWatch watch(options_);
+  std::string text;
+  for (int n = 0; n < 60; ++n) {
+    const Instant now = began + (200.0 + n);
+    watch.hold(text += "1000.0\n", now);
+    for (int tenth = 0; tenth < 10; ++tenth) {
+      watch.hold(text, now + 0.1 * tenth);
+      watch.idle(log_, now + 0.1 * tenth);
+    }
+    if (n < 30) {
+      EXPECT_EQ(count(watch, AlarmKind::stopped), silent) << n;
+    }
+  }
+  EXPECT_EQ(count(watch, AlarmKind::stopped), begins);
+}
+
 TEST_F(MonitorAlarmsTest, ADiskThatIsFullNowAndThenIsToldOnce) {
   ClockWatch watch(options_);
   hear(watch, 0, 50);

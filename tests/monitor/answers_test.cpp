@@ -20,6 +20,23 @@ TEST_F(MonitorAnswersTest, LongAnswersAreMadeOnceAMinute) {
   EXPECT_NE(answering.at(began + 665.0, watch).minutes.find("[1764202260,"), std::string::npos);
 }
 
+// Rates are those of the time before now, whenever the last beat was.
+TEST_F(MonitorAnswersTest, RatesOfAStoppedClockArePast) {
+  ClockWatch watch(options_);
+  hear(watch, 0, 7260);
+  const auto rates = [&](double at) {
+    watch.idle(log_, began + at);
+    WatchAnswering answering("x");
+    const auto now = nlohmann::json::parse(answering.at(began + at, watch).now);
+    return std::pair(!now["rate"]["ten_minutes"].is_null(), !now["rate"]["hour"].is_null());
+  };
+  EXPECT_EQ(rates(7261.0), std::pair(true, true));
+  EXPECT_EQ(rates(7261.0 + 900.0), std::pair(false, true));
+  EXPECT_EQ(rates(7261.0 + 3700.0), std::pair(false, false));
+  hear(watch, 11000, 11130);
+  EXPECT_EQ(rates(11130.0), std::pair(false, false)); // of two minutes
+}
+
 TEST_F(MonitorAnswersTest, AnswersAreJsonAndMetrics) {
   ClockWatch watch(options_);
   hear(watch, 0, 1000);

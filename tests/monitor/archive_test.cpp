@@ -272,6 +272,25 @@ TEST_F(MonitorArchiveTest, TheOriginIsFoundAgain) {
   EXPECT_EQ(Archive(folder_).origin(), (Instant{1764201000, 0.5}));
 }
 
+// As after a failure of power in the first seconds of a day.
+TEST_F(MonitorArchiveTest, ADayThatWasOnlyBegunHidesNoOrigin) {
+  for (const char* begun : {"", "# goingrate log: 1\n# nominal", "# a comment\n"}) {
+    std::filesystem::remove_all(folder_);
+    {
+      Archive archive(folder_);
+      archive.describe(columns());
+      archive.set_origin({1764201000, 0.5});
+      archive.append(event_at({1764201598, 0.25}));
+      archive.sync();
+    }
+    std::ofstream(folder_ + "/2025-11-28.csv") << begun;
+    const Archive archive(folder_);
+    ASSERT_TRUE(archive.origin()) << begun;
+    EXPECT_EQ(archive.origin()->seconds, 1764201000) << begun;
+    ASSERT_TRUE(archive.last_time()) << begun;
+  }
+}
+
 TEST_F(MonitorArchiveTest, TheIndexHasWhatWasLearntOfTheLastDays) {
   std::filesystem::create_directories(folder_);
   {

@@ -1,6 +1,8 @@
 #include "client_shares.hpp"
 #include "server.hpp"
 
+#include "goingrate/base/errors.hpp"
+
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
@@ -110,6 +112,12 @@ TEST_F(MonitorServerTest, Answers) {
   EXPECT_TRUE(
       ask("GET /api/now HTTP/1.1\r\nhOsT:  localhost \r\n\r\n").starts_with("HTTP/1.1 200"));
   EXPECT_TRUE(ask("nonsense\r\n\r\n").starts_with("HTTP/1.1 400"));
+}
+
+TEST_F(MonitorServerTest, APortIsListenedAtByOne) {
+  // Not destroyed if it is made: that may end the process before the failure is told.
+  EXPECT_THROW(static_cast<void>(new MonitorServer({"127.0.0.1", server_.port()})), OutputError);
+  EXPECT_TRUE(get("/").starts_with("HTTP/1.1 200")); // it answers still
 }
 
 TEST_F(MonitorServerTest, ARequestHasEightKilobytes) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 namespace goingrate::apps {
 namespace {
@@ -45,6 +46,60 @@ TEST_F(MonitorWatchTest, TheCountIsCarriedOverABreakOfTheMonitor) {
   ASSERT_EQ(watch.breaks().size(), 1U);
   EXPECT_EQ(watch.breaks()[0].missing, 500);
   EXPECT_GT(watch.breaks()[0].probability, 0.99);
+}
+
+TEST_F(MonitorWatchTest, DirectionsAreToldFromTimes) {
+  options_.log.both_edges = true;
+  options_.log.nominal_period_s = period_s;
+  const auto hear_both = [&](ClockWatch& watch, int from, int to) { // in half-periods
+    for (int n = from; n < to; ++n) {
+      const double at = 0.5 * n + (n % 2 != 0 ? 0.01 : 0.0);
+      hear_event(watch, event_at(Instant::from_seconds(at)), at, n);
+    }
+    watch.idle(log_, began + (0.5 * to + 0.1));
+  };
+  {
+    ClockWatch watch(options_);
+    hear_both(watch, 0, 1200);
+    EXPECT_EQ(watch.going().last()->cycle, 599);
+    EXPECT_NEAR(*watch.going().minutes().all().front().beat_error_s(), 0.02, 1e-6);
+  }
+  ClockWatch watch(options_);
+  hear_both(watch, 1301, 1500); // the first one is downward
+  EXPECT_EQ(watch.going().last()->cycle, 749);
+  EXPECT_NEAR(*watch.going().minutes().all().back().beat_error_s(), 0.02, 1e-6);
+}
+
+TEST_F(MonitorWatchTest, WidthsOfAFlagGiveAmplitudes) {
+  options_.log.flag_width_rad = 0.002;
+  options_.log.nominal_period_s = period_s;
+  {
+    ClockWatch watch(options_);
+    for (int n = 0; n < 200; ++n) {
+      EventValues values;
+      values.width_s = 0.002 / (0.03 * 2.0 * std::numbers::pi); // of small swings of 30 mrad
+      watch.add({event_at({n, 0.0}), values}, log_, began + n);
+    }
+    watch.idle(log_, began + 201.0);
+    ASSERT_TRUE(watch.going().minutes().all().front().amplitude_rad());
+    EXPECT_NEAR(*watch.going().minutes().all().front().amplitude_rad(), 0.03, 1e-5); // of 3e-4
+  }
+  EXPECT_NEAR(*ClockWatch(options_).going().minutes().all().front().amplitude_rad(), 0.03, 1e-5);
+}
+
+// Ten times as long as the beats that judge a single one.
+TEST_F(MonitorWatchTest, ALongAbsenceIsCounted) {
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 20000);
+  }
+  ClockWatch watch(options_);
+  hear(watch, 27000, 27040);
+  EXPECT_EQ(watch.going().last()->cycle, 27039);
+  ASSERT_EQ(watch.breaks().size(), 1U);
+  EXPECT_EQ(watch.breaks()[0].missing, 7000);
+  EXPECT_GT(watch.breaks()[0].probability, 0.99);
+  EXPECT_NEAR(watch.going().first_of_run()->time - began, 0.0, 1.0);
 }
 
 TEST_F(MonitorWatchTest, ALoggerThatBeginsAgainKeepsItsPlaceInTime) {
