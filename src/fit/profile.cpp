@@ -60,7 +60,8 @@ private:
     constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
     const double shape = look(side * q95);
     if (std::abs(shape - 1.0) < straight) return {side * q68 * widening_, side * q95 * widening_};
-    if (shape > least_straight && shape < largest_straight) {
+    // An end beyond the look is not believed where the ridge can be followed.
+    if (shape > (search_ ? 1.0 : least_straight) && shape < largest_straight) {
       // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
       const double b = (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
       const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };

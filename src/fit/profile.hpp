@@ -8,8 +8,9 @@ namespace goingrate::timing_model {
 /// Where L, minimised over all other coordinates, has risen by q^2/2 (q = 1 and 1.96, times the
 /// widening) on either side of the minimum. One look at 1.96 sigma, corrected by a scoring step in
 /// the other coordinates, tells whether the parabola holds: then, within a tenth, it is taken;
-/// where it is bent the root of the rise is taken for one, where it is broken the ridge is followed
-/// (or the ends are open, if the model does not hold or the parameter is hardly determined).
+/// where it rises faster the root of the rise is taken for one, where it rises more slowly or much
+/// faster the ridge is followed (or, if the model does not hold or the parameter is hardly
+/// determined, the root is taken for a parabola, and the ends are open where it is none).
 /// Infinite where L does not rise far enough within thirty sigma. Coordinates that are not
 /// determined anyway get infinite ends. `few`, if given, is the same fit on beats that stand for
 /// all: looks and ridges are those there, in units of sigma, if every sigma is the same there
