@@ -175,7 +175,11 @@ void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certain
     double added = 0.0; // to the variance: share times distance squared, in units of it
     for (const Rival& rival : rivals) {
       const double distance = std::abs(rival.x[k] - x[k]) / sigma;
-      if (distance > rivals_apart) known.distrusted[k] = true;
+      // A value is known to within that distance, whichever it is.
+      constexpr double slight_distance = 1e-3; // of the coordinate: a thousandth
+      const bool is_slight = std::abs(rival.x[k] - x[k]) < slight_distance;
+      if (distance > rivals_apart && is_slight) added = std::max(added, distance * distance);
+      if (distance > rivals_apart && !is_slight) known.distrusted[k] = true;
       // The distance expected for this sigma at this deficit, or sigma itself.
       if (distance * distance < 1.0 + 2.0 * rival.behind) continue;
       added = std::max(added, rival.share() * distance * distance);

@@ -58,8 +58,9 @@ using Rivals = std::vector<Rival>;
 
 /// Widens each sigma to the root mean square distance of the truth if it may lie about a rival as
 /// well as about the best. Marks the coordinates in which a rival is more than 3.5 sigma away, and
-/// all that hang together with one so marked (correlation above 0.99 in size). What a
-/// sigma covers as it is does not widen it.
+/// all that hang together with one so marked (correlation above 0.99 in size); but where that is
+/// less than a thousandth, it widens the sigma to it. What a sigma covers as it is does not widen
+/// it.
 void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certainty& known);
 
 /// The sigma of a value, relative to it, up to which it is determined: its three-sigma interval

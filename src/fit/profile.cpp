@@ -60,17 +60,21 @@ private:
     constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
     const double shape = look(side * q95);
     if (std::abs(shape - 1.0) < straight) return {side * q68 * widening_, side * q95 * widening_};
-    // An end beyond the look is not believed where the ridge can be followed.
-    if (shape > (search_ ? 1.0 : least_straight) && shape < largest_straight) {
+    const auto by_root = [&]() -> Ends {
       // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
+      if (!(shape > least_straight && shape < largest_straight))
+        return {side * infinite, side * infinite};
       const double b = (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
       const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };
       return {root(side * q68 * widening_), root(side * q95 * widening_)};
-    }
-    if (!search_) return {side * infinite, side * infinite};
+    };
+    if (!search_ || (shape > 1.0 && shape < largest_straight)) return by_root();
+    // An end beyond the look is believed only where the ridge is lost.
     ridge_.restart();
     const double at68 = walk_to_root(q68 * widening_, side);
-    return {at68, std::isfinite(at68) ? walk_to_root(q95 * widening_, side) : at68};
+    if (!std::isfinite(at68)) return by_root();
+    const double at95 = walk_to_root(q95 * widening_, side);
+    return std::isfinite(at95) ? Ends{at68, at95} : by_root();
   }
 
   static double root_of(const Foot& foot) { return std::sqrt(2.0 * std::max(0.0, foot.rise)); }
