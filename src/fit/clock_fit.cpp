@@ -145,6 +145,27 @@ Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
   return on_few_beats(fitted, some);
 }
 
+// With T0 held, a later T0 is known as well as its ratio to it.
+void take_from_ratio_to_T0(FitSummary& summary) {
+  const FittedParameter* first = summary.find("T0");
+  if (first == nullptr || first->status != ParameterStatus::fixed) return;
+  const double T0 = first->value;
+  for (FittedParameter& p : summary.parameters) {
+    const DerivedQuantity* ratio = summary.combination(p.name + "/T0 - 1");
+    if (p.status != ParameterStatus::undetermined || ratio == nullptr ||
+        !std::isfinite(ratio->sigma))
+      continue;
+    constexpr double z95 = 1.959964;
+    p.status = ParameterStatus::free;
+    p.value = T0 * (1.0 + ratio->value);
+    p.sigma = p.sigma_by_law = T0 * ratio->sigma;
+    p.low68 = p.value - p.sigma;
+    p.high68 = p.value + p.sigma;
+    p.low95 = p.value - z95 * p.sigma;
+    p.high95 = p.value + z95 * p.sigma;
+  }
+}
+
 // Everything that follows from the chosen fit.
 void state(const Fitted& fitted, const ModelSearch& search, double nominal_period_s,
            FitSummary& summary) {
@@ -183,6 +204,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   const std::vector<Interval> ends = intervals(all, few, widening.largest() < largest_widening);
   state_results(fitted.problem, fitted.minimum.x, known, ends, fitted.rivals, search.options(),
                 nominal_period_s, summary);
+  take_from_ratio_to_T0(summary);
   if (search.options().profiles) attach_profiles(all, few, ends, summary);
   attach_shifts(fitted.problem.parameters, search.first_order_shifts(), summary);
   summary.jitter_s = value_of(summary, "jitter_rms");

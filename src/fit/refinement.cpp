@@ -64,6 +64,13 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
+  // Corrections that stood still would pass for knowledge where the log tells a change of the clock
+  // from the difference that the dynamics make of it: along the flat ridge of times alone, in free
+  // swings of more than a radian, and beside a drive that amplitudes show to vary. Amplitudes under
+  // jitter alone hold a driven clock in place.
+  const bool with_slopes = refined.problem.parameters.escapement == Escapement::none ||
+                           refined.problem.parameters.has(Quantity::drive_rms) ||
+                           !refined.problem.data->has_amplitude();
   for (int round = 0; round < rounds; ++round) {
     const auto here = by_its_own(dynamics, refined);
     if (!here) { // the search led to where the dynamics cannot follow
@@ -72,11 +79,9 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
         refined.minimum.x[k] = 0.5 * (refined.minimum.x[k] + best.minimum.x[k]);
       continue;
     }
-    // Corrections that stood still would pass for knowledge where the log tells a change of the
-    // clock from the difference that the dynamics make of it: along a flat ridge, and beside a
-    // drive that amplitudes show to vary.
-    if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
-      refined.problem.correction.slopes = std::move(*slopes);
+    if (with_slopes)
+      if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
+        refined.problem.correction.slopes = std::move(*slopes);
     if (*here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
