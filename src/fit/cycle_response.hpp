@@ -56,6 +56,18 @@ template <class T> struct CycleBend {
   [[nodiscard]] T of(const T& w2, const T& product, const T& u2) const {
     return w2 * ww + product * wu + u2 * uu;
   }
+  /// The covariance of that and of `other`'s for normal departures: ½ tr(H P H' P) with their matrices
+  /// of second derivatives.
+  [[nodiscard]] T covariance(const CycleBend& other, const T& w2, const T& product,
+                             const T& u2) const {
+    const auto rows = [&](const CycleBend& bend) {
+      return std::array<T, 4>{
+          bend.ww * w2 * 2.0 + bend.wu * product, bend.ww * product * 2.0 + bend.wu * u2,
+          bend.wu * w2 + bend.uu * product * 2.0, bend.wu * product + bend.uu * u2 * 2.0};
+    };
+    const auto a = rows(*this), b = rows(other);
+    return (a[0] * b[0] + a[1] * b[2] + a[2] * b[1] + a[3] * b[3]) * 0.5;
+  }
 };
 
 /// The full equation beside the averaged one, where a clock crosses at one speed.

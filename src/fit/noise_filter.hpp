@@ -15,8 +15,8 @@
 //
 // Where a log determines the amplitude better than the course does, second-order effects matter:
 // the extended filter evaluates the gains at the estimated state of the clock, not on its course,
-// and adds half the second derivatives times the mean squares (second-order extended Kalman filter:
-// Jazwinski 1970, ch. 9).
+// and adds half the second derivatives times the mean squares, and to the covariance the scatter of
+// those squares (second-order extended Kalman filter: Jazwinski 1970, ch. 9).
 // The first time sets the lateness without an innovation, because no time is predicted for it
 // (exact diffuse start). The first amplitude scatters about the course like all others. If it were
 // held to the course, clocks whose inverse response grows (slow gain of the opposite sign) would
@@ -285,7 +285,7 @@ private:
     auto [there, of_amplitude2, of_late] =
         response.there(*sight.laws, sight.amplitude2, sight.T0, end);
     const T w2 = covariance_[1][1];
-    T product = T(0.0), u2 = noise_.drive * noise_.drive;
+    T product = T(0.0), u2 = noise_.drive * noise_.drive, of_mean = T(0.0);
     std::array<T, D> next;
     next[0] = state_[0] + late;
     next[1] = state_[1] + grown;
@@ -294,15 +294,20 @@ private:
       next[0] += there.kick * s;
       next[1] += there.raised * s;
       product = covariance_[1][2];
-      u2 += covariance_[2][2] + s * s;
+      u2 += covariance_[2][2];
+      of_mean = s * s;
       there.gone += s * of_amplitude2.wu;
       there.raised += s * of_amplitude2.uu * 2.0;
       there.follow += s * there.follow_by_drive;
       there.kick += s * of_late.uu * 2.0;
     }
-    next[0] += of_late.of(w2, product, u2);
-    next[1] += of_amplitude2.of(w2, product, u2);
-    const Step step = cycle(sight.T0, there);
+    next[0] += of_late.of(w2, product, u2 + of_mean);
+    next[1] += of_amplitude2.of(w2, product, u2 + of_mean);
+    Step step = cycle(sight.T0, there);
+    step.noise[0][0] += of_late.covariance(of_late, w2, product, u2);
+    step.noise[0][1] += of_late.covariance(of_amplitude2, w2, product, u2);
+    step.noise[1][0] = step.noise[0][1];
+    step.noise[1][1] += of_amplitude2.covariance(of_amplitude2, w2, product, u2);
     if constexpr (D == 3) next[2] = step.transition[2][2] * state_[2];
     state_ = next;
     covariance_ = spread(step.transition, covariance_);

@@ -53,10 +53,9 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
   scenario.start_amplitude = std::sqrt(going.amplitude2_start);
   scenario.periods = static_cast<std::int64_t>(problem.data->cycle.back());
   constexpr std::int64_t worth_a_map = 500; // periods: from there on its patches pay
-  scenario.method.method = dynamics == FitDynamics::averaged2 ? Method::averaged2
-                           : *scenario.periods > worth_a_map && scenario.clock.is_plain()
-                               ? Method::map
-                               : Method::direct;
+  scenario.method.method = dynamics == FitDynamics::averaged2   ? Method::averaged2
+                           : *scenario.periods > worth_a_map ? Method::map
+                                                             : Method::direct;
   for (std::size_t k = 0; k < problem.parameters.event_cycles.size(); ++k) {
     apply_changes(problem.parameters, x, k + 1, going);
     scenario.events.push_back(change_to(clock_of(going), problem.parameters.event_cycles[k]));
