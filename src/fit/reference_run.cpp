@@ -63,39 +63,72 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
   return scenario;
 }
 
-// The run, which from some cycle on repeats its last period.
+// The run of one clock after the other, each of which repeats its last period once it has settled.
 class SettlingRun {
 public:
-  SettlingRun(const Scenario& scenario, double reference_period_s)
-      : run_(scenario, 0, MapDigits::of_a_double), reference_period_s_(reference_period_s) {
-    const double last =
-        scenario.events.empty() ? 0.0 : static_cast<double>(*scenario.events.back().at_period);
-    // The amplitude comes to rest at rate 2 epsilon: 40 times that is below rounding.
-    settled_ = last + 40.0 / (2.0 * two_pi * scenario.clock.epsilon);
+  SettlingRun(const Scenario& scenario, double reference_period_s, double memories)
+      : scenario_(scenario), events_(scenario.events), reference_period_s_(reference_period_s),
+        memories_(memories) {
+    scenario_.events.clear();
+    begin();
   }
 
   // False if the clock stops before.
   bool advance_to(double cycle) {
-    const double until = std::min(cycle, settled_ + 1.0);
-    while (static_cast<double>(run_.last().cycle) < until)
-      if (!run_.next()) return false;
-    beyond_ = cycle - static_cast<double>(run_.last().cycle);
-    return true;
+    while (passed_ < events_.size() && cycle > change_after(passed_)) {
+      if (!go_to(change_after(passed_))) return false;
+      change();
+    }
+    return go_to(cycle);
   }
   [[nodiscard]] double late_s() const {
-    const Period& last = run_.last();
+    const Period& last = run_->last();
     const auto cycle = static_cast<double>(last.cycle);
     const double late = std::fma(-cycle, reference_period_s_, last.time_s.hi) + last.time_s.lo;
-    return late + beyond_ * (last.period_s - reference_period_s_);
+    return late_at_begin_s_ + late + beyond_ * (last.period_s - reference_period_s_);
   }
-  [[nodiscard]] double amplitude() const { return run_.last().amplitude_rad; }
-  [[nodiscard]] double speed2() const { return std::pow(run_.last().velocity, 2); }
+  [[nodiscard]] double amplitude() const { return run_->last().amplitude_rad; }
+  [[nodiscard]] double speed2() const { return std::pow(run_->last().velocity, 2); }
 
 private:
-  ClockRun run_;
+  [[nodiscard]] double change_after(std::size_t event) const {
+    return static_cast<double>(*events_[event].at_period);
+  }
+  void begin() {
+    run_.emplace(scenario_, 0, MapDigits::of_a_double);
+    // The amplitude comes to rest at rate 2 epsilon.
+    settled_ = 1.0 + std::ceil(memories_ / (2.0 * two_pi * scenario_.clock.epsilon));
+    beyond_ = 0.0;
+  }
+  bool go_to(double cycle) {
+    const double until = std::min(cycle - begun_, settled_);
+    while (static_cast<double>(run_->last().cycle) < until)
+      if (!run_->next()) return false;
+    beyond_ = cycle - begun_ - static_cast<double>(run_->last().cycle);
+    return true;
+  }
+  void change() {
+    const ClockParameters next = events_[passed_].applied_to(scenario_.clock);
+    late_at_begin_s_ = late_s();
+    begun_ = change_after(passed_);
+    // phi' is by time in units of T0 / 2 pi.
+    scenario_.start_amplitude = run_->last().velocity * next.nominal_period_s /
+                                scenario_.clock.nominal_period_s;
+    scenario_.clock = next;
+    ++passed_;
+    begin();
+  }
+
+  Scenario scenario_;
+  std::vector<ClockEvent> events_;
+  std::optional<ClockRun> run_;
   double reference_period_s_;
-  double settled_;
-  double beyond_ = 0.0;
+  double memories_;
+  std::size_t passed_ = 0; // events
+  double begun_ = 0.0;     // cycle
+  double late_at_begin_s_ = 0.0;
+  double settled_ = 0.0; // cycles after the beginning
+  double beyond_ = 0.0;  // cycles
 };
 
 // The responses along a course that crosses with these speeds: new ones where the clock changes.
@@ -148,13 +181,18 @@ double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x
 
 namespace {
 
+// Times 1/2 epsilon that a clock runs until it is taken for settled.
+constexpr double memories_below_rounding = 40.0;
+constexpr double memories_below_slopes = 16.0; // what is left is 1e-7 of what settles
+
 std::optional<Correction> difference(FitDynamics dynamics, const FitProblem& problem,
-                                     std::span<const double> x, bool with_responses) {
+                                     std::span<const double> x, double memories,
+                                     bool with_responses) {
   TimingData seen = problem.asked(); // what a perfect sensor would have logged of that clock
   Correction correction;
   std::vector<double> speed2;
   try {
-    SettlingRun run(scenario_of(dynamics, problem, x), seen.reference_period_s);
+    SettlingRun run(scenario_of(dynamics, problem, x), seen.reference_period_s, memories);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!run.advance_to(seen.cycle[i])) return {};
       seen.lateness_s[i] = run.late_s();
@@ -187,31 +225,34 @@ std::optional<Correction> difference(FitDynamics dynamics, const FitProblem& pro
 
 std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
                                         std::span<const double> x) {
-  return difference(dynamics, problem, x, true);
+  return difference(dynamics, problem, x, memories_below_rounding, true);
 }
 
 std::optional<Correction::Slopes>
 slopes_of_difference(FitDynamics dynamics, const FitProblem& problem, std::span<const double> x) {
-  constexpr double step = 1e-5; // of a coordinate: rounding and curvature are both below 1e-6 of it
+  constexpr double step = 1e-5; // of a coordinate: rounding and curvature are both below 1e-4 of it
+  const auto run = [&](std::span<const double> place) {
+    return difference(dynamics, problem, place, memories_below_slopes, false);
+  };
+  const auto here = run(x);
+  if (!here) return {};
   Correction::Slopes slopes;
   slopes.at.assign(x.begin(), x.end());
-  const auto quotient = [](const std::vector<double>& more, const std::vector<double>& less) {
+  const auto quotient = [](const std::vector<double>& there, const std::vector<double>& base) {
     std::vector<double> slope;
-    for (std::size_t i = 0; i < more.size(); ++i)
-      slope.push_back((more[i] - less[i]) / (2.0 * step));
+    for (std::size_t i = 0; i < there.size(); ++i)
+      slope.push_back((there[i] - base[i]) / step);
     return slope;
   };
   for (const Slot& slot : problem.parameters.slots) {
     if (!slot.free || is_noise(slot.quantity)) continue;
     if (slot.index != slopes.late_s.size()) return {}; // those of the noise come last
     std::vector<double> beside = slopes.at;
-    beside[slot.index] = x[slot.index] + step;
-    const auto more = difference(dynamics, problem, beside, false);
-    beside[slot.index] = x[slot.index] - step;
-    const auto less = difference(dynamics, problem, beside, false);
-    if (!more || !less) return {};
-    slopes.late_s.push_back(quotient(more->late_s, less->late_s));
-    slopes.amplitude.push_back(quotient(more->amplitude, less->amplitude));
+    beside[slot.index] += step;
+    const auto there = run(beside);
+    if (!there) return {};
+    slopes.late_s.push_back(quotient(there->late_s, here->late_s));
+    slopes.amplitude.push_back(quotient(there->amplitude, here->amplitude));
   }
   return slopes;
 }

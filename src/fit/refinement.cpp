@@ -5,6 +5,7 @@
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 namespace goingrate::timing_model {
@@ -44,6 +45,28 @@ std::optional<double> by_its_own(FitDynamics dynamics, Fitted& fitted) {
       .value_or(std::numeric_limits<double>::infinity());
 }
 
+// The slopes of corrections, taken anew where the search has moved: they are differences of many
+// runs, and change no more than the parameters do.
+class SlopesNearby {
+public:
+  void put_into(Fitted& fitted, FitDynamics dynamics) {
+    constexpr double near = 0.01; // of a coordinate: of what is itself a small part of the course
+    const std::vector<double>& x = fitted.minimum.x;
+    const auto moves_far = [](double a, double b) { return std::abs(a - b) > near; };
+    if (!slopes_ || !std::equal(x.begin(), x.end(), taken_at_.begin(), std::not_fn(moves_far))) {
+      slopes_ = slopes_of_difference(dynamics, fitted.problem, x);
+      taken_at_ = x;
+    }
+    if (!slopes_) return;
+    fitted.problem.correction.slopes = *slopes_;
+    fitted.problem.correction.slopes.at = x;
+  }
+
+private:
+  std::vector<double> taken_at_;
+  std::optional<Correction::Slopes> slopes_;
+};
+
 // Whether the innovations show that the place explains nothing.
 bool is_lost(const Fitted& fitted) {
   constexpr double beyond_chance = 1e-6;
@@ -64,6 +87,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
+  SlopesNearby slopes;
   // Corrections that stood still would pass for knowledge where the log tells a change of the clock
   // from the difference that the dynamics make of it: along the flat ridge of times alone, in free
   // swings of more than a radian, and beside a drive that amplitudes show to vary. Amplitudes under
@@ -79,9 +103,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
         refined.minimum.x[k] = 0.5 * (refined.minimum.x[k] + best.minimum.x[k]);
       continue;
     }
-    if (with_slopes)
-      if (auto slopes = slopes_of_difference(dynamics, refined.problem, refined.minimum.x))
-        refined.problem.correction.slopes = std::move(*slopes);
+    if (with_slopes) slopes.put_into(refined, dynamics);
     if (*here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
