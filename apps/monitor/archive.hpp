@@ -46,7 +46,7 @@ public:
   void note(const std::string& text, const Instant& at);
   /// The comments of a day.
   [[nodiscard]] std::vector<std::string> notes_of(const std::string& day) const;
-  /// Those behind the last event of the last day.
+  /// Those behind the last event, also of a day before the last.
   [[nodiscard]] std::vector<std::string> last_notes() const;
   /// All that was appended is on disk when it returns. Throws OutputError.
   void sync();

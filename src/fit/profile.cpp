@@ -5,7 +5,9 @@
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 
 namespace goingrate::timing_model {
 
@@ -32,9 +34,18 @@ public:
   }
 
   /// The fall of 2 log L at z, in the units of FittedParameter; nothing where the model does not
-  /// hold. To be called at growing distances on one side, then on the other.
+  /// hold. To be called at growing distances on one side, then on the other. Where the look shows
+  /// how the root of the rise bends, it is taken for that.
   std::optional<double> fall(double z) {
-    if (ridge_.last().z * z < 0.0) ridge_.restart();
+    const bool is_other_side = fallen_z_ * z <= 0.0;
+    fallen_z_ = z;
+    if (is_other_side) {
+      ridge_.restart();
+      const double side = std::copysign(1.0, z), shape = look(side * q95);
+      bend_ = is_straight(shape) || rises_faster(shape) ? std::optional(bend_of(shape, side))
+                                                        : std::nullopt;
+    }
+    if (bend_) return std::pow(z * (1.0 + *bend_ * z) / widening_, 2);
     if (!ridge_.walk_to(z)) return {};
     return 2.0 * std::max(0.0, ridge_.last().rise) / (widening_ * widening_);
   }
@@ -54,21 +65,29 @@ private:
     return (there->value - least_) / parabola;
   }
 
+  static bool is_straight(double shape) {
+    constexpr double straight = 0.1; // of the rise: a twentieth of the interval
+    return std::abs(shape - 1.0) < straight;
+  }
+  static constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
+  static bool rises_faster(double shape) { return shape > 1.0 && shape < largest_straight; }
+  // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
+  [[nodiscard]] double bend_of(double shape, double side) const {
+    return (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
+  }
+
   // Where the profile has risen by q^2/2. One look tells whether the parabola holds.
   Ends ends_on(double side) {
-    constexpr double straight = 0.1; // of the rise: a twentieth of the interval
-    constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
     const double shape = look(side * q95);
-    if (std::abs(shape - 1.0) < straight) return {side * q68 * widening_, side * q95 * widening_};
+    if (is_straight(shape)) return {side * q68 * widening_, side * q95 * widening_};
     const auto by_root = [&]() -> Ends {
-      // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
       if (!(shape > least_straight && shape < largest_straight))
         return {side * infinite, side * infinite};
-      const double b = (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
+      const double b = bend_of(shape, side);
       const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };
       return {root(side * q68 * widening_), root(side * q95 * widening_)};
     };
-    if (!search_ || (shape > 1.0 && shape < largest_straight)) return by_root();
+    if (!search_ || rises_faster(shape)) return by_root();
     // An end beyond the look is believed only where the ridge is lost.
     ridge_.restart();
     const double at68 = walk_to_root(q68 * widening_, side);
@@ -112,6 +131,8 @@ private:
   double least_; // L at the minimum
   double widening_;
   bool search_;
+  double fallen_z_ = 0.0;      // at which the fall was asked for last
+  std::optional<double> bend_; // on its side
 };
 
 // If every relative sigma is below this, the likelihood counts as a parabola: the two sides of an
