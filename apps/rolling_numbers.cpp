@@ -99,9 +99,8 @@ std::vector<Beat> RollingNumbers::number_new(const ClockLog& log) {
 void RollingNumbers::take_nominal_period(const ClockLog& log, const Beats& numbered) {
   nominal_period_s_ = nominal_period(log, numbered, assumptions_);
   const bool is_labelled =
-      options_.both_edges || std::any_of(window_.begin(), window_.end(), [](const Beat& beat) {
-        return beat.edge == Edge::down;
-      });
+      options_.both_edges || std::any_of(window_.begin(), window_.end(),
+                                         [](const Beat& beat) { return beat.edge == Edge::down; });
   if (!log.nominal_period_s && !is_labelled) {
     ClockLog heard;
     heard.events = window_;

@@ -127,8 +127,8 @@ TEST_F(MonitorAlarmsTest, ASensorThatFailsTellsNoSteps) {
   EXPECT_EQ(failing, 2); // raised and over
 }
 
-// Nor is a clock out of beat of which a sensor tells every fourth event falsely, and tocks late: not
-// while it fails, not before it is called failing, not after.
+// Nor is a clock out of beat of which a sensor tells every fourth event falsely, and tocks late:
+// not while it fails, not before it is called failing, not after.
 TEST_F(MonitorAlarmsTest, ASensorThatFailsTellsNoBeatError) {
   for (const int one_in : {4, 8}) {
     Going going;
