@@ -57,6 +57,8 @@ public:
   /// Noted with the next event, whose time it places.
   void set_origin(const Instant& origin);
   [[nodiscard]] std::optional<Instant> last_time() const { return last_time_; }
+  /// That the source told, by the header of the last day.
+  [[nodiscard]] std::optional<double> nominal_period_s() const { return columns_.nominal_period_s; }
 
   /// The direction of that event.
   [[nodiscard]] Edge last_edge() const { return last_edge_; }

@@ -70,6 +70,19 @@ TEST_F(MonitorWatchTest, DirectionsAreToldFromTimes) {
   EXPECT_NEAR(*watch.going().minutes().all().back().beat_error_s(), 0.02, 1e-6);
 }
 
+// A period that the source told, and no rounded mean would be.
+TEST_F(MonitorWatchTest, ThePeriodThatWasToldOutlivesARestart) {
+  log_.nominal_period_s = 1.001;
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 300);
+    EXPECT_EQ(watch.nominal_period_s(), 1.001);
+  }
+  const ClockWatch watch(options_);
+  EXPECT_EQ(watch.nominal_period_s(), 1.001);
+  EXPECT_TRUE(watch.assumptions().empty());
+}
+
 // Both directions without labels and without a period, out of beat and in beat; and with one.
 TEST_F(MonitorWatchTest, WhatIsAssumedIsSaid) {
   const auto said = [&](double beat_error_s) {
