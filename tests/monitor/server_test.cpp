@@ -219,7 +219,7 @@ TEST(MonitorServerEndTest, NoClientHoldsTheEnd) {
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   const auto began = std::chrono::steady_clock::now();
   server.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(3)); // a busy computer
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20)); // a busy computer
 }
 
 // Byte by byte a request would take a day.
