@@ -3,6 +3,7 @@
 #include "goingrate/base/errors.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace goingrate::apps {
 
@@ -74,8 +75,7 @@ std::vector<Beat> RollingNumbers::number_new(const ClockLog& log) {
   try {
     const Beats numbered = numbered_window(log);
     period_s_ = numbered.typical_period_s;
-    std::vector<Assumption> unused;
-    if (nominal_period_s_ == 0.0) nominal_period_s_ = nominal_period(log, numbered, unused);
+    if (nominal_period_s_ == 0.0) take_nominal_period(log, numbered);
     const Shift shift = shift_of(numbered.beats);
     const std::int64_t last_cycle = last_ ? last_->cycle : numbered.beats.front().cycle;
     for (; handed_out_ < window_.size(); ++handed_out_) {
@@ -92,6 +92,26 @@ std::vector<Beat> RollingNumbers::number_new(const ClockLog& log) {
   }
   forget_old();
   return fresh;
+}
+
+// Without a period that is told and without labels nothing but a beat error shows that both
+// directions are told.
+void RollingNumbers::take_nominal_period(const ClockLog& log, const Beats& numbered) {
+  nominal_period_s_ = nominal_period(log, numbered, assumptions_);
+  const bool is_labelled =
+      options_.both_edges || std::any_of(window_.begin(), window_.end(),
+                                         [](const Beat& beat) { return beat.edge == Edge::down; });
+  if (!log.nominal_period_s && !is_labelled) {
+    ClockLog heard;
+    heard.events = window_;
+    const bool alternate = label_alternate_edges(heard, false, {});
+    assumptions_.push_back(
+        {fmt::format("every event is a crossing in the same direction{}",
+                     alternate ? ", though intervals alternate, as those between both do"
+                               : "; if every other one is in the other, the period is twice that"),
+         Setting::both_edges});
+  }
+  name_options(assumptions_);
 }
 
 void RollingNumbers::keep_gaps(const Beats& numbered, const Shift& shift, std::int64_t from_cycle) {

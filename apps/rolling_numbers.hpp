@@ -42,6 +42,9 @@ public:
   [[nodiscard]] double period_s() const { return period_s_; } ///< 0 until it is known
   /// The period that rates are compared with, s; 0 until it is known.
   [[nodiscard]] double nominal_period_s() const { return nominal_period_s_; }
+  /// What was assumed for it, with the options that say otherwise
+  /// (MonitorWatchTest.WhatIsAssumedIsSaid).
+  [[nodiscard]] const std::vector<Assumption>& assumptions() const { return assumptions_; }
 
 private:
   // The way from cycles and segments of a numbering to those that are handed out.
@@ -53,6 +56,7 @@ private:
   [[nodiscard]] Beats number(std::vector<Beat> events, const ClockLog& log) const;
   [[nodiscard]] Beats numbered_window(const ClockLog& log) const;
   [[nodiscard]] Shift shift_of(const std::vector<Beat>& numbered) const;
+  void take_nominal_period(const ClockLog& log, const Beats& numbered);
   void keep_gaps(const Beats& numbered, const Shift& shift, std::int64_t from_cycle);
   Beat judged(Beat beat);
   void forget_old();
@@ -64,6 +68,7 @@ private:
   std::optional<Beat> last_;   // the last good one that was handed out
   std::vector<Gap> gaps_;
   std::string failure_;
+  std::vector<Assumption> assumptions_;
   double period_s_ = 0.0, nominal_period_s_ = 0.0;
 };
 

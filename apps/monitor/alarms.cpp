@@ -11,7 +11,8 @@ namespace {
 
 constexpr double seconds_a_day = 86400.0;
 constexpr std::size_t looked_back_minutes = 10;
-constexpr double faulty_clears = 0.03; // share of events below which a sensor works again
+constexpr double tolerated_share = 0.05; // of events, missing or false, of a sensor that works
+constexpr double faulty_clears = 0.03;   // below which one works again
 
 } // namespace
 
@@ -27,7 +28,6 @@ struct LastMinutes {
   // Whether a sensor that is good enough, whose faults come one by one, would say so more than once
   // in five years.
   [[nodiscard]] bool tells_of_failure() const {
-    constexpr double tolerated_share = 0.05;
     constexpr double false_alarms_a_year = 0.2;
     constexpr double tests_a_year = 525960.0 / static_cast<double>(looked_back_minutes);
     return faults > 0 &&
@@ -47,6 +47,9 @@ LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last,
     sum.beats += all[i].beats;
     sum.missed += all[i].missed;
     sum.spurious += all[i].spurious;
+    // Directions are those of a sensor that tells nearly every event, and hardly another.
+    const auto faults = static_cast<double>(all[i].missed + all[i].spurious);
+    if (faults > tolerated_share * (static_cast<double>(all[i].beats) + faults)) continue;
     sum.beat_error_sum += all[i].beat_error_sum;
     sum.beat_errors += all[i].beat_errors;
   }
@@ -205,6 +208,7 @@ void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
   tell_faults(last, at);
   if (last.faulty_share() < faulty_clears)
     set(AlarmKind::sensor_failing, false, at, "the sensor tells nearly every beat again");
+  if (is_faulty_ || is_raised(AlarmKind::sensor_failing)) return;
   const double uneven = std::abs(last.beat_error_s) / nominal_period_s;
   if (last.has_beat_error && uneven > uneven_raises)
     set(AlarmKind::out_of_beat, true, at,

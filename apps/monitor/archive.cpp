@@ -49,6 +49,11 @@ void sync_folder(const std::string& folder) {
   if (!done) fail(folder);
 }
 
+// A row, whose time counts from 1970, and no header.
+bool is_event(const std::string& line) {
+  return !line.empty() && line.front() >= '0' && line.front() <= '9';
+}
+
 bool is_day(const std::string& name) {
   return name.size() == 14 && name.ends_with(".csv") && name[4] == '-' && name[7] == '-';
 }
@@ -277,14 +282,20 @@ bool Archive::holds(const Instant& time) const {
 
 std::vector<std::string> Archive::last_notes() const {
   const auto all = days();
-  if (all.empty()) return {};
-  std::ifstream file(path_of(all.back()));
   std::vector<std::string> notes;
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("# "))
-      notes.push_back(line.substr(2));
-    else
-      notes.clear();
+  bool has_event = false;
+  for (auto day = all.rbegin(); day != all.rend() && !has_event; ++day) {
+    std::vector<std::string> of_day;
+    std::ifstream file(path_of(*day));
+    for (std::string line; std::getline(file, line);)
+      if (line.starts_with("# ")) {
+        of_day.push_back(line.substr(2));
+      } else if (is_event(line)) {
+        has_event = true;
+        of_day.clear();
+      }
+    notes.insert(notes.begin(), of_day.begin(), of_day.end());
+  }
   return notes;
 }
 

@@ -46,7 +46,7 @@ public:
   void note(const std::string& text, const Instant& at);
   /// The comments of a day.
   [[nodiscard]] std::vector<std::string> notes_of(const std::string& day) const;
-  /// Those behind the last event of the last day.
+  /// Those behind the last event, also of a day before the last.
   [[nodiscard]] std::vector<std::string> last_notes() const;
   /// All that was appended is on disk when it returns. Throws OutputError.
   void sync();
@@ -57,6 +57,8 @@ public:
   /// Noted with the next event, whose time it places.
   void set_origin(const Instant& origin);
   [[nodiscard]] std::optional<Instant> last_time() const { return last_time_; }
+  /// That the source told, by the header of the last day.
+  [[nodiscard]] std::optional<double> nominal_period_s() const { return columns_.nominal_period_s; }
 
   /// The direction of that event.
   [[nodiscard]] Edge last_edge() const { return last_edge_; }

@@ -25,7 +25,10 @@ ClockWatch::ClockWatch(WatchOptions options)
       alarms_(options_.patience_s, options_.lateness_s), diary_(archive_, index_) {
   goes_on_from_unread_ = !unread_.text().empty();
   log_.source = options_.folder;
-  if (options_.log.nominal_period_s > 0.0) log_.nominal_period_s = options_.log.nominal_period_s;
+  // What is read again is numbered before the source says anything.
+  log_.nominal_period_s = options_.log.nominal_period_s > 0.0
+                              ? std::optional(options_.log.nominal_period_s)
+                              : archive_.nominal_period_s();
   restore();
 }
 

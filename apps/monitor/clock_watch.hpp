@@ -54,6 +54,10 @@ public:
   [[nodiscard]] const Going& going() const { return going_; }
   [[nodiscard]] double nominal_period_s() const { return numbers_.nominal_period_s(); }
   [[nodiscard]] double period_s() const { return numbers_.period_s(); }
+  /// What was assumed of the source, with the options that say otherwise.
+  [[nodiscard]] const std::vector<Assumption>& assumptions() const {
+    return numbers_.assumptions();
+  }
   [[nodiscard]] const Alarms& alarms() const { return alarms_; }
   [[nodiscard]] const std::deque<AlarmRecord>& alarm_records() const { return diary_.records(); }
   [[nodiscard]] const std::deque<CountBreak>& breaks() const { return breaks_; }

@@ -1,6 +1,7 @@
 #include "day_columns.hpp"
 
 #include <array>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <fstream>
 #include <limits>
@@ -21,13 +22,17 @@ constexpr std::array named_columns{NamedColumn{"edge", &NativeColumns::edge},
                                    NamedColumn{"pressure_mbar", &NativeColumns::pressure},
                                    NamedColumn{"humidity_percent", &NativeColumns::humidity}};
 
+constexpr std::string_view period_words = "# nominal_period_s: ";
+
 } // namespace
 
 std::optional<NativeColumns> header_of(const std::string& path) {
   std::ifstream file(path);
+  NativeColumns columns;
   for (std::string line; std::getline(file, line);) {
+    if (line.starts_with(period_words))
+      columns.nominal_period_s = std::strtod(line.c_str() + period_words.size(), nullptr);
     if (!line.starts_with("time_s")) continue;
-    NativeColumns columns;
     columns.decimals = archive_decimals;
     for (const auto& [name, column] : named_columns)
       columns.*column = (line + ",").find(fmt::format(",{},", name)) != line.npos;

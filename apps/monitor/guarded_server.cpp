@@ -177,7 +177,34 @@ void GuardedServer::answer(socket_t socket) {
   process_request(exchange, true, is_closed, nullptr);
 }
 
+// Whether it may be answered: not at the end.
+bool GuardedServer::take_in(socket_t socket) {
+  const std::lock_guard lock(mutex_);
+  if (!ends_) connections_.insert(socket);
+  return !ends_;
+}
+
+// Before it is closed: another connection may have its number then.
+void GuardedServer::let_go(socket_t socket) {
+  const std::lock_guard lock(mutex_);
+  connections_.erase(socket);
+}
+
+void GuardedServer::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+    for (const socket_t socket : connections_) // what waits for it goes on at once, with a failure
+      ::shutdown(socket, SHUT_RDWR);
+  }
+  stop();
+}
+
 bool GuardedServer::process_and_close_socket(socket_t socket) {
+  if (!take_in(socket)) {
+    ::close(socket);
+    return false;
+  }
   const std::string address = address_of(socket);
   const bool may_enter = shares_.enter(address, Clock::now());
   if (may_enter) {
@@ -186,6 +213,7 @@ bool GuardedServer::process_and_close_socket(socket_t socket) {
   } else {
     refuse(socket, "429 Too Many Requests");
   }
+  let_go(socket);
   close_politely(socket, may_enter);
   return true;
 }

@@ -4,6 +4,9 @@
 #include "client_shares.hpp"
 
 #include <httplib.h>
+#include <mutex>
+#include <set>
+#include <string>
 
 namespace goingrate::apps {
 
@@ -17,12 +20,21 @@ public:
   GuardedServer(int most_connections, std::string endless)
       : shares_(most_connections), endless_(std::move(endless)) {}
 
+  /// Breaks every connection off and stops listening: nothing waits for a client any more, however
+  /// slow it is (MonitorServerTest.NoClientHoldsTheEnd).
+  void end();
+
 private:
   bool process_and_close_socket(socket_t socket) override;
   void answer(socket_t socket);
+  bool take_in(socket_t socket);
+  void let_go(socket_t socket);
 
   ClientShares shares_;
   std::string endless_;
+  std::mutex mutex_;
+  std::set<socket_t> connections_; // that are answered
+  bool ends_ = false;
 };
 
 } // namespace goingrate::apps

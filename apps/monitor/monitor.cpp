@@ -150,6 +150,8 @@ private:
       say(global_, failure);
       watch_.note(failure, now());
     }
+    for (; assumptions_told_ < watch_.assumptions().size(); ++assumptions_told_)
+      say(global_, "assumed: " + watch_.assumptions()[assumptions_told_].text);
     const auto at = std::chrono::steady_clock::now();
     if (server_ && at - published_ >= std::chrono::seconds(1)) publish(now().wall);
   }
@@ -170,6 +172,7 @@ private:
   std::optional<MonitorServer> server_;
   std::chrono::steady_clock::time_point published_;
   std::string failure_; // of the source, said once
+  std::size_t assumptions_told_ = 0;
 };
 
 void run(MonitorOptions options, const GlobalOptions& global) {

@@ -10,7 +10,6 @@
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
 #include <future>
@@ -114,7 +113,7 @@ struct MonitorServer::Parts {
       if (listeners.fetch_add(1) >= most_listeners) {
         listeners.fetch_sub(1);
         response.status = 503;
-        response.set_header("Retry-After", "60");
+        response.set_header("Retry-After", "10"); // as the page does
         return;
       }
       response.set_chunked_content_provider(
@@ -168,7 +167,6 @@ struct MonitorServer::Parts {
   static constexpr int threads = 64;            // a connection holds one
   GuardedServer server{threads / 2, "/events"}; // one address leaves half of them to others
   std::thread thread;
-  std::promise<void> ended;
   std::mutex mutex;
   std::condition_variable changed;
   WatchAnswers answers;
@@ -188,10 +186,16 @@ MonitorServer::MonitorServer(const ListenAddress& address) : parts_(std::make_un
     throw OutputError(fmt::format("{}:{}", address.host, address.port),
                       "cannot listen there: the port is taken, or the address is not this "
                       "computer's");
-  parts_->thread = std::thread([this] {
+  std::promise<void> ended;
+  const auto end = ended.get_future();
+  parts_->thread = std::thread([this, ended = std::move(ended)]() mutable {
     parts_->server.listen_after_bind();
-    parts_->ended.set_value();
+    ended.set_value();
   });
+  // What does not run yet cannot be stopped.
+  while (!parts_->server.is_running() &&
+         end.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout) {
+  }
 }
 
 MonitorServer::~MonitorServer() {
@@ -200,11 +204,7 @@ MonitorServer::~MonitorServer() {
     parts_->ends = true;
   }
   parts_->changed.notify_all();
-  parts_->server.stop();
-  // A client that sends a byte now and then would be waited for as long as it likes.
-  constexpr std::chrono::seconds patience{3};
-  if (parts_->ended.get_future().wait_for(patience) == std::future_status::timeout)
-    std::_Exit(EXIT_SUCCESS);
+  parts_->server.end();
   parts_->thread.join();
 }
 

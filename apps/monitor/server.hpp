@@ -26,8 +26,7 @@ class MonitorServer {
 public:
   /// Listens at once. Throws OutputError if the address cannot be used.
   explicit MonitorServer(const ListenAddress& address);
-  /// Ends the process where a client still holds a thread after three seconds: what is to be kept
-  /// must be on disk by then.
+  /// Breaks off what is still answered.
   ~MonitorServer();
 
   /// From now on these are given.

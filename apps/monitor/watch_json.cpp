@@ -63,6 +63,9 @@ Json now_json(const ClockWatch& watch, const std::string& name, const Instant& n
   for (const AlarmChange& alarm : watch.alarms().raised())
     raised.push_back(
         {{"kind", name_of(alarm.kind)}, {"at", alarm.at.to_double()}, {"text", alarm.text}});
+  Json assumed = Json::array();
+  for (const Assumption& assumption : watch.assumptions())
+    assumed.push_back(assumption.text);
   const bool knows = going.last().has_value();
   std::optional<double> amplitude, beat_error;
   if (const auto& minutes = going.minutes().all(); minutes.size() > 1 && silence < present_s) {
@@ -88,6 +91,7 @@ Json now_json(const ClockWatch& watch, const std::string& name, const Instant& n
             {"day", rate_json(going.hours().rate_over(24, nominal, silence))},
             {"year", rate_json(rate_of_a_year(going, nominal, silence))}}},
           {"alarms", std::move(raised)},
+          {"assumed", std::move(assumed)},
           {"heard", watch.heard()},
           {"acknowledged", watch.acknowledged()},
           {"lost", watch.lost()}};

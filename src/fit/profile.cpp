@@ -5,7 +5,9 @@
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 
 namespace goingrate::timing_model {
 
@@ -26,9 +28,9 @@ public:
 
   /// The ends of the interval, in z.
   Interval ends() {
-    const auto [low68, low95] = ends_on(-1.0);
-    const auto [high68, high95] = ends_on(1.0);
-    return {low68, high68, low95, high95};
+    const auto [low68, low95, low] = ends_on(-1.0);
+    const auto [high68, high95, high] = ends_on(1.0);
+    return {low68, high68, low95, high95, low, high};
   }
 
   /// The fall of 2 log L at z, in the units of FittedParameter; nothing where the model does not
@@ -42,7 +44,9 @@ public:
 private:
   struct Ends {
     double at68, at95;
+    Interval::Root root;
   };
+  static Ends open_ends(double side) { return {side * infinite, side * infinite, {{}, {}}}; }
 
   // The rise at q sigma along the tangent, after one step of scoring, over the parabola's; 0 where
   // that step gains so much that it may not be believed.
@@ -59,22 +63,24 @@ private:
     constexpr double straight = 0.1; // of the rise: a twentieth of the interval
     constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
     const double shape = look(side * q95);
-    if (std::abs(shape - 1.0) < straight) return {side * q68 * widening_, side * q95 * widening_};
+    // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
+    const double b = (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
+    const Interval::Root line{{0.0, 1.0}, {1.0, 1.0 + b}};
+    if (std::abs(shape - 1.0) < straight)
+      return {side * q68 * widening_, side * q95 * widening_, line};
     const auto by_root = [&]() -> Ends {
-      // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
-      if (!(shape > least_straight && shape < largest_straight))
-        return {side * infinite, side * infinite};
-      const double b = (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
+      if (!(shape > least_straight && shape < largest_straight)) return open_ends(side);
       const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };
-      return {root(side * q68 * widening_), root(side * q95 * widening_)};
+      return {root(side * q68 * widening_), root(side * q95 * widening_), line};
     };
     if (!search_ || (shape > 1.0 && shape < largest_straight)) return by_root();
     // An end beyond the look is believed only where the ridge is lost.
     ridge_.restart();
+    feet_ = {{0.0}, {1.0}};
     const double at68 = walk_to_root(q68 * widening_, side);
     if (!std::isfinite(at68)) return by_root();
     const double at95 = walk_to_root(q95 * widening_, side);
-    return std::isfinite(at95) ? Ends{at68, at95} : by_root();
+    return std::isfinite(at95) ? Ends{at68, at95, feet_} : by_root();
   }
 
   static double root_of(const Foot& foot) { return std::sqrt(2.0 * std::max(0.0, foot.rise)); }
@@ -90,6 +96,8 @@ private:
       const Foot& last = ridge_.last();
       if (std::abs(last.z) > farthest * widening_ || !ridge_.advance(side))
         return root_of(last) > 0.5 * target ? last.z * target / root_of(last) : side * infinite;
+      feet_.z.push_back(ridge_.last().z);
+      feet_.over_z.push_back(root_of(ridge_.last()) / std::abs(ridge_.last().z));
     }
     // The root is nearly linear between the two.
     const Foot &within = ridge_.before(), &beyond = ridge_.last();
@@ -112,6 +120,7 @@ private:
   double least_; // L at the minimum
   double widening_;
   bool search_;
+  Interval::Root feet_{}; // of the side that is walked
 };
 
 // If every relative sigma is below this, the likelihood counts as a parabola: the two sides of an
@@ -131,6 +140,37 @@ const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few
       return all;
   }
   return *few;
+}
+
+// On the parabola through the three places nearest to z, or the line through two.
+double root_at(const Interval::Root& root, double z) {
+  const std::size_t count = std::min<std::size_t>(3, root.z.size());
+  const auto beyond = std::find_if(root.z.begin(), root.z.end(),
+                                   [&](double at) { return std::abs(at) >= std::abs(z); });
+  const auto place = static_cast<std::size_t>(beyond - root.z.begin());
+  const std::size_t first =
+      std::min(place - std::min<std::size_t>(place, 2), root.z.size() - count);
+  double over_z = 0.0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    double weight = root.over_z[i];
+    for (std::size_t k = first; k < first + count; ++k)
+      if (k != i) weight *= (z - root.z[k]) / (root.z[i] - root.z[k]);
+    over_z += weight;
+  }
+  return std::abs(z) * over_z;
+}
+
+// The root at `points` places up to `reach`; empty where it is unknown or does not grow.
+std::vector<double> rising(const Interval::Root& root, double reach, int points) {
+  std::vector<double> values;
+  if (root.z.size() < 2) return values;
+  double last = 0.0;
+  for (int i = 1; i <= points; ++i) {
+    const double here = root_at(root, reach * i / points);
+    if (!(here > last)) return {};
+    values.push_back(last = here);
+  }
+  return values;
 }
 
 } // namespace
@@ -164,7 +204,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
     const Interval z = Profile(seen_for(all, few), k, sigma / unit, search).ends();
     const double least = !problem.bounds.empty() && problem.bounds[k][0] == 0.0 ? 0.0 : -infinite;
     const auto at = [&](double end) { return std::max(least, x + end * unit); };
-    result[k] = {at(z.low68), at(z.high68), at(z.low95), at(z.high95)};
+    result[k] = {at(z.low68), at(z.high68), at(z.low95), at(z.high95), z.low, z.high};
   });
   return result;
 }
@@ -182,14 +222,18 @@ std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const Profile
     const bool low = end == interval.low95;
     const double reach = std::isfinite(end) ? reach_factor * (end - all.minimum.x[k]) / unit
                                             : (low ? -open_reach : open_reach) * widening;
+    const auto roots = rising(low ? interval.low : interval.high, reach, points_a_side);
     for (int i = 1; i <= points_a_side; ++i) {
       pulse();
       const double z = reach * i / points_a_side;
       x[k] = all.minimum.x[k] + z * unit;
       const auto& bounds = all.problem.bounds;
       if (!bounds.empty() && (x[k] < bounds[k][0] || x[k] > bounds[k][1])) break;
-      if (const auto fall = profile.fall(z))
-        found.push_back({slot.value(std::span<const double>(x)), *fall});
+      const auto fall =
+          roots.empty()
+              ? profile.fall(z)
+              : std::optional(std::pow(roots[static_cast<std::size_t>(i - 1)] / widening, 2));
+      if (fall) found.push_back({slot.value(std::span<const double>(x)), *fall});
     }
   }
   std::sort(found.begin(), found.end(),

@@ -19,8 +19,9 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
                                 bool model_holds);
 
 /// Points of the profile of one parameter between its interval's ends and a little beyond, or three
-/// sigma where an end is open: each by a look at the ridge and a scoring step of the others, or by
-/// a search where that step gains much. `few` as for intervals().
+/// sigma where an end is open: on the root that told the ends, so that they cost no look at the
+/// log, and along the ridge where an end is open
+/// (ClockFitTest.AProfileIsThatOfFitsWithTheParameterHeld). `few` as for intervals().
 std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
                                          const Slot& slot, const Interval& interval);
 

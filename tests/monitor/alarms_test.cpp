@@ -127,6 +127,37 @@ TEST_F(MonitorAlarmsTest, ASensorThatFailsTellsNoSteps) {
   EXPECT_EQ(failing, 2); // raised and over
 }
 
+// Nor is a clock out of beat of which a sensor tells every fourth event falsely, and tocks late:
+// not while it fails, not before it is called failing, not after.
+TEST_F(MonitorAlarmsTest, ASensorThatFailsTellsNoBeatError) {
+  for (const int one_in : {4, 8}) {
+    Going going;
+    Alarms alarms(0.0);
+    std::int64_t cycle = 0;
+    for (int minute = 0; minute < 1200; ++minute) {
+      const bool fails = minute >= 600 && minute < 900;
+      for (int n = 0; n < 60; ++n, ++cycle) {
+        const auto add = [&](double at, BeatFlag flag) {
+          Beat beat = event_at(began + (static_cast<double>(cycle) + at));
+          beat.cycle = cycle;
+          beat.flag = flag;
+          going.add(beat, 0);
+        };
+        add(1e-5 * random_.normal(), BeatFlag::good);
+        alarms.heard(going, 1.0, false);
+        add(fails ? 0.6 : 0.5, BeatFlag::down);
+        if (fails && n % one_in == 0) going.add_spurious();
+      }
+    }
+    int failing = 0;
+    for (const AlarmChange& change : alarms.take_changes()) {
+      EXPECT_EQ(change.kind, AlarmKind::sensor_failing) << change.text;
+      ++failing;
+    }
+    EXPECT_EQ(failing, 2) << one_in; // raised and over
+  }
+}
+
 TEST_F(MonitorAlarmsTest, EventsThatAreNoBeatsOfThePeriodAreToldOf) {
   options_.log.nominal_period_s = 1.5;
   log_.nominal_period_s = 1.5;

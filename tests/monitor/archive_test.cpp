@@ -7,6 +7,7 @@
 #include "goingrate/log/reading.hpp"
 
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <sys/syscall.h>
@@ -122,6 +123,16 @@ TEST_F(MonitorArchiveTest, WhatAFailedSyncLostIsWrittenAgain) {
   ASSERT_EQ(events.size(), 9U);
   for (std::int64_t i = 0; i < 9; ++i)
     EXPECT_EQ(events[static_cast<std::size_t>(i)].time, (Instant{1764201600 + i, 0.25}));
+}
+
+TEST_F(MonitorArchiveTest, NotesBehindTheLastEventAreFoundAfterMidnight) {
+  fill();
+  Archive(folder_).note("of the evening", {1764201608, 0.0});
+  for (const std::int64_t days : {1, 3}) // those days have nothing but comments
+    Archive(folder_).note(fmt::format("{} days later", days), {1764201608 + days * 86400, 0.0});
+  auto notes = Archive(folder_).last_notes();
+  std::erase_if(notes, [](const std::string& note) { return note.find(':') != note.npos; }); // heads
+  EXPECT_EQ(notes, (std::vector<std::string>{"of the evening", "1 days later", "3 days later"}));
 }
 
 TEST_F(MonitorArchiveTest, DamageInTheMiddleCutsNothingOff) {

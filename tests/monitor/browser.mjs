@@ -1,6 +1,7 @@
 // The page of a monitor in headless Chromium. Arguments: CHROMIUM ADDRESS FOLDER-FOR-PICTURES.
 import { Browser, check, faultCount, pause } from "../web/driver.mjs";
 import { writeFileSync } from "node:fs";
+import { get } from "node:http";
 import { join } from "node:path";
 
 const [chromium, address, folder] = process.argv.slice(2);
@@ -30,5 +31,24 @@ await pause(500);
 check(await browser.value(`document.querySelector("#rate .line, #rate text") !== null`), "hours are drawn");
 check(browser.complaints.length === 0, `the console is silent ${browser.complaints.join("; ")}`);
 check(browser.requests.every((url) => url.startsWith(address)), "nothing is asked of others");
+
+// While sixteen others listen the page shows the state as it was, and is live again when they have gone.
+const listen = () => new Promise((done) => get(address + "events", (answer) => done(answer)).on("error", () => done(null)));
+const others = [];
+await browser.send("Page.navigate", { url: "about:blank" });
+while (others.length < 16) {
+  const answer = await listen();
+  if (answer?.statusCode === 200) others.push(answer.on("data", () => {}).on("error", () => {}));
+  else await pause(1000); // the page's own place is free when its end is noticed
+}
+await browser.send("Page.navigate", { url: address });
+await browser.until(`document.querySelector("#cards dd")`, "the one too many is shown how the clock goes");
+const shown = Number(await beats());
+await pause(4000);
+check(Number(await beats()) === shown, `it is not live: ${shown} beats`);
+for (const answer of others) answer.destroy();
+await browser.until(`Number([...document.querySelectorAll("#cards div")].find((d) => d.textContent.startsWith("beats")).querySelector("dd").textContent) > ${shown + 5}`, "it asks again and is live");
+check(true, `and live when others have gone`);
+check(browser.complaints.every((words) => words.includes("503")), `the console tells of the refusal alone ${browser.complaints.join("; ")}`);
 await browser.close?.();
 process.exit(faultCount() === 0 ? 0 : 1);

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <sys/socket.h>
@@ -115,8 +116,7 @@ TEST_F(MonitorServerTest, Answers) {
 }
 
 TEST_F(MonitorServerTest, APortIsListenedAtByOne) {
-  // Not destroyed if it is made: that may end the process before the failure is told.
-  EXPECT_THROW(static_cast<void>(new MonitorServer({"127.0.0.1", server_.port()})), OutputError);
+  EXPECT_THROW(MonitorServer({"127.0.0.1", server_.port()}), OutputError);
   EXPECT_TRUE(get("/").starts_with("HTTP/1.1 200")); // it answers still
 }
 
@@ -173,6 +173,53 @@ TEST_F(MonitorServerTest, AHeadIsNoListener) {
   const Client listener(server_.port());
   EXPECT_TRUE(listener.says("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   EXPECT_TRUE(listener.hears(12).starts_with("HTTP/1.1 200"));
+}
+
+// As many as sixteen listen; one more is told to ask again, and is let in when another has gone.
+TEST_F(MonitorServerTest, OneListenerTooManyIsToldToWait) {
+  const std::string request = "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  std::vector<Client> listeners;
+  for (int i = 0; i < 16; ++i) {
+    listeners.emplace_back(server_.port());
+    EXPECT_TRUE(listeners.back().says(request));
+    EXPECT_TRUE(listeners.back().hears(12).starts_with("HTTP/1.1 200")) << i;
+  }
+  {
+    const Client one_more(server_.port());
+    EXPECT_TRUE(one_more.says(request));
+    ASSERT_TRUE(one_more.hears(12).starts_with("HTTP/1.1 503"));
+  }
+  const std::string refusal = ask(request);
+  EXPECT_NE(refusal.find("Retry-After: 10"), std::string::npos) << refusal;
+  EXPECT_TRUE(get("/api/now").ends_with("{\"beats\":7}")); // which it may ask for meanwhile
+  listeners.pop_back();
+  bool is_let_in = false;
+  for (int second = 0; second < 60 && !is_let_in; ++second) { // a comment every five tells who went
+    const Client next(server_.port());
+    EXPECT_TRUE(next.says(request));
+    is_let_in = next.hears(12).starts_with("HTTP/1.1 200");
+    if (!is_let_in) std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+  EXPECT_TRUE(is_let_in);
+}
+
+// Those that say nothing, that listen, that take nothing of what they asked for.
+TEST(MonitorServerEndTest, NoClientHoldsTheEnd) {
+  auto server = std::make_unique<MonitorServer>(ListenAddress{"127.0.0.1", 0});
+  WatchAnswers answers;
+  answers.minutes = std::string(16'000'000, 'm'); // more than sockets hold
+  server->publish(answers);
+  std::vector<Client> clients;
+  for (const char* request : {"G", "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n",
+                              "GET /api/minutes HTTP/1.1\r\nHost: localhost\r\n\r\n"})
+    for (int i = 0; i < 10; ++i) {
+      clients.emplace_back(server->port());
+      EXPECT_TRUE(clients.back().says(request));
+    }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto began = std::chrono::steady_clock::now();
+  server.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20)); // a busy computer
 }
 
 // Byte by byte a request would take a day.

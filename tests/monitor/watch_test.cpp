@@ -70,6 +70,44 @@ TEST_F(MonitorWatchTest, DirectionsAreToldFromTimes) {
   EXPECT_NEAR(*watch.going().minutes().all().back().beat_error_s(), 0.02, 1e-6);
 }
 
+// A period that the source told, and no rounded mean would be.
+TEST_F(MonitorWatchTest, ThePeriodThatWasToldOutlivesARestart) {
+  log_.nominal_period_s = 1.001;
+  {
+    ClockWatch watch(options_);
+    hear(watch, 0, 300);
+    EXPECT_EQ(watch.nominal_period_s(), 1.001);
+  }
+  const ClockWatch watch(options_);
+  EXPECT_EQ(watch.nominal_period_s(), 1.001);
+  EXPECT_TRUE(watch.assumptions().empty());
+}
+
+// Both directions without labels and without a period, out of beat and in beat; and with one.
+TEST_F(MonitorWatchTest, WhatIsAssumedIsSaid) {
+  const auto said = [&](double beat_error_s) {
+    std::filesystem::remove_all(options_.folder);
+    ClockWatch watch(options_);
+    for (std::int64_t n = 0; n < 120; ++n) {
+      const double at = 0.5 * time_of(n) + (n % 2 == 0 ? 0.0 : 0.5 * beat_error_s);
+      hear_event(watch, event_at(Instant::from_seconds(at)), at, n);
+    }
+    watch.idle(log_, began + 61.0);
+    std::string words;
+    for (const Assumption& assumption : watch.assumptions())
+      words += assumption.text + "\n";
+    return words;
+  };
+  EXPECT_EQ(said(0.0), "");
+  log_.nominal_period_s.reset();
+  EXPECT_EQ(said(0.0), "nominal period 0.5 s, the mean period 0.499990 s rounded (see "
+                       "--nominal-period)\n"
+                       "every event is a crossing in the same direction; if every other one is in "
+                       "the other, the period is twice that (see --both-edges)\n");
+  EXPECT_NE(said(0.02).find("intervals alternate, as those between both do (see --both-edges)"),
+            std::string::npos);
+}
+
 TEST_F(MonitorWatchTest, WidthsOfAFlagGiveAmplitudes) {
   options_.log.flag_width_rad = 0.002;
   options_.log.nominal_period_s = period_s;
