@@ -216,8 +216,10 @@ void state_combinations(const FitProblem& problem, const AtPlace& place, FitSumm
     for (const DerivedQuantity& quantity : {relaxation, summary.stationary_amplitude, fast, slow})
       add_if_known(quantity);
   const FittedParameter* drive = summary.find("drive_rms");
+  const FittedParameter* friction = summary.find("epsilon");
+  const bool at_bound = friction != nullptr && friction->at_bound; // its curvature tells nothing
   if (drive == nullptr || drive->status != ParameterStatus::undetermined ||
-      summary.model.escapement != Escapement::constant_torque)
+      summary.model.escapement != Escapement::constant_torque || at_bound)
     return;
   add_if_known(
       place.of_place("least fast drive", "if λ is at most 4 φ0", "",

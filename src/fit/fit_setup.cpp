@@ -433,6 +433,9 @@ double least_visible_jitter(const TimingData& data) {
 
 // Beyond it no averaged equation holds: Q below 5.
 constexpr double largest_epsilon = 0.1;
+// Q of 5 million. Pendulums in vacuum reach some 1e5; and without a bound a misfit that looks like a
+// rate that bends for ever is given to a clock that never settles.
+constexpr double least_epsilon = 1e-7;
 
 // The widest swing that is tried, of those that fall short of the top; any torsion may be where
 // gravity's share is free.
@@ -453,6 +456,8 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     auto& [low, high] = bounds[slot.index];
     if (slot.coordinate == Coordinate::multiple && !may_be_negative(slot)) low = 0.0;
     if (slot.quantity == Quantity::epsilon) high = slot.coordinate_of(largest_epsilon);
+    if (slot.quantity == Quantity::epsilon && slot.coordinate == Coordinate::logarithm)
+      low = slot.coordinate_of(least_epsilon);
     if (slot.quantity == Quantity::moment)
       low = -8.0, high = 8.0; // cycles: beyond, the date would have moved
     if (slot.quantity == Quantity::lambda0) high = std::log(largest_lambda(parameters));
