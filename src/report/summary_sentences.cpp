@@ -230,11 +230,14 @@ std::string Sentences::changes() const {
   if (changes_.size() == 1 && data_.stretches.size() == 2) {
     const RateSummary& before = data_.stretches[0].rate;
     const RateSummary& after = data_.stretches[1].rate;
+    const double by = after.rate_excess - before.rate_excess;
+    const double sigma = std::hypot(own_rate_sigma(before), own_rate_sigma(after));
+    // Weather may hide in both means a change that shows between neighbouring beats.
+    constexpr double least_told = 2.0; // sigma
     // A rate that the time base leaves open has changes that it does not.
     if (!data_.rate.nominal_is_known || data_.rate.time_base_sigma > 0.0)
-      return fmt::format("The rate changed {}, by {}", words_.moment(first.at_s),
-                         words_.rate(after.rate_excess - before.rate_excess,
-                                     std::hypot(own_rate_sigma(before), own_rate_sigma(after))));
+      return "The rate changed " + when_it_changed() +
+             (std::abs(by) < least_told * sigma ? "" : ", by " + words_.rate(by, sigma));
     return fmt::format(
         "The rate changed {}, from {} before to {}{} after{}", words_.moment(first.at_s),
         words_.rate(before.rate_excess, before.rate_excess_sigma), moves_on() ? "a mean of " : "",

@@ -247,5 +247,23 @@ TEST(NoiseFilterTest, FirstOrderMissesIt) {
   EXPECT_GT(steps.at("phi0"), 3.0); // far beyond what passes for no bias
 }
 
+// Isserlis' theorem for squares and products of two normal departures.
+TEST(CycleBend, ItsScatterIsThatOfSquaresOfNormalDepartures) {
+  const double w2 = 0.7, product = -0.4, u2 = 1.3;
+  const CycleBend<double> ww{1.0, 0.0, 0.0}, wu{0.0, 1.0, 0.0}, uu{0.0, 0.0, 1.0};
+  constexpr double rounding = 1e-15;
+  EXPECT_NEAR(ww.covariance(ww, w2, product, u2), 2.0 * w2 * w2, rounding);
+  EXPECT_NEAR(uu.covariance(uu, w2, product, u2), 2.0 * u2 * u2, rounding);
+  EXPECT_NEAR(wu.covariance(wu, w2, product, u2), w2 * u2 + product * product, rounding);
+  EXPECT_NEAR(ww.covariance(wu, w2, product, u2), 2.0 * w2 * product, rounding);
+  EXPECT_NEAR(ww.covariance(uu, w2, product, u2), 2.0 * product * product, rounding);
+  EXPECT_NEAR(wu.covariance(uu, w2, product, u2), 2.0 * product * u2, rounding);
+  const CycleBend<double> all{0.3, -1.1, 0.8};
+  EXPECT_NEAR(all.covariance(wu, w2, product, u2),
+              0.3 * ww.covariance(wu, w2, product, u2) - 1.1 * wu.covariance(wu, w2, product, u2) +
+                  0.8 * uu.covariance(wu, w2, product, u2),
+              rounding);
+}
+
 } // namespace
 } // namespace goingrate::timing_model

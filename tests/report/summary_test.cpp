@@ -242,6 +242,19 @@ TEST(SummaryTest, AChangeHasItsRatesBeforeAndAfter) {
   EXPECT_NE(text.find("drives the pendulum changed then"), std::string::npos) << text;
 }
 
+TEST(SummaryTest, AChangeThatDrownsInItsSigmaHasItsDateAlone) {
+  Analysis data = with_one_change(ChangeKind::drive);
+  data.rate.nominal_is_known = false;
+  data.stretches[0].rate.rate_excess = 0.0;
+  data.stretches[1].rate.rate_excess = 1e-6;
+  for (const auto& [sigma, told] : {std::pair{1e-7, true}, {1e-6, false}}) {
+    data.stretches[1].rate.rate_excess_sigma = sigma;
+    const std::string text = all_of(report_sentences(data));
+    EXPECT_NE(text.find("The rate changed"), std::string::npos) << text;
+    EXPECT_EQ(text.find(", by ") != std::string::npos, told) << text;
+  }
+}
+
 TEST(SummaryTest, ACauseWithAdviceLeavesTheNutToBeTurned) {
   Analysis data = quiet_report();
   data.suspicions = {{Cause::missed_beats, 50.0, "evidence", {}, "Clean the sensor."}};

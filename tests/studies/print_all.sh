@@ -28,6 +28,7 @@ print isochronism 300 "$base"
 print ring_down 10 "$base"
 print monitor 4 "$base"
 print watch_cost
+print report_speed 7 "$base"
 for name in solvers fit_speed fit_peer reading stability python web; do
   print "$name"
 done
