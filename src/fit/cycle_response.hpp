@@ -56,8 +56,8 @@ template <class T> struct CycleBend {
   [[nodiscard]] T of(const T& w2, const T& product, const T& u2) const {
     return w2 * ww + product * wu + u2 * uu;
   }
-  /// The covariance of that and of `other`'s for normal departures: ½ tr(H P H' P) with their matrices
-  /// of second derivatives.
+  /// The covariance of that and of `other`'s for normal departures: ½ tr(H P H' P) with their
+  /// matrices of second derivatives.
   [[nodiscard]] T covariance(const CycleBend& other, const T& w2, const T& product,
                              const T& u2) const {
     const auto rows = [&](const CycleBend& bend) {

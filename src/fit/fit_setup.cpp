@@ -433,8 +433,8 @@ double least_visible_jitter(const TimingData& data) {
 
 // Beyond it no averaged equation holds: Q below 5.
 constexpr double largest_epsilon = 0.1;
-// Q of 5 million. Pendulums in vacuum reach some 1e5; and without a bound a misfit that looks like a
-// rate that bends for ever is given to a clock that never settles.
+// Q of 5 million. Pendulums in vacuum reach some 1e5; and without a bound a misfit that looks like
+// a rate that bends for ever is given to a clock that never settles.
 constexpr double least_epsilon = 1e-7;
 
 // The widest swing that is tried, of those that fall short of the top; any torsion may be where

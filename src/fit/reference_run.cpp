@@ -53,9 +53,9 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
   scenario.start_amplitude = std::sqrt(going.amplitude2_start);
   scenario.periods = static_cast<std::int64_t>(problem.data->cycle.back());
   constexpr std::int64_t worth_a_map = 500; // periods: from there on its patches pay
-  scenario.method.method = dynamics == FitDynamics::averaged2   ? Method::averaged2
-                           : *scenario.periods > worth_a_map ? Method::map
-                                                             : Method::direct;
+  scenario.method.method = dynamics == FitDynamics::averaged2 ? Method::averaged2
+                           : *scenario.periods > worth_a_map  ? Method::map
+                                                              : Method::direct;
   for (std::size_t k = 0; k < problem.parameters.event_cycles.size(); ++k) {
     apply_changes(problem.parameters, x, k + 1, going);
     scenario.events.push_back(change_to(clock_of(going), problem.parameters.event_cycles[k]));
@@ -75,8 +75,8 @@ public:
 
   // False if the clock stops before.
   bool advance_to(double cycle) {
-    while (passed_ < events_.size() && cycle > change_after(passed_)) {
-      if (!go_to(change_after(passed_))) return false;
+    while (passed_ < events_.size() && cycle > date_of(passed_)) {
+      if (!go_to(date_of(passed_))) return false;
       change();
     }
     return go_to(cycle);
@@ -91,7 +91,7 @@ public:
   [[nodiscard]] double speed2() const { return std::pow(run_->last().velocity, 2); }
 
 private:
-  [[nodiscard]] double change_after(std::size_t event) const {
+  [[nodiscard]] double date_of(std::size_t event) const {
     return static_cast<double>(*events_[event].at_period);
   }
   void begin() {
@@ -110,10 +110,10 @@ private:
   void change() {
     const ClockParameters next = events_[passed_].applied_to(scenario_.clock);
     late_at_begin_s_ = late_s();
-    begun_ = change_after(passed_);
+    begun_ = date_of(passed_);
     // phi' is by time in units of T0 / 2 pi.
-    scenario_.start_amplitude = run_->last().velocity * next.nominal_period_s /
-                                scenario_.clock.nominal_period_s;
+    scenario_.start_amplitude =
+        run_->last().velocity * next.nominal_period_s / scenario_.clock.nominal_period_s;
     scenario_.clock = next;
     ++passed_;
     begin();
@@ -123,7 +123,7 @@ private:
   std::vector<ClockEvent> events_;
   std::optional<ClockRun> run_;
   double reference_period_s_;
-  double memories_;
+  double memories_;        // times 1/2 epsilon until a clock has settled
   std::size_t passed_ = 0; // events
   double begun_ = 0.0;     // cycle
   double late_at_begin_s_ = 0.0;

@@ -50,7 +50,7 @@ std::optional<double> by_its_own(FitDynamics dynamics, Fitted& fitted) {
 class SlopesNearby {
 public:
   void put_into(Fitted& fitted, FitDynamics dynamics) {
-    constexpr double trusted_distance = 0.01; // of a coordinate; what they belong to is small itself
+    constexpr double trusted_distance = 0.01; // of a coordinate: corrections are small themselves
     const std::vector<double>& x = fitted.minimum.x;
     const auto moves_far = [](double a, double b) { return std::abs(a - b) > trusted_distance; };
     if (!slopes_ || !std::equal(x.begin(), x.end(), taken_at_.begin(), std::not_fn(moves_far))) {
