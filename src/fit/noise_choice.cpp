@@ -87,6 +87,13 @@ void ModelSearch::choose_slow_drive(Fitted&& slow) {
     take_if_better(std::move(slow), "the drive varies slowly too");
     return;
   }
+  // Two fits compare by one dynamics alone. Where the drive's own search did not reach those of the
+  // slow drive's, it begins again at that end.
+  if (best_.dynamics < slow.dynamics) {
+    Fitted same = fit_from(slow, options_, best_.model);
+    if (same.minimum.usable && refine(same, slow.dynamics) && same.dynamics == slow.dynamics)
+      best_ = std::move(same);
+  }
   constexpr double one_in_twenty = 6.0, one_in_a_hundred = 9.2; // of 2 log L, two parameters
   constexpr double three_sigma = 9.0;                           // of 2 log L
   const double price = 2.0 * std::log(static_cast<double>(best_.problem.data->size()));
