@@ -1,6 +1,7 @@
 #include "fitted.hpp"
 
 #include "final_clock.hpp"
+#include "fit_setup.hpp"
 #include "fit_starts.hpp"
 
 #include "fit/timing_noise.hpp"
@@ -81,9 +82,34 @@ void settle_clock(const FitProblem& problem, std::vector<double>& x, const Searc
   rescale_noise(problem, x);
 }
 
+// Of a long log some beats are asked first, so that all are asked at few places.
+void begin_on_few_beats(const FitProblem& problem, std::vector<double>& x,
+                        const SearchLimits& limits) {
+  constexpr std::size_t enough_beats = 8000;
+  if (problem.condensed != nullptr || !problem.correction.late_s.empty() ||
+      problem.data->size() < 3 * enough_beats)
+    return;
+  const Parameters& parameters = problem.parameters;
+  const bool wanders = parameters.has(Quantity::walk_rms) || parameters.has(Quantity::drive_rms);
+  const FewBeats few = wanders
+                           ? FewBeats{at_one_stride(*problem.data, enough_beats)}
+                           : few_beats(*problem.data, parameters.event_cycles, enough_beats);
+  const FitProblem fewer = problem.on(few.data);
+  std::vector<double> there = with_noise_of_blocks(parameters, x, few.together);
+  settle_clock(fewer, there, limits);
+  const Minimum end = minimise(fewer, there, limits);
+  if (!end.usable) return;
+  there = with_noise_of_blocks(parameters, end.x, 1.0 / few.together);
+  if (few.together > 1.0) rescale_noise(problem, there); // a misfit does not average out
+  const auto before = minus_log_likelihood(problem, x);
+  const auto after = minus_log_likelihood(problem, there);
+  if (after && (!before || *after < *before)) x = std::move(there);
+}
+
 } // namespace
 
 void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits) {
+  begin_on_few_beats(problem, minimum.x, limits);
   settle_clock(problem, minimum.x, limits);
   minimum = minimise(problem, minimum.x, limits);
   // Convergence of the first search is relative to its bad start, which may hide what is left to

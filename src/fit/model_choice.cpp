@@ -110,23 +110,29 @@ ModelChoice ModelSearch::first_model() const {
   return model;
 }
 
-// Under drive noise neighbouring times carry nearly the same information, so thinning a long log
-// loses little.
-void ModelSearch::thin_if_long() {
-  constexpr std::size_t most_working_beats = 16000;
-  if (!first_model().walk || all_.size() < 2 * most_working_beats) {
-    working_.data = all_;
-    return;
-  }
+namespace {
+
+constexpr std::size_t most_working_beats = 16000;
+
+// Beats at a stride. Under drive noise neighbouring times carry nearly the same information, so
+// thinning a long log loses little.
+TimingData with_a_stride(const TimingData& data, const std::vector<FitEvent>& changes) {
   std::size_t stride = 1;
-  while (all_.size() / stride > most_working_beats)
+  while (data.size() / stride > most_working_beats)
     stride *= 2;
   std::vector<double> events;
-  for (const FitEvent& event : options_.events)
+  for (const FitEvent& event : changes)
     events.push_back(static_cast<double>(event.cycle));
   // So many beats are all kept after the start and after each event, where the amplitude relaxes.
   constexpr std::size_t dense_beats = 500;
-  working_.data = subset(all_, kept_beats(all_, events, stride, dense_beats));
+  return subset(data, kept_beats(data, events, stride, dense_beats));
+}
+
+} // namespace
+
+void ModelSearch::thin_if_long() {
+  const bool is_thinned = first_model().walk && all_.size() >= 2 * most_working_beats;
+  working_.data = is_thinned ? with_a_stride(all_, options_.events) : all_;
 }
 
 void ModelSearch::tried(const Fitted& fitted, const std::string& verdict) {
@@ -258,6 +264,31 @@ void ModelSearch::choose_friction() {
   if (determines_friction(best_)) add_terms(best_);
 }
 
+// Chooses the noise, and what else `choose` does, on some of the beats of a long log: a drive that
+// varies shows on them as on all. Where they show no noise beyond the jitter, the fit of all beats
+// stands.
+void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
+  if (working_.data.size() < all_.size() || !noise_is_asked_for()) return choose();
+  const FewBeats few = few_beats(all_, best_.problem.parameters.event_cycles, most_working_beats);
+  if (few.together == 1.0) return choose();
+  const Fitted whole = best_;
+  best_ = on_few_beats(whole, few);
+  working_.data = few.data;
+  best_.problem.data = &working_.data;
+  if (best_.minimum.usable) choose();
+  if (best_.minimum.usable && best_.model.noise() != whole.model.noise()) {
+    best_.minimum.x =
+        with_noise_of_blocks(best_.problem.parameters, best_.minimum.x, 1.0 / few.together);
+    TimingData kept = with_a_stride(all_, options_.events);
+    best_ = fit_from(best_, options_, best_.model, &kept);
+    working_.data = std::move(kept);
+  } else {
+    working_.data = all_;
+    best_ = whole;
+  }
+  best_.problem.data = &working_.data;
+}
+
 // Repeats the fit with as many beats as are needed to keep the information.
 void ModelSearch::thin_by_information() {
   if (working_.data.size() == all_.size()) return;
@@ -348,11 +379,15 @@ const Fitted& ModelSearch::run() {
     if (best_.dynamics != FitDynamics::averaged1)
       move_dates(best_, options_); // again, now that the parameters are better known
     choose_friction();
-    choose_noise();
+    choose_on_few_beats([&] { choose_noise(); });
   } else {
-    choose_noise();
-    if (best_.dynamics != FitDynamics::averaged1)
-      choose_dynamics(); // on few beats, which is cheaper than on those added below
+    choose_on_few_beats([&] {
+      choose_noise();
+      if (best_.dynamics != FitDynamics::averaged1)
+        choose_dynamics(); // on few beats, which is cheaper than on those added below
+    });
+  }
+  if (working_.data.size() < all_.size()) {
     thin_by_information();
     if (best_.dynamics != FitDynamics::map) choose_dynamics();
   }

@@ -5,6 +5,7 @@
 #include "refinement.hpp"
 #include "rivals.hpp"
 
+#include <functional>
 #include <map>
 
 namespace goingrate::timing_model {
@@ -74,7 +75,9 @@ private:
   void choose_friction();
   [[nodiscard]] double straying(const Fitted& fitted) const;
   [[nodiscard]] bool strays_by_noise() const;
+  [[nodiscard]] bool noise_is_asked_for() const;
   void choose_noise();
+  void choose_on_few_beats(const std::function<void()>& choose);
   void thin_by_information();
   bool take_if_better(Fitted&& other, const std::string& why);
   void choose_slow_drive(Fitted&& slow);

@@ -25,10 +25,19 @@ std::vector<double> place_among(const Parameters& to, std::span<const double> at
 
 } // namespace
 
+// Whether more than jitter is to be tried: as the options ask, or as the residuals do.
+bool ModelSearch::noise_is_asked_for() const {
+  if (options_.noise == FitNoise::jitter || names(options_, "walk_rms")) return false;
+  if (options_.noise != FitNoise::automatic || best_.model.drive || best_.model.walk) return true;
+  // Single amplitudes are noisy, but they show the drive directly.
+  return estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0 ||
+         !white_in_amplitude(best_);
+}
+
 void ModelSearch::choose_noise() {
+  if (!noise_is_asked_for()) return;
   const FitNoise wanted = options_.noise;
   const bool automatic = wanted == FitNoise::automatic;
-  if (wanted == FitNoise::jitter || names(options_, "walk_rms")) return;
   const FitDynamics dynamics = best_.dynamics;
   const bool driven = best_.model.escapement != Escapement::none;
   const auto fit_with = [&](ModelChoice model) {
@@ -44,9 +53,7 @@ void ModelSearch::choose_noise() {
   }
   if (automatic) {
     const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
-    // Single amplitudes are noisy, but they show the drive directly.
     const bool swing_wanders = !white_in_amplitude(best_);
-    if (!walks && !best_.model.walk && !swing_wanders) return;
     model.walk = !best_.model.walk;
     if (model.walk == walks)
       take_if_better(fit_with(model), walks ? "the times walk" : "the times do not walk");
