@@ -37,8 +37,8 @@ same() { # WHAT FILE
 }
 
 cp "$source/data/scenarios/jump.toml" jump.toml
-# 600 clocks: a share takes more than a second, so that one can be killed at work.
-words=(--scenario jump.toml --set run.periods=2000 --realisations 600 --seed 1000
+# 400 clocks: a share takes more than a second, so that one can be killed at work.
+words=(--scenario jump.toml --set run.periods=2000 --realisations 400 --seed 1000
   fit --fix T0=2 --event 150:mu)
 goingrate batch "${words[@]}" -o one.jsonl || fault "one process failed"
 
