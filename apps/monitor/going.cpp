@@ -1,5 +1,7 @@
 #include "going.hpp"
 
+#include "base/robust.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -43,29 +45,35 @@ double sigma_with_wander(std::vector<double> rates) {
 
 } // namespace
 
-void MiddleBeat::add(const Beat& beat) {
-  constexpr std::size_t most_beats = 6; // with five periods, of which two may be of a wrong beat
+void ClockMarks::add(const ClockMark& beat) {
+  constexpr std::size_t most_beats = 7; // of the six slopes of one two may be wrong
   beats_.push_back(beat);
   if (beats_.size() > most_beats) beats_.pop_front();
 }
 
-const Beat& MiddleBeat::get() const {
+ClockMark ClockMarks::get() const {
   constexpr std::size_t fewest_beats = 3;
   if (beats_.size() < fewest_beats) return beats_.back();
-  std::vector<double> periods;
-  for (std::size_t i = 1; i < beats_.size(); ++i)
-    periods.push_back((beats_[i].time - beats_[i - 1].time) /
-                      static_cast<double>(beats_[i].cycle - beats_[i - 1].cycle));
-  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-  std::nth_element(periods.begin(), middle, periods.end());
-  std::vector<std::pair<double, const Beat*>> errors; // against a clock of that period
-  for (const Beat& beat : beats_)
-    errors.emplace_back((beat.time - beats_.front().time) -
-                            *middle * static_cast<double>(beat.cycle - beats_.front().cycle),
-                        &beat);
-  const auto chosen = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), chosen, errors.end());
-  return *chosen->second;
+  const ClockMark& middle = beats_[beats_.size() / 2];
+  const auto cycles_from = [](const ClockMark& from, const ClockMark& beat) {
+    return static_cast<double>(beat.cycle - from.cycle);
+  };
+  std::vector<double> periods, of_one, errors;
+  for (const ClockMark& from : beats_) {
+    of_one.clear();
+    for (const ClockMark& beat : beats_)
+      if (beat.cycle != from.cycle)
+        of_one.push_back((beat.time - from.time) / cycles_from(from, beat));
+    periods.push_back(median(of_one));
+  }
+  const double period_s = median(periods);
+  for (const ClockMark& beat : beats_)
+    errors.push_back((beat.time - middle.time) - period_s * cycles_from(middle, beat));
+  std::sort(errors.begin(), errors.end());
+  const auto spared = static_cast<std::ptrdiff_t>(errors.size() / 3); // at either end
+  errors.erase(errors.end() - spared, errors.end());
+  errors.erase(errors.begin(), errors.begin() + spared);
+  return {middle.time + mean_of(errors), middle.cycle};
 }
 
 std::optional<double> GoingBlock::amplitude_rad() const { return mean(amplitude_sum, amplitudes); }
@@ -165,16 +173,17 @@ void Going::add(const Beat& beat, std::int64_t missed_before) {
   hours_.open(beat.time);
   days_.open(beat.time);
   add_beat_error(beat);
-  if (minute_is_new_ || (last_ && run_of_last_ != run_)) middle_.begin_anew();
+  if (minute_is_new_ || (last_ && run_of_last_ != run_)) marks_.begin_anew();
   run_of_last_ = run_;
-  middle_.add(beat);
+  marks_.add({beat.time, beat.cycle});
+  const ClockMark mark = marks_.get();
   each_length([&](GoingBlocks& blocks) {
     GoingBlock& block = blocks.last();
     ++block.beats;
     block.missed += missed_before;
     block.last_cycle = beat.cycle;
-    block.mark_time = middle_.get().time;
-    block.mark_cycle = middle_.get().cycle;
+    block.mark_time = mark.time;
+    block.mark_cycle = mark.cycle;
     block.run = run_;
     if (!std::isnan(beat.amplitude_rad)) {
       block.amplitude_sum += beat.amplitude_rad;

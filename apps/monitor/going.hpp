@@ -17,7 +17,7 @@ struct GoingBlock {
   double amplitude_sum = 0.0, beat_error_sum = 0.0;
   std::int64_t amplitudes = 0, beat_errors = 0;
   std::int64_t last_cycle = 0; ///< of the last good beat, if there is one
-  Instant mark_time;           ///< of the one near the end that rates are told from (MiddleBeat)
+  Instant mark_time;           ///< of the mark near the end that rates are told from (ClockMarks)
   std::int64_t mark_cycle = 0;
   /// Counts go on without doubt within one run.
   std::int64_t run = 0;
@@ -26,17 +26,26 @@ struct GoingBlock {
   [[nodiscard]] std::optional<double> beat_error_s() const; ///< tick less tock
 };
 
-/// Of the last six beats the one whose time is in the middle of what they tell of the clock: up to
-/// two whose times are wrong, as a false event in the place of a missed beat, do not move it
-/// (MonitorWatchTest.AWrongBeatIsNoRate).
-class MiddleBeat {
+/// A moment of a clock: its count, and when it came to it.
+struct ClockMark {
+  Instant time;
+  std::int64_t cycle = 0;
+};
+
+/// Where a clock stood a few beats ago, by its last seven: on the line of the repeated median of
+/// their slopes (Siegel, Biometrika 69, 1982) and of the mean of what that leaves, without the two
+/// largest and the two least, at the middle cycle. Two beats whose times are wrong, as false events
+/// in the place of missed beats, leave it among the others (ClockMarksTest.TwoWrongBeats). Where
+/// beats scatter as Gauss's law has it so does the mark, by 0.44 of what one beat does
+/// (ClockMarksTest.ScatterIsGaussian): the limits of StepAlarm ask for tails that are no heavier.
+class ClockMarks {
 public:
   void begin_anew() { beats_.clear(); }
-  void add(const Beat& beat);
-  [[nodiscard]] const Beat& get() const;
+  void add(const ClockMark& beat);
+  [[nodiscard]] ClockMark get() const;
 
 private:
-  std::deque<Beat> beats_;
+  std::deque<ClockMark> beats_;
 };
 
 /// A number with its standard deviation.
@@ -110,7 +119,7 @@ private:
 
   GoingBlocks minutes_{60, 2881}, hours_{3600, 9600}, days_{86400, 7400};
   std::optional<Beat> last_, last_down_, first_of_run_;
-  MiddleBeat middle_; // of the minute
+  ClockMarks marks_; // of the minute
   std::int64_t run_ = 0, run_of_first_ = -1, run_of_last_ = -1, beats_ = 0;
   bool minute_is_new_ = false;
 };
