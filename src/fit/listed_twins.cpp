@@ -84,6 +84,13 @@ ClockTwin as_twin(const FitProblem& problem, const Listed& clock) {
   return twin;
 }
 
+// Whether the second lies within the sigma of the first in every coordinate: then it is no other.
+bool is_within(const Listed& one, const Listed& other) {
+  for (std::size_t k = 0; k < one.sigma.size(); ++k)
+    if (!(std::abs(one.place.x[k] - other.place.x[k]) <= one.sigma[k])) return false;
+  return true;
+}
+
 bool is_another_clock(const Fitted& fitted, std::span<const double> x) {
   const auto& slots = fitted.problem.parameters.slots;
   return std::any_of(slots.begin(), slots.end(), [&](const Slot& slot) {
@@ -115,8 +122,11 @@ void list_twins(const Fitted& fitted, FitSummary& summary) {
                    [](const Rival& a, const Rival& b) { return a.behind < b.behind; });
   const FitProblem all = on_every_beat(fitted.problem);
   std::vector<Listed> clocks{listed(all, {fitted.minimum.x, 0.0}, fitted.widening)};
-  for (const Rival& rival : others)
-    clocks.push_back(listed(all, rival, fitted.widening));
+  for (const Rival& rival : others) {
+    Listed clock = listed(all, rival, fitted.widening);
+    const auto holds_it = [&](const Listed& one) { return is_within(one, clock); };
+    if (std::none_of(clocks.begin() + 1, clocks.end(), holds_it)) clocks.push_back(std::move(clock));
+  }
   reach_one_another(all, clocks);
   summary.likeliest_twin = as_twin(all, clocks.front());
   for (std::size_t i = 1; i < clocks.size(); ++i)
@@ -125,7 +135,7 @@ void list_twins(const Fitted& fitted, FitSummary& summary) {
       {NoteKind::twin,
        fmt::format(
            "{} clocks explain this log: {}; or, {:.2g} times less likely, {}. {}",
-           others.size() == 1 ? "two" : "several", words_for(*summary.likeliest_twin),
+           clocks.size() == 2 ? "two" : "several", words_for(*summary.likeliest_twin),
            std::exp(others.front().behind), words_for(summary.twins.front()),
            fitted.problem.data->has_amplitude()
                ? "A ring-down, or T0 from elsewhere, would tell which"

@@ -2,6 +2,7 @@
 
 #include "figure_axes.hpp"
 #include "impulse_words.hpp"
+#include "listed_clocks.hpp"
 #include "parameter_words.hpp"
 #include "wording.hpp"
 
@@ -83,36 +84,14 @@ std::string parameter_lines(const FitSummary& fit, const DisplayUnit& angle) {
   return text;
 }
 
-std::string parameters_of(const ClockTwin& clock, const FitSummary& fit, const DisplayUnit& angle) {
-  std::vector<std::string> values;
-  for (std::size_t i = 0; i < clock.parameters.size(); ++i) {
-    const auto& [name, value] = clock.parameters[i];
-    FittedParameter p;
-    p.name = name;
-    if (const FittedParameter* own = fit.find(name)) p.unit = own->unit;
-    p.value = value;
-    p.sigma = clock.sigma[i].second;
-    p = in_shown_unit(angle, p);
-    if (!std::isfinite(p.sigma)) continue;
-    values.push_back(fmt::format("{} {}{}{}", symbol_of(name), with_sigma(p.value, p.sigma),
-                                 p.unit.empty() ? "" : " ", p.unit));
-  }
-  return values.empty() ? "none of its parameters is determined"
-                        : fmt::format("{}", fmt::join(values, ", "));
-}
-
-// The clocks that a log of two or more may be of.
 std::string twin_lines(const FitSummary& fit, const DisplayUnit& angle) {
-  if (!fit.likeliest_twin) return "";
+  const std::vector<ListedClock> clocks = listed_clocks(fit, angle);
+  if (clocks.empty()) return "";
   std::string text = "[clocks that explain this log: it is of one of them]\n";
-  text += fmt::format("  1: {}\n", parameters_of(*fit.likeliest_twin, fit, angle));
-  int number = 1;
-  for (const ClockTwin& twin : fit.twins) {
-    const double odds = std::exp(0.5 * twin.delta_2logL);
-    text += fmt::format("  {} ({}): {}\n", ++number,
-                        odds < 1.05 ? "as likely" : readable(odds, 2) + " times less likely",
-                        parameters_of(twin, fit, angle));
-  }
+  int number = 0;
+  for (const ListedClock& clock : clocks)
+    text += fmt::format("  {}{}: {}\n", ++number, clock.odds.empty() ? "" : " (" + clock.odds + ")",
+                        clock.parameters);
   return text;
 }
 

@@ -2,6 +2,7 @@
 #include "goingrate/report/report.hpp"
 
 #include "fault_counts.hpp"
+#include "listed_clocks.hpp"
 #include "logbook_words.hpp"
 #include "mean_amplitude.hpp"
 #include "parameter_words.hpp"
@@ -197,6 +198,9 @@ void Numbers::add_fit() {
                                        : "";
     add(name_of_parameter(p), value_of(p).append(known));
   }
+  for (const ListedClock& clock : listed_clocks(fit, words_.angle_unit()))
+    add(clock.odds.empty() ? "a clock that explains this log" : "  another, " + clock.odds,
+        clock.parameters);
   const FittedParameter* friction = fit.find("epsilon");
   const bool knows_friction = friction != nullptr && std::isfinite(friction->value);
   const bool is_of_epsilon = knows_friction && !fit.decay && fit.model.friction() == "linear";

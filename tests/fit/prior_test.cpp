@@ -68,6 +68,24 @@ TEST_P(ChangedInASwing, IsFoundAllTheSame) {
 
 INSTANTIATE_TEST_SUITE_P(Prior, ChangedInASwing, testing::Values(505U, 516U, 520U));
 
+TEST(ListedClocks, AreNoneOfThemWithinTheSigmaOfAnother) {
+  constexpr std::uint64_t seed = 92270009; // three searches of this log end at two other clocks
+  const test::DrawnClock drawn = test::ClockPrior(seed).draw();
+  const FitSummary fit = fit_clock(timing_data(test::simulated_beats(drawn.scenario, seed)),
+                                   drawn.truth.at("T0"), drawn.options);
+  ASSERT_FALSE(fit.twins.empty());
+  for (std::size_t i = 0; i < fit.twins.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      double largest = 0.0; // distance, in sigma of the likelier
+      for (std::size_t k = 0; k < fit.twins[j].parameters.size(); ++k)
+        if (std::isfinite(fit.twins[j].sigma[k].second))
+          largest = std::max(largest, std::abs(fit.twins[i].parameters[k].second -
+                                               fit.twins[j].parameters[k].second) /
+                                          fit.twins[j].sigma[k].second);
+      EXPECT_GT(largest, 0.5);
+    }
+}
+
 class RoughFromAPrior : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RoughFromAPrior, EndsWhereAFitFromTheTruthEnds) {

@@ -398,6 +398,15 @@ TEST(SummaryTest, TheQOfARingDownIsNotThatOfLinearFrictionAlone) {
   EXPECT_EQ(value_of(data, "quality factor of that friction, Q = 1/2ε"), "");
 }
 
+TEST(SummaryTest, TheClocksThatALogMayBeOfAreInTheTable) {
+  Analysis data = quiet_report();
+  EXPECT_EQ(value_of(data, "a clock that explains this log"), "");
+  data.fit.likeliest_twin = ClockTwin{{{"epsilon", 2e-4}}, {{"epsilon", 1e-6}}};
+  data.fit.twins = {ClockTwin{{{"epsilon", 3e-4}}, {{"epsilon", 2e-6}}, 2.0 * std::log(3.0)}};
+  EXPECT_EQ(value_of(data, "a clock that explains this log"), "ε (2.000 ± 0.010)×10⁻⁴");
+  EXPECT_EQ(value_of(data, "  another, 3 times less likely"), "ε (3.000 ± 0.020)×10⁻⁴");
+}
+
 TEST(SummaryTest, TheWeeksCostIsNamedWhereItIsKnown) {
   Analysis data = some_report();
   EXPECT_EQ(value_of(data, "  time error of the two in a week, rms"), "0.3 s and at most 1.2 s");
