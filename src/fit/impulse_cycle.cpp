@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -205,6 +206,8 @@ bool is_steady(const std::vector<double>& each, double mean) {
 // knows whatever noise there is.
 struct Coefficients {
   std::array<ImpulseCycle::Estimate, 3> of{{{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}}};
+  std::vector<double> teeth{};       // of each interval that is whole
+  std::vector<std::size_t> begins{}; // the crossing after the push with which that interval begins
   double cycles = 0.0;
   bool steady = true;
   [[nodiscard]] const ImpulseCycle::Estimate& operator[](Shape shape) const { return of[shape]; }
@@ -224,6 +227,7 @@ template <class ShapeAt>
 std::optional<Coefficients> coefficients(const Grid& values, const std::vector<double>& pushes,
                                          Sought sought, ShapeAt shape_at) {
   std::array<std::vector<double>, 3> each;
+  std::vector<std::size_t> begins;
   for (std::size_t j = 1; j < pushes.size(); ++j) {
     if (pushes[j - 1] < -0.5 || pushes[j] > static_cast<double>(values.size()) - 1.0) continue;
     LeastSquares sums;
@@ -236,9 +240,12 @@ std::optional<Coefficients> coefficients(const Grid& values, const std::vector<d
     if (!found.allFinite()) continue;
     for (const auto k : sought)
       each[k].push_back(found(static_cast<Eigen::Index>(k)));
+    begins.push_back(from);
   }
   if (each.front().size() < least_cycles) return {};
   Coefficients result;
+  result.teeth = each[tooth_shape];
+  result.begins = std::move(begins);
   result.cycles = static_cast<double>(each.front().size());
   for (const auto k : sought) {
     result.of[k] = mean_of(each[k]);
@@ -336,6 +343,34 @@ Sight seen(const TimingData& data, std::size_t most) {
   return sight;
 }
 
+// Friction is the same in every part of the log. Pushes that are no more regular than for a while
+// leave a tooth that comes and goes, and whose mean tells nothing.
+bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, double periods,
+                           const ImpulseCycle::Estimate& epsilon) {
+  constexpr std::size_t most_parts = 8, least_cycles_a_part = 8;
+  const std::size_t count = swing.teeth.size();
+  const std::size_t parts = std::min(most_parts, count / least_cycles_a_part);
+  if (parts < 2) return true;
+  const auto n = static_cast<std::size_t>(std::lround(periods));
+  const auto level = [&](std::size_t interval) {
+    return mean_of_known(std::span(amplitude).subspan(swing.begins[interval], n));
+  };
+  double squares = 0.0;
+  for (std::size_t k = 0; k < parts; ++k) {
+    const std::size_t from = k * count / parts, to = (k + 1) * count / parts;
+    const ImpulseCycle::Estimate step =
+        mean_of({swing.teeth.begin() + static_cast<std::ptrdiff_t>(from),
+                 swing.teeth.begin() + static_cast<std::ptrdiff_t>(to)});
+    const double first = level(from), last = level(to - 1);
+    const double growth = (last - first) / static_cast<double>(to - from - 1);
+    const double scale = 2.0 * pi * periods * 0.5 * (first + last);
+    squares += std::pow(((step.value - growth) / scale - epsilon.value) / (step.sigma / scale), 2);
+  }
+  const double freedom = static_cast<double>(parts - 1);
+  constexpr double beyond_chance = 1e-3;
+  return boost::math::cdf(complement(boost::math::chi_squared(freedom), squares)) > beyond_chance;
+}
+
 // Pushes that may be, and how much of the squares of times and amplitudes they explain, in units of
 // their noise, in the mean of a cycle: what decides between one number of swings and another.
 struct Candidate {
@@ -355,6 +390,44 @@ double squares_of(const Coefficients& found, double noise, const std::vector<dou
   return sum / static_cast<double>(length);
 }
 
+// How much more than 2 pi epsilon the logarithm of the amplitude A loses in a period: the action
+// A^2/2 (1 - 5 A^2/96) falls as exp(-2 epsilon t), and a period takes 1 + A^2/16 of T0.
+double faster_at(double amplitude) { return 1.0 + 11.0 / 96.0 * amplitude * amplitude; }
+
+// What is lost between two pushes is in proportion to the amplitude, whatever a push gives.
+std::optional<ImpulseCycle::Estimate> friction_of_teeth(const Grid& amplitude,
+                                                        const std::vector<double>& pushes,
+                                                        double periods, const Coefficients& swing) {
+  const auto& step = swing[tooth_shape];
+  const PushedSwing seen = swing_between(amplitude, pushes);
+  const double loss = 2.0 * pi * periods * seen.mean * faster_at(seen.mean);
+  const ImpulseCycle::Estimate epsilon{(step.value - seen.growth) / loss, step.sigma / loss};
+  if (!is_same_in_every_part(amplitude, swing, periods, epsilon)) return {};
+  return epsilon;
+}
+
+// Between pushes that are each seen the swing is free: the slope of the logarithm of its amplitude.
+std::optional<ImpulseCycle::Estimate> friction_between(const Grid& amplitude,
+                                                       const std::vector<double>& pushes) {
+  std::vector<double> each;
+  for (std::size_t j = 1; j < pushes.size(); ++j) {
+    const auto from = static_cast<std::size_t>(std::max(0.0, pushes[j - 1] + 1.0));
+    const auto to = std::min(amplitude.size(), static_cast<std::size_t>(std::max(0.0, pushes[j])));
+    if (to < from + 2) continue;
+    const double middle = 0.5 * static_cast<double>(from + to - 1);
+    double up = 0.0, squares = 0.0;
+    for (std::size_t i = from; i < to; ++i) {
+      const double away = static_cast<double>(i) - middle;
+      up += away * std::log(amplitude[i]);
+      squares += away * away;
+    }
+    if (std::isfinite(up))
+      each.push_back(-up / squares / (2.0 * pi * faster_at(amplitude[(from + to) / 2])));
+  }
+  if (each.size() < least_cycles) return {};
+  return mean_of(each);
+}
+
 ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, double periods,
                        const Coefficients& late, const std::optional<Coefficients>& swing,
                        double price) {
@@ -369,11 +442,8 @@ ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, do
   found.gain += swing->gain();
   found.amplitude_step = step;
   found.amplitude_middle = (*swing)[middle_shape].value;
-  // What is lost between two pushes is in proportion to the amplitude, whatever a push gives.
-  const PushedSwing seen = swing_between(sight.amplitude, pushes);
-  const double fall = step.value - seen.growth, share = 0.5 / seen.mean;
-  const double per_step = share / std::hypot(1.0, share * fall) / (pi * periods);
-  found.epsilon = {std::asinh(share * fall) / (pi * periods), per_step * step.sigma};
+  if (swing->gain(tooth_shape) > least_gain)
+    found.epsilon = friction_of_teeth(sight.amplitude, pushes, periods, *swing);
   return found;
 }
 
@@ -509,6 +579,7 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
       described(sight, pushes, periods, *times, swings, price),
       squares_of(*times, sight.late_noise, pushes, periods, sight.late.size()) +
           squares_of(*swings, sight.amplitude_noise, pushes, periods, sight.amplitude.size())};
+  found.pushes.epsilon = friction_between(sight.amplitude, pushes);
   found.pushes.is_regular = is_regular;
   found.pushes.cycles = std::move(pushes);
   return found;

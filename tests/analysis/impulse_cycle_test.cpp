@@ -16,10 +16,14 @@
 namespace goingrate {
 namespace {
 
-TimingData times_of(const Scenario& scenario, std::uint64_t seed) {
+NumberedLog simulated(const Scenario& scenario, std::uint64_t seed) {
   SimulatedLogs logs(scenario);
   const std::array<std::uint64_t, 1> seeds{seed};
-  return fit_data(load_text(logs.make(seeds).front().text, {}));
+  return load_text(logs.make(seeds).front().text, {});
+}
+
+TimingData times_of(const Scenario& scenario, std::uint64_t seed) {
+  return fit_data(simulated(scenario, seed));
 }
 
 Scenario clock_with_rests(std::int64_t every, double amplitude_rms) {
@@ -76,6 +80,32 @@ TEST(ImpulseCycleTest, PushesMayGrowOnTheWay) {
     EXPECT_NEAR(epsilon->value, 5e-5, 4.0 * epsilon->sigma) << seed;
     EXPECT_LT(epsilon->sigma, 0.1 * 5e-5) << seed; // steps that vary by half, 600 of them
   }
+}
+
+// Pushes that slip by one swing of sixteen in the last eighth of the log leave a tooth of 0.65 there.
+TEST(ImpulseCycleTest, AToothThatComesAndGoesTellsNoFriction) {
+  TimingData data = timing_data(simulated(clock_with_rests(16, 3e-5), 6).good);
+  const auto whole = find_impulse_cycle(data);
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(whole->epsilon);
+  const auto slips = data.amplitude_rad.begin() +
+                     static_cast<std::ptrdiff_t>(7 * data.amplitude_rad.size() / 8);
+  std::rotate(slips, slips + 1, data.amplitude_rad.end());
+  const auto slipped = find_impulse_cycle(data);
+  ASSERT_TRUE(slipped);
+  EXPECT_TRUE(slipped->is_regular);
+  EXPECT_FALSE(slipped->epsilon);
+}
+
+// Decays between pushes to a relative 1e-4: at 0.05 rad the amplitude alone makes 3e-4.
+TEST(ImpulseCycleTest, AWideSwingLosesMore) {
+  Scenario scenario = clock_with_rests(1, 1e-7);
+  scenario.clock.impulse = 7e-5;
+  scenario.clock.below = 0.05;
+  const TimingData data = times_of(scenario, 8);
+  ASSERT_TRUE(data.impulses && data.impulses->epsilon);
+  EXPECT_LT(data.impulses->epsilon->sigma, 1e-4 * 5e-5);
+  EXPECT_NEAR(data.impulses->epsilon->value, 5e-5, 4.0 * data.impulses->epsilon->sigma);
 }
 
 TEST(ImpulseCycleTest, AHippIsTakenOffPushByPush) {

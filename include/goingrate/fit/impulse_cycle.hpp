@@ -35,8 +35,10 @@ struct ImpulseCycle {
   Estimate kick{0.0, 0.0};   ///< how much later the clock is after a push for the push itself, s
   Estimate middle{0.0, 0.0}; ///< how late the crossing is in whose midst the push comes, s
   double amplitude_middle = 0.0; ///< how much the amplitude is above its low there, rad
-  /// The friction if these pushes alone drive the clock: asinh(fall/(2 A))/(pi N). A strong
-  /// tooth of a wheel that turns in N swings looks the same and shows less.
+  /// The friction if these pushes alone drive the clock: fall/(2 pi N A (1 + 11 A^2/96)); of pushes
+  /// that are each seen by the slope of ln A between them. Nothing where it differs from one part
+  /// of the log to another, as where pushes are regular for a while only. A strong tooth of a wheel
+  /// that turns in N swings looks the same and shows less.
   std::optional<Estimate> epsilon{};
 };
 
