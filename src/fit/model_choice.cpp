@@ -374,23 +374,23 @@ const Fitted& ModelSearch::run() {
   move_dates(best_, options_);
   consider_other_laws(found);
   if (moments_) find_moments();
-  if (!best_.model.walk && !strays_by_noise()) {
-    choose_dynamics();
-    if (best_.dynamics != FitDynamics::averaged1)
-      move_dates(best_, options_); // again, now that the parameters are better known
-    choose_friction();
-    choose_on_few_beats([&] { choose_noise(); });
-  } else {
+  const bool noise_first = best_.model.walk || strays_by_noise();
+  if (noise_first) {
     choose_on_few_beats([&] {
       choose_noise();
       if (best_.dynamics != FitDynamics::averaged1)
         choose_dynamics(); // on few beats, which is cheaper than on those added below
     });
+  } else {
+    choose_dynamics();
+    if (best_.dynamics != FitDynamics::averaged1)
+      move_dates(best_, options_); // again, now that the parameters are better known
+    choose_friction();
+    choose_on_few_beats([&] { choose_noise(); });
   }
-  if (working_.data.size() < all_.size()) {
-    thin_by_information();
-    if (best_.dynamics != FitDynamics::map) choose_dynamics();
-  }
+  thin_by_information();
+  const bool has_new_noise = noise_first || working_.data.size() < all_.size();
+  if (has_new_noise && best_.dynamics != FitDynamics::map) choose_dynamics();
   add_other_noise();
   tried(best_, "chosen");
   const bool dated = std::all_of(options_.events.begin(), options_.events.end(),

@@ -35,5 +35,19 @@ TEST(NoiseChoice, SlowDriveIsNotNamedWhereThereIsNone) {
   EXPECT_FALSE(fit.model.slow);
 }
 
+// Amplitudes under drive noise ask for second order also where all beats are used: first order is
+// off by several sigma of T0.
+TEST(NoiseChoice, DynamicsAreJudgedAfterTheNoise) {
+  Scenario s;
+  s.clock = {1.0, 2.5e-4, 5e-5, 0.04};
+  s.periods = 10000;
+  s.drive.fast_rms = 0.2;
+  s.sensor.jitter_rms_s = 1e-5;
+  s.sensor.amplitude_rms = 2e-5;
+  const FitSummary fit = fit_clock(timing_data(test::simulated_beats(s, 2718)), 1.0, {});
+  EXPECT_TRUE(fit.model.drive);
+  EXPECT_NE(fit.dynamics, FitDynamics::averaged1);
+}
+
 } // namespace
 } // namespace goingrate
