@@ -282,9 +282,10 @@ void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
     TimingData kept = with_a_stride(all_, options_.events);
     best_ = fit_from(best_, options_, best_.model, &kept);
     working_.data = std::move(kept);
-  } else {
-    working_.data = all_;
+  }
+  if (!best_.minimum.usable || best_.model.noise() == whole.model.noise()) {
     best_ = whole;
+    working_.data = all_;
   }
   best_.problem.data = &working_.data;
 }
