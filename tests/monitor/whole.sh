@@ -69,7 +69,7 @@ beats 5 20 >&3
 check "and are events after a kill -9" within 20 has_rows early 20
 check "once" within 20 test ! -e early/.unread
 kill $monitor
-wait $monitor || fault=1
+check "it ends well" wait $monitor
 exec 3>&-
 
 # What a source tells beside the time is in the archive, also when it told its columns before a kill -9 only, and a
@@ -93,7 +93,7 @@ exec 3> gate
 told 3000 6000 >&3
 check "and after a kill -9" within 20 has_rows beside 6000
 kill $monitor
-wait $monitor || fault=1
+check "it ends well" wait $monitor
 exec 3>&-
 check "all have them" [ "$(cat beside/*.csv | grep -cE '^[0-9.]+,up,0.004000000,,(1|2)[0-9.]+,1013.2$')" = 6000 ]
 "$goingrate" --quiet report beside -o beside.html > beside.txt
@@ -211,8 +211,12 @@ while time.time() < deadline and not said:
     time.sleep(0.2)
     said = open("alarms").read() if os.path.exists("alarms") else ""
 check("a command is run when the clock stops", said.startswith("stopped raised\n"))
-parents = [re.sub(r".*\)", "", open(stat).read()).split()[1] for stat in glob.glob("/proc/[0-9]*/stat")]
-check("and leaves no process behind", str(process.pid) not in parents)
+def parent(stat):
+    try:
+        return re.sub(r".*\)", "", open(stat).read()).split()[1]
+    except (FileNotFoundError, ProcessLookupError):  # it has ended meanwhile
+        return None
+check("and leaves no process behind", str(process.pid) not in map(parent, glob.glob("/proc/[0-9]*/stat")))
 process.terminate()
 process.wait(timeout=15)
 check("it ends when asked", process.returncode == 0)
@@ -236,7 +240,7 @@ mv growing.log growing.1
 beats 100 200 > growing.log
 check "and the one after it" within 20 has_rows rotated 200
 kill $monitor
-wait $monitor || fault=1
+check "it ends well" wait $monitor
 check "by its day" test -s rotated/2025-11-27.csv
 beats 200 250 >> growing.log # while no monitor runs
 mv growing.log growing.log.1
@@ -245,7 +249,7 @@ beats 250 300 > growing.log
 monitor=$!
 check "what was rotated while it was down is read first" within 20 has_rows rotated 300
 kill $monitor
-wait $monitor || fault=1
+check "it ends well" wait $monitor
 check "once" test "$(rows rotated)" = 300
 
 # Two monitors of one archive.
