@@ -2,7 +2,7 @@
 # A monitor as a process: killed, its disk full, its source a pipe, a terminal, a file that is rotated; what it
 # serves. Argument: the command.
 set -euo pipefail
-goingrate=$1
+goingrate=$(realpath -e "$1") # whose absence would leave a pipe without a reader
 work=$(mktemp -d)
 trap 'kill $(jobs -p) 2> /dev/null || true; rm -rf "$work"' EXIT
 cd "$work"
