@@ -211,7 +211,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
-  list_twins(fitted, summary);
+  if (summary.status != FitStatus::contradicts_log) list_twins(fitted, summary);
 }
 
 // T0 of the best law, where the terms of friction that the fit has leave it open.

@@ -364,7 +364,8 @@ bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, dou
     const double first = level(from), last = level(to - 1);
     const double growth = (last - first) / static_cast<double>(to - from - 1);
     const double scale = 2.0 * pi * periods * 0.5 * (first + last);
-    squares += std::pow(((step.value - growth) / scale - epsilon.value) / (step.sigma / scale), 2);
+    const double sigma = std::max(step.sigma / scale, epsilon.sigma); // known no better than all
+    squares += std::pow(((step.value - growth) / scale - epsilon.value) / sigma, 2);
   }
   const double freedom = static_cast<double>(parts - 1);
   constexpr double beyond_chance = 1e-3;
@@ -425,12 +426,13 @@ std::optional<ImpulseCycle::Estimate> friction_between(const Grid& amplitude,
       each.push_back(-up / squares / (2.0 * pi * faster_at(amplitude[(from + to) / 2])));
   }
   if (each.size() < least_cycles) return {};
-  return mean_of(each);
+  const ImpulseCycle::Estimate mean = mean_of(each);
+  if (!(mean.sigma > 0.0)) return {}; // equal to the last digit: rounded values
+  return mean;
 }
 
-ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, double periods,
-                       const Coefficients& late, const std::optional<Coefficients>& swing,
-                       double price) {
+ImpulseCycle described(const std::vector<double>& pushes, double periods, const Coefficients& late,
+                       const std::optional<Coefficients>& swing, double price) {
   ImpulseCycle found{periods, true, 0.0, *std::lower_bound(pushes.begin(), pushes.end(), 0.0)};
   const auto& hump = late[hump_shape];
   found.lateness = {hump.value * height_of_hump(periods), hump.sigma * height_of_hump(periods)};
@@ -442,8 +444,6 @@ ImpulseCycle described(const Sight& sight, const std::vector<double>& pushes, do
   found.gain += swing->gain();
   found.amplitude_step = step;
   found.amplitude_middle = (*swing)[middle_shape].value;
-  if (swing->gain(tooth_shape) > least_gain)
-    found.epsilon = friction_of_teeth(sight.amplitude, pushes, periods, *swing);
   return found;
 }
 
@@ -522,8 +522,11 @@ private:
                           : sought.size() > 1 ? (*late)[hump_shape].value
                                               : std::abs((*late)[tooth_shape].value);
     if (!(raised > 0.0) && (has_swing() || !early)) return {};
-    Candidate found{described(sight_, pushes, static_cast<double>(n_), *late, swing, price_),
+    Candidate found{described(pushes, static_cast<double>(n_), *late, swing, price_),
                     score(first, sought)};
+    if (has_swing() && swing->gain(tooth_shape) > least_gain)
+      found.pushes.epsilon =
+          friction_of_teeth(sight_.amplitude, pushes, static_cast<double>(n_), *swing);
     if (is_whole) found.pushes.gain = middle; // the others share in it
     return found;
   }
@@ -576,7 +579,7 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
       irregular_coefficients(sight.amplitude, pushes, n, in_amplitudes(most_shapes(n)));
   if (!times || !swings) return {};
   Candidate found{
-      described(sight, pushes, periods, *times, swings, price),
+      described(pushes, periods, *times, swings, price),
       squares_of(*times, sight.late_noise, pushes, periods, sight.late.size()) +
           squares_of(*swings, sight.amplitude_noise, pushes, periods, sight.amplitude.size())};
   found.pushes.epsilon = friction_between(sight.amplitude, pushes);

@@ -82,19 +82,38 @@ TEST(ImpulseCycleTest, PushesMayGrowOnTheWay) {
   }
 }
 
-// Pushes that slip by one swing of sixteen in the last eighth of the log leave a tooth of 0.65 there.
+// Pushes that slip by one swing of sixteen in the last eighth of the log leave a tooth of 0.65
+// there.
 TEST(ImpulseCycleTest, AToothThatComesAndGoesTellsNoFriction) {
   TimingData data = timing_data(simulated(clock_with_rests(16, 3e-5), 6).good);
   const auto whole = find_impulse_cycle(data);
   ASSERT_TRUE(whole);
   EXPECT_TRUE(whole->epsilon);
-  const auto slips = data.amplitude_rad.begin() +
-                     static_cast<std::ptrdiff_t>(7 * data.amplitude_rad.size() / 8);
+  const auto slips =
+      data.amplitude_rad.begin() + static_cast<std::ptrdiff_t>(7 * data.amplitude_rad.size() / 8);
   std::rotate(slips, slips + 1, data.amplitude_rad.end());
   const auto slipped = find_impulse_cycle(data);
   ASSERT_TRUE(slipped);
   EXPECT_TRUE(slipped->is_regular);
   EXPECT_FALSE(slipped->epsilon);
+}
+
+// Pushes of a varying size, of which the mean is taken off, leave what no clock explains.
+TEST(ImpulseCycleTest, WhereNoClockExplainsTheLogNoneIsListed) {
+  Scenario scenario;
+  scenario.clock.nominal_period_s = 1.7;
+  scenario.clock.epsilon = 2.2e-4;
+  scenario.clock.escapement = Escapement::single_impulse;
+  scenario.clock.impulse = 1.1e-5;
+  scenario.clock.below = 0.031;
+  scenario.periods = 9000;
+  scenario.drive.fast_rms = 0.03;
+  scenario.sensor.jitter_rms_s = 2e-5;
+  scenario.sensor.amplitude_rms = 1e-5;
+  const FitSummary fit = fit_clock(times_of(scenario, 771), 1.7, {});
+  ASSERT_EQ(fit.status, FitStatus::contradicts_log);
+  EXPECT_TRUE(fit.twins.empty());
+  EXPECT_FALSE(fit.likeliest_twin);
 }
 
 // Decays between pushes to a relative 1e-4: at 0.05 rad the amplitude alone makes 3e-4.
