@@ -40,7 +40,7 @@ Arrivals::Arrival Arrivals::believe(const HeardEvent& event) {
   return {event, is_behind};
 }
 
-// Of a source that is heard as it speaks, what goes on from nothing stays held.
+// If the source is live, events that do not go on from any other stay held.
 std::vector<Arrivals::Arrival> Arrivals::rest() {
   if (last_heard_s_ && !held_is_over_silence_) return {};
   const bool after = !held_.empty() && last_ && held_.front().time > last_->time;

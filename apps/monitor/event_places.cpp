@@ -103,7 +103,7 @@ EventPlaces::Placed EventPlaces::take(const ClockLog& log, const Instant& heard_
   Placed placed;
   if (waiting_.empty()) return placed;
   if (!has_dates(log) && !origin_holds_) {
-    // Of a source that began again in between nobody can tell when the events before were.
+    // If the source began again in between, nobody can tell when the events before that were.
     const auto anew = std::find_if(waiting_.rbegin(), waiting_.rend(),
                                    [](const Arrival& arrival) { return arrival.begins_anew; });
     if (anew != waiting_.rend()) {

@@ -8,11 +8,11 @@
 
 namespace goingrate::apps {
 
-/// Of an event behind a gap, which waits until others go on from it.
+/// Note on an event behind a gap, which waits until others go on from it.
 std::string waiting_note(const HeardEvent& event);
-/// Of an event that is not believed, as nothing goes on from it: then nothing waits any more.
+/// Note on an event that is not believed, as nothing goes on from it: nothing waits any more then.
 std::string left_out_note(const HeardEvent& event);
-/// Of an event whose date is so many seconds from the computer's.
+/// Note on an event whose date is so many seconds from the computer's.
 std::string misdated_note(const HeardEvent& event, double error_s);
 /// Values beside the time as NAME=VALUE, each behind a blank; only those that are known.
 std::string words_of(const EventValues& values);

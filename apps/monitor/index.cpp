@@ -27,7 +27,7 @@ CREATE TABLE IF NOT EXISTS alarm (at REAL, kind TEXT, raised INTEGER, text TEXT,
   UNIQUE (at, kind, raised));
 )";
 
-// Of a file: its size and when it was last changed, ns since 1970; zeros where there is none.
+// A file's size and when it was last changed, ns since 1970; zeros if there is no such file.
 struct FileState {
   std::int64_t bytes = 0, changed_ns = 0;
   bool operator==(const FileState&) const = default;

@@ -44,7 +44,7 @@ once() {
   touch "$stamp"
 }
 
-# Of WebAssembly's 32 bits, in bytes; to find them by running a program takes more than to know them.
+# Sizes in bytes on 32-bit WebAssembly; stating them is less work than running a program to find them.
 sizes=()
 for size in OFF_T=8 SIZE_T=4 SSIZE_T=4 PTRDIFF_T=4 WCHAR_T=4 INT=4 LONG=4 LONG_LONG=8 INT64_T=8 UNSIGNED_INT=4 \
   UNSIGNED_LONG=4 UNSIGNED_LONG_LONG=8 FLOAT=4 DOUBLE=8; do

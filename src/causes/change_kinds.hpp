@@ -1,4 +1,4 @@
-// Of which kind a dated change is. Private to the causes room.
+// The kind of a dated change. Private to the causes room.
 #pragma once
 
 #include "goingrate/causes/diary.hpp"
@@ -6,7 +6,7 @@
 
 namespace goingrate::timing_model {
 
-/// What is looked at of a change: from the one before it to the next.
+/// The part of a log in which a change is judged: from the change before it to the next.
 struct Stretch {
   double begin_s = 0.0, end_s = 0.0;
 };
@@ -33,7 +33,7 @@ Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s
 void judge_changes(std::span<const Beat> beats, const TimingData& data,
                    std::vector<Change>& changes);
 
-/// Whether the log tells of which kind a change at about `at_s` is, beside others.
+/// Whether the log tells the kind of a change at about `at_s`, beside others.
 bool has_kind(const TimingData& data, double at_s, const std::vector<Change>& others);
 
 /// Adds the change at about `at_s`, which may be off by `doubt_s`, where the log tells its kind.

@@ -9,8 +9,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Where the gain is greatest within `reach` on either side of `x` and between two bounds. Of the
-// distance from x, so that the search is finest there.
+// Where the gain is greatest within `reach` on either side of `x` and between two bounds. What is
+// varied is the distance from x, so that the search is finest there.
 template <class Gain>
 double best_near(double x, double reach, double low, double high, const Gain& gain) {
   constexpr int bits = 8;

@@ -51,9 +51,9 @@ void state_amplitudes(const TimingData& data, FitSummary& summary) {
   summary.quality.amplitude_rms_rad = seen > 0.0 ? std::sqrt(sum / seen) : unknown;
 }
 
-// Chi-squared. Of jitter alone it is that of the residuals, whose sum of squares is `sum`, against
+// Chi-squared. With jitter alone it is of the residuals, whose sum of squares is `sum`, against
 // the robust scatter of neighbouring beats, which a change in between does not touch. Where the
-// times walk the residuals tell nothing, the innovations do.
+// times walk, the residuals tell nothing, but the innovations do.
 void judge_size(const Fitted& fitted, const TimingData& data, double sum, FitQuality& quality) {
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
   quality.of_innovations = fitted.model.walk || fitted.model.drive;

@@ -159,7 +159,7 @@ private:
     return law == &AveragedLaws<double>::quadratic ? laws.quadratic : laws.dry;
   }
 
-  // Of a line between neighbours, and of the nearer end's value beyond.
+  // Integral of the straight line between two nodes; beyond them, of the nearer one's value.
   template <class T>
   [[nodiscard]] T integral(const T& speed2, std::size_t what, const AveragedLaws<T>& laws) const {
     const std::size_t below = before(plain(speed2));

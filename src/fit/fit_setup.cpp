@@ -44,7 +44,7 @@ constexpr double typical_torque = 1e-5; // scale of a changed torque where the f
 // Cycles. Who tells a date means a moment of that swing, any of which is as likely: 1/sqrt 12. A
 // search is seldom further off than this.
 constexpr double told_date_sigma = 0.289, found_date_sigma = 1.0;
-// Of the scales of the leaps: what half a cycle of a drive of 4 mu/lambda = 1 % makes.
+// In units of the leaps' scales: what half a cycle of a drive of 4 mu/lambda = 1 % makes.
 constexpr double leap_sigma = 2.0;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 

@@ -156,7 +156,7 @@ std::vector<std::vector<double>> noise_variants(const std::vector<std::vector<do
         continue;
       }
       if (factor != 1.0) continue;
-      // Of memories longer than the log only one as long as itself shows in it.
+      // A memory longer than the log looks like one that is as long as the log.
       for (const double periods : {30.0, 300.0, 3000.0, 30000.0})
         for (const double size : {0.03, 0.2, 1.0}) {
           const double whole = data.elapsed_s.back(), length = periods * data.reference_period_s;

@@ -93,7 +93,7 @@ constexpr std::array<Shape, 3> in_order{tooth_shape, hump_shape, middle_shape};
 constexpr std::array<Shape, 2> no_hump{tooth_shape, middle_shape}; // an amplitude has none
 constexpr Sought tooth_alone = Sought(in_order).first(1),
                  tooth_and_hump = Sought(in_order).first(2), every_shape = in_order;
-// Of two swings one pattern is all there is, of some the three are hardly three.
+// Two swings can have only one pattern; in a few more, the three shapes are hardly distinct.
 Sought few_shapes(std::size_t n) { return n == 2 ? tooth_alone : tooth_and_hump; }
 Sought most_shapes(std::size_t n) {
   constexpr std::size_t least_swings = 6; // between pushes
@@ -211,7 +211,7 @@ struct Coefficients {
   double cycles = 0.0;
   bool steady = true;
   [[nodiscard]] const ImpulseCycle::Estimate& operator[](Shape shape) const { return of[shape]; }
-  // Of 2 log L, the scatter being found from the same cycles: few of them may look alike by chance.
+  // In 2 log L, with the scatter from the same cycles: if they are few, they may agree by chance.
   [[nodiscard]] double gain(Shape shape) const {
     const auto& [value, sigma] = of[shape];
     if (!(sigma > 0.0)) return 0.0;
@@ -254,7 +254,7 @@ std::optional<Coefficients> coefficients(const Grid& values, const std::vector<d
   return result;
 }
 
-// Of pushes once in n periods: their shapes have no slow part.
+// For pushes once in n periods: their shapes have no slow part.
 std::optional<Coefficients> regular_coefficients(const Grid& values,
                                                  const std::vector<double>& pushes, std::size_t n,
                                                  Sought sought) {
@@ -289,7 +289,7 @@ struct Sight {
   double late_noise = 0.0, amplitude_noise = 0.0; // of one value
 };
 
-// Of one value, by second differences.
+// The noise of a single value, from second differences.
 double noise_of(const Grid& values) {
   std::vector<double> bends;
   for (std::size_t i = 2; i < values.size(); ++i)

@@ -21,8 +21,8 @@ double promised_gain(const Fitted& fitted, const FitOptions& wider);
 /// change: the fit without it has the better BIC, its date counted as a parameter. Changes whose
 /// date is given, or that were planned, stay. Tried are those smaller than BIC asks for, and those
 /// so near another of their kind that the swing has not answered to the first when the second
-/// comes: two dates about one change, neither of them right, look so. Of a log longer than 9000
-/// beats 3000 are looked at.
+/// comes: two dates about one change, neither of them right, look so. In a log longer than 9000
+/// beats, 3000 of them are looked at.
 std::optional<FitOptions> without_needless_change(const Fitted& fitted, const FitOptions& options);
 
 } // namespace goingrate::timing_model

@@ -32,8 +32,8 @@ struct Foot {
 /// to a few hundredths of L (RidgeTest).
 class Ridge {
 public:
-  /// Of scoring, on one side. A ridge that needs more can take minutes on a long noisy log: it is
-  /// lost where they are spent.
+  /// Steps of scoring on one side. A ridge that needs more can take minutes on a long noisy log: it
+  /// is given up once they are spent.
   static constexpr int most_steps_of_a_side = 100;
 
   /// `widening`: the stated sigma over the curvature's; strides are in stated sigmas. `place` must

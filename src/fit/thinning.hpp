@@ -19,7 +19,7 @@ struct NoiseShape {
 
 /// The larger relative loss of information (1 - variance before / variance after) on corner and
 /// ratio, which tell of the clock, if only every `stride`-th time is used; Whittle's information of
-/// the aliased spectrum, with level and jitter unknown too. Of these two it loses more: they are
+/// the aliased spectrum, with level and jitter unknown too. More is lost on these two, which are
 /// what neighbouring times show.
 double information_lost(const NoiseShape& shape, std::size_t stride);
 

@@ -31,7 +31,7 @@ std::optional<TimeUnit> unit_within(double wrap_s, const ColumnSample& sample) {
   return {};
 }
 
-// Of weather: the step does not tell the unit, but the size may.
+// For weather readings: the step does not tell the unit, but the size may.
 TimeUnit unit_of_readings(const ColumnSample& sample) {
   if (is_mjd(sample) && sample.typical_step < 2.0) return in_days;
   constexpr double unix_milliseconds = 1e11; // 1973; as seconds, the year 5000

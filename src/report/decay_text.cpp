@@ -21,8 +21,8 @@ std::string open_laws(const Decay& decay) {
   return listed(names, "and");
 }
 
-// Of a law that is behind by so much in BIC, which is twice the logarithm of the odds (Schwarz,
-// Ann. Stat. 6, 461, 1978).
+// How many times less likely a law is that is behind by so much in BIC, which is twice the
+// logarithm of the odds (Schwarz, Ann. Stat. 6, 461, 1978).
 std::string times_as_likely(double behind) {
   constexpr double most_told = 1e6;
   const double odds = std::exp(0.5 * behind);

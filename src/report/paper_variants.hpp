@@ -10,7 +10,7 @@ struct Cycle {
   double velocity = 0.0; ///< phi' at the upward crossing
   double rate = 0.0;     ///< excess
 };
-/// Of any laws, by secant steps from `start`; rate to some 1e-11.
+/// The cycle under any laws, by secant steps from `start`; rate to some 1e-11.
 Cycle cycle_of(const CustomLaws& laws, double start);
 
 /// C with one more torque of size mu, cos n psi or sin n psi, psi being the pendulum's own phase.

@@ -38,8 +38,8 @@ class Wording {
 public:
   explicit Wording(const Analysis& data);
 
-  /// Of a relative rate: s/day, or ms/day where all rates of the log are below 1 s/day, or µs/day
-  /// below 1 ms/day.
+  /// Unit of rates: s/day, or ms/day where all rates of the log are below 1 s/day, or µs/day below
+  /// 1 ms/day.
   [[nodiscard]] const DisplayUnit& rate_unit() const { return rate_; }
   /// mrad, or rad where the pendulum swings by more than half a radian.
   [[nodiscard]] const DisplayUnit& angle_unit() const { return angle_; }

@@ -59,7 +59,7 @@ TEST_F(TwinTest, EachShowsTheSameDensity) {
   for (const auto& twin : twins) {
     if (!twin) continue;
     ++found;
-    // Of the start and of a density of continuous time; half of its drive alone costs 2000.
+    // The start and a density of continuous time cost this much; half of the drive alone, 2000.
     EXPECT_LT(behind(*twin), 60.0);
   }
   EXPECT_GE(found, 3U);

@@ -256,7 +256,7 @@ TEST_F(MonitorAlarmsTest, AnAlarmHasOneCommentWhileItsIndexIsLocked) {
 TEST_F(MonitorAlarmsTest, ASensorThatFails) {
   ClockWatch watch(options_);
   std::int64_t n = 0;
-  // Of every hundred beats so many are not heard, so many twice, half a second apart.
+  // In every hundred beats `missed` are not heard, and `doubled` are heard twice, 0.3 s apart.
   const auto hear_minutes = [&](int minutes, int missed, int doubled) {
     for (const std::int64_t end = n + minutes * 60; n < end; ++n) {
       const double at = time_of(n);

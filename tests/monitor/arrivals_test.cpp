@@ -5,7 +5,7 @@
 namespace goingrate::apps {
 namespace {
 
-// Of a clock that beats every second.
+// The clock beats every second.
 class ArrivalsTest : public testing::Test {
 protected:
   // Tells beats `from` … `to` - 1, the times so much off, each heard when it was. How many are

@@ -144,7 +144,7 @@ for page in README.md CONTRIBUTING.md CHANGELOG.md $(cd "$source" && ls data/gui
   split_blocks
   run_blocks
   [ "$mend$page" != --mendREADME.md ] || mend_page
-  # Of the page on Python the tests of the package run what can be run.
+  # What can be run on the page on Python is run by the tests of the package.
   [ "$page" = data/guide/python.md ] || run_spans
   for file in "$here"/blocks/*.toml; do
     [ ! -e "$file" ] || run goingrate simulate "$file" --set run.periods=300 -o all.csv

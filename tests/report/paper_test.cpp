@@ -30,7 +30,7 @@ const Series& series(const Figure& of, const std::string& label) {
   throw std::runtime_error("no series " + label);
 }
 
-// Of a straight line through the points beyond x = `from`, x in turns of 2 pi.
+// Slope of a straight line through the points beyond x = `from`, x in turns of 2 pi.
 double slope_from(const Series& points, double from) {
   double n = 0.0, x1 = 0.0, y1 = 0.0, x2 = 0.0, xy = 0.0;
   for (std::size_t i = 0; i < points.x.size(); ++i) {
@@ -208,7 +208,7 @@ TEST(PaperTest, ThePlaceOfAPushCountsNotItsWidth) {
 }
 
 TEST(PaperTest, ASingleImpulseIsThatOfBlow6) {
-  // Of C's energy, so of C's amplitude; at the vertical there is no escapement error.
+  // It has C's energy, hence C's amplitude; at the vertical there is no escapement error.
   EXPECT_NEAR(number(short_run(), "rate with a single impulse of C's energy at 0 rad").by_paper,
               -std::pow(0.0495410, 2) / 16.0, 1e-9); // the digits of the amplitude
   const Figure& impulse = figure(short_run(), "impulse");

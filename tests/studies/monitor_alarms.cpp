@@ -72,7 +72,7 @@ public:
   [[nodiscard]] double now_s() const { return static_cast<double>(cycle_) * clock_.period_s; }
   static Instant at(double seconds) { return Instant{1764201600, 0.0} + seconds; }
 
-  // Of the next period.
+  // The events of the next period.
   std::vector<Beat> next() {
     std::vector<Beat> events;
     const double from_s = now_s(), amplitude = next_amplitude();

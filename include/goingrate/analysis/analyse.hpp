@@ -52,10 +52,10 @@ TimingData fit_data(const NumberedLog& loaded);
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
 /// Turns the changes of a diary into events of a fit, whose dates the fit may move. An event
-/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). Of the changes
-/// that the keeper noted at most four that stand out, and four others whose size was planned, become
-/// events, of the rest at most four that stand out. At most four others of each become possible
-/// events, which the fit takes if they pay.
+/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). What becomes
+/// an event: of the changes that the keeper noted, at most four that stand out and four others
+/// whose size was planned; of the rest, at most four that stand out. At most four others of each
+/// become possible events, which the fit takes if they pay.
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// The options with the sensor's place (`offset`) free, where the beat error shows that the sensor
@@ -63,8 +63,8 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 /// both directions, `offset` gets the place that they give as its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
-/// The evidence on which causes are judged. It points to `times`. Of the fit only the size of the
-/// fast drive is used.
+/// The evidence on which causes are judged. It points to `times`. Only the size of the fast drive is
+/// taken from the fit.
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
                                const Diary& diary, const DriveAnalysis& drive,
                                const FitSummary& fit);

@@ -61,16 +61,16 @@ NumberedLog load(const LoadRequest& request);
 /// The same for a text in memory; `path` names it in messages.
 NumberedLog load_text(std::string_view text, const LoadRequest& request);
 
-/// The same for events that were had otherwise; `log.source` names them in messages. Of the
-/// request's reading only the nominal period counts, and not that if the log states one. Throws
+/// The same for events from elsewhere; `log.source` names them in messages. From the request's
+/// reading, only the nominal period counts, and not even that if the log states one. Throws
 /// InputError as well for fewer than three events.
 NumberedLog load_events(ClockLog log, const LoadRequest& request);
 
 /// Its rate from end to end, with what is known of the nominal period and of the time base.
 RateSummary mean_rate(const NumberedLog& loaded);
 
-/// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on
-/// a grid as they were read, also where they are no clock's; else of the longest segment.
+/// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Data on a
+/// grid are as they were read, even if they are no clock's; otherwise it is the longest segment's.
 struct PhaseSeries {
   std::vector<double> phase_s;
   double tau0_s = 1.0;

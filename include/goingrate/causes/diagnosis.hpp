@@ -57,9 +57,9 @@ struct CauseNumbers {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   double at_s = unknown;    ///< after the first beat: when it came, if it was sudden
   double until_s = unknown; ///< when it went, if it was a visit
-  /// What it does. Of a step, a visit, a wheel or the day: relative rate; of temperature or
-  /// pressure that per K or mbar, of a drift that per day; of a displaced time: s; of missed beats
-  /// the share of all.
+  /// What it does. For a step, a visit, a wheel or the day: relative rate; for temperature or
+  /// pressure, that per K or mbar; for a drift, that per day; for a displaced time: s; for missed
+  /// beats, their share of all.
   double size = unknown, sigma = unknown;
   double amplitude_rad = unknown, amplitude_sigma_rad = unknown; ///< the same of the amplitude
   double period_s = unknown;                                     ///< of a wheel
@@ -93,8 +93,8 @@ struct DiagnosisInput {
 /// In a log of fewer beats the courses of a rate cannot be told from each other.
 inline constexpr std::size_t least_diagnosed_beats = 400;
 
-/// Suspicions, the greatest gain first; none for a healthy clock. Of a log of fewer than
-/// least_diagnosed_beats the explained changes alone.
+/// Suspicions, the greatest gain first; none for a healthy clock. For a log of fewer than
+/// least_diagnosed_beats, the explained changes alone.
 /// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
 /// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);

@@ -20,7 +20,7 @@ namespace goingrate {
 struct ErrorPart {
   std::string cause; ///< in words
   std::string key;   ///< what of the scenario it is proportional to
-  double size;       ///< of that; of several sines their root of squares
+  double size;       ///< of that; for several sines, the root of their squares
   double rms_s;
 };
 
@@ -32,7 +32,7 @@ struct ErrorBudget {
 };
 
 /// The error that builds up in `after_s` (s, above 0). Linear in the conditions; the rms of 300
-/// simulated clocks is within its scatter of it (ErrorBudgetTest.AgreesWithSimulatedClocks). Of an
+/// simulated clocks is within its scatter of it (ErrorBudgetTest.AgreesWithSimulatedClocks). For an
 /// escapement that waits for its swing to fall (Hipp), whose every wait begins at the limit, the
 /// rate answers to the drive alike at all frequencies
 /// (ErrorBudgetTest.AnEscapementThatWaitsForgetsTheImpulseBefore). Throws ArgumentError for a clock

@@ -143,8 +143,8 @@ struct DerivedQuantity {
 
 /// How well the model describes the log.
 struct FitQuality {
-  /// Of the times against the jitter seen between neighbouring beats; where the model has a walk or
-  /// noise of the drive, of the innovations against their variances.
+  /// Chi-squared of the times against the jitter seen between neighbouring beats; where the model
+  /// has a walk or noise of the drive, of the innovations against their variances.
   double chi2 = 0.0;
   double dof = 0.0;
   double p_value = 0.0; ///< of chi2, given that the jitter itself is known to some per cent only
@@ -209,7 +209,7 @@ struct FitNote {
 /// noise.
 struct ClockTwin {
   std::vector<std::pair<std::string, double>> parameters;
-  /// Of each, if it is this clock; NaN where even then the log does not determine it.
+  /// Sigma of each, if it is this clock; NaN where even then the log does not determine it.
   std::vector<std::pair<std::string, double>> sigma;
   double delta_2logL = 0.0; ///< by how much its 2 log L is below that of the fit
 };

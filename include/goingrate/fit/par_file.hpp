@@ -50,7 +50,7 @@ void drop_partial_start(FitOptions& options);
 /// The names of all parameters. A value after the k-th event has the event's number after the
 /// name, as in "mu\@1".
 std::vector<std::string> parameter_names();
-/// Of these, the ones that are fitted only where they are named.
+/// The names of those that are fitted only where they are named.
 std::vector<std::string> optional_parameter_names();
 
 /// Set by the word for it, `auto` included; false for any other word.

@@ -12,7 +12,7 @@
 namespace goingrate {
 
 /// Turning angle (rad) of a free pendulum of small-swing period `period_s` that passes a centred
-/// flag, `flag_width_rad` wide as seen from the pivot, in `width_s`. Of small swings
+/// flag, `flag_width_rad` wide as seen from the pivot, in `width_s`. For small swings it is
 /// (w/2) / sin(tau/2), tau = 2 pi width / T0; here free_passage_time (restoring.hpp) = tau is
 /// solved for lambda, to 1e-12 (AmplitudeTest.WidthsGiveTheAmplitudeOfTheFullEquation). Friction
 /// and drive shift it by their part in the motion, 1e-4 of lambda and less. NaN if no swing takes
