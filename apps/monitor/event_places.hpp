@@ -42,7 +42,7 @@ public:
   /// a burst, and only the last of them tells the time.
   [[nodiscard]] bool is_in_burst(const ClockLog& log, const Moment& now) const;
 
-  /// What was added, some of it with its place and some that has none.
+  /// The events that were added: with their places, and those that can have none.
   struct Placed {
     std::vector<Arrival> events;      ///< times count from 1970, as the archive keeps them
     std::vector<HeardEvent> left_out; ///< as they were told
@@ -60,12 +60,12 @@ private:
   [[nodiscard]] bool was_set(const Moment& now);
 
   bool origin_holds_ = false; // times without a date count from the archive's origin
-  bool is_unsure_ = false;    // nothing of this run was believed yet
+  bool is_unsure_ = false;    // no event of this run has been believed yet
   bool skips_stored_ = false;
   std::vector<Arrival> waiting_;
   double waiting_since_s_ = 0.0;
   std::optional<double> wall_less_steady_s_;
-  bool goes_on_elsewhere_ = false; // the source, which went on, gets another place in time
+  bool goes_on_elsewhere_ = false; // the source went on, but at another place in time
 };
 
 } // namespace goingrate::apps

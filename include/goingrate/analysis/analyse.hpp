@@ -63,8 +63,8 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 /// both directions, `offset` gets the place that they give as its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
-/// The evidence on which causes are judged. It points to `times`. Only the size of the fast drive is
-/// taken from the fit.
+/// The evidence on which causes are judged. It points to `times`. From the fit it has only the size
+/// of the fast drive.
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
                                const Diary& diary, const DriveAnalysis& drive,
                                const FitSummary& fit);
