@@ -160,7 +160,7 @@ void run_realisations(const BatchOptions& options, const JobSettings& settings,
   scenario.truth = true_parameters(read.scenario);
   request.description.jobs = options.realisations;
   request.description.scenario = std::move(scenario);
-  constexpr std::size_t lanes = 8; // that the simulator fills at a time
+  constexpr std::size_t lanes = 8; // realisations that are simulated at a time
   request.at_once = lanes;
   const SimulatedLogs logs(read.scenario);
   request.make_worker = [&] { return RealisationWorker(logs, options.seed, settings.of("")); };

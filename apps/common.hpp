@@ -44,7 +44,7 @@ struct LogOptions {
   WeatherRequest weather;
   std::string site; ///< LATITUDE,LONGITUDE; empty: not given
   std::optional<double> dead_time_s;
-  bool phases_will_do = false; ///< the command takes data on a grid that are no clock's
+  bool phases_will_do = false; ///< the command takes data on a grid that are not a clock's
   double unpacked_limit_gib = static_cast<double>(usual_unpacked_limit) / gib;
 };
 

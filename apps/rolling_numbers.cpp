@@ -14,7 +14,7 @@ constexpr std::size_t many_beats = 40;     // some of which have a period
 constexpr std::size_t kept_beats = 200;    // judge a new one; they are numbered again each time
 constexpr std::size_t older_beats = 16384; // at least, that judge a long gap: 2 MB at most
 constexpr std::size_t backlog_beats =
-    4096; // of a backlog: so many more make those that are kept no matter
+    4096; // of a backlog: so many that numbering the kept ones again costs little
 } // namespace
 
 void RollingNumbers::add(const Beat& event) { window_.push_back(event); }

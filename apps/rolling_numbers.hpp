@@ -28,7 +28,7 @@ public:
   void go_on_from(std::vector<Beat> numbered);
   /// Whether events wait for others to show what they are, at the beginning.
   [[nodiscard]] bool is_settling() const;
-  /// Whether there is so much that it is worth numbering.
+  /// Whether there are enough events to be worth numbering.
   [[nodiscard]] bool is_full() const;
   /// The events that were added, numbered; none until there are enough of them.
   std::vector<Beat> numbered(const ClockLog& log);

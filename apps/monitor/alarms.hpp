@@ -42,7 +42,7 @@ struct LastMinutes;
 class Alarms {
 public:
   /// `patience_s`: silence after which the clock has stopped; 0: five periods. `lateness_s`: how
-  /// long after a beat its line may come, which is no silence of the clock.
+  /// long after a beat its line may come, which does not count as silence.
   explicit Alarms(double patience_s, double lateness_s = 0.0)
       : patience_s_(patience_s), lateness_s_(lateness_s) {}
 
@@ -57,9 +57,9 @@ public:
   /// No good beat was heard for so long: looks at whether it goes, and whether what was heard
   /// instead is a sensor that fails.
   void silent(double silence_s, double period_s, const Going& going, const Moment& now);
-  /// The source told a date that is so far from the computer's.
+  /// The source told a date that is `error_s` from the computer's.
   void misdated(double error_s, const Moment& now);
-  /// Many events were heard that are no beats of one clock.
+  /// Many events were heard that are not the beats of one clock.
   void no_beats(const std::string& why, const Moment& now);
   void archive_fails(const Moment& now, const std::string& why);
   /// All is on disk. The alarm ends when that has been so for a minute.

@@ -88,11 +88,11 @@ private:
 
   std::string folder_;
   int lock_ = -1, file_ = -1;
-  std::string day_;               // that is open
+  std::string day_;               // the one that is open
   std::string unsynced_;          // its text that is not safe yet
   std::int64_t synced_bytes_ = 0; // its text that is
   bool sync_failed_ = false;      // the system may have thrown the unsafe text away
-  NativeColumns columns_; // of a new day
+  NativeColumns columns_;         // for a new day
   NativeColumns day_columns_; // of the one that is open
   bool is_synced_ = true;
   bool has_origin_ = true; // the day that is open has it

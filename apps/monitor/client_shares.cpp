@@ -28,7 +28,7 @@ double seconds(ClientShares::Time::duration time) {
 
 bool ClientShares::enter(const std::string& address, Time now) {
   const std::lock_guard lock(mutex_);
-  constexpr std::size_t most_clients = 1024; // that are remembered: 100 kB
+  constexpr std::size_t most_clients = 1024; // remembered at most: 100 kB
   if (clients_.size() >= most_clients) forget_idle(now);
   const auto [found, is_new] = clients_.try_emplace(counted_part(address));
   Client& client = found->second;

@@ -108,16 +108,16 @@ private:
   Alarms alarms_;
   AlarmDiary diary_;
   ClockLog log_;           // what is known of the source
-  NativeColumns columns_;  // that it was heard to have
+  NativeColumns columns_;  // those it has told so far
   bool is_first_ = true;   // no event of this run yet
   bool goes_on_from_unread_ = false; // lines of the last run are told again
   bool is_holding_ = true; // no event since the source was opened
   std::optional<Beat> last_directed_; // where directions are told from times
   std::optional<Moment> last_heard_;
-  std::ptrdiff_t held_lines_ = 0; // that the source had said when it was last asked
+  std::ptrdiff_t held_lines_ = 0;                   // that were waiting at the last call of hold()
   std::optional<double> last_good_s_, last_sync_s_; // by the steady clock
   double silence_s_ = 0.0;
-  std::vector<HeardEvent> waited_; // when the last run ended: not in the archive but as comments
+  std::vector<HeardEvent> waited_;        // left by the last run: in the archive only as comments
   std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
   std::vector<Gap> gaps_;
   std::deque<CountBreak> breaks_;

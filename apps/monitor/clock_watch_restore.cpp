@@ -10,7 +10,7 @@ namespace goingrate::apps {
 
 namespace {
 
-constexpr std::size_t tail_beats = 200; // that tell how the count goes on
+constexpr std::size_t tail_beats = 200; // from which the count goes on
 constexpr std::size_t reread_days = 3;  // for the minutes of two days, after a start
 
 // The last beats of a day, numbered so that the last good one has a cycle that is known.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t head_bytes = 4096; // a hundred lines, which no other log begins with
 
-// FNV-1a of the first bytes of a file; nothing if it does not have so many.
+// FNV-1a of the first `bytes` of a file; nothing if it has fewer.
 std::optional<std::uint64_t> hash_of_head(int file, std::size_t bytes) {
   std::string head(bytes, '\0');
   if (::pread(file, head.data(), bytes, 0) != static_cast<ssize_t>(bytes)) return {};

@@ -41,7 +41,7 @@ private:
 
   std::string path_;
   Mark saved_;
-  int file_ = -1;           // that is being read
+  int file_ = -1;           // the one being read
   std::uint32_t lines_ = 0; // of it
 };
 

@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t most_request_bytes = 8192; // what servers commonly take
 constexpr std::chrono::seconds request_time{5};  // a modem sends that much in two
 constexpr std::chrono::seconds answer_time{60};  // 600 kB, a long list, at 10 kB/s
-constexpr std::chrono::seconds silence_time{10}; // that a client takes nothing
+constexpr std::chrono::seconds silence_time{10}; // in which a client takes nothing
 
 int milliseconds_until(Clock::time_point end) {
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());

@@ -1,4 +1,4 @@
-// Comments of events that are no events of the archive, or not yet.
+// Comments on events that are not events of the archive, or not yet.
 #pragma once
 
 #include "arrivals.hpp"
@@ -14,7 +14,7 @@ std::string waiting_note(const HeardEvent& event);
 std::string left_out_note(const HeardEvent& event);
 /// Note on an event whose date is so many seconds from the computer's.
 std::string misdated_note(const HeardEvent& event, double error_s);
-/// Values beside the time as NAME=VALUE, each behind a blank; only those that are known.
+/// Values other than the time as NAME=VALUE, each after a blank; only those that are known.
 std::string words_of(const EventValues& values);
 /// The events that still waited at the end of a day, by its comments behind the last event. Their
 /// times are the source's own.

@@ -24,7 +24,7 @@ struct AlarmRecord {
 };
 
 /// DIR/.index.sqlite, hidden so that the folder is a log. A change throws OutputError where it
-/// cannot be written. A file that is no such index, or a damaged one, is replaced
+/// cannot be written. A file that is not such an index, or is damaged, is replaced
 /// (MonitorArchiveTest.TheIndexIsMadeAgainFromNothing, .AnIndexThatIsDamagedIsMadeAgain); one that
 /// cannot be opened for another reason stays, and what is put is kept in memory.
 class ArchiveIndex {

@@ -14,7 +14,7 @@ struct ListenAddress {
   std::string host = "127.0.0.1";
   int port = 8080;
 };
-/// Throws ArgumentError naming `option` for what is no such address.
+/// Throws ArgumentError naming `option` for anything else.
 ListenAddress parse_address(const std::string& text);
 
 /// Serves the page, /api/…, /metrics and /events (server-sent events) from 64 threads of its own,

@@ -85,7 +85,7 @@ private:
   }
 
   std::optional<double> period_s_;
-  std::optional<Tick> last_; // that was told, in samples since the beginning
+  std::optional<Tick> last_; // passed on, in samples since the beginning
 };
 
 } // namespace

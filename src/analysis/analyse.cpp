@@ -145,7 +145,7 @@ PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nomi
 }
 
 // While the drive comes back after an interruption the rate moves: what stands out of its course
-// there, and not of its beats, is no change of its own if a fit explains the log without it.
+// there, and not of its beats, is not a change of its own if a fit explains the log without it.
 void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary) {
   const auto is_fitted = [&](const Change& change) {
     return std::any_of(fit.events.begin(), fit.events.end(), [&](const FitEvent& event) {
@@ -267,8 +267,8 @@ FitOptions without_plans(FitOptions options) {
   return options;
 }
 
-// What comes round with the pushes of an escapement that rests is no wheel. Once a swing is how often
-// the log looks, so that a line may be an alias: k times the pushes' frequency less j times the
+// What comes round with the pushes of an escapement that rests is not a wheel. The log is sampled
+// once a swing, so that a line may be an alias: k times the pushes' frequency less j times the
 // swing's, within a resolution of the log for each.
 std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const TimingData& times) {
   if (!times.impulses) return lines;

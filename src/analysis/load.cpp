@@ -95,7 +95,7 @@ private:
   }
 
   // The mean period of what was numbered is that of the intervals; where most events are false ones
-  // the count may be no clock's.
+  // the count may not be a clock's.
   void refuse_if_numbered_wrong() const {
     if (loaded_.log.grid || loaded_.good.size() < 3) return;
     const double cycles =

@@ -69,7 +69,7 @@ struct EightBytes {
     std::memcpy(&bytes, c, sizeof bytes);
     if constexpr (std::endian::native == std::endian::big) bytes = __builtin_bswap64(bytes);
     bytes ^= 0x3030303030303030; // a digit is now its value, any other byte more than 9
-    // A carry reaches only bytes behind the first that is no digit.
+    // A carry reaches only bytes behind the first that is not a digit.
     const std::uint64_t others = (bytes | (bytes + 0x7676767676767676)) & 0x8080808080808080;
     const int digits = others == 0 ? 8 : std::countr_zero(others) / 8;
     if (digits == 0) return {};

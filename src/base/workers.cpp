@@ -33,7 +33,7 @@ constexpr std::size_t room_a_thread = std::size_t{8} << 20;
 using Room = std::unique_ptr<char[]>;
 Room put_aside() { return Room(new (std::nothrow) char[room_a_thread]); }
 
-// The threads beside the caller's; they wait until all are started.
+// The threads other than the caller's; they wait until all are started.
 class Others {
 public:
   Others(std::size_t count, const std::function<void()>& run) {

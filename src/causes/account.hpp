@@ -88,17 +88,17 @@ public:
   /// is white makes it.
   Account(const RateBlocks& blocks, const NoiseKinds& rate_noise);
 
-  /// 2 log L gained by the courses beside those taken, less their price.
+  /// 2 log L gained by the courses besides those taken, less their price.
   [[nodiscard]] double gain_of(const Courses& courses) const;
   /// What the courses of the amplitude alone gain; 0 without amplitudes.
   [[nodiscard]] double amplitude_gain_of(const Courses& courses) const;
   /// As gain_of, for noise of the rate of other kinds that bring `numbers` more sizes.
   [[nodiscard]] double gain_of(const NoiseKinds& kinds, int numbers) const;
-  /// Sizes of the courses beside those taken.
+  /// Sizes of the courses besides those taken.
   [[nodiscard]] Sizes sizes_of(const Courses& courses) const;
   void take(const Courses& courses);
   void take(const NoiseKinds& kinds);
-  /// The account with its noise fixed as it is, or as it is beside some courses.
+  /// The account with its noise fixed as it is, or as it is with some courses taken.
   [[nodiscard]] FixedNoiseAccount in_noise_beside(const Courses& courses = {}) const;
   [[nodiscard]] bool sees_amplitude() const { return !amplitude_.empty(); }
 

@@ -45,8 +45,8 @@ struct Look {
   }
 };
 
-// The settling that goes on since the change before is no further change. The squared amplitude
-// settles exponentially; rate and amplitude, which are no linear functions of it, also with its
+// The settling that goes on since the change before is not a further change. The squared amplitude
+// settles exponentially; rate and amplitude, not being linear functions of it, also with its
 // powers.
 void take_settling(const RateBlocks& blocks, Account& account) {
   const CourseMaker make(blocks);
@@ -86,7 +86,7 @@ void put_jump(ChangeKind kind, const FittedStep& step, const RateBlocks& blocks,
   const Sizes sizes = StepSearch(account, blocks, step.place, 1.0).sizes_of(kind, step);
   judgement.jump = sizes.rate[0];
   if (kind == ChangeKind::regulation) judgement.jump_sigma = sizes.rate_sigma[0];
-  if (kind == ChangeKind::drive) judgement.jump -= sizes.rate[1]; // that of what dies away
+  if (kind == ChangeKind::drive) judgement.jump -= sizes.rate[1]; // less the part that dies away
 }
 
 void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate, double& sigma) {

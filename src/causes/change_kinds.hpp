@@ -33,7 +33,7 @@ Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s
 void judge_changes(std::span<const Beat> beats, const TimingData& data,
                    std::vector<Change>& changes);
 
-/// Whether the log tells the kind of a change at about `at_s`, beside others.
+/// Whether the log tells the kind of a change at about `at_s`, besides others.
 bool has_kind(const TimingData& data, double at_s, const std::vector<Change>& others);
 
 /// Adds the change at about `at_s`, which may be off by `doubt_s`, where the log tells its kind.

@@ -234,8 +234,8 @@ bool bends(const std::vector<double>& value) {
 
 namespace {
 
-// Blocks of a log. The tide of half a day wants short ones, and is so well known that many are no
-// temptation; other covariates are judged in blocks of which a thousand are enough.
+// Blocks of a log. The tide of half a day needs short ones, and is so well known that many do no
+// harm; other covariates are judged in blocks of which a thousand are enough.
 RateBlocks blocks_for(const TimingData& data, bool of_tide) {
   constexpr std::size_t most_of_tide = 16384; // two hours in four years
   return rate_blocks(data, std::min(of_tide ? most_of_tide : most_blocks, data.size() / 8));

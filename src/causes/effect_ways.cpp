@@ -1,4 +1,4 @@
-// Through the amplitude, or beside it.
+// How a covariate acts on the rate: through the amplitude, or otherwise.
 #include "goingrate/causes/covariates.hpp"
 
 #include "rate_blocks.hpp"

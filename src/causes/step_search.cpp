@@ -112,8 +112,8 @@ StepSearch::StepSearch(const Account& account, const RateBlocks& blocks, double 
       first_log_time_(std::log(0.3 * block_s_)),
       last_log_time_(std::log(block_s_ * (static_cast<double>(blocks.rate.size()) - place))) {}
 
-// Places and times are compared in fixed noise: first in what is there without the change, then in
-// that beside the best so far. The likelihood may have a peak for each number of powers, at time
+// Places and times are compared in fixed noise: first in the noise without the change, then in that
+// with the best so far. The likelihood may have a peak for each number of powers, at time
 // constants that differ by a factor of two.
 FittedStep StepSearch::best(ChangeKind kind) const {
   const FixedNoiseAccount fixed = account_.in_noise_beside();

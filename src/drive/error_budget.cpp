@@ -164,8 +164,8 @@ void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>
             std::abs(length.drift_per_day), after_s, parts);
 }
 
-// The value nearest to `present`, by factors, between `low` and `high` from which on `error` is
-// below `most`; if it is at present, that from which on it is no longer.
+// The value nearest to `present`, by factors, between `low` and `high` at which `error` falls below
+// `most`; if it is below at present, the value at which it no longer is.
 std::optional<double> nearest_limit(const std::function<double(double)>& error, double present,
                                     double most, double low, double high) {
   constexpr double step = 1.02;
@@ -218,7 +218,7 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
   if (!(most_s > 0.0)) throw ArgumentError("error", most_s, "a positive number of seconds");
   const ErrorBudget budget = error_budget(scenario, after_s);
   const double all2 = budget.all_s() * budget.all_s();
-  // A clock that would stall, or that no scenario may have, is no answer.
+  // A clock that would stall, or that no scenario may have, is not an answer.
   const auto error_of = [&](const ClockParameters& clock) {
     try {
       Scenario other = scenario;

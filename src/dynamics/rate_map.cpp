@@ -52,7 +52,7 @@ std::vector<double> log_grid(double low, double high, std::size_t points) {
   for (std::size_t i = 0; i < points; ++i)
     grid.push_back(low *
                    std::pow(high / low, static_cast<double>(i) / static_cast<double>(points - 1)));
-  grid.back() = high; // not a rounding beside it
+  grid.back() = high; // exactly, without rounding
   return grid;
 }
 

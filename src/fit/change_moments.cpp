@@ -30,7 +30,7 @@ std::vector<Minimum> lowest_of_each_dip(const std::vector<Minimum>& row) {
 std::vector<Minimum> dips_of_moment(const FitProblem& held, const Slot& moment, bool found,
                                     const std::vector<double>& x) {
   constexpr double spacing_cycles = 0.125; // a leap goes to and fro in half a cycle
-  // A date that was told is the crossing next to the change; one that was found may be that beside.
+  // A given date is the crossing next to the change; one that was found may be a neighbouring one.
   const int to_each_side = found ? 12 : 4;
   std::vector<Minimum> row(static_cast<std::size_t>(2 * to_each_side) + 1);
   std::vector<double> others = x;
@@ -83,7 +83,7 @@ std::vector<std::vector<double>> places_in(const Fitted& fitted, const FitProble
   for (std::vector<double>& place : places) {
     place = carried_over(fitted.problem.parameters, place, parameters,
                          std::vector<double>(parameters.free_count, 0.0));
-    if (jitter->free) // what the leap made of it is no guide
+    if (jitter->free) // the leap has distorted it
       place[jitter->index] = jitter->coordinate_of(guess_noise(*fitted.problem.data).jitter_s);
   }
   return places;

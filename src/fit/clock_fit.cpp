@@ -92,7 +92,7 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   }
   quality.rms_s = std::sqrt(sum / n);
   judge_size(fitted, data, weighed, quality);
-  // What rounding leaves is no noise, and may look like anything.
+  // What rounding leaves is not noise, and may look like anything.
   quality.whiteness_p = is_rounding(fitted) ? unknown : whiteness_p(fitted.seen.white_time);
   quality.bic = fitted.bic;
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
@@ -135,8 +135,8 @@ void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
   });
 }
 
-// The fit on so few beats of a long log that its profile is soon searched; not usable if all are as
-// few.
+// The fit on few beats of a long log, so that its profile is soon searched; not usable if the log
+// has no more.
 Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
   constexpr std::size_t compared_beats = 3000;
   if (fitted.problem.condensed != nullptr || fitted.problem.data->size() < 3 * compared_beats)

@@ -25,7 +25,7 @@ inline constexpr int nodes_a_block = 12; ///< of a condensed log
 class CondensedLog {
 public:
   /// `relaxation_cycles`: in which the squared amplitude comes nearer to rest by a factor e.
-  /// Nothing if the log is too short beside it to gain, or too full of gaps.
+  /// Nothing if the log is too short for it to pay, or too full of gaps.
   static std::shared_ptr<const CondensedLog>
   of(const TimingData& data, const std::vector<double>& event_cycles, double relaxation_cycles);
 

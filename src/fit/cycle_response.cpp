@@ -79,7 +79,7 @@ CycleResponses::Numbers CycleResponses::as_numbers(const CycleResponse<double>& 
       r.late.uu};
 }
 
-// Nothing where the clock, or one beside it, has no response.
+// Nothing where the clock, or one close to it, has no response.
 std::optional<CycleResponses::Node> CycleResponses::node_at(const ClockParameters& clock,
                                                             const AveragedLaws<double>& laws,
                                                             std::span<const Law> by, double speed2,

@@ -70,7 +70,7 @@ template <class T> struct CycleBend {
   }
 };
 
-/// The full equation beside the averaged one, where a clock crosses at one speed.
+/// The full equation compared with the averaged one, where a clock crosses at one speed.
 template <class T> struct CycleResponse {
   /// Factors of the gains; of follow and follow_by_drive, which may be 0, what is to be added.
   CycleGains<T> beside{T(1.0), T(1.0), T(0.0), T(1.0), T(0.0)};
@@ -179,7 +179,7 @@ private:
                                 a.sums_by[l][what], b.sums_by[l][what]);
     return sum;
   }
-  // The node below a speed, which is no number where a search has gone astray; not the last one.
+  // The node below a speed, but not the last node; a search that goes astray may ask for NaN.
   [[nodiscard]] std::size_t before(double speed2) const {
     const auto above =
         std::upper_bound(all_.begin() + 1, all_.end() - 1, speed2,
@@ -220,7 +220,7 @@ struct ResponseAt {
     return there;
   }
   /// By how much w has grown after a cycle, and by how much it makes the clock late: the averaged
-  /// laws between the two amplitudes, in closed form, and the integral of what stands beside them.
+  /// laws between the two amplitudes, in closed form, and the integral of what they lack.
   template <class T>
   [[nodiscard]] std::pair<T, T> passed(const AveragedLaws<T>& laws, const T& amplitude2,
                                        const T& T0, const T& w) const {

@@ -191,7 +191,7 @@ void state_stationary(const FitProblem& problem, const AtPlace& place, FitSummar
   if (!driven) summary.stationary_amplitude.value = summary.stationary_amplitude.sigma = unknown;
 }
 
-// Combinations beside the mean period.
+// Combinations other than the mean period.
 void state_combinations(const FitProblem& problem, const AtPlace& place, FitSummary& summary) {
   const auto add_if_known = [&](const DerivedQuantity& quantity) {
     if (std::isfinite(quantity.value)) summary.combinations.push_back(quantity);

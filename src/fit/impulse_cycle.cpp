@@ -22,8 +22,8 @@ using std::numbers::pi;
 
 constexpr std::size_t longest_cycle = 60;        // periods between pushes
 constexpr double least_gain = 18.0;              // 2 log L, after the price
-constexpr std::size_t least_cycles = 8;          // that a scatter can be told from
-constexpr std::size_t searched_cycles = 200'000; // of a longer log: enough to see a push
+constexpr std::size_t least_cycles = 8;          // enough to tell a scatter from
+constexpr std::size_t searched_cycles = 200'000; // of a log at most: enough to see a push
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // One value per cycle, NaN where there is none.
@@ -343,8 +343,8 @@ Sight seen(const TimingData& data, std::size_t most) {
   return sight;
 }
 
-// Friction is the same in every part of the log. Pushes that are no more regular than for a while
-// leave a tooth that comes and goes, and whose mean tells nothing.
+// Friction is the same in every part of the log. Pushes that are regular only for a while leave a
+// tooth that comes and goes, and whose mean tells nothing.
 bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, double periods,
                            const ImpulseCycle::Estimate& epsilon) {
   constexpr std::size_t most_parts = 8, least_cycles_a_part = 8;
@@ -560,7 +560,7 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
     if (steps[i] - middle > threshold) pushes.push_back(static_cast<double>(i));
     falls += middle - steps[i] > threshold ? 1 : 0;
   }
-  if (20 * falls > pushes.size()) return {}; // what goes up and down is no push
+  if (20 * falls > pushes.size()) return {}; // pushes do not go both up and down
   std::vector<double> intervals;
   for (std::size_t j = 1; j < pushes.size(); ++j)
     intervals.push_back(pushes[j] - pushes[j - 1]);

@@ -84,7 +84,7 @@ ClockTwin as_twin(const FitProblem& problem, const Listed& clock) {
   return twin;
 }
 
-// Whether the second lies within the sigma of the first in every coordinate: then it is no other.
+// Whether the second lies within the sigma of the first in every coordinate: both are one then.
 bool is_within(const Listed& one, const Listed& other) {
   for (std::size_t k = 0; k < one.sigma.size(); ++k)
     if (!(std::abs(one.place.x[k] - other.place.x[k]) <= one.sigma[k])) return false;

@@ -1,4 +1,4 @@
-// Which noise a log demands beside the jitter of its sensor: a drive that varies from beat to beat
+// Which noise a log demands besides the jitter of its sensor: a drive that varies from beat to beat
 // or slowly, or times that walk.
 #include "model_choice.hpp"
 
@@ -84,7 +84,7 @@ void ModelSearch::choose_noise() {
   choose_slow_drive(std::move(slow));
 }
 
-// Slow drive is no part of the clock's course, but the clock is read off the noise too: left out
+// Slow drive is not part of the clock's course, but the clock is read off the noise too: left out
 // where there is a little of it, friction and fast drive come out wrong by several σ; taken where
 // there is none, intervals are wider. So chance is its price, not BIC's, and while the log hardly
 // tells, the clock without it is a rival of the clock with it.

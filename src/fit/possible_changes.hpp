@@ -13,7 +13,7 @@ std::vector<FitEvent> joined(const std::vector<FitEvent>& events,
                              const std::vector<FitEvent>& more);
 
 /// What a step of scoring promises L would gain if what the events of `wider` name changed with
-/// them, beside what the fit has already; its noise stays as it is, which has had to stand in for
+/// them, besides what the fit has already; its noise stays as it is, which has had to stand in for
 /// them: the promise is less than what is gained.
 double promised_gain(const Fitted& fitted, const FitOptions& wider);
 

@@ -90,7 +90,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   SlopesNearby slopes;
   // Corrections that stood still would pass for knowledge where the log tells a change of the clock
   // from the difference that the dynamics make of it: along the flat ridge of times alone, in free
-  // swings of more than a radian, and beside a drive that amplitudes show to vary. Amplitudes under
+  // swings of more than a radian, and with a drive that amplitudes show to vary. Amplitudes under
   // jitter alone hold a driven clock in place.
   const bool with_slopes = refined.problem.parameters.escapement == Escapement::none ||
                            refined.problem.parameters.has(Quantity::drive_rms) ||

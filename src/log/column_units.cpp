@@ -122,8 +122,8 @@ void Detection::settle_counter() {
     if (layout_.columns[i].name == "pps_seq_row") layout_.coarse_time = i;
 }
 
-// Refuses times much closer together than beats beside a column that swings and has no known name:
-// they are those of samples.
+// Refuses times much closer together than beats if a column that swings has no known name: they are
+// those of samples.
 void Detection::refuse_unread_samples(std::size_t time) const {
   const TimeUnit& unit = layout_.columns[time].unit;
   const double step_s = samples_[time].typical_step * unit.seconds * std::pow(10.0, unit.power);

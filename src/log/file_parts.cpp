@@ -84,7 +84,7 @@ public:
 private:
   struct Open { // a part that has no layout of its own yet, or none with names
     bool in_folder = false;
-    std::exception_ptr fault; // why it is no log by itself
+    std::exception_ptr fault; // why it is not a log by itself
   };
 
   void add(const std::string& path, bool in_folder) {
@@ -168,7 +168,7 @@ private:
     const FilePart* found = example();
     if (found == nullptr) return;
     const Layout layout = found->layout;
-    constexpr std::size_t fewest_lines = 8; // that tell their layout
+    constexpr std::size_t fewest_lines = 8; // enough to tell their layout
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       FilePart& part = parts_[i];
       const bool tells = !open_[i].fault && (has_names(part.layout) || !has_names(layout)) &&

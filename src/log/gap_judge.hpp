@@ -11,7 +11,7 @@ namespace goingrate {
 /// What is made of a gap.
 struct GapCount {
   std::int64_t cycles = 1;    ///< from the beat before to the beat after
-  double probability = 0.0;   ///< that it is this many
+  double probability = 0.0;   ///< that `cycles` is right
   bool displaced = false;     ///< no count fits: the clock stood still, or the reference jumped
   bool reference_set = false; ///< by whole hours, with no beat missing
 };

@@ -114,7 +114,7 @@ bool Detection::has_intervals() const {
                      [&](ColumnRole role) { return layout_.find(role).has_value(); });
 }
 
-// Fewer than four are none; returns how many columns lost their role. With them, a time beside them
+// Fewer than four count as none; returns how many columns lost their role. Next to all four, a time
 // is only that of the computer that wrote them down.
 std::size_t Detection::settle_intervals() {
   const bool whole = has_intervals();

@@ -28,7 +28,7 @@ constexpr double tick_label_row = 0.45;
 constexpr double axis_title_row = 0.45;
 constexpr double legend_row = 0.36;
 constexpr double marker_row = 0.36;
-constexpr double edge_share = 0.05;     // that stays white whatever stands beside it
+constexpr double edge_share = 0.05;     // stays white whatever stands next to it
 constexpr double character = 0.14;      // width of one at 8 points
 constexpr double tick_character = 0.17; // digits are wider
 

@@ -10,7 +10,7 @@
 
 namespace goingrate {
 
-/// One of them. `odds` says how likely it is beside the first; empty for that one.
+/// One of them. `odds` says how likely it is against the first; empty for that one.
 struct ListedClock {
   std::string odds, parameters;
 };

@@ -79,7 +79,7 @@ std::string prediction_line(const TimePrediction& p, const char* name) {
   return text + ".\n";
 }
 
-// What is no noise does not go on as it was.
+// Nothing is predicted from what is not noise: it need not go on as it was.
 std::string prediction_lines(const DeviationTable& table, bool all_noise) {
   std::string text;
   bool left_out = false;
@@ -199,7 +199,7 @@ std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPerio
       return label_of(l, drive.rate_spectrum->resolution_hz, expected);
     };
     const std::string name = label(line);
-    // One that has a name of its own, as a tide close to half a day, may be no sideband.
+    // One that has a name of its own, as a tide close to half a day, may not be a sideband.
     if (line.sideband_of && (name.empty() || name == label(drive.lines[*line.sideband_of])))
       continue;
     text += fmt::format(

@@ -110,7 +110,7 @@ private:
     say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
-    // Without a date of its own it says little beside the cause.
+    // Without a date of its own it adds little to the cause.
     say(whether_worse(),
         changes_.empty() && !suspicions_.empty() ? Weight::trend : Weight::main);
     say(out_of_beat(), Weight::second_cause);
@@ -144,13 +144,13 @@ private:
   const Analysis& data_;
   Wording words_;
   bool sees_amplitude_;
-  std::vector<const Change*> changes_; // those that are no part of an interruption
-  std::vector<Suspicion> suspicions_;  // those that are not told by it
+  std::vector<const Change*> changes_; // those that are not part of an interruption
+  std::vector<Suspicion> suspicions_;  // those that no interruption covers
   std::vector<Sentence> sentences_;
 };
 
 bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
-  constexpr double blocks = 384.0; // that the causes are judged on: a date is as good as one
+  constexpr double blocks = 384.0; // on which causes are judged: a date is good to one
   const double doubt_s = 2.0 * data_.rate.duration_s / blocks;
   const auto& all = data_.diary.interruptions;
   return std::any_of(all.begin(), all.end(), [&](const Interruption& event) {

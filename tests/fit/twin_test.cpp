@@ -91,7 +91,7 @@ TEST_F(TwinTest, ChangesThatMoveTheSwingTellThemApart) {
       for (const Slot& other : problem_.parameters.slots)
         if (other.quantity == slot.quantity)
           x[slot.index] = slot.coordinate_of(other.value(std::span<const double>(truth_)));
-  EXPECT_FALSE(twins_of(problem, x).empty()); // another length is no other swing
+  EXPECT_FALSE(twins_of(problem, x).empty()); // another length does not change the swing
   options.events.front().names = {"mu"};
   problem = make_problem(data_, options, model);
   EXPECT_TRUE(twins_of(problem, x).empty());

@@ -80,7 +80,7 @@ TEST_F(MonitorAlarmsTest, ABeatNowAndThenIsNoClockThatGoes) {
   EXPECT_EQ(changes, 1);
 }
 
-// What a sensor tells of a clock that has stopped is no beat.
+// What a sensor hears of a clock that has stopped is not a beat.
 TEST_F(MonitorAlarmsTest, ASensorThatChattersHidesNoStop) {
   for (const bool is_stuck : {false, true}) {
     std::filesystem::remove_all(options_.folder);
@@ -202,7 +202,7 @@ TEST_F(MonitorAlarmsTest, EventsThatWaitForOthersAreNoStop) {
   }
 }
 
-// Twelve lines tell what the layout is; a source of many that tell none is no clock that goes.
+// Twelve lines tell the layout; a source of many lines that tell none is not a clock that goes.
 TEST_F(MonitorAlarmsTest, LinesThatAreNotRecognisedYetMayBeBeats) {
   {
     ClockWatch watch(options_);

@@ -125,7 +125,7 @@ TEST(DailyWaveTest, IsLearntAndTakenOut) {
   }
   // 0.1 of noise, and what of a wave of 5 is held back: 720 of 720 + 12,000 minutes.
   EXPECT_LT(std::sqrt(squares), 0.1 + 0.28);
-  EXPECT_NEAR(step_seen, 2.0, 0.2); // a level is no wave; a day is a tenth of what is remembered
+  EXPECT_NEAR(step_seen, 2.0, 0.2); // a level is not a wave; a day is a tenth of what is remembered
   EXPECT_FALSE(wave.without(31 * day, std::nullopt));
 }
 

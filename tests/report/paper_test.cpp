@@ -115,7 +115,7 @@ TEST(PaperTest, TheNoiseIsThatOfTheAveragedEquations) {
       number(results, "the same in the paper's 4.3e6 periods, from the growth of the variance");
   EXPECT_NEAR(carried.ours, carried.by_paper, 3.0 * carried.sigma); // one seed in 400
   EXPECT_LT(carried.sigma, 0.05 * carried.ours);                    // else that says nothing
-  // The start, an eighth of the variance of so short a run, is no part of a long one's.
+  // The start, an eighth of the variance of so short a run, is not part of a long one's.
   EXPECT_LT(carried.ours, 0.97 * rms.ours * std::sqrt(24000.0 / 4.3e6));
   const Figure& growth = figure(results, "noise_growth");
   const Series& measured = series(growth, "1000 runs, 95 %");

@@ -70,7 +70,7 @@ Prediction run_on(const Fitted& fit, std::int64_t periods) {
   return ahead;
 }
 
-// At a cycle (from the first beat's) within the log: straight between the beats beside it.
+// At a cycle (from the first beat's) within the log: straight between the neighbouring beats.
 void add_within(const Fitted& fit, double cycle, Prediction& result) {
   const std::vector<double>& cycles = fit.data.cycle;
   const auto after = std::lower_bound(cycles.begin(), cycles.end(), cycle);

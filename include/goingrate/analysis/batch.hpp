@@ -63,9 +63,9 @@ struct BatchDescription {
 struct JobOutcome {
   int exit_code = 0;                  ///< of the command that would have done this job alone
   std::string message{};              ///< why, where that is not 0
-  std::vector<std::string> assumed{}; ///< that reading the log took for granted
+  std::vector<std::string> assumed{}; ///< in reading the log
   std::string result{};               ///< JSON; empty if there is none
-  double seconds = 0.0;               ///< that it took; not written
+  double seconds = 0.0;               ///< it took so long; not written
 };
 
 /// Does some jobs of the batch; outcomes in the order of the jobs. What it throws ends the batch.
@@ -88,7 +88,7 @@ struct BatchOutcome {
   std::size_t jobs = 0;         ///< of the share
   std::size_t taken_up = 0;     ///< of these, done before
   std::size_t failed = 0;       ///< of those done now
-  std::size_t threads = 0;      ///< that were asked for
+  std::size_t threads = 0;      ///< asked for
   double seconds = 0.0;         ///< from begin to end
   double seconds_in_jobs = 0.0; ///< of all threads, as the outcomes say
   double longest_s = 0.0;       ///< of a job

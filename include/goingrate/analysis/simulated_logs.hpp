@@ -17,7 +17,7 @@ namespace goingrate {
 struct SimulatedLog {
   std::string text;                          ///< native, as `simulate` writes it
   SwingStatus status = SwingStatus::crossed; ///< crossed, or why the clock stopped
-  std::int64_t periods = 0;                  ///< that were completed
+  std::int64_t periods = 0;                  ///< completed
 };
 
 /// Makes logs; each thread has its copy.

@@ -61,7 +61,7 @@ struct CovariateEffect {
   double step_s = 0.0;      ///< between two readings, s; 0 if there is one at each beat
   double known_share = 1.0; ///< of the log, 0 to 1; the rest is left out
   /// The ways, where the log tells them apart: `at_once` alone, of a rod whose compensation comes
-  /// after `lag_s`, when the whole holds; or two through and beside the amplitude.
+  /// after `lag_s`, when the whole holds; or two, through the amplitude and otherwise.
   std::vector<EffectPart> parts{};
   /// The coefficient of the amplitude, rad per unit of the covariate; NaN where the log has none.
   double amplitude = std::numeric_limits<double>::quiet_NaN(), amplitude_sigma = amplitude;
@@ -81,19 +81,19 @@ struct CovariateEffect {
 std::vector<CovariateEffect> covariate_effects(const TimingData& data);
 
 /// Tells what each covariate (but the tide) does to the rate through the amplitude from what it
-/// does beside it, where the log has amplitudes; else nothing changes.
+/// does otherwise, where the log has amplitudes; else nothing changes.
 ///
 /// Denser air carries more of the bob, which slows the clock, and brakes it, which lowers the
 /// amplitude and moves the rate by the circular error and the escapement error. The amplitude's own
 /// answer is found as the rate's is; times d(rate)/d(amplitude) under a change of friction at
-/// constant drive it is the second way, and the rest is the first. That slope is the fitted clock's,
-/// or, where the fit leaves the escapement undetermined, - s A/8 of the circular error alone. The
-/// intervals of both ways cover in simulated clocks (tests/studies/conditions.txt;
+/// constant drive it is the second way, and the rest is the first. That slope is the fitted
+/// clock's, or, where the fit leaves the escapement undetermined, - s A/8 of the circular error
+/// alone. The intervals of both ways cover in simulated clocks (tests/studies/conditions.txt;
 /// CovariateTest.TheBarometersTwoWays).
 void tell_ways(const TimingData& data, const FitSummary& fit,
                std::vector<CovariateEffect>& effects);
 
-/// What one quantity does to the rate beside the others.
+/// What one quantity does to the rate besides the others.
 struct WeatherPart {
   std::string name, unit;
   double coefficient = 0.0, sigma = 0.0; ///< relative rate per unit

@@ -100,8 +100,8 @@ inline constexpr std::size_t least_diagnosed_beats = 400;
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);
 
 /// Gives suspicions of temperature and pressure the value of covariate_effects(), so that one log
-/// states one. A swing with the day that a column of the log explains, in the half where its
-/// coefficient was not found too, is no weather that the log lacks: it is named after that column.
+/// states one. A daily swing that a column of the log explains, also in the half in which its
+/// coefficient was not found, is not weather that the log lacks: it is named after that column.
 void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions);
 
 /// Adds the steps, and the visits' ends, that diagnose() would name and that are not among

@@ -57,9 +57,9 @@ enum class FitDynamics {
 };
 std::string_view name_of(FitDynamics dynamics);
 
-/// Which noise is fitted, beside that of an amplitude column.
+/// Which noise is fitted, besides that of an amplitude column.
 enum class FitNoise {
-  automatic, ///< jitter, and what BIC asks for beside it
+  automatic, ///< jitter, and what BIC asks for besides
   jitter,    ///< white in time
   drive,     ///< white per period, times without error
   both,      ///< jitter and white drive
@@ -171,7 +171,7 @@ struct Experiment {
 
 /// How the log was thinned for the fit.
 struct Thinning {
-  std::size_t beats = 0;         ///< that were used; 0: all
+  std::size_t beats = 0;         ///< used for the fit; 0: all
   double information_lost = 0.0; ///< largest relative loss of information on a parameter
 };
 
@@ -199,7 +199,7 @@ enum class NoteKind {
   misfit,        ///< the times stray from the best place by more than they scatter
 };
 
-/// Something beside the numbers that must be said.
+/// Something that must be said besides the numbers.
 struct FitNote {
   NoteKind kind{};
   std::string text;
@@ -225,7 +225,7 @@ struct FitSummary {
   std::vector<std::string> correlated;          ///< names of the free parameters, in order
   std::vector<std::vector<double>> correlation; ///< of those
   std::vector<DerivedQuantity> combinations;    ///< those that are determined
-  /// Q and decay time are those of linear friction; with other friction beside it they depend on
+  /// Q and decay time are those of linear friction; with other friction in addition they depend on
   /// the amplitude and are NaN, and `decay` has them.
   DerivedQuantity q_factor, stationary_amplitude, rate_s_per_day, decay_time;
   std::optional<Decay> decay{};     ///< of a pendulum that swings freely

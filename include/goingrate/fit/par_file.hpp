@@ -39,7 +39,7 @@ struct ParFile {
 std::string par_text(const FitSummary& fit, const FitOptions& options, std::int64_t first_cycle);
 
 /// Reads such a text; `file` names it in messages. Throws InputError with line and column for
-/// whatever is no item, is given twice, is out of range or changes at no event.
+/// whatever is not an item, is given twice, is out of range or changes at no event.
 ParFile parse_par(std::string_view text, const std::string& file);
 
 /// A start serves only if it has a value for every parameter of the clock that is not fixed; one

@@ -63,7 +63,7 @@ struct SensorEstimate {
   double sigma = 0.0;
 };
 
-/// What the log tells beside the rate, as far as it can.
+/// What the log tells besides the rate, as far as it can.
 struct SensorFindings {
   std::optional<SensorEstimate> beat_error_s{};
   bool sides_are_unknown = false; ///< of ticks that are heard nothing says on which side they are

@@ -179,7 +179,7 @@ struct ClockLog {
   EventColumns columns;
   TimeOrigin origin = TimeOrigin::none;
   std::optional<Site> site;     ///< where the clock stands, if that is known
-  std::optional<double> zone_s; ///< that the dates name, east of Greenwich; the first of them
+  std::optional<double> zone_s; ///< of the dates, east of Greenwich: the first one named
   std::vector<JoinedWeather> weather; ///< what of `columns` was interpolated
   std::optional<SoundFindings> sound; ///< if it is a recording
   /// Standard deviation of the rate of the clock that all times were taken with, where it is known:

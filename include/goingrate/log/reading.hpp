@@ -71,7 +71,7 @@ private:
   std::vector<OtherReading> others_;
 };
 
-/// Other readings of a log whose events are `step_s` apart, which is no whole number of nominal
+/// Other readings of a log whose events are `step_s` apart, not a whole number of nominal
 /// periods: another unit of the times if one makes it so, another nominal period, both directions.
 std::vector<OtherReading> readings_for_period(double step_s, double nominal_s);
 
@@ -110,7 +110,7 @@ ClockLog read_log_file(const std::string& path, const ReadingOptions& options = 
 /// file without a header may have the layout of those that have one. A gap between two files is a
 /// gap like any other. Throws InputError as read_log does, and for dated files whose hours overlap,
 /// that hold the same times, or whose beats are of another clock (2 % in the period, and not twice
-/// or half of it); ArgumentError if one of several is no regular file, or given twice.
+/// or half of it); ArgumentError if one of several is not a regular file, or given twice.
 ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOptions& options = {});
 
 /// What else a log says of one event; NaN where it does not.

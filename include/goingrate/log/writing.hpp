@@ -13,7 +13,7 @@
 
 namespace goingrate {
 
-/// The columns of a native log beside time_s, and what its header states.
+/// The columns of a native log besides time_s, and what its header states.
 struct NativeColumns {
   bool edge = false, width = false, amplitude = false, temperature = false, pressure = false,
        humidity = false;

@@ -97,7 +97,7 @@ struct DeviationTable {
 struct DeviationOptions {
   std::optional<int> alpha = {}; ///< noise at every tau, -4 to 2; nothing: it is identified at each
   bool remove_bias = true;       ///< false: the total variances and Theo1 as they come
-  std::size_t threads = 0;       ///< that share the factors; 0: as many as the work is worth
+  std::size_t threads = 0;       ///< to share the factors among; 0: as many as the work is worth
 };
 
 /// Computes deviations of phase data, with the kind of noise and a confidence interval.
