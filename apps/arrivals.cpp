@@ -49,7 +49,7 @@ std::vector<Arrivals::Arrival> Arrivals::rest() {
   return {};
 }
 
-// In its place, or one place too late in the log.
+// Whether it comes in its place, or one place too late in the log.
 bool Arrivals::fits(const Beat& event, std::optional<double> heard_s) const {
   if (!last_) return true;
   if (event.time < last_->time) return one_before_ && event.time > one_before_->time;

@@ -191,7 +191,7 @@ void Archive::describe(const NativeColumns& columns) {
 }
 
 void Archive::open_day(const std::string& day) {
-  sync(); // of the day before: a failure is told, and tried again
+  sync(); // of the day before: a failure is reported, and tried again
   close_day();
   give_back_free_memory();
   const std::string path = path_of(day);

@@ -9,8 +9,8 @@
 namespace goingrate::apps {
 
 /// Numbers that are written one after the other, or read back in the same order by the same calls.
-/// Where they come to an end, or are not of the form that is asked for, the reader says so and
-/// what it was to fill is of no use.
+/// If they come to an end, or are not of the form that is read, the reader says so, and what it was
+/// to fill is of no use.
 class Learnt {
 public:
   Learnt() = default; ///< writes

@@ -29,7 +29,7 @@ public:
   /// Breaks off what is still answered.
   ~MonitorServer();
 
-  /// From now on these are given.
+  /// The answers from now on.
   void publish(const WatchAnswers& answers);
   /// The port, also where 0 asked for any.
   [[nodiscard]] int port() const;

@@ -16,7 +16,7 @@ namespace goingrate {
 namespace {
 
 // Through an interruption, and as long again after it, the lateness stands still: what shook the
-// clock then is told by the diary.
+// clock then is stated in the diary.
 void level_interruptions(const Diary& diary, TimingData& data) {
   constexpr double before_s = 30.0;
   for (const Interruption& event : diary.interruptions) {
@@ -164,9 +164,9 @@ void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary
   });
 }
 
-// What the fit was told of and does without: the course of the rate dates a change within some
-// beats and may take one for two. What may have been counts where the swing still answers to a
-// change that the fit has.
+// Drops changes that the fit was given and does without: the course of the rate dates a change
+// within some beats and may take one for two. Possible changes count as given where the swing still
+// answers to a change that the fit has.
 void drop_what_the_fit_dropped(const FitOptions& asked, const FitSummary& fit,
                                const NumberedLog& loaded, Diary& diary) {
   if (fit.status != FitStatus::converged || !misses_nothing(fit) || fit.events.empty()) return;

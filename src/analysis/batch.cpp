@@ -180,8 +180,8 @@ public:
   }
 
 private:
-  // As many as a worker does best together, and fewer towards the end, where nobody shall wait for
-  // the last.
+  // The next jobs, as many as a worker does best together, and fewer towards the end, so that
+  // nobody waits for the last.
   std::span<const std::size_t> next() {
     const std::lock_guard lock(mutex_);
     const std::size_t left = missing_.size() - begun_;

@@ -79,7 +79,7 @@ private:
     loaded_.log.events.clear();
   }
 
-  // From one good upward crossing to the next; unknown where one is missing.
+  // Periods from one good upward crossing to the next; unknown where one is missing.
   static std::vector<double> periods_of(std::span<const Beat> beats) {
     std::vector<double> periods;
     const Beat* before = nullptr;

@@ -61,9 +61,9 @@ inline constexpr std::array<std::uint64_t, 20> whole_powers_of_ten = [] {
 /// Eight bytes as they stand in a text, of which the first digits make a number.
 struct EightBytes {
   std::uint64_t value = 0;
-  int digits = 0; ///< before the first byte that is none
+  int digits = 0; ///< before the first byte that is not one
 
-  /// By three multiplications that each join neighbours: two digits, four, eight.
+  /// The digits at `c`, by three multiplications that join neighbours: two digits, four, eight.
   static EightBytes at(const char* c) {
     std::uint64_t bytes = 0;
     std::memcpy(&bytes, c, sizeof bytes);

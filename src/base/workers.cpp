@@ -85,7 +85,7 @@ std::size_t threads_or_usual(std::size_t wanted) {
 void run_together(std::size_t threads, const std::function<void()>& work,
                   const std::function<void()>& give_up) {
   if (threads <= 1 || is_part_of_shared_work) {
-    const Part part; // who asks for one thread gets no others by what the work does
+    const Part part; // so that the work itself starts no further threads
     work();
     return;
   }

@@ -79,7 +79,7 @@ Look look_at(RateBlocks blocks, const Stretch& stretch, double at_s, double doub
   return look;
 }
 
-// By how much the rate changes, where most of the log is seen: at once, of friction in the end.
+// By how much the rate changes, as most of the log sees it: at once; for friction, in the end.
 void put_jump(ChangeKind kind, const FittedStep& step, const RateBlocks& blocks,
               Judgement& judgement) {
   const Account account(blocks, {.wanders = true});

@@ -33,7 +33,7 @@ std::optional<double> slope_under_friction(const ClockParameters& clock) {
   return (*rate_wide - *rate_narrow) / (*wide - *narrow);
 }
 
-// With a bound of its standard deviation that holds whatever the correlations of the fit are.
+// The slope, with a bound on its standard deviation that holds whatever the fit's correlations.
 std::optional<Measured> slope_of(const FitSummary& fit) {
   const auto clock = fit.has_result() ? fitted_clock(fit) : std::nullopt;
   const auto slope = clock ? slope_under_friction(*clock) : std::nullopt;

@@ -43,7 +43,7 @@ private:
   [[nodiscard]] FittedStep best_place(ChangeKind kind, double log_time,
                                       const FixedNoiseAccount& fixed) const;
   [[nodiscard]] FittedStep polished(ChangeKind kind, FittedStep step) const;
-  // With as many powers as gain more, by an Account or a FixedNoiseAccount.
+  // The step with as many powers as gain more, by an Account or a FixedNoiseAccount.
   template <class Gains>
   [[nodiscard]] FittedStep at(ChangeKind kind, double place, double log_time,
                               const Gains& gains) const;

@@ -83,7 +83,7 @@ Answer answer_of(const ClockParameters& clock) {
   return {response, rests};
 }
 
-// At the worst moment, rms over the phase.
+// The error at the worst moment, rms over the phase of the sine.
 double error_of_sine(double rate, double period_s, double after_s) {
   const double turns = std::min(0.5, after_s / period_s);
   return std::abs(rate) * period_s / (std::numbers::sqrt2 * pi) * std::sin(pi * turns);

@@ -46,7 +46,8 @@ std::vector<Minimum> dips_of_moment(const FitProblem& held, const Slot& moment, 
 }
 
 // The best moments of one event after another: where a swing is pushed in its middle its amplitude
-// and phase leap to and fro, so the likelihood has several peaks. Those of the last are all given.
+// and phase leap to and fro, so the likelihood has several peaks. All peaks of the last are
+// returned.
 std::vector<std::vector<double>> scanned_moments(const FitProblem& problem,
                                                  const FitOptions& options,
                                                  const std::vector<double>& x) {

@@ -291,8 +291,8 @@ Searched searched(const TimingData& data, const FitOptions& options, bool moment
   return end;
 }
 
-// With every change at a crossing, or, where the times leap at one, at the moment that explains
-// them better.
+// The search with every change at a crossing or, where the times leap at one, at the moment that
+// explains them better.
 Searched searched(const TimingData& data, const FitOptions& options) {
   Searched plain = searched(data, options, false);
   const std::vector<FitEvent>& events = plain.search->options().events;
@@ -311,7 +311,7 @@ Searched searched(const TimingData& data, const FitOptions& options) {
   return better ? std::move(within) : std::move(plain);
 }
 
-// Without the changes that may have been, or with them where the log asks for them.
+// The search without the possible changes, or with them where the log calls for them.
 Searched searched_with_changes(const TimingData& data, const FitOptions& options) {
   Searched plain = searched(data, options);
   if (options.possible_events.empty() || !plain.fitted->minimum.usable) return plain;

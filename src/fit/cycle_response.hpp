@@ -36,7 +36,7 @@ template <class T> struct CycleGains {
   T follow_by_drive{}; ///< of follow, s per rad^2 and relative drive
 };
 
-/// By the averaged equations; amplitude2 is lambda^2.
+/// The gains by the averaged equations; amplitude2 is lambda^2.
 template <class T>
 CycleGains<T> averaged_cycle(const AveragedLaws<T>& laws, const T& amplitude2, const T& T0) {
   using std::expm1;
@@ -78,25 +78,25 @@ template <class T> struct CycleResponse {
   CycleBend<T> late;       ///< s
 };
 
-/// By differences of the return map of a clock that crosses with phi'^2 = `speed2` when its
-/// averaged amplitude squared is `amplitude2`; nothing where the map is not regular or the averaged
-/// swing does not pass the escapement. Gains to 3e-5
+/// The response of a clock that crosses with phi'^2 = `speed2` when its averaged amplitude squared
+/// is `amplitude2`, by differences of its return map; nothing where the map is not regular or the
+/// averaged swing does not pass the escapement. Gains to 3e-5
 /// (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
 std::optional<CycleResponse<double>> cycle_response(const ClockParameters& clock, double speed2,
                                                     const AveragedLaws<double>& laws,
                                                     double amplitude2);
 
-/// Those of one clock at all the speeds it may cross with, and how they change with its laws.
+/// The responses of one clock at all speeds it may cross with, and how they change with its laws.
 class CycleResponses {
 public:
-  /// For phi'^2 between these; beyond, those at the nearer end. `offset` is by how much the
+  /// For phi'^2 between these; beyond, those of the nearer end. `offset` is by how much the
   /// averaged amplitude squared is greater than phi'^2.
   CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
                  double least_speed2, double greatest_speed2, double offset);
 
   [[nodiscard]] double offset() const { return offset_; }
 
-  /// At a crossing with this speed, of a clock whose laws are near those of the responses.
+  /// The response at a crossing with this speed, of a clock with laws near those of the responses.
   template <class T>
   [[nodiscard]] CycleResponse<T> at(const T& speed2, const AveragedLaws<T>& laws) const {
     const std::size_t below = before(plain(speed2));

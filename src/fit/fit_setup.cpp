@@ -343,7 +343,7 @@ double weak_sigma(const Slot& slot, double centre) {
   return torque ? factor * std::max(1.0, std::abs(centre)) : 1e4;
 }
 
-// That a parameter changed at an event as it was planned.
+// The prior that a parameter changed at an event as planned.
 std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
                                              const Parameters& parameters, const Slot& slot,
                                              std::span<const double> x) {

@@ -39,7 +39,7 @@ Grid on_cycles(const TimingData& data, const std::vector<double>& values, std::s
   return grid;
 }
 
-// Less the mean of the `n` values around each (of n + 1, the outer ones by half, if n is even):
+// Values less the mean of the `n` around each (of n + 1, the outer ones by half, if n is even):
 // what wanders slowly goes, and what repeats every n stays whole, less its mean.
 Grid less_moving_mean(const Grid& values, std::size_t n) {
   std::vector<double> sums{0.0};
@@ -503,7 +503,7 @@ private:
     return best;
   }
 
-  // With three shapes only where the third shows.
+  // A candidate with three shapes needs the third to show.
   [[nodiscard]] std::optional<Candidate> candidate(std::size_t first, Sought sought) const {
     const bool is_whole = sought.size() == every_shape.size();
     const auto pushes = regular_pushes(first, n_, static_cast<double>(sight_.late.size()));

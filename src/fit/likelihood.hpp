@@ -42,7 +42,7 @@ struct Correction {
   std::vector<ResponseAt> responses;
 };
 
-/// That a parameter after an event is a multiple of what it was before: either may be held.
+/// A parameter after an event as a multiple of what it was before; either may be held.
 struct RatioOfSlots {
   Slot after, before;
   double ratio = 1.0;

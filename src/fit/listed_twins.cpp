@@ -20,7 +20,7 @@ struct Listed {
   std::vector<double> sigma{}; // of each coordinate
 };
 
-// With the sigmas of the likelihood's curvature there; NaN where the model does not hold.
+// The place with sigmas from the likelihood's curvature there; NaN where the model does not hold.
 Listed listed(const FitProblem& problem, Rival place, const Widening& widening) {
   std::vector<double> sigma(place.x.size(), unknown);
   const auto there = evaluate(problem, place.x);

@@ -15,7 +15,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double first_stride = 0.25; // sigma
 
-// With a row for each coordinate that makes a change of one, a factor e of most, cost half of L:
+// Adds a row for each coordinate by which a change of one (a factor e for most) costs half of L:
 // where the likelihood is flat, steps are kept short, and a determined coordinate does not feel
 // it.
 Eigen::MatrixXd damped(const Eigen::MatrixXd& rows) {
@@ -192,7 +192,7 @@ std::optional<Foot> Ridge::foot_near(std::vector<double> x, double z, double& fi
                                     : std::nullopt;
   }
 }
-// As far along the step, in the coordinates that straighten the valley, as L falls.
+// Goes along the step, in the coordinates that straighten the valley, as far as L falls.
 std::optional<std::vector<double>> Ridge::lower(const std::vector<double>& x,
                                                 const Step& step) const {
   const std::vector<double> u = valley_.u_of(x);

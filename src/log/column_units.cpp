@@ -225,7 +225,7 @@ void Detection::refuse_what_was_not_measured(std::size_t time) const {
   }
 }
 
-// By the user, for the column of this role.
+// Whether the user gave a unit for the column of this role.
 bool Detection::unit_is_given(ColumnRole role) const {
   return std::any_of(options_.columns.begin(), options_.columns.end(), [&](const auto& word) {
     return word.starts_with(fmt::format("{}=", name_of(role))) &&

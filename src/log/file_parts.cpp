@@ -106,7 +106,7 @@ private:
     open_.push_back(std::move(open));
   }
 
-  // By its own layout, or as if it had the layout `known`.
+  // Reads the part's head by its own layout, or as if it had the layout `known`.
   void look_at(FilePart& part, const Layout* known) {
     LineReader lines(open_source(part.path, options_.unpacked_limit), part.path);
     const std::string_view head = lines.head(head_lines);
@@ -183,7 +183,7 @@ private:
     }
   }
 
-  // In a folder: readings of the weather that come much more seldom than another file's times.
+  // Leaves out, from a folder, weather readings that are much rarer than another file's times.
   void leave_weather_out(std::vector<Assumption>& assumptions) {
     constexpr double times_rarer = 10.0;
     const auto is_beside_a_log = [&](std::size_t at) {

@@ -48,7 +48,7 @@ std::string angle(double rad, const DisplayUnit& unit) {
   return fmt::format("{} {}", with_sigma(unit.factor * rad, 0.0, 4), unit.name);
 }
 
-// At the one amplitude at which the log tells them best.
+// Q and decay time at the one amplitude at which the log tells them best.
 std::string time_sentence(const Decay& decay, const DisplayUnit& unit) {
   if (!is_known(decay.time_s)) return {};
   const std::string q =

@@ -247,7 +247,7 @@ void Script::draw(const Panel& panel, std::size_t index) {
   write("plot {}\n", curves.empty() ? "NaN notitle" : curves);
 }
 
-// By how many characters the terminal takes a word for longer than it is, a character of it.
+// By how much a terminal overrates a word's width, in characters, for each character of it.
 constexpr double pdf_key_character = 0.27;
 constexpr double png_key_character = 0.15;
 

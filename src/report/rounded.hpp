@@ -11,8 +11,8 @@ struct Rounded {
   int power = 0;
 };
 
-/// To two digits of sigma; without a sigma above 0, or with one below the resolution of a double,
-/// to `digits` digits of the value, which is finite.
+/// The value to two digits of sigma; without a sigma above 0, or with one below the resolution of a
+/// double, to `digits` digits of the value, which is finite.
 Rounded rounded(double value, double sigma, int digits);
 
 /// The value alone, to the digits that it has beside its standard deviation: an end of an interval.

@@ -54,7 +54,7 @@ public:
     for (const Change& change : data.diary.changes)
       if (!is_in_one(data.diary, change.at_s) && !change.is_only_noted())
         changes_.push_back(&change);
-    for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
+    for (const Suspicion& suspicion : data.suspicions) // steps of an interruption are left to it
       if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)) &&
           !(suspicion.cause == Cause::stop && stop_is_told(data)))
         suspicions_.push_back(suspicion);

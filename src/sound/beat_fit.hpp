@@ -34,7 +34,7 @@ public:
   BeatPlace operator()(const BeatSnippet& snippet);
 
 private:
-  // In units of the background; at least one that can be told from none.
+  // In units of the background; at least a strength that can be told from none.
   [[nodiscard]] double strength_at(const BeatSnippet& snippet, std::ptrdiff_t shift) const;
 
   // A hundredth of the strength is added: the foot of a loud beat changes by orders of magnitude

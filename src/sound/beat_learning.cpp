@@ -27,8 +27,8 @@ public:
   BeatLearning(const BeatGrid& grid, std::vector<BeatSnippet> snippets)
       : grid_(grid), snippets_(std::move(snippets)) {}
 
-  // From the mean of all, which loud beats out of line blur, and from one beat, in which faint ones
-  // are drowned: whichever comes to predict them better.
+  // Begins once from the mean of all, which loud beats out of line blur, and once from one beat, in
+  // which faint ones are drowned; returns what comes to predict beats better.
   BeatKind run() {
     const std::vector<double> none(grid_.size, 0.0);
     best_ = {none, none, {1.0}, 0.0, 0.0};

@@ -90,8 +90,8 @@ double at(std::span<const double> values, double place) {
   return (1.0 - part) * values[i] + part * values[i + 1];
 }
 
-// Less what repeats in the rhythm of the mains, 100 or 120 times per second: it does so as well one
-// such time earlier and later, which beats do not.
+// Takes off what repeats in the rhythm of the mains, 100 or 120 times per second: it also repeats
+// one such time earlier and later, which beats do not.
 std::vector<double> without_hum(const std::vector<double>& correlation, double coarse_a_second) {
   std::vector<double> result = correlation;
   for (std::size_t lag = 0; lag < result.size(); ++lag)
@@ -159,7 +159,7 @@ std::optional<double> second_sound(const Loudness& loudness, const Windows& wind
   const std::size_t quarter = size / 4;
   const auto best = std::max_element(mean.begin() + static_cast<std::ptrdiff_t>(quarter),
                                      mean.end() - static_cast<std::ptrdiff_t>(quarter));
-  // Its lower half shows what is between the sounds.
+  // The lower half of the values shows what is between the sounds.
   std::vector<double> work = mean;
   std::sort(work.begin(), work.end());
   const double middle = work[size / 2];

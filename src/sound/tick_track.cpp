@@ -147,8 +147,8 @@ private:
     return best;
   }
 
-  // From a tick to the last sound of its period. All periods hold both, or one with both would be
-  // worth a jump.
+  // Time from a tick to the last sound of its period. All periods hold both, or one with both would
+  // be worth a jump.
   [[nodiscard]] double after() const { return pattern_.has_tocks ? pattern_.tock_after : 0.0; }
 
   [[nodiscard]] double bin_of(std::size_t n, std::size_t f) const {

@@ -154,7 +154,7 @@ SpectralLine refined(std::span<const double> x, double interval_s, const Peak& p
   return line;
 }
 
-// That any of N values shows it: 1 - (1 - p)^N without losing its digits where it is small.
+// Chance that any of N values shows it: 1 - (1 - p)^N, without losing digits where it is small.
 double chance_anywhere(double log_chance, std::size_t values) {
   return -std::expm1(static_cast<double>(values) * std::log1p(-std::exp(log_chance)));
 }

@@ -230,7 +230,7 @@ public:
   struct Deviation {
     T angle, speed;
   };
-  /// At `t` after the point of expansion.
+  /// The deviation at `t` after the point of expansion.
   [[nodiscard]] Deviation deviation(const T& t) const {
     const Pair both = detail::polynomial<order + 1, 1>(deviation_.data(), t);
     return {both[0], both[1]};

@@ -100,7 +100,7 @@ struct GridData {
   std::vector<double> phase_s; ///< the clock's error, positive: fast; NaN where there is none
 };
 
-/// What of a log a reader is told or finds out.
+/// What a reader is told, or finds out, about a log.
 enum class Setting : std::uint8_t {
   none,
   format,
@@ -144,7 +144,7 @@ enum class TimeOrigin : std::uint8_t {
   mjd,  ///< 1858-11-17
 };
 
-/// From the beginning of the count to 1970, s; 0 for `none`.
+/// Time from the beginning of the count to 1970, s; 0 for `none`.
 std::int64_t seconds_before_1970(TimeOrigin origin);
 /// "dates" or "times without a date".
 std::string_view times_of(TimeOrigin origin);
