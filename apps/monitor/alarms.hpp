@@ -51,7 +51,7 @@ public:
   void heard(const Going& going, double nominal_period_s, bool is_replay);
   /// Goes on from what an earlier run recorded, in order of time.
   void restore(const std::vector<AlarmRecord>& records);
-  /// What was learnt of the clock so far, as numbers; take_learnt() goes on from them.
+  /// What was learnt about the clock so far, as numbers; take_learnt() goes on from them.
   [[nodiscard]] std::vector<double> learnt() const;
   void take_learnt(std::vector<double> numbers);
   /// No good beat was heard for so long: looks at whether it goes, and whether what was heard

@@ -54,7 +54,7 @@ public:
   [[nodiscard]] const Going& going() const { return going_; }
   [[nodiscard]] double nominal_period_s() const { return numbers_.nominal_period_s(); }
   [[nodiscard]] double period_s() const { return numbers_.period_s(); }
-  /// What was assumed of the source, with the options that say otherwise.
+  /// What was assumed about the source, with the options that say otherwise.
   [[nodiscard]] const std::vector<Assumption>& assumptions() const {
     return numbers_.assumptions();
   }

@@ -1,4 +1,4 @@
-// What was learnt of a clock, as numbers that an index keeps.
+// What was learnt about a clock, as numbers that an index keeps.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ public:
   }
 
   [[nodiscard]] const std::vector<double>& numbers() const { return numbers_; }
-  /// All that was asked for was there, and no more.
+  /// Whether all numbers were read back, and no more were asked for.
   [[nodiscard]] bool is_read_whole() const {
     return reads_ && !has_failed_ && at_ == numbers_.size();
   }

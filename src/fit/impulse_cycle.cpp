@@ -283,7 +283,7 @@ std::optional<Coefficients> irregular_coefficients(const Grid& values,
                       });
 }
 
-// What is known of the data, cycle by cycle.
+// The data as far as they are known, cycle by cycle.
 struct Sight {
   Grid late, amplitude;                           // the second empty where the log has none
   double late_noise = 0.0, amplitude_noise = 0.0; // of one value

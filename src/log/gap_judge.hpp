@@ -8,7 +8,7 @@
 
 namespace goingrate {
 
-/// What is made of a gap.
+/// How a gap is counted.
 struct GapCount {
   std::int64_t cycles = 1;    ///< from the beat before to the beat after
   double probability = 0.0;   ///< that `cycles` is right

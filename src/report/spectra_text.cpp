@@ -41,7 +41,7 @@ const char* what_noise_means(int alpha) {
 }
 
 std::string region_line(const SlopeRegion& region, DeviationKind kind) {
-  if (std::isnan(region.slope)) return {}; // one row of its own is as often chance as not
+  if (std::isnan(region.slope)) return {}; // a single row is as often chance as not
   const std::string times =
       fmt::format("From {} to {} ", time_in_words(region.from_s), time_in_words(region.to_s));
   if (!may_be_noise(region, kind))
@@ -122,7 +122,7 @@ std::string deviation_text(const DeviationTable& table) {
 std::string deviation_findings(const DeviationTable& table) {
   std::string text;
   constexpr std::size_t most_regions =
-      8; // of a table of all tau the regions would be as many as the rows
+      8; // a table of all tau would have as many regions as it has rows
   const auto regions = slope_regions(table);
   const bool all_noise =
       std::all_of(regions.begin(), regions.end(),

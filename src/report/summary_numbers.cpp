@@ -189,7 +189,7 @@ void Numbers::add_fit() {
   for (const FittedParameter& p : fit.parameters) {
     const bool is_open =
         p.status == ParameterStatus::free && !(std::isfinite(p.low95) && std::isfinite(p.high95));
-    if (is_open) continue; // one ± would tell less than half of it
+    if (is_open) continue; // one ± would tell less than half
     const bool told = data_.drive.split && is_noise_of_drive(p.name);
     if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed ? ", given"

@@ -1,4 +1,4 @@
-// Whitening by linear prediction: what of each sample those before it do not predict.
+// Whitening by linear prediction: the part of each sample that those before it do not predict.
 #pragma once
 
 #include "goingrate/sound/ticks.hpp"

@@ -123,7 +123,7 @@ TEST(DailyWaveTest, IsLearntAndTakenOut) {
     if (minute >= 20 * day && minute < 30 * day) squares += rest * rest / (10.0 * day);
     if (minute >= 30 * day) step_seen += rest / day;
   }
-  // 0.1 of noise, and what of a wave of 5 is held back: 720 of 720 + 12,000 minutes.
+  // 0.1 of noise, and the part of a wave of 5 that is held back: 720 of 720 + 12,000 minutes.
   EXPECT_LT(std::sqrt(squares), 0.1 + 0.28);
   EXPECT_NEAR(step_seen, 2.0, 0.2); // a level is not a wave; a day is a tenth of what is remembered
   EXPECT_FALSE(wave.without(31 * day, std::nullopt));

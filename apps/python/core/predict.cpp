@@ -15,7 +15,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// When the model passes, and how wide it swings, at beat i of the data.
+// When the model's pendulum passes, and how wide it swings, at beat i of the data.
 double model_time(const Fitted& fit, std::size_t i) {
   return fit.data.elapsed_s[i] - fit.summary.residual_s[i];
 }

@@ -71,7 +71,7 @@ struct JobOutcome {
 /// Does some jobs of the batch; outcomes in the order of the jobs. What it throws ends the batch.
 using BatchWorker = std::function<std::vector<JobOutcome>(std::span<const std::size_t> jobs)>;
 
-/// What is asked of run_batch().
+/// What run_batch() is to do.
 struct BatchRequest {
   BatchDescription description;
   BatchShare share{};

@@ -11,7 +11,7 @@
 
 namespace goingrate {
 
-/// What is asked of a fit; empty: not given. Names are those of FitOptions.
+/// What a fit is to do; empty: not given. Names are those of FitOptions.
 struct FitRequest {
   std::vector<std::pair<std::string, double>> fixed{};
   std::vector<std::string> freed{};
@@ -20,7 +20,7 @@ struct FitRequest {
   /// the first; or the one word "auto" (those of the diary) or "none".
   std::vector<std::string> events{};
   std::string model{}, noise{}, escapement{}; ///< words of par files
-  std::string from{};                         ///< a par file, or "-"; what is said beside it wins
+  std::string from{};                         ///< a par file, or "-"; what else is given wins
 };
 
 /// Whether changes are searched for: neither the request nor its file names any, or "auto".

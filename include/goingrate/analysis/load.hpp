@@ -14,7 +14,7 @@
 
 namespace goingrate {
 
-/// What is asked of load(); what is left empty it finds out.
+/// What load() is to do; it finds out what is left empty.
 struct LoadRequest {
   std::string path; ///< a file, gzip or not, a folder of files, or "-" for standard input
   std::vector<std::string> more{}; ///< files and folders of the same clock, see read_log_files()

@@ -19,7 +19,7 @@ namespace goingrate {
 /// One cause of error.
 struct ErrorPart {
   std::string cause; ///< in words
-  std::string key;   ///< what of the scenario it is proportional to
+  std::string key;   ///< the quantity of the scenario that it is proportional to
   double size;       ///< of that; for several sines, the root of their squares
   double rms_s;
 };

@@ -72,7 +72,7 @@ struct ModelChoice {
   bool quadratic = false, dry = false;
   bool amplitude_scale = false; ///< the amplitude column is off by a factor
   bool jitter = true, walk = false, drive = false, slow = false;
-  /// What is known of when, within a swing, an event came that did not come at a crossing.
+  /// What is known of the moment within a swing of an event that did not come at a crossing.
   enum class Moments { of_crossings, loose, fitted } moments = Moments::of_crossings;
 
   /// "constant-torque, linear, jitter + drive"
@@ -81,7 +81,7 @@ struct ModelChoice {
   [[nodiscard]] std::string noise() const;    ///< "jitter + drive"
 };
 
-/// What is asked of a fit; what is left empty it finds out.
+/// What a fit is to do; it finds out what is left empty.
 struct FitOptions {
   FitDynamics dynamics = FitDynamics::automatic;
   FitNoise noise = FitNoise::automatic;

@@ -180,7 +180,7 @@ struct ClockLog {
   TimeOrigin origin = TimeOrigin::none;
   std::optional<Site> site;     ///< where the clock stands, if that is known
   std::optional<double> zone_s; ///< of the dates, east of Greenwich: the first one named
-  std::vector<JoinedWeather> weather; ///< what of `columns` was interpolated
+  std::vector<JoinedWeather> weather; ///< for those of `columns` that were interpolated
   std::optional<SoundFindings> sound; ///< if it is a recording
   /// Standard deviation of the rate of the clock that all times were taken with, where it is known:
   /// it is that of the log's rate as well, whatever its length.
