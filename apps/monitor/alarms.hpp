@@ -1,4 +1,4 @@
-// What a clock that is watched is called out for.
+// The alarms of a clock that is watched.
 #pragma once
 
 #include "amplitude_fall.hpp"
@@ -54,8 +54,8 @@ public:
   /// What was learnt about the clock so far, as numbers; take_learnt() goes on from them.
   [[nodiscard]] std::vector<double> learnt() const;
   void take_learnt(std::vector<double> numbers);
-  /// No good beat was heard for so long: looks at whether it goes, and whether what was heard
-  /// instead is a sensor that fails.
+  /// No good beat was heard for `silence_s`: checks whether the clock goes, and whether what was
+  /// heard instead comes from a sensor that fails.
   void silent(double silence_s, double period_s, const Going& going, const Moment& now);
   /// The source told a date that is `error_s` from the computer's.
   void misdated(double error_s, const Moment& now);
@@ -65,9 +65,9 @@ public:
   /// All is on disk. The alarm ends when that has been so for a minute.
   void archive_works(const Moment& now);
 
-  /// What changed since this was last asked.
+  /// What changed since the last call.
   std::vector<AlarmChange> take_changes() { return std::exchange(changes_, {}); }
-  /// Those that are raised now, in the words they were raised with.
+  /// The alarms that are raised now, in the words they were raised with.
   [[nodiscard]] std::vector<AlarmChange> raised() const;
 
 private:

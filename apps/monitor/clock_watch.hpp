@@ -38,7 +38,7 @@ public:
   /// Reads the archive. Throws OutputError if it cannot be written.
   explicit ClockWatch(WatchOptions options);
 
-  /// What the source has said and no event was made of yet: kept on disk until that is.
+  /// Text from the source that has not become events yet: kept on disk until it has.
   void hold(std::string_view text, const Moment& now);
   /// Lines that were held when the source was last listened to.
   [[nodiscard]] const std::string& unread() const { return unread_.text(); }
@@ -73,7 +73,7 @@ public:
   [[nodiscard]] bool is_all_stored() const;
   /// A comment for the day's file.
   void note(const std::string& text, const Moment& now);
-  /// Alarms that began or ended since this was last asked.
+  /// Alarms that began or ended since the last call.
   std::vector<AlarmChange> take_alarm_changes() { return diary_.take_fresh(); }
 
 private:

@@ -45,7 +45,7 @@ void ClockWatch::restore() {
   const bool agrees = std::includes(days.begin(), days.end(), indexed.begin(), indexed.end()) &&
                       index_.is_of_the_files();
   if (!agrees) forget_index();
-  // A day may be missing in the middle, which another program did not let be put.
+  // A day may be missing in the middle, because another program kept the index from being written.
   const auto unbroken =
       std::mismatch(indexed.begin(), indexed.end(), days.begin(), days.end()).first;
   const auto in_index = agrees ? static_cast<std::size_t>(unbroken - indexed.begin()) : 0;

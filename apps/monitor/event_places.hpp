@@ -29,7 +29,7 @@ public:
   /// The first event of a run. Returns the last one stored, as the source would have told it, if
   /// the event may go on from there. `may_be_read_again`: the source may tell what is stored.
   std::optional<Beat> meet(const HeardEvent& event, const ClockLog& log, bool may_be_read_again);
-  /// Whether the event is stored already, as the lines of a file are that is read again.
+  /// Whether the event is stored already, as when a file is read again.
   [[nodiscard]] bool is_stored(const HeardEvent& event, const ClockLog& log);
   /// Seconds that a date of a live source is after the computer's, if it is more than a day from
   /// it: a receiver of time that does not know the date yet tells another one.
@@ -56,7 +56,7 @@ private:
 
   Archive& archive_;
   PlaceOptions options_;
-  /// Whether the computer's calendar was set since this was last asked.
+  /// Whether the computer's calendar was set since the last call.
   [[nodiscard]] bool was_set(const Moment& now);
 
   bool origin_holds_ = false; // times without a date count from the archive's origin

@@ -53,7 +53,7 @@ std::vector<FilePosition::Part> FilePosition::parts_of(const std::string& path) 
   constexpr int most_rotations = 9;
   const auto name = [&](int k) { return k == 0 ? path : fmt::format("{}.{}", path, k); };
   if (saved_.lines > 0)
-    for (const bool with_inode : {true, false}) // a copy that was made before the file was cut off
+    for (const bool with_inode : {true, false}) // without: a copy made before a truncation
       for (int k = 0; k <= most_rotations; ++k)
         if (fits(saved_, name(k), with_inode)) {
           std::vector<Part> parts{{name(k), saved_.lines}};

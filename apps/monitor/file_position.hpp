@@ -28,7 +28,7 @@ public:
 
   /// A line of that file was read. Lines that begin again are those of another file of that name.
   void took(const std::string& path, std::uint32_t line);
-  /// All that was taken is safe: written if it is new.
+  /// Called when all that was taken is safe: writes the position if it is new.
   void save();
 
 private:

@@ -87,7 +87,7 @@ private:
 class Going {
 public:
   void add(const Beat& beat, std::int64_t missed_before);
-  /// An event that is no beat.
+  /// An event that is not a beat.
   void add_spurious();
   /// From here on, the count does not go on from before with certainty.
   void break_count() { ++run_; }

@@ -12,7 +12,7 @@ namespace goingrate::apps {
 std::string waiting_note(const HeardEvent& event);
 /// Note on an event that is not believed, as nothing goes on from it: nothing waits any more then.
 std::string left_out_note(const HeardEvent& event);
-/// Note on an event whose date is so many seconds from the computer's.
+/// Note on an event whose date is `error_s` seconds from the computer's.
 std::string misdated_note(const HeardEvent& event, double error_s);
 /// Values other than the time as NAME=VALUE, each after a blank; only those that are known.
 std::string words_of(const EventValues& values);

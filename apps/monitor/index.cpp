@@ -58,7 +58,7 @@ struct ArchiveIndex::Database {
     if (code != SQLITE_OK) return code;
     return is_sound() ? SQLITE_OK : SQLITE_CORRUPT;
   }
-  // Whether its days are those of an earlier form, which are made again.
+  // Whether its days have an earlier form; they are then made again.
   [[nodiscard]] bool is_older() const {
     std::string version;
     const auto keep = [](void* to, int, char** columns, char**) {

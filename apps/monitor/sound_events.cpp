@@ -73,7 +73,7 @@ public:
   }
 
 private:
-  // Which of two sounds is the tick is one's choice; it is to be that of the window before.
+  // Which of two sounds is the tick is arbitrary, but must agree with the window before.
   [[nodiscard]] bool is_swapped(const TickTrain& train) const {
     if (!last_ || !train.has_tocks) return false;
     const auto nearest =

@@ -78,7 +78,7 @@ void StepAlarm::count_minute() {
   }
 }
 
-// The new level is one to compare with from now on, and the step one that the clock has made once.
+// From now on means are compared with the new level, and the step counts towards the habits.
 void StepAlarm::begin_anew(const FoundStep& found) {
   for (Scale& s : scales_) {
     s.before.clear();

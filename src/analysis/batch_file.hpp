@@ -32,13 +32,13 @@ struct BatchHeader {
 /// Throws InputError if `line` is not the first line of a file of this name.
 BatchHeader parse_header(const std::string& line, const std::string& file);
 
-/// Throws InputError unless both are shares of one batch, cut in as many.
+/// Throws InputError unless both are shares of one batch, cut into equally many.
 void expect_same(const BatchHeader& found, const std::string& file, const BatchHeader& expected);
 
 /// A file of a batch, line by line.
 class BatchFile {
 public:
-  /// Throws InputError if it cannot be read or is none.
+  /// Throws InputError if it cannot be read or is not one.
   explicit BatchFile(const std::string& path);
   [[nodiscard]] const BatchHeader& header() const { return header_; }
   [[nodiscard]] const std::string& path() const { return path_; }

@@ -1,4 +1,4 @@
-// What the fit is given of a log: times, amplitudes, and what outside the clock may drive its rate.
+// What a fit is given from a log: times, amplitudes, and what outside the clock may drive its rate.
 #include "goingrate/analysis/analyse.hpp"
 
 #include "goingrate/log/tides.hpp"

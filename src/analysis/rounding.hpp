@@ -8,7 +8,7 @@
 
 namespace goingrate {
 
-/// Whether one steady rate explains all times to within the steps in which they are told: then the
+/// Whether one steady rate explains all times to within the steps of the logger: then the
 /// log shows no change, no line and no noise, whatever pattern the rounding makes
 /// (AnalyseTest.ACoarseLoggerShowsNoChange).
 bool rounding_explains(const TimingData& times);

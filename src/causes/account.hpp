@@ -35,7 +35,7 @@ public:
   [[nodiscard]] std::vector<double> step(double place) const;
   /// 1 at the place, and dies away from there with a time constant.
   [[nodiscard]] std::vector<double> dying(double place, double time_s) const;
-  /// The step less that: what approaches a new level.
+  /// The step less what dies away: an approach to a new level.
   [[nodiscard]] std::vector<double> approach(double place, double time_s) const;
   /// Powers of the time from the middle, in days.
   [[nodiscard]] std::vector<double> power(int exponent) const;
@@ -72,7 +72,7 @@ private:
   Eigen::VectorXd rest_;
 };
 
-/// Gains in noise that stays as it is: what places and times are compared by.
+/// Gains in noise that stays as it is, by which places and times are compared.
 struct FixedNoiseAccount {
   WhitenedSeries rate;
   std::optional<WhitenedSeries> amplitude;

@@ -114,7 +114,7 @@ void put_date(std::span<const Beat> beats, double at_s, Change& change) {
   change.cycle = beats.front().cycle + cycle_at(beats, at_s);
 }
 
-// Within this of a place lie those of all kinds, to about a block.
+// The distance within which the places of all kinds lie, to about a block.
 double doubt_of_place(const Look& look, double at_s) {
   constexpr double block_edges = 1.5; // blocks: the place is good to about one
   double doubt_s = 0.0;
@@ -213,7 +213,7 @@ void judge_changes(std::span<const Beat> beats, const TimingData& data,
     const Judgement found = judge_kind(data, stretch_about(change.at_s, data, dated), change.at_s,
                                        doubt_of_bend * data.reference_period_s);
     put_judgement(found, change);
-    // A bend is dated better by what comes of it.
+    // A bend is dated better by what follows it.
     constexpr double sharp_beats = 15.0; // beats: of a jump the beats next to it tell more
     const bool is_sharp =
         std::abs(found.at_s - change.at_s) < sharp_beats * data.reference_period_s;

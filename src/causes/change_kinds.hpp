@@ -22,10 +22,11 @@ struct Judgement {
   double jump_sigma = 0.0; ///< of a regulation
 };
 
-/// The kind of a change at `at_s`, which may be off by `doubt_s`. Looked at in blocks of 4, 16, 64
-/// ... beats, up to 96 on each side: what dies away in seconds is not seen in coarse blocks, what
-/// takes hours not in fine ones. It is the kind that gains most in the mean over these (a composite
-/// likelihood). A great doubt allows coarse blocks alone; as these narrow it, finer ones follow.
+/// The kind of a change at `at_s`, which may be off by `doubt_s`. The change is looked at in blocks
+/// of 4, 16, 64 ... beats, up to 96 on each side: what dies away in seconds does not show in coarse
+/// blocks, nor what takes hours in fine ones. The kind is the one that gains most in the mean over
+/// these (a composite likelihood). A large doubt allows only coarse blocks; as these narrow it,
+/// finer ones follow.
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s);
 
 /// Fills in the kinds of changes in order of time. `data` are those of the beats, without

@@ -23,7 +23,7 @@ struct Measured {
 // d(rate)/d(amplitude) in stationary operation as the friction changes and nothing else does.
 std::optional<double> slope_under_friction(const ClockParameters& clock) {
   constexpr double step = 1e-3;               // relative, of the friction: the curve is smooth
-  ClockParameters less = clock, more = clock; // whichever law, the rate knows the amplitude alone
+  ClockParameters less = clock, more = clock; // any law will do: only the amplitude counts
   less.epsilon *= 1.0 - step;
   more.epsilon *= 1.0 + step;
   const auto wide = stationary_amplitude(less), narrow = stationary_amplitude(more);

@@ -71,7 +71,7 @@ std::vector<std::vector<double>> scanned_moments(const FitProblem& problem,
   return places;
 }
 
-// Every place where a search came to rest, as one of the problem.
+// Every place where a search came to rest, in the coordinates of the problem.
 std::vector<std::vector<double>> places_in(const Fitted& fitted, const FitProblem& problem) {
   std::vector<std::vector<double>> places;
   if (!fitted.minimum.usable) return places;
@@ -154,7 +154,7 @@ bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double be
   FitProblem problem = make_problem(*fitted.problem.data, open, model);
   if (problem.parameters.free_count > most_parameters) return false;
   problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
-  problem.correction = on_every_beat(fitted.problem).correction; // as these data are
+  problem.correction = on_every_beat(fitted.problem).correction; // of the same data
   const std::vector<double> none(problem.parameters.free_count, 0.0);
   const auto x =
       carried_over(fitted.problem.parameters, fitted.minimum.x, problem.parameters, none);

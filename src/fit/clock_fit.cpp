@@ -238,7 +238,7 @@ void widen_by_laws(const Decay& decay, const std::string& own, double FrictionLa
 }
 
 // A free pendulum has one Q and one decay time: those that suppose no law of friction. T0 and
-// lambda0 are stated whichever law of those that are open.
+// lambda0 are stated for all laws that are open.
 void state_decay(const Decay& decay, FitSummary& summary) {
   const std::string own = summary.model.friction();
   for (FittedParameter& p : summary.parameters) {
@@ -257,7 +257,7 @@ void state_decay(const Decay& decay, FitSummary& summary) {
   summary.decay = decay;
 }
 
-// A period in seconds is as right as what the times were taken with.
+// A period in seconds is only as right as the clock that took the times.
 void widen_by_time_base(double time_base_sigma, FitSummary& summary) {
   for (FittedParameter& p : summary.parameters) {
     const bool is_T0 = p.name.substr(0, p.name.find('@')) == "T0";
@@ -342,7 +342,7 @@ Searched without_needless_changes(const TimingData& data, Searched found) {
   return found;
 }
 
-// What timing_data() makes is so; what was put together by hand may not be.
+// Data from timing_data() are valid; data put together by hand may not be.
 void check(const TimingData& data) {
   constexpr std::size_t fewest_beats = 3;
   if (data.size() < fewest_beats)

@@ -48,7 +48,7 @@ private:
     std::vector<double> cycle;                // of the beats, less the first
     std::vector<std::size_t> nodes;           // places of the nodes among them
     Triangle triangle = Triangle::Zero();     // R
-    bool swings = false;                      // so far that the nodes are no good
+    bool swings = false;                      // so much that the nodes are of no use
     Eigen::HouseholderQR<Eigen::MatrixXd> qr; // of P; of the last few only, for it is long
   };
   struct Block {

@@ -72,7 +72,7 @@ template <class T> struct CycleBend {
 
 /// The full equation compared with the averaged one, where a clock crosses at one speed.
 template <class T> struct CycleResponse {
-  /// Factors of the gains; of follow and follow_by_drive, which may be 0, what is to be added.
+  /// Factors of the gains; for follow and follow_by_drive, which may be 0, what is to be added.
   CycleGains<T> beside{T(1.0), T(1.0), T(0.0), T(1.0), T(0.0)};
   CycleBend<T> amplitude2; ///< rad^2
   CycleBend<T> late;       ///< s

@@ -46,7 +46,7 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
 std::vector<std::vector<double>> starting_points(const Parameters& parameters,
                                                  const TimingData& data, const NoiseGuess& noise);
 
-/// A start at the clock that amplitudes and times tell together; nothing where they tell none.
+/// A start at the clock that amplitudes and times tell together; nothing if they tell none.
 std::optional<std::vector<double>>
 start_by_amplitudes(const Parameters& parameters, const TimingData& data, const NoiseGuess& noise);
 

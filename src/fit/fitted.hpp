@@ -60,7 +60,7 @@ std::vector<double> with_noise_of_blocks(const Parameters& parameters, std::vect
                                          double together);
 
 /// A place with at least the jitter that neighbouring beats show: beats at a stride hide it under
-/// the walk, and a search finds its way back from too little of it but slowly.
+/// the walk, and a search finds its way back from too little of it only slowly.
 std::vector<double> with_jitter_of(const TimingData& data, const Parameters& parameters,
                                    std::vector<double> x);
 

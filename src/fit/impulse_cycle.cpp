@@ -154,7 +154,8 @@ std::vector<double> regular_pushes(std::size_t first, std::size_t n, double last
   return at;
 }
 
-// The shapes at one crossing. Before the first push and after the last the interval is a usual one.
+// The shapes at one crossing. Before the first push and after the last the interval counts as
+// usual.
 Shapes shapes_at(const std::vector<double>& pushes, double periods, double cycle) {
   const auto next = std::lower_bound(pushes.begin(), pushes.end(), cycle);
   double n = periods, m = 0.0;
@@ -203,7 +204,7 @@ bool is_steady(const std::vector<double>& each, double mean) {
 }
 
 // Coefficients of the shapes with standard deviations from their scatter from cycle to cycle, which
-// knows whatever noise there is.
+// contains whatever noise there is.
 struct Coefficients {
   std::array<ImpulseCycle::Estimate, 3> of{{{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}}};
   std::vector<double> teeth{};       // of each interval that is whole
@@ -364,7 +365,7 @@ bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, dou
     const double first = level(from), last = level(to - 1);
     const double growth = (last - first) / static_cast<double>(to - from - 1);
     const double scale = 2.0 * pi * periods * 0.5 * (first + last);
-    const double sigma = std::max(step.sigma / scale, epsilon.sigma); // known no better than all
+    const double sigma = std::max(step.sigma / scale, epsilon.sigma); // at least that of all
     squares += std::pow(((step.value - growth) / scale - epsilon.value) / sigma, 2);
   }
   const double freedom = static_cast<double>(parts - 1);

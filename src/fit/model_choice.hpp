@@ -37,7 +37,7 @@ struct Working {
 /// escapement_choice.cpp, the noise in noise_choice.cpp.
 class ModelSearch {
 public:
-  /// With `moments`, changes that are not told to come at a crossing come at any moment.
+  /// With `moments`, changes that are not said to come at a crossing may come at any moment.
   ModelSearch(const TimingData& data, const FitOptions& options, bool moments = false);
 
   /// Runs the search. The result points into this object.

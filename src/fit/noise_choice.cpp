@@ -94,8 +94,8 @@ void ModelSearch::choose_slow_drive(Fitted&& slow) {
     take_if_better(std::move(slow), "the drive varies slowly too");
     return;
   }
-  // Two fits compare by one dynamics alone. Where the drive's own search did not reach those of the
-  // slow drive's, it begins again at that end.
+  // Two fits can be compared only by the same dynamics. Where the drive's own search did not reach
+  // those of the slow drive's, it begins again at that end.
   if (best_.dynamics < slow.dynamics) {
     Fitted same = fit_from(slow, options_, best_.model);
     if (same.minimum.usable && refine(same, slow.dynamics) && same.dynamics == slow.dynamics)

@@ -137,7 +137,7 @@ public:
   ResponseAlong(const std::vector<double>& speed2, bool leaves_its_course) : speed2_(speed2) {
     if (speed2.empty()) return;
     const auto [least, greatest] = std::minmax_element(speed2.begin(), speed2.end());
-    // As a slow drive of a fifth leads the clock, three sigma away.
+    // The range to which a slow drive of a fifth leads the clock at three sigma.
     least_ = *least * (leaves_its_course ? 0.3 : 1.0);
     greatest_ = *greatest * (leaves_its_course ? 2.0 : 1.0);
   }

@@ -43,9 +43,10 @@ public:
 
   /// Back to the minimum, with all steps.
   void restart();
-  /// One stride further to that side, or less far where the ridge bends; false where it is lost.
+  /// Goes one stride further to that side, or less far where the ridge bends; false where it is
+  /// lost.
   bool advance(double side);
-  /// To z, further from the minimum on the side of the last foot; false where the ridge is lost.
+  /// Walks to z, further from the minimum on the side of the last foot; false where it is lost.
   bool walk_to(double z);
 
   [[nodiscard]] const Foot& last() const { return last_; }

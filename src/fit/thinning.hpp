@@ -31,10 +31,10 @@ std::size_t longest_stride(const NoiseShape& shape, double allowed);
 std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
                                     std::size_t stride, std::size_t dense);
 
-/// Beats that stand for more of them.
+/// A few beats that stand for many.
 struct FewBeats {
   TimingData data;
-  double together = 1.0; ///< beats whose mean each is
+  double together = 1.0; ///< beats in the mean that each is
 };
 
 /// About `count` beats that tell nearly what all tell: under jitter the means of blocks of

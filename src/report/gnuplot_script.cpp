@@ -262,7 +262,7 @@ std::string pdf_terminal(double height) {
 
 std::string gnuplot_script(const std::vector<Figure>& figures, std::string_view name) {
   Script script(figures, pdf_key_character);
-  std::string output; // no sign that could end it within quotes
+  std::string output; // without characters that could end a quoted string
   for (const char c : std::string(name) + ".pdf")
     output += c == '\'' || static_cast<unsigned char>(c) < ' ' ? '_' : c;
   std::string head = "# A script for gnuplot 5 with its data inside: it writes " +

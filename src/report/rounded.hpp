@@ -1,4 +1,4 @@
-// Numbers rounded to what is known of them. Private to the report.
+// Numbers rounded to the digits that are known. Private to the report.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct Rounded {
 /// double, to `digits` digits of the value, which is finite.
 Rounded rounded(double value, double sigma, int digits);
 
-/// The value alone, to the digits that it has beside its standard deviation: an end of an interval.
+/// The value alone, to the digits that it has with its standard deviation: an end of an interval.
 std::string to_the_digits_of(double value, double sigma);
 
 /// "10⁻⁴"; empty for a power of 0.

@@ -91,7 +91,7 @@ void Numbers::add_going() {
   add_logbook();
 }
 
-// What was planned, beside what the log shows.
+// What was planned, compared with what the log shows.
 void Numbers::add_logbook() {
   if (!data_.logbook) return;
   for (const EntryFinding& finding : data_.logbook->entries) {
@@ -267,8 +267,8 @@ std::string Numbers::deviation(const DeviationRow& row) const {
                      words_.rate_unit().name);
 }
 
-// The longest times rest on one or two differences; four spans of the log are the least to speak
-// of. The rate of a free swing changes with its amplitude, and a deviation would show that alone.
+// The longest times rest on one or two differences: the log must have four spans of a time. The
+// rate of a free swing changes with its amplitude, and a deviation would show that alone.
 void Numbers::add_deviation() {
   if (swings_freely(data_)) return;
   std::vector<DeviationRow> rows = data_.deviation.rows;

@@ -9,7 +9,7 @@
 namespace goingrate {
 
 /// What ticks, or tocks, are like: power over their own strength, its relative variance from beat
-/// to beat, and how far that is alike in bins so far apart.
+/// to beat, and its correlation between bins by their distance.
 struct BeatKind {
   std::vector<double> shape;
   std::vector<double> variance;
@@ -26,7 +26,7 @@ struct BeatPlace {
   bool inside = false;
 };
 
-/// Fits the mean beat to one.
+/// Fits the mean beat to a single one.
 class BeatFit {
 public:
   BeatFit(const BeatGrid& grid, const BeatKind& kind) : grid_(grid), kind_(kind) {}

@@ -69,7 +69,7 @@ private:
     const double loudest = *std::max_element(kind_.shape.begin(), kind_.shape.end());
     for (double& value : kind_.shape)
       value /= loudest > 0.0 ? loudest : 1.0;
-    constexpr double likeness_limit = 0.1; // the square of a third: one beat is not quite another
+    constexpr double likeness_limit = 0.1; // the square of a third: no two beats are quite alike
     kind_.variance.assign(grid_.size, likeness_limit);
   }
 

@@ -38,7 +38,7 @@ std::vector<float> beat_like(std::span<const float> above) {
   constexpr std::size_t beat = 2, syllable = 30;
   const std::vector<double> sums = sums_of(above);
   std::vector<float> result;
-  constexpr double most_weight = 2.0; // a sound of its own does not tell more than several beats
+  constexpr double most_weight = 2.0; // a single sound does not tell more than several beats
   for (std::size_t i = 0; i < above.size(); i += coarse)
     result.push_back(static_cast<float>(std::clamp(
         mean_around(sums, i, beat) - mean_around(sums, i, syllable), -most_weight, most_weight)));
@@ -115,7 +115,7 @@ double repeats(std::span<const double> correlation, double lag) {
   return count < 1.0 ? 0.0 : sum / std::sqrt(count);
 }
 
-// What that is by chance.
+// What repeats() comes to by chance.
 double chance(std::span<const double> correlation, double from) {
   std::vector<double> values;
   for (double lag = from; 2.0 * lag < static_cast<double>(correlation.size()); lag += 1.0)

@@ -79,8 +79,8 @@ private:
     return score;
   }
 
-  // Beats are drowned, so that silence says little. What tells a beat for sure comes up to twice as
-  // much: a loud bang is not worth many beats.
+  // Beats may be drowned, so silence says little. The bound is twice what a certain beat scores: a
+  // loud bang is not worth many beats.
   static float bounded(float value) {
     constexpr float least_excess = -4.0F, knee_excess = 12.0F;
     if (value > knee_excess) return knee_excess * (2.0F - knee_excess / value);
@@ -168,7 +168,7 @@ private:
   std::size_t size_, periods_;
 };
 
-// A phase that wraps names one beat twice, or none: beats are a period apart.
+// A phase that wraps gives one beat twice, or none: beats are a period apart.
 std::vector<double> one_a_period(const std::vector<double>& bins, double period) {
   std::vector<double> result;
   for (const double bin : bins) {

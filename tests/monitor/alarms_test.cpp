@@ -11,7 +11,7 @@ namespace {
 
 class MonitorAlarmsTest : public WatchedClockTest {
 protected:
-  // How often an alarm of a kind was raised and ended since this was last asked.
+  // How often an alarm of a kind was raised and ended since the last call.
   struct Count {
     int raised = 0, ended = 0;
     bool operator==(const Count&) const = default;

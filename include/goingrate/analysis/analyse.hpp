@@ -28,13 +28,13 @@ struct Analysis {
   std::vector<Beat> beats;         ///< the segment that was analysed
   RateSummary rate;                ///< of all of `beats`
   std::vector<PartRate> stretches; ///< of these, from one dated change to the next
-  PartRate now; ///< as it goes in the end: the last stretch, or its last quarter if that differs
+  PartRate now; ///< how it goes at the end: the last stretch, or its last quarter if that differs
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
   std::vector<Suspicion> suspicions;       ///< the greatest gain first
   std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
-  std::optional<Isochronism> isochronism{}; ///< rate against amplitude, where the log has amplitudes
+  std::optional<Isochronism> isochronism{}; ///< rate against amplitude, if the log has amplitudes
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
   std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
   std::optional<NutTurns> nut{};           ///< to bring the rate as it is now to zero
@@ -43,7 +43,7 @@ struct Analysis {
 };
 
 /// The data of a fit: times and amplitudes of the good beats, with temperature, pressure and air
-/// density where the log has them. Where the log shows the pushes of an escapement that rests, their
+/// density where the log has them. If the log shows the pushes of an escapement that rests, their
 /// saw-tooth is taken off.
 TimingData fit_data(const NumberedLog& loaded);
 

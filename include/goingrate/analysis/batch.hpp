@@ -44,8 +44,8 @@ struct BatchScenario {
   std::map<std::string, double> truth; ///< true_parameters() of it
 };
 
-/// What names a scenario: the name-based UUID (RFC 4122, version 5, of objects) of its text, its
-/// overrides and the factors of its drive's series.
+/// What identifies a scenario: the name-based UUID (RFC 4122, version 5, of objects) of its text,
+/// its overrides and the factors of its drive's series.
 std::string scenario_hash(std::string_view text, std::span<const std::string> overrides,
                           std::span<const double> series);
 
@@ -103,12 +103,12 @@ struct BatchOutcome {
 /// BatchTest.AKilledBatchIsTakenUp)
 BatchOutcome run_batch(const BatchRequest& request);
 
-/// The begun file of a share is there, and it was not said what to do with it.
+/// The file of a share was begun, and the request does not say what to do with it.
 class UnfinishedBatch : public std::runtime_error {
 public:
   /// `file` holds `done` of `jobs` lines.
   UnfinishedBatch(std::string file, std::size_t done, std::size_t jobs);
-  /// Where they are.
+  /// The file with the finished lines.
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
 
 private:
@@ -117,7 +117,7 @@ private:
 
 /// Makes the whole batch of all its shares, given in any order: byte for byte what one share 1/1
 /// would be. One line of each share is held at a time. Throws InputError if a share is of another
-/// batch, twice there, missing, or damaged.
+/// batch, given twice, missing, or damaged.
 void merge_batch(std::span<const std::string> shares, const std::string& output);
 
 } // namespace goingrate

@@ -25,11 +25,11 @@ struct FitRequest {
 
 /// Whether changes are searched for: neither the request nor its file names any, or "auto".
 bool finds_events(const FitRequest& request);
-/// The same, searching for changes where none are named.
+/// The same request, but searching for changes where it names none.
 FitRequest searching(FitRequest request);
 
-/// The options of a fit of this log, the sensor's place freed where the log shows that it is off
-/// (with_seen_offset), the share of gravity held at that which the log was read with. Throws
+/// The options of a fit of this log, with the sensor's place free where the log shows that it is
+/// off (with_seen_offset), and the share of gravity held at the one the log was read with. Throws
 /// ArgumentError for a word that makes no sense, InputError if the file is unusable or asks for
 /// what the log cannot give.
 FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded);

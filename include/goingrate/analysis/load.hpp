@@ -49,9 +49,10 @@ struct NumberedLog {
   SensorFindings sensor;
 };
 
-/// Reads the log and its weather, marks bounces, labels directions, numbers the beats, settles the nominal period,
-/// finds amplitudes and the sensor's place, and numbers again where that moved the times. Data on a
-/// grid are not numbered: their places are given. What was assumed is in `log.assumptions`.
+/// Reads the log and its weather, marks bounces, labels directions, numbers the beats, settles the
+/// nominal period, finds amplitudes and the sensor's place, and numbers again where that moved the
+/// times. Data on a grid are not numbered: their places are given. What was assumed is in
+/// `log.assumptions`.
 ///
 /// A nominal period that is given is believed. Throws InputError if the log cannot be read,
 /// ImpossibleReading if it was read but no clock is so far off, NumericsError if no three beats
@@ -66,7 +67,7 @@ NumberedLog load_text(std::string_view text, const LoadRequest& request);
 /// InputError as well for fewer than three events.
 NumberedLog load_events(ClockLog log, const LoadRequest& request);
 
-/// Its rate from end to end, with what is known of the nominal period and of the time base.
+/// The log's rate from end to end, with what is known of the nominal period and the time base.
 RateSummary mean_rate(const NumberedLog& loaded);
 
 /// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Data on a

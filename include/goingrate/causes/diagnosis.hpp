@@ -76,13 +76,13 @@ struct Suspicion {
   CauseNumbers numbers{};
 };
 
-/// What the causes are judged by.
+/// The evidence by which causes are judged.
 struct DiagnosisInput {
   const TimingData* data = nullptr; ///< with the terms temperature and pressure if the log has them
   double nominal_period_s = 0.0;
   std::vector<Change> changes{}; ///< dated ones, in order of time
-  /// Those that the fit follows: `data` is then what the fit leaves, and they are causes as they
-  /// are.
+  /// The changes that the fit follows: `data` is then what the fit leaves, and they count as causes
+  /// as they are.
   std::vector<Change> explained{};
   std::vector<SpectralLine> lines{};       ///< of the rate
   std::optional<double> relaxation_s{};    ///< T0/(4 pi epsilon), if epsilon is known
@@ -105,8 +105,8 @@ std::vector<Suspicion> diagnose(const DiagnosisInput& input);
 void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions);
 
 /// Adds the steps, and the visits' ends, that diagnose() would name and that are not among
-/// `diary.changes`, which are also `input.changes`: those too small to stand out of the beats next
-/// to them. `beats` are those of the data. Nothing for a log of fewer than
+/// `diary.changes`, which are also `input.changes`: those too small to stand out from the beats
+/// next to them. `beats` are those of the data. Nothing for a log of fewer than
 /// least_diagnosed_beats. Cost: that of diagnose().
 void add_small_changes(const DiagnosisInput& input, std::span<const Beat> beats, Diary& diary);
 

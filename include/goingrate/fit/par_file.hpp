@@ -25,7 +25,7 @@
 
 namespace goingrate {
 
-/// What a file asks for, and where it says so: some of it only a log can show to be wrong.
+/// What a file asks for, and where it says so, as only a log can show some of it to be wrong.
 struct ParFile {
   FitOptions
       options; ///< its events at the cycles of the file, not yet counted from the data's first
@@ -53,7 +53,7 @@ std::vector<std::string> parameter_names();
 /// The names of those that are fitted only where they are named.
 std::vector<std::string> optional_parameter_names();
 
-/// Set by the word for it, `auto` included; false for any other word.
+/// Set the option by the word for it, `auto` included; false for any other word.
 bool set_dynamics(FitOptions& options, std::string_view word);
 bool set_noise(FitOptions& options, std::string_view word);
 bool set_escapement(FitOptions& options, std::string_view word);

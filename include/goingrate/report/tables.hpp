@@ -111,7 +111,7 @@ bool is_lopsided(const FittedParameter& parameter);
 /// The word for it in tables and JSON.
 std::string_view name_of(ParameterStatus status);
 
-/// The drive as it went, as CSV: time_s,relative_drive,sigma.
+/// The course of the drive as CSV: time_s,relative_drive,sigma.
 std::string drive_table(const DriveHistory& history);
 
 /// The deviation as a table: tau, averaging factor, count, value, 68 % interval, noise type.
