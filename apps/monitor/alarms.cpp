@@ -16,7 +16,7 @@ constexpr double faulty_clears = 0.03;   // below which one works again
 
 } // namespace
 
-// Events that were missing or false, of all, and the beat error, of the last minutes.
+// How many events of the last minutes were missing or false, and their beat error.
 struct LastMinutes {
   std::int64_t events = 0, faults = 0;
   double beat_error_s = 0.0;

@@ -51,8 +51,8 @@ for size in OFF_T=8 SIZE_T=4 SSIZE_T=4 PTRDIFF_T=4 WCHAR_T=4 INT=4 LONG=4 LONG_L
   sizes+=("-DSIZEOF_$size" "-DHAVE_SIZEOF_${size%=*}=ON")
 done
 
-# Whether a header or function exists is asked by compiling alone, as linking takes Emscripten a second; so
-# what exists nowhere here must be named by those who ask for it.
+# Checks for headers and functions only compile, as linking takes Emscripten a second; so what does not exist
+# here has to be named in the options.
 by_cmake() { # PACKAGE OPTION ...
   local package=$1
   shift
@@ -122,7 +122,7 @@ fftw() {
   cp sources/fftw3/api/fftw3.h "$prefix/include"
 }
 
-# What goingrate takes of it is the dense QR solver and Jet.
+# goingrate uses only its dense QR solver and Jet.
 ceres() {
   by_cmake ceres-solver -DMINIGLOG=ON -DGFLAGS=OFF -DSUITESPARSE=OFF -DCXSPARSE=OFF -DLAPACK=OFF -DCUDA=OFF \
     -DEIGENSPARSE=OFF -DSCHUR_SPECIALIZATIONS=OFF -DCERES_THREADING_MODEL=NO_THREADS -DBUILD_TESTING=OFF \

@@ -214,7 +214,7 @@ void judge_changes(std::span<const Beat> beats, const TimingData& data,
                                        doubt_of_bend * data.reference_period_s);
     put_judgement(found, change);
     // A bend is dated better by what follows it.
-    constexpr double sharp_beats = 15.0; // beats: of a jump the beats next to it tell more
+    constexpr double sharp_beats = 15.0; // beats: for a jump, the beats next to it tell more
     const bool is_sharp =
         std::abs(found.at_s - change.at_s) < sharp_beats * data.reference_period_s;
     if (found.kind == ChangeKind::friction || !is_sharp) put_date(beats, found.at_s, change);

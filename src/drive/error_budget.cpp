@@ -29,7 +29,7 @@ ClockParameters driven(const ClockParameters& clock, double factor) {
   return other;
 }
 
-// How the rate answers, and to how many periods there is one factor of the drive that counts.
+// How the rate answers, and for how many periods one factor of the drive counts.
 struct Answer {
   DriveResponse response;
   double rests = 1.0;
@@ -140,7 +140,7 @@ void add_drift(double change_per_day, double rate_per_change, const char* cause,
 
 void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>& parts) {
   const LengthChanges& length = scenario.length;
-  // What the compensation leaves, of a course that lasts so long.
+  // What the compensation leaves of a course with this period.
   const auto per_kelvin = [&](double period_s) {
     const std::complex<double> lag(1.0, two_pi * length.compensation_lag_s / period_s);
     return 0.5 * std::abs(length.temperature_coefficient - length.compensation / lag);

@@ -38,7 +38,7 @@ TimeUnit unit_of_readings(const ColumnSample& sample) {
   return sample.least > unix_milliseconds ? in_milliseconds : in_seconds;
 }
 
-// What numbers of a quantity without a unit are, by their median, where they are not what is usual.
+// The unusual units that numbers without a unit may have, by their median.
 struct UnitBySize {
   ColumnRole role;
   double least, most;

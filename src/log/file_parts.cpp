@@ -56,7 +56,7 @@ bool has_names(const Layout& layout) {
                      [](const LogColumn& column) { return !column.name.empty(); });
 }
 
-/// Looks at the files, first each by itself, then those that do not tell by the others.
+/// Looks at the files, first each by itself, then by the others at those that do not tell.
 class Looking {
 public:
   explicit Looking(ReadingOptions options) : options_(std::move(options)) {
@@ -242,8 +242,8 @@ private:
   std::vector<Open> open_; // one a part
 };
 
-// Some with dates and some without, or days of one kind beside seconds of another, are not times of
-// one clock.
+// Refuses files some of which have dates, or days of one kind beside seconds of another: these are
+// not times of one clock.
 void refuse_mixed_dates(const std::vector<FilePart>& parts) {
   const FilePart& first = parts.front();
   const auto in_mjd = [](const FilePart& part) {

@@ -116,7 +116,7 @@ std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::s
       std::max_element(agreed.begin(), agreed.end(),
                        [](const Agreement& a, const Agreement& b) { return a.cycles < b.cycles; });
   if (best->cycles < events_before_absence(events, from, search)) return {};
-  // The first on the winner's grid; of several for the same cycle the nearest to the others.
+  // The first on the winner's grid; if several fit the same cycle, the nearest to the others.
   const Beat& winner = events[tried[static_cast<std::size_t>(best - agreed.begin())]];
   std::optional<std::size_t> first;
   double first_cycle = 0.0, first_off = 0.0;

@@ -267,8 +267,9 @@ std::string Numbers::deviation(const DeviationRow& row) const {
                      words_.rate_unit().name);
 }
 
-// The longest times rest on one or two differences: the log must have four spans of a time. The
-// rate of a free swing changes with its amplitude, and a deviation would show that alone.
+// The longest times rest on one or two differences: the least is sought among those that fit into
+// the log four times. The rate of a free swing changes with its amplitude, and a deviation would
+// show that alone.
 void Numbers::add_deviation() {
   if (swings_freely(data_)) return;
   std::vector<DeviationRow> rows = data_.deviation.rows;

@@ -130,7 +130,7 @@ public:
   }
 
 private:
-  // Nats: of a bin a period; of anywhere, which two periods of the clearest beats are not worth.
+  // Nats: for a bin per period; for any jump, which two periods of the clearest beats cannot pay.
   static constexpr double step_cost = 3.0, jump_cost = 100.0;
   static constexpr std::int8_t jump = 2;
 

@@ -172,7 +172,7 @@ page=data/guide/formats.md
 for format in $(goingrate rate --help | tr -d '\n ' | grep -oE -- '--formatTEXT:\{[^}]*' | cut -d'{' -f2 | tr , ' '); do
   grep -qF "| \`$format\` |" "$source/$page" || fault "has no line on the format $format"
 done
-# Whoever adds a friction law is told of every place where one that is there stands.
+# The recipe for a friction law names every file in which an existing one stands.
 page=CONTRIBUTING.md
 while IFS= read -r name; do
   grep -qF "$name" "$source/$page" || fault "the recipe for a friction law leaves out $name"

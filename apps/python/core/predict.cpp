@@ -24,8 +24,8 @@ double model_amplitude(const Fitted& fit, std::size_t i) {
   return i < amplitude.size() ? amplitude[i] : unknown;
 }
 
-// A parameter as it is after the last change of it; of one that the model lacks, what stands for
-// its absence.
+// A parameter as it is after its last change; for one that the model lacks, what stands for its
+// absence.
 double last_value(const Fitted& fit, const std::string& name, double absent) {
   for (std::size_t k = fit.summary.events.size() + 1; k-- > 0;) {
     const FittedParameter* found = fit.summary.find(k == 0 ? name : fmt::format("{}@{}", name, k));

@@ -243,8 +243,8 @@ def integrate(
     friction : callable
         A function of the angle (rad) and φ̇ (scaled), against φ̇ > 0, scaled as 2 ε φ̇.
     torque : callable, optional
-        A function of the same, along φ, scaled as μ. If not given, the paper's escapement: μ until φ rises
-        through `phi0`, then -μ until it falls through -`phi0`.
+        A function of the same, along φ, scaled as μ. If not given, the paper's escapement: μ until
+        φ rises through `phi0`, then -μ until it falls through -`phi0`.
     mu, phi0 : float
         Torque and angle (rad) of that; without a torque the pendulum is free.
     amplitude_rad : float

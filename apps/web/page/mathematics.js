@@ -29,7 +29,7 @@ class Reader {
     return node("mrow", parts);
   }
 
-  // An atom with what stands below and above it.
+  // An atom with its subscript and superscript.
   scripted() {
     const base = this.atom();
     let below, above;

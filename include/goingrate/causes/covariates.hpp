@@ -60,7 +60,7 @@ struct CovariateEffect {
   double interpolation_sigma = 0.0;
   double step_s = 0.0;      ///< between two readings, s; 0 if there is one at each beat
   double known_share = 1.0; ///< of the log, 0 to 1; the rest is left out
-  /// The ways, where the log tells them apart: `at_once` alone, of a rod whose compensation comes
+  /// The ways, where the log tells them apart: `at_once` alone, for a rod whose compensation comes
   /// after `lag_s`, when the whole holds; or two, through the amplitude and otherwise.
   std::vector<EffectPart> parts{};
   /// The coefficient of the amplitude, rad per unit of the covariate; NaN where the log has none.

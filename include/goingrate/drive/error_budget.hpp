@@ -1,5 +1,5 @@
 // How far a clock goes wrong within some time under the conditions of a scenario, cause by cause,
-// and what it would have to be for less.
+// and what it would have to be to go less wrong.
 //
 // A clock that is regulated has no error but what varies. With H the response of the rate to the
 // drive in first order (moments.hpp), S the density of a part of the drive and t the time,
@@ -47,7 +47,7 @@ struct Requirement {
                                ///< "clock.below" in place of the amplitude where that is limited
   double present;              ///< its value now
   std::optional<double> limit; ///< nothing: not by this alone, or it makes no difference
-  bool stops = false;          ///< at that limit the clock stops, or is none that can be
+  bool stops = false;          ///< at that limit the clock stops, or cannot exist
 };
 
 /// The limits of the friction (with the drive adjusted so that the swing stays), of the amplitude
