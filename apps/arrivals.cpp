@@ -18,7 +18,7 @@ std::vector<Arrivals::Arrival> Arrivals::add(const HeardEvent& event,
                                              std::optional<double> heard_s) {
   if (fits(event, heard_s)) {
     leave_out_held();
-    if (last_ && event.time < last_->time) return {{event, false}}; // out of order by one
+    if (last_ && event.time < last_->time) return {{event, false}}; // one place too late
     if (last_) learn(event.time - last_->time);
     one_before_ = std::exchange(last_, event);
     last_heard_s_ = heard_s;
@@ -26,7 +26,7 @@ std::vector<Arrivals::Arrival> Arrivals::add(const HeardEvent& event,
     return {{event, false}};
   }
   hold(event, heard_s);
-  // Noise does not agree with itself so often; a fault of the source may, for a while.
+  // Noise does not agree with itself that often; a fault of the source may, for a while.
   constexpr std::size_t over_silence_events = 3;
   if (held_.size() < (held_is_over_silence_ ? over_silence_events : elsewhere_events_)) return {};
   last_heard_s_ = heard_s;
@@ -40,7 +40,7 @@ Arrivals::Arrival Arrivals::believe(const HeardEvent& event) {
   return {event, is_behind};
 }
 
-// Of a source that is heard as it speaks, what goes on from nothing stays held.
+// If the source is live, events that do not go on from any other stay held.
 std::vector<Arrivals::Arrival> Arrivals::rest() {
   if (last_heard_s_ && !held_is_over_silence_) return {};
   const bool after = !held_.empty() && last_ && held_.front().time > last_->time;
@@ -49,7 +49,7 @@ std::vector<Arrivals::Arrival> Arrivals::rest() {
   return {};
 }
 
-// In its place, or one place too late in the log.
+// Whether it comes in its place, or one place too late in the log.
 bool Arrivals::fits(const Beat& event, std::optional<double> heard_s) const {
   if (!last_) return true;
   if (event.time < last_->time) return one_before_ && event.time > one_before_->time;
@@ -82,7 +82,7 @@ void Arrivals::learn(double step_s) {
   steps_s_.push_back(step_s);
   if (steps_s_.size() > most_steps) steps_s_.pop_front();
   if (steps_s_.size() < fewest_steps) return;
-  // Steps from one bounce of a contact to the next are none; the largest may be a gap.
+  // Steps between bounces of a contact do not count; the largest may be a gap.
   std::vector<double> sorted(steps_s_.begin(), steps_s_.end());
   std::sort(sorted.begin(), sorted.end());
   const double bounce = 0.1 * sorted[sorted.size() - 2];

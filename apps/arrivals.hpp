@@ -22,8 +22,8 @@ struct HeardEvent : Beat {
 };
 
 /// Believes a time that leaps far forward, or back, only if the next ones go on from there: three,
-/// where it leaps over as much time as went by while nothing was heard, and more where it does not,
-/// as lines that a fault of the source makes may agree with each other for a while (ArrivalsTest).
+/// if it leaps over as much time as went by while nothing was heard, and more if it does not, since
+/// lines that a fault of the source makes may agree with each other for a while (ArrivalsTest).
 /// Then a leap back is a source that begins again; what is not believed is left out.
 class Arrivals {
 public:
@@ -33,7 +33,7 @@ public:
     bool begins_anew = false; ///< its time has nothing to do with those before
   };
 
-  /// `elsewhere_events`: that go on from a leap until it is believed.
+  /// `elsewhere_events`: how many must go on from a leap until it is believed.
   explicit Arrivals(std::size_t elsewhere_events = 16) : elsewhere_events_(elsewhere_events) {}
 
   /// The last event that was believed before, and when it was heard, s by any steady clock; nothing
@@ -47,7 +47,7 @@ public:
   [[nodiscard]] const std::vector<HeardEvent>& held() const { return held_; }
   /// What was held at the end.
   std::vector<Arrival> rest();
-  /// Events that were left out since this was last asked.
+  /// Events that were left out since the last call.
   std::vector<HeardEvent> take_left_out() { return std::exchange(left_out_, {}); }
 
 private:

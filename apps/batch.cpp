@@ -64,7 +64,7 @@ void add_batch_options(CLI::App& command, BatchOptions& options) {
     all[i]->group("The batch");
 }
 
-// What a parser of our own says of words that it does not understand; false after --help.
+// Parses by a parser of our own, which names words that it does not know; false after --help.
 bool parse(CLI::App& command, Words words) {
   std::reverse(words.begin(), words.end());
   try {
@@ -102,7 +102,7 @@ Words files_in(const std::string& folder) {
   return files;
 }
 
-// One job a file: of a folder all that it holds. A file that is not there is a job that fails.
+// One job per file, and for each file of a folder. A file that does not exist is a job that fails.
 Words logs_named(const Words& given) {
   Words logs;
   for (const std::string& name : given) {
@@ -160,7 +160,7 @@ void run_realisations(const BatchOptions& options, const JobSettings& settings,
   scenario.truth = true_parameters(read.scenario);
   request.description.jobs = options.realisations;
   request.description.scenario = std::move(scenario);
-  constexpr std::size_t lanes = 8; // that the simulator fills at a time
+  constexpr std::size_t lanes = 8; // realisations that are simulated at a time
   request.at_once = lanes;
   const SimulatedLogs logs(read.scenario);
   request.make_worker = [&] { return RealisationWorker(logs, options.seed, settings.of("")); };
@@ -172,7 +172,7 @@ void run_logs(const Words& given, const JobSettings& settings, BatchRequest requ
   const Words logs = logs_named(given);
   request.description.jobs = logs.size();
   request.description.logs = logs;
-  static_cast<void>(settings.of(logs.front())); // usage is wrong before the first job
+  static_cast<void>(settings.of(logs.front())); // wrong usage shows before the first job
   request.make_worker = [&] { return log_worker(logs, settings); };
   run_jobs(std::move(request), global);
 }

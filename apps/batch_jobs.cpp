@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view log_mark = "{.}"; // in a setting: the log's name without its ending
 
-// Whatever goes wrong is how the job ended.
+// Whatever goes wrong becomes the outcome of the job.
 template <class Work> JobOutcome outcome_of(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   JobOutcome outcome;

@@ -44,7 +44,7 @@ CLI::Validator seed_range() {
 
 void say(const GlobalOptions& global, std::string_view line) {
   if (global.quiet) return;
-  // In a file or a pipe a note stays on its line, where a program finds it.
+  // In a file or a pipe a note stays on one line, for programs that read it.
   constexpr std::size_t line_columns = 80;
   const std::string shown = printable(line);
   if (!error_is_terminal()) {
@@ -146,7 +146,7 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
 void add_reading_options(CLI::App& command, LogOptions& options) {
   constexpr const char* group = "How the log is read (found out and said if not given)";
   std::vector<std::string> formats = format_names();
-  formats.insert(formats.end(), {"labx", "zip"}); // these are seen by themselves
+  formats.insert(formats.end(), {"labx", "zip"}); // recognised without the option
   command.add_option("--format", options.format, "what kind of log it is")
       ->check(one_of(formats))
       ->group(group);

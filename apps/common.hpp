@@ -44,7 +44,7 @@ struct LogOptions {
   WeatherRequest weather;
   std::string site; ///< LATITUDE,LONGITUDE; empty: not given
   std::optional<double> dead_time_s;
-  bool phases_will_do = false; ///< the command takes data on a grid that are no clock's
+  bool phases_will_do = false; ///< the command takes data on a grid that are not a clock's
   double unpacked_limit_gib = static_cast<double>(usual_unpacked_limit) / gib;
 };
 
@@ -77,16 +77,16 @@ void name_options(std::vector<Assumption>& assumptions);
 /// Appends to the notes of a fit the options that would help.
 void name_options(FitSummary& fit);
 
-/// Usage that only a library finds wrong.
+/// Wrong usage that only the library notices.
 class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The options that say it: "--format periods --unit us".
+/// The options that ask for this reading: "--format periods --unit us".
 std::string options_for(const OtherReading& other);
 
-/// Where the readable result goes: to `output`; if that is not given to standard output, or nowhere
-/// if the JSON goes there.
+/// Where the readable result goes: to `output`; if that is not given, to standard output, or
+/// nowhere if the JSON goes there.
 std::string table_output(const std::string& output, const std::string& json);
 
 /// Adds --json.
@@ -105,7 +105,7 @@ struct ModelOptions {
   std::vector<std::string> priors; ///< NAME=VALUE+-SIGMA
   std::vector<std::string> events; ///< CYCLE:NAME[,NAME], TIMEs:NAME, auto or none
   std::string model, noise, escapement;
-  std::string from; ///< a file of parameters; what is given beside it wins
+  std::string from; ///< a file of parameters; what else is given wins
 };
 
 void add_model_options(CLI::App& command, ModelOptions& options);
@@ -114,7 +114,7 @@ void add_model_options(CLI::App& command, ModelOptions& options);
 void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
                  const GlobalOptions& global);
 
-/// The same as the library takes it.
+/// The model options as the library takes them.
 FitRequest fit_request(const ModelOptions& options);
 /// The log read with the share of gravity that its fit is to hold, if it is.
 LogOptions with_held_share(LogOptions log, const ModelOptions& options);
@@ -134,8 +134,8 @@ void add_map(CLI::App& program, const GlobalOptions& global);
 void add_chart(CLI::App& program, const GlobalOptions& global);
 void add_paper(CLI::App& program, const GlobalOptions& global);
 void add_batch(CLI::App& program, const GlobalOptions& global);
-/// What batch has behind the name of a job, as commands of batch: for completion only, since a
-/// program with them parses no batch.
+/// Adds what batch takes behind the name of a job, as commands of batch: for completion only, since
+/// a program that has them cannot parse a batch.
 void add_batch_jobs(CLI::App& program);
 void add_help(CLI::App& program);
 

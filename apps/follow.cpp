@@ -68,7 +68,7 @@ void print(const std::string& text) {
   throw OutputError("standard output", std::strerror(errno));
 }
 
-// What comes is numbered and printed when nothing more comes for the moment, or when it is much.
+// Numbers and prints what came once nothing more comes for the moment, or much has come.
 class Following {
 public:
   Following(const LogOptions& options, double alarm_s, const GlobalOptions& global)
@@ -141,7 +141,7 @@ private:
   const LogOptions& options_;
   const GlobalOptions& global_;
   Alarm alarm_;
-  static constexpr std::size_t shown_events = 3; // of a logger that begins again: soon on the screen
+  static constexpr std::size_t shown_events = 3; // that show a logger began again: soon told
   Arrivals arrivals_{shown_events};
   RollingNumbers numbers_;
   std::optional<RateTable> table_;

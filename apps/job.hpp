@@ -1,5 +1,5 @@
 // A command as the job of a batch: the settings of its analysis, by the set-up that the command
-// itself has, and what it makes of one log. Where results go is the batch's business.
+// itself has, and its result for one log. Where results go is the batch's business.
 #pragma once
 
 #include "common.hpp"

@@ -63,7 +63,7 @@ void allow_many_files() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// Flushes standard output after --help and --version. A reader that closed the pipe is no error.
+// Flushes standard output after --help and --version. If the reader closed the pipe, that is fine.
 int after_standard_output() {
   errno = 0;
   std::cout.flush();

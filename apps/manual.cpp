@@ -15,8 +15,7 @@ namespace goingrate::apps {
 
 namespace {
 
-// Names of roff for the characters beyond ASCII that the help texts have: not every roff reads
-// UTF-8.
+// Roff's names for the characters beyond ASCII in the help texts: not every roff reads UTF-8.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 8> roff_names{{
     {"ε", "\\(*e"},
     {"λ", "\\(*l"},
@@ -28,7 +27,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> roff_name
     {"√", "\\(sr"},
 }};
 
-// Text as roff takes it: no escape, no hyphen for a minus, no line that is a request.
+// Text with what roff would take for an escape, a hyphen or a request written so that it does not.
 std::string roff(std::string_view text) {
   std::string result;
   bool begins = true;
@@ -79,7 +78,7 @@ std::vector<CLI::App*> visible_commands(CLI::App& app) {
   return app.get_subcommands([](CLI::App* command) { return !command->get_group().empty(); });
 }
 
-// CLI11's formatter makes the words; what it does not give away is only the layout.
+// The words of CLI11's formatter, without its layout.
 class OptionWords : public CLI::Formatter {
 public:
   static Entry of(const CLI::Option& option) {
@@ -93,7 +92,7 @@ public:
 
 bool is_help(const CLI::Option& option) { return option.check_lname("help"); }
 
-// Options in the order of the commands; the same one of several commands is one entry.
+// Options in the order of the commands; one that several commands share is one entry.
 std::vector<Entry> entries_of(const std::vector<CLI::App*>& commands) {
   std::vector<Entry> entries;
   for (CLI::App* command : commands) {
@@ -110,7 +109,7 @@ std::vector<Entry> entries_of(const std::vector<CLI::App*>& commands) {
   return entries;
 }
 
-// Those that at least so many commands have are told once, for all of these.
+// An option that at least this many commands share is listed once, for all of them.
 constexpr std::size_t commands_of_a_common_option = 3;
 
 std::string own_options(const std::vector<Entry>& entries, const std::string& command) {

@@ -95,7 +95,7 @@ void solve(const MapCommand& options) {
        {table_output(options.output, options.json), operating_points_text(points, options.phi0)}});
 }
 
-// "error=2": what a clock must be to lose or gain less than that, in s.
+// The limit in "error=2", s: what must a clock be to lose or gain less? Nothing if not asked.
 std::optional<double> asked_error(const std::vector<std::string>& words) {
   constexpr std::string_view name = "error=";
   const bool asked = std::any_of(words.begin(), words.end(),

@@ -74,7 +74,7 @@ std::vector<Figure> figures_named(const Analysis& data,
 }
 
 std::string inside(const std::string& folder, const std::string& name) {
-  std::error_code exists; // what is wrong with it the writing will say
+  std::error_code exists; // if something is wrong with it, writing will say so
   fs::create_directories(folder, exists);
   return (fs::path(folder) / name).string();
 }

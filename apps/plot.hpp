@@ -24,10 +24,10 @@ CLI::Option* add_plot_option(CLI::App& command, std::string& path, const std::st
 /// path.
 std::string plotted(const std::string& path, const std::vector<Figure>& figures);
 
-/// What the figures of a log are made from, as far as it is known without a fit.
+/// What the figures of a log need, as far as it is known without a fit.
 Analysis drawn_data(const NumberedLog& loaded);
 
-/// Those figures of a report that have these ids.
+/// The figures of a report that have these ids.
 std::vector<Figure> figures_named(const Analysis& data,
                                   std::initializer_list<std::string_view> ids);
 

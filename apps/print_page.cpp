@@ -15,7 +15,7 @@ namespace goingrate::apps {
 
 namespace {
 
-// In the child: does not come back where the program exists.
+// Called in the child: does not return if the program exists.
 void become(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words)

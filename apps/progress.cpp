@@ -14,11 +14,11 @@ namespace goingrate::apps {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto patience = 1s; // work that is over before needs no word
+constexpr auto patience = 1s; // work that is done before then needs no word
 
 bool somebody_looks(bool quiet) { return !quiet && error_is_terminal(); }
 
-// If the rest goes as the work did so far: ", 1:23:20 left"; nothing before a hundredth is done.
+// Time left if the rest goes as before: ", 1:23:20 left"; nothing until a hundredth is done.
 std::string time_left(double passed_s, double part) {
   if (part < 0.01) return {};
   const auto left = static_cast<std::int64_t>(std::ceil(passed_s * (1.0 - part) / part));

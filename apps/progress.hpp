@@ -10,7 +10,7 @@
 
 namespace goingrate::apps {
 
-/// Says what is being done, which share of it is, and how long the rest may take:
+/// Says what is being done, how much of it is done, and how long the rest may take:
 /// "reading my.log [####......] 42 %, 0:01:23 left", on standard error while that is a terminal,
 /// from the second second on; wipes itself out at the end.
 class ProgressBar {

@@ -45,7 +45,7 @@ void write_table(StreamedFile& file, const RateOptions& options, const NumberedL
   }
 }
 
-// Digits that lose nothing of decimal times as loggers write them.
+// Decimals enough to lose nothing of times as loggers write them.
 constexpr int exported_decimals = 12;
 
 void write_others(std::vector<StreamedFile>& files, const RateOptions& options, NumberedLog& loaded,

@@ -37,8 +37,8 @@ AnalysisRequest request_of(const ReportCommand& options, const NumberedLog& load
   return request;
 }
 
-// What of a report has no place in a line: profiles, which only figures show, and the spectrum's
-// arrays, which are longer than all the rest.
+// Parts of a report that have no place in a line: profiles, which only figures show, and the
+// spectrum's arrays, which are longer than all the rest.
 JobOutcome job_result(const ReportCommand& options, NumberedLog loaded) {
   AnalysisRequest request = request_of(options, loaded);
   request.traces_profiles = false;

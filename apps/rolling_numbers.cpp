@@ -14,7 +14,7 @@ constexpr std::size_t many_beats = 40;     // some of which have a period
 constexpr std::size_t kept_beats = 200;    // judge a new one; they are numbered again each time
 constexpr std::size_t older_beats = 16384; // at least, that judge a long gap: 2 MB at most
 constexpr std::size_t backlog_beats =
-    4096; // of a backlog: so many more make those that are kept no matter
+    4096; // of a backlog: so many that numbering the kept ones again costs little
 } // namespace
 
 void RollingNumbers::add(const Beat& event) { window_.push_back(event); }
@@ -94,8 +94,8 @@ std::vector<Beat> RollingNumbers::number_new(const ClockLog& log) {
   return fresh;
 }
 
-// Without a period that is told and without labels nothing but a beat error shows that both
-// directions are told.
+// Without a stated period and without labels, only a beat error shows that the log has both
+// directions.
 void RollingNumbers::take_nominal_period(const ClockLog& log, const Beats& numbered) {
   nominal_period_s_ = nominal_period(log, numbered, assumptions_);
   const bool is_labelled =
@@ -121,7 +121,7 @@ void RollingNumbers::keep_gaps(const Beats& numbered, const Shift& shift, std::i
   }
 }
 
-// From the last beat that was handed out as a good one and is one still; else they go on behind it.
+// By the last beat that was handed out as good and still is; if there is none, they go on after it.
 RollingNumbers::Shift RollingNumbers::shift_of(const std::vector<Beat>& numbered) const {
   for (std::size_t i = handed_out_; i-- > 0;)
     if (window_[i].flag == BeatFlag::good && numbered[i].flag == BeatFlag::good)

@@ -14,7 +14,7 @@ namespace goingrate::apps {
 /// Numbers new events together with the last few hundred, so that what is handed out is what a run
 /// over the whole log would say. A gap that these do not bridge is judged by sixteen to
 /// thirty-two thousand more: only a long run tells the period well enough for a long absence
-/// (MonitorWatchTest.ALongAbsenceIsCounted). What was handed out is never said otherwise: cycles go
+/// (MonitorWatchTest.ALongAbsenceIsCounted). What was handed out is never revised: cycles go
 /// on from it.
 class RollingNumbers {
 public:
@@ -28,13 +28,13 @@ public:
   void go_on_from(std::vector<Beat> numbered);
   /// Whether events wait for others to show what they are, at the beginning.
   [[nodiscard]] bool is_settling() const;
-  /// Whether there is so much that it is worth numbering.
+  /// Whether there are enough events to be worth numbering.
   [[nodiscard]] bool is_full() const;
   /// The events that were added, numbered; none until there are enough of them.
   std::vector<Beat> numbered(const ClockLog& log);
-  /// What was held back, at the end of a short log.
+  /// The rest that was held back, at the end of a log.
   std::vector<Beat> rest(const ClockLog& log);
-  /// The gaps between the beats handed out since this was last asked, by the cycles as handed out.
+  /// The gaps between the beats handed out since the last call, by the cycles as handed out.
   std::vector<Gap> take_gaps() { return std::exchange(gaps_, {}); }
 
   /// Why many events that were added have no numbers, if that is so.
@@ -47,7 +47,7 @@ public:
   [[nodiscard]] const std::vector<Assumption>& assumptions() const { return assumptions_; }
 
 private:
-  // The way from cycles and segments of a numbering to those that are handed out.
+  // Difference between the cycles and segments of a numbering and those that are handed out.
   struct Shift {
     std::int64_t cycles = 0;
     int segments = 0;

@@ -17,7 +17,7 @@ void add_override_option(CLI::App& command, ScenarioOptions& options) {
       ->allow_extra_args(false);
 }
 
-// What --set says is read as a scenario is, but it is usage.
+// What --set says is read as a scenario is, but faults in it are wrong usage.
 ReadScenario read_scenario(const ScenarioOptions& options) {
   std::string text = read_text(options.path);
   try {

@@ -12,7 +12,7 @@ bool error_is_terminal();
 enum class Paint { error, warning, note };
 
 /// The text in the colour of its kind where standard error is a terminal that shows colours;
-/// as it is elsewhere, and where NO_COLOR (https://no-color.org) is set and not empty.
+/// unchanged elsewhere, and where NO_COLOR (https://no-color.org) is set and not empty.
 std::string painted(std::string_view text, Paint paint);
 
 } // namespace goingrate::apps

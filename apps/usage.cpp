@@ -25,7 +25,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 
 std::optional<std::string> unexpected_word(const CLI::App& command, const std::string& name) {
   const auto commands = command.get_subcommands();
-  // One that takes the words of another is not surprised by any.
+  // A command that passes its words on to another accepts any.
   if (!commands.empty() && commands.front()->get_prefix_command()) return {};
   const std::vector<std::string> words = command.remaining(true);
   if (words.empty()) return {};

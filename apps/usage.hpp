@@ -14,7 +14,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
                          const std::string& list);
 
 /// An option that `command` and its subcommands do not know, or a word too many, as a message that
-/// names the command `name`: it is told before what else may be wrong, which is often its
+/// names the command `name`. It comes before what else may be wrong, which is often its
 /// consequence.
 std::optional<std::string> unexpected_word(const CLI::App& command, const std::string& name);
 

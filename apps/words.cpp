@@ -72,7 +72,7 @@ void pass(CLI::App& program, Position& at, const std::string& word) {
   CLI::Option* option = option_named(program, *at.command, word);
   if (option == nullptr || option->get_items_expected_max() == 0) return;
   at.waiting = option;
-  constexpr int longest_list = 10; // values: one without an end is not waited for
+  constexpr int longest_list = 10; // values: a list may have no end
   at.values_needed = option->get_items_expected_min();
   at.values_missing = option->get_items_expected_max() < longest_list
                           ? option->get_items_expected_max()

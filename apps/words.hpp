@@ -19,7 +19,7 @@ CLI::Option* offers(CLI::Option* option, const std::vector<std::string>& words);
 std::vector<std::string> words_of(CLI::Option& option);
 
 /// What may stand for the last of `words` (those after `goingrate`), given the others: commands,
-/// options, words of an option. Nothing where that is for the user to know: a file, a number.
+/// options, words of an option. Nothing where only the user can know: a file, a number.
 std::vector<std::string> completions(CLI::App& program, std::vector<std::string> words);
 
 } // namespace goingrate::apps

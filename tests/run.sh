@@ -3,7 +3,7 @@
 # With --sanitize first: the suite under AddressSanitizer and UndefinedBehaviorSanitizer, then what
 # starts threads, and the fits, under ThreadSanitizer. Takes about two hours on two cores. Left out are tests
 # that build a package of their own and programs from outside (notebooks, Slurm).
-# With --fuzz [SECONDS]: the reader, scenario files and recordings of sound are fuzzed, a minute if not told; ten
+# With --fuzz [SECONDS]: the reader, scenario files and recordings of sound are fuzzed, a minute if not given; ten
 # minutes more go into clang's build with sanitizers of what that needs.
 # With --cluster: batches in shares on a Slurm of one node, under GNU parallel and under Snakemake, one share
 # being killed at work, against one process. Takes two minutes.

@@ -1,6 +1,6 @@
-// A friction law of one's own: a bob in air at a Reynolds number between the two textbook laws has a
-// drag that grows as the 3/2 power of its speed. What does that do to amplitude and rate, beside
-// linear friction of the same loss?
+// A friction law of one's own: a bob in air at a Reynolds number between the two textbook laws has
+// a drag that grows as the 3/2 power of its speed. What does that do to amplitude and rate,
+// compared with linear friction of the same loss?
 #include <goingrate/goingrate.hpp>
 
 #include <cmath>

@@ -14,7 +14,7 @@ namespace goingrate::apps {
 namespace {
 
 std::string outcome_of(int status) {
-  constexpr int timeout_ended_it = 124; // what timeout(1) says then
+  constexpr int timeout_ended_it = 124; // the exit status of timeout(1) then
   if (WIFSIGNALED(status)) return fmt::format("was ended by signal {}", WTERMSIG(status));
   if (WEXITSTATUS(status) == timeout_ended_it) return "took more than a minute";
   return fmt::format("failed with code {}", WEXITSTATUS(status));

@@ -16,7 +16,7 @@ public:
   explicit AlarmCommands(std::string command) : command_(std::move(command)) {}
 
   void run(const AlarmChange& change);
-  /// What those that have ended since this was last asked say of a failure, in words.
+  /// The failures, in words, of the commands that have ended since the last call.
   std::vector<std::string> take_failures();
 
 private:
@@ -25,7 +25,7 @@ private:
     std::string alarm;
   };
 
-  std::string command_; // nothing is run where it is empty
+  std::string command_; // empty: nothing is run
   std::vector<Running> running_;
 };
 

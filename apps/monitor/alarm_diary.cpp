@@ -10,7 +10,7 @@ namespace goingrate::apps {
 namespace {
 
 constexpr std::size_t most_records = 500;
-constexpr std::string_view alarm_words = "alarm "; // that a comment of an alarm begins with
+constexpr std::string_view alarm_words = "alarm "; // begin an alarm's comment
 
 std::string note_of(const AlarmChange& change) {
   return fmt::format("{}{} {} {}: {}", alarm_words, change.is_raised ? "begins" : "ends",
@@ -32,7 +32,7 @@ std::optional<AlarmRecord> record_of(const std::string& note) {
   return record;
 }
 
-// As it will be read from its comment, so that the index has it once.
+// As it will be read back from its comment, so that the index has it only once.
 AlarmRecord record_of(const AlarmChange& change) { return *record_of(note_of(change)); }
 
 } // namespace
@@ -51,7 +51,7 @@ void AlarmDiary::rebuild_index(const std::vector<std::string>& days) {
 void AlarmDiary::put_in_index(const AlarmRecord& record) {
   try {
     index_.put_alarm(record);
-  } catch (const OutputError&) { // it has its comment
+  } catch (const OutputError&) { // the comment holds it
   }
 }
 

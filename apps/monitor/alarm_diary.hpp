@@ -13,21 +13,21 @@
 namespace goingrate::apps {
 
 /// Notes every alarm that begins or ends in the day's file and in the index. What cannot be written
-/// because the disk is full is written later; the index gets from the comments, at the next start,
-/// what it does not take.
+/// because the disk is full is written later; what the index does not take now, it gets from the
+/// comments at the next start.
 class AlarmDiary {
 public:
   AlarmDiary(Archive& archive, ArchiveIndex& index) : archive_(archive), index_(index) {}
 
   /// Takes the alarms from the index.
   void restore();
-  /// An index that was lost gets them again from the comments of these days.
+  /// Puts the alarms into an index that was lost, from the comments of these days.
   void rebuild_index(const std::vector<std::string>& days);
   void add(const std::vector<AlarmChange>& changes);
 
   /// The last 500, the newest at the end.
   [[nodiscard]] const std::deque<AlarmRecord>& records() const { return records_; }
-  /// Those that were added since this was last asked.
+  /// The alarms that were added since the last call.
   std::vector<AlarmChange> take_fresh() { return std::exchange(fresh_, {}); }
 
 private:

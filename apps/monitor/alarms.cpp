@@ -16,7 +16,7 @@ constexpr double faulty_clears = 0.03;   // below which one works again
 
 } // namespace
 
-// Events that were missing or false, of all, and the beat error, of the last minutes.
+// How many events of the last minutes were missing or false, and their beat error.
 struct LastMinutes {
   std::int64_t events = 0, faults = 0;
   double beat_error_s = 0.0;
@@ -25,8 +25,7 @@ struct LastMinutes {
   [[nodiscard]] double faulty_share() const {
     return events > 0 ? static_cast<double>(faults) / static_cast<double>(events) : 0.0;
   }
-  // Whether a sensor that is good enough, whose faults come one by one, would say so more than once
-  // in five years.
+  // Whether a good sensor, whose faults come one by one, has so many less than once in five years.
   [[nodiscard]] bool tells_of_failure() const {
     constexpr double false_alarms_a_year = 0.2;
     constexpr double tests_a_year = 525960.0 / static_cast<double>(looked_back_minutes);
@@ -47,7 +46,7 @@ LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last,
     sum.beats += all[i].beats;
     sum.missed += all[i].missed;
     sum.spurious += all[i].spurious;
-    // Directions are those of a sensor that tells nearly every event, and hardly another.
+    // Directions count only from a sensor that tells nearly every event, and hardly any other.
     const auto faults = static_cast<double>(all[i].missed + all[i].spurious);
     if (faults > tolerated_share * (static_cast<double>(all[i].beats) + faults)) continue;
     sum.beat_error_sum += all[i].beat_error_sum;
@@ -122,7 +121,7 @@ void Alarms::heard(const Going& going, double nominal_period_s, bool is_replay) 
   if (!is_replay) look_at_minutes(going, nominal_period_s);
 }
 
-// It goes again when it has gone for as long as it may be silent.
+// The clock counts as going again once it has gone for as long as it may be silent.
 void Alarms::goes(const Instant& at, const Going& going, double period_s) {
   if (!is_raised(AlarmKind::stopped)) return;
   if (!goes_since_) goes_since_ = at;

@@ -1,4 +1,4 @@
-// What a clock that is watched is called out for.
+// The alarms of a clock that is watched.
 #pragma once
 
 #include "amplitude_fall.hpp"
@@ -42,7 +42,7 @@ struct LastMinutes;
 class Alarms {
 public:
   /// `patience_s`: silence after which the clock has stopped; 0: five periods. `lateness_s`: how
-  /// long after a beat its line may come, which is no silence of the clock.
+  /// long after a beat its line may come, which does not count as silence.
   explicit Alarms(double patience_s, double lateness_s = 0.0)
       : patience_s_(patience_s), lateness_s_(lateness_s) {}
 
@@ -51,23 +51,23 @@ public:
   void heard(const Going& going, double nominal_period_s, bool is_replay);
   /// Goes on from what an earlier run recorded, in order of time.
   void restore(const std::vector<AlarmRecord>& records);
-  /// What was learnt of the clock so far, as numbers; take_learnt() goes on from them.
+  /// What was learnt about the clock so far, as numbers; take_learnt() goes on from them.
   [[nodiscard]] std::vector<double> learnt() const;
   void take_learnt(std::vector<double> numbers);
-  /// No good beat was heard for so long: looks at whether it goes, and whether what was heard
-  /// instead is a sensor that fails.
+  /// No good beat was heard for `silence_s`: checks whether the clock goes, and whether what was
+  /// heard instead comes from a sensor that fails.
   void silent(double silence_s, double period_s, const Going& going, const Moment& now);
-  /// The source told a date that is so far from the computer's.
+  /// The source told a date that is `error_s` from the computer's.
   void misdated(double error_s, const Moment& now);
-  /// Many events were heard that are no beats of one clock.
+  /// Many events were heard that are not the beats of one clock.
   void no_beats(const std::string& why, const Moment& now);
   void archive_fails(const Moment& now, const std::string& why);
   /// All is on disk. The alarm ends when that has been so for a minute.
   void archive_works(const Moment& now);
 
-  /// What changed since this was last asked.
+  /// What changed since the last call.
   std::vector<AlarmChange> take_changes() { return std::exchange(changes_, {}); }
-  /// Those that are raised now, in the words they were raised with.
+  /// The alarms that are raised now, in the words they were raised with.
   [[nodiscard]] std::vector<AlarmChange> raised() const;
 
 private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t minutes_a_day = 1440;
 constexpr std::size_t winding_days = 8;   // a clock that is wound once a week has been wound
-constexpr std::size_t fewest_changes = 3; // that have a scatter worth the name
+constexpr std::size_t fewest_changes = 3; // for a scatter worth the name
 constexpr std::int64_t held_days = 32;    // then the level is the usual one
 constexpr double season_a_day = 0.002;    // of the amplitude: 0.1 · 2π in 365 days, rounded up
 
@@ -101,7 +101,7 @@ std::optional<AmplitudeFall::Found> AmplitudeFall::end_day() {
 
 std::optional<AmplitudeFall::Found> AmplitudeFall::fall_of_days() const {
   if (days_.size() < fewest_changes + 1) return {};
-  // No winding takes half of the amplitude: where so much would be gone it is not waited for.
+  // No winding takes half of the amplitude: a fall that would is not watched for that long.
   const std::size_t known = days_.size() - 1;
   const double would_be_gone = (days_.front() - days_.back()) / static_cast<double>(known) *
                                static_cast<double>(winding_days);
@@ -113,7 +113,7 @@ std::optional<AmplitudeFall::Found> AmplitudeFall::fall_of_days() const {
   return {};
 }
 
-// Over so many changes of the means of so many days.
+// A fall over `changes` changes between means of `days` days.
 std::optional<AmplitudeFall::Found> AmplitudeFall::fall_over(std::size_t changes,
                                                              std::size_t days) const {
   std::vector<double> means;

@@ -20,7 +20,7 @@ class AmplitudeFall {
 public:
   struct Found {
     double size = 0.0, sigma = 0.0; ///< of the fall: positive
-    std::int64_t minutes = 0;       ///< that it took at most
+    std::int64_t minutes = 0;       ///< at most, from begin to end
   };
 
   /// The mean of the minute that begins `minute` minutes after 1970; nothing if it is not known.
@@ -40,7 +40,7 @@ private:
   DailyWave wave_;
   static constexpr double usual_fall = 0.1; // as in minutes of winding without maintaining power
   StepAlarm steps_{usual_fall};             // of the logarithm
-  std::int64_t day_ = 0;                    // that is going on
+  std::int64_t day_ = 0;                    // the one that goes on now
   double day_sum_ = 0.0;
   std::int64_t day_minutes_ = 0;
   bool day_has_fall_ = false;

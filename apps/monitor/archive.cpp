@@ -59,7 +59,7 @@ void give_back_free_memory() {
 #endif
 }
 
-// A row, whose time counts from 1970, and no header.
+// Whether the line is a row, whose time counts from 1970, and not a header.
 bool is_event(const std::string& line) {
   return !line.empty() && line.front() >= '0' && line.front() <= '9';
 }
@@ -115,7 +115,7 @@ void Archive::read_last_day() {
   const auto all = days();
   if (all.empty()) return;
   cut_torn_line(path_of(all.back()));
-  // A day that was only begun tells nothing yet, or half of it.
+  // A day that was only begun may have no header or events yet.
   bool has_header = false;
   for (auto day = all.rbegin(); day != all.rend() && !last_time_; ++day) {
     const auto header = header_of(path_of(*day));
@@ -128,7 +128,7 @@ void Archive::read_last_day() {
   }
 }
 
-// The last one that is noted there.
+// The last origin that is noted in the day's file.
 std::optional<Instant> Archive::origin_of_day(const std::string& day) const {
   std::optional<Instant> origin;
   std::ifstream file(path_of(day));
@@ -157,7 +157,7 @@ std::vector<std::string> Archive::days_between(const std::string& after,
 std::vector<Beat> Archive::events_of(const std::string& day) const {
   try {
     return read_log_file(path_of(day)).events;
-  } catch (const InputError&) { // a day with fewer events than a log has, one by one
+  } catch (const InputError&) { // fewer events than a log has: read one by one
     return few_events_of(day);
   }
 }
@@ -191,7 +191,7 @@ void Archive::describe(const NativeColumns& columns) {
 }
 
 void Archive::open_day(const std::string& day) {
-  sync(); // of the day before: a failure is told, and tried again
+  sync(); // of the day before: a failure is reported, and tried again
   close_day();
   give_back_free_memory();
   const std::string path = path_of(day);
@@ -221,7 +221,7 @@ void Archive::open_day(const std::string& day) {
   }
 }
 
-// No line is to stand in a file without its header.
+// A file must not hold a line without its header.
 void Archive::write_or_close(const std::string& header) {
   try {
     write(header);
@@ -231,8 +231,8 @@ void Archive::write_or_close(const std::string& header) {
   }
 }
 
-// One call a text, so that what is in the file are whole lines; what cannot be written whole is
-// taken back.
+// One call per text, so that the file holds whole lines; what cannot be written whole is taken
+// back.
 void Archive::write(const std::string& text) {
   struct stat before {};
   if (::fstat(file_, &before) != 0) fail(path_of(day_));
@@ -240,7 +240,7 @@ void Archive::write(const std::string& text) {
     close_day();
     throw OutputError(path_of(day_), "the file was removed");
   }
-  constexpr std::size_t most_unsafe_bytes = 4 << 20; // of a day and a half
+  constexpr std::size_t most_unsafe_bytes = 4 << 20; // of lines: a day and a half
   if (sync_failed_ && unsynced_.size() + text.size() > most_unsafe_bytes)
     throw OutputError(path_of(day_), "what was written before is not safe yet, and it is much");
   is_synced_ = false;
@@ -332,11 +332,11 @@ void Archive::sync() {
   is_synced_ = true;
 }
 
-// After a failure the system takes its pages for clean, and would tell a success without having
+// After a failure the system takes its pages for clean, and would report success without having
 // written them: the same text in the same place makes them dirty again.
 void Archive::write_unsynced_again() const {
   const std::string path = path_of(day_);
-  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC); // the other one only appends
+  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC); // file_ can only append
   if (file < 0) fail(path);
   const auto written = ::pwrite(file, unsynced_.data(), unsynced_.size(), synced_bytes_);
   const int error = written < 0 ? errno : ENOSPC;

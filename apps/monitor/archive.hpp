@@ -46,7 +46,7 @@ public:
   void note(const std::string& text, const Instant& at);
   /// The comments of a day.
   [[nodiscard]] std::vector<std::string> notes_of(const std::string& day) const;
-  /// Those behind the last event, also of a day before the last.
+  /// The comments behind the last event, which may be on an earlier day than the last.
   [[nodiscard]] std::vector<std::string> last_notes() const;
   /// All that was appended is on disk when it returns. Throws OutputError.
   void sync();
@@ -54,18 +54,18 @@ public:
 
   /// The second at which a source's own times began, as noted last; nothing for dated times.
   [[nodiscard]] std::optional<Instant> origin() const { return origin_; }
-  /// Noted with the next event, whose time it places.
+  /// Sets it; it is noted with the next event, whose time it places.
   void set_origin(const Instant& origin);
   [[nodiscard]] std::optional<Instant> last_time() const { return last_time_; }
-  /// That the source told, by the header of the last day.
+  /// The period that the source told, by the header of the last day.
   [[nodiscard]] std::optional<double> nominal_period_s() const { return columns_.nominal_period_s; }
 
-  /// The direction of that event.
+  /// The direction of the last event.
   [[nodiscard]] Edge last_edge() const { return last_edge_; }
 
   /// The days that there are, in order.
   [[nodiscard]] std::vector<std::string> days() const;
-  /// Those after one day and before another.
+  /// The days after one day and before another.
   [[nodiscard]] std::vector<std::string> days_between(const std::string& after,
                                                       const std::string& before) const;
   /// The events of one day; none if it cannot be read.
@@ -88,11 +88,11 @@ private:
 
   std::string folder_;
   int lock_ = -1, file_ = -1;
-  std::string day_;               // that is open
+  std::string day_;               // the one that is open
   std::string unsynced_;          // its text that is not safe yet
   std::int64_t synced_bytes_ = 0; // its text that is
   bool sync_failed_ = false;      // the system may have thrown the unsafe text away
-  NativeColumns columns_; // of a new day
+  NativeColumns columns_;         // for a new day
   NativeColumns day_columns_; // of the one that is open
   bool is_synced_ = true;
   bool has_origin_ = true; // the day that is open has it

@@ -3,8 +3,8 @@
 
 namespace goingrate::apps {
 
-/// Said in a child: it has neither the monitor's signals nor its files, not the lock, not the port,
-/// but standard output, standard error and `kept`; it has nothing to read.
+/// To be called in a child process. It keeps neither the monitor's signals nor its files (the lock,
+/// the port), only standard output, standard error and `kept`; its standard input is empty.
 void stand_alone(int kept);
 
 } // namespace goingrate::apps

@@ -11,7 +11,7 @@ namespace {
 // Twenty pages that are opened at once ask for five things each; open ones ask for one a second.
 constexpr double requests_a_second = 50.0, requests_at_once = 100.0;
 
-// What is counted of an address: of IPv6 the first half, the network.
+// The part of an address that counts: for IPv6 the first half, the network.
 std::string counted_part(const std::string& address) {
   std::array<char, sizeof(in6_addr)> binary{};
   if (::inet_pton(AF_INET6, address.c_str(), binary.data()) != 1) return address;
@@ -28,7 +28,7 @@ double seconds(ClientShares::Time::duration time) {
 
 bool ClientShares::enter(const std::string& address, Time now) {
   const std::lock_guard lock(mutex_);
-  constexpr std::size_t most_clients = 1024; // that are remembered: 100 kB
+  constexpr std::size_t most_clients = 1024; // remembered at most: 100 kB
   if (clients_.size() >= most_clients) forget_idle(now);
   const auto [found, is_new] = clients_.try_emplace(counted_part(address));
   Client& client = found->second;
@@ -49,7 +49,7 @@ void ClientShares::leave(const std::string& address) {
     --found->second.connections;
 }
 
-// Those that would be as new.
+// Forgets clients that would be treated like new ones.
 void ClientShares::forget_idle(Time now) {
   constexpr double full_again_s = requests_at_once / requests_a_second;
   std::erase_if(clients_, [&](const auto& entry) {

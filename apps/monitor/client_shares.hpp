@@ -10,7 +10,7 @@
 namespace goingrate::apps {
 
 /// Counts the connections and the requests of every address, so that no client keeps others from
-/// being answered. Of an IPv6 address the network counts, which one client has to itself.
+/// being answered. IPv6 addresses count by their network, which one client has to itself.
 class ClientShares {
 public:
   using Time = std::chrono::steady_clock::time_point;

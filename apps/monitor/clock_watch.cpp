@@ -14,8 +14,8 @@ namespace goingrate::apps {
 
 namespace {
 
-constexpr std::size_t most_breaks = 500; // that are remembered in memory
-constexpr double sync_every_s = 1.0;     // so that every line is safe within two
+constexpr std::size_t most_breaks = 500; // kept in memory
+constexpr double sync_every_s = 1.0;     // so that every line is safe within two seconds
 
 } // namespace
 
@@ -25,7 +25,7 @@ ClockWatch::ClockWatch(WatchOptions options)
       alarms_(options_.patience_s, options_.lateness_s), diary_(archive_, index_) {
   goes_on_from_unread_ = !unread_.text().empty();
   log_.source = options_.folder;
-  // What is read again is numbered before the source says anything.
+  // Stored events are numbered before the source says anything.
   log_.nominal_period_s = options_.log.nominal_period_s > 0.0
                               ? std::optional(options_.log.nominal_period_s)
                               : archive_.nominal_period_s();
@@ -33,7 +33,7 @@ ClockWatch::ClockWatch(WatchOptions options)
 }
 
 void ClockWatch::hold(std::string_view text, const Moment& now) {
-  // So few lines may be beats of a log that is not recognised yet; more are none.
+  // Up to so many lines may be beats of a log that is not recognised yet; more are not.
   constexpr std::ptrdiff_t most_lines = 30;
   is_holding_ = true;
   const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -50,7 +50,7 @@ void ClockWatch::may_beat(const Moment& now) {
   last_good_s_ = std::max(last_good_s_.value_or(now.steady_s), now.steady_s);
 }
 
-// What it has told once it is taken to tell.
+// A quantity that the source has told once keeps its column.
 void ClockWatch::describe(const HeardEvent& event, const ClockLog& log) {
   if (!log_.nominal_period_s) log_.nominal_period_s = log.nominal_period_s;
   const auto tells = [](bool& column, const std::vector<double>& of_log, double value) {
@@ -99,7 +99,7 @@ void ClockWatch::meet(const HeardEvent& event, const ClockLog& log, const Moment
   }
 }
 
-// What its line does not tell, but options do: the direction, which is the other one after half a
+// Adds what the options tell and the line does not: the direction, which turns with every half
 // period, and the amplitude.
 HeardEvent ClockWatch::completed(HeardEvent event, const ClockLog& log) {
   const LogOptions& asked = options_.log;
@@ -120,7 +120,7 @@ HeardEvent ClockWatch::completed(HeardEvent event, const ClockLog& log) {
   return event;
 }
 
-// One that waits for others is kept as a comment until then.
+// An event that waits for others is kept as a comment until they come.
 void ClockWatch::offer(const HeardEvent& event, const ClockLog& log, const Moment& now) {
   const auto heard_s = options_.place.source_is_live ? std::optional(now.steady_s) : std::nullopt;
   for (const Arrivals::Arrival& arrival : arrivals_.add(completed(event, log), heard_s))
@@ -141,7 +141,7 @@ void ClockWatch::keep_misdated(const HeardEvent& event, double error_s, const Mo
 void ClockWatch::note(const std::string& text, const Moment& now) {
   try {
     archive_.note(text, now.wall);
-  } catch (const OutputError& error) { // it is no event
+  } catch (const OutputError& error) { // no event is lost with it
     alarms_.archive_fails(now, error.what());
   }
 }
@@ -160,7 +160,7 @@ void ClockWatch::place(const ClockLog& log, const Moment& now) {
   store_pending(now);
 }
 
-// Stored first, used then. What cannot be stored waits.
+// Events are stored first, then used. What cannot be stored waits.
 void ClockWatch::store_pending(const Moment& now) {
   try {
     while (!pending_.empty()) {
@@ -178,7 +178,7 @@ void ClockWatch::store_pending(const Moment& now) {
   tell_lost(now);
 }
 
-// In its place, behind what could be kept before.
+// Notes a loss where it happened, behind the last event that could be kept.
 void ClockWatch::tell_lost(const Moment& now) {
   const auto fresh = lost_ - std::exchange(told_lost_, lost_);
   if (fresh > 0)
@@ -236,12 +236,12 @@ void ClockWatch::take_beat(const Beat& beat, bool is_replay) {
   }
   going_.add(beat, missed);
   if (beat.flag != BeatFlag::good) return;
-  if (!is_replay) last_good_s_ = last_heard_->steady_s; // a beat before it at most
+  if (!is_replay) last_good_s_ = last_heard_->steady_s; // at most one beat after this one
   alarms_.heard(going_, nominal_period_s(), is_replay);
 }
 
-// Days up to that of a beat that have a file, of comments, and no good beat. The folder is not
-// looked through where one day follows the other.
+// Days up to that of a beat whose file has comments but no good beat. If one day follows the other,
+// the folder is not searched.
 std::vector<std::string> ClockWatch::silent_days(const Beat& beat) const {
   constexpr std::int64_t day_s = 86400;
   const bool is_first = going_.days().all().size() == 1;
@@ -265,7 +265,7 @@ void ClockWatch::complete_day(const Beat& beat) {
     for (const std::string& silent : silent_days(beat))
       put(silent, {});
     put(day, hours);
-  } catch (const OutputError&) { // it is made again from the files
+  } catch (const OutputError&) { // the index is made again from the files
   }
 }
 

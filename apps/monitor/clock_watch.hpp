@@ -38,7 +38,7 @@ public:
   /// Reads the archive. Throws OutputError if it cannot be written.
   explicit ClockWatch(WatchOptions options);
 
-  /// What the source has said and no event was made of yet: kept on disk until that is.
+  /// Text from the source that has not become events yet: kept on disk until it has.
   void hold(std::string_view text, const Moment& now);
   /// Lines that were held when the source was last listened to.
   [[nodiscard]] const std::string& unread() const { return unread_.text(); }
@@ -54,7 +54,7 @@ public:
   [[nodiscard]] const Going& going() const { return going_; }
   [[nodiscard]] double nominal_period_s() const { return numbers_.nominal_period_s(); }
   [[nodiscard]] double period_s() const { return numbers_.period_s(); }
-  /// What was assumed of the source, with the options that say otherwise.
+  /// What was assumed about the source, with the options that say otherwise.
   [[nodiscard]] const std::vector<Assumption>& assumptions() const {
     return numbers_.assumptions();
   }
@@ -73,7 +73,7 @@ public:
   [[nodiscard]] bool is_all_stored() const;
   /// A comment for the day's file.
   void note(const std::string& text, const Moment& now);
-  /// Alarms that began or ended since this was last asked.
+  /// Alarms that began or ended since the last call.
   std::vector<AlarmChange> take_alarm_changes() { return diary_.take_fresh(); }
 
 private:
@@ -108,16 +108,16 @@ private:
   Alarms alarms_;
   AlarmDiary diary_;
   ClockLog log_;           // what is known of the source
-  NativeColumns columns_;  // that it was heard to have
+  NativeColumns columns_;  // those it has told so far
   bool is_first_ = true;   // no event of this run yet
   bool goes_on_from_unread_ = false; // lines of the last run are told again
   bool is_holding_ = true; // no event since the source was opened
   std::optional<Beat> last_directed_; // where directions are told from times
   std::optional<Moment> last_heard_;
-  std::ptrdiff_t held_lines_ = 0; // that the source had said when it was last asked
+  std::ptrdiff_t held_lines_ = 0;                   // that were waiting at the last call of hold()
   std::optional<double> last_good_s_, last_sync_s_; // by the steady clock
   double silence_s_ = 0.0;
-  std::vector<HeardEvent> waited_; // when the last run ended: not in the archive but as comments
+  std::vector<HeardEvent> waited_;        // left by the last run: in the archive only as comments
   std::deque<Arrivals::Arrival> pending_; // with their place, and not stored yet
   std::vector<Gap> gaps_;
   std::deque<CountBreak> breaks_;

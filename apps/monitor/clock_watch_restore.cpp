@@ -10,7 +10,7 @@ namespace goingrate::apps {
 
 namespace {
 
-constexpr std::size_t tail_beats = 200; // that tell how the count goes on
+constexpr std::size_t tail_beats = 200; // from which the count goes on
 constexpr std::size_t reread_days = 3;  // for the minutes of two days, after a start
 
 // The last beats of a day, numbered so that the last good one has a cycle that is known.
@@ -45,7 +45,7 @@ void ClockWatch::restore() {
   const bool agrees = std::includes(days.begin(), days.end(), indexed.begin(), indexed.end()) &&
                       index_.is_of_the_files();
   if (!agrees) forget_index();
-  // A day may be missing in the middle, which another program did not let be put.
+  // A day may be missing in the middle, because another program kept the index from being written.
   const auto unbroken =
       std::mismatch(indexed.begin(), indexed.end(), days.begin(), days.end()).first;
   const auto in_index = agrees ? static_cast<std::size_t>(unbroken - indexed.begin()) : 0;

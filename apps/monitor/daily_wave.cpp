@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t minutes_a_day = 1440;
 constexpr double memory_minutes = 20.0 * minutes_a_day;
-// How much the wave is held to nothing, in minutes of data: a few hours do not tell it from a
+// How strongly the wave is held at zero, in minutes of data: a few hours do not tell it from a
 // drift.
 constexpr double held_minutes = 144.0;
 

@@ -1,4 +1,4 @@
-// The wave of a day in a quantity that is measured once a minute.
+// The daily wave in a quantity that is measured once a minute.
 #pragma once
 
 #include "learnt.hpp"
@@ -9,7 +9,7 @@
 
 namespace goingrate::apps {
 
-/// Learns the wave that temperature draws every day: a level and harmonics of 24 and 12 hours, by
+/// Learns the wave that temperature makes every day: a level and harmonics of 24 and 12 hours, by
 /// least squares whose weights fade within weeks (DailyWaveTest).
 class DailyWave {
 public:

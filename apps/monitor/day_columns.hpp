@@ -1,4 +1,4 @@
-// The columns of a day of an archive.
+// The columns of a day's file in an archive.
 #pragma once
 
 #include "goingrate/log/reading.hpp"
@@ -13,7 +13,7 @@ inline constexpr int archive_decimals = 9; ///< of a second
 
 /// The columns of a day's file; nothing if it has no header.
 std::optional<NativeColumns> header_of(const std::string& path);
-/// What the columns do not hold.
+/// The values that have no column.
 EventValues beside(const EventValues& values, const NativeColumns& columns);
 
 } // namespace goingrate::apps

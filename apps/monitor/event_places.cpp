@@ -50,14 +50,14 @@ bool EventPlaces::is_stored(const HeardEvent& event, const ClockLog& log) {
 
 std::optional<double> EventPlaces::date_error_s(const Beat& event, const ClockLog& log,
                                                 const Moment& now) const {
-  constexpr double a_day_s = 86400.0; // more than any zone of time
+  constexpr double a_day_s = 86400.0; // more than any time zone
   if (!has_dates(log) || !options_.source_is_live) return {};
   const double error_s = absolute(event, log) - now.wall;
   return std::abs(error_s) > a_day_s ? std::optional(error_s) : std::nullopt;
 }
 
 bool EventPlaces::was_set(const Moment& now) {
-  constexpr double rounding_s = 0.01; // NTP sets what is off by more than 0.128 s
+  constexpr double rounding_s = 0.01; // NTP sets a clock that is off by more than 0.128 s
   const double difference_s = now.wall_less_steady_s();
   const bool was =
       wall_less_steady_s_ && std::abs(difference_s - *wall_less_steady_s_) > rounding_s;
@@ -66,8 +66,8 @@ bool EventPlaces::was_set(const Moment& now) {
 }
 
 void EventPlaces::add(const Arrival& arrival, const ClockLog& log, const Moment& now) {
-  // It began again while nobody listened, or the computer's calendar was set right, or the source's
-  // clock would be an hour off since it began.
+  // No source drifts by an hour: either it began again while nobody listened, or the computer's
+  // calendar was set right.
   constexpr double longest_drift_s = 3600.0;
   const bool was = was_set(now), is_placed = !has_dates(log) && origin_holds_;
   const bool is_unsure =
@@ -86,7 +86,7 @@ bool EventPlaces::is_in_burst(const ClockLog& log, const Moment& now) const {
          now.steady_s - waiting_since_s_ < longest_burst_s;
 }
 
-// The last event is heard now, or the first one is at `start`; but not before what is stored.
+// Places the last event when it was heard, or the first one at `start`; not before what is stored.
 void EventPlaces::choose_origin(const Instant& heard_at, double period_s) {
   Instant origin = origin_for(waiting_.back().event, heard_at);
   if (!archive_.origin() && options_.start) origin = *options_.start;
@@ -103,7 +103,7 @@ EventPlaces::Placed EventPlaces::take(const ClockLog& log, const Instant& heard_
   Placed placed;
   if (waiting_.empty()) return placed;
   if (!has_dates(log) && !origin_holds_) {
-    // Of a source that began again in between nobody can tell when the events before were.
+    // If the source began again in between, nobody can tell when the events before that were.
     const auto anew = std::find_if(waiting_.rbegin(), waiting_.rend(),
                                    [](const Arrival& arrival) { return arrival.begins_anew; });
     if (anew != waiting_.rend()) {

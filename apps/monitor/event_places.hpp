@@ -29,7 +29,7 @@ public:
   /// The first event of a run. Returns the last one stored, as the source would have told it, if
   /// the event may go on from there. `may_be_read_again`: the source may tell what is stored.
   std::optional<Beat> meet(const HeardEvent& event, const ClockLog& log, bool may_be_read_again);
-  /// Whether the event is stored already, as the lines of a file are that is read again.
+  /// Whether the event is stored already, as when a file is read again.
   [[nodiscard]] bool is_stored(const HeardEvent& event, const ClockLog& log);
   /// Seconds that a date of a live source is after the computer's, if it is more than a day from
   /// it: a receiver of time that does not know the date yet tells another one.
@@ -42,7 +42,7 @@ public:
   /// a burst, and only the last of them tells the time.
   [[nodiscard]] bool is_in_burst(const ClockLog& log, const Moment& now) const;
 
-  /// What was added, some of it with its place and some that has none.
+  /// The events that were added: with their places, and those that can have none.
   struct Placed {
     std::vector<Arrival> events;      ///< times count from 1970, as the archive keeps them
     std::vector<HeardEvent> left_out; ///< as they were told
@@ -56,16 +56,16 @@ private:
 
   Archive& archive_;
   PlaceOptions options_;
-  /// Whether the computer's calendar was set since this was last asked.
+  /// Whether the computer's calendar was set since the last call.
   [[nodiscard]] bool was_set(const Moment& now);
 
   bool origin_holds_ = false; // times without a date count from the archive's origin
-  bool is_unsure_ = false;    // nothing of this run was believed yet
+  bool is_unsure_ = false;    // no event of this run has been believed yet
   bool skips_stored_ = false;
   std::vector<Arrival> waiting_;
   double waiting_since_s_ = 0.0;
   std::optional<double> wall_less_steady_s_;
-  bool goes_on_elsewhere_ = false; // the source, which went on, gets another place in time
+  bool goes_on_elsewhere_ = false; // the source went on, but at another place in time
 };
 
 } // namespace goingrate::apps

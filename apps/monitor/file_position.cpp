@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t head_bytes = 4096; // a hundred lines, which no other log begins with
 
-// FNV-1a of the first bytes of a file; nothing if it does not have so many.
+// FNV-1a of the first `bytes` of a file; nothing if it has fewer.
 std::optional<std::uint64_t> hash_of_head(int file, std::size_t bytes) {
   std::string head(bytes, '\0');
   if (::pread(file, head.data(), bytes, 0) != static_cast<ssize_t>(bytes)) return {};
@@ -53,7 +53,7 @@ std::vector<FilePosition::Part> FilePosition::parts_of(const std::string& path) 
   constexpr int most_rotations = 9;
   const auto name = [&](int k) { return k == 0 ? path : fmt::format("{}.{}", path, k); };
   if (saved_.lines > 0)
-    for (const bool with_inode : {true, false}) // a copy that was made before the file was cut off
+    for (const bool with_inode : {true, false}) // without: a copy made before a truncation
       for (int k = 0; k <= most_rotations; ++k)
         if (fits(saved_, name(k), with_inode)) {
           std::vector<Part> parts{{name(k), saved_.lines}};

@@ -28,7 +28,7 @@ public:
 
   /// A line of that file was read. Lines that begin again are those of another file of that name.
   void took(const std::string& path, std::uint32_t line);
-  /// All that was taken is safe: written if it is new.
+  /// Called when all that was taken is safe: writes the position if it is new.
   void save();
 
 private:
@@ -41,7 +41,7 @@ private:
 
   std::string path_;
   Mark saved_;
-  int file_ = -1;           // that is being read
+  int file_ = -1;           // the one being read
   std::uint32_t lines_ = 0; // of it
 };
 

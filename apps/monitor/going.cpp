@@ -46,7 +46,7 @@ double sigma_with_wander(std::vector<double> rates) {
 } // namespace
 
 void ClockMarks::add(const ClockMark& beat) {
-  constexpr std::size_t most_beats = 7; // of the six slopes of one two may be wrong
+  constexpr std::size_t most_beats = 7; // each has six slopes, of which two may be wrong
   beats_.push_back(beat);
   if (beats_.size() > most_beats) beats_.pop_front();
 }

@@ -19,14 +19,14 @@ struct GoingBlock {
   std::int64_t last_cycle = 0; ///< of the last good beat, if there is one
   Instant mark_time;           ///< of the mark near the end that rates are told from (ClockMarks)
   std::int64_t mark_cycle = 0;
-  /// Counts go on without doubt within one run.
+  /// Number of the run, within which the count is certain.
   std::int64_t run = 0;
 
   [[nodiscard]] std::optional<double> amplitude_rad() const;
   [[nodiscard]] std::optional<double> beat_error_s() const; ///< tick less tock
 };
 
-/// A moment of a clock: its count, and when it came to it.
+/// A clock's count, and when it reached it.
 struct ClockMark {
   Instant time;
   std::int64_t cycle = 0;
@@ -34,9 +34,9 @@ struct ClockMark {
 
 /// Where a clock stood a few beats ago, by its last seven: on the line of the repeated median of
 /// their slopes (Siegel, Biometrika 69, 1982) and of the mean of what that leaves, without the two
-/// largest and the two least, at the middle cycle. Two beats whose times are wrong, as false events
-/// in the place of missed beats, leave it among the others (ClockMarksTest.TwoWrongBeats). Where
-/// beats scatter as Gauss's law has it so does the mark, by 0.44 of what one beat does
+/// largest and the two least, at the middle cycle. Two beats with wrong times, such as false events
+/// in place of missed beats, do not draw it away from the others (ClockMarksTest.TwoWrongBeats). If
+/// beats scatter by Gauss's law, so does the mark, by 0.44 of what one beat does
 /// (ClockMarksTest.ScatterIsGaussian): the limits of StepAlarm ask for tails that are no heavier.
 class ClockMarks {
 public:
@@ -51,7 +51,7 @@ private:
 /// A number with its standard deviation.
 struct Measured {
   double value = 0.0, sigma = 0.0;
-  std::size_t blocks = 0; ///< that it is the mean of
+  std::size_t blocks = 0; ///< in the mean
 };
 
 /// Blocks of one length, the oldest forgotten: constant memory.
@@ -59,19 +59,19 @@ class GoingBlocks {
 public:
   GoingBlocks(std::int64_t length_s, std::size_t most) : length_s_(length_s), most_(most) {}
 
-  /// The block that holds `time`; whether it is a new one. A time one block before the last stays
-  /// in the last; one before that is of a source whose dates fell back: blocks behind it are
-  /// forgotten.
+  /// Goes on to the block that holds `time`; returns whether it is a new one. A time in the block
+  /// before the last stays in the last; with an earlier one the source's dates fell back, and later
+  /// blocks are forgotten.
   bool open(const Instant& time);
   [[nodiscard]] GoingBlock& last() { return blocks_.back(); }
   [[nodiscard]] const std::deque<GoingBlock>& all() const { return blocks_; }
   [[nodiscard]] std::int64_t length_s() const { return length_s_; }
   /// Rate of a block against the end of the block before it; nothing across a break.
   [[nodiscard]] std::optional<double> rate_of(std::size_t i, double nominal_period_s) const;
-  /// Rate over the blocks that are complete, in the run that goes on now, of the last `count`
-  /// lengths of time before now, `silence_s` after the last beat. Its sigma is
-  /// that of a mean of the blocks' rates, of pairs of them, of fours …, the largest, so that slow
-  /// wander counts. Nothing for fewer than four rates.
+  /// Rate over the complete blocks of the current run within the last `count` block lengths before
+  /// now, `silence_s` after the last beat. Its sigma is the largest of those of a mean of the
+  /// blocks' rates, of pairs of them, of fours …, so that slow wander counts. Nothing for fewer
+  /// than four rates.
   [[nodiscard]] std::optional<Measured> rate_over(std::size_t count, double nominal_period_s,
                                                   double silence_s = 0.0) const;
   /// Adds a block of an earlier time, or of a shorter length, to the one that holds its start.
@@ -87,12 +87,11 @@ private:
 class Going {
 public:
   void add(const Beat& beat, std::int64_t missed_before);
-  /// An event that is no beat.
+  /// An event that is not a beat.
   void add_spurious();
-  /// What follows is not counted on from what was before without doubt.
+  /// From here on, the count does not go on from before with certainty.
   void break_count() { ++run_; }
-  /// Takes the hours of an earlier time for granted, in order, and the first beat of their last
-  /// run.
+  /// Adopts the hours of an earlier time, in order, and the first beat of their last run.
   void restore(const std::vector<GoingBlock>& hours, const std::optional<Beat>& first_of_run);
 
   [[nodiscard]] const GoingBlocks& minutes() const { return minutes_; }
@@ -103,8 +102,8 @@ public:
   [[nodiscard]] const std::optional<Beat>& last() const { return last_; }
   [[nodiscard]] const std::optional<Beat>& first_of_run() const { return first_of_run_; }
   [[nodiscard]] std::int64_t beats() const { return beats_; }
-  /// The share of beats that were missed one by one in the last day; never 0, nor 1, as that of a
-  /// few beats says little.
+  /// The share of beats that were missed one by one in the last day; never 0 or 1, as a few beats
+  /// say little about it.
   [[nodiscard]] double missed_share() const;
   /// The clock's error, s, since the first beat of the run that goes on now: positive, fast.
   [[nodiscard]] std::optional<double> deviation_s(double nominal_period_s) const;

@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t most_request_bytes = 8192; // what servers commonly take
 constexpr std::chrono::seconds request_time{5};  // a modem sends that much in two
 constexpr std::chrono::seconds answer_time{60};  // 600 kB, a long list, at 10 kB/s
-constexpr std::chrono::seconds silence_time{10}; // that a client takes nothing
+constexpr std::chrono::seconds silence_time{10}; // in which a client takes nothing
 
 int milliseconds_until(Clock::time_point end) {
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
@@ -44,7 +44,7 @@ std::string address_of(socket_t socket) {
 }
 
 // All up to the empty line; nothing for a client that is too slow or has gone. A request that is
-// too long is as long as it may be and has no empty line.
+// too long is cut at the limit, without an empty line.
 std::optional<std::string> read_head(socket_t socket) {
   const auto end = Clock::now() + request_time;
   std::string head;
@@ -59,7 +59,7 @@ std::optional<std::string> read_head(socket_t socket) {
   return head;
 }
 
-// What is asked, or with which status it is refused.
+// The request, or the status with which it is refused.
 struct Asked {
   std::string path, passed_on;
   const char* refusal = nullptr;
@@ -129,7 +129,7 @@ public:
     }
     return static_cast<ssize_t>(size);
   }
-  // What its log would need.
+  // Needed only by the library's log.
   void get_remote_ip_and_port(std::string&, int&) const override {}
   void get_local_ip_and_port(std::string&, int&) const override {}
   [[nodiscard]] socket_t socket() const override { return socket_; }
@@ -152,7 +152,7 @@ void refuse(socket_t socket, std::string_view status) {
   (void)::send(socket, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
-// Closed while there is something to read, a connection takes the answer back that is on its way.
+// If it is closed with something left to read, a connection drops the answer that is on its way.
 void close_politely(socket_t socket, bool may_wait) {
   ::shutdown(socket, SHUT_WR);
   const auto end = Clock::now() + std::chrono::milliseconds(may_wait ? 500 : 0);
@@ -177,14 +177,14 @@ void GuardedServer::answer(socket_t socket) {
   process_request(exchange, true, is_closed, nullptr);
 }
 
-// Whether it may be answered: not at the end.
+// Whether the connection may be answered: not once the server ends.
 bool GuardedServer::take_in(socket_t socket) {
   const std::lock_guard lock(mutex_);
   if (!ends_) connections_.insert(socket);
   return !ends_;
 }
 
-// Before it is closed: another connection may have its number then.
+// Called before it is closed, after which another connection may have its number.
 void GuardedServer::let_go(socket_t socket) {
   const std::lock_guard lock(mutex_);
   connections_.erase(socket);

@@ -11,8 +11,8 @@
 namespace goingrate::apps {
 
 /// Answers GET and HEAD, one request a connection. It reads the request itself: 8 KiB at most, in
-/// five seconds at most, without a body. Of what it read the library behind it sees the path and
-/// the host, nothing else: no ranges, no encodings (MonitorServerTest).
+/// five seconds at most, without a body. The library behind it sees only the path and the host: no
+/// ranges, no encodings (MonitorServerTest).
 class GuardedServer : public httplib::Server {
 public:
   /// `most_connections` of one address are answered at a time. A path that is `endless` may be
@@ -33,7 +33,7 @@ private:
   ClientShares shares_;
   std::string endless_;
   std::mutex mutex_;
-  std::set<socket_t> connections_; // that are answered
+  std::set<socket_t> connections_; // being answered
   bool ends_ = false;
 };
 

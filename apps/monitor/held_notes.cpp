@@ -30,7 +30,7 @@ constexpr std::array named_values{NamedValue{"width_s", &EventValues::width_s},
                                   NamedValue{"pressure_mbar", &EventValues::pressure_mbar},
                                   NamedValue{"humidity_percent", &EventValues::humidity_percent}};
 
-// The reverse of words_of(): false if the word is none of a value.
+// The reverse of words_of(): false if the word is not that of a value.
 bool take_word(EventValues& values, const std::string& word) {
   const std::size_t sign = word.find('=');
   if (sign == word.npos) return false;

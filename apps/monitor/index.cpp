@@ -27,7 +27,7 @@ CREATE TABLE IF NOT EXISTS alarm (at REAL, kind TEXT, raised INTEGER, text TEXT,
   UNIQUE (at, kind, raised));
 )";
 
-// Of a file: its size and when it was last changed, ns since 1970; zeros where there is none.
+// A file's size and when it was last changed, ns since 1970; zeros if there is no such file.
 struct FileState {
   std::int64_t bytes = 0, changed_ns = 0;
   bool operator==(const FileState&) const = default;
@@ -58,7 +58,7 @@ struct ArchiveIndex::Database {
     if (code != SQLITE_OK) return code;
     return is_sound() ? SQLITE_OK : SQLITE_CORRUPT;
   }
-  // Whether its days are those of an earlier form, which are made again.
+  // Whether its days have an earlier form; they are then made again.
   [[nodiscard]] bool is_older() const {
     std::string version;
     const auto keep = [](void* to, int, char** columns, char**) {

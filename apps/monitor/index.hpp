@@ -24,7 +24,7 @@ struct AlarmRecord {
 };
 
 /// DIR/.index.sqlite, hidden so that the folder is a log. A change throws OutputError where it
-/// cannot be written. A file that is no such index, or a damaged one, is replaced
+/// cannot be written. A file that is not such an index, or is damaged, is replaced
 /// (MonitorArchiveTest.TheIndexIsMadeAgainFromNothing, .AnIndexThatIsDamagedIsMadeAgain); one that
 /// cannot be opened for another reason stays, and what is put is kept in memory.
 class ArchiveIndex {
@@ -39,8 +39,8 @@ public:
   [[nodiscard]] std::vector<AlarmRecord> alarms() const;
   /// The first beat of the run that went on at the end of a day.
   [[nodiscard]] std::optional<Beat> first_of_run(const std::string& day) const;
-  /// What alarms had learnt when a day ended; empty if it is not known. That of the last thirty
-  /// days is.
+  /// What alarms had learnt when a day ended; empty if it is not known. It is known for the last
+  /// thirty days.
   [[nodiscard]] std::vector<double> learnt(const std::string& day) const;
   /// Whether the files of its days are as long and as old as they were when these were put.
   [[nodiscard]] bool is_of_the_files() const;

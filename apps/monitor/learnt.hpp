@@ -1,4 +1,4 @@
-// What was learnt of a clock, as numbers that an index keeps.
+// What was learnt about a clock, as numbers that an index keeps.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 namespace goingrate::apps {
 
 /// Numbers that are written one after the other, or read back in the same order by the same calls.
-/// Where they come to an end, or are not of the form that is asked for, the reader says so and
-/// what it was to fill is of no use.
+/// If they come to an end, or are not of the form that is read, the reader says so, and what it was
+/// to fill is of no use.
 class Learnt {
 public:
   Learnt() = default; ///< writes
@@ -38,7 +38,7 @@ public:
   }
 
   [[nodiscard]] const std::vector<double>& numbers() const { return numbers_; }
-  /// All that was asked for was there, and no more.
+  /// Whether all numbers were read back, and no more were asked for.
   [[nodiscard]] bool is_read_whole() const {
     return reads_ && !has_failed_ && at_ == numbers_.size();
   }

@@ -75,7 +75,7 @@ public:
     publish(now().wall);
   }
 
-  // Until the source ends, or a signal comes. A source that fails is opened again.
+  // Runs until the source ends, or a signal comes. A source that fails is opened again.
   void run() {
     while (!is_to_end) {
       try {
@@ -129,7 +129,7 @@ private:
     tell();
   }
 
-  // What a source that is heard as it speaks said last time.
+  // What a live source said last time.
   [[nodiscard]] std::string before() const {
     const bool is_new = watch_.unread().empty() && !is_file(options_.source);
     return is_new ? head_.text() : watch_.unread();
@@ -139,7 +139,7 @@ private:
     if (watch_.is_all_stored()) position_.save();
   }
 
-  // Alarms at once, answers once a second.
+  // Passes on alarms at once, answers once a second.
   void tell() {
     for (const AlarmChange& change : watch_.take_alarm_changes()) {
       say(global_, fmt::format("{} {}: {}", change.is_raised ? "alarm" : "over",

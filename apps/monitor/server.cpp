@@ -92,8 +92,8 @@ struct MonitorServer::Parts {
     });
   }
 
-  // An event every second, or a comment when nothing is new, so that a listener that has gone is
-  // noticed.
+  // Sends an event every second, or a comment when nothing is new, so that a listener that has gone
+  // is noticed.
   bool send_event(std::uint64_t& seen, httplib::DataSink& sink) {
     std::unique_lock lock(mutex);
     changed.wait_for(lock, std::chrono::seconds(5), [&] { return ends || serial != seen; });
@@ -138,7 +138,7 @@ struct MonitorServer::Parts {
 
   void set_up(const std::string& host) {
     if (is_this_computer(host)) refuse_other_names();
-    // A port that another one listens at is taken; the library would share it.
+    // A port at which another program listens counts as taken; the library would share it.
     server.set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);

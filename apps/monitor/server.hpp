@@ -14,7 +14,7 @@ struct ListenAddress {
   std::string host = "127.0.0.1";
   int port = 8080;
 };
-/// Throws ArgumentError naming `option` for what is no such address.
+/// Throws ArgumentError naming `option` for anything else.
 ListenAddress parse_address(const std::string& text);
 
 /// Serves the page, /api/…, /metrics and /events (server-sent events) from 64 threads of its own,
@@ -29,7 +29,7 @@ public:
   /// Breaks off what is still answered.
   ~MonitorServer();
 
-  /// From now on these are given.
+  /// The answers from now on.
   void publish(const WatchAnswers& answers);
   /// The port, also where 0 asked for any.
   [[nodiscard]] int port() const;

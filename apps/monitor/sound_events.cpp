@@ -73,7 +73,7 @@ public:
   }
 
 private:
-  // Which of two sounds is the tick is one's choice; it is to be that of the window before.
+  // Which of two sounds is the tick is arbitrary, but must agree with the window before.
   [[nodiscard]] bool is_swapped(const TickTrain& train) const {
     if (!last_ || !train.has_tocks) return false;
     const auto nearest =
@@ -85,7 +85,7 @@ private:
   }
 
   std::optional<double> period_s_;
-  std::optional<Tick> last_; // that was told, in samples since the beginning
+  std::optional<Tick> last_; // passed on, in samples since the beginning
 };
 
 } // namespace

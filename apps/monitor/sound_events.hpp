@@ -5,7 +5,7 @@
 
 namespace goingrate::apps {
 
-/// From a beat to its line at most: the first window begins with one.
+/// Longest time from a beat to its line: the first window begins with a beat.
 inline constexpr double sound_lateness_s = 60.0;
 
 /// Runs arecord on a device and writes a native log of the beats to a descriptor until either ends;

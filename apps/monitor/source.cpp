@@ -74,7 +74,7 @@ OpenSource::OpenSource(const std::string& source) : path_(source) {
   else if (!device.empty())
     open_serial(device, speed);
   else if (std::error_code unknown; std::filesystem::is_fifo(source, unknown))
-    // Open for writing too: writers may come and go, and it is not waited for the first one.
+    // Open for writing too: writers may come and go, and opening does not wait for the first one.
     held_ = ::open(source.c_str(), O_RDWR | O_CLOEXEC);
 }
 

@@ -10,7 +10,7 @@ namespace goingrate::apps {
 bool is_file(const std::string& source);
 /// Seconds at most from a beat to its line.
 double lateness_of(const std::string& source);
-/// Throws ArgumentError for a serial line with a speed that none has.
+/// Throws ArgumentError for a serial line with a speed that does not exist.
 void check_source(const std::string& source);
 /// Whether the source, once it has ended, will not come back: standard input and files.
 bool ends_for_good(const std::string& source);

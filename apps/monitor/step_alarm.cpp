@@ -20,7 +20,7 @@ double memory_of(std::size_t scale) {
   return std::max(most_differences, 4.0 * static_cast<double>(minutes_a_week / minutes_of(scale)));
 }
 
-// Differences from the same means before are alike, at worst all of the same eight.
+// Differences from the same earlier means are not independent, at worst all from the same eight.
 double limit(std::size_t scale, double differences, double false_alarms_a_year) {
   constexpr double overlap = 8.0;
   const double tests_a_year = minutes_a_year / static_cast<double>(minutes_of(scale));
@@ -78,7 +78,7 @@ void StepAlarm::count_minute() {
   }
 }
 
-// The new level is one to compare with from now on, and the step one that the clock has made once.
+// From now on means are compared with the new level, and the step counts towards the habits.
 void StepAlarm::begin_anew(const FoundStep& found) {
   for (Scale& s : scales_) {
     s.before.clear();

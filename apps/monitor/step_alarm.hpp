@@ -43,8 +43,8 @@ private:
     std::size_t count = 0;     // minutes in the mean that is being made
     std::deque<double> before; // the means before it
     double square = 0.0;       // mean square of differences
-    double differences = 0.0;  // that it is the mean of
-    double limit = 0.0;        // in sigmas, for so many differences
+    double differences = 0.0;  // how many are in that mean
+    double limit = 0.0;        // in sigmas, for that many differences
     WeeklyLargest rises, falls;
     void pass(Learnt& learnt);
   };

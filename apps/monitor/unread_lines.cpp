@@ -40,7 +40,7 @@ void UnreadLines::clear() {
 }
 
 void UnreadLines::give_up() {
-  constexpr std::ptrdiff_t most_lines = 400; // that the reader of a log looks through
+  constexpr std::ptrdiff_t most_lines = 400; // a log's reader looks no further
   if (std::count(text_.begin(), text_.end(), '\n') >= most_lines) clear();
 }
 

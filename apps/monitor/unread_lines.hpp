@@ -17,9 +17,9 @@ public:
   /// What the source has said since its beginning, or since what was left: whole lines of it are on
   /// disk when this returns. Throws OutputError.
   void hold(std::string_view text);
-  /// Events were made of them.
+  /// Called once they have become events.
   void clear();
-  /// No log was found in them: they are given up where they are so many that none will be.
+  /// Called if no log was found in them: drops them if there are so many that none will be.
   void give_up();
   [[nodiscard]] const std::string& text() const { return text_; }
 

@@ -24,7 +24,7 @@ Json rate_json(const std::optional<Measured>& rate) {
           {"blocks", rate->blocks}};
 }
 
-// The whole past in days, since single hours of a year are many.
+// By days, since a year has many hours.
 std::optional<Measured> rate_of_a_year(const Going& going, double nominal_period_s,
                                        double silence_s) {
   constexpr std::size_t year_days = 365;
@@ -58,7 +58,7 @@ Json alarm_json(const AlarmRecord& alarm) {
 Json now_json(const ClockWatch& watch, const std::string& name, const Instant& now) {
   const Going& going = watch.going();
   const double nominal = watch.nominal_period_s(), silence = watch.silence_s();
-  constexpr double present_s = 60.0; // what was measured longer ago is of no last minute
+  constexpr double present_s = 60.0; // older values do not count as present
   Json raised = Json::array();
   for (const AlarmChange& alarm : watch.alarms().raised())
     raised.push_back(

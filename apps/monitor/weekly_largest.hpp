@@ -17,9 +17,9 @@ public:
   void end_week();
   /// 0 until two weeks have had a change.
   [[nodiscard]] double habit() const;
-  /// What is beyond it: larger by half, as where a clock is wound three days late, and, where weeks
-  /// differ much, by twice as much as the habit is larger than the middle week. Of weeks that
-  /// follow Gumbel's law, as largest ones do, it is beyond in one of two hundred.
+  /// Where a change is beyond the habit: larger by half, as where a clock is wound three days late,
+  /// or, where weeks differ much, by twice as much as the habit is above the median week. In weeks
+  /// that follow Gumbel's law, as maxima do, one in two hundred is beyond.
   [[nodiscard]] double limit() const;
 
   void pass(Learnt& learnt) {

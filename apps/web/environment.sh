@@ -1,4 +1,4 @@
-# environment.sh: to be sourced; what the compiler of this folder asks for (see `compiler`).
+# environment.sh: to be sourced; what the compiler of this folder needs (see `compiler`).
 # Debian's acorn, which Emscripten's linker needs, is where Debian's node looks but no other.
 export NODE_PATH=/usr/share/nodejs${NODE_PATH:+:$NODE_PATH}
 # The clang that Emscripten would call, and with which flags; ccache saves a second compiling where it is there.

@@ -44,15 +44,15 @@ once() {
   touch "$stamp"
 }
 
-# Of WebAssembly's 32 bits, in bytes; to find them by running a program takes more than to know them.
+# Sizes in bytes on 32-bit WebAssembly; stating them is less work than running a program to find them.
 sizes=()
 for size in OFF_T=8 SIZE_T=4 SSIZE_T=4 PTRDIFF_T=4 WCHAR_T=4 INT=4 LONG=4 LONG_LONG=8 INT64_T=8 UNSIGNED_INT=4 \
   UNSIGNED_LONG=4 UNSIGNED_LONG_LONG=8 FLOAT=4 DOUBLE=8; do
   sizes+=("-DSIZEOF_$size" "-DHAVE_SIZEOF_${size%=*}=ON")
 done
 
-# Whether a header or function exists is asked by compiling alone, as linking takes Emscripten a second; so
-# what exists nowhere here must be named by those who ask for it.
+# Checks for headers and functions only compile, as linking takes Emscripten a second; so what does not exist
+# here has to be named in the options.
 by_cmake() { # PACKAGE OPTION ...
   local package=$1
   shift
@@ -122,7 +122,7 @@ fftw() {
   cp sources/fftw3/api/fftw3.h "$prefix/include"
 }
 
-# What goingrate takes of it is the dense QR solver and Jet.
+# goingrate uses only its dense QR solver and Jet.
 ceres() {
   by_cmake ceres-solver -DMINIGLOG=ON -DGFLAGS=OFF -DSUITESPARSE=OFF -DCXSPARSE=OFF -DLAPACK=OFF -DCUDA=OFF \
     -DEIGENSPARSE=OFF -DSCHUR_SPECIALIZATIONS=OFF -DCERES_THREADING_MODEL=NO_THREADS -DBUILD_TESTING=OFF \

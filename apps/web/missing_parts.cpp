@@ -1,5 +1,5 @@
-// What the system that WebAssembly runs on has not: special functions of the standard library, and other
-// programs to start.
+// What the system that WebAssembly runs on lacks: special functions of the standard library, and
+// other programs to start.
 #include "missing_parts.hpp"
 
 #include <boost/math/special_functions/ellint_1.hpp>

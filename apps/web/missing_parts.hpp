@@ -1,5 +1,5 @@
-// What C++20 has and the standard library of Emscripten 3.1 has not yet. Every source of the library is
-// compiled with this before it, so that the sources need not know.
+// What C++20 has and the standard library of Emscripten 3.1 still lacks. Every source of the
+// library is compiled with this before it, so that the sources need not know.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // Includes every public header. A log becomes beats and these an Analysis; a scenario becomes
-// crossings and a log. apps/examples has whole programs.
+// crossings and a log. apps/examples has complete programs.
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"

@@ -16,7 +16,7 @@ namespace goingrate {
 namespace {
 
 // Through an interruption, and as long again after it, the lateness stands still: what shook the
-// clock then is told by the diary.
+// clock then is stated in the diary.
 void level_interruptions(const Diary& diary, TimingData& data) {
   constexpr double before_s = 30.0;
   for (const Interruption& event : diary.interruptions) {
@@ -55,20 +55,20 @@ bool follows_changes(const Analysis& data) {
          misses_nothing(fit);
 }
 
-// Whether it follows what no list of causes holds: changes however large, a drive that was
+// Whether the fit follows what is in no list of causes: changes however large, a drive that was
 // interrupted, a free pendulum that comes to rest.
 bool follows_more(const Analysis& data) {
   if (!data.fit.has_result()) return false;
   if (follows_changes(data)) return true;
   if (!data.diary.interruptions.empty()) return true;
-  constexpr double decayed_share = 0.8; // of the amplitude: no clock's falls so far
+  constexpr double decayed_share = 0.8; // of the amplitude: no clock's falls that far
   const auto& amplitude = data.fit.model_amplitude_rad;
   return data.fit.model.escapement == Escapement::none && !amplitude.empty() &&
          amplitude.back() < decayed_share * amplitude.front();
 }
 
 // The times that must be accounted for: what the fit leaves of them, where it follows more than
-// causes do, and without interruptions, which the diary tells of.
+// causes do; without interruptions, which are in the diary.
 TimingData unexplained_times(const TimingData& times, const Analysis& data) {
   TimingData unexplained = times;
   if (follows_more(data) && data.fit.residual_s.size() == times.size()) {
@@ -104,8 +104,8 @@ std::vector<Change>::iterator nearest_change(Diary& diary, std::int64_t cycle) {
                           });
 }
 
-// What a fit that explains the changes says of those it was told of, in order of time: its whole
-// model tells kinds apart that the course of the rate does not.
+// Puts in what a fit that explains the changes says of those it was given, in order of time: its
+// whole model tells kinds apart that the course of the rate does not.
 void put_fitted_changes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary) {
   for (const FitEvent& event : fit.events) {
     const std::int64_t cycle = beats.front().cycle + event.cycle;
@@ -128,7 +128,7 @@ std::vector<PartRate> stretches_of(std::span<const Beat> beats, const Diary& dia
   return rates_between(beats, cuts, nominal_period_s);
 }
 
-// What the clock does in the end: the mean of the last stretch, unless its last quarter contradicts
+// What the clock does at the end: the mean of the last stretch, unless its last quarter contradicts
 // it, as after a change that the clock still follows, or where the rate drifts.
 PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nominal_period_s) {
   constexpr double least_difference_sigma = 3.0; // sigma of the quarter
@@ -145,7 +145,7 @@ PartRate rate_now(std::span<const Beat> beats, const PartRate& last, double nomi
 }
 
 // While the drive comes back after an interruption the rate moves: what stands out of its course
-// there, and not of its beats, is no change of its own if a fit explains the log without it.
+// there, and not of its beats, is not a change of its own if a fit explains the log without it.
 void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary) {
   const auto is_fitted = [&](const Change& change) {
     return std::any_of(fit.events.begin(), fit.events.end(), [&](const FitEvent& event) {
@@ -164,9 +164,9 @@ void drop_wakes(const FitSummary& fit, std::span<const Beat> beats, Diary& diary
   });
 }
 
-// What the fit was told of and does without: the course of the rate dates a change within some
-// beats and may take one for two. What may have been counts where the swing still answers to a
-// change that the fit has.
+// Drops changes that the fit was given and does without: the course of the rate dates a change
+// within some beats and may take one for two. Possible changes count as given where the swing still
+// answers to a change that the fit has.
 void drop_what_the_fit_dropped(const FitOptions& asked, const FitSummary& fit,
                                const NumberedLog& loaded, Diary& diary) {
   if (fit.status != FitStatus::converged || !misses_nothing(fit) || fit.events.empty()) return;
@@ -196,7 +196,7 @@ void drop_what_the_fit_dropped(const FitOptions& asked, const FitSummary& fit,
     });
 }
 
-// Whether the clock and the jitter of its sensor are all there is in the times: no noise that wanders
+// Whether the clock and its sensor's jitter are all there is in the times: no noise that wanders
 // stands in for a change.
 bool explains_all(const FitSummary& fit) {
   constexpr double least_p = 1e-3;
@@ -206,7 +206,7 @@ bool explains_all(const FitSummary& fit) {
 }
 
 // The swing that settles after the start, or after a change, looks like more changes. Where the fit
-// explains all, those that it does not have there were not.
+// explains all, those there that it does not have were none.
 void drop_what_the_swing_explains(const FitSummary& fit, std::int64_t first, Diary& diary) {
   if (!explains_all(fit)) return;
   std::vector<const Change*> kept;
@@ -267,8 +267,8 @@ FitOptions without_plans(FitOptions options) {
   return options;
 }
 
-// What comes round with the pushes of an escapement that rests is no wheel. Once a swing is how often
-// the log looks, so that a line may be an alias: k times the pushes' frequency less j times the
+// What comes round with the pushes of an escapement that rests is not a wheel. The log is sampled
+// once a swing, so that a line may be an alias: k times the pushes' frequency less j times the
 // swing's, within a resolution of the log for each.
 std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const TimingData& times) {
   if (!times.impulses) return lines;
@@ -303,7 +303,7 @@ Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   return diary;
 }
 
-// Two things may have been done at once. What was planned is that of the first.
+// Two things may have been done at once; the first one's plan is kept.
 static void merge_those_of_one_beat(std::vector<FitEvent>& events) {
   std::vector<FitEvent> merged;
   for (FitEvent& event : events) {
@@ -381,7 +381,7 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   input.lines = without_rounding(without_pushes(drive.lines, times), times);
   if (drive.response) // of corner 2 epsilon / T0
     input.relaxation_s = 1.0 / (two_pi * drive.response->corner_hz);
-  // Pushes that come seldom vary more than those of every swing, and no list says what is usual.
+  // Pushes that come seldom vary more than those in every swing; what is usual is not known.
   if (!times.impulses) input.fast_drive = fast_drive(drive, fit);
   for (const Gap& gap : loaded.beats.gaps)
     if (gap.kind == GapKind::stop && !gap.bridged)

@@ -25,7 +25,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Where the lines of a share go as they come.
+// Where the lines of a share go as they are made.
 class Lines {
 public:
   Lines() = default;
@@ -38,7 +38,7 @@ public:
   virtual void finish() = 0;
 };
 
-// A stream has no place for what comes too early: it is kept until its turn.
+// A stream has no place for lines that come too early: they are kept until their turn.
 class StreamLines : public Lines {
 public:
   StreamLines(const std::string& path, const std::string& header) : file_(path) {
@@ -180,8 +180,8 @@ public:
   }
 
 private:
-  // As many as a worker does best together, and fewer towards the end, where nobody shall wait for
-  // the last.
+  // The next jobs, as many as a worker does best together, and fewer towards the end, so that
+  // nobody waits for the last.
   std::span<const std::size_t> next() {
     const std::lock_guard lock(mutex_);
     const std::size_t left = missing_.size() - begun_;

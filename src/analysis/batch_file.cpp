@@ -34,7 +34,7 @@ Json versions_object() {
   return json;
 }
 
-// What makes it this batch and no other.
+// What distinguishes the batch from others.
 Json description_object(const BatchDescription& batch) {
   Json json = {{"jobs", batch.jobs},
                {"command", batch.command},

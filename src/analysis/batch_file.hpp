@@ -18,7 +18,7 @@ std::string header_line(const BatchDescription& batch, const BatchShare& share);
 /// The line of a job, without its end.
 std::string job_line(const BatchDescription& batch, std::size_t job, const JobOutcome& outcome);
 
-/// The job that a line tells of; nothing if it is no such line.
+/// The job that a line tells of; nothing if it is not such a line.
 std::optional<std::size_t> job_of_line(std::string_view line);
 
 /// What a first line says.
@@ -29,16 +29,16 @@ struct BatchHeader {
   Json json; ///< all of it
 };
 
-/// Throws InputError if `line` is no first line of a file of this name.
+/// Throws InputError if `line` is not the first line of a file of this name.
 BatchHeader parse_header(const std::string& line, const std::string& file);
 
-/// Throws InputError unless both are shares of one batch, cut in as many.
+/// Throws InputError unless both are shares of one batch, cut into equally many.
 void expect_same(const BatchHeader& found, const std::string& file, const BatchHeader& expected);
 
 /// A file of a batch, line by line.
 class BatchFile {
 public:
-  /// Throws InputError if it cannot be read or is none.
+  /// Throws InputError if it cannot be read or is not one.
   explicit BatchFile(const std::string& path);
   [[nodiscard]] const BatchHeader& header() const { return header_; }
   [[nodiscard]] const std::string& path() const { return path_; }

@@ -25,7 +25,7 @@ const Json& part(const Json& json, const char* key) {
   return found == json.end() || found->is_null() ? none : *found;
 }
 
-// Linear between the neighbours.
+// The quantile, linear between the neighbours.
 double quantile(std::vector<double>& values, double share) {
   if (values.empty()) return unknown;
   std::sort(values.begin(), values.end());
@@ -105,7 +105,7 @@ private:
   std::vector<double> values_, sigmas_;
 };
 
-// mu@2 is of the second event.
+// The event of a parameter: 2 for mu@2.
 std::size_t event_of(const std::string& name) {
   const std::size_t at = name.find('@');
   return at == std::string::npos ? 0 : std::strtoul(name.c_str() + at + 1, nullptr, 10);

@@ -19,7 +19,7 @@ constexpr std::size_t fewest_common = 64, most_blocks = 240;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A series with one value per beat, on the straight line between; NaN where more than one beat
-/// is missing. To be asked at rising times.
+/// is missing. Times must be asked for in rising order.
 class Between {
 public:
   Between(std::span<const Beat> beats, std::vector<double> values)

@@ -1,4 +1,4 @@
-// What the fit is given of a log: times, amplitudes, and what outside the clock may drive its rate.
+// What a fit is given from a log: times, amplitudes, and what outside the clock may drive its rate.
 #include "goingrate/analysis/analyse.hpp"
 
 #include "goingrate/log/tides.hpp"
@@ -79,7 +79,7 @@ double density_sigma(const EventColumns& columns, const std::vector<RateTerm>& t
   return std::hypot(rho[1] - rho[0], rho[2] - rho[0], rho[3] - rho[0]);
 }
 
-// How the values of the terms were had, where they were interpolated.
+// Notes how the values of the terms were interpolated, if they were.
 void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
   double longest_step_s = 0.0;
   for (const JoinedWeather& weather : log.weather) {

@@ -29,7 +29,7 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   }
   FitEvent event = parse_fit_event(std::string("0").append(text, colon));
   event.cycle = cycle_at(loaded.good, number_in("event", text.substr(0, colon - 1)));
-  event.movable = true; // who gives a time means the beat next to it, one way or the other
+  event.movable = true; // a time means the beat nearest to it, before or after
   return event;
 }
 
@@ -61,7 +61,7 @@ void check_terms(const FitRequest& request, const ClockLog& log) {
     check_for("prior", prior.name, log);
 }
 
-// A file that asks for what this log cannot give is the file's fault; said where it asks.
+// If a file asks for what this log cannot give, the message names the place in the file.
 void check_against(const ParFile& file, const NumberedLog& loaded) {
   const std::int64_t first = loaded.good.front().cycle, last = loaded.good.back().cycle;
   for (std::size_t k = 0; k < file.event_places.size(); ++k) {
@@ -86,7 +86,8 @@ FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
   return std::move(file.options);
 }
 
-// The events that are named, or those that are found; what a file says of its own goes.
+// Puts in the events that are named, or those that are found, and drops what a file says of its
+// own.
 void put_events(const FitRequest& request, const NumberedLog& loaded, FitOptions& result) {
   if (request.events.empty()) return;
   const auto asks_for = [&](const char* word) {
@@ -113,7 +114,7 @@ void drop_prior(FitOptions& options, const std::string& name) {
   std::erase_if(options.priors, [&](const Prior& prior) { return prior.name == name; });
 }
 
-// What is held no longer; the search starts where it was held.
+// Frees a parameter; the search starts where it was held.
 void set_free(FitOptions& options, const std::string& name) {
   if (const auto held = options.fixed.extract(name))
     options.start.insert_or_assign(name, held.mapped());
@@ -141,8 +142,8 @@ void put_freed(const FitRequest& request, FitOptions& result) {
   }
 }
 
-// After what is fixed, so that a prior on that is refused by the fit; a prior on what the file
-// holds frees it.
+// Called after parameters were fixed, so that the fit refuses a prior on them; a prior on what the
+// file holds frees it.
 void put_priors(const FitRequest& request, FitOptions& result) {
   for (const Prior& prior : request.priors) {
     if (!is_fixed(request, prior.name)) set_free(result, prior.name);
@@ -151,7 +152,7 @@ void put_priors(const FitRequest& request, FitOptions& result) {
   result.priors.insert(result.priors.end(), request.priors.begin(), request.priors.end());
 }
 
-// What the log was read with holds in its fit, unless that is asked for something else.
+// The fit holds what the log was read with, unless it is asked for something else.
 void put_gravity_share(const NumberedLog& loaded, FitOptions& result) {
   const std::string name = "gravity_share";
   const bool said = result.fixed.contains(name) || result.start.contains(name) ||
@@ -160,7 +161,7 @@ void put_gravity_share(const NumberedLog& loaded, FitOptions& result) {
     result.fixed[name] = loaded.sensor.gravity_share;
 }
 
-// The word is one that the option knows.
+// Sets the word of an option; throws if the option does not know it.
 void put_word(const char* name, const std::string& word, const char* legal,
               bool (*set)(FitOptions&, std::string_view), FitOptions& result) {
   if (!word.empty() && !set(result, word)) throw ArgumentError(name, word, legal);

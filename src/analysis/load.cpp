@@ -66,7 +66,7 @@ private:
     return static_cast<std::int64_t>(swings);
   }
 
-  // The places are given: there is nothing to number.
+  // The places of grid data are given: there is nothing to number.
   void take_grid() {
     const GridData& grid = *loaded_.log.grid;
     loaded_.nominal_period_s = grid.tau0_s;
@@ -79,7 +79,7 @@ private:
     loaded_.log.events.clear();
   }
 
-  // From one good upward crossing to the next; unknown where one is missing.
+  // Periods from one good upward crossing to the next; unknown where one is missing.
   static std::vector<double> periods_of(std::span<const Beat> beats) {
     std::vector<double> periods;
     const Beat* before = nullptr;
@@ -95,7 +95,7 @@ private:
   }
 
   // The mean period of what was numbered is that of the intervals; where most events are false ones
-  // the count may be no clock's.
+  // the count may not be a clock's.
   void refuse_if_numbered_wrong() const {
     if (loaded_.log.grid || loaded_.good.size() < 3) return;
     const double cycles =
@@ -110,8 +110,8 @@ private:
         "the beats of one clock", readings_for_period(mean, typical));
   }
 
-  // A logger's steps that hide more than a second a day from one beat to the next, and are most of
-  // what beats scatter by.
+  // Reports a logger's steps that hide more than a second a day from one beat to the next, and make
+  // most of the beats' scatter.
   void say_if_times_are_coarse() {
     if (loaded_.log.grid || loaded_.good.size() < 3) return;
     const std::span<const Beat> good = loaded_.good;
@@ -134,7 +134,7 @@ private:
            Setting::nominal_period);
   }
 
-  // What was not given, but guessed, must be possible.
+  // What was guessed, not given, must be possible.
   void refuse_phases_of_no_clock(const GridData& grid) const {
     if (request_.reading.format || loaded_.log.format != LogFormat::phase) return;
     std::size_t far = 0, all = 0;
@@ -209,7 +209,7 @@ private:
         readings_for_period(typical, loaded_.nominal_period_s));
   }
 
-  // Corrections change times and amplitudes of events that are numbered: numbered they stay, unless
+  // Corrections change times and amplitudes of numbered events; these are numbered again only if
   // the times moved.
   void with_events(const std::function<void(ClockLog&)>& change) {
     loaded_.log.events = std::move(loaded_.beats.beats);

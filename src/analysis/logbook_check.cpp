@@ -32,7 +32,7 @@ std::string_view parameter_of(LogbookWord word) {
   return word == LogbookWord::rate ? "T0" : word == LogbookWord::weight ? "mu" : "epsilon";
 }
 
-// What an entry says of the parameter of its kind: new over old.
+// The ratio, new over old, that an entry states for the parameter of its kind.
 std::optional<PlannedRatio> planned_by(const LogbookEntry& entry) {
   if (!(entry.sigma > 0.0) || std::isnan(entry.value)) return {};
   if (entry.what == LogbookWord::rate) // a shorter period is a faster clock
@@ -41,7 +41,7 @@ std::optional<PlannedRatio> planned_by(const LogbookEntry& entry) {
   return PlannedRatio{1.0 + entry.value, entry.sigma};
 }
 
-/// When a thing noted at `at_s` may have been, s after the first beat.
+/// When something noted at `at_s` may have happened, s after the first beat.
 struct Span {
   double from_s, to_s;
   explicit Span(const LogbookEntry& entry, double at_s)
@@ -50,8 +50,8 @@ struct Span {
   [[nodiscard]] bool holds(double at_s) const { return at_s >= from_s && at_s <= to_s; }
 };
 
-// The change that goes with the entry, among those that no other entry has claimed: the nearest, or, where
-// only the day is known, the most significant.
+// The change that belongs to the entry, among those that no other entry has claimed: the nearest,
+// or, where only the day is known, the most significant.
 Change* change_for(const LogbookEntry& entry, double at_s, std::vector<Change>& changes) {
   const Span span(entry, at_s);
   Change* best = nullptr;
@@ -78,7 +78,7 @@ Change change_at(double at_s, std::span<const Beat> beats) {
   return change;
 }
 
-// Things done within a minute of each other are one change, that of the first of them.
+// Things done within a minute of each other count as one change, that of the first of them.
 void take_entry(const LogbookEntry& entry, std::span<const Beat> beats, Diary& diary) {
   constexpr double same_moment_s = 60.0;
   const double at_s = entry.time - beats.front().time;
@@ -165,8 +165,8 @@ private:
     return entry == seen || (stood && seen == LogbookWord::set) || was_wound;
   }
 
-  // The nearest finding of the kind of the entry that no other entry names; of notes that of any
-  // kind, of the winding an interruption of the drive.
+  // The nearest finding of the entry's kind that no other entry names; for a note, one of any kind;
+  // for winding, an interruption of the drive.
   [[nodiscard]] std::optional<std::size_t> finding_for(const LogbookEntry& entry,
                                                        const Span& span) const {
     const bool any = entry.what == LogbookWord::note;
@@ -297,7 +297,8 @@ void add_break(const Gap& gap, const Beat& before, const Beat& after, const Beat
   }
 }
 
-// Adds the breaks between the parts of the log; the gap after the last beat of a part tells why it ends.
+// Adds the breaks between parts of the log; the gap after the last beat of a part tells why it
+// ends.
 void add_breaks(const Analysis& data, std::vector<LogbookEntry>& entries) {
   const Beat* before = nullptr;
   for (const Beat& beat : data.numbered.beats) {

@@ -8,13 +8,13 @@
 
 namespace goingrate {
 
-/// Whether one steady rate explains all times to within the steps in which they are told: then the
+/// Whether one steady rate explains all times to within the steps of the logger: then the
 /// log shows no change, no line and no noise, whatever pattern the rounding makes
 /// (AnalyseTest.ACoarseLoggerShowsNoChange).
 bool rounding_explains(const TimingData& times);
 
 /// The lines less those that rounding can make. Its pattern comes round with the fraction by which
-/// a period is no whole number of steps, and with multiples of it; none of them moves the rate by
+/// a period differs from whole steps, and with multiples of it; none of them moves the rate by
 /// more than a step in a period.
 std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
                                            const TimingData& times);

@@ -18,14 +18,14 @@ std::string text_of(Sensor& sensor, const NativeColumns& columns) {
   return text;
 }
 
-// Names and values that are there and are not zero.
+// Collects names and values; those that are missing or zero are left out.
 class Truth {
 public:
   void add(const std::string& name, std::optional<double> value) {
     if (value && *value != 0.0) known_[name] = *value;
   }
   void leave_out(const std::string& name) { known_.erase(name); }
-  // Torsion has none, and that is a number too.
+  // Kept even if zero: that is torsion.
   void add_gravity(double share) { known_["gravity_share"] = share; }
   [[nodiscard]] std::map<std::string, double> take() { return std::move(known_); }
 
@@ -49,15 +49,15 @@ void add_clock(const ClockParameters& clock, Truth& truth) {
   }
 }
 
-// How many periods there are to one in which the escapement acts; of one that waits for the
-// amplitude that is an outcome. Nothing where no number tells it.
+// Periods for each one in which the escapement acts; if it waits for the amplitude, they are an
+// outcome of the motion. Nothing where no single number tells it.
 std::optional<double> periods_to_an_action(const ClockParameters& clock) {
   if (const auto tooth = saw_tooth(clock)) return tooth->periods;
   if (clock.below > 0.0) return {};
   return static_cast<double>(clock.every);
 }
 
-// `clock` is what the event leaves, `rests` its periods_to_an_action.
+// `clock` is the clock after the event, `rests` its periods_to_an_action.
 void add_event(const ClockEvent& event, std::size_t k, const ClockParameters& clock,
                std::optional<double> rests, Truth& truth) {
   const bool rests_change = event.every || event.below;
@@ -117,7 +117,7 @@ std::map<std::string, double> true_parameters(const Scenario& scenario) {
   const auto rests = periods_to_an_action(clock);
   add_clock(with_drive_divided(clock, rests.value_or(1.0)), truth);
   if (!rests)
-    for (const char* drive : {"mu", "impulse"}) // no number tells its mean
+    for (const char* drive : {"mu", "impulse"}) // no single number tells its mean
       truth.leave_out(drive);
   Scenario exact = scenario;
   exact.method.method = Method::direct;

@@ -61,15 +61,15 @@ inline constexpr std::array<std::uint64_t, 20> whole_powers_of_ten = [] {
 /// Eight bytes as they stand in a text, of which the first digits make a number.
 struct EightBytes {
   std::uint64_t value = 0;
-  int digits = 0; ///< before the first byte that is none
+  int digits = 0; ///< before the first byte that is not one
 
-  /// By three multiplications that each join neighbours: two digits, four, eight.
+  /// The digits at `c`, by three multiplications that join neighbours: two digits, four, eight.
   static EightBytes at(const char* c) {
     std::uint64_t bytes = 0;
     std::memcpy(&bytes, c, sizeof bytes);
     if constexpr (std::endian::native == std::endian::big) bytes = __builtin_bswap64(bytes);
     bytes ^= 0x3030303030303030; // a digit is now its value, any other byte more than 9
-    // A carry reaches only bytes behind the first that is no digit.
+    // A carry reaches only bytes behind the first that is not a digit.
     const std::uint64_t others = (bytes | (bytes + 0x7676767676767676)) & 0x8080808080808080;
     const int digits = others == 0 ? 8 : std::countr_zero(others) / 8;
     if (digits == 0) return {};

@@ -14,7 +14,7 @@ namespace goingrate {
 /// removed when the next draft of the same target is opened.
 class Draft {
 public:
-  /// Throws OutputError if there can be no such file, or a folder stands in its place; and
+  /// Throws OutputError if no such file can be made, or a folder stands in its place; and
   /// ArgumentError if the file is one that is read, or has a draft already.
   explicit Draft(const std::string& path);
   Draft(const Draft&) = delete;

@@ -11,7 +11,7 @@ namespace goingrate {
 std::size_t character_length(std::string_view text);
 
 /// The text on one line, with nothing in it that steers a terminal: control characters, characters
-/// that turn the direction of writing, and bytes that are no UTF-8 become \\x1b and the like.
+/// that turn the direction of writing, and bytes that are not UTF-8 become \\x1b and the like.
 std::string printable(std::string_view text);
 
 } // namespace goingrate

@@ -9,7 +9,7 @@
 
 namespace goingrate {
 
-/// How many times are searched for a grain: with so many, chance makes none.
+/// How many times are searched for a grain: enough that chance makes none.
 inline constexpr std::size_t times_for_grain = 4096;
 
 /// The greatest step of which the first `count` times are whole multiples after the first of them,

@@ -33,7 +33,7 @@ constexpr std::size_t room_a_thread = std::size_t{8} << 20;
 using Room = std::unique_ptr<char[]>;
 Room put_aside() { return Room(new (std::nothrow) char[room_a_thread]); }
 
-// The threads beside the caller's; they wait until all are started.
+// The threads other than the caller's; they wait until all are started.
 class Others {
 public:
   Others(std::size_t count, const std::function<void()>& run) {
@@ -85,7 +85,7 @@ std::size_t threads_or_usual(std::size_t wanted) {
 void run_together(std::size_t threads, const std::function<void()>& work,
                   const std::function<void()>& give_up) {
   if (threads <= 1 || is_part_of_shared_work) {
-    const Part part; // who asks for one thread gets no others by what the work does
+    const Part part; // so that the work itself starts no further threads
     work();
     return;
   }

@@ -18,7 +18,7 @@ std::size_t threads_or_usual(std::size_t wanted);
 
 /// Calls `work` from `threads` threads at a time, the caller's among them, and returns when all are
 /// done. Where fewer can be started, by a limit on threads or on memory, there are fewer; what the
-/// work shares out in turn has the one thread it runs in. The first exception of any of
+/// work itself shares out runs in its one thread. The first exception of any of
 /// them is thrown here, after `give_up`.
 void run_together(std::size_t threads, const std::function<void()>& work,
                   const std::function<void()>& give_up);

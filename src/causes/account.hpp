@@ -35,7 +35,7 @@ public:
   [[nodiscard]] std::vector<double> step(double place) const;
   /// 1 at the place, and dies away from there with a time constant.
   [[nodiscard]] std::vector<double> dying(double place, double time_s) const;
-  /// The step less that: what approaches a new level.
+  /// The step less what dies away: an approach to a new level.
   [[nodiscard]] std::vector<double> approach(double place, double time_s) const;
   /// Powers of the time from the middle, in days.
   [[nodiscard]] std::vector<double> power(int exponent) const;
@@ -72,7 +72,7 @@ private:
   Eigen::VectorXd rest_;
 };
 
-/// Gains in noise that stays as it is: what places and times are compared by.
+/// Gains in noise that stays as it is, by which places and times are compared.
 struct FixedNoiseAccount {
   WhitenedSeries rate;
   std::optional<WhitenedSeries> amplitude;
@@ -88,17 +88,17 @@ public:
   /// is white makes it.
   Account(const RateBlocks& blocks, const NoiseKinds& rate_noise);
 
-  /// 2 log L gained by the courses beside those taken, less their price.
+  /// 2 log L gained by the courses besides those taken, less their price.
   [[nodiscard]] double gain_of(const Courses& courses) const;
   /// What the courses of the amplitude alone gain; 0 without amplitudes.
   [[nodiscard]] double amplitude_gain_of(const Courses& courses) const;
   /// As gain_of, for noise of the rate of other kinds that bring `numbers` more sizes.
   [[nodiscard]] double gain_of(const NoiseKinds& kinds, int numbers) const;
-  /// Sizes of the courses beside those taken.
+  /// Sizes of the courses besides those taken.
   [[nodiscard]] Sizes sizes_of(const Courses& courses) const;
   void take(const Courses& courses);
   void take(const NoiseKinds& kinds);
-  /// The account with its noise fixed as it is, or as it is beside some courses.
+  /// The account with its noise fixed as it is, or as it is with some courses taken.
   [[nodiscard]] FixedNoiseAccount in_noise_beside(const Courses& courses = {}) const;
   [[nodiscard]] bool sees_amplitude() const { return !amplitude_.empty(); }
 

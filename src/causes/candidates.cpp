@@ -80,7 +80,7 @@ private:
              best);
   }
 
-  // Temperature through a lag, beside what the lag remembers of the time before the log; where it
+  // Temperature through a lag, and what the lag remembers of the time before the log; where it
   // also acts at once, as on a rod before its compensation, the first course is what it does in the
   // end.
   [[nodiscard]] Candidate lagging(const std::vector<double>& values, double lag_s,

@@ -45,8 +45,8 @@ struct Look {
   }
 };
 
-// The settling that goes on since the change before is no further change. The squared amplitude
-// settles exponentially; rate and amplitude, which are no linear functions of it, also with its
+// The settling that goes on since the change before is not a further change. The squared amplitude
+// settles exponentially; rate and amplitude, not being linear functions of it, also with its
 // powers.
 void take_settling(const RateBlocks& blocks, Account& account) {
   const CourseMaker make(blocks);
@@ -79,14 +79,14 @@ Look look_at(RateBlocks blocks, const Stretch& stretch, double at_s, double doub
   return look;
 }
 
-// By how much the rate changes, where most of the log is seen: at once, of friction in the end.
+// By how much the rate changes, as most of the log sees it: at once; for friction, in the end.
 void put_jump(ChangeKind kind, const FittedStep& step, const RateBlocks& blocks,
               Judgement& judgement) {
   const Account account(blocks, {.wanders = true});
   const Sizes sizes = StepSearch(account, blocks, step.place, 1.0).sizes_of(kind, step);
   judgement.jump = sizes.rate[0];
   if (kind == ChangeKind::regulation) judgement.jump_sigma = sizes.rate_sigma[0];
-  if (kind == ChangeKind::drive) judgement.jump -= sizes.rate[1]; // that of what dies away
+  if (kind == ChangeKind::drive) judgement.jump -= sizes.rate[1]; // less the part that dies away
 }
 
 void put_rate(std::span<const Beat> beats, double nominal_period_s, double& rate, double& sigma) {
@@ -114,7 +114,7 @@ void put_date(std::span<const Beat> beats, double at_s, Change& change) {
   change.cycle = beats.front().cycle + cycle_at(beats, at_s);
 }
 
-// Within this of a place lie those of all kinds, to about a block.
+// The distance within which the places of all kinds lie, to about a block.
 double doubt_of_place(const Look& look, double at_s) {
   constexpr double block_edges = 1.5; // blocks: the place is good to about one
   double doubt_s = 0.0;
@@ -213,8 +213,8 @@ void judge_changes(std::span<const Beat> beats, const TimingData& data,
     const Judgement found = judge_kind(data, stretch_about(change.at_s, data, dated), change.at_s,
                                        doubt_of_bend * data.reference_period_s);
     put_judgement(found, change);
-    // A bend is dated better by what comes of it.
-    constexpr double sharp_beats = 15.0; // beats: of a jump the beats next to it tell more
+    // A bend is dated better by what follows it.
+    constexpr double sharp_beats = 15.0; // beats: for a jump, the beats next to it tell more
     const bool is_sharp =
         std::abs(found.at_s - change.at_s) < sharp_beats * data.reference_period_s;
     if (found.kind == ChangeKind::friction || !is_sharp) put_date(beats, found.at_s, change);

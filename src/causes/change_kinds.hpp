@@ -1,4 +1,4 @@
-// Of which kind a dated change is. Private to the causes room.
+// The kind of a dated change. Private to the causes room.
 #pragma once
 
 #include "goingrate/causes/diary.hpp"
@@ -6,7 +6,7 @@
 
 namespace goingrate::timing_model {
 
-/// What is looked at of a change: from the one before it to the next.
+/// The part of a log in which a change is judged: from the change before it to the next.
 struct Stretch {
   double begin_s = 0.0, end_s = 0.0;
 };
@@ -22,10 +22,11 @@ struct Judgement {
   double jump_sigma = 0.0; ///< of a regulation
 };
 
-/// The kind of a change at `at_s`, which may be off by `doubt_s`. Looked at in blocks of 4, 16, 64
-/// ... beats, up to 96 on each side: what dies away in seconds is not seen in coarse blocks, what
-/// takes hours not in fine ones. It is the kind that gains most in the mean over these (a composite
-/// likelihood). A great doubt allows coarse blocks alone; as these narrow it, finer ones follow.
+/// The kind of a change at `at_s`, which may be off by `doubt_s`. The change is looked at in blocks
+/// of 4, 16, 64 ... beats, up to 96 on each side: what dies away in seconds does not show in coarse
+/// blocks, nor what takes hours in fine ones. The kind is the one that gains most in the mean over
+/// these (a composite likelihood). A large doubt allows only coarse blocks; as these narrow it,
+/// finer ones follow.
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s);
 
 /// Fills in the kinds of changes in order of time. `data` are those of the beats, without
@@ -33,7 +34,7 @@ Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s
 void judge_changes(std::span<const Beat> beats, const TimingData& data,
                    std::vector<Change>& changes);
 
-/// Whether the log tells of which kind a change at about `at_s` is, beside others.
+/// Whether the log tells the kind of a change at about `at_s`, besides others.
 bool has_kind(const TimingData& data, double at_s, const std::vector<Change>& others);
 
 /// Adds the change at about `at_s`, which may be off by `doubt_s`, where the log tells its kind.

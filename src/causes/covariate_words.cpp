@@ -20,7 +20,7 @@ std::string daily(double rate, double sigma) {
   return fmt::format("{:.3g} ± {:.2g} s/day", seconds_per_day * rate, seconds_per_day * sigma);
 }
 
-// Moon and Sun: what they do is known, and the clock shows it or does not.
+// For Moon and Sun: what they do is known, and the clock shows it or does not.
 std::string tide_text(const CovariateEffect& effect) {
   const std::string share = fmt::format("tide: the rate follows Moon and Sun by {:.3g} ± {:.2g} of "
                                         "what theory says",

@@ -22,7 +22,7 @@ double mean_of(std::span<const double> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
 }
 
-/// How a covariate is let act.
+/// How a covariate is assumed to act.
 struct Action {
   double lag_s = 0.0;
   bool also_at_once = false; ///< on a rod; through the lag on the rod's compensation
@@ -57,7 +57,7 @@ public:
     allow_for_lag();
   }
 
-  /// When the covariate holds: of all that it does.
+  /// The coefficient of all that the covariate does, once it has held for long.
   [[nodiscard]] double coefficient() const { return found_.coefficients.front(); }
   [[nodiscard]] double sigma() const { return found_.sigmas.front(); }
   [[nodiscard]] double lag_s() const { return action_.lag_s; }
@@ -66,7 +66,7 @@ public:
     if (!action_.also_at_once) return {};
     return EffectPart{EffectWay::at_once, found_.coefficients[1], found_.sigmas[1]};
   }
-  /// The rate that it makes, of other values of the covariate.
+  /// The rate that other values of the covariate would make.
   [[nodiscard]] std::vector<double> rate_of(std::span<const double> value) const {
     std::vector<double> rate(value.size(), 0.0);
     const auto courses = courses_of(value);
@@ -138,7 +138,7 @@ struct Answer {
   double filled_share = 0.0; ///< of these blocks: straight lines over holes
 };
 
-// A share of the beats of a block.
+// Whether a block is known, by the share of its beats that are.
 bool is_known(double share) { return share > 0.5; }
 
 // Blocks in which a covariate is not known get the straight line between their neighbours.
@@ -234,8 +234,8 @@ bool bends(const std::vector<double>& value) {
 
 namespace {
 
-// Blocks of a log. The tide of half a day wants short ones, and is so well known that many are no
-// temptation; other covariates are judged in blocks of which a thousand are enough.
+// Blocks of a log. The tide of half a day needs short ones, and is so well known that many do no
+// harm; other covariates are judged in blocks of which a thousand are enough.
 RateBlocks blocks_for(const TimingData& data, bool of_tide) {
   constexpr std::size_t most_of_tide = 16384; // two hours in four years
   return rate_blocks(data, std::min(of_tide ? most_of_tide : most_blocks, data.size() / 8));

@@ -85,7 +85,7 @@ private:
       }
       if (std::max(best.gain, wander) < least_gain()) break;
       if (wander > best.gain) {
-        // A wander absorbs much of any change, so a cause that is significant beside it is taken
+        // A wander absorbs much of any change, so a cause that is significant with it is taken
         // first. A wandering drive, however, imitates changes, whose gain is small compared with
         // that of the wander itself.
         constexpr double least_share = 0.25;
@@ -190,7 +190,7 @@ private:
     return account;
   }
 
-  // Faults whose gain beside all the others is large enough.
+  // Faults whose gain over all the others is large enough.
   [[nodiscard]] std::vector<Candidate> faults() {
     std::vector<Candidate> all;
     for (const Candidate& taken : taken_) {

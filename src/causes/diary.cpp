@@ -190,7 +190,7 @@ bool is_in(const Interruption& event, const Change& change) {
 }
 
 // The bend of the relaxation after a change may be found as another change. It is dropped if the
-// log gives it no kind beside the stronger change.
+// log gives it no kind besides the stronger change.
 void drop_bends(const TimingData& data, const DiaryOptions& options, Diary& diary) {
   const double near_s = wake * static_cast<double>(options.window) * data.reference_period_s;
   std::vector<Change> kept;

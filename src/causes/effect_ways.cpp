@@ -1,4 +1,4 @@
-// Through the amplitude, or beside it.
+// How a covariate acts on the rate: through the amplitude, or otherwise.
 #include "goingrate/causes/covariates.hpp"
 
 #include "rate_blocks.hpp"
@@ -23,7 +23,7 @@ struct Measured {
 // d(rate)/d(amplitude) in stationary operation as the friction changes and nothing else does.
 std::optional<double> slope_under_friction(const ClockParameters& clock) {
   constexpr double step = 1e-3;               // relative, of the friction: the curve is smooth
-  ClockParameters less = clock, more = clock; // whichever law, the rate knows the amplitude alone
+  ClockParameters less = clock, more = clock; // any law will do: only the amplitude counts
   less.epsilon *= 1.0 - step;
   more.epsilon *= 1.0 + step;
   const auto wide = stationary_amplitude(less), narrow = stationary_amplitude(more);
@@ -33,7 +33,7 @@ std::optional<double> slope_under_friction(const ClockParameters& clock) {
   return (*rate_wide - *rate_narrow) / (*wide - *narrow);
 }
 
-// With a bound of its standard deviation that holds whatever the correlations of the fit are.
+// The slope, with a bound on its standard deviation that holds whatever the fit's correlations.
 std::optional<Measured> slope_of(const FitSummary& fit) {
   const auto clock = fit.has_result() ? fitted_clock(fit) : std::nullopt;
   const auto slope = clock ? slope_under_friction(*clock) : std::nullopt;

@@ -25,8 +25,8 @@ std::string swing(const Sizes& sizes, const char* per) {
                      1e3 * sizes.amplitude_sigma[0], per);
 }
 
-// For an answer that lags only the lag is told: its size is told by the covariate's own fit, which
-// allows for the doubt about the lag.
+// For an answer that lags only the lag is stated: its size is stated by the covariate's own fit,
+// which allows for the doubt about the lag.
 std::string answer_to_temperature(const Candidate& found) {
   if (!(found.time_s > 0.0)) return fmt::format("the rate answers by {} per K", size(found.sizes));
   const bool also_at_once = found.sizes.rate.size() > 2; // the last is of the time before the log

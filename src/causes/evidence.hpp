@@ -1,4 +1,4 @@
-// A cause as it was found in a log, and the words for it. Private to the causes room.
+// A cause that was found in a log, and the words for it. Private to the causes room.
 #pragma once
 
 #include "account.hpp"
@@ -26,7 +26,7 @@ struct Candidate {
 bool is_step(Cause cause);
 
 std::string daily(double rate);
-/// A time in the unit that suits it, to so many digits: "300 s", "2.5 h", "4.63 days".
+/// A time in the unit that suits it, to `digits` digits: "300 s", "2.5 h", "4.63 days".
 std::string time_words(double seconds, int digits = 3);
 
 /// The sizes of what was found, and when.

@@ -87,7 +87,7 @@ double squares_left(const TimingData& data, std::size_t at, std::size_t reach,
 }
 
 // A displacement happens between two neighbouring beats. A slow walk of the times, or a change of
-// rate near by, is none.
+// rate near by, does not count as one.
 bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double jump,
                double at_once) {
   const std::size_t seen = std::max<std::size_t>(reach, 8);

@@ -1,4 +1,4 @@
-// What follows a course through a lag of first order. Private to the causes room.
+// What a course becomes through a lag of first order. Private to the causes room.
 #pragma once
 
 #include <cstddef>

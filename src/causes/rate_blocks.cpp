@@ -173,7 +173,7 @@ void RateNoise::fit(std::span<const double> residual) {
     moved = 0.0;
     for (Eigen::Index i = 0; i < sizes_.size(); ++i) {
       const double factor = seen[i] / expected[i];
-      // A size that tends to zero never settles; it counts only while it matters beside the others.
+      // A size that tends to zero never settles; it counts only while it matters among the others.
       if (sizes_[i] * expected[i] > largest_move) moved = std::max(moved, std::abs(factor - 1.0));
       sizes_[i] *= factor;
     }

@@ -29,7 +29,7 @@ RateBlocks rate_blocks(const TimingData& data, std::size_t count);
 /// these coefficients are nearly independent for white noise, flicker and a random walk alike.
 std::vector<double> cosines(std::span<const double> series, bool without_line);
 
-/// The parts that the noise of a series may have beside white noise and noise that grows as f^2.
+/// The parts that the noise of a series may have besides white noise and noise that grows as f^2.
 struct NoiseKinds {
   bool wanders = true; ///< flicker and random walk
   /// Corner of a clock's response to white drive, in 2 pi/blocks; 0: outside the log's range. Below

@@ -9,8 +9,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Where the gain is greatest within `reach` on either side of `x` and between two bounds. Of the
-// distance from x, so that the search is finest there.
+// Where the gain is greatest within `reach` on either side of `x` and between two bounds. What is
+// varied is the distance from x, so that the search is finest there.
 template <class Gain>
 double best_near(double x, double reach, double low, double high, const Gain& gain) {
   constexpr int bits = 8;
@@ -112,8 +112,8 @@ StepSearch::StepSearch(const Account& account, const RateBlocks& blocks, double 
       first_log_time_(std::log(0.3 * block_s_)),
       last_log_time_(std::log(block_s_ * (static_cast<double>(blocks.rate.size()) - place))) {}
 
-// Places and times are compared in fixed noise: first in what is there without the change, then in
-// that beside the best so far. The likelihood may have a peak for each number of powers, at time
+// Places and times are compared in fixed noise: first in the noise without the change, then in that
+// with the best so far. The likelihood may have a peak for each number of powers, at time
 // constants that differ by a factor of two.
 FittedStep StepSearch::best(ChangeKind kind) const {
   const FixedNoiseAccount fixed = account_.in_noise_beside();

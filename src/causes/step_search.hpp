@@ -26,7 +26,7 @@ struct FittedStep {
   Courses courses; ///< the size of the first is the lasting change
 };
 
-/// Fits a change about a place that may be off by some blocks, beside what an account has taken.
+/// Fits a change near a place that may be off by some blocks, besides what an account has taken.
 class StepSearch {
 public:
   StepSearch(const Account& account, const RateBlocks& blocks, double place, double doubt);
@@ -43,7 +43,7 @@ private:
   [[nodiscard]] FittedStep best_place(ChangeKind kind, double log_time,
                                       const FixedNoiseAccount& fixed) const;
   [[nodiscard]] FittedStep polished(ChangeKind kind, FittedStep step) const;
-  // With as many powers as gain more, by an Account or a FixedNoiseAccount.
+  // The step with as many powers as gain more, by an Account or a FixedNoiseAccount.
   template <class Gains>
   [[nodiscard]] FittedStep at(ChangeKind kind, double place, double log_time,
                               const Gains& gains) const;
@@ -55,7 +55,7 @@ private:
   double block_s_, place_, doubt_, first_log_time_, last_log_time_;
 };
 
-/// What a step at each block, or a different rate from one block to another, would explain beside
+/// What a step at each block, or a different rate from one block to another, would explain besides
 /// what an account has taken, in its present noise: the score of all places at once.
 class StepScan {
 public:

@@ -211,7 +211,7 @@ ClockEvent read_event(Section section) {
 
 // One factor a line; '#' comments and one row of names are skipped.
 std::vector<double> read_series(const std::string& path) {
-  std::error_code unknown; // a path that cannot be looked at is no file
+  std::error_code unknown;                              // a path that cannot be read is not a file
   if (!std::filesystem::is_regular_file(path, unknown)) // a device or a pipe might never end
     throw InputError({path}, "no regular file", "a file with a series of factors");
   std::ifstream in(path);

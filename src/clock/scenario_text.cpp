@@ -9,7 +9,7 @@ namespace goingrate {
 namespace {
 
 // A very deep key would overflow toml++'s stack; no scenario has more than two levels. Dots in
-// strings and comments are no levels.
+// strings and comments are not levels.
 void refuse_deep_keys(std::string_view text, const std::string& source) {
   constexpr int most_levels = 64;
   std::size_t line = 1, start = 0;

@@ -11,7 +11,7 @@
 namespace goingrate {
 
 /// Parses `text` and puts the overrides ("key=value" with dotted keys) over it. A value that is a
-/// bare word (run.method=map) is text. Throws InputError for what is no TOML.
+/// bare word (run.method=map) is text. Throws InputError if it is not TOML.
 toml::table scenario_tree(std::string_view text, const std::string& file,
                           const std::vector<std::string>& overrides);
 

@@ -29,7 +29,7 @@ ClockParameters driven(const ClockParameters& clock, double factor) {
   return other;
 }
 
-// How the rate answers, and to how many periods there is one factor of the drive that counts.
+// How the rate answers, and for how many periods one factor of the drive counts.
 struct Answer {
   DriveResponse response;
   double rests = 1.0;
@@ -83,7 +83,7 @@ Answer answer_of(const ClockParameters& clock) {
   return {response, rests};
 }
 
-// At the worst moment, rms over the phase.
+// The error at the worst moment, rms over the phase of the sine.
 double error_of_sine(double rate, double period_s, double after_s) {
   const double turns = std::min(0.5, after_s / period_s);
   return std::abs(rate) * period_s / (std::numbers::sqrt2 * pi) * std::sin(pi * turns);
@@ -140,7 +140,7 @@ void add_drift(double change_per_day, double rate_per_change, const char* cause,
 
 void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>& parts) {
   const LengthChanges& length = scenario.length;
-  // What the compensation leaves, of a course that lasts so long.
+  // What the compensation leaves of a course with this period.
   const auto per_kelvin = [&](double period_s) {
     const std::complex<double> lag(1.0, two_pi * length.compensation_lag_s / period_s);
     return 0.5 * std::abs(length.temperature_coefficient - length.compensation / lag);
@@ -164,8 +164,8 @@ void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>
             std::abs(length.drift_per_day), after_s, parts);
 }
 
-// The value nearest to `present`, by factors, between `low` and `high` from which on `error` is
-// below `most`; if it is at present, that from which on it is no longer.
+// The value nearest to `present`, by factors, between `low` and `high` at which `error` falls below
+// `most`; if it is below at present, the value at which it no longer is.
 std::optional<double> nearest_limit(const std::function<double(double)>& error, double present,
                                     double most, double low, double high) {
   constexpr double step = 1.02;
@@ -218,7 +218,7 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
   if (!(most_s > 0.0)) throw ArgumentError("error", most_s, "a positive number of seconds");
   const ErrorBudget budget = error_budget(scenario, after_s);
   const double all2 = budget.all_s() * budget.all_s();
-  // A clock that would stall, or that no scenario may have, is no answer.
+  // A clock that would stall, or that no scenario may have, is not an answer.
   const auto error_of = [&](const ClockParameters& clock) {
     try {
       Scenario other = scenario;

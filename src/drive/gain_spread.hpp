@@ -5,7 +5,7 @@
 //   g_fast(x) = c y/x   and, the amplitude in step with the drive,   rate(x) = c y/x0 - x/16,
 // c = g_fast(x0) x0/y0 (Hoyng, eqs. dotpsi4, statam). A relative spread of x of rms s_x raises the
 // mean square of g_fast by one factor; that of the slow part of the rate is raised by what the bend
-// adds to |H|^2 s_x^2 at the frequency 1/(2 pi tau). Of an Ornstein-Uhlenbeck drive of rms s and
+// adds to |H|^2 s_x^2 at the frequency 1/(2 pi tau). For an Ornstein-Uhlenbeck drive of rms s and
 // memory tau, s_x^2 = s^2 tau/(tau + tau_r), tau_r the relaxation 1/(2 pi f_c); the second factor
 // holds for that share of the variance.
 #pragma once

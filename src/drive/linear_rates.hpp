@@ -12,7 +12,7 @@
 // where g_slow is negative (the circular error outweighs the escapement's), from the last beat
 // back.
 //
-// The constant is not known, for who knows what the drive was on average? But the drive's white
+// The constant is not known, as the mean of the drive is not. But the drive's white
 // part is equally large at all amplitudes only with the right one: the constant is that of the
 // greatest likelihood. Where jitter covers the white part, or the gains hardly differ, it is the
 // one that makes the mean drive zero.

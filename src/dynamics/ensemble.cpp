@@ -164,7 +164,7 @@ private:
     return true;
   }
 
-  // Each lane as MapPendulum does it.
+  // Steps each lane as MapPendulum does.
   void one_by_one(const Lane& factor, Lane& excess) {
     ReturnMap& map = stages_[stage_].map;
     irregular_ = false;

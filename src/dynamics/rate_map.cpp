@@ -12,7 +12,7 @@ namespace goingrate {
 
 namespace {
 
-// Less takes longer to show than any clock has gone; more does not swing.
+// With less, nothing shows in the lifetime of a clock; with more, the pendulum does not swing.
 void check_axis(const char* name, const std::vector<double>& values) {
   for (const double value : values)
     if (!(value >= 1e-15 && value <= 1.0)) throw ArgumentError(name, value, "from 1e-15 to 1");
@@ -52,7 +52,7 @@ std::vector<double> log_grid(double low, double high, std::size_t points) {
   for (std::size_t i = 0; i < points; ++i)
     grid.push_back(low *
                    std::pow(high / low, static_cast<double>(i) / static_cast<double>(points - 1)));
-  grid.back() = high; // not a rounding beside it
+  grid.back() = high; // exactly, without rounding
   return grid;
 }
 

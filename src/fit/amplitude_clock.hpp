@@ -27,9 +27,9 @@ struct AmplitudeClock {
   double amplitude2 = 0.0; ///< mean of lambda^2, rad^2
 };
 
-/// By least squares of the times over phi0; what `parameters` hold is held. Nothing without
-/// amplitudes at nearly all beats, or where no friction above 0 explains the times best. Good as a
-/// start: noise of the amplitudes counts as noise of the times
+/// The clock by least squares of the times over phi0; what `parameters` hold is held. Nothing
+/// without amplitudes at nearly all beats, or where no friction above 0 explains the times best.
+/// Good as a start: noise of the amplitudes counts as noise of the times
 /// (AmplitudeClockTest.FindsTheClockUnderARoughDrive).
 std::optional<AmplitudeClock> amplitude_clock(const TimingData& data, const Parameters& parameters);
 

@@ -30,7 +30,7 @@ std::vector<Minimum> lowest_of_each_dip(const std::vector<Minimum>& row) {
 std::vector<Minimum> dips_of_moment(const FitProblem& held, const Slot& moment, bool found,
                                     const std::vector<double>& x) {
   constexpr double spacing_cycles = 0.125; // a leap goes to and fro in half a cycle
-  // A date that was told is the crossing next to the change; one that was found may be that beside.
+  // A given date is the crossing next to the change; one that was found may be a neighbouring one.
   const int to_each_side = found ? 12 : 4;
   std::vector<Minimum> row(static_cast<std::size_t>(2 * to_each_side) + 1);
   std::vector<double> others = x;
@@ -46,7 +46,8 @@ std::vector<Minimum> dips_of_moment(const FitProblem& held, const Slot& moment, 
 }
 
 // The best moments of one event after another: where a swing is pushed in its middle its amplitude
-// and phase leap to and fro, so the likelihood has several peaks. Those of the last are all given.
+// and phase leap to and fro, so the likelihood has several peaks. All peaks of the last are
+// returned.
 std::vector<std::vector<double>> scanned_moments(const FitProblem& problem,
                                                  const FitOptions& options,
                                                  const std::vector<double>& x) {
@@ -70,7 +71,7 @@ std::vector<std::vector<double>> scanned_moments(const FitProblem& problem,
   return places;
 }
 
-// Every place where a search came to rest, as one of the problem.
+// Every place where a search came to rest, in the coordinates of the problem.
 std::vector<std::vector<double>> places_in(const Fitted& fitted, const FitProblem& problem) {
   std::vector<std::vector<double>> places;
   if (!fitted.minimum.usable) return places;
@@ -83,7 +84,7 @@ std::vector<std::vector<double>> places_in(const Fitted& fitted, const FitProble
   for (std::vector<double>& place : places) {
     place = carried_over(fitted.problem.parameters, place, parameters,
                          std::vector<double>(parameters.free_count, 0.0));
-    if (jitter->free) // what the leap made of it is no guide
+    if (jitter->free) // the leap has distorted it
       place[jitter->index] = jitter->coordinate_of(guess_noise(*fitted.problem.data).jitter_s);
   }
   return places;
@@ -153,7 +154,7 @@ bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double be
   FitProblem problem = make_problem(*fitted.problem.data, open, model);
   if (problem.parameters.free_count > most_parameters) return false;
   problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
-  problem.correction = on_every_beat(fitted.problem).correction; // as these data are
+  problem.correction = on_every_beat(fitted.problem).correction; // of the same data
   const std::vector<double> none(problem.parameters.free_count, 0.0);
   const auto x =
       carried_over(fitted.problem.parameters, fitted.minimum.x, problem.parameters, none);

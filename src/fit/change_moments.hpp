@@ -10,8 +10,8 @@ namespace goingrate::timing_model {
 /// dynamics are those of first order.
 void scan_moments(Fitted& fitted, const Fitted& other, const FitOptions& options);
 
-/// Whether the times leap where a change has them not, as one at a crossing: a step of scoring with
-/// leaps left free promises more than `beyond_chance` of 2 log L for each change.
+/// Whether the times leap at changes that allow no leap, being at a crossing: a step of scoring
+/// with leaps left free promises more than `beyond_chance` of 2 log L for each change.
 bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double beyond_chance);
 
 } // namespace goingrate::timing_model

@@ -51,9 +51,9 @@ void state_amplitudes(const TimingData& data, FitSummary& summary) {
   summary.quality.amplitude_rms_rad = seen > 0.0 ? std::sqrt(sum / seen) : unknown;
 }
 
-// Chi-squared. Of jitter alone it is that of the residuals, whose sum of squares is `sum`, against
+// Chi-squared. With jitter alone it is of the residuals, whose sum of squares is `sum`, against
 // the robust scatter of neighbouring beats, which a change in between does not touch. Where the
-// times walk the residuals tell nothing, the innovations do.
+// times walk, the residuals tell nothing, but the innovations do.
 void judge_size(const Fitted& fitted, const TimingData& data, double sum, FitQuality& quality) {
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
   quality.of_innovations = fitted.model.walk || fitted.model.drive;
@@ -92,7 +92,7 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   }
   quality.rms_s = std::sqrt(sum / n);
   judge_size(fitted, data, weighed, quality);
-  // What rounding leaves is no noise, and may look like anything.
+  // What rounding leaves is not noise, and may look like anything.
   quality.whiteness_p = is_rounding(fitted) ? unknown : whiteness_p(fitted.seen.white_time);
   quality.bic = fitted.bic;
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
@@ -135,8 +135,8 @@ void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
   });
 }
 
-// The fit on so few beats of a long log that its profile is soon searched; not usable if all are as
-// few.
+// The fit on few beats of a long log, so that its profile is soon searched; not usable if the log
+// has no more.
 Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
   constexpr std::size_t compared_beats = 3000;
   if (fitted.problem.condensed != nullptr || fitted.problem.data->size() < 3 * compared_beats)
@@ -238,7 +238,7 @@ void widen_by_laws(const Decay& decay, const std::string& own, double FrictionLa
 }
 
 // A free pendulum has one Q and one decay time: those that suppose no law of friction. T0 and
-// lambda0 are stated whichever law of those that are open.
+// lambda0 are stated for all laws that are open.
 void state_decay(const Decay& decay, FitSummary& summary) {
   const std::string own = summary.model.friction();
   for (FittedParameter& p : summary.parameters) {
@@ -257,7 +257,7 @@ void state_decay(const Decay& decay, FitSummary& summary) {
   summary.decay = decay;
 }
 
-// A period in seconds is as right as what the times were taken with.
+// A period in seconds is only as right as the clock that took the times.
 void widen_by_time_base(double time_base_sigma, FitSummary& summary) {
   for (FittedParameter& p : summary.parameters) {
     const bool is_T0 = p.name.substr(0, p.name.find('@')) == "T0";
@@ -291,8 +291,8 @@ Searched searched(const TimingData& data, const FitOptions& options, bool moment
   return end;
 }
 
-// With every change at a crossing, or, where the times leap at one, at the moment that explains
-// them better.
+// The search with every change at a crossing or, where the times leap at one, at the moment that
+// explains them better.
 Searched searched(const TimingData& data, const FitOptions& options) {
   Searched plain = searched(data, options, false);
   const std::vector<FitEvent>& events = plain.search->options().events;
@@ -311,7 +311,7 @@ Searched searched(const TimingData& data, const FitOptions& options) {
   return better ? std::move(within) : std::move(plain);
 }
 
-// Without the changes that may have been, or with them where the log asks for them.
+// The search without the possible changes, or with them where the log calls for them.
 Searched searched_with_changes(const TimingData& data, const FitOptions& options) {
   Searched plain = searched(data, options);
   if (options.possible_events.empty() || !plain.fitted->minimum.usable) return plain;
@@ -342,7 +342,7 @@ Searched without_needless_changes(const TimingData& data, Searched found) {
   return found;
 }
 
-// What timing_data() makes is so; what was put together by hand may not be.
+// Data from timing_data() are valid; data put together by hand may not be.
 void check(const TimingData& data) {
   constexpr std::size_t fewest_beats = 3;
   if (data.size() < fewest_beats)

@@ -25,7 +25,7 @@ inline constexpr int nodes_a_block = 12; ///< of a condensed log
 class CondensedLog {
 public:
   /// `relaxation_cycles`: in which the squared amplitude comes nearer to rest by a factor e.
-  /// Nothing if the log is too short beside it to gain, or too full of gaps.
+  /// Nothing if the log is too short for it to pay, or too full of gaps.
   static std::shared_ptr<const CondensedLog>
   of(const TimingData& data, const std::vector<double>& event_cycles, double relaxation_cycles);
 
@@ -48,7 +48,7 @@ private:
     std::vector<double> cycle;                // of the beats, less the first
     std::vector<std::size_t> nodes;           // places of the nodes among them
     Triangle triangle = Triangle::Zero();     // R
-    bool swings = false;                      // so far that the nodes are no good
+    bool swings = false;                      // so much that the nodes are of no use
     Eigen::HouseholderQR<Eigen::MatrixXd> qr; // of P; of the last few only, for it is long
   };
   struct Block {

@@ -1,4 +1,4 @@
-// What of a fit the log contradicts: the model itself, or a prior. Private to the fit room.
+// What a log contradicts in its fit: the model itself, or a prior. Private to the fit room.
 #pragma once
 
 #include "fitted.hpp"
@@ -7,10 +7,10 @@
 
 namespace goingrate::timing_model {
 
-/// Sigmas widened by more say that the model does not hold.
+/// If sigmas are widened by more than this, the model does not hold.
 inline constexpr double largest_widening = 2.0;
 
-/// What shows that the log is not of the clock that fits it best; nothing if nothing does.
+/// Notes on what shows that the log is not of the clock that fits it best; empty if nothing does.
 std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality);
 
 /// Notes the priors from which the log has pulled its parameters far away.

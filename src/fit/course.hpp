@@ -98,7 +98,7 @@ template <class T> struct AveragedLaws {
     using std::sqrt;
     return sqrt(x) * (x * circular * (5.0 / 12.0) + 1.0);
   }
-  /// Whether the averaged equations hold at such a rate: its excess is small beside 1.
+  /// Whether the averaged equations hold at such a rate: its excess is small compared with 1.
   static bool averages(const T& rate) { return std::abs(plain(rate)) < 0.5; }
 };
 

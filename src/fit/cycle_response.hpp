@@ -36,7 +36,7 @@ template <class T> struct CycleGains {
   T follow_by_drive{}; ///< of follow, s per rad^2 and relative drive
 };
 
-/// By the averaged equations; amplitude2 is lambda^2.
+/// The gains by the averaged equations; amplitude2 is lambda^2.
 template <class T>
 CycleGains<T> averaged_cycle(const AveragedLaws<T>& laws, const T& amplitude2, const T& T0) {
   using std::expm1;
@@ -70,33 +70,33 @@ template <class T> struct CycleBend {
   }
 };
 
-/// The full equation beside the averaged one, where a clock crosses at one speed.
+/// The full equation compared with the averaged one, where a clock crosses at one speed.
 template <class T> struct CycleResponse {
-  /// Factors of the gains; of follow and follow_by_drive, which may be 0, what is to be added.
+  /// Factors of the gains; for follow and follow_by_drive, which may be 0, what is to be added.
   CycleGains<T> beside{T(1.0), T(1.0), T(0.0), T(1.0), T(0.0)};
   CycleBend<T> amplitude2; ///< rad^2
   CycleBend<T> late;       ///< s
 };
 
-/// By differences of the return map of a clock that crosses with phi'^2 = `speed2` when its
-/// averaged amplitude squared is `amplitude2`; nothing where the map is not regular or the averaged
-/// swing does not pass the escapement. Gains to 3e-5
+/// The response of a clock that crosses with phi'^2 = `speed2` when its averaged amplitude squared
+/// is `amplitude2`, by differences of its return map; nothing where the map is not regular or the
+/// averaged swing does not pass the escapement. Gains to 3e-5
 /// (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
 std::optional<CycleResponse<double>> cycle_response(const ClockParameters& clock, double speed2,
                                                     const AveragedLaws<double>& laws,
                                                     double amplitude2);
 
-/// Those of one clock at all the speeds it may cross with, and how they change with its laws.
+/// The responses of one clock at all speeds it may cross with, and how they change with its laws.
 class CycleResponses {
 public:
-  /// For phi'^2 between these; beyond, those at the nearer end. `offset` is by how much the
+  /// For phi'^2 between these; beyond, those of the nearer end. `offset` is by how much the
   /// averaged amplitude squared is greater than phi'^2.
   CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
                  double least_speed2, double greatest_speed2, double offset);
 
   [[nodiscard]] double offset() const { return offset_; }
 
-  /// At a crossing with this speed, of a clock whose laws are near those of the responses.
+  /// The response at a crossing with this speed, of a clock with laws near those of the responses.
   template <class T>
   [[nodiscard]] CycleResponse<T> at(const T& speed2, const AveragedLaws<T>& laws) const {
     const std::size_t below = before(plain(speed2));
@@ -159,7 +159,7 @@ private:
     return law == &AveragedLaws<double>::quadratic ? laws.quadratic : laws.dry;
   }
 
-  // Of a line between neighbours, and of the nearer end's value beyond.
+  // Integral of the straight line between two nodes; beyond them, of the nearer one's value.
   template <class T>
   [[nodiscard]] T integral(const T& speed2, std::size_t what, const AveragedLaws<T>& laws) const {
     const std::size_t below = before(plain(speed2));
@@ -179,7 +179,7 @@ private:
                                 a.sums_by[l][what], b.sums_by[l][what]);
     return sum;
   }
-  // The node below a speed, which is no number where a search has gone astray; not the last one.
+  // The node below a speed, but not the last node; a search that goes astray may ask for NaN.
   [[nodiscard]] std::size_t before(double speed2) const {
     const auto above =
         std::upper_bound(all_.begin() + 1, all_.end() - 1, speed2,
@@ -220,7 +220,7 @@ struct ResponseAt {
     return there;
   }
   /// By how much w has grown after a cycle, and by how much it makes the clock late: the averaged
-  /// laws between the two amplitudes, in closed form, and the integral of what stands beside them.
+  /// laws between the two amplitudes, in closed form, and the integral of what they lack.
   template <class T>
   [[nodiscard]] std::pair<T, T> passed(const AveragedLaws<T>& laws, const T& amplitude2,
                                        const T& T0, const T& w) const {

@@ -5,8 +5,8 @@
 
 namespace goingrate::timing_model {
 
-/// Moves the dates that may move, and the fit with them, while that pays. Looked for with the
-/// averaged clock; taken where the dynamics of the fit prefer it.
+/// Moves the dates that may move, and the fit with them, while that pays. New dates are looked for
+/// with the averaged clock, and taken where the dynamics of the fit prefer them.
 void move_dates(Fitted& fitted, FitOptions& options);
 
 } // namespace goingrate::timing_model

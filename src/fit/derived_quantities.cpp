@@ -49,8 +49,8 @@ DerivedQuantity unless_undetermined(DerivedQuantity quantity) {
   return quantity;
 }
 
-// What is not stated by itself is not stated in disguise either: where the friction is undetermined
-// the linear sigmas of what hangs on it are those of one place of a long valley.
+// What is not stated by itself is not stated in disguise either: if the friction is undetermined,
+// the linear sigmas of what depends on it are those of one place in a long valley.
 bool friction_known(const FitSummary& summary) {
   const FittedParameter* friction = summary.find("epsilon");
   return friction == nullptr || friction->status != ParameterStatus::undetermined;
@@ -191,7 +191,7 @@ void state_stationary(const FitProblem& problem, const AtPlace& place, FitSummar
   if (!driven) summary.stationary_amplitude.value = summary.stationary_amplitude.sigma = unknown;
 }
 
-// Combinations beside the mean period.
+// Combinations other than the mean period.
 void state_combinations(const FitProblem& problem, const AtPlace& place, FitSummary& summary) {
   const auto add_if_known = [&](const DerivedQuantity& quantity) {
     if (std::isfinite(quantity.value)) summary.combinations.push_back(quantity);

@@ -6,8 +6,8 @@
 
 namespace goingrate::timing_model {
 
-/// Rate, derived quantities and combinations at the place x into `summary`, whose parameters are
-/// stated already. T0 becomes undetermined where the escapement error is.
+/// Puts rate, derived quantities and combinations at the place x into `summary`, whose parameters
+/// are stated already. T0 becomes undetermined where the escapement error is.
 void state_derived(const FitProblem& problem, std::span<const double> x, const Certainty& known,
                    const Rivals& rivals, double nominal_period_s, FitSummary& summary);
 

@@ -116,7 +116,7 @@ void step_on_the_cone(Fitted& all) {
   }
 }
 
-// Brought to rest by the dynamics of the fit.
+// Brings a fit to rest by its own dynamics; false if that is not possible.
 bool settle_by_dynamics(Fitted& fitted) {
   if (!correct(fitted.problem, fitted.dynamics, fitted.minimum.x)) return false;
   settle(fitted.problem, fitted.minimum, {100});

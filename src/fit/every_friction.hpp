@@ -11,7 +11,7 @@
 
 namespace goingrate::timing_model {
 
-/// The terms, in the order of swing_loss.hpp.
+/// The terms of friction, in the order of swing_loss.hpp.
 inline constexpr std::array friction_terms{Quantity::epsilon, Quantity::quadratic_drag,
                                            Quantity::dry_friction};
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double good_amplitude = 1e-4;  // rad: what a plain photogate's width gives
 constexpr double best_to_promise = 1e-6; // no clock stands so still that more could be seen
 
-// As many beats as the log has, at most a few thousand, as the model would have them.
+// Beats as the model predicts them: as many as the log has, at most a few thousand.
 TimingData regular_data(const Fitted& fitted, bool with_amplitudes) {
   constexpr double most_cycles = 4000.0;
   const TimingData& seen = *fitted.problem.data;

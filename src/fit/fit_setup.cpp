@@ -41,10 +41,10 @@ namespace timing_model {
 namespace {
 
 constexpr double typical_torque = 1e-5; // scale of a changed torque where the first is zero
-// Cycles. Who tells a date means a moment of that swing, any of which is as likely: 1/sqrt 12. A
-// search is seldom further off than this.
+// Cycles. A date that is given means some moment of that swing, all equally likely: 1/sqrt 12. A
+// date that is found is seldom further off than this.
 constexpr double told_date_sigma = 0.289, found_date_sigma = 1.0;
-// Of the scales of the leaps: what half a cycle of a drive of 4 mu/lambda = 1 % makes.
+// In units of the leaps' scales: what half a cycle of a drive of 4 mu/lambda = 1 % makes.
 constexpr double leap_sigma = 2.0;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -55,7 +55,7 @@ struct Kind {
   double scale;
 };
 
-// Sizes that people meet, so that a step of one is a moderate one.
+// Sizes that occur in practice, so that a step of one is a moderate one.
 constexpr Kind drag_kind{Quantity::quadratic_drag, Coordinate::multiple, 1e-3};
 constexpr Kind dry_kind{Quantity::dry_friction, Coordinate::multiple, 1e-6};
 constexpr Kind gravity_kind{Quantity::gravity_share, Coordinate::stretch, 1.0};
@@ -343,7 +343,7 @@ double weak_sigma(const Slot& slot, double centre) {
   return torque ? factor * std::max(1.0, std::abs(centre)) : 1e4;
 }
 
-// That a parameter changed at an event as it was planned.
+// The prior that a parameter changed at an event as planned.
 std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
                                              const Parameters& parameters, const Slot& slot,
                                              std::span<const double> x) {
@@ -361,8 +361,8 @@ std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
                          RatioOfSlots{slot, *before, event.planned->ratio}};
 }
 
-// How large the leaps at an event can be: what half a cycle of the laws before lacks of the laws
-// after, relative to the amplitude, or in rad of the phase.
+// How large the leaps at an event can be: by how much half a cycle of the laws before differs from
+// one of the laws after, relative to the amplitude, or in rad of the phase.
 double size_of_leaps(const Parameters& parameters, std::size_t event, std::span<const double> x) {
   Going<double> before;
   for (std::size_t k = 0; k < event; ++k)
@@ -376,7 +376,7 @@ double size_of_leaps(const Parameters& parameters, std::size_t event, std::span<
          2.0 * std::abs(a.epsilon - b.epsilon) + std::abs(after.T0 / before.T0 - 1.0);
 }
 
-// Any moment is as likely, so the place where it starts is none that pulls.
+// Any moment is equally likely, so the centre is the starting point, where the prior does not pull.
 CoordinatePrior prior_of_moment(const FitOptions& options, const Parameters& parameters,
                                 const Slot& slot, std::span<const double> start) {
   if (slot.quantity == Quantity::moment) {

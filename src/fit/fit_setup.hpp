@@ -30,7 +30,7 @@ bool names(const FitOptions& options, const std::string& parameter);
 void include_named_noise(FitOptions& options);
 
 /// Weak priors about a start, and those the user states. A logarithm may move by e^5, T0 by 1 %, a
-/// changed torque by five times the first: wide beside anything a log determines.
+/// changed torque by five times the first: wide compared with anything a log determines.
 std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parameters& parameters,
                                          std::span<const double> start);
 
@@ -46,7 +46,7 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
 std::vector<std::vector<double>> starting_points(const Parameters& parameters,
                                                  const TimingData& data, const NoiseGuess& noise);
 
-/// A start at the clock that amplitudes and times tell together; nothing where they tell none.
+/// A start at the clock that amplitudes and times tell together; nothing if they tell none.
 std::optional<std::vector<double>>
 start_by_amplitudes(const Parameters& parameters, const TimingData& data, const NoiseGuess& noise);
 

@@ -38,7 +38,7 @@ FitProblem with_noise_held(const FitProblem& problem, std::span<const double> st
 
 namespace {
 
-// T0 is nearly linear in the times: one look at how fast the residuals grow sets it.
+// T0 is nearly linear in the times, so the growth of the residuals sets it at once.
 void match_mean_rate(const FitProblem& problem, std::vector<double>& x) {
   const Slot& T0 = *problem.parameters.find(Quantity::T0);
   if (!T0.free) return;
@@ -69,7 +69,7 @@ std::vector<Minimum> screened(const FitProblem& problem,
 
 namespace {
 
-// Starts the log's own from the options, if they name every free parameter.
+// The start that the options give, completed from the log, or else all of the log's own.
 std::vector<std::vector<double>> starts_of(const FitOptions& options, const Parameters& parameters,
                                            const TimingData& data, const NoiseGuess& noise) {
   auto points = starting_points(parameters, data, noise);
@@ -156,7 +156,7 @@ std::vector<std::vector<double>> noise_variants(const std::vector<std::vector<do
         continue;
       }
       if (factor != 1.0) continue;
-      // Of memories longer than the log only one as long as itself shows in it.
+      // A memory longer than the log looks like one that is as long as the log.
       for (const double periods : {30.0, 300.0, 3000.0, 30000.0})
         for (const double size : {0.03, 0.2, 1.0}) {
           const double whole = data.elapsed_s.back(), length = periods * data.reference_period_s;

@@ -17,7 +17,7 @@ FitProblem with_noise_held(const FitProblem& problem, std::span<const double> st
 std::vector<Minimum> screened(const FitProblem& problem,
                               const std::vector<std::vector<double>>& points);
 
-/// Of places within a sigma of a better one, keeps the better one only. They are in order of value.
+/// Drops each place that lies within a sigma of a better one. They are in order of value.
 void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places);
 
 /// Where scoring comes to rest on few beats with the noise held, from the best of the log's own

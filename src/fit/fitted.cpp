@@ -82,7 +82,7 @@ void settle_clock(const FitProblem& problem, std::vector<double>& x, const Searc
   rescale_noise(problem, x);
 }
 
-// Of a long log some beats are asked first, so that all are asked at few places.
+// Searches a long log by some of its beats first, so that all beats are needed at few places.
 void begin_on_few_beats(const FitProblem& problem, std::vector<double>& x,
                         const SearchLimits& limits) {
   constexpr std::size_t enough_beats = 8000;

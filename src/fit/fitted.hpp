@@ -51,7 +51,7 @@ bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<
 /// Whether the fit knows the clock well enough to be the only place to look from.
 bool knows_its_clock(const Fitted& fitted);
 
-/// A place beside one that has moved: what thinned beats or other dynamics move, both are moved by.
+/// `place` moved as `from` moved to `to`: thinned beats or other dynamics move neighbours alike.
 std::vector<double> moved_along(std::vector<double> place, std::span<const double> from,
                                 std::span<const double> to);
 
@@ -60,7 +60,7 @@ std::vector<double> with_noise_of_blocks(const Parameters& parameters, std::vect
                                          double together);
 
 /// A place with at least the jitter that neighbouring beats show: beats at a stride hide it under
-/// the walk, and a search finds its way back from too little of it but slowly.
+/// the walk, and a search finds its way back from too little of it only slowly.
 std::vector<double> with_jitter_of(const TimingData& data, const Parameters& parameters,
                                    std::vector<double> x);
 

@@ -4,7 +4,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Of the slots that stay free those behind the held one move up.
+// Fixes the slot if it has that index; free slots behind the fixed one move up.
 void hold(Slot& slot, std::size_t index, std::span<const double> x) {
   if (!slot.free) return;
   if (slot.index == index) {

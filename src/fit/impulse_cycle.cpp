@@ -22,8 +22,8 @@ using std::numbers::pi;
 
 constexpr std::size_t longest_cycle = 60;        // periods between pushes
 constexpr double least_gain = 18.0;              // 2 log L, after the price
-constexpr std::size_t least_cycles = 8;          // that a scatter can be told from
-constexpr std::size_t searched_cycles = 200'000; // of a longer log: enough to see a push
+constexpr std::size_t least_cycles = 8;          // enough to tell a scatter from
+constexpr std::size_t searched_cycles = 200'000; // of a log at most: enough to see a push
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // One value per cycle, NaN where there is none.
@@ -39,7 +39,7 @@ Grid on_cycles(const TimingData& data, const std::vector<double>& values, std::s
   return grid;
 }
 
-// Less the mean of the `n` values around each (of n + 1, the outer ones by half, if n is even):
+// Values less the mean of the `n` around each (of n + 1, the outer ones by half, if n is even):
 // what wanders slowly goes, and what repeats every n stays whole, less its mean.
 Grid less_moving_mean(const Grid& values, std::size_t n) {
   std::vector<double> sums{0.0};
@@ -93,7 +93,7 @@ constexpr std::array<Shape, 3> in_order{tooth_shape, hump_shape, middle_shape};
 constexpr std::array<Shape, 2> no_hump{tooth_shape, middle_shape}; // an amplitude has none
 constexpr Sought tooth_alone = Sought(in_order).first(1),
                  tooth_and_hump = Sought(in_order).first(2), every_shape = in_order;
-// Of two swings one pattern is all there is, of some the three are hardly three.
+// Two swings can have only one pattern; in a few more, the three shapes are hardly distinct.
 Sought few_shapes(std::size_t n) { return n == 2 ? tooth_alone : tooth_and_hump; }
 Sought most_shapes(std::size_t n) {
   constexpr std::size_t least_swings = 6; // between pushes
@@ -154,7 +154,8 @@ std::vector<double> regular_pushes(std::size_t first, std::size_t n, double last
   return at;
 }
 
-// The shapes at one crossing. Before the first push and after the last the interval is a usual one.
+// The shapes at one crossing. Before the first push and after the last the interval counts as
+// usual.
 Shapes shapes_at(const std::vector<double>& pushes, double periods, double cycle) {
   const auto next = std::lower_bound(pushes.begin(), pushes.end(), cycle);
   double n = periods, m = 0.0;
@@ -203,7 +204,7 @@ bool is_steady(const std::vector<double>& each, double mean) {
 }
 
 // Coefficients of the shapes with standard deviations from their scatter from cycle to cycle, which
-// knows whatever noise there is.
+// contains whatever noise there is.
 struct Coefficients {
   std::array<ImpulseCycle::Estimate, 3> of{{{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}}};
   std::vector<double> teeth{};       // of each interval that is whole
@@ -211,7 +212,7 @@ struct Coefficients {
   double cycles = 0.0;
   bool steady = true;
   [[nodiscard]] const ImpulseCycle::Estimate& operator[](Shape shape) const { return of[shape]; }
-  // Of 2 log L, the scatter being found from the same cycles: few of them may look alike by chance.
+  // In 2 log L, with the scatter from the same cycles: if they are few, they may agree by chance.
   [[nodiscard]] double gain(Shape shape) const {
     const auto& [value, sigma] = of[shape];
     if (!(sigma > 0.0)) return 0.0;
@@ -254,7 +255,7 @@ std::optional<Coefficients> coefficients(const Grid& values, const std::vector<d
   return result;
 }
 
-// Of pushes once in n periods: their shapes have no slow part.
+// For pushes once in n periods: their shapes have no slow part.
 std::optional<Coefficients> regular_coefficients(const Grid& values,
                                                  const std::vector<double>& pushes, std::size_t n,
                                                  Sought sought) {
@@ -283,13 +284,13 @@ std::optional<Coefficients> irregular_coefficients(const Grid& values,
                       });
 }
 
-// What is known of the data, cycle by cycle.
+// The data as far as they are known, cycle by cycle.
 struct Sight {
   Grid late, amplitude;                           // the second empty where the log has none
   double late_noise = 0.0, amplitude_noise = 0.0; // of one value
 };
 
-// Of one value, by second differences.
+// The noise of a single value, from second differences.
 double noise_of(const Grid& values) {
   std::vector<double> bends;
   for (std::size_t i = 2; i < values.size(); ++i)
@@ -343,8 +344,8 @@ Sight seen(const TimingData& data, std::size_t most) {
   return sight;
 }
 
-// Friction is the same in every part of the log. Pushes that are no more regular than for a while
-// leave a tooth that comes and goes, and whose mean tells nothing.
+// Friction is the same in every part of the log. Pushes that are regular only for a while leave a
+// tooth that comes and goes, and whose mean tells nothing.
 bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, double periods,
                            const ImpulseCycle::Estimate& epsilon) {
   constexpr std::size_t most_parts = 8, least_cycles_a_part = 8;
@@ -364,7 +365,7 @@ bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, dou
     const double first = level(from), last = level(to - 1);
     const double growth = (last - first) / static_cast<double>(to - from - 1);
     const double scale = 2.0 * pi * periods * 0.5 * (first + last);
-    const double sigma = std::max(step.sigma / scale, epsilon.sigma); // known no better than all
+    const double sigma = std::max(step.sigma / scale, epsilon.sigma); // at least that of all
     squares += std::pow(((step.value - growth) / scale - epsilon.value) / sigma, 2);
   }
   const double freedom = static_cast<double>(parts - 1);
@@ -503,7 +504,7 @@ private:
     return best;
   }
 
-  // With three shapes only where the third shows.
+  // A candidate with three shapes needs the third to show.
   [[nodiscard]] std::optional<Candidate> candidate(std::size_t first, Sought sought) const {
     const bool is_whole = sought.size() == every_shape.size();
     const auto pushes = regular_pushes(first, n_, static_cast<double>(sight_.late.size()));
@@ -560,7 +561,7 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
     if (steps[i] - middle > threshold) pushes.push_back(static_cast<double>(i));
     falls += middle - steps[i] > threshold ? 1 : 0;
   }
-  if (20 * falls > pushes.size()) return {}; // what goes up and down is no push
+  if (20 * falls > pushes.size()) return {}; // pushes do not go both up and down
   std::vector<double> intervals;
   for (std::size_t j = 1; j < pushes.size(); ++j)
     intervals.push_back(pushes[j] - pushes[j - 1]);

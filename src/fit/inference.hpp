@@ -1,4 +1,4 @@
-// From a minimum to what it means. Private to the fit room.
+// What a minimum of the search means. Private to the fit room.
 #pragma once
 
 #include "fit_setup.hpp"
@@ -51,7 +51,7 @@ struct Rival {
   std::vector<double> x;
   double behind = 0.0; ///< its L less that of the best
 
-  /// The probability of it, of the two.
+  /// Its probability, if one of the two is right.
   [[nodiscard]] double share() const { return 1.0 / (1.0 + std::exp(std::max(0.0, behind))); }
 };
 using Rivals = std::vector<Rival>;
@@ -70,7 +70,7 @@ inline constexpr double largest_relative_sigma = 1.0 / 3.0;
 /// allow.
 inline constexpr double rivals_apart = 3.5;
 
-/// What may be small or nothing, and then has an upper limit rather than no value.
+/// Whether the parameter may be small or zero, and then has an upper limit rather than no value.
 bool may_vanish(const Slot& slot);
 
 /// How large a sigma makes this parameter undetermined, in units of its coordinate.
@@ -92,7 +92,7 @@ struct Interval {
   Root low{}, high{};
 };
 
-/// Parameters, correlations, combinations and derived quantities into `summary`.
+/// Puts parameters, correlations, combinations and derived quantities into `summary`.
 void state_results(const FitProblem& problem, std::span<const double> x, const Certainty& known,
                    const std::vector<Interval>& intervals, const Rivals& rivals,
                    const FitOptions& options, double nominal_period_s, FitSummary& summary);

@@ -30,7 +30,7 @@ struct Correction {
   std::vector<double> late_s;    ///< their crossing times less those of the averaged clock
   std::vector<double> amplitude; ///< their turning angles less those of the averaged clock
   /// How both change with the coordinates of the clock, which come before those of the noise; empty
-  /// where the averaged clock changes enough alike.
+  /// where the changes of the averaged clock are close enough.
   struct Slopes {
     std::vector<double> at;                             ///< the place of the corrections
     std::vector<std::vector<double>> late_s, amplitude; ///< for each coordinate, by beats
@@ -42,7 +42,7 @@ struct Correction {
   std::vector<ResponseAt> responses;
 };
 
-/// That a parameter after an event is a multiple of what it was before: either may be held.
+/// A parameter after an event as a multiple of what it was before; either may be held.
 struct RatioOfSlots {
   Slot after, before;
   double ratio = 1.0;

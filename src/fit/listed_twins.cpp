@@ -20,7 +20,7 @@ struct Listed {
   std::vector<double> sigma{}; // of each coordinate
 };
 
-// With the sigmas of the likelihood's curvature there; NaN where the model does not hold.
+// The place with sigmas from the likelihood's curvature there; NaN where the model does not hold.
 Listed listed(const FitProblem& problem, Rival place, const Widening& widening) {
   std::vector<double> sigma(place.x.size(), unknown);
   const auto there = evaluate(problem, place.x);
@@ -84,7 +84,7 @@ ClockTwin as_twin(const FitProblem& problem, const Listed& clock) {
   return twin;
 }
 
-// Whether the second lies within the sigma of the first in every coordinate: then it is no other.
+// Whether the second lies within the sigma of the first in every coordinate: both are one then.
 bool is_within(const Listed& one, const Listed& other) {
   for (std::size_t k = 0; k < one.sigma.size(); ++k)
     if (!(std::abs(one.place.x[k] - other.place.x[k]) <= one.sigma[k])) return false;

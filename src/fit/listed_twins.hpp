@@ -1,4 +1,4 @@
-// The clocks that explain a log, where it is more than one. Private to the fit room.
+// The clocks that explain a log, if there are several. Private to the fit room.
 #pragma once
 
 #include "fitted.hpp"

@@ -123,7 +123,7 @@ TimingData with_a_stride(const TimingData& data, const std::vector<FitEvent>& ch
   std::vector<double> events;
   for (const FitEvent& event : changes)
     events.push_back(static_cast<double>(event.cycle));
-  // So many beats are all kept after the start and after each event, where the amplitude relaxes.
+  // Beats that are all kept after the start and after each event, where the amplitude relaxes.
   constexpr std::size_t dense_beats = 500;
   return subset(data, kept_beats(data, events, stride, dense_beats));
 }
@@ -355,8 +355,8 @@ void ModelSearch::leave_out_contradicted_priors() {
   best_ = fit_from_scratch(working_.data, options_, best_.model, guess_);
 }
 
-// With every change at a crossing the search may pass the right clock by, for its times leap; where
-// leaps are free there is less to guide it. So both look for places to begin at.
+// With every change at a crossing, the search may pass by the right clock, whose times leap; with
+// free leaps there is less to guide it. So both are searched for places to begin at.
 void ModelSearch::find_moments() {
   ModelChoice loose = best_.model;
   loose.moments = ModelChoice::Moments::loose;

@@ -12,7 +12,7 @@ namespace goingrate::timing_model {
 
 /// Whether the innovations of the amplitudes look white, or are too few to tell.
 bool white_in_amplitude(const Fitted& fitted);
-/// Whether those of times and of amplitudes do: then nothing asks for a better model.
+/// Whether both the times' and the amplitudes' do: then nothing calls for a better model.
 bool white(const Fitted& fitted);
 /// Whether the residuals are no larger than the scatter of neighbouring beats, `jitter` in seconds.
 bool is_as_small_as(double jitter, const Fitted& fitted);
@@ -37,7 +37,7 @@ struct Working {
 /// escapement_choice.cpp, the noise in noise_choice.cpp.
 class ModelSearch {
 public:
-  /// With `moments`, changes that are not told to come at a crossing come at any moment.
+  /// With `moments`, changes that are not said to come at a crossing may come at any moment.
   ModelSearch(const TimingData& data, const FitOptions& options, bool moments = false);
 
   /// Runs the search. The result points into this object.
@@ -45,7 +45,7 @@ public:
   [[nodiscard]] const Thinning& thinning() const { return working_.thinning; }
   [[nodiscard]] const std::string& chosen_by() const { return chosen_by_; }
   [[nodiscard]] const std::vector<FitAlternative>& alternatives() const { return alternatives_; }
-  /// Those given, or with events and priors as the search has changed them.
+  /// The given options, with events and priors as the search has changed them.
   [[nodiscard]] const FitOptions& options() const { return options_; }
   /// Findings of the search that the user must be told.
   [[nodiscard]] const std::vector<FitNote>& notes() const { return notes_; }

@@ -1,4 +1,4 @@
-// Which noise a log demands beside the jitter of its sensor: a drive that varies from beat to beat
+// Which noise a log demands besides the jitter of its sensor: a drive that varies from beat to beat
 // or slowly, or times that walk.
 #include "model_choice.hpp"
 
@@ -84,7 +84,7 @@ void ModelSearch::choose_noise() {
   choose_slow_drive(std::move(slow));
 }
 
-// Slow drive is no part of the clock's course, but the clock is read off the noise too: left out
+// Slow drive is not part of the clock's course, but the clock is read off the noise too: left out
 // where there is a little of it, friction and fast drive come out wrong by several σ; taken where
 // there is none, intervals are wider. So chance is its price, not BIC's, and while the log hardly
 // tells, the clock without it is a rival of the clock with it.
@@ -94,8 +94,8 @@ void ModelSearch::choose_slow_drive(Fitted&& slow) {
     take_if_better(std::move(slow), "the drive varies slowly too");
     return;
   }
-  // Two fits compare by one dynamics alone. Where the drive's own search did not reach those of the
-  // slow drive's, it begins again at that end.
+  // Two fits can be compared only by the same dynamics. Where the drive's own search did not reach
+  // those of the slow drive's, it begins again at that end.
   if (best_.dynamics < slow.dynamics) {
     Fitted same = fit_from(slow, options_, best_.model);
     if (same.minimum.usable && refine(same, slow.dynamics) && same.dynamics == slow.dynamics)

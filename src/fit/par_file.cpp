@@ -291,7 +291,7 @@ std::string_view noise_word(const FitSummary& fit, const FitOptions& options) {
   return word_of(noise_words, model.jitter ? FitNoise::both : FitNoise::drive);
 }
 
-// What the model itself holds (a jitter at rounding) is no choice of the user's: it comes back with
+// What the model itself holds (a jitter at rounding) is not the user's choice: it comes back with
 // the model.
 bool belongs(const FittedParameter& p, const FitOptions& options) {
   return p.status != ParameterStatus::fixed || options.fixed.contains(p.name);

@@ -37,7 +37,7 @@ enum class Quantity {
 };
 
 inline bool is_noise(Quantity quantity) { return quantity >= Quantity::jitter_rms; }
-/// What the moment of an event makes: it only has to be allowed for.
+/// Whether it belongs to the moment of an event, and so only has to be allowed for.
 inline bool is_of_moment(Quantity quantity) {
   return quantity == Quantity::moment || quantity == Quantity::late_leap ||
          quantity == Quantity::amplitude_leap;

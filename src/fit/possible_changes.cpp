@@ -51,7 +51,7 @@ double promised_gain(const Fitted& fitted, const FitOptions& wider) {
   FitProblem problem = make_problem(*fitted.problem.data, wider, fitted.model);
   if (problem.parameters.free_count > most_parameters) return 0.0;
   problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
-  problem.correction = on_every_beat(fitted.problem).correction; // as these data are
+  problem.correction = on_every_beat(fitted.problem).correction; // of the same data
   const auto x = same_place(fitted.problem.parameters, fitted.minimum.x, problem.parameters);
   problem.priors = make_priors(wider, problem.parameters, x);
   const auto there = evaluate(problem, x);

@@ -1,5 +1,5 @@
-// Changes that may have been: whether a fit without them asks for them, and whether one with them
-// can do without. Private to the fit room.
+// Possible changes: whether a fit without them calls for them, and whether a fit with them can do
+// without. Private to the fit room.
 #pragma once
 
 #include "fitted.hpp"
@@ -12,17 +12,17 @@ namespace goingrate::timing_model {
 std::vector<FitEvent> joined(const std::vector<FitEvent>& events,
                              const std::vector<FitEvent>& more);
 
-/// What a step of scoring promises L would gain if what the events of `wider` name changed with
-/// them, beside what the fit has already; its noise stays as it is, which has had to stand in for
-/// them: the promise is less than what is gained.
+/// What a step of scoring promises L would gain if the parameters that the events of `wider` name
+/// changed there, besides what the fit has already. Its noise, which has had to stand in for these
+/// changes, stays as it is: the real gain is larger.
 double promised_gain(const Fitted& fitted, const FitOptions& wider);
 
 /// The options without one change, the dates of the others moved, if the log does not demand that
 /// change: the fit without it has the better BIC, its date counted as a parameter. Changes whose
-/// date is given, or that were planned, stay. Tried are those smaller than BIC asks for, and those
-/// so near another of their kind that the swing has not answered to the first when the second
-/// comes: two dates about one change, neither of them right, look so. Of a log longer than 9000
-/// beats 3000 are looked at.
+/// date is given, or that were planned, stay. Those tried are smaller than BIC asks for, or so near
+/// another of their kind that the swing has not answered to the first when the second comes: two
+/// dates about one change, neither of them right, look like that. In a log longer than 9000 beats,
+/// 3000 of them are looked at.
 std::optional<FitOptions> without_needless_change(const Fitted& fitted, const FitOptions& options);
 
 } // namespace goingrate::timing_model

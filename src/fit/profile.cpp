@@ -20,7 +20,7 @@ constexpr double q68 = 1.0, q95 = 1.959964;
 // curvature.
 class Profile {
 public:
-  /// `widening`: the stated sigma over the curvature's. `search`: where the likelihood is no
+  /// `widening`: the stated sigma over the curvature's. `search`: where the likelihood is not a
   /// parabola, follow the ridge to the ends of the interval; without it they stay open.
   Profile(const ProfiledPlace& place, std::size_t k, double widening, bool search)
       : ridge_(place, k, widening), least_(place.minimum.value), widening_(widening),
@@ -197,7 +197,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
       return;
     }
     // A parameter known this poorly, or a model that does not hold, is not worth a search for the
-    // ends of a likelihood that is no parabola.
+    // ends of a likelihood that is not a parabola.
     constexpr double searched_share = 0.4;
     const bool search = model_holds && (lopsided || sigma <= searched_share * tolerable);
     const double unit = known.curvature_sigma(k);

@@ -142,7 +142,7 @@ private:
   double widening_ = 1.0, sigma_ = 0.0;
 };
 
-// From 1/Q, with its intervals, to `factor` Q.
+// Turns 1/Q and its intervals into `factor` Q.
 DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
                        const std::array<double, 2>& in95, double factor) {
   const auto of = [&](double end) { return end > 0.0 ? factor / end : infinite; };

@@ -63,7 +63,7 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
   return scenario;
 }
 
-// The run of one clock after the other, each of which repeats its last period once it has settled.
+// Runs one clock after the other; each repeats its last period once it has settled.
 class SettlingRun {
 public:
   SettlingRun(const Scenario& scenario, double reference_period_s, double memories)
@@ -123,7 +123,7 @@ private:
   std::vector<ClockEvent> events_;
   std::optional<ClockRun> run_;
   double reference_period_s_;
-  double memories_;        // times 1/2 epsilon until a clock has settled
+  double memories_;        // in units of 1/2 epsilon, until a clock has settled
   std::size_t passed_ = 0; // events
   double begun_ = 0.0;     // cycle
   double late_at_begin_s_ = 0.0;
@@ -137,7 +137,7 @@ public:
   ResponseAlong(const std::vector<double>& speed2, bool leaves_its_course) : speed2_(speed2) {
     if (speed2.empty()) return;
     const auto [least, greatest] = std::minmax_element(speed2.begin(), speed2.end());
-    // As a slow drive of a fifth leads the clock, three sigma away.
+    // The range to which a slow drive of a fifth leads the clock at three sigma.
     least_ = *least * (leaves_its_course ? 0.3 : 1.0);
     greatest_ = *greatest * (leaves_its_course ? 2.0 : 1.0);
   }
@@ -181,7 +181,7 @@ double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x
 
 namespace {
 
-// Times 1/2 epsilon that a clock runs until it is taken for settled.
+// In units of 1/2 epsilon: how long a clock runs until it is taken for settled.
 constexpr double memories_below_rounding = 40.0;
 constexpr double memories_below_slopes = 16.0; // what is left is 1e-7 of what settles
 

@@ -17,8 +17,8 @@ double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x
 std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
                                         std::span<const double> x);
 
-/// How that difference changes with each coordinate of the clock, by differences: one more run each.
-/// Nothing where the clock, or one beside it, does not run.
+/// How that difference changes with each coordinate of the clock, by differences: one more run
+/// each. Nothing where the clock, or one close to it, does not run.
 std::optional<Correction::Slopes> slopes_of_difference(FitDynamics dynamics,
                                                        const FitProblem& problem,
                                                        std::span<const double> x);

@@ -21,7 +21,7 @@ namespace {
 // What a step of scoring would change; the noise is left as it is, for the misfit may be large.
 struct ClockStep {
   Eigen::VectorXd of_x;
-  double gain = 0.0; ///< of L, that it hopes for
+  double gain = 0.0; ///< of L, that it promises
 };
 std::optional<ClockStep> clock_step(const FitProblem& problem, std::span<const double> x) {
   const auto at = evaluate(problem, x);
@@ -90,7 +90,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   SlopesNearby slopes;
   // Corrections that stood still would pass for knowledge where the log tells a change of the clock
   // from the difference that the dynamics make of it: along the flat ridge of times alone, in free
-  // swings of more than a radian, and beside a drive that amplitudes show to vary. Amplitudes under
+  // swings of more than a radian, and with a drive that amplitudes show to vary. Amplitudes under
   // jitter alone hold a driven clock in place.
   const bool with_slopes = refined.problem.parameters.escapement == Escapement::none ||
                            refined.problem.parameters.has(Quantity::drive_rms) ||
@@ -111,7 +111,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     }
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
-    // At a bound a step goes on hoping for what it cannot have.
+    // At a bound a step keeps promising a gain that it cannot have.
     const bool stands = std::abs(before - *here) < least_gain;
     if (round > 1 && (step->gain < least_gain || stands)) break;
     before = *here;

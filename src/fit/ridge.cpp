@@ -15,7 +15,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double first_stride = 0.25; // sigma
 
-// With a row for each coordinate that makes a change of one, a factor e of most, cost half of L:
+// Adds a row for each coordinate by which a change of one (a factor e for most) costs half of L:
 // where the likelihood is flat, steps are kept short, and a determined coordinate does not feel
 // it.
 Eigen::MatrixXd damped(const Eigen::MatrixXd& rows) {
@@ -31,7 +31,7 @@ std::vector<double> moved(std::vector<double> from, const Eigen::VectorXd& chang
 }
 
 std::vector<double> ahead(const Foot& foot, double dz) { return moved(foot.u, foot.tangent, dz); }
-// On the cubic through two feet that has their directions.
+// A point on the cubic through two feet that has their directions.
 std::vector<double> extrapolated(const Foot& a, const Foot& b, double z) {
   const double h = b.z - a.z, s = (z - a.z) / h;
   const double of_b = s * s * (3.0 - 2.0 * s), along_a = s * (1.0 - s) * (1.0 - s) * h,
@@ -106,8 +106,8 @@ std::optional<Ridge::Step> Ridge::step_of_others(std::span<const double> x) cons
   return step;
 }
 
-// One foot further, to z or less far where the ridge bends; by a search where it folds, so that
-// steps lead nowhere; false where that fails too.
+// Goes one foot further, to z or less far where the ridge bends; by a search where it folds, so
+// that steps lead nowhere; false where that fails too.
 bool Ridge::go_to(double z) {
   constexpr double least_stride = 0.02;              // sigma
   constexpr double easy_gain = 0.1, hard_gain = 5.0; // of L, of the first step of scoring
@@ -169,7 +169,7 @@ bool Ridge::is_allowed(std::span<const double> x) const {
   return true;
 }
 
-// The foot at z from a point beside it, by steps of scoring until one gains next to nothing, or
+// The foot at z from a point near it, by steps of scoring until one gains next to nothing, or
 // by a search where a bound is met. `first_gain`: what the first step promises.
 std::optional<Foot> Ridge::foot_near(std::vector<double> x, double z, double& first_gain) {
   constexpr double least_gain = 0.02; // of L: a step that gains less gains what it promises
@@ -192,7 +192,7 @@ std::optional<Foot> Ridge::foot_near(std::vector<double> x, double z, double& fi
                                     : std::nullopt;
   }
 }
-// As far along the step, in the coordinates that straighten the valley, as L falls.
+// Goes along the step, in the coordinates that straighten the valley, as far as L falls.
 std::optional<std::vector<double>> Ridge::lower(const std::vector<double>& x,
                                                 const Step& step) const {
   const std::vector<double> u = valley_.u_of(x);
@@ -206,7 +206,7 @@ std::optional<std::vector<double>> Ridge::lower(const std::vector<double>& x,
   return {};
 }
 
-// Counts as the most steps it may take.
+// A search counts as the most steps that it may take.
 std::optional<Foot> Ridge::by_search(std::vector<double> x, double z) {
   constexpr int most_steps = 30;
   if (steps_left_ < most_steps) return {};

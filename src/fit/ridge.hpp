@@ -32,8 +32,8 @@ struct Foot {
 /// to a few hundredths of L (RidgeTest).
 class Ridge {
 public:
-  /// Of scoring, on one side. A ridge that needs more can take minutes on a long noisy log: it is
-  /// lost where they are spent.
+  /// Steps of scoring on one side. A ridge that needs more can take minutes on a long noisy log: it
+  /// is given up once they are spent.
   static constexpr int most_steps_of_a_side = 100;
 
   /// `widening`: the stated sigma over the curvature's; strides are in stated sigmas. `place` must
@@ -43,9 +43,10 @@ public:
 
   /// Back to the minimum, with all steps.
   void restart();
-  /// One stride further to that side, or less far where the ridge bends; false where it is lost.
+  /// Goes one stride further to that side, or less far where the ridge bends; false where it is
+  /// lost.
   bool advance(double side);
-  /// To z, further from the minimum on the side of the last foot; false where the ridge is lost.
+  /// Walks to z, further from the minimum on the side of the last foot; false where it is lost.
   bool walk_to(double z);
 
   [[nodiscard]] const Foot& last() const { return last_; }

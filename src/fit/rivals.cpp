@@ -21,8 +21,8 @@ bool is_farther_than(double distance, std::span<const double> a, std::span<const
   return false;
 }
 
-// Along the coordinate that the log leaves most open: where the ridge has a hollow, and where it is
-// left while no worse than a rival may be.
+// Places along the coordinate that the log leaves most open: where the ridge has a hollow, and
+// where it is left while no worse than a rival may be.
 std::vector<std::vector<double>> hollows_of_the_ridge(const ProfiledPlace& home) {
   constexpr double farthest = 3.0; // a factor e^3 in any parameter
   Eigen::Index most_open = 0;
@@ -117,7 +117,7 @@ Fitted twin_fit(const Fitted& home, const std::vector<double>& start) {
   twin.minimum.x = start;
   if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, start);
   constexpr double largest_start_deficit =
-      100.0; // of L: a density of continuous time says what one of cycles does but roughly
+      100.0; // of L: a density of continuous time says only roughly what one of cycles does
   const auto there = minus_log_likelihood(twin.problem, start);
   if (!there || *there > home.minimum.value + largest_start_deficit) return {};
   settle(twin.problem, twin.minimum, {});
@@ -132,7 +132,7 @@ Fitted twin_fit(const Fitted& home, const std::vector<double>& start) {
 
 using Twins = std::vector<std::optional<std::vector<double>>>;
 
-// Which of the twins, by their places in the list, the log may be of.
+// The fits of the twins that the log may be of, at their places in the list.
 std::vector<Fitted> twin_fits(const Fitted& home, const Twins& twins) {
   std::vector<Fitted> fits(twins.size());
   share(twins.size(), [&](std::size_t i) {
@@ -141,7 +141,7 @@ std::vector<Fitted> twin_fits(const Fitted& home, const Twins& twins) {
   return fits;
 }
 
-// The twins less those that a few beats tell from the fit: so do all of them.
+// The twins without those that a few beats tell from the fit, since all beats do so, too.
 Twins not_told_apart_by_few(const Fitted& fitted, Twins twins) {
   constexpr std::size_t compared_beats = 3000;
   const TimingData& data = *fitted.problem.data;

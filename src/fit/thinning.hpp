@@ -19,7 +19,7 @@ struct NoiseShape {
 
 /// The larger relative loss of information (1 - variance before / variance after) on corner and
 /// ratio, which tell of the clock, if only every `stride`-th time is used; Whittle's information of
-/// the aliased spectrum, with level and jitter unknown too. Of these two it loses more: they are
+/// the aliased spectrum, with level and jitter unknown too. More is lost on these two, which are
 /// what neighbouring times show.
 double information_lost(const NoiseShape& shape, std::size_t stride);
 
@@ -31,10 +31,10 @@ std::size_t longest_stride(const NoiseShape& shape, double allowed);
 std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
                                     std::size_t stride, std::size_t dense);
 
-/// Beats that stand for more of them.
+/// A few beats that stand for many.
 struct FewBeats {
   TimingData data;
-  double together = 1.0; ///< beats whose mean each is
+  double together = 1.0; ///< beats in the mean that each is
 };
 
 /// About `count` beats that tell nearly what all tell: under jitter the means of blocks of

@@ -147,7 +147,7 @@ double whiteness_p(std::span<const double> white, std::size_t lags) {
 
 namespace {
 
-// At all lags at once, by the transform of the series and as many zeros (Wiener and Khinchin).
+// All lags at once, by the transform of the series and as many zeros (Wiener and Khinchin).
 std::vector<double> autocorrelations(std::span<const double> x, const Moments& m) {
   std::vector<double> padded(2 * x.size(), 0.0);
   for (std::size_t i = 0; i < x.size(); ++i)

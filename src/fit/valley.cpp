@@ -8,7 +8,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Of finite differences, relative: a compromise between rounding and curvature.
+// Relative step of the finite differences: a compromise between rounding and curvature.
 constexpr double step = 1e-6;
 
 } // namespace

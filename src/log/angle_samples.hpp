@@ -47,7 +47,7 @@ inline constexpr double fewest_samples_per_period = 2.5;
 /// A passage is a change of sign that goes beyond a fifth of the swing on both sides, so that noise
 /// about the vertical is not counted. To the samples within a quarter of a period of each a swing
 /// is fitted by least squares: a sine of its own amplitude, phase and middle, with the period and
-/// the fading that its neighbours show. Of samples in rad the overtones of a pendulum's swing are
+/// the fading that its neighbours show. For samples in rad, the overtones of a pendulum's swing are
 /// taken into account, so that the amplitude is the turning angle. The crossing is where that swing
 /// is at the rest angle; this, if not given, is the median of the middles. No two passages share a
 /// sample, so the errors of their times and amplitudes are independent; its sigma is that of the

@@ -1,4 +1,4 @@
-// How much a log's crossing times are unsure, and how that grows with the number of periods.
+// How uncertain a log's crossing times are, and how that grows with the number of periods.
 //
 // The crossing of cycle n is seen at t[n] + j eta, with
 //   t[n+1] = t[n] + P[n] + w zeta,   P[n+1] = P[n] + r xi,

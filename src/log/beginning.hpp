@@ -18,7 +18,7 @@ inline constexpr std::size_t head_lines = 400; ///< settle formats and units
 void check(const ReadingOptions& options);
 
 /// Determines the layout from the first lines, which are not needed any more then; `whole` if they
-/// are all of it. What was assumed is added to `log`. Throws InputError if they are no log.
+/// are all of it. What was assumed is added to `log`. Throws InputError if they are not a log.
 Layout settle_layout(std::string_view text, bool whole, ClockLog& log,
                      const ReadingOptions& options);
 

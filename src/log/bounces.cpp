@@ -65,8 +65,8 @@ double found_dead_time(std::span<Beat> events) {
                       else
                         ++late;
                     });
-  // So many events in a tenth of the time that, if they were false events spread evenly, there
-  // would be several in each beat.
+  // So many events lie in a tenth of the time that, if they were false ones spread evenly, each
+  // beat would have several.
   const bool crowded = 3 * (early.size() + late) > events.size();
   if (early.size() < fewest_bounces || (early.size() <= 4 * late && !crowded)) return 0.0;
   if (early.size() <= 4 * late) return reach;

@@ -75,7 +75,7 @@ std::optional<Instant> time_of_day(Taker& text, std::string_view between, char p
   return seconds;
 }
 
-// Seconds east of Greenwich; nothing if what is left is no zone.
+// Seconds east of Greenwich; nothing if what is left is not a zone.
 std::optional<std::int64_t> zone(Taker& text, bool& given) {
   text.blanks();
   given = !text.rest.empty();

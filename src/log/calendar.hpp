@@ -19,7 +19,7 @@ struct CalendarTime {
 
 /// Which number of 03/04/2013 is the day.
 enum class DateOrder : std::uint8_t {
-  either,      ///< the first, or, where that is no date, the second
+  either, ///< the first, or, if that gives no date, the second
   day_first,
   month_first,
 };

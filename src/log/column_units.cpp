@@ -31,14 +31,14 @@ std::optional<TimeUnit> unit_within(double wrap_s, const ColumnSample& sample) {
   return {};
 }
 
-// Of weather: the step does not tell the unit, but the size may.
+// For weather readings: the step does not tell the unit, but the size may.
 TimeUnit unit_of_readings(const ColumnSample& sample) {
   if (is_mjd(sample) && sample.typical_step < 2.0) return in_days;
   constexpr double unix_milliseconds = 1e11; // 1973; as seconds, the year 5000
   return sample.least > unix_milliseconds ? in_milliseconds : in_seconds;
 }
 
-// What numbers of a quantity without a unit are, by their median, where they are not what is usual.
+// The unusual units that numbers without a unit may have, by their median.
 struct UnitBySize {
   ColumnRole role;
   double least, most;
@@ -122,8 +122,8 @@ void Detection::settle_counter() {
     if (layout_.columns[i].name == "pps_seq_row") layout_.coarse_time = i;
 }
 
-// Refuses times much closer together than beats beside a column that swings and has no known name:
-// they are those of samples.
+// Refuses times much closer together than beats if a column that swings has no known name: they are
+// those of samples.
 void Detection::refuse_unread_samples(std::size_t time) const {
   const TimeUnit& unit = layout_.columns[time].unit;
   const double step_s = samples_[time].typical_step * unit.seconds * std::pow(10.0, unit.power);
@@ -225,7 +225,7 @@ void Detection::refuse_what_was_not_measured(std::size_t time) const {
   }
 }
 
-// By the user, for the column of this role.
+// Whether the user gave a unit for the column of this role.
 bool Detection::unit_is_given(ColumnRole role) const {
   return std::any_of(options_.columns.begin(), options_.columns.end(), [&](const auto& word) {
     return word.starts_with(fmt::format("{}=", name_of(role))) &&

@@ -88,9 +88,9 @@ private:
     settle(i, off);
   }
 
-  // Takes a downward crossing that fits. Of two in one cycle the one nearer to the usual place is
-  // kept; the other is a rival, or spurious if it is a hundred times less likely (exp 4.6), as with
-  // upward crossings.
+  // Takes a downward crossing that fits. If there are two in one cycle, the one nearer to the usual
+  // place is kept; the other is a rival, or spurious if a hundred times less likely (exp 4.6), as
+  // with upward crossings.
   void settle(std::size_t i, double off) {
     beats_[i].flag = BeatFlag::down;
     if (down_ != none && beats_[down_].cycle == beats_[i].cycle) {

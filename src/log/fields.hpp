@@ -16,7 +16,7 @@ struct Field {
   std::size_t column = 1; ///< from 1
 };
 
-/// More than any logger writes; so many fields of a line and one more are kept, the rest is
+/// More than any logger writes; this many fields of a line and one more are kept, the rest is
 /// dropped, since a field takes more memory than its separator.
 constexpr std::size_t most_fields = 256;
 

@@ -56,7 +56,7 @@ bool has_names(const Layout& layout) {
                      [](const LogColumn& column) { return !column.name.empty(); });
 }
 
-/// Looks at the files, first each by itself, then those that do not tell by the others.
+/// Looks at the files, first each by itself, then by the others at those that do not tell.
 class Looking {
 public:
   explicit Looking(ReadingOptions options) : options_(std::move(options)) {
@@ -84,7 +84,7 @@ public:
 private:
   struct Open { // a part that has no layout of its own yet, or none with names
     bool in_folder = false;
-    std::exception_ptr fault; // why it is no log by itself
+    std::exception_ptr fault; // why it is not a log by itself
   };
 
   void add(const std::string& path, bool in_folder) {
@@ -106,7 +106,7 @@ private:
     open_.push_back(std::move(open));
   }
 
-  // By its own layout, or as if it had the layout `known`.
+  // Reads the part's head by its own layout, or as if it had the layout `known`.
   void look_at(FilePart& part, const Layout* known) {
     LineReader lines(open_source(part.path, options_.unpacked_limit), part.path);
     const std::string_view head = lines.head(head_lines);
@@ -168,7 +168,7 @@ private:
     const FilePart* found = example();
     if (found == nullptr) return;
     const Layout layout = found->layout;
-    constexpr std::size_t fewest_lines = 8; // that tell their layout
+    constexpr std::size_t fewest_lines = 8; // enough to tell their layout
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       FilePart& part = parts_[i];
       const bool tells = !open_[i].fault && (has_names(part.layout) || !has_names(layout)) &&
@@ -183,7 +183,7 @@ private:
     }
   }
 
-  // In a folder: readings of the weather that come much more seldom than another file's times.
+  // Leaves out, from a folder, weather readings that are much rarer than another file's times.
   void leave_weather_out(std::vector<Assumption>& assumptions) {
     constexpr double times_rarer = 10.0;
     const auto is_beside_a_log = [&](std::size_t at) {
@@ -242,8 +242,8 @@ private:
   std::vector<Open> open_; // one a part
 };
 
-// Some with dates and some without, or days of one kind beside seconds of another, are not times of
-// one clock.
+// Refuses files some of which have dates, or days of one kind beside seconds of another: these are
+// not times of one clock.
 void refuse_mixed_dates(const std::vector<FilePart>& parts) {
   const FilePart& first = parts.front();
   const auto in_mjd = [](const FilePart& part) {

@@ -22,12 +22,11 @@ struct FilePart {
 };
 
 /// The files that `paths` name, folders and ZIPs opened, in the order in which they are to be read;
-/// files of a folder that hold no log, or the weather beside logs, are left out and told in
-/// `assumptions`. A file without a
-/// header, or too short to tell its layout, has that of the others if it can be read so. Throws
-/// InputError for a file that is no log, for a folder without one, and where some files have dates
-/// and others have none, or another scale of time; ArgumentError for a path given twice or that is
-/// no regular file.
+/// files of a folder that hold no log, or the weather among logs, are left out and listed in
+/// `assumptions`. A file without a header, or too short to tell its layout, has that of the others
+/// if it can be read so. Throws InputError for a file that is not a log, for a folder without one,
+/// and where some files have dates and others have none, or another scale of time; ArgumentError
+/// for a path that is given twice or is not a regular file.
 std::vector<FilePart> file_parts(const std::vector<std::string>& paths,
                                  const ReadingOptions& options,
                                  std::vector<Assumption>& assumptions);

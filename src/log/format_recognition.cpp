@@ -10,7 +10,7 @@
 namespace goingrate {
 
 bool Detection::looks_like_clock_error() const {
-  // Whole-number labels that advance with the lines, and an error that is small beside them. A
+  // Whole-number labels that advance with the lines, and an error that is much smaller. A
   // value that grows by more than 2 % of the time is not a clock's error but a time beside a count
   // of the lines.
   constexpr double largest_rate = 0.02;

@@ -8,10 +8,10 @@
 
 namespace goingrate {
 
-/// What is made of a gap.
+/// How a gap is counted.
 struct GapCount {
   std::int64_t cycles = 1;    ///< from the beat before to the beat after
-  double probability = 0.0;   ///< that it is this many
+  double probability = 0.0;   ///< that `cycles` is right
   bool displaced = false;     ///< no count fits: the clock stood still, or the reference jumped
   bool reference_set = false; ///< by whole hours, with no beat missing
 };

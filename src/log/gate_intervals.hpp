@@ -9,7 +9,7 @@
 namespace goingrate {
 
 /// In the order of TickTock's header: tick, tick_block, tock, tock_block. In time each dark
-/// interval comes before the light one beside it.
+/// interval comes before the light one next to it.
 inline constexpr std::array gate_intervals{ColumnRole::tick_light, ColumnRole::tick_dark,
                                            ColumnRole::tock_light, ColumnRole::tock_dark};
 

@@ -8,7 +8,7 @@
 
 namespace goingrate {
 
-/// The two halves of a fault told as "found X, expected Y"; of any other all is `found`.
+/// The two halves of a fault told as "found X, expected Y"; for any other, all is `found`.
 struct FaultWords {
   std::string_view found, expected;
 };

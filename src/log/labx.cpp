@@ -97,7 +97,7 @@ std::string table_of_labx(std::string_view text, const std::string& name) {
     rows = std::max(rows, channel.values.size());
     channels.push_back(std::move(channel));
   }
-  // A channel of a few values, as of a calibration, is no column beside thousands.
+  // A channel of a few values, such as a calibration, is not a column among those of thousands.
   std::erase_if(channels, [&](const Channel& channel) { return 2 * channel.values.size() < rows; });
   if (channels.empty() || channels.size() > most_fields)
     throw InputError({name, 0, 0}, fmt::format("{} channels with values", channels.size()),

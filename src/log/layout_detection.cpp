@@ -100,7 +100,7 @@ bool Detection::settle_dated_phases() {
   return true;
 }
 
-// Of several columns with the same role the first is read.
+// If several columns have the same role, the first is read.
 void Detection::leave_out(std::size_t column) {
   assume(fmt::format("column {} {} is not read, an earlier one says the same", column + 1,
                      shown(layout_.columns[column].name)),
@@ -114,7 +114,7 @@ bool Detection::has_intervals() const {
                      [&](ColumnRole role) { return layout_.find(role).has_value(); });
 }
 
-// Fewer than four are none; returns how many columns lost their role. With them, a time beside them
+// Fewer than four count as none; returns how many columns lost their role. Next to all four, a time
 // is only that of the computer that wrote them down.
 std::size_t Detection::settle_intervals() {
   const bool whole = has_intervals();
@@ -213,7 +213,7 @@ void Detection::fill_columns(bool named) {
 
 void Detection::check_needed_columns() {
   const auto has = [&](ColumnRole role) { return layout_.find(role).has_value(); };
-  // Of a time and a period, the finer is used: a logger's own time stamps are often whole seconds.
+  // Of times and periods, the finer are used: a logger's own stamps are often whole seconds.
   if (const auto time = layout_.find(ColumnRole::time);
       time && (has(ColumnRole::period) || has(ColumnRole::half_period))) {
     const auto period = has(ColumnRole::period) ? layout_.find(ColumnRole::period)

@@ -204,7 +204,7 @@ std::string taken_from(ByteSource& source, std::size_t size) {
   return bytes;
 }
 
-// A measurement that is no text in lines becomes a table; any other source stays as it is.
+// A measurement that is not lines of text becomes a table; any other source stays as it is.
 std::unique_ptr<ByteSource> as_table(std::unique_ptr<ByteSource> source, const std::string& path) {
   std::string beginning = taken_from(*source, 2);
   if (beginning != "<?" && beginning != "<c")

@@ -46,18 +46,18 @@ public:
   /// `before` is text that comes before that of the source.
   LineReader(std::unique_ptr<ByteSource> source, std::string name, std::string_view before = {});
 
-  /// The beginning of the text, at least `lines` lines of it if there are so many (and no more than
-  /// ten times as many, or 16 MiB): to find out what it is. Only before the first next().
+  /// The beginning of the text, to find out what it is: at least `lines` lines if it has them, and
+  /// no more than ten times as many, or 16 MiB. Only before the first next().
   std::string_view head(std::size_t lines);
 
-  /// All bytes, of what is no text after all. Only before the first next().
+  /// All bytes, if the source is not text after all. Only before the first next().
   std::string all();
 
   /// Whether `head` was all of it.
   [[nodiscard]] bool whole_is_in_head() const { return whole_is_in_head_; }
 
-  /// From now on a line of more than 16 MiB is told by its beginning and its end, with words
-  /// between that no field has.
+  /// From now on a line of more than 16 MiB is returned as its beginning and its end, with words
+  /// between them that no field has.
   void cut_long_lines() { cuts_long_lines_ = true; }
   /// The next line. Throws InputError for a line of more than 16 MiB, if it is not to be cut.
   std::optional<Line> next();

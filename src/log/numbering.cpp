@@ -24,7 +24,7 @@ constexpr int most_misfits = 6;
 // After a long absence the next beat is still predicted if six sigmas are at most this share of the
 // period: an event at a random phase then fits in at most one case of ten.
 constexpr double foreseen_share = 0.05;
-// Of two events for one cycle one is chosen if it is a hundred times likelier: exp(4.6).
+// If two events fit one cycle, one is chosen if it is a hundred times likelier: exp(4.6).
 constexpr double decisive_log_odds = 4.6;
 // The relative error of the typical period where beats begin, and the relative change allowed where
 // they were lost.
@@ -146,8 +146,8 @@ std::optional<std::size_t> Numbering::missing_among_bounces(std::size_t i) const
   return {};
 }
 
-// Of event i and the following ones that fit the same cycle, the nearest is the beat. Another that
-// is nearly as likely is a rival; the rest are spurious.
+// Among event i and the following ones that fit the same cycle, the nearest is the beat. Another
+// that is nearly as likely is a rival; the rest are spurious.
 std::size_t Numbering::settle(std::size_t i, double cycles,
                               const ClockFilter::Covariance& foreseen) {
   if (cycles > 1.0)

@@ -39,9 +39,9 @@ Agreement agreement(std::span<const Beat> events, std::size_t start, const Phase
   return agreed;
 }
 
-// Of steps from one event to the next those of the commonest length, in their order: the largest
-// set whose members differ by at most a tenth, which no swing does from its neighbours. Of equally
-// large ones it is that nearer to the typical period.
+// The steps from one event to the next that have the commonest length, in their order: the largest
+// set whose members differ by at most a tenth; swings differ less from their neighbours. Among sets
+// of one size, the one nearest to the typical period.
 std::vector<double> commonest(const std::vector<double>& steps, double typical_s) {
   constexpr double spread = 0.1;
   std::vector<double> best;
@@ -62,7 +62,7 @@ std::vector<double> commonest(const std::vector<double>& steps, double typical_s
 
 double local_period(std::span<const Beat> events, std::size_t from, const PhaseSearch& search) {
   const double period_s = search.period_s;
-  // Of a period: a swing of 140 degrees takes 1.5 of a small one, and beyond lie two swings.
+  // In periods: a swing of 140 degrees takes 1.5 small ones, and longer steps span two swings.
   constexpr double shortest_ratio = 1.0 / 1.5, longest_ratio = 1.5;
   constexpr std::size_t fewest_steps = 4, most_steps = 5; // so few that a period changes little
   std::vector<double> all;
@@ -116,7 +116,7 @@ std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::s
       std::max_element(agreed.begin(), agreed.end(),
                        [](const Agreement& a, const Agreement& b) { return a.cycles < b.cycles; });
   if (best->cycles < events_before_absence(events, from, search)) return {};
-  // The first on the winner's grid; of several for the same cycle the nearest to the others.
+  // The first on the winner's grid; if several fit the same cycle, the nearest to the others.
   const Beat& winner = events[tried[static_cast<std::size_t>(best - agreed.begin())]];
   std::optional<std::size_t> first;
   double first_cycle = 0.0, first_off = 0.0;

@@ -282,7 +282,7 @@ TimeOrigin origin_of(const Layout& layout, const Instant& first) {
   return days && !layout.calendar ? TimeOrigin::mjd : TimeOrigin::epoch;
 }
 
-// Those of a file are not all of one length.
+// Leaves a margin, since the lines of a file differ in length.
 std::size_t room_for(std::size_t lines_expected) {
   constexpr double margin = 1.02;
   return static_cast<std::size_t>(margin * static_cast<double>(lines_expected));

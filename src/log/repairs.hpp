@@ -10,9 +10,9 @@ namespace goingrate {
 /// Reverses the order of events and columns; data on a grid get new places.
 void turn_round(ClockLog& log);
 
-/// A label that was written a step early or late gives two events at almost one time beside a
-/// double step; if several in a row were, their steps stand between the two. These events are moved
-/// by `label_step_s`.
+/// A label that was written a step early or late gives two events at almost one time next to
+/// a double step; if several in a row were, their steps stand between the two. These events are
+/// moved by `label_step_s`.
 void mend_label_jitter(ClockLog& log, double label_step_s, IssueList& issues);
 
 /// Sorts events by time, with their columns; each one that came too late is an issue. Where the

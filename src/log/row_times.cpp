@@ -150,7 +150,7 @@ Instant RowReader::pause_before(const Instant& period) {
   return pause_s > explained_s ? Instant{std::llround(pause_s), 0.0} : Instant{};
 }
 
-// Periods are added up; of one that cannot be read the one before is taken, to keep the count.
+// Periods are added up; for one that cannot be read, the one before is taken, to keep the count.
 std::optional<Instant> RowReader::accumulated_time(const Line& line, std::size_t column) {
   const LogColumn& meaning = layout_.columns[column];
   auto period = parse_instant(fields_[column].text, meaning.unit, layout_.point);

@@ -104,7 +104,7 @@ double Sensor::jitter() {
   return settings_.jitter_rms_s > 0.0 ? settings_.jitter_rms_s * jitter_.normal() : 0.0;
 }
 
-// From the vertical to the angle, s; NaN if the swing does not reach it.
+// Time from the vertical to the angle, s; NaN if the swing does not reach it.
 double Sensor::delay(const Passage& passage, double angle) const {
   if (angle == 0.0) return 0.0;
   const bool rising = passage.edge == Edge::up;

@@ -26,7 +26,7 @@ std::optional<double> watch_period(double period_s) {
   return {};
 }
 
-/// From samples to seconds.
+/// Turns samples into seconds.
 class TimeBase {
 public:
   TimeBase(Recording& recording, const ReadingOptions& options, const std::string& name,

@@ -15,7 +15,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t most_sampled = 100'000; // three medians of so many take some milliseconds
+constexpr std::size_t most_sampled = 100'000; // three medians of them take some milliseconds
 constexpr std::size_t stretches = 20;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double normal_from_mad = 1.4826; // standard deviation over median absolute deviation
@@ -122,7 +122,7 @@ bool have_a_course(std::span<const double> periods) {
     const double step = i > 0 ? periods[i] - periods[i - 1] : unknown;
     if (std::isfinite(step)) steps.push_back(step);
   }
-  constexpr std::size_t fewest = 8; // that a course can be told from
+  constexpr std::size_t fewest = 8; // to tell a course from
   if (known.size() < fewest || steps.size() < fewest) return false;
   const double middle = median(known), spread = robust_sigma(known), step = robust_sigma(steps);
   constexpr double least_spread = 0.003, most_scatter = 0.1;

@@ -40,7 +40,7 @@ inline bool may_be_up(const Beat& event) {
 
 /// Whether periods change by their course and not by scatter, as those of a wide free swing do that
 /// dies away: they spread by 0.3 % or more, more than any clock's, and neighbours differ by less
-/// than a tenth of that. NaN is no period.
+/// than a tenth of that. NaN counts as none.
 bool have_a_course(std::span<const double> periods);
 
 /// Whether small swings that take `nominal_s` may take `period_s` when they are wide: up to 140

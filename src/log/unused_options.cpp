@@ -1,4 +1,4 @@
-// What a reader was told that this kind of log has no use for.
+// Options given to a reader that do not apply to this kind of log.
 #include "log/unused_options.hpp"
 
 #include <fmt/format.h>

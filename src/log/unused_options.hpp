@@ -1,12 +1,12 @@
-// What a reader was told that this kind of log has no use for.
+// Options given to a reader that do not apply to this kind of log.
 #pragma once
 
 #include "goingrate/log/reading.hpp"
 
 namespace goingrate {
 
-/// Says in `log.assumptions` which of `told` was not used, since this kind of log has nothing to
-/// use it for: somebody takes the log for what it is not.
+/// Says in `log.assumptions` which of `told` were not used because they do not apply to this kind
+/// of log: the user takes it for something else.
 void tell_unused(ClockLog& log, const ReadingOptions& told);
 
 } // namespace goingrate

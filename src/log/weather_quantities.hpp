@@ -1,4 +1,4 @@
-// What of the weather is read. Private to the log room.
+// The quantities of the weather that are read. Private to the log room.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"

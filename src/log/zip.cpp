@@ -43,7 +43,7 @@ struct Entry {
   std::uint64_t bytes = 0;
 };
 
-// Nothing is written to disk, but such a name is no telephone's.
+// Nothing is written to disk, but no telephone writes such a name.
 bool leads_out(std::string_view name) {
   if (name.empty() || name.front() == '/' || name.find('\\') != name.npos) return true;
   for (const fs::path& part : fs::path(name))

@@ -15,7 +15,7 @@ std::string one_of(const std::vector<Cause>& causes) {
   return listed(names, "or");
 }
 
-/// Speaks of one suspicion.
+/// Explains one suspicion in words.
 class Explanation {
 public:
   Explanation(const Suspicion& suspicion, const Wording& words, bool sees_amplitude,

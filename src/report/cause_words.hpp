@@ -1,4 +1,4 @@
-// Causes in the words of somebody who keeps a clock. Private to the report.
+// Causes in the words of a clock's keeper. Private to the report.
 #pragma once
 
 #include "wording.hpp"

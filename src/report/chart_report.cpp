@@ -195,7 +195,8 @@ std::string rate_map_json(const RateMap& map) {
 
 namespace {
 
-// Beyond three times as far from the highest rate as half of them are the curves are steep.
+// The curves are steep beyond three times the distance from the highest rate at which half of the
+// rates lie.
 double lowest_of_interest(const RateMap& map) {
   std::vector<double> rates;
   for (const auto& row : map.rate_excess)

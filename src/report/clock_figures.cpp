@@ -1,4 +1,4 @@
-// Figures of the clock itself: its rate against its amplitude, and the drive as it went.
+// Figures of the clock itself: its rate against its amplitude, and the course of its drive.
 #include "report_figures.hpp"
 
 #include "wording.hpp"
@@ -19,7 +19,7 @@ constexpr int vermilion = 1;
 constexpr int green = 2;
 constexpr int purple = 3;
 
-// Means over stretches of beats: of a single period the jitter hides what is looked for.
+// Means over stretches of beats: in single periods the jitter hides what is looked for.
 Series stretch_means(const Analysis& data, const Wording& words) {
   constexpr std::size_t wanted_points = 300;
   constexpr std::size_t fewest_beats = 10; // beats

@@ -60,7 +60,7 @@ double period_ratio(double gravity_share, double squared_rad2) {
   return free_period_ratio(gravity_share, std::clamp(std::sqrt(squared_rad2), least_rad, most_rad));
 }
 
-// T0 of the fit, or where it has none of the points.
+// T0 of the fit, or if it has none, of the points.
 double T0_of(const FitSummary& fit, const Stretches& points) {
   const FittedParameter* T0 = fit.find("T0");
   if (T0 != nullptr && std::isfinite(T0->value)) return T0->value;

@@ -21,8 +21,8 @@ std::string open_laws(const Decay& decay) {
   return listed(names, "and");
 }
 
-// Of a law that is behind by so much in BIC, which is twice the logarithm of the odds (Schwarz,
-// Ann. Stat. 6, 461, 1978).
+// How many times less likely a law is that is behind by so much in BIC, which is twice the
+// logarithm of the odds (Schwarz, Ann. Stat. 6, 461, 1978).
 std::string times_as_likely(double behind) {
   constexpr double most_told = 1e6;
   const double odds = std::exp(0.5 * behind);
@@ -48,7 +48,7 @@ std::string angle(double rad, const DisplayUnit& unit) {
   return fmt::format("{} {}", with_sigma(unit.factor * rad, 0.0, 4), unit.name);
 }
 
-// At the one amplitude at which the log tells them best.
+// Q and decay time at the one amplitude at which the log tells them best.
 std::string time_sentence(const Decay& decay, const DisplayUnit& unit) {
   if (!is_known(decay.time_s)) return {};
   const std::string q =

@@ -3,8 +3,8 @@
 #include <cstddef>
 
 // The assembler reads the files, which g++ and clang both leave to it: a megabyte of text as an
-// array in C++ would take the compiler many seconds. That of WebAssembly wants a section for each,
-// and to be told how long it is.
+// array in C++ would take the compiler many seconds. That of WebAssembly needs a section for each,
+// and its length.
 #ifdef __wasm__
 #define SECTION(name) ".section .rodata." name ",\"\",@\n"
 #define END_OF_SECTION ""

@@ -9,7 +9,7 @@ namespace goingrate {
 /// could not fetch it. Holds no "</script".
 std::string_view plotly_script();
 
-/// page_series.js: what page.js does with numbers; to stand before it.
+/// page_series.js: what page.js does with numbers; must come before it.
 std::string_view series_script();
 
 /// page.js: what draws the figures of a page with it.

@@ -64,7 +64,7 @@ public:
 
   [[nodiscard]] double height() const { return bottom_ + space_below; }
 
-  // With a style it is a figure of its own; `top` is its place in a stack.
+  // The SVG. With a style it is a figure of its own; `top` is its place in a stack.
   std::string text(bool with_style, std::optional<double> top = {}) {
     open(with_style, top);
     draw_grid();

@@ -60,7 +60,7 @@ bool is_of_bulk(const Figure& figure) {
                      [](const Series& series) { return series.style == Series::Style::points; });
 }
 
-// The values that are not far beyond the middle 98 %, as a box plot has it; all of a few.
+// The values that are not far beyond the middle 98 %, as in a box plot; if there are few, all.
 Interval bulk_of(const Series& series) {
   std::vector<double> values;
   for (const double value : series.y)

@@ -28,7 +28,7 @@ std::string interval(double low, double high, double value) {
   return fmt::format("{} {}", end(low), end(high));
 }
 
-// Not told from nothing: only how large it may be is known.
+// Whether the parameter may be zero: only how large it may be is known.
 bool is_at_lower_bound(const FittedParameter& p) {
   return p.at_bound && p.low95 >= p.value && std::isfinite(p.high95);
 }

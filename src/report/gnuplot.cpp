@@ -58,7 +58,7 @@ struct Outcome {
   std::string out, err;
 };
 
-// Standard streams are files, not pipes: nobody waits for anybody.
+// Standard streams are files, not pipes, so that neither side waits for the other.
 class Streams {
 public:
   Streams(const Scratch& in, const Scratch& out, const Scratch& err) {
@@ -76,7 +76,7 @@ private:
   posix_spawn_file_actions_t actions_{};
 };
 
-// What the child ended with; one that has not ended by then is killed, and there is nothing.
+// The child's exit status; a child that has not ended by then is killed, and there is none.
 std::optional<int> status_within(pid_t child, std::chrono::milliseconds patience) {
   using namespace std::chrono_literals;
   const auto end = std::chrono::steady_clock::now() + patience;
@@ -111,7 +111,7 @@ std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view scr
   return Outcome{ended_well, !status, out.content(), err.content()};
 }
 
-// On one line; the end of it says most.
+// The text on one line; its end says most.
 std::string in_one_line(std::string_view text) {
   constexpr std::size_t most_characters = 400;
   std::string line;

@@ -28,7 +28,7 @@ constexpr double tick_label_row = 0.45;
 constexpr double axis_title_row = 0.45;
 constexpr double legend_row = 0.36;
 constexpr double marker_row = 0.36;
-constexpr double edge_share = 0.05;     // that stays white whatever stands beside it
+constexpr double edge_share = 0.05;     // stays white whatever stands next to it
 constexpr double character = 0.14;      // width of one at 8 points
 constexpr double tick_character = 0.17; // digits are wider
 
@@ -247,7 +247,7 @@ void Script::draw(const Panel& panel, std::size_t index) {
   write("plot {}\n", curves.empty() ? "NaN notitle" : curves);
 }
 
-// By how many characters the terminal takes a word for longer than it is, a character of it.
+// By how much a terminal overrates a word's width, in characters, for each character of it.
 constexpr double pdf_key_character = 0.27;
 constexpr double png_key_character = 0.15;
 
@@ -262,7 +262,7 @@ std::string pdf_terminal(double height) {
 
 std::string gnuplot_script(const std::vector<Figure>& figures, std::string_view name) {
   Script script(figures, pdf_key_character);
-  std::string output; // no sign that could end it within quotes
+  std::string output; // without characters that could end a quoted string
   for (const char c : std::string(name) + ".pdf")
     output += c == '\'' || static_cast<unsigned char>(c) < ' ' ? '_' : c;
   std::string head = "# A script for gnuplot 5 with its data inside: it writes " +

@@ -18,7 +18,7 @@ Json estimate_object(const std::optional<SensorEstimate>& estimate) {
   return {{"value", json_number(estimate->value)}, {"sigma", json_number(estimate->sigma)}};
 }
 
-// Against the mean period, for want of a nominal one, a rate says nothing.
+// A rate against the mean period, for want of a nominal one, says nothing.
 Json rate_or_null(double rate, bool nominal_is_known) {
   return nominal_is_known ? json_number(rate) : Json(nullptr);
 }
@@ -253,7 +253,7 @@ Json cost_object(const DriveCost& cost) {
           {"slow_s", rms_object(cost.slow_s)}};
 }
 
-// Without a response amplitudes are those of the rate.
+// Without a response, amplitudes are those of the rate.
 Json line_object(const SpectralLine& line, const std::optional<DriveResponse>& response) {
   return {{"period_s", json_number(1.0 / line.frequency_hz)},
           {"amplitude", json_number(response ? drive_of(line, *response) : line.amplitude)},

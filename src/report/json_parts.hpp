@@ -37,7 +37,7 @@ inline Json json_with_schema(const char* name) { return {{"schema", name}, {"ver
 /// with replacement characters.
 std::string json_text(const Json& json);
 
-// The results that the report's holds.
+// The results that the report's JSON holds.
 Json part_object(const PartRate& part, bool nominal_is_known);
 Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                  const SensorFindings& sensor);

@@ -20,7 +20,7 @@ bool shows(const EntryFinding& finding) {
          finding.verdict == EntryVerdict::seen;
 }
 
-// A clock may be wound, and a note made, without its log showing it.
+// A clock may be wound, or a note made, without its log showing it.
 bool is_missed(const EntryFinding& finding) {
   return finding.verdict == EntryVerdict::not_seen && finding.entry.what != LogbookWord::wind &&
          finding.entry.what != LogbookWord::note;

@@ -1,4 +1,4 @@
-// The keeper's diary beside the log, in words. Private to the report.
+// The keeper's diary compared with the log, in words. Private to the report.
 #pragma once
 
 #include "wording.hpp"

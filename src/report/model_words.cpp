@@ -51,7 +51,7 @@ std::string undetermined(const FitSummary& fit) {
   return listed(names, "or");
 }
 
-// What would tell the parameters that are left open.
+// What would determine the parameters that are left open.
 std::string remedy(const Analysis& data, bool sees_amplitude) {
   const std::string amplitudes = sees_amplitude ? "" : "amplitudes, ";
   if (!swings_freely(data))

@@ -35,7 +35,7 @@ class Arrays {
 public:
   std::size_t add(std::vector<double> values) {
     for (std::size_t i = 0; i < kept_.size(); ++i)
-      if (kept_[i] == values) return i; // one with NaN equals none, which costs its room only
+      if (kept_[i] == values) return i; // one with NaN equals no other, which only costs space
     if (values.size() <= longest_list)
       json_.push_back(values);
     else

@@ -157,7 +157,7 @@ std::string key_figures(const Analysis& data) {
   const Wording words(data);
   std::string cards;
   if (swings_freely(data)) {
-    // A rate is that of a clock.
+    // Only a clock has a rate.
   } else if (rate.nominal_is_known) {
     if (data.stretches.size() > 1 || data.now.rate.rate_excess != rate.rate_excess)
       cards += card("Rate now",

@@ -1,4 +1,4 @@
-// The words of the page, for those who do not use them every day.
+// The page's glossary, for those who do not use its words every day.
 #include "page.hpp"
 
 #include "markup.hpp"

@@ -61,7 +61,7 @@ double free_angle() {
 
 double free_rate() { return 1.0 / circular_period_ratio(free_angle()) - 1.0; }
 
-// The escapement error in a swing that is no sinusoid, per unit of the torque, from a clock with
+// The escapement error in a swing that is not a sinusoid, per unit of the torque, from a clock with
 // `share` of C's friction and torque: they are the smaller the less second order in them is left.
 double escapement_error_at(double share) {
   ClockParameters clock = point_c();

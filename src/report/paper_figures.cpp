@@ -71,7 +71,7 @@ Figure rate_figure() {
   return figure;
 }
 
-// The torque over the phase at A, eq. defdel: what of fig. modesc can be computed.
+// The torque over the phase at A, eq. defdel: the part of fig. modesc that can be computed.
 Figure escapement_figure() {
   const ClockParameters a = point_a();
   const double lambda = *stationary_amplitude(a), switches = std::asin(a.phi0 / lambda) / pi;

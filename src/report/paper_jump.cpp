@@ -44,7 +44,7 @@ JumpCourse course_of(const Scenario& scenario) {
   return course;
 }
 
-// By eqs. dotl4 and dotpsi4 as the paper has them, the circular error being -lambda^2/16.
+// The course by eqs. dotl4 and dotpsi4 of the paper, with the circular error -lambda^2/16.
 JumpCourse course_by_paper(std::int64_t periods) {
   AveragedPendulum pendulum(point_a(), *stationary_amplitude(point_a()), AveragedOrder::first);
   JumpCourse course;

@@ -1,5 +1,4 @@
-// The paper's companion: what it says, section by section, and what comes of it when it is computed
-// again.
+// The paper's companion: what the paper says, section by section, and what a new computation gives.
 #include "goingrate/report/paper.hpp"
 
 #include "markup.hpp"

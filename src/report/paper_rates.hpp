@@ -1,4 +1,4 @@
-// Rates of the paper's clocks, and what is made of them. Private to the report room.
+// Rates of the paper's clocks, and what follows from them. Private to the report room.
 #pragma once
 
 #include "paper_figures.hpp"

@@ -51,7 +51,7 @@ Figure impulse_figure() {
   return figure;
 }
 
-// What a push makes of the rate, over epsilon: by the averaged equations and by its limit cycle.
+// The rate that a push makes, over epsilon: by the averaged equations and by its limit cycle.
 double by_theory(double centre, double width) {
   const ClockParameters c = point_c();
   return escapement_error(c.epsilon, *stationary_amplitude(c), centre, width) / c.epsilon;

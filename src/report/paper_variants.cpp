@@ -111,7 +111,7 @@ ClockParameters same_moments(double width) {
     impulse.impulse = 2.0 * pi * lambda * moments.a;
     return impulse;
   }
-  // Of a push with C's work the moment b rises with its place.
+  // The moment b of a push with C's work rises with the place of the push.
   double low = -(lambda - 0.5 * width), high = 0.0;
   constexpr int halvings = 50;
   for (int i = 0; i < halvings; ++i) {

@@ -1,4 +1,4 @@
-// Clocks that the paper speaks of and does not compute. Private to the report room.
+// Clocks that the paper mentions but does not compute. Private to the report room.
 #pragma once
 
 #include "goingrate/dynamics/custom_pendulum.hpp"
@@ -10,7 +10,7 @@ struct Cycle {
   double velocity = 0.0; ///< phi' at the upward crossing
   double rate = 0.0;     ///< excess
 };
-/// Of any laws, by secant steps from `start`; rate to some 1e-11.
+/// The cycle under any laws, by secant steps from `start`; rate to some 1e-11.
 Cycle cycle_of(const CustomLaws& laws, double start);
 
 /// C with one more torque of size mu, cos n psi or sin n psi, psi being the pendulum's own phase.
@@ -30,7 +30,7 @@ ClockParameters single_impulse(double energy, double angle);
 /// A push both ways, `width` wide, its middle `centre` beyond the vertical, of constant torque and
 /// of C's work at C's amplitude: its friction and gravity are C's too.
 ClockParameters push(double centre, double width);
-/// What such a push makes of the rate: the limit cycle's less the circular error of its amplitude.
+/// The rate that such a push makes: the limit cycle's, less the circular error of its amplitude.
 double escapement_error_of(const ClockParameters& clock);
 
 /// The clock that has C's two moments at C's amplitude: a push this wide, or for 0 an impulse.

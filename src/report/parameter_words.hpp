@@ -15,8 +15,8 @@ std::string symbol_and_name(std::string_view name);
 /// An expression with symbols for the names in it: "T0/(2π ε)" for "T0/(2 pi epsilon)".
 std::string in_symbols(std::string_view expression);
 
-/// What the parameter is, for somebody who has not read the paper; of one that changes at an event
-/// without the event.
+/// What the parameter is, for somebody who has not read the paper; for one that changes at an
+/// event, without the event.
 std::string_view meaning_of(std::string_view name);
 
 } // namespace goingrate

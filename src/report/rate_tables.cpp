@@ -18,7 +18,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::int64_t rows_per_gap = 20; // a longer gap is told in one row
+constexpr std::int64_t rows_per_gap = 20; // a longer gap gets one row
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 // A number, or nothing if it is not known.
@@ -30,7 +30,7 @@ void append_number(DecimalText& line, double value, int digits) {
 struct NamedColumn {
   const char* name;
   const std::vector<double>* values;
-  int digits; // of a σ fewer: nothing is known to more, and another processor's σ has the same
+  int digits; // fewer for a σ, which is not known to more; so every processor prints the same
 };
 
 std::array<NamedColumn, 5> named(const EventColumns& columns) {

@@ -354,7 +354,7 @@ std::optional<Figure> in_unit_of_its_rates(std::optional<Figure> figure) {
   return figure;
 }
 
-// What is against time on one axis, then what is against time alone.
+// The figures against time that share an axis, then those that have one to themselves.
 void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& figures) {
   const TimeFigures of_time(data);
   add(figures, in_unit_of_its_rates(of_time.rate()));
@@ -365,7 +365,7 @@ void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& fi
     figures.push_back(of_time.amplitude_residual());
   for (Figure& figure : figures)
     figure.group = "course";
-  if (!swings_freely(data)) { // nothing shows the time by a free swing
+  if (!swings_freely(data)) { // a free swing keeps no time
     figures.push_back(of_time.error());
     add(figures, in_unit_of_its_rates(rate_amplitude_figure(data)));
   }

@@ -34,8 +34,8 @@ std::optional<Figure> correlation_figure(const FitSummary& fit);
 /// The 68 % and 95 % intervals in units of sigma; nothing if no parameter has them.
 std::optional<Figure> interval_figure(const FitSummary& fit);
 
-/// The profile of the likelihood for each parameter of which the fit traced it; nothing
-/// if none has.
+/// The profile of the likelihood for each parameter for which the fit traced it; nothing if there
+/// is none.
 std::optional<Figure> profile_figure(const FitSummary& fit);
 
 /// A logarithmically spaced mean: a few values in each decade, each the mean over its band.

@@ -52,10 +52,10 @@ std::string to_the_digits_of(double value, double sigma) {
 
 std::string with_sigma(double value, double sigma, int digits) {
   if (!std::isfinite(value)) return "not known";
-  if (value == 0.0) value = 0.0; // no minus before nothing
+  if (value == 0.0) value = 0.0; // no minus before zero
   Rounded text = rounded(value, sigma, digits);
   if (text.value.find_first_of("123456789") == std::string::npos && text.value.starts_with('-'))
-    text.value.erase(0, 1); // nor before what is rounded to nothing
+    text.value.erase(0, 1); // nor before what is rounded to zero
   const std::string power = text.power == 0 ? "" : "×" + power_of_ten(text.power);
   if (text.sigma.empty()) return text.value + power;
   const std::string both = text.value + " ± " + text.sigma;

@@ -1,4 +1,4 @@
-// Numbers rounded to what is known of them. Private to the report.
+// Numbers rounded to the digits that are known. Private to the report.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@ struct Rounded {
   int power = 0;
 };
 
-/// To two digits of sigma; without a sigma above 0, or with one below the resolution of a double,
-/// to `digits` digits of the value, which is finite.
+/// The value to two digits of sigma; without a sigma above 0, or with one below the resolution of a
+/// double, to `digits` digits of the value, which is finite.
 Rounded rounded(double value, double sigma, int digits);
 
-/// The value alone, to the digits that it has beside its standard deviation: an end of an interval.
+/// The value alone, to the digits that it has with its standard deviation: an end of an interval.
 std::string to_the_digits_of(double value, double sigma);
 
 /// "10⁻⁴"; empty for a power of 0.

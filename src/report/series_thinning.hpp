@@ -25,15 +25,15 @@ struct Cloud {
   std::vector<Extent> body;
 };
 
-/// The runs of a line, which is broken where a place is missing: of the places in one column the
-/// lowest and the highest, in their order. A place with gaps on both sides is a run of one.
+/// The runs of a line, which is broken where a place is missing: in each column the lowest and the
+/// highest place, in their order. A place with gaps on both sides is a run of one.
 std::vector<std::vector<Place>> thinned_line(const std::vector<Place>& places);
 
-/// Up to 1000 places are dots, all of them. Of more, those in a column with more than two become
-/// two dots, the lowest and the highest, and a stroke over the middle 80 %.
+/// Up to 1000 places are all drawn as dots. If there are more, those in a column with more than two
+/// become two dots, the lowest and the highest, and a stroke over the middle 80 %.
 Cloud thinned_cloud(const std::vector<Place>& places);
 
-/// The runs of a band: of the extents in one column their outline.
+/// The runs of a band: in each column the outline of its extents.
 std::vector<std::vector<Extent>> thinned_band(const std::vector<Extent>& extents);
 
 } // namespace goingrate

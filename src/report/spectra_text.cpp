@@ -41,7 +41,7 @@ const char* what_noise_means(int alpha) {
 }
 
 std::string region_line(const SlopeRegion& region, DeviationKind kind) {
-  if (std::isnan(region.slope)) return {}; // one row of its own is as often chance as not
+  if (std::isnan(region.slope)) return {}; // a single row is as often chance as not
   const std::string times =
       fmt::format("From {} to {} ", time_in_words(region.from_s), time_in_words(region.to_s));
   if (!may_be_noise(region, kind))
@@ -79,7 +79,7 @@ std::string prediction_line(const TimePrediction& p, const char* name) {
   return text + ".\n";
 }
 
-// What is no noise does not go on as it was.
+// Nothing is predicted from what is not noise: it need not go on as it was.
 std::string prediction_lines(const DeviationTable& table, bool all_noise) {
   std::string text;
   bool left_out = false;
@@ -122,7 +122,7 @@ std::string deviation_text(const DeviationTable& table) {
 std::string deviation_findings(const DeviationTable& table) {
   std::string text;
   constexpr std::size_t most_regions =
-      8; // of a table of all tau the regions would be as many as the rows
+      8; // a table of all tau would have as many regions as it has rows
   const auto regions = slope_regions(table);
   const bool all_noise =
       std::all_of(regions.begin(), regions.end(),
@@ -199,7 +199,7 @@ std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPerio
       return label_of(l, drive.rate_spectrum->resolution_hz, expected);
     };
     const std::string name = label(line);
-    // One that has a name of its own, as a tide close to half a day, may be no sideband.
+    // One that has a name of its own, as a tide close to half a day, may not be a sideband.
     if (line.sideband_of && (name.empty() || name == label(drive.lines[*line.sideband_of])))
       continue;
     text += fmt::format(

@@ -91,7 +91,7 @@ void Numbers::add_going() {
   add_logbook();
 }
 
-// What was planned, beside what the log shows.
+// What was planned, compared with what the log shows.
 void Numbers::add_logbook() {
   if (!data_.logbook) return;
   for (const EntryFinding& finding : data_.logbook->entries) {
@@ -189,7 +189,7 @@ void Numbers::add_fit() {
   for (const FittedParameter& p : fit.parameters) {
     const bool is_open =
         p.status == ParameterStatus::free && !(std::isfinite(p.low95) && std::isfinite(p.high95));
-    if (is_open) continue; // one ± would tell less than half of it
+    if (is_open) continue; // one ± would tell less than half
     const bool told = data_.drive.split && is_noise_of_drive(p.name);
     if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed ? ", given"
@@ -267,8 +267,9 @@ std::string Numbers::deviation(const DeviationRow& row) const {
                      words_.rate_unit().name);
 }
 
-// The longest times rest on one or two differences; four spans of the log are the least to speak
-// of. The rate of a free swing changes with its amplitude, and a deviation would show that alone.
+// The longest times rest on one or two differences: the least is sought among those that fit into
+// the log four times. The rate of a free swing changes with its amplitude, and a deviation would
+// show that alone.
 void Numbers::add_deviation() {
   if (swings_freely(data_)) return;
   std::vector<DeviationRow> rows = data_.deviation.rows;

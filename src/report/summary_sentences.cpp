@@ -54,7 +54,7 @@ public:
     for (const Change& change : data.diary.changes)
       if (!is_in_one(data.diary, change.at_s) && !change.is_only_noted())
         changes_.push_back(&change);
-    for (const Suspicion& suspicion : data.suspicions) // an interruption is told as one
+    for (const Suspicion& suspicion : data.suspicions) // steps of an interruption are left to it
       if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)) &&
           !(suspicion.cause == Cause::stop && stop_is_told(data)))
         suspicions_.push_back(suspicion);
@@ -74,7 +74,7 @@ public:
   }
 
 private:
-  // What is left out first, where there is more to say than a reader takes in.
+  // In the order in which they are left out if there is more to say than a reader takes in.
   enum class Weight { second_cause, model, logbook, trend, dated_cause, main };
   struct Sentence {
     std::string text;
@@ -110,7 +110,7 @@ private:
     say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
-    // Without a date of its own it says little beside the cause.
+    // Without a date of its own it adds little to the cause.
     say(whether_worse(),
         changes_.empty() && !suspicions_.empty() ? Weight::trend : Weight::main);
     say(out_of_beat(), Weight::second_cause);
@@ -144,13 +144,13 @@ private:
   const Analysis& data_;
   Wording words_;
   bool sees_amplitude_;
-  std::vector<const Change*> changes_; // those that are no part of an interruption
-  std::vector<Suspicion> suspicions_;  // those that are not told by it
+  std::vector<const Change*> changes_; // those that are not part of an interruption
+  std::vector<Suspicion> suspicions_;  // those that no interruption covers
   std::vector<Sentence> sentences_;
 };
 
 bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
-  constexpr double blocks = 384.0; // that the causes are judged on: a date is as good as one
+  constexpr double blocks = 384.0; // on which causes are judged: a date is good to one
   const double doubt_s = 2.0 * data_.rate.duration_s / blocks;
   const auto& all = data_.diary.interruptions;
   return std::any_of(all.begin(), all.end(), [&](const Interruption& event) {
@@ -160,12 +160,12 @@ bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
 }
 
 std::string Sentences::rate_words(double rate, double sigma) const {
-  constexpr double least_significance = 2.0; // sigma: a sign that may as well be the other is none
+  constexpr double least_significance = 2.0; // sigma: below, the sign may as well be the other
   return std::abs(rate) > least_significance * sigma ? words_.going(rate, sigma)
                                                      : "has a rate of " + words_.rate(rate, sigma);
 }
 
-// Whether the rate in the end is not that of the last stretch.
+// Whether the rate at the end is not that of the last stretch.
 bool Sentences::moves_on() const {
   return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
 }
@@ -182,7 +182,7 @@ std::string Sentences::going() const {
   const RateSummary& now = data_.now.rate;
   const std::string how = rate_words(now.rate_excess, now.rate_excess_sigma);
   const bool is_zero = std::abs(now.rate_excess) <= 2.0 * now.rate_excess_sigma;
-  const std::string guess = // the log, or the one who has it, may state the period
+  const std::string guess = // the log or its owner may have stated the period
       data_.log.nominal_period_s
           ? ""
           : fmt::format(", if its period should be {:.9g} s", rate.nominal_period_s);
@@ -197,7 +197,7 @@ std::string Sentences::going() const {
                  : fmt::format("Over the {} of {} the clock {}{}.", span, log, how, guess);
 }
 
-// Half the period given for the period is the commonest slip.
+// The commonest slip is to give half the period for the period.
 std::string Sentences::every_nth() const {
   const std::int64_t step = usual_step(data_.beats);
   if (step < 2) return {};
@@ -232,9 +232,9 @@ std::string Sentences::changes() const {
     const RateSummary& after = data_.stretches[1].rate;
     const double by = after.rate_excess - before.rate_excess;
     const double sigma = std::hypot(own_rate_sigma(before), own_rate_sigma(after));
-    // Weather may hide in both means a change that shows between neighbouring beats.
+    // In both means weather may hide a change that shows between neighbouring beats.
     constexpr double least_told = 2.0; // sigma
-    // A rate that the time base leaves open has changes that it does not.
+    // If the time base leaves the rate open, its changes may still be known.
     if (!data_.rate.nominal_is_known || data_.rate.time_base_sigma > 0.0)
       return "The rate changed " + when_it_changed() +
              (std::abs(by) < least_told * sigma ? "" : ", by " + words_.rate(by, sigma));
@@ -265,7 +265,7 @@ std::string Sentences::out_of_beat() const {
                      data_.log.sound ? "" : ", or the sensor stands beside the vertical");
 }
 
-// Trends are judged in logs that are long enough for it.
+// Trends are judged only in logs that are long enough.
 std::string Sentences::whether_worse() const {
   const std::string told = changes();
   std::string trend;

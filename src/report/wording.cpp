@@ -48,7 +48,7 @@ DisplayUnit unit_of_angles(const Analysis& data) {
   if (data.fit.decay) return angle_unit(*data.fit.decay);
   double largest = largest_of_model(data.fit);
   for (const Beat& beat : data.beats)
-    largest = std::fmax(largest, beat.amplitude_rad); // passes over what is not known
+    largest = std::fmax(largest, beat.amplitude_rad); // skips what is not known
   return unit_of_angles(largest);
 }
 

@@ -16,7 +16,7 @@ struct DisplayUnit {
   double factor = 1.0;
 };
 
-/// s, h or days: that of the time since the first beat, in figures and in words.
+/// s, h or days: the unit of the time since the first beat, in figures and in words.
 DisplayUnit time_unit(double duration_s);
 
 /// mrad, or rad where the free swing is wider than half a radian.
@@ -30,7 +30,7 @@ DisplayUnit angle_unit(const FitSummary& fit);
 FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter parameter);
 
 /// A quantity of this fit as it is shown: an angle, and the amplitude that it belongs to, in that
-/// unit; of the mean period what its sigma covers.
+/// unit; for the mean period, what its sigma covers.
 DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit, DerivedQuantity quantity);
 
 /// The words for the numbers of one log.
@@ -38,8 +38,8 @@ class Wording {
 public:
   explicit Wording(const Analysis& data);
 
-  /// Of a relative rate: s/day, or ms/day where all rates of the log are below 1 s/day, or µs/day
-  /// below 1 ms/day.
+  /// Unit of rates: s/day, or ms/day where all rates of the log are below 1 s/day, or µs/day below
+  /// 1 ms/day.
   [[nodiscard]] const DisplayUnit& rate_unit() const { return rate_; }
   /// mrad, or rad where the pendulum swings by more than half a radian.
   [[nodiscard]] const DisplayUnit& angle_unit() const { return angle_; }

@@ -9,7 +9,7 @@
 namespace goingrate {
 
 /// What ticks, or tocks, are like: power over their own strength, its relative variance from beat
-/// to beat, and how far that is alike in bins so far apart.
+/// to beat, and its correlation between bins by their distance.
 struct BeatKind {
   std::vector<double> shape;
   std::vector<double> variance;
@@ -26,7 +26,7 @@ struct BeatPlace {
   bool inside = false;
 };
 
-/// Fits the mean beat to one.
+/// Fits the mean beat to a single one.
 class BeatFit {
 public:
   BeatFit(const BeatGrid& grid, const BeatKind& kind) : grid_(grid), kind_(kind) {}
@@ -34,7 +34,7 @@ public:
   BeatPlace operator()(const BeatSnippet& snippet);
 
 private:
-  // In units of the background; at least one that can be told from none.
+  // In units of the background; at least a strength that can be told from none.
   [[nodiscard]] double strength_at(const BeatSnippet& snippet, std::ptrdiff_t shift) const;
 
   // A hundredth of the strength is added: the foot of a loud beat changes by orders of magnitude

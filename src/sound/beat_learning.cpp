@@ -27,8 +27,8 @@ public:
   BeatLearning(const BeatGrid& grid, std::vector<BeatSnippet> snippets)
       : grid_(grid), snippets_(std::move(snippets)) {}
 
-  // From the mean of all, which loud beats out of line blur, and from one beat, in which faint ones
-  // are drowned: whichever comes to predict them better.
+  // Begins once from the mean of all, which loud beats out of line blur, and once from one beat, in
+  // which faint ones are drowned; returns what comes to predict beats better.
   BeatKind run() {
     const std::vector<double> none(grid_.size, 0.0);
     best_ = {none, none, {1.0}, 0.0, 0.0};
@@ -69,7 +69,7 @@ private:
     const double loudest = *std::max_element(kind_.shape.begin(), kind_.shape.end());
     for (double& value : kind_.shape)
       value /= loudest > 0.0 ? loudest : 1.0;
-    constexpr double likeness_limit = 0.1; // the square of a third: one beat is not quite another
+    constexpr double likeness_limit = 0.1; // the square of a third: no two beats are quite alike
     kind_.variance.assign(grid_.size, likeness_limit);
   }
 

@@ -55,7 +55,7 @@ void measure_background(SnippetReader& snippets, const TickTrack& track, BeatGri
     std::vector<double> powers(snippet.powers.begin(), snippet.powers.end());
     const double mean = trimmed_mean(powers);
     std::vector<double> off;
-    constexpr double largest_power = 4.0; // what is louder is no background
+    constexpr double largest_power = 4.0; // anything louder is not background
     for (const float power : snippet.powers)
       off.push_back(std::min(static_cast<double>(power) / mean - 1.0, largest_power));
     for (std::size_t lag = 0; lag < lags; ++lag)

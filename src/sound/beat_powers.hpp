@@ -27,7 +27,7 @@ struct BeatGrid {
     return 2.0 * (1.0 + 2.0 * sound) / (all * all) / degrees;
   }
 
-  // How many neighbours are as good as one.
+  // How many neighbouring powers tell as much as a single independent one.
   [[nodiscard]] double alike() const {
     return 2.0 * std::accumulate(correlation.begin(), correlation.end(), 0.0) - 1.0;
   }
@@ -47,7 +47,7 @@ public:
   SnippetReader(Whitening& sound, const Loudness& loudness, const BeatGrid& grid)
       : sound_(sound), loudness_(loudness), grid_(grid) {}
 
-  // Around a rough place; `after` as of the kind.
+  // The snippet around a rough place; `after` is that of the kind.
   BeatSnippet read(double bin, double after = 0.0);
 
 private:
@@ -57,8 +57,8 @@ private:
   std::vector<float> samples_, bins_;
 };
 
-/// Measures the background halfway between beats: power is chi-square of as many degrees as its
-/// scatter tells, in the band of the beats fewer than there are samples.
+/// Measures the background halfway between beats: its power is chi-square with as many degrees of
+/// freedom as its scatter tells, which in the band of the beats are fewer than there are samples.
 void measure_background(SnippetReader& snippets, const TickTrack& track, BeatGrid& grid);
 
 } // namespace goingrate

@@ -36,7 +36,7 @@ std::vector<float> powers(Whitening& sound, std::int64_t count, std::int64_t hop
 }
 
 constexpr float silent_log_power =
-    -60.0F; // ln(power) of what is no sound: a recorder left something out
+    -60.0F; // ln(power) where there is no sound: a recorder left something out
 
 // The median of what is sound; `silent` if that is too little to tell.
 float sound_median(std::span<const float> values) {

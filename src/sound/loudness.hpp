@@ -21,8 +21,8 @@ struct Loudness {
   [[nodiscard]] double background(double at) const;
 };
 
-/// Measures it. The background is the median over 1.3 s: ticks are shorter than the silence between
-/// them.
+/// Measures the loudness. The background is the median over 1.3 s: ticks are shorter than the
+/// silence between them.
 Loudness measure_loudness(Whitening& sound, std::int64_t count, double rate_hz,
                           const std::function<void(double)>& progress);
 

@@ -12,7 +12,7 @@ class SecondPulses {
 public:
   /// Finds the leading edges: the steepest rises or falls, whichever are steeper, where they reach
   /// half of the median size of one per second, to a fraction of a sample. Pulses that are missing
-  /// are counted over; what is no whole second from the others is left out.
+  /// are counted over; those not a whole second from the others are left out.
   explicit SecondPulses(const SoundSamples& samples);
 
   /// Pulses found; fewer than three tell nothing.

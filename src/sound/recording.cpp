@@ -133,7 +133,7 @@ struct Recording::File {
   }
   static constexpr float largest_sample = 32767.0F; // of 16 bits
 
-  // The next samples of one channel; how many there were.
+  // Reads the next samples of one channel; returns how many there were.
   sf_count_t next(std::size_t channel, std::span<float> to) {
     const auto channels = static_cast<std::size_t>(info.channels);
     frames.resize(to.size() * channels);
@@ -214,7 +214,7 @@ double Recording::rate_hz() const { return file_->info.samplerate; }
 std::size_t Recording::channels() const { return static_cast<std::size_t>(file_->info.channels); }
 
 std::uint64_t Recording::missing_bytes() const {
-  constexpr std::uint64_t slack = 8; // of programs that count the beginning of the head as well
+  constexpr std::uint64_t slack = 8; // some programs count the beginning of the head as well
   return file_->stated > file_->size + slack ? file_->stated - file_->size : 0;
 }
 

@@ -14,7 +14,7 @@ namespace goingrate {
 /// Whether a file whose first bytes are `beginning` holds sound.
 bool is_sound(std::string_view beginning);
 
-/// The same of a regular file, neither packed nor in a ZIP.
+/// The same for a regular file, neither packed nor in a ZIP.
 bool is_sound_on_disk(const std::string& path);
 
 /// An open file of sound, on disk or in memory.
@@ -22,7 +22,7 @@ class Recording {
 public:
   /// Throws InputError if it is damaged, holds no sample, or has more than 64 channels.
   static Recording on_disk(const std::string& path);
-  /// The same of its bytes, which must outlive the object; `name` names it in messages.
+  /// The same from its bytes, which must outlive the object; `name` names it in messages.
   static Recording in_memory(std::string_view bytes, const std::string& name);
   Recording(Recording&&) noexcept;
   Recording& operator=(Recording&&) noexcept;

@@ -30,7 +30,7 @@ public:
     ++count_;
   }
 
-  // At a frequency, in half the sampling rate; Bartlett's weights leave nothing negative.
+  // Power at a frequency in units of half the sampling rate; never negative, by Bartlett's weights.
   [[nodiscard]] double spectrum(double frequency) const {
     double sum = sums_[0];
     for (std::size_t lag = 1; lag <= reach; ++lag)
@@ -47,7 +47,7 @@ private:
   double count_ = 0.0;
 };
 
-// By the inverse cosine transform, with Hann's taper; of power 1.
+// The filter of this response, by inverse cosine transform with Hann's taper; its power is 1.
 std::vector<float> filter_with(const std::function<double(double)>& response) {
   std::vector<double> half(reach + 1, 0.0);
   for (std::size_t i = 0; i < frequencies; ++i) {

@@ -1,4 +1,4 @@
-// In which band a clock is heard best.
+// The band in which a clock is heard best.
 #pragma once
 
 #include "loudness.hpp"

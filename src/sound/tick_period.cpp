@@ -38,7 +38,7 @@ std::vector<float> beat_like(std::span<const float> above) {
   constexpr std::size_t beat = 2, syllable = 30;
   const std::vector<double> sums = sums_of(above);
   std::vector<float> result;
-  constexpr double most_weight = 2.0; // a sound of its own does not tell more than several beats
+  constexpr double most_weight = 2.0; // a single sound does not tell more than several beats
   for (std::size_t i = 0; i < above.size(); i += coarse)
     result.push_back(static_cast<float>(std::clamp(
         mean_around(sums, i, beat) - mean_around(sums, i, syllable), -most_weight, most_weight)));
@@ -90,8 +90,8 @@ double at(std::span<const double> values, double place) {
   return (1.0 - part) * values[i] + part * values[i + 1];
 }
 
-// Less what repeats in the rhythm of the mains, 100 or 120 times per second: it does so as well one
-// such time earlier and later, which beats do not.
+// Takes off what repeats in the rhythm of the mains, 100 or 120 times per second: it also repeats
+// one such time earlier and later, which beats do not.
 std::vector<double> without_hum(const std::vector<double>& correlation, double coarse_a_second) {
   std::vector<double> result = correlation;
   for (std::size_t lag = 0; lag < result.size(); ++lag)
@@ -115,7 +115,7 @@ double repeats(std::span<const double> correlation, double lag) {
   return count < 1.0 ? 0.0 : sum / std::sqrt(count);
 }
 
-// What that is by chance.
+// What repeats() comes to by chance.
 double chance(std::span<const double> correlation, double from) {
   std::vector<double> values;
   for (double lag = from; 2.0 * lag < static_cast<double>(correlation.size()); lag += 1.0)
@@ -159,7 +159,7 @@ std::optional<double> second_sound(const Loudness& loudness, const Windows& wind
   const std::size_t quarter = size / 4;
   const auto best = std::max_element(mean.begin() + static_cast<std::ptrdiff_t>(quarter),
                                      mean.end() - static_cast<std::ptrdiff_t>(quarter));
-  // Its lower half shows what is between the sounds.
+  // The lower half of the values shows what is between the sounds.
   std::vector<double> work = mean;
   std::sort(work.begin(), work.end());
   const double middle = work[size / 2];

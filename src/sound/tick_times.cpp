@@ -33,7 +33,7 @@ MeanBeat mean_beat(const BeatKind& kind, const BeatGrid& grid, double strength, 
   return beat;
 }
 
-// A phase that steps may name one beat twice.
+// A phase that steps may give one beat twice.
 void drop_repeated(std::vector<Tick>& ticks, double period) {
   std::sort(ticks.begin(), ticks.end(), [](const Tick& a, const Tick& b) { return a.at < b.at; });
   std::vector<Tick> kept;
@@ -47,8 +47,8 @@ void drop_repeated(std::vector<Tick>& ticks, double period) {
   ticks = std::move(kept);
 }
 
-// What is looked for in a log takes its beats for alike: those that other sounds cover are left
-// out.
+// Whatever is looked for in a log takes all its beats for equally good: those that other sounds
+// cover are left out.
 std::int64_t drop_covered(std::vector<Tick>& ticks) {
   if (ticks.empty()) return 0;
   std::vector<double> sigmas;

@@ -79,8 +79,8 @@ private:
     return score;
   }
 
-  // Beats are drowned, so that silence says little. What tells a beat for sure comes up to twice as
-  // much: a loud bang is not worth many beats.
+  // Beats may be drowned, so silence says little. The bound is twice what a certain beat scores: a
+  // loud bang is not worth many beats.
   static float bounded(float value) {
     constexpr float least_excess = -4.0F, knee_excess = 12.0F;
     if (value > knee_excess) return knee_excess * (2.0F - knee_excess / value);
@@ -130,7 +130,7 @@ public:
   }
 
 private:
-  // Nats: of a bin a period; of anywhere, which two periods of the clearest beats are not worth.
+  // Nats: for a bin per period; for any jump, which two periods of the clearest beats cannot pay.
   static constexpr double step_cost = 3.0, jump_cost = 100.0;
   static constexpr std::int8_t jump = 2;
 
@@ -147,8 +147,8 @@ private:
     return best;
   }
 
-  // From a tick to the last sound of its period. All periods hold both, or one with both would be
-  // worth a jump.
+  // Time from a tick to the last sound of its period. All periods hold both, or one with both would
+  // be worth a jump.
   [[nodiscard]] double after() const { return pattern_.has_tocks ? pattern_.tock_after : 0.0; }
 
   [[nodiscard]] double bin_of(std::size_t n, std::size_t f) const {
@@ -168,7 +168,7 @@ private:
   std::size_t size_, periods_;
 };
 
-// A phase that wraps names one beat twice, or none: beats are a period apart.
+// A phase that wraps gives one beat twice, or none: beats are a period apart.
 std::vector<double> one_a_period(const std::vector<double>& bins, double period) {
   std::vector<double> result;
   for (const double bin : bins) {

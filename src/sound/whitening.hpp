@@ -1,4 +1,4 @@
-// Whitening by linear prediction: what of each sample those before it do not predict.
+// Whitening by linear prediction: the part of each sample that those before it do not predict.
 #pragma once
 
 #include "goingrate/sound/ticks.hpp"
@@ -12,7 +12,7 @@ namespace goingrate {
 class Whitening {
 public:
   /// Learns it (autocorrelation method, Levinson's recursion) from blocks all over the recording,
-  /// each counted alike, however loud.
+  /// each with the same weight, however loud.
   explicit Whitening(const SoundSamples& samples);
 
   /// Lets it be followed by a symmetric filter of an odd number of taps, instead of any before.
@@ -23,7 +23,7 @@ public:
 
 private:
   const SoundSamples& samples_;
-  std::vector<float> prediction_; // of the sample itself, of the one before it, ...
+  std::vector<float> prediction_; // weights of the sample itself, of the one before it, ...
   std::vector<float> filter_;     // all that is done, from `ahead_` samples later on
   std::size_t ahead_ = 0;
   std::vector<float> raw_;

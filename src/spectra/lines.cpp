@@ -57,7 +57,7 @@ std::vector<double> centred(std::span<const double> series) {
   return x;
 }
 
-// |X|^2 / N at frequencies k / (2 N), k = 0 .. N: of white noise its mean is the variance.
+// |X|^2 / N at frequencies k / (2 N), k = 0 .. N: for white noise its mean is the variance.
 std::vector<double> fine_periodogram(std::span<const double> x) {
   std::vector<double> padded(x.begin(), x.end());
   padded.resize(2 * x.size(), 0.0);
@@ -154,7 +154,7 @@ SpectralLine refined(std::span<const double> x, double interval_s, const Peak& p
   return line;
 }
 
-// That any of N values shows it: 1 - (1 - p)^N without losing its digits where it is small.
+// Chance that any of N values shows it: 1 - (1 - p)^N, without losing digits where it is small.
 double chance_anywhere(double log_chance, std::size_t values) {
   return -std::expm1(static_cast<double>(values) * std::log1p(-std::exp(log_chance)));
 }
@@ -175,7 +175,7 @@ void check(std::span<const double> series, double interval_s) {
     if (!std::isfinite(v)) throw ArgumentError("series", v, "finite");
 }
 
-// The strongest line that `line` stands close beside, as what varies slowly makes it.
+// The strongest line close to `line`, which may be its sideband: a slow variation makes these.
 std::optional<std::size_t> main_line_of(const SpectralLine& line,
                                         const std::vector<SpectralLine>& stronger,
                                         double resolution_hz) {

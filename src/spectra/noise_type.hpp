@@ -36,7 +36,7 @@ inline constexpr std::size_t least_points_for_noise_type = 30;
 /// `phase`: N values in any unit, evenly sampled, NaN = gap. `m`: averaging factor, 1 or more.
 /// Domain of the result: alpha from -3 to 2; identified only if there are as many neighbouring
 /// pairs as 30 gap-free points have. Accuracy: the right integer for every one of 60 simulated
-/// series of 1000 points, of alpha 2, 0 and -2 (NoiseType.IsRightForLongSimulatedSeries); of white
+/// series of 1000 points, of alpha 2, 0 and -2 (NoiseType.IsRightForLongSimulatedSeries); for white
 /// frequency series of 40 points about five in six, the others mostly found one too high, because
 /// the parabola takes slow noise with it (NoiseType.ErrsUpwardsOnFewPoints).
 /// Cost: O(N/m). Throws ArgumentError if m is 0.

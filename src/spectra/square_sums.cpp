@@ -54,7 +54,7 @@ SquareSum known_squares(std::size_t count, const Difference& difference) {
   return total;
 }
 
-// With AVX2 they take about two thirds of the time, less is gained where memory is slow.
+// With AVX2 the sums take about two thirds of the time; less is gained where memory is slow.
 GOINGRATE_PER_PROCESSOR("avx2")
 double first_squares(const double* p, std::size_t count, std::size_t m) {
   return squares_of(count,

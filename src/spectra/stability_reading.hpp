@@ -27,7 +27,7 @@ struct SlopeRegion {
 
 /// Whether a region may be the noise that its neighbouring values look like: its slope is within
 /// 0.4 of that noise's (types are 0.5 apart), or neither has one. A step or a trend of the rate, or
-/// something periodic, makes slopes that are no noise's.
+/// something periodic, makes slopes that no noise has.
 /// Tested by StabilityReading.ASlopeThatIsNoNoises.
 [[nodiscard]] bool may_be_noise(const SlopeRegion& region, DeviationKind kind);
 

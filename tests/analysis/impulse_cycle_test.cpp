@@ -201,7 +201,7 @@ TEST(ImpulseCycleTest, TheCrossingInTheMidstOfAPushShowsFirst) {
   const double time = 0.00205 / 0.016, early = 0.5 * 2.675e-5 * time * time / 0.016 / M_PI;
   EXPECT_NEAR(day.impulses->middle.value, -early, 4.0 * day.impulses->middle.sigma);
   EXPECT_FALSE(times_of(shortt(1e-5, 1000), 24).impulses); // 66 pushes
-  // And what is under way is no part of the step: the friction is that of the clock.
+  // And what is under way is not part of the step: the friction is that of the clock.
   Scenario with_swing = shortt(1e-8, 20'000);
   with_swing.sensor.amplitude_rms = 1e-7;
   const TimingData swing = times_of(with_swing, 25);

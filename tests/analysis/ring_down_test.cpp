@@ -39,7 +39,7 @@ TEST(RingDownStudy, ShortForm) {
   EXPECT_LE(wrong, 2);
 }
 
-// The period of a free pendulum changes as its swing dies away; that is no change of the clock.
+// The period of a free pendulum changes as its swing dies away; that is not a change of the clock.
 TEST(RingDownStudy, ItsCourseIsNoChange) {
   for (const std::uint64_t seed : {9122u, 9127u}) {
     RingDown drawn = RingDownPrior(seed).draw("linear", WatchedBy::photogate);

@@ -19,7 +19,7 @@ TEST_F(WeatherStudy, ShortForm) {
   }
 }
 
-// Of weather that is smooth between readings, as the simulator's is.
+// Weather that is smooth between readings, as the simulator's is.
 TEST_F(WeatherStudy, TenMinutesTellWhatEveryBeatTells) {
   constexpr test::Thermometer smooth{.name = "smooth", .wander_k = 0.0};
   test::WeatherScore score;

@@ -64,7 +64,7 @@ TEST(StepScanTest, PlacesStayApart) {
       EXPECT_GE(std::max(found[a], found[b]) - std::min(found[a], found[b]), 4U);
 }
 
-// The sizes of the noise as fitted beside a step that is then taken are those of a fresh start.
+// The sizes of the noise as fitted with a step that is then taken are those of a fresh start.
 TEST(RateNoiseTest, ComesBackFromAnUnexplainedStep) {
   RandomStream noise(8, StreamPurpose::jitter);
   std::vector<double> rate;

@@ -51,7 +51,7 @@ TEST(RestoringTest, PassageUnderGravityIsTheEllipticIntegral) {
                   1e-13)
           << angle << ' ' << share_of_way;
     }
-  // Of torsion every swing is a sine.
+  // Under torsion every swing is a sine.
   EXPECT_NEAR(free_passage_time(0.0, 2.0, 1.0), pi / 3.0, 1e-14);
   EXPECT_TRUE(std::isnan(free_passage_time(1.2, 2.9, 0.1)));
 }

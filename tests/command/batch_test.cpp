@@ -153,7 +153,7 @@ TEST_F(BatchCommandTest, SummaryJudgesByTheTruth) {
     if (p["truth"].is_null()) continue;
     ++judged;
     EXPECT_EQ(p["determined"], 40) << p;
-    // Of 40 honest intervals of 68 % fewer than 17 hold the truth once in 500.
+    // Fewer than 17 of 40 honest 68 % intervals hold the truth once in 500 times.
     EXPECT_GE(p["within68"], 17.0 / 40.0) << p;
     EXPECT_GE(p["within95"], 33.0 / 40.0) << p; // once in 1000
     EXPECT_NEAR(p["sd_pull"], 1.0, 0.36) << p;  // three times its own sigma, 1/sqrt(80)

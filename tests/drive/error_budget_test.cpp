@@ -142,7 +142,7 @@ TEST(ErrorBudgetTest, LimitsKeepTheError) {
     }
 }
 
-// A drive that varies by more than itself is none, and below phi0 there is no swing.
+// No drive varies by more than itself, and below phi0 there is no swing.
 TEST(ErrorBudgetTest, LimitsAreThoseOfAClock) {
   const Scenario scenario = clock_that_varies();
   const double week = 7.0 * day, now = error_budget(scenario, week).all_s();

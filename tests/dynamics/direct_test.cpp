@@ -100,8 +100,8 @@ TEST(DirectTest, QuadraticAndDryFrictionSlowTheSwingAsTheirAveragesSay) {
 }
 
 TEST(DirectTest, SpeedAfterHalfAPeriod) {
-  // Of a free pendulum with linear friction alone, of small swing: exp(-epsilon pi) times the
-  // speed, to the square of both; and the second half from there gives the period.
+  // For a free pendulum with a small swing and linear friction alone: exp(-epsilon pi) times the
+  // speed, to second order in both; and the second half from there gives the period.
   ClockParameters clock;
   clock.epsilon = 1e-3;
   clock.escapement = Escapement::none;

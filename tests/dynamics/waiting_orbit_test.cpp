@@ -41,7 +41,7 @@ struct Means {
   double rate, mean_square, periods;
 };
 
-// Of a run by the integrator that starts elsewhere, after it has settled.
+// From a run by the integrator that starts elsewhere, after it has settled.
 Means run_from(const ClockParameters& clock, double start) {
   constexpr int settles = 20'000, counted = 40'000; // periods
   Scenario scenario;

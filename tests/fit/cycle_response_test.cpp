@@ -74,7 +74,7 @@ TEST_P(CycleResponseTest, GainsAreTheDerivativesOfTheReturnMap) {
 
     const auto [grown, later] = response.passed(laws, amplitude2, 1.0, w);
     const auto here = next(0.0, 0.0), on_course = next(-w, 0.0);
-    // The truncation of the differences, and that what stands beside the averaged laws is taken as
+    // The truncation of the differences, and that what the averaged laws lack is taken as
     // straight between speeds 5 % apart, which costs 0.05^2/12 of how much its slope changes on the
     // way: by up to twice `part`, near the angle of an impulse.
     const double off = (3e-5 + 0.05 * 0.05 / 12.0 * 2.0 * std::abs(part)) * std::abs(w);
@@ -84,7 +84,7 @@ TEST_P(CycleResponseTest, GainsAreTheDerivativesOfTheReturnMap) {
     EXPECT_NEAR(later, static_cast<double>(here.excess - on_course.excess) / two_pi, off / 16.0)
         << part;
   }
-  // The averaged equations alone are off by epsilon and mu/lambda: what stands beside them does
+  // The averaged equations alone are off by epsilon and mu/lambda: what they lack does
   // something.
   const double averaged_kick = averaged_cycle(laws, amplitude2, 1.0).kick;
   EXPECT_GT(std::abs(response.there(laws, amplitude2, 1.0, 0.0).gains.kick / averaged_kick - 1.0), 1e-3);
@@ -102,7 +102,7 @@ TEST_P(CycleResponseTest, SecondDerivativesAreThoseOfTheReturnMap) {
         two_pi);
   };
   const double here = late(0.0, 0.0);
-  // What is of fourth order in differences as wide as these, beside what a derivative comes to
+  // What is of fourth order in differences as wide as these, against what a derivative comes to
   // where the circular error and the escapement's do not cancel.
   const double tolerable = 2e-3 * (1.0 / 16.0) / speed2;
   EXPECT_NEAR((late(w, 0) - 2.0 * here + late(-w, 0)) / (2.0 * w * w), response.late.ww,

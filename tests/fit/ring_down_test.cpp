@@ -63,7 +63,7 @@ TEST(RingDownTest, ADrivenClockHasNoDecay) {
   EXPECT_TRUE(std::isfinite(fit.q_factor.value));
 }
 
-// Dry friction beside linear: 1/(2 epsilon) would be twice the Q of the swing.
+// Dry friction in addition to linear: 1/(2 epsilon) would be twice the Q of the swing.
 TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
   Scenario scenario = test::ring_down(1000, 1e-5);
   scenario.clock.epsilon = 1e-4;

@@ -59,7 +59,7 @@ TEST_F(TwinTest, EachShowsTheSameDensity) {
   for (const auto& twin : twins) {
     if (!twin) continue;
     ++found;
-    // Of the start and of a density of continuous time; half of its drive alone costs 2000.
+    // The start and a density of continuous time cost this much; half of the drive alone, 2000.
     EXPECT_LT(behind(*twin), 60.0);
   }
   EXPECT_GE(found, 3U);
@@ -91,7 +91,7 @@ TEST_F(TwinTest, ChangesThatMoveTheSwingTellThemApart) {
       for (const Slot& other : problem_.parameters.slots)
         if (other.quantity == slot.quantity)
           x[slot.index] = slot.coordinate_of(other.value(std::span<const double>(truth_)));
-  EXPECT_FALSE(twins_of(problem, x).empty()); // another length is no other swing
+  EXPECT_FALSE(twins_of(problem, x).empty()); // another length does not change the swing
   options.events.front().names = {"mu"};
   problem = make_problem(data_, options, model);
   EXPECT_TRUE(twins_of(problem, x).empty());

@@ -1,4 +1,4 @@
-// A change in the middle of a swing: the averaged clock beside an integrator.
+// A change in the middle of a swing: the averaged clock against an integrator.
 #include "fit/clock_model.hpp"
 #include "support/changed_in_a_swing.hpp"
 
@@ -64,7 +64,7 @@ TimingData as_data(const std::vector<double>& times) {
   return timing_data(beats);
 }
 
-// What a change in the middle of a swing adds to the times, beside one at the crossing, to 1 %: the
+// What a change in the middle of a swing adds to the times, over one at the crossing, to 1 %: the
 // averaged equations hold to first order, and the next is epsilon, mu/lambda and lambda^2/16.
 TEST(WithinCycleTest, AChangeInASwingLeapsAsTheIntegratedClockDoes) {
   for (const Changed& change : changes) {

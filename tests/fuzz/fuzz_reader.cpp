@@ -92,7 +92,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     ClockLog log = read_log(text, "fuzz", options_of(data[0]));
     demand(taken() <= limit(48), "memory of the reader in proportion"); // an event takes 40
-    if (data[0] % 16 != weather) use(std::move(log)); // weather is no clock
+    if (data[0] % 16 != weather) use(std::move(log));                   // weather is not a clock
   } catch (const InputError&) {    // what bad input is answered with
   } catch (const ArgumentError&) { // a column that is not there
   }

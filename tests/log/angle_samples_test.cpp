@@ -143,7 +143,7 @@ TEST(AngleSamplesTest, AmplitudesAreWithoutBias) {
        {Case{"linear", 0.3, {2e-3, 0.0, 0.0}, 20.0},
         Case{"linear, wide", 1.0, {1e-3, 0.0, 0.0}, 60.0},
         Case{"quadratic", 0.3, {0.0, 1e-2, 0.0}, 60.0}, Case{"dry", 0.1, {0.0, 0.0, 2e-4}, 20.0}}) {
-    // Of many samples without noise; TheAmplitudeIsTheTurningAngle holds those.
+    // From many samples without noise, which TheAmplitudeIsTheTurningAngle checks.
     const auto exact =
         crossings_of_samples(pendulum(scene.first, scene.friction, 4000.0, 0.0, 60.0, 1), 0.0);
     double bias = 0.0, together = 0.0, spread = 0.0, count = 0.0;

@@ -55,7 +55,7 @@ TEST(BouncesTest, FalseEventsAtAnyTimeAreNone) {
 }
 
 TEST(BouncesTest, ShortRunsFarApartAreNone) {
-  // Intervals of 3 s look short beside pauses of hours; no contact bounces for seconds.
+  // Intervals of 3 s look short next to pauses of hours; no contact bounces for seconds.
   ClockLog log;
   for (int run = 0; run < 10; ++run)
     for (int n = 0; n < 12; ++n)

@@ -191,7 +191,7 @@ TEST(NumberingStudy, ShortForm) {
             0.99 * static_cast<double>(score.right + score.wrong));
   EXPECT_LE(score.logs_wrong, 1);
   EXPECT_LE(static_cast<double>(score.bad), 1e-4 * static_cast<double>(score.good));
-  // Splitting everywhere would be no answer: most gaps are counted.
+  // Splitting everywhere would not do: most gaps are counted.
   const auto sure = score.bins[3].gaps + score.bins[4].gaps;
   std::int64_t all = 0;
   for (const auto& bin : score.bins)

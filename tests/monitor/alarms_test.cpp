@@ -11,7 +11,7 @@ namespace {
 
 class MonitorAlarmsTest : public WatchedClockTest {
 protected:
-  // How often an alarm of a kind was raised and ended since this was last asked.
+  // How often an alarm of a kind was raised and ended since the last call.
   struct Count {
     int raised = 0, ended = 0;
     bool operator==(const Count&) const = default;
@@ -80,7 +80,7 @@ TEST_F(MonitorAlarmsTest, ABeatNowAndThenIsNoClockThatGoes) {
   EXPECT_EQ(changes, 1);
 }
 
-// What a sensor tells of a clock that has stopped is no beat.
+// What a sensor hears of a clock that has stopped is not a beat.
 TEST_F(MonitorAlarmsTest, ASensorThatChattersHidesNoStop) {
   for (const bool is_stuck : {false, true}) {
     std::filesystem::remove_all(options_.folder);
@@ -202,7 +202,7 @@ TEST_F(MonitorAlarmsTest, EventsThatWaitForOthersAreNoStop) {
   }
 }
 
-// Twelve lines tell what the layout is; a source of many that tell none is no clock that goes.
+// Twelve lines tell the layout; a source of many lines that tell none is not a clock that goes.
 TEST_F(MonitorAlarmsTest, LinesThatAreNotRecognisedYetMayBeBeats) {
   {
     ClockWatch watch(options_);
@@ -256,7 +256,7 @@ TEST_F(MonitorAlarmsTest, AnAlarmHasOneCommentWhileItsIndexIsLocked) {
 TEST_F(MonitorAlarmsTest, ASensorThatFails) {
   ClockWatch watch(options_);
   std::int64_t n = 0;
-  // Of every hundred beats so many are not heard, so many twice, half a second apart.
+  // In every hundred beats `missed` are not heard, and `doubled` are heard twice, 0.3 s apart.
   const auto hear_minutes = [&](int minutes, int missed, int doubled) {
     for (const std::int64_t end = n + minutes * 60; n < end; ++n) {
       const double at = time_of(n);

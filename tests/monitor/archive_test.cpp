@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 namespace {
-// What a sync of these tests does: fails, and throws away so many bytes at the end of the file.
+// A sync in these tests can fail, and throw away `lost_bytes` at the end of the file.
 bool sync_fails = false;
 off_t lost_bytes = 0;
 } // namespace
@@ -178,7 +178,7 @@ TEST_F(MonitorArchiveTest, DirectionsThatComeLateAreNotTakenForUpwardCrossings) 
   EXPECT_EQ(next[0].edge, Edge::down);
 }
 
-// What a gate and a weather station tell beside the time.
+// What a gate and a weather station tell besides the time.
 TEST_F(MonitorArchiveTest, ADayHasTheColumnsOfItsSource) {
   const EventValues told{0.0123456789, 21.25, 1013.5, 45.0};
   const auto heard = [&](std::int64_t second) {
@@ -268,7 +268,7 @@ TEST_F(MonitorArchiveTest, ADayMayHaveOneEvent) {
 
 TEST_F(MonitorArchiveTest, OneProcessKeepsIt) {
   const Archive archive(folder_);
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) // a lock is no file there
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) // the lock is not there
     std::filesystem::remove(entry.path());
   EXPECT_THROW(Archive{folder_}, OutputError);
 }

@@ -5,11 +5,11 @@
 namespace goingrate::apps {
 namespace {
 
-// Of a clock that beats every second.
+// The clock beats every second.
 class ArrivalsTest : public testing::Test {
 protected:
-  // Tells beats `from` … `to` - 1, the times so much off, each heard when it was. How many are
-  // believed at once, those that waited among them.
+  // Tells beats `from` … `to` - 1, each heard when it was, with times that are off by `wrong_by_s`.
+  // Returns how many are believed, those that had waited among them.
   int hear(int from, int to, double wrong_by_s = 0.0) {
     int believed = 0;
     for (int n = from; n < to; ++n)

@@ -48,7 +48,7 @@ TEST_F(MonitorCalendarTest, ACalendarThatIsSetPlacesTheSourceAnew) {
   EXPECT_EQ(watch.going().last()->cycle, 199); // the source itself went on
 }
 
-// Of dates of a receiver that does not know the year yet.
+// Dates from a receiver that does not know the year yet.
 TEST_F(MonitorCalendarTest, DatesThatAreFarFromTheComputersAreKeptAsComments) {
   log_.origin = TimeOrigin::epoch;
   ClockWatch watch(options_);

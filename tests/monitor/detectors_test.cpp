@@ -62,7 +62,7 @@ TEST(AmplitudeFallTest, IsOverWhenItHasComeBackOrHeld) {
   }
 }
 
-// Of a spring whose amplitude sags by a tenth from one winding to the next.
+// A spring clock whose amplitude sags by a tenth from one winding to the next.
 TEST(AmplitudeFallTest, OneUnderTheSagOfAWeekIsTold) {
   for (const double share_a_day : {0.0, 0.01}) {
     RandomStream random(12, StreamPurpose::jitter);
@@ -123,9 +123,9 @@ TEST(DailyWaveTest, IsLearntAndTakenOut) {
     if (minute >= 20 * day && minute < 30 * day) squares += rest * rest / (10.0 * day);
     if (minute >= 30 * day) step_seen += rest / day;
   }
-  // 0.1 of noise, and what of a wave of 5 is held back: 720 of 720 + 12,000 minutes.
+  // 0.1 of noise, and the part of a wave of 5 that is held back: 720 of 720 + 12,000 minutes.
   EXPECT_LT(std::sqrt(squares), 0.1 + 0.28);
-  EXPECT_NEAR(step_seen, 2.0, 0.2); // a level is no wave; a day is a tenth of what is remembered
+  EXPECT_NEAR(step_seen, 2.0, 0.2); // a level is not a wave; a day is a tenth of what is remembered
   EXPECT_FALSE(wave.without(31 * day, std::nullopt));
 }
 
@@ -139,7 +139,7 @@ TEST(StepAlarmTest, FindsAStepAndTakesTheNewLevelForTheUsual) {
   for (; delay < 200 && !found; ++delay)
     found = alarm.add(random.normal() + 3.0);
   ASSERT_TRUE(found);
-  // Of 4 minutes a mean is 3 against 0.53 of their difference: 5.7, about the limit of that scale.
+  // A mean of 4 minutes is off by 3 against a sigma of 0.53: 5.7, about the limit of that scale.
   EXPECT_LE(delay, 24);
   EXPECT_NEAR(found->size, 3.0, 3.0);
   EXPECT_TRUE(alarm.is_raised());
@@ -151,7 +151,7 @@ TEST(StepAlarmTest, FindsAStepAndTakesTheNewLevelForTheUsual) {
 // Rates of a steady clock, in ppm: minutes scatter by 0.1.
 class WoundClock {
 public:
-  // Of the minutes of so many days; what was told.
+  // Adds the minutes of so many days; returns how many steps were told.
   int hear_days(double days, double saw_tooth, double step) {
     int told = 0;
     const auto minutes = static_cast<std::int64_t>(days * 1440.0);

@@ -71,7 +71,7 @@ TEST_F(FilePositionTest, ReadsAnotherFileFromItsBeginning) {
   EXPECT_EQ(parts(), "clock.log:0 ");
 }
 
-// A line without an end, as of a disk full of zeros, is no end of the log.
+// A line without an end, as of a disk full of zeros, is not the end of the log.
 TEST_F(FilePositionTest, ALineThatIsTooLongIsCutAndReported) {
   std::ofstream(log_, std::ios::app) << std::string(40 << 20, 'x') << '\n';
   write(log_, 300, 310);

@@ -152,7 +152,7 @@ TEST_F(MonitorLinesTest, AHeadOutlivesARestart) {
   EXPECT_EQ(SourceHead(options_.folder, "another").text(), "");
 }
 
-// Of a source that says nothing of its layout, killed before there were lines enough.
+// The source does not state its layout, and there were too few lines to tell it before the kill.
 TEST_F(MonitorLinesTest, LinesThatAreNotRecognisedYetOutliveAKill) {
   const std::string first = "0.000000\n1.000020\n", more = "2.000040\n3.0000";
   {

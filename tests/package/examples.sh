@@ -15,7 +15,7 @@ code=0
 [ "$code" -eq 3 ] && expect 'none.csv'
 
 "$examples/coverage_of_a_fit" "$source/data/scenarios/jump.toml" 20 > "$scratch/out"
-# Of 20 logs, 8 to 19 lie in the 68 % interval in all but one of a thousand runs, and 15 or more in the
+# In all but one of a thousand runs, 8 to 19 of 20 logs lie in the 68 % interval, and 15 or more in the
 # other.
 expect 'in its 68 % interval in ([89]|1[0-9]) of 20 logs, in its 95 % interval in (1[5-9]|20)$'
 

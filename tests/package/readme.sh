@@ -144,7 +144,7 @@ for page in README.md CONTRIBUTING.md CHANGELOG.md $(cd "$source" && ls data/gui
   split_blocks
   run_blocks
   [ "$mend$page" != --mendREADME.md ] || mend_page
-  # Of the page on Python the tests of the package run what can be run.
+  # What can be run on the page on Python is run by the tests of the package.
   [ "$page" = data/guide/python.md ] || run_spans
   for file in "$here"/blocks/*.toml; do
     [ ! -e "$file" ] || run goingrate simulate "$file" --set run.periods=300 -o all.csv
@@ -172,7 +172,7 @@ page=data/guide/formats.md
 for format in $(goingrate rate --help | tr -d '\n ' | grep -oE -- '--formatTEXT:\{[^}]*' | cut -d'{' -f2 | tr , ' '); do
   grep -qF "| \`$format\` |" "$source/$page" || fault "has no line on the format $format"
 done
-# Whoever adds a friction law is told of every place where one that is there stands.
+# The recipe for a friction law names every file in which an existing one stands.
 page=CONTRIBUTING.md
 while IFS= read -r name; do
   grep -qF "$name" "$source/$page" || fault "the recipe for a friction law leaves out $name"

@@ -31,7 +31,7 @@ def test_intervals(jump_fit):
         low, high = epsilon.interval(probability)
         assert low < previous[0] and high > previous[1]
         previous = low, high
-    # Of a well determined parameter the likelihood is close to a parabola: 1.6449 sigma.
+    # The likelihood of a well determined parameter is close to a parabola: 1.6449 sigma.
     low, high = epsilon.interval(0.90)
     assert 0.5 * (high - low) == pytest.approx(1.6449 * epsilon.sigma, rel=0.02)
     for wrong in (0, 1, -0.5, 2, float("nan")):

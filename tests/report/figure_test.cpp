@@ -154,7 +154,7 @@ TEST(FigureTest, KeepsASingleSpikeInALongSeries) {
     auto at = heights(path_of(line, "line"));
     std::sort(at.begin(), at.end()); // the drawing is 320 high, the noise a fiftieth of it
     EXPECT_GT(spike > 0 ? at[1] - at[0] : at[at.size() - 1] - at[at.size() - 2], 250.0);
-    // Of a cloud it stands at the rim, outside all dots.
+    // In a cloud it stands at the rim, outside all dots.
     const std::string cloud = drawn(figure_of({series_of(Style::points, y)}));
     const std::string rim = path_of(cloud, "mark rim");
     ASSERT_EQ(count_of(rim, "M"), 1U);

@@ -30,7 +30,7 @@ const Series& series(const Figure& of, const std::string& label) {
   throw std::runtime_error("no series " + label);
 }
 
-// Of a straight line through the points beyond x = `from`, x in turns of 2 pi.
+// Slope of a straight line through the points beyond x = `from`, x in turns of 2 pi.
 double slope_from(const Series& points, double from) {
   double n = 0.0, x1 = 0.0, y1 = 0.0, x2 = 0.0, xy = 0.0;
   for (std::size_t i = 0; i < points.x.size(); ++i) {
@@ -115,7 +115,7 @@ TEST(PaperTest, TheNoiseIsThatOfTheAveragedEquations) {
       number(results, "the same in the paper's 4.3e6 periods, from the growth of the variance");
   EXPECT_NEAR(carried.ours, carried.by_paper, 3.0 * carried.sigma); // one seed in 400
   EXPECT_LT(carried.sigma, 0.05 * carried.ours);                    // else that says nothing
-  // The start, an eighth of the variance of so short a run, is no part of a long one's.
+  // The start, an eighth of the variance of so short a run, is not part of a long one's.
   EXPECT_LT(carried.ours, 0.97 * rms.ours * std::sqrt(24000.0 / 4.3e6));
   const Figure& growth = figure(results, "noise_growth");
   const Series& measured = series(growth, "1000 runs, 95 %");
@@ -208,7 +208,7 @@ TEST(PaperTest, ThePlaceOfAPushCountsNotItsWidth) {
 }
 
 TEST(PaperTest, ASingleImpulseIsThatOfBlow6) {
-  // Of C's energy, so of C's amplitude; at the vertical there is no escapement error.
+  // It has C's energy, hence C's amplitude; at the vertical there is no escapement error.
   EXPECT_NEAR(number(short_run(), "rate with a single impulse of C's energy at 0 rad").by_paper,
               -std::pow(0.0495410, 2) / 16.0, 1e-9); // the digits of the amplitude
   const Figure& impulse = figure(short_run(), "impulse");

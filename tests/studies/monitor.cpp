@@ -46,8 +46,8 @@ double delay_of(Watch watch, const std::vector<double>& rates, std::size_t at, d
   return std::numeric_limits<double>::infinity();
 }
 
-// What of a step of 1 a whitened series shows after each minute, squared and in units of its noise:
-// the prediction of order `most` from the minutes before, by Levinson's recursion.
+// How much of a step of 1 a whitened series shows after each minute, squared and in units of its
+// noise: the prediction of order `most` from the minutes before, by Levinson's recursion.
 std::vector<double> information_of_step(const std::vector<double>& x, std::size_t most) {
   std::vector<double> lags(most + 1);
   for (std::size_t lag = 0; lag <= most; ++lag)

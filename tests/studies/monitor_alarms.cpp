@@ -72,7 +72,7 @@ public:
   [[nodiscard]] double now_s() const { return static_cast<double>(cycle_) * clock_.period_s; }
   static Instant at(double seconds) { return Instant{1764201600, 0.0} + seconds; }
 
-  // Of the next period.
+  // The events of the next period.
   std::vector<Beat> next() {
     std::vector<Beat> events;
     const double from_s = now_s(), amplitude = next_amplitude();
@@ -136,7 +136,7 @@ public:
   void silent(double silence_s, const Instant& at) {
     if (silence_s > 2.0 * period_s_) alarms_.silent(silence_s, period_s_, going_, at);
   }
-  // How often each kind was raised since this was last asked.
+  // How often each kind was raised since the last call.
   std::array<int, alarm_kinds> take_raised() {
     std::array<int, alarm_kinds> raised{};
     for (const AlarmChange& change : alarms_.take_changes())

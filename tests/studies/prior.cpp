@@ -149,8 +149,8 @@ void judge(const test::DrawnClock& drawn, const Json& found, const Json& told, O
   }
 }
 
-// What one of the listed clocks says: its worst |z|, and what of the parameters that the informed
-// fit knows to 5 %, and the search does not state, it states.
+// What one of the listed clocks says: its worst |z|, and which parameters it states of those that
+// the informed fit knows to 5 % and the search does not state.
 struct ListedClock {
   double worst = 0.0;
   int stated = 0, sharp = 0;

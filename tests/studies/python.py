@@ -49,7 +49,7 @@ def seconds_of(call):
 
 
 def medians(*calls, rounds=5):
-    """Of rounds in which the calls take turns, so that what slows the machine slows all of them."""
+    """Medians over rounds in which the calls take turns, so that what slows the machine slows all."""
     return np.median([[seconds_of(call) for call in calls] for _ in range(rounds)], axis=0)
 
 

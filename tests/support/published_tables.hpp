@@ -105,7 +105,7 @@ struct PrintedRow {
   double tau, value, alpha, low, high;
 };
 
-/// Ours beside a printed one.
+/// Ours next to a printed one.
 struct ComparedRow {
   PrintedRow printed;
   DeviationRow ours;

@@ -36,7 +36,7 @@ struct SlopeScore {
     relative_sigma.push_back(found->sigma / std::abs(truth));
   }
 
-  // Of the simulator in stationary operation, with two drives that lead to a little less and a
+  // From the simulator in stationary operation, with two drives that lead to a little less and a
   // little more than the mean amplitude of the log. The torque shifts the turning angle, too.
   static double slope_of(const ClockParameters& clock, double amplitude) {
     struct Point {

@@ -30,7 +30,7 @@ py::object counted(std::size_t number) {
   return number > 0 ? py::object(py::int_(number)) : py::none();
 }
 
-// As keywords of read().
+// The reading as keywords of read().
 py::dict options_for(const OtherReading& other) {
   py::dict options;
   if (other.format) options["format"] = std::string(name_of(*other.format));

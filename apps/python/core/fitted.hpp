@@ -1,4 +1,4 @@
-// A fit together with what was asked of it and of which log.
+// A fit together with its request and its log.
 #pragma once
 
 #include "goingrate/analysis/fit_request.hpp"

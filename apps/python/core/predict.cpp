@@ -15,7 +15,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// When the model passes, and how wide it swings, at beat i of the data.
+// When the model's pendulum passes, and how wide it swings, at beat i of the data.
 double model_time(const Fitted& fit, std::size_t i) {
   return fit.data.elapsed_s[i] - fit.summary.residual_s[i];
 }
@@ -24,8 +24,8 @@ double model_amplitude(const Fitted& fit, std::size_t i) {
   return i < amplitude.size() ? amplitude[i] : unknown;
 }
 
-// A parameter as it is after the last change of it; of one that the model lacks, what stands for
-// its absence.
+// A parameter as it is after its last change; for one that the model lacks, what stands for its
+// absence.
 double last_value(const Fitted& fit, const std::string& name, double absent) {
   for (std::size_t k = fit.summary.events.size() + 1; k-- > 0;) {
     const FittedParameter* found = fit.summary.find(k == 0 ? name : fmt::format("{}@{}", name, k));
@@ -70,7 +70,7 @@ Prediction run_on(const Fitted& fit, std::int64_t periods) {
   return ahead;
 }
 
-// At a cycle (from the first beat's) within the log: straight between the beats beside it.
+// At a cycle (from the first beat's) within the log: straight between the neighbouring beats.
 void add_within(const Fitted& fit, double cycle, Prediction& result) {
   const std::vector<double>& cycles = fit.data.cycle;
   const auto after = std::lower_bound(cycles.begin(), cycles.end(), cycle);

@@ -111,7 +111,7 @@ def map(
     epsilon, mu : tuple of two floats, or array_like
         A tuple: the ends of a grid of `points` with equal ratios. An array or list: the values.
     points : int
-        Of each grid, 2 to 2000.
+        Number of points in each grid, 2 to 2000.
     first_order : bool
         The paper's averaged equations instead of the full one.
 
@@ -241,10 +241,10 @@ def integrate(
     Parameters
     ----------
     friction : callable
-        Of the angle (rad) and φ̇ (scaled), against φ̇ > 0, scaled as 2 ε φ̇.
+        A function of the angle (rad) and φ̇ (scaled), against φ̇ > 0, scaled as 2 ε φ̇.
     torque : callable, optional
-        Of the same, along φ, scaled as μ. If not given, the paper's escapement: μ until φ rises
-        through `phi0`, then -μ until it falls through -`phi0`.
+        A function of the same, along φ, scaled as μ. If not given, the paper's escapement: μ until
+        φ rises through `phi0`, then -μ until it falls through -`phi0`.
     mu, phi0 : float
         Torque and angle (rad) of that; without a torque the pendulum is free.
     amplitude_rad : float

@@ -239,12 +239,12 @@ class Log:
 
     @property
     def phase_s(self) -> Array | None:
-        """Of data on a grid, the clock's error every `tau0_s`, s (positive: fast); else None."""
+        """For data on a grid, the clock's error every `tau0_s`, s (positive: fast); else None."""
         return self._core.phase_s
 
     @property
     def tau0_s(self) -> float | None:
-        """Of data on a grid, the interval, s; else None."""
+        """For data on a grid, the interval, s; else None."""
         return self._core.tau0_s
 
     @property
@@ -304,7 +304,7 @@ class Log:
 
     @property
     def files(self) -> list[str]:
-        """Of several files that are one log their names, in the order in which they are joined."""
+        """If several files are one log, their names, in the order in which they are joined."""
         return self._core.files
 
     @property

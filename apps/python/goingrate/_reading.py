@@ -128,28 +128,28 @@ def read(
     columns : sequence of str, optional
         What columns hold: "ROLE=PLACE[:UNIT]", as "time=2", "amplitude=5:mrad".
     unit : str, optional
-        Of the times: s, ms, us, ns, min, h, d, mjd.
+        Unit of the times: s, ms, us, ns, min, h, d, mjd.
     wrap_s : float, optional
         The times begin again every so many s; 0: they never do.
     tau0_s : float, optional
         Between values of phase, frequency or intervals, s.
     counter_hz : float, optional
-        Of a log in cycles of a counter: how many it counts in a second.
+        For a log in cycles of a counter: how many it counts in a second.
     decimal_comma : bool
         12,5 is twelve and a half.
     date_order : 'day' or 'month', optional
         What comes first in dates such as 03/04/2013.
     channel : str, optional
-        Of a TICC: chA, chB.
+        For a TICC: chA, chB.
     beat_channel : int, optional
-        Of a recording of sound: the channel in which the clock is heard, from 1.
+        For a recording of sound: the channel in which the clock is heard, from 1.
     pps_channel : int, optional
-        Of a recording: the channel in which a reference clicks once a second.
+        For a recording: the channel in which a reference clicks once a second.
     clock_ppm : float, optional
-        Of a recording without such a channel: the standard deviation of its sampling rate, parts in
-        a million; 50 if not given.
+        For a recording without such a channel: the standard deviation of its sampling rate, parts
+        in a million; 50 if not given.
     rest_angle_rad : float, optional
-        Of samples of an angle: where the pendulum hangs.
+        For samples of an angle: where the pendulum hangs.
     strict : bool
         The first line at fault is an error.
     both_edges : bool
@@ -171,7 +171,7 @@ def read(
         Tables with a header that names a time, and a temperature, a pressure or a humidity, at
         another cadence; they are interpolated to the beats.
     weather_zone : str, optional
-        Of their dates, where these name none and the log's are in another: "+01:00".
+        Zone of their dates, where these name none and the log's are in another: "+01:00".
     weather_offset_s : float, optional
         Added to their times, s.
     site : (float, float), optional

@@ -111,7 +111,7 @@ def simulate(
         A file, its text (anything with a line end), or the same as a dict:
         ``{"clock": {"epsilon": 2.5e-4, ...}, "run": {"periods": 2000}, "event": [{...}]}``.
     seed : int
-        Of the random streams, 0 to 2**64 - 1; equal seeds give equal logs.
+        Seed of the random streams, 0 to 2**64 - 1; equal seeds give equal logs.
     set : dict or list of "KEY=VALUE", optional
         Overrides of keys, as ``{"clock.mu": 3e-5}``.
     read_options : dict, optional

@@ -1,4 +1,4 @@
-"""What goingrate raises beside Python's own exceptions."""
+"""What goingrate raises besides Python's own exceptions."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class InputNotFoundError(InputError, FileNotFoundError):
 
 
 class ImpossibleReading(InputError):
-    """A log was read, and no clock is so far off: it was taken for something else than it is.
+    """A log was read, but no clock is so far off: it is not what it was taken for.
 
     Attributes
     ----------
@@ -60,4 +60,4 @@ class ImpossibleReading(InputError):
 
 
 class NumericsError(ArithmeticError):
-    """An input was read, and the numbers did not work out: the clock stalls, no fit exists."""
+    """An input was read, but the numbers did not work out: the clock stalls, no fit exists."""

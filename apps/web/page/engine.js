@@ -6,7 +6,7 @@ export class Cancelled extends Error {}
 
 let workerAddress;
 
-// A word that an option does not begin: so a file named "-x" is a file.
+// A name that cannot be taken for an option, even if the file is called "-x".
 const asPath = (name) => (name.startsWith("-") ? `./${name}` : name);
 
 /** The words of a command line for files of these names. */

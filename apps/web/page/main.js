@@ -20,7 +20,7 @@ function showPart() {
   scrollTo(0, 0);
 }
 
-// What a browser must have; one that has not says so instead of doing nothing.
+// What a browser must have; in one that lacks it the page says so instead of doing nothing.
 const isTooOld = () => typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined";
 
 function begin() {

@@ -1,5 +1,5 @@
 // The Markdown that the worksheets are written in, as elements of the page: headings, paragraphs, lists, tables,
-// code, emphasis, formulas. Links stay text: they lead to files that a page alone has not.
+// code, emphasis, formulas. Links stay text: they lead to files that a page by itself lacks.
 import { element } from "./elements.js";
 import { mathematics } from "./mathematics.js";
 

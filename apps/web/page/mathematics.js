@@ -29,7 +29,7 @@ class Reader {
     return node("mrow", parts);
   }
 
-  // An atom with what stands below and above it.
+  // An atom with its subscript and superscript.
   scripted() {
     const base = this.atom();
     let below, above;
@@ -51,7 +51,7 @@ class Reader {
     return node("mo", [token === "-" ? "−" : token], "()[]|".includes(token) ? { stretchy: "false" } : {});
   }
 
-  // Of a number without braces TeX takes the first digit.
+  // TeX takes only the first digit of a number without braces.
   argument() {
     const [token] = this.tokens;
     if (/^[0-9]{2,}$/.test(token)) this.tokens.splice(0, 1, token[0], token.slice(1));

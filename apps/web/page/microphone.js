@@ -39,7 +39,7 @@ async function open() {
   const raw = { echoCancellation: false, noiseSuppression: false, autoGainControl: false };
   const stream = await navigator.mediaDevices.getUserMedia({ audio: raw });
   const context = new AudioContext();
-  // A worklet would need a script with an address, which a page from a disk has not. The pieces are so long that
+  // A worklet would need a script with an address, which a page from a disk lacks. The pieces are so long that
   // the page may be busy for a third of a second without losing one.
   const node = context.createScriptProcessor(piece_samples, 1, 1);
   node.onaudioprocess = ({ inputBuffer }) => { if (recording) keep(inputBuffer.getChannelData(0).slice()); };

@@ -1,4 +1,4 @@
-// What a file that was dropped is: a log, a weather file or a diary.
+// The role of a file that was dropped: a log, a weather file or a diary.
 
 export const roles = { log: "log", weather: "weather", diary: "diary of the keeper" };
 

@@ -1,5 +1,5 @@
 // The form of assumptions: each field is an option of the command. What the command found out by itself is
-// shown in the field; what is entered there is said to it.
+// shown in the field; what is entered there is passed to it.
 import { byId, element } from "./elements.js";
 
 const formats = ["timestamps", "periods", "clock-error", "phase", "frequency", "ticc", "ticc-interval", "table",

@@ -1,5 +1,5 @@
-// One run of the command, in a worker that ends with it: so its memory is fresh, and to cancel it is to end the
-// worker. Told {module, words, files}; tells of stages while it works and at the end {code, out, err, files}.
+// One run of the command, in a worker that ends with it, so that its memory is fresh and ending the worker cancels
+// it. Receives {module, words, files}; posts stages while it works and {code, out, err, files} at the end.
 "use strict";
 
 const textOf = (bytes) => new TextDecoder().decode(new Uint8Array(bytes));

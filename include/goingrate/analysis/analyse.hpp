@@ -28,13 +28,13 @@ struct Analysis {
   std::vector<Beat> beats;         ///< the segment that was analysed
   RateSummary rate;                ///< of all of `beats`
   std::vector<PartRate> stretches; ///< of these, from one dated change to the next
-  PartRate now; ///< as it goes in the end: the last stretch, or its last quarter if that differs
+  PartRate now; ///< how it goes at the end: the last stretch, or its last quarter if that differs
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
   std::vector<Suspicion> suspicions;       ///< the greatest gain first
   std::vector<CovariateEffect> covariates; ///< of the temperature and pressure the log has
-  std::optional<Isochronism> isochronism{}; ///< rate against amplitude, where the log has amplitudes
+  std::optional<Isochronism> isochronism{}; ///< rate against amplitude, if the log has amplitudes
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
   std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
   std::optional<NutTurns> nut{};           ///< to bring the rate as it is now to zero
@@ -43,7 +43,7 @@ struct Analysis {
 };
 
 /// The data of a fit: times and amplitudes of the good beats, with temperature, pressure and air
-/// density where the log has them. Where the log shows the pushes of an escapement that rests, their
+/// density where the log has them. If the log shows the pushes of an escapement that rests, their
 /// saw-tooth is taken off.
 TimingData fit_data(const NumberedLog& loaded);
 
@@ -52,10 +52,10 @@ TimingData fit_data(const NumberedLog& loaded);
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
 /// Turns the changes of a diary into events of a fit, whose dates the fit may move. An event
-/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). Of the changes
-/// that the keeper noted at most four that stand out, and four others whose size was planned, become
-/// events, of the rest at most four that stand out. At most four others of each become possible
-/// events, which the fit takes if they pay.
+/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). What becomes
+/// an event: of the changes that the keeper noted, at most four that stand out and four others
+/// whose size was planned; of the rest, at most four that stand out. At most four others of each
+/// become possible events, which the fit takes if they pay.
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
 /// The options with the sensor's place (`offset`) free, where the beat error shows that the sensor
@@ -63,8 +63,8 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 /// both directions, `offset` gets the place that they give as its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
-/// The evidence on which causes are judged. It points to `times`. Of the fit only the size of the
-/// fast drive is used.
+/// The evidence on which causes are judged. It points to `times`. From the fit it has only the size
+/// of the fast drive.
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
                                const Diary& diary, const DriveAnalysis& drive,
                                const FitSummary& fit);

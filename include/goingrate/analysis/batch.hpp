@@ -44,8 +44,8 @@ struct BatchScenario {
   std::map<std::string, double> truth; ///< true_parameters() of it
 };
 
-/// What names a scenario: the name-based UUID (RFC 4122, version 5, of objects) of its text, its
-/// overrides and the factors of its drive's series.
+/// What identifies a scenario: the name-based UUID (RFC 4122, version 5, of objects) of its text,
+/// its overrides and the factors of its drive's series.
 std::string scenario_hash(std::string_view text, std::span<const std::string> overrides,
                           std::span<const double> series);
 
@@ -63,15 +63,15 @@ struct BatchDescription {
 struct JobOutcome {
   int exit_code = 0;                  ///< of the command that would have done this job alone
   std::string message{};              ///< why, where that is not 0
-  std::vector<std::string> assumed{}; ///< that reading the log took for granted
+  std::vector<std::string> assumed{}; ///< in reading the log
   std::string result{};               ///< JSON; empty if there is none
-  double seconds = 0.0;               ///< that it took; not written
+  double seconds = 0.0;               ///< it took so long; not written
 };
 
 /// Does some jobs of the batch; outcomes in the order of the jobs. What it throws ends the batch.
 using BatchWorker = std::function<std::vector<JobOutcome>(std::span<const std::size_t> jobs)>;
 
-/// What is asked of run_batch().
+/// What run_batch() is to do.
 struct BatchRequest {
   BatchDescription description;
   BatchShare share{};
@@ -88,7 +88,7 @@ struct BatchOutcome {
   std::size_t jobs = 0;         ///< of the share
   std::size_t taken_up = 0;     ///< of these, done before
   std::size_t failed = 0;       ///< of those done now
-  std::size_t threads = 0;      ///< that were asked for
+  std::size_t threads = 0;      ///< asked for
   double seconds = 0.0;         ///< from begin to end
   double seconds_in_jobs = 0.0; ///< of all threads, as the outcomes say
   double longest_s = 0.0;       ///< of a job
@@ -103,12 +103,12 @@ struct BatchOutcome {
 /// BatchTest.AKilledBatchIsTakenUp)
 BatchOutcome run_batch(const BatchRequest& request);
 
-/// The begun file of a share is there, and it was not said what to do with it.
+/// The file of a share was begun, and the request does not say what to do with it.
 class UnfinishedBatch : public std::runtime_error {
 public:
   /// `file` holds `done` of `jobs` lines.
   UnfinishedBatch(std::string file, std::size_t done, std::size_t jobs);
-  /// Where they are.
+  /// The file with the finished lines.
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
 
 private:
@@ -117,7 +117,7 @@ private:
 
 /// Makes the whole batch of all its shares, given in any order: byte for byte what one share 1/1
 /// would be. One line of each share is held at a time. Throws InputError if a share is of another
-/// batch, twice there, missing, or damaged.
+/// batch, given twice, missing, or damaged.
 void merge_batch(std::span<const std::string> shares, const std::string& output);
 
 } // namespace goingrate

@@ -1,4 +1,4 @@
-// What a whole batch says.
+// The results of a whole batch.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace goingrate {
 
-/// How one parameter of a fit fared over the jobs that determine it. Rates of holding, pulls and
+/// How one parameter of a fit fared over the jobs that determine it. Shares of intervals, pulls and
 /// errors are against the truth, and NaN without one.
 struct ParameterScore {
   std::string name;
   double truth = 0.0;                    ///< NaN if not known
   std::size_t determined = 0;            ///< jobs that state it, neither fixed nor undetermined
   std::size_t undetermined = 0;          ///< jobs that have it and cannot tell
-  double within68 = 0.0, within95 = 0.0; ///< parts of the intervals that hold the truth
+  double within68 = 0.0, within95 = 0.0; ///< shares of the intervals that hold the truth
   double mean_pull = 0.0, sd_pull = 0.0; ///< of (value - truth)/sigma: 0 and 1 for honest sigmas
   double median = 0.0;                   ///< of the values
   double median_sigma = 0.0;             ///< of the sigmas that were stated

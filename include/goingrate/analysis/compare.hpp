@@ -1,4 +1,4 @@
-// Several clocks beside each other, each with a log of its own, in one time.
+// Several clocks side by side, each with a log of its own, on one time scale.
 #pragma once
 
 #include "goingrate/analysis/load.hpp"
@@ -25,7 +25,8 @@ struct ComparedClock {
   DeviationTable own_deviation{};    ///< of own_error_s
 };
 
-/// The difference of two clocks, in which the time of the loggers and what both do alike cancel.
+/// The difference of two clocks, in which the loggers' time and what the clocks have in common
+/// cancel.
 struct ClockPair {
   std::size_t first = 0, second = 0; ///< of the clocks
   double correlation = 0.0;          ///< of the rates in blocks; see Comparison::blocks
@@ -70,9 +71,8 @@ struct Comparison {
 /// by the clock they share. The upper limit is the variance with which an estimate as low as this
 /// one would come in 5 of 100 cases. (CompareTest.TheHatCoversAsOftenAsItSays)
 ///
-/// Throws InputError if the logs have less than 64 common times, one has fewer than 64 beats there,
-/// or some have dates and others not;
-/// ArgumentError for fewer than two logs.
+/// Throws InputError if the logs have fewer than 64 common times, one has fewer than 64 beats
+/// there, or some have dates and others not; ArgumentError for fewer than two logs.
 Comparison compare(std::span<const NumberedLog> logs);
 
 /// Mean rates (relative) in `count` blocks of equal length of an error sampled every `step_s`; NaN

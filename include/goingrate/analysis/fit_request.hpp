@@ -11,7 +11,7 @@
 
 namespace goingrate {
 
-/// What is asked of a fit; empty: not given. Names are those of FitOptions.
+/// What a fit is to do; empty: not given. Names are those of FitOptions.
 struct FitRequest {
   std::vector<std::pair<std::string, double>> fixed{};
   std::vector<std::string> freed{};
@@ -20,16 +20,16 @@ struct FitRequest {
   /// the first; or the one word "auto" (those of the diary) or "none".
   std::vector<std::string> events{};
   std::string model{}, noise{}, escapement{}; ///< words of par files
-  std::string from{};                         ///< a par file, or "-"; what is said beside it wins
+  std::string from{};                         ///< a par file, or "-"; what else is given wins
 };
 
 /// Whether changes are searched for: neither the request nor its file names any, or "auto".
 bool finds_events(const FitRequest& request);
-/// The same, searching for changes where none are named.
+/// The same request, but searching for changes where it names none.
 FitRequest searching(FitRequest request);
 
-/// The options of a fit of this log, the sensor's place freed where the log shows that it is off
-/// (with_seen_offset), the share of gravity held at that which the log was read with. Throws
+/// The options of a fit of this log, with the sensor's place free where the log shows that it is
+/// off (with_seen_offset), and the share of gravity held at the one the log was read with. Throws
 /// ArgumentError for a word that makes no sense, InputError if the file is unusable or asks for
 /// what the log cannot give.
 FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded);

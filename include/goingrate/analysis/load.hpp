@@ -14,7 +14,7 @@
 
 namespace goingrate {
 
-/// What is asked of load(); what is left empty it finds out.
+/// What load() is to do; it finds out what is left empty.
 struct LoadRequest {
   std::string path; ///< a file, gzip or not, a folder of files, or "-" for standard input
   std::vector<std::string> more{}; ///< files and folders of the same clock, see read_log_files()
@@ -49,9 +49,10 @@ struct NumberedLog {
   SensorFindings sensor;
 };
 
-/// Reads the log and its weather, marks bounces, labels directions, numbers the beats, settles the nominal period,
-/// finds amplitudes and the sensor's place, and numbers again where that moved the times. Data on a
-/// grid are not numbered: their places are given. What was assumed is in `log.assumptions`.
+/// Reads the log and its weather, marks bounces, labels directions, numbers the beats, settles the
+/// nominal period, finds amplitudes and the sensor's place, and numbers again where that moved the
+/// times. Data on a grid are not numbered: their places are given. What was assumed is in
+/// `log.assumptions`.
 ///
 /// A nominal period that is given is believed. Throws InputError if the log cannot be read,
 /// ImpossibleReading if it was read but no clock is so far off, NumericsError if no three beats
@@ -61,16 +62,16 @@ NumberedLog load(const LoadRequest& request);
 /// The same for a text in memory; `path` names it in messages.
 NumberedLog load_text(std::string_view text, const LoadRequest& request);
 
-/// The same for events that were had otherwise; `log.source` names them in messages. Of the
-/// request's reading only the nominal period counts, and not that if the log states one. Throws
+/// The same for events from elsewhere; `log.source` names them in messages. From the request's
+/// reading, only the nominal period counts, and not even that if the log states one. Throws
 /// InputError as well for fewer than three events.
 NumberedLog load_events(ClockLog log, const LoadRequest& request);
 
-/// Its rate from end to end, with what is known of the nominal period and of the time base.
+/// The log's rate from end to end, with what is known of the nominal period and the time base.
 RateSummary mean_rate(const NumberedLog& loaded);
 
-/// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Of data on
-/// a grid as they were read, also where they are no clock's; else of the longest segment.
+/// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Data on a
+/// grid are as they were read, even if they are no clock's; otherwise it is the longest segment's.
 struct PhaseSeries {
   std::vector<double> phase_s;
   double tau0_s = 1.0;

@@ -1,4 +1,4 @@
-// What the keeper of a clock wrote down, beside what its log shows.
+// What the keeper of a clock wrote down, compared with what its log shows.
 #pragma once
 
 #include "goingrate/causes/diary.hpp"
@@ -35,7 +35,7 @@ struct EntryFinding {
   double at_s = 0.0; ///< after the first beat
   EntryVerdict verdict = EntryVerdict::not_seen;
   double found_at_s = std::numeric_limits<double>::quiet_NaN(); ///< s, of its match; NaN: none
-  /// In the unit of the entry's value, with its standard deviation; NaN where the log does not tell.
+  /// In the unit of the entry's value, with its standard deviation; NaN if the log does not tell.
   double found = std::numeric_limits<double>::quiet_NaN();
   double found_sigma = std::numeric_limits<double>::quiet_NaN();
 };
@@ -46,7 +46,7 @@ struct UnwrittenFinding {
   double at_s = 0.0; ///< after the first beat
 };
 
-/// A logbook beside a log.
+/// A logbook compared with a log.
 struct LogbookCheck {
   std::string source;
   std::vector<EntryFinding> entries; ///< in order of time
@@ -54,7 +54,7 @@ struct LogbookCheck {
 };
 
 /// How far the times of an entry and of a change may be apart, s. Notes are made some minutes
-/// before or after the work; one with a date alone may be of any time of that day.
+/// before or after the work; one with only a date may be of any time of that day.
 inline constexpr double note_tolerance_s = 900.0;
 
 /// Puts the entries `rate`, `weight` and `clean` that lie within the beats into `diary`, as it was

@@ -17,7 +17,7 @@ namespace goingrate {
 struct SimulatedLog {
   std::string text;                          ///< native, as `simulate` writes it
   SwingStatus status = SwingStatus::crossed; ///< crossed, or why the clock stopped
-  std::int64_t periods = 0;                  ///< that were completed
+  std::int64_t periods = 0;                  ///< completed
 };
 
 /// Makes logs; each thread has its copy.
@@ -39,8 +39,8 @@ private:
 /// gravity_share, lambda0 (phi' at the first upward crossing, by direct integration), offset (rad);
 /// what changes at the k-th event as mu\@k and the like; jitter_rms (s) and amplitude_rms (rad)
 /// where times are not rounded, drive_rms, slow_rms, slow_time (s) where the drive is random alone.
-/// What is zero is left out, but for gravity_share, and what no single number tells. Of an
-/// escapement that rests (intermittent.hpp) the drive is its mean, and lambda0 the mean course's.
+/// Left out are zeros, except gravity_share, and what no single number tells. For an escapement
+/// that rests (intermittent.hpp), the drive is its mean, and lambda0 the mean course's.
 /// Throws as ClockRun does.
 std::map<std::string, double> true_parameters(const Scenario& scenario);
 

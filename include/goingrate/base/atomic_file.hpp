@@ -74,7 +74,7 @@ private:
 /// Finishes all, then renames all over their targets; if one cannot be renamed, all targets are as
 /// they were.
 void commit_all(const std::vector<StreamedFile*>& files);
-/// The same.
+/// The same for a vector of files.
 void commit_all(std::vector<StreamedFile>& files);
 
 } // namespace goingrate

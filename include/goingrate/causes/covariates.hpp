@@ -27,7 +27,7 @@
 
 namespace goingrate {
 
-/// By which way a covariate comes to the rate.
+/// The way in which a covariate acts on the rate.
 enum class EffectWay : std::uint8_t {
   at_once,           ///< a rod, before its compensation follows
   direct,            ///< not through the amplitude: air that carries the bob
@@ -41,7 +41,7 @@ std::string_view name_of(EffectWay way);
 /// "through the amplitude" and the like.
 std::string_view words_of(EffectWay way);
 
-/// What comes by one way.
+/// The part of an effect that comes by one way.
 struct EffectPart {
   EffectWay way{};
   double coefficient = 0.0, sigma = 0.0; ///< as those of the whole
@@ -49,25 +49,25 @@ struct EffectPart {
 
 /// The effect of one covariate on the rate.
 struct CovariateEffect {
-  std::string name, unit; ///< unit of the coefficient: 1/K, 1/mbar, m^3/kg; none of the tide's share
+  std::string name, unit;   ///< unit of the coefficient: 1/K, 1/mbar, m^3/kg; none for the tide
   double coefficient = 0.0; ///< b, relative rate per unit of the covariate, in `unit`
   double sigma = 0.0;       ///< of it, in `unit`, with what interpolating the covariate may add
   double lag_s = 0.0;       ///< time constant of the lag, s; 0 if the log shows none
   double without_s = 0.0;   ///< rms time error over the other half, its mean rate removed, s
   double with_s = 0.0;      ///< the same with the coefficient, s
-  /// The standard deviation of a value between two readings, in the unit of the covariate (K, mbar, kg/m^3); 0 if there is
-  /// a reading at each beat.
+  /// The standard deviation of a value between two readings, in the unit of the covariate (K, mbar,
+  /// kg/m^3); 0 if there is a reading at each beat.
   double interpolation_sigma = 0.0;
   double step_s = 0.0;      ///< between two readings, s; 0 if there is one at each beat
   double known_share = 1.0; ///< of the log, 0 to 1; the rest is left out
-  /// The ways, where the log tells them apart: `at_once` alone, of a rod whose compensation comes
-  /// after `lag_s`, when the whole holds; or two through and beside the amplitude.
+  /// The ways, where the log tells them apart: `at_once` alone, for a rod whose compensation comes
+  /// after `lag_s`, when the whole holds; or two, through the amplitude and otherwise.
   std::vector<EffectPart> parts{};
   /// The coefficient of the amplitude, rad per unit of the covariate; NaN where the log has none.
   double amplitude = std::numeric_limits<double>::quiet_NaN(), amplitude_sigma = amplitude;
   /// The part that comes by a way; none where it is not told.
   [[nodiscard]] const EffectPart* part(EffectWay way) const;
-  /// Whether the coefficient is beyond three sigma, or that of what comes at once.
+  /// Whether the coefficient, or that of the part at once, is beyond three sigma.
   [[nodiscard]] bool significant() const;
   /// Whether compensating lowers the time error over the half that the coefficient was not fitted
   /// to.
@@ -75,25 +75,25 @@ struct CovariateEffect {
 };
 
 /// The effects of the data's terms other than "drift". Terms that do not vary, or only along a
-/// straight line, are left out; a log
-/// of fewer than 256 beats gives none. CovariateTest.FindsACoefficientWithItsSigma,
+/// straight line, are left out; a log of fewer than 256 beats gives none.
+/// CovariateTest.FindsACoefficientWithItsSigma,
 /// CovariateTest.AWanderSharedByChanceIsNotTakenForAnAnswer. Cost: O(N).
 std::vector<CovariateEffect> covariate_effects(const TimingData& data);
 
 /// Tells what each covariate (but the tide) does to the rate through the amplitude from what it
-/// does beside it, where the log has amplitudes; else nothing changes.
+/// does otherwise, where the log has amplitudes; else nothing changes.
 ///
 /// Denser air carries more of the bob, which slows the clock, and brakes it, which lowers the
 /// amplitude and moves the rate by the circular error and the escapement error. The amplitude's own
 /// answer is found as the rate's is; times d(rate)/d(amplitude) under a change of friction at
-/// constant drive it is the second way, and the rest is the first. That slope is the fitted clock's,
-/// or, where the fit leaves the escapement undetermined, - s A/8 of the circular error alone. The
-/// intervals of both ways cover in simulated clocks (tests/studies/conditions.txt;
+/// constant drive it is the second way, and the rest is the first. That slope is the fitted
+/// clock's, or, where the fit leaves the escapement undetermined, - s A/8 of the circular error
+/// alone. The intervals of both ways cover in simulated clocks (tests/studies/conditions.txt;
 /// CovariateTest.TheBarometersTwoWays).
 void tell_ways(const TimingData& data, const FitSummary& fit,
                std::vector<CovariateEffect>& effects);
 
-/// What one quantity does to the rate beside the others.
+/// What one quantity does to the rate besides the others.
 struct WeatherPart {
   std::string name, unit;
   double coefficient = 0.0, sigma = 0.0; ///< relative rate per unit

@@ -57,9 +57,9 @@ struct CauseNumbers {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   double at_s = unknown;    ///< after the first beat: when it came, if it was sudden
   double until_s = unknown; ///< when it went, if it was a visit
-  /// What it does. Of a step, a visit, a wheel or the day: relative rate; of temperature or
-  /// pressure that per K or mbar, of a drift that per day; of a displaced time: s; of missed beats
-  /// the share of all.
+  /// What it does. For a step, a visit, a wheel or the day: relative rate; for temperature or
+  /// pressure, that per K or mbar; for a drift, that per day; for a displaced time: s; for missed
+  /// beats, their share of all.
   double size = unknown, sigma = unknown;
   double amplitude_rad = unknown, amplitude_sigma_rad = unknown; ///< the same of the amplitude
   double period_s = unknown;                                     ///< of a wheel
@@ -76,13 +76,13 @@ struct Suspicion {
   CauseNumbers numbers{};
 };
 
-/// What the causes are judged by.
+/// The evidence by which causes are judged.
 struct DiagnosisInput {
   const TimingData* data = nullptr; ///< with the terms temperature and pressure if the log has them
   double nominal_period_s = 0.0;
   std::vector<Change> changes{}; ///< dated ones, in order of time
-  /// Those that the fit follows: `data` is then what the fit leaves, and they are causes as they
-  /// are.
+  /// The changes that the fit follows: `data` is then what the fit leaves, and they count as causes
+  /// as they are.
   std::vector<Change> explained{};
   std::vector<SpectralLine> lines{};       ///< of the rate
   std::optional<double> relaxation_s{};    ///< T0/(4 pi epsilon), if epsilon is known
@@ -93,20 +93,20 @@ struct DiagnosisInput {
 /// In a log of fewer beats the courses of a rate cannot be told from each other.
 inline constexpr std::size_t least_diagnosed_beats = 400;
 
-/// Suspicions, the greatest gain first; none for a healthy clock. Of a log of fewer than
-/// least_diagnosed_beats the explained changes alone.
+/// Suspicions, the greatest gain first; none for a healthy clock. For a log of fewer than
+/// least_diagnosed_beats, the explained changes alone.
 /// tests/studies/diagnosis.txt holds the confusion of causes, through analyse(), on simulated
 /// clocks; DiagnosisTest.NamesTheCause a part of it. Cost: some seconds, whatever the length.
 std::vector<Suspicion> diagnose(const DiagnosisInput& input);
 
 /// Gives suspicions of temperature and pressure the value of covariate_effects(), so that one log
-/// states one. A swing with the day that a column of the log explains, in the half where its
-/// coefficient was not found too, is no weather that the log lacks: it is named after that column.
+/// states one. A daily swing that a column of the log explains, also in the half in which its
+/// coefficient was not found, is not weather that the log lacks: it is named after that column.
 void name_weather(std::span<const CovariateEffect> effects, std::vector<Suspicion>& suspicions);
 
 /// Adds the steps, and the visits' ends, that diagnose() would name and that are not among
-/// `diary.changes`, which are also `input.changes`: those too small to stand out of the beats next
-/// to them. `beats` are those of the data. Nothing for a log of fewer than
+/// `diary.changes`, which are also `input.changes`: those too small to stand out from the beats
+/// next to them. `beats` are those of the data. Nothing for a log of fewer than
 /// least_diagnosed_beats. Cost: that of diagnose().
 void add_small_changes(const DiagnosisInput& input, std::span<const Beat> beats, Diary& diary);
 

@@ -11,7 +11,7 @@
 
 namespace goingrate {
 
-/// What it was that changed.
+/// What changed.
 enum class ChangeKind {
   unclear,
   regulation, ///< the rate changes and stays, the amplitude does not follow: length, or a weight

@@ -123,10 +123,9 @@ void check(const Scenario& scenario);
 std::string_view name_of(Method method);
 
 /// Reads a scenario from TOML text; `file` names it in messages and is where the path of a
-/// drive.series starts from, `overrides` are "key=value" with
-/// dotted keys ("clock.epsilon=1e-3"), applied over the text.
-/// Throws InputError with line and column for text that is no TOML, for unknown keys, for values of
-/// a wrong type and for values out of range.
+/// drive.series starts from, `overrides` are "key=value" with dotted keys ("clock.epsilon=1e-3"),
+/// applied over the text. Throws InputError with line and column for text that is not TOML, for
+/// unknown keys, for values of a wrong type and for values out of range.
 Scenario parse_scenario(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides = {});
 

@@ -1,4 +1,4 @@
-// The drive as it went: mu(t)/mu0 from amplitudes, from the rate, or from both.
+// The course of the drive: mu(t)/mu0 from amplitudes, from the rate, or from both.
 //
 // In blocks short compared with the relaxation, the deviation x = lambda^2/X - 1 from the
 // stationary amplitude and the relative drive d follow (Hoyng, eq. dotl4)
@@ -36,7 +36,7 @@ struct DrivePoint {
   double sigma = 0.0;    ///< of `relative`; the model's parameters count as exact
 };
 
-/// The drive as it went.
+/// The course of the drive.
 struct DriveHistory {
   std::vector<DrivePoint> points;
   double step_rms = 0.0; ///< q

@@ -94,8 +94,8 @@ double relative_gain_sigma(const FitSummary& fit, const ClockParameters& clock,
 
 /// Spectrum and lines of the rate about a fit, and the split of the part after the fit's last event
 /// has settled. The gains are those of the fitted clock, driven as the amplitudes of that part show
-/// where they are logged: of a mean drive and a slow one a fit may take one for the other. The
-/// intervals of fast and slow hold what the fit does not know of the gains
+/// where they are logged, since a fit may confuse a mean drive with a slow one. The
+/// intervals of fast and slow include what the fit does not know of the gains
 /// (tests/studies/drive_split.txt: with fitted clocks); gains that may as well be 0 split nothing.
 DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s,
                             const FitSummary& fit, double split_hz = 0.0);

@@ -1,5 +1,5 @@
 // How far a clock goes wrong within some time under the conditions of a scenario, cause by cause,
-// and what it would have to be for less.
+// and what it would have to be to go less wrong.
 //
 // A clock that is regulated has no error but what varies. With H the response of the rate to the
 // drive in first order (moments.hpp), S the density of a part of the drive and t the time,
@@ -19,8 +19,8 @@ namespace goingrate {
 /// One cause of error.
 struct ErrorPart {
   std::string cause; ///< in words
-  std::string key;   ///< what of the scenario it is proportional to
-  double size;       ///< of that; of several sines their root of squares
+  std::string key;   ///< the quantity of the scenario that it is proportional to
+  double size;       ///< of that; for several sines, the root of their squares
   double rms_s;
 };
 
@@ -32,7 +32,7 @@ struct ErrorBudget {
 };
 
 /// The error that builds up in `after_s` (s, above 0). Linear in the conditions; the rms of 300
-/// simulated clocks is within its scatter of it (ErrorBudgetTest.AgreesWithSimulatedClocks). Of an
+/// simulated clocks is within its scatter of it (ErrorBudgetTest.AgreesWithSimulatedClocks). For an
 /// escapement that waits for its swing to fall (Hipp), whose every wait begins at the limit, the
 /// rate answers to the drive alike at all frequencies
 /// (ErrorBudgetTest.AnEscapementThatWaitsForgetsTheImpulseBefore). Throws ArgumentError for a clock
@@ -47,7 +47,7 @@ struct Requirement {
                                ///< "clock.below" in place of the amplitude where that is limited
   double present;              ///< its value now
   std::optional<double> limit; ///< nothing: not by this alone, or it makes no difference
-  bool stops = false;          ///< at that limit the clock stops, or is none that can be
+  bool stops = false;          ///< at that limit the clock stops, or cannot exist
 };
 
 /// The limits of the friction (with the drive adjusted so that the swing stays), of the amplitude

@@ -45,7 +45,7 @@ public:
   /// the switching angle.
   PeriodStep advance(double factor = 1.0);
 
-  /// At the last crossing, as the order has it.
+  /// Velocity at the last crossing, as the order defines it.
   [[nodiscard]] double velocity() const;
   /// Restates the velocity for a nominal period changed by the factor `ratio`.
   void rescale(double ratio) { amplitude2_ *= ratio * ratio; }

@@ -51,7 +51,7 @@ public:
   /// The next period; nothing when the run is complete or the clock stopped (see status).
   std::optional<Period> next();
 
-  /// phi' at the start, scaled; of a stationary start what was found.
+  /// phi' at the start, scaled; for a stationary start, the value found.
   [[nodiscard]] double start_velocity() const { return start_velocity_; }
   /// crossed while all is well, otherwise why the clock stopped.
   [[nodiscard]] SwingStatus status() const { return status_; }

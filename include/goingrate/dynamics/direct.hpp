@@ -28,7 +28,7 @@ public:
   /// From the present crossing on the clock has these parameters.
   void set_clock(const ClockParameters& clock);
 
-  /// Advances one period with the torque (or the impulse) times `factor`; of an action that begins
+  /// Advances one period with the torque (or the impulse) times `factor`; for an action that begins
   /// on the left (action_parts) that is the factor of the one that begins in this period. After a
   /// status other than crossed the state is spent.
   PeriodStep advance(double factor = 1.0);

@@ -83,8 +83,8 @@ struct WaitingOrbit {
   double mean_square = 0.0;   ///< of phi' at the upward crossings
   double period_excess = 0.0; ///< T - 2 pi, scaled, in the mean
   std::int64_t impulses = 0;  ///< over which the means are taken
-  /// Of the rate. 1e-14 where the orbit closes; otherwise what the ends of the stretch may miss, by
-  /// the inequality of Denjoy and Koksma: twice the range of T over the time of the stretch.
+  /// Error bound of the rate: 1e-14 where the orbit closes; otherwise what the ends of the stretch
+  /// may miss (Denjoy and Koksma's inequality): twice the range of T over the stretch's time.
   double rate_within = 0.0;
 };
 

@@ -68,8 +68,8 @@ struct KnownPair {
 /// within 2e-11 of themselves (measured 3e-12; 1e-13 in first order); what limits it is that
 /// limit_cycle's rate is good to 1e-15, and at A is close to its maximum
 /// (OperatingPointTest.RoundTripOfAllPairs). From 0.003 to 0.3 rad, eps 1e-5 to 1e-2 all six come
-/// back within 1e-8 (OperatingPointsTest.RoundTripsInAWideRegion). Of random points up to 2 rad,
-/// amplitude and rate do not find 6 in 1000, all with phi' > 1.85 or mu > 0.8; the other pairs find
+/// back within 1e-8 (OperatingPointsTest.RoundTripsInAWideRegion). For random points up to 2 rad,
+/// amplitude and rate miss 6 in 1000, all with phi' > 1.85 or mu > 0.8; the other pairs find
 /// all. An exact solution takes 0.5 to 4 ms.
 ///
 /// The exact equations follow limit_cycle. As long as that has no cycle below the *first-order*

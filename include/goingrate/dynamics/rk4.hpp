@@ -43,7 +43,7 @@ using TorqueTiming = Rk4Torque;
 ///
 /// The grid runs on through the crossings; with at_switches it goes on with full steps from each
 /// cut. A crossing time is off by up to 0.016 dt^3 + dt^2/8 (mu/phi' + 2 eps) by its interpolation,
-/// 5e-7 at C and dt = 0.03 (Rk4FreeTest.InterpolationErrorOfACrossing); that is no part of the
+/// 5e-7 at C and dt = 0.03 (Rk4FreeTest.InterpolationErrorOfACrossing); that is not part of the
 /// state and does not accumulate, so rates are best taken over many periods. The free pendulum
 /// loses a share 2 pi dt^5 / 144 of phi' a period (Rk4FreeTest.VelocityIsLostAtFifthOrder).
 class Rk4Pendulum {

@@ -39,7 +39,7 @@ struct LimitCycle {
 
 /// Solves v' = v for the return map of the full equation of motion, any clock law. Velocity and
 /// period within 1e-15, rate excess within 2e-15 of 128-bit values at A, B, C
-/// (StationaryTest.LimitCycleMatchesExactValues); of an escapement that waits within its
+/// (StationaryTest.LimitCycleMatchesExactValues); for an escapement that waits within its
 /// WaitingOrbit::rate_within. Nothing where the clock stalls or turns over.
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock);
 

@@ -77,7 +77,7 @@ template <class T> SineDefects<T> sine_defects(const T& phi) {
     const T half = sin(phi / 2);
     return {phi - sin(phi), 2 * half * half};
   }
-  // So many terms leave less than rounding at 1/2 rad.
+  // This many terms leave less than rounding at 1/2 rad.
   constexpr std::size_t terms = std::numeric_limits<T>::digits <= 64 ? 10 : 18;
   static const auto sine = alternating_series<T, terms>(3),
                     cosine = alternating_series<T, terms>(2);
@@ -230,7 +230,7 @@ public:
   struct Deviation {
     T angle, speed;
   };
-  /// At `t` after the point of expansion.
+  /// The deviation at `t` after the point of expansion.
   [[nodiscard]] Deviation deviation(const T& t) const {
     const Pair both = detail::polynomial<order + 1, 1>(deviation_.data(), t);
     return {both[0], both[1]};

@@ -57,9 +57,9 @@ enum class FitDynamics {
 };
 std::string_view name_of(FitDynamics dynamics);
 
-/// Which noise is fitted, beside that of an amplitude column.
+/// Which noise is fitted, besides that of an amplitude column.
 enum class FitNoise {
-  automatic, ///< jitter, and what BIC asks for beside it
+  automatic, ///< jitter, and what BIC asks for besides
   jitter,    ///< white in time
   drive,     ///< white per period, times without error
   both,      ///< jitter and white drive
@@ -72,7 +72,7 @@ struct ModelChoice {
   bool quadratic = false, dry = false;
   bool amplitude_scale = false; ///< the amplitude column is off by a factor
   bool jitter = true, walk = false, drive = false, slow = false;
-  /// What is known of when, within a swing, an event came that did not come at a crossing.
+  /// What is known of the moment within a swing of an event that did not come at a crossing.
   enum class Moments { of_crossings, loose, fitted } moments = Moments::of_crossings;
 
   /// "constant-torque, linear, jitter + drive"
@@ -81,7 +81,7 @@ struct ModelChoice {
   [[nodiscard]] std::string noise() const;    ///< "jitter + drive"
 };
 
-/// What is asked of a fit; what is left empty it finds out.
+/// What a fit is to do; it finds out what is left empty.
 struct FitOptions {
   FitDynamics dynamics = FitDynamics::automatic;
   FitNoise noise = FitNoise::automatic;
@@ -143,8 +143,8 @@ struct DerivedQuantity {
 
 /// How well the model describes the log.
 struct FitQuality {
-  /// Of the times against the jitter seen between neighbouring beats; where the model has a walk or
-  /// noise of the drive, of the innovations against their variances.
+  /// Chi-squared of the times against the jitter seen between neighbouring beats; where the model
+  /// has a walk or noise of the drive, of the innovations against their variances.
   double chi2 = 0.0;
   double dof = 0.0;
   double p_value = 0.0; ///< of chi2, given that the jitter itself is known to some per cent only
@@ -171,7 +171,7 @@ struct Experiment {
 
 /// How the log was thinned for the fit.
 struct Thinning {
-  std::size_t beats = 0;         ///< that were used; 0: all
+  std::size_t beats = 0;         ///< used for the fit; 0: all
   double information_lost = 0.0; ///< largest relative loss of information on a parameter
 };
 
@@ -199,7 +199,7 @@ enum class NoteKind {
   misfit,        ///< the times stray from the best place by more than they scatter
 };
 
-/// Something beside the numbers that must be said.
+/// Something that must be said besides the numbers.
 struct FitNote {
   NoteKind kind{};
   std::string text;
@@ -209,7 +209,7 @@ struct FitNote {
 /// noise.
 struct ClockTwin {
   std::vector<std::pair<std::string, double>> parameters;
-  /// Of each, if it is this clock; NaN where even then the log does not determine it.
+  /// Sigma of each, if it is this clock; NaN where even then the log does not determine it.
   std::vector<std::pair<std::string, double>> sigma;
   double delta_2logL = 0.0; ///< by how much its 2 log L is below that of the fit
 };
@@ -225,7 +225,7 @@ struct FitSummary {
   std::vector<std::string> correlated;          ///< names of the free parameters, in order
   std::vector<std::vector<double>> correlation; ///< of those
   std::vector<DerivedQuantity> combinations;    ///< those that are determined
-  /// Q and decay time are those of linear friction; with other friction beside it they depend on
+  /// Q and decay time are those of linear friction; with other friction in addition they depend on
   /// the amplitude and are NaN, and `decay` has them.
   DerivedQuantity q_factor, stationary_amplitude, rate_s_per_day, decay_time;
   std::optional<Decay> decay{};     ///< of a pendulum that swings freely

@@ -25,8 +25,8 @@ struct FrictionLaw {
   std::string friction; ///< "linear", "quadratic + dry" ...
   double bic = 0.0;
   double behind = 0.0; ///< its BIC less that of the best; 0 for the best
-  /// What else the pendulum is if this is the law; NaN where that is not asked: it is held, or the
-  /// law is not open.
+  /// The other parameters if this is the law; NaN where they are not sought: held, or the law is
+  /// not open.
   double T0_s = 0.0, T0_sigma_s = 0.0, lambda0 = 0.0, lambda0_sigma = 0.0;
 
   /// Odds of 20 to 1.
@@ -38,8 +38,8 @@ struct FrictionLaw {
 ///
 /// Q(A) = 2 pi times the energy over what a period takes of it (dynamics/swing_loss.hpp):
 ///   1/Q = 2 epsilon + (8/3 pi) k A + (4/pi) c/A   for small swings,
-/// with linear friction epsilon, quadratic drag k and dry friction c, none below 0. It supposes no
-/// one of the laws: all three terms are fitted, and the intervals are those of the likelihood with
+/// with linear friction epsilon, quadratic drag k and dry friction c, none below 0. It supposes
+/// none of the laws: all three terms are fitted, and the intervals are those of the likelihood with
 /// the terms left free on their side of 0, so what a term takes from another does not narrow them.
 /// The 95 % intervals of Q hold the truth in 95 % of simulated logs (156 of 166 of samples of an
 /// angle and photogates; tests/studies/ring_down.txt, RingDownStudy.ShortForm).

@@ -22,7 +22,7 @@ struct FitEvent {
   /// What is known beforehand of the first of `names`: its value after the event over that before.
   std::optional<PlannedRatio> planned{};
   /// It takes effect at that crossing, as a simulated change does. Otherwise, and where it is
-  /// movable, it may have come at any moment of the swings beside.
+  /// movable, it may have come at any moment of the neighbouring swings.
   bool at_crossing = true;
 
   /// Whether it came just at the crossing.

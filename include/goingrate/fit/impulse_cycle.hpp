@@ -1,4 +1,4 @@
-// How often the pendulum gets a push that a log shows: once in N swings (Synchronome, Shortt), or
+// How often a log shows that the pendulum gets a push: once in N swings (Synchronome, Shortt), or
 // when its amplitude has fallen to a limit (Hipp).
 //
 // Between two pushes, N swings apart, lambda^2 falls by L, and the circular error follows it. At
@@ -42,10 +42,10 @@ struct ImpulseCycle {
   std::optional<Estimate> epsilon{};
 };
 
-/// Finds them. N is sought from 2 to 60; pushes that come at other intervals must each stand out of
-/// the amplitudes by twelve standard deviations. A saw-tooth must explain more than a sine of the
-/// same period, and its gain must pass 18 after the price: a false alarm in some thousand logs
-/// (ImpulseCycleTest.NoiseShowsNoPushes). Intervals of a step and of epsilon hold as
+/// Finds the pushes. N is sought from 2 to 60; pushes that come at other intervals must each stand
+/// out from the amplitudes by twelve standard deviations. A saw-tooth must explain more than a sine
+/// of the same period, and its gain must pass 18 after the price: a false alarm in some thousand
+/// logs (ImpulseCycleTest.NoiseShowsNoPushes). Intervals of a step and of epsilon hold as
 /// tests/studies/impulses.sh prints.
 std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data);
 

@@ -25,7 +25,7 @@
 
 namespace goingrate {
 
-/// What a file asks for, and where it says so: some of it only a log can show to be wrong.
+/// What a file asks for, and where it says so, as only a log can show some of it to be wrong.
 struct ParFile {
   FitOptions
       options; ///< its events at the cycles of the file, not yet counted from the data's first
@@ -39,7 +39,7 @@ struct ParFile {
 std::string par_text(const FitSummary& fit, const FitOptions& options, std::int64_t first_cycle);
 
 /// Reads such a text; `file` names it in messages. Throws InputError with line and column for
-/// whatever is no item, is given twice, is out of range or changes at no event.
+/// whatever is not an item, is given twice, is out of range or changes at no event.
 ParFile parse_par(std::string_view text, const std::string& file);
 
 /// A start serves only if it has a value for every parameter of the clock that is not fixed; one
@@ -50,10 +50,10 @@ void drop_partial_start(FitOptions& options);
 /// The names of all parameters. A value after the k-th event has the event's number after the
 /// name, as in "mu\@1".
 std::vector<std::string> parameter_names();
-/// Of these, the ones that are fitted only where they are named.
+/// The names of those that are fitted only where they are named.
 std::vector<std::string> optional_parameter_names();
 
-/// Set by the word for it, `auto` included; false for any other word.
+/// Set the option by the word for it, `auto` included; false for any other word.
 bool set_dynamics(FitOptions& options, std::string_view word);
 bool set_noise(FitOptions& options, std::string_view word);
 bool set_escapement(FitOptions& options, std::string_view word);

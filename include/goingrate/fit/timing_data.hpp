@@ -32,14 +32,14 @@ struct TimingData {
   std::vector<double> elapsed_s;     ///< t_i - t_0
   std::vector<double> lateness_s;    ///< t_i - t_0 - n_i * reference period, no digits lost
   std::vector<double> amplitude_rad; ///< NaN where unknown; empty if the log has none
-  std::vector<RateTerm> terms;       ///< what the fit may be asked to answer to
+  std::vector<RateTerm> terms;       ///< what the fitted rate may follow
   /// Standard deviations of times and of amplitudes, one per beat, over the rms of all; empty
   /// where all are alike. A fit with noise of the drive takes those of the times as equal.
   std::vector<double> time_noise{}, amplitude_noise{};
-  std::string no_swings{}; ///< why these are no swings of a pendulum; empty if they are
+  std::string no_swings{}; ///< why these are not a pendulum's swings; empty if they are
   /// Pushes of an escapement that rests, whose saw-tooth was taken off times and amplitudes.
   std::optional<ImpulseCycle> impulses{};
-  double time_base_sigma = 0.0; ///< relative, of the rate of what took the times: T0 answers to it
+  double time_base_sigma = 0.0; ///< relative, of the clock that took the times, and so of T0
 
   /// Number of beats.
   [[nodiscard]] std::size_t size() const { return cycle.size(); }

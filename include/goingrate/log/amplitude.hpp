@@ -12,7 +12,7 @@
 namespace goingrate {
 
 /// Turning angle (rad) of a free pendulum of small-swing period `period_s` that passes a centred
-/// flag, `flag_width_rad` wide as seen from the pivot, in `width_s`. Of small swings
+/// flag, `flag_width_rad` wide as seen from the pivot, in `width_s`. For small swings it is
 /// (w/2) / sin(tau/2), tau = 2 pi width / T0; here free_passage_time (restoring.hpp) = tau is
 /// solved for lambda, to 1e-12 (AmplitudeTest.WidthsGiveTheAmplitudeOfTheFullEquation). Friction
 /// and drive shift it by their part in the motion, 1e-4 of lambda and less. NaN if no swing takes
@@ -28,7 +28,7 @@ double small_swing_period(const ClockLog& log, double flag_width_rad, double per
 
 /// Moves times that are the middle of a flag's dark time to the vertical: a pendulum that is slowed
 /// down takes longer over the second half of the flag. With the local fall of the amplitudes,
-/// 1/Q = -(d log A/d cycle)/pi, the middle of a dark time w is late by pi w^2/(4 T Q); of dry
+/// 1/Q = -(d log A/d cycle)/pi, the middle of a dark time w is late by pi w^2/(4 T Q); for dry
 /// friction and quadratic drag that is right to a fifth.
 void move_middles_to_vertical(ClockLog& log, double period_s);
 
@@ -63,18 +63,18 @@ struct SensorEstimate {
   double sigma = 0.0;
 };
 
-/// What the log tells beside the rate, as far as it can.
+/// What the log tells besides the rate, as far as it can.
 struct SensorFindings {
   std::optional<SensorEstimate> beat_error_s{};
-  bool sides_are_unknown = false; ///< of ticks that are heard nothing says on which side they are
+  bool sides_are_unknown = false; ///< ticks were heard, and nothing says which side each is on
   std::optional<SensorEstimate> offset_rad{};
   bool at_vertical = false; ///< the times were moved there
   std::optional<AmplitudeSummary> amplitude{};
-  double gravity_share = 1.0; ///< of the restoring torque (clock/restoring.hpp), as it was told
+  double gravity_share = 1.0; ///< of the restoring torque (clock/restoring.hpp), as given
 };
 
 /// Beat error, s: how much longer the pendulum is on the left (from a downward crossing to the next
-/// upward one) than on the right; half of it is what others call by the same name. Its scatter
+/// upward one) than on the right; others call half of it by the same name. Its scatter
 /// gives sigma. Nothing without 3 whole swings.
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats);
 
@@ -88,8 +88,8 @@ std::optional<SensorEstimate> beat_error(std::span<const Beat> beats);
 /// AmplitudeTest.OffsetFromTheCorrelation, AmplitudeTest.ADriveThatVariesIsNoOffset).
 std::optional<SensorEstimate> sensor_offset(std::span<const Beat> beats, double period_s);
 
-/// Moves every event to the vertical, with its own amplitude: of a rising pendulum
-/// t - asin(rising/lambda) T0 / 2 pi, of a falling one t + asin(falling/lambda) T0 / 2 pi. The
+/// Moves every event to the vertical, with its own amplitude: for a rising pendulum
+/// t - asin(rising/lambda) T0 / 2 pi, for a falling one t + asin(falling/lambda) T0 / 2 pi. The
 /// angles are those at which the sensor sees each: alpha and alpha for a beam off the vertical,
 /// -w/2 and +w/2 for the leading edge of a centred flag.
 ///

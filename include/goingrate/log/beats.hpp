@@ -71,11 +71,11 @@ bool label_alternate_edges(ClockLog& log, bool certain,
 ///
 /// A filter that follows time and period of the clock, under three kinds of noise measured in the
 /// log itself (white in time, white in rate, wander of the rate), foresees each beat. An event
-/// within six sigmas of it, or 1 % of the period, is the beat; of several the nearest, unless
-/// another is more than 1/100 as likely: that one is a `rival`, the rest are `spurious`. Where six
-/// events in a row fit nowhere, or eight periods are empty and the next beat is not foreseen to 5 %
-/// of a period, the beats are looked for afresh. Where the time goes back by half a period or more
-/// a new segment begins. Events marked as bounces stay so and are passed over.
+/// within six sigmas of it, or 1 % of the period, is the beat; if there are several, the nearest,
+/// unless another is more than 1/100 as likely: that one is a `rival`, the rest are `spurious`.
+/// Where six events in a row fit nowhere, or eight periods are empty and the next beat is not
+/// foreseen to 5 % of a period, the beats are looked for afresh. Where the time goes back by half a
+/// period or more a new segment begins. Events marked as bounces stay so and are passed over.
 ///
 /// Each gap's count has its probability from the clock's time and period on both sides, carried
 /// over the gap with the noise as it grows; a count of n periods, of its neighbours, and "the clock
@@ -87,8 +87,8 @@ bool label_alternate_edges(ClockLog& log, bool certain,
 /// missed and 10 % false events, jitter up to 1 % of the period, ramps, steps and restarts, and
 /// fewer than 1 of 1e4 good events is marked spurious (NumberingStudy.ShortForm; the long form is
 /// tests/studies/numbering.txt). Works in place: 40 bytes an event and a list of gaps. Cost O(N),
-/// tens of ns an event.
-/// Throws InputError if no period can be found, or the log falls into more than 65536 segments.
+/// tens of ns an event. Throws InputError if no period can be found, or the log falls into more
+/// than 65536 segments.
 Beats number_beats(const ClockLog& log, const NumberingOptions& options = {});
 
 /// The same for events that are handed over and numbered in place: no second copy of a long log is

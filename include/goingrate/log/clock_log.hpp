@@ -100,7 +100,7 @@ struct GridData {
   std::vector<double> phase_s; ///< the clock's error, positive: fast; NaN where there is none
 };
 
-/// What of a log a reader is told or finds out.
+/// What a reader is told, or finds out, about a log.
 enum class Setting : std::uint8_t {
   none,
   format,
@@ -144,7 +144,7 @@ enum class TimeOrigin : std::uint8_t {
   mjd,  ///< 1858-11-17
 };
 
-/// From the beginning of the count to 1970, s; 0 for `none`.
+/// Time from the beginning of the count to 1970, s; 0 for `none`.
 std::int64_t seconds_before_1970(TimeOrigin origin);
 /// "dates" or "times without a date".
 std::string_view times_of(TimeOrigin origin);
@@ -179,8 +179,8 @@ struct ClockLog {
   EventColumns columns;
   TimeOrigin origin = TimeOrigin::none;
   std::optional<Site> site;     ///< where the clock stands, if that is known
-  std::optional<double> zone_s; ///< that the dates name, east of Greenwich; the first of them
-  std::vector<JoinedWeather> weather; ///< what of `columns` was interpolated
+  std::optional<double> zone_s; ///< of the dates, east of Greenwich: the first one named
+  std::vector<JoinedWeather> weather; ///< for those of `columns` that were interpolated
   std::optional<SoundFindings> sound; ///< if it is a recording
   /// Standard deviation of the rate of the clock that all times were taken with, where it is known:
   /// it is that of the log's rate as well, whatever its length.

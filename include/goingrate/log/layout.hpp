@@ -40,15 +40,15 @@ enum class ColumnRole : std::uint8_t {
   frequency,   ///< relative
   amplitude,
   angle,
-  position, ///< sideways displacement; its unit does not matter
-  height,   ///< beside it, in the same unit: both give the angle about the centre of the arc
-  width,    ///< how long the flag was seen, s
-  tick_dark,  ///< cycles of a counter: the flag in the gate on its way up,
-  tick_light, ///< then out of it until it returns,
-  tock_dark,  ///< in it on its way down,
-  tock_light, ///< and out of it until the next oscillation
+  position,     ///< sideways displacement; its unit does not matter
+  height,       ///< with it, in the same unit: both give the angle about the centre of the arc
+  width,        ///< how long the flag was seen, s
+  tick_dark,    ///< cycles of a counter: the flag in the gate on its way up,
+  tick_light,   ///< then out of it until it returns,
+  tock_dark,    ///< in it on its way down,
+  tock_light,   ///< and out of it until the next oscillation
   counter_rate, ///< Hz, of that counter
-  edge,     ///< up or down; of a gate's two edges up-in, up-out, down-in, down-out
+  edge,         ///< up or down; of a gate's two edges up-in, up-out, down-in, down-out
   temperature,
   pressure,
   humidity,
@@ -81,7 +81,7 @@ struct Layout {
   /// Where periods are added up: a column of coarser times, which shows pauses.
   std::optional<std::size_t> coarse_time;
   bool date_begins_run = false; ///< the date is that of a run, the times count from it
-  double label_step_s = 0.0;    ///< between the labels that clock errors stand beside; 0: none
+  double label_step_s = 0.0;    ///< between the labels of clock errors; 0: none
   std::optional<std::size_t> swinging; ///< of samples of an angle: another column that swings
 
   /// The first column of a role.

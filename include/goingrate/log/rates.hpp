@@ -12,7 +12,7 @@
 
 namespace goingrate {
 
-/// What the rates of one log come to; those of the longest segment if the log is split.
+/// Summary of the rates of a log, or of its longest segment if the log is split.
 struct RateSummary {
   std::int64_t crossings = 0; ///< good upward crossings
   std::int64_t periods = 0;   ///< cycles from the first to the last of them
@@ -25,10 +25,10 @@ struct RateSummary {
   double rate_excess = 0.0;       ///< T0 / mean period - 1, from end to end (eq. ratemeas)
   double rate_excess_sigma = 0.0; ///< from jitter and the scatter of block rates, see below
   double slope_rate_excess = 0.0; ///< the same from a straight line fitted to the clock's error
-  double time_base_sigma = 0.0; ///< of the rate of what took the times; the sigmas above hold it
+  double time_base_sigma = 0.0;   ///< of the clock that took the times; the sigmas above include it
 };
 
-/// A period as it is told: on a quarter of a second if it is within 0.2 % of one.
+/// A period as it is shown: a multiple of a quarter second if it is within 0.2 % of one.
 double rounded_period(double period_s);
 
 /// The nominal period to compare with: the one given, the log's own, or else a guess: the mean

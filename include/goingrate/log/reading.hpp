@@ -71,7 +71,7 @@ private:
   std::vector<OtherReading> others_;
 };
 
-/// Other readings of a log whose events are `step_s` apart, which is no whole number of nominal
+/// Other readings of a log whose events are `step_s` apart, not a whole number of nominal
 /// periods: another unit of the times if one makes it so, another nominal period, both directions.
 std::vector<OtherReading> readings_for_period(double step_s, double nominal_s);
 
@@ -86,16 +86,15 @@ std::vector<OtherReading> readings_for_phases(const GridData& grid);
 /// is restored by sorting, a log with the newest line first is turned round; where the time goes
 /// back and goes on from there a block of its own begins. Amplitudes outside 0 to pi rad and widths
 /// outside 0 to 1e6 s are taken as unknown, times beyond 4e18 s and clock errors beyond 1e9 s left
-/// out; all are told. Angle samples become crossings, see crossings_of_samples. A recording of
-/// sound (WAV, RF64, AIFF, FLAC, OGG) becomes the beats that find_ticks finds in
-/// it, ticks as upward crossings and tocks as downward ones, with their standard deviations. Throws
-/// InputError
-/// (file, line, column, found, expected) if the text is empty, in UTF-16, binary in its first line
-/// or in half of them (holes of zeros are left out), of no known format, has more than 256 columns
-/// or a line of more than 16 MiB, unpacks to more than the limit, if fewer than half of its lines
-/// can be used, or fewer than three events are found; ArgumentError for options out of range.
-/// Memory: 48 bytes per line and at most ten times the text (tests/fuzz). Formats: ReadingTest,
-/// Formats/ReadsInTheWild. Speed and memory: tests/studies/reading.txt.
+/// out; all of this is reported. Angle samples become crossings, see crossings_of_samples. A
+/// recording of sound (WAV, RF64, AIFF, FLAC, OGG) becomes the beats that find_ticks finds in it,
+/// ticks as upward crossings and tocks as downward ones, with their standard deviations. Throws
+/// InputError (file, line, column, found, expected) if the text is empty, in UTF-16, binary in its
+/// first line or in half of them (holes of zeros are left out), of no known format, has more than
+/// 256 columns or a line of more than 16 MiB, unpacks to more than the limit, if fewer than half of
+/// its lines can be used, or fewer than three events are found; ArgumentError for options out of
+/// range. Memory: 48 bytes per line and at most ten times the text (tests/fuzz). Formats:
+/// ReadingTest, Formats/ReadsInTheWild. Speed and memory: tests/studies/reading.txt.
 ClockLog read_log(std::string_view text, const std::string& source,
                   const ReadingOptions& options = {});
 
@@ -103,14 +102,14 @@ ClockLog read_log(std::string_view text, const std::string& source,
 ClockLog read_log_file(const std::string& path, const ReadingOptions& options = {});
 
 /// Several files of one clock as one log: each of `paths` is a file, or a folder or a ZIP whose
-/// files are meant, without hidden ones and those that hold no log, which are told in
+/// files are meant, without hidden ones and those that hold no log, which are listed in
 /// `assumptions`. Files whose times are dates are joined in order of time, others in the order
 /// given, those of a folder by name. Where they have one layout the result is that of one file of
 /// all their lines (SeveralFilesTest.AreReadAsOneFileIs); `files` says which lines are whose. A
 /// file without a header may have the layout of those that have one. A gap between two files is a
 /// gap like any other. Throws InputError as read_log does, and for dated files whose hours overlap,
 /// that hold the same times, or whose beats are of another clock (2 % in the period, and not twice
-/// or half of it); ArgumentError if one of several is no regular file, or given twice.
+/// or half of it); ArgumentError if one of several is not a regular file, or given twice.
 ClockLog read_log_files(const std::vector<std::string>& paths, const ReadingOptions& options = {});
 
 /// What else a log says of one event; NaN where it does not.

@@ -21,13 +21,13 @@ struct Site {
   double longitude_deg = 0.0; ///< -180 to 360, east positive
 };
 
-/// "51.48,-0.0015", latitude first; nothing for what is no such place.
+/// "51.48,-0.0015", latitude first; nothing for any other text.
 std::optional<Site> parse_site(std::string_view text);
 
 /// The pull of Moon and Sun along the vertical of `site` at sea level, upwards, m/s^2, on an Earth
 /// that does not yield. `utc` counts from 1970, 1900 to 2100. Newton's difference of the two pulls
-/// with positions of ERFA, without nutation; 1e-8 m/s^2 rms, 4e-8 at most from Longman's series, whose
-/// own error that is (TidesTest.AgreesWithLongman).
+/// with positions of ERFA, without nutation; 1e-8 m/s^2 rms, 4e-8 at most from Longman's series,
+/// whose own error that is (TidesTest.AgreesWithLongman).
 double tidal_pull(const Instant& utc, const Site& site);
 
 /// The relative rate by theory, - 1.16/2 pull/g: negative where the pull is upwards.

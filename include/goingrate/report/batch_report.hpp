@@ -7,8 +7,8 @@
 
 namespace goingrate {
 
-/// How many jobs ended how; of fits how often the intervals hold the truth, the pulls and sigma
-/// against scatter; of logs a row each with rate, status or failure.
+/// How many jobs ended how; for fits, how often the intervals hold the truth, the pulls and sigma
+/// against scatter; for logs, a row each with rate, status or failure.
 std::string batch_text(const BatchSummary& summary);
 
 /// The same as JSON, schema goingrate.batch-summary: `jobs`, `exits`, `statuses`, `models`,

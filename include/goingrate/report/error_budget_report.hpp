@@ -1,4 +1,4 @@
-// What a clock loses or gains under given conditions, and what it must be for less, as text and JSON.
+// What a clock loses or gains under given conditions, and what it must be to lose less: text, JSON.
 #pragma once
 
 #include "goingrate/drive/error_budget.hpp"
@@ -12,7 +12,7 @@ namespace goingrate {
 std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requirement>& needed,
                               double most_s);
 /// {"after_s", "most_s", "error_s", "parts": [{cause, key, size, rms_s}], "requirements": [{key,
-/// present, limit}]}; a limit that there is none of is null.
+/// present, limit}]}; a limit that does not exist is null.
 std::string error_budget_json(const ErrorBudget& budget, const std::vector<Requirement>& needed,
                               double most_s);
 

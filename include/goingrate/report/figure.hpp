@@ -59,10 +59,9 @@ struct Figure {
 };
 
 /// The figure as an svg element without width and height: it takes the width it is given. Colours
-/// and lines come from `figure_style`, which the page has to hold once.
-/// Size: below 100 bytes for each of the 626 columns and each series of any length
-/// (FigureTest.ALongSeriesStaysSmall). Cost O(N log N).
-/// Throws ArgumentError if the vectors of a series differ in length.
+/// and lines come from `figure_style`, which the page has to hold once. Size: below 100 bytes for
+/// each of the 626 columns and each series of any length (FigureTest.ALongSeriesStaysSmall). Cost
+/// O(N log N). Throws ArgumentError if the vectors of a series differ in length.
 std::string svg(const Figure& figure);
 
 /// The same as a file of its own, with its style inside.

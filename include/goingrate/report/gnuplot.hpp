@@ -17,8 +17,8 @@ enum class PrintFormat {
 };
 
 /// The figures one above the other as a script for gnuplot 5, with their data inside: run by itself
-/// it writes `name`.pdf. Long series are thinned as in `svg`, to the dots of 300 to the inch. No
-/// text of a figure is more than text to gnuplot. Figures of one group share their x axis. Throws
+/// it writes `name`.pdf. Long series are thinned as in `svg`, to the dots of 300 to the inch.
+/// gnuplot takes no text of a figure for a command. Figures of one group share their x axis. Throws
 /// ArgumentError if the vectors of a series differ in length.
 std::string gnuplot_script(const std::vector<Figure>& figures, std::string_view name);
 

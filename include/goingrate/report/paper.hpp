@@ -52,7 +52,7 @@ struct PaperOptions {
   std::function<void(std::string_view)> now{}; ///< what is being computed
 };
 
-/// Computes all of it; some 45 s for the paper's own 1e9 steps of RK4. Point C: mu 1.5e-5,
+/// Recomputes the paper; some 45 s for the paper's own 1e9 steps of RK4. Point C: mu 1.5e-5,
 /// epsilon 1.167245e-4, phi0 0.03. PaperTest.NumbersAreThoseOfTheReferences compares them with
 /// 128-bit values. Throws ArgumentError for fewer periods.
 PaperResults recompute_paper(const PaperOptions& options = {});
@@ -60,9 +60,9 @@ PaperResults recompute_paper(const PaperOptions& options = {});
 /// The numbers and the budget as a Markdown text.
 std::string paper_text(const PaperResults& results);
 std::string paper_json(const PaperResults& results);
-/// A companion to the paper as one HTML page that asks no network for anything: section by section
-/// its equations (MathML), its figures, and its numbers beside ours. It prints on A4 without a
-/// figure cut in two. (PaperTest.ThePageHoldsEveryNumberAndFigure)
+/// A companion to the paper as one HTML page that needs no network: section by section its
+/// equations (MathML), its figures, and its numbers beside ours. It prints on A4 without a figure
+/// cut in two. (PaperTest.ThePageHoldsEveryNumberAndFigure)
 std::string paper_page(const PaperResults& results);
 
 } // namespace goingrate

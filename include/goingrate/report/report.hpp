@@ -29,7 +29,7 @@ std::vector<SummaryNumber> summary_numbers(const Analysis& data);
 /// table; at most 50 lines or so, of at most 80 characters, UTF-8.
 std::string report_text(const Analysis& data);
 
-/// Those figures for which there are data, in the order of the page: rate, amplitude and residuals
+/// The figures for which there are data, in the order of the page: rate, amplitude and residuals
 /// (one group), clock error, rate against amplitude, drive, spectrum, deviation, correlation,
 /// intervals and profile likelihoods of the parameters. What rests on the fit is left out unless
 /// the fit converged.
@@ -37,7 +37,7 @@ std::vector<Figure> report_figures(const Analysis& data);
 
 /// One self-contained HTML page: summary, tables and figures; opens from disk without a network.
 /// plotly.js, if the build had it, draws the figures so that they can be zoomed; without scripts
-/// and on paper they are the still ones. Holds the result of report_json. Below 5 MB for a log of a
+/// and on paper they are static. Holds the result of report_json. Below 5 MB for a log of a
 /// month: what a long log has beyond the 800,000 numbers kept for zooming is thinned to the
 /// extremes of stretches (HtmlReportTest.AMonthOfBeats).
 std::string report_html(const Analysis& data);

@@ -111,16 +111,16 @@ bool is_lopsided(const FittedParameter& parameter);
 /// The word for it in tables and JSON.
 std::string_view name_of(ParameterStatus status);
 
-/// The drive as it went, as CSV: time_s,relative_drive,sigma.
+/// The course of the drive as CSV: time_s,relative_drive,sigma.
 std::string drive_table(const DriveHistory& history);
 
 /// The deviation as a table: tau, averaging factor, count, value, 68 % interval, noise type.
 std::string deviation_text(const DeviationTable& table);
 
-/// What the table says, in sentences of at most 80 columns: each region of one noise type, or that
-/// its slope is no noise's; the jitter; and the time error to expect after a day and a week, with
-/// what is extrapolated said. Beyond the table nothing is predicted of a log that is more than
-/// noise.
+/// What the table says, in lines of at most 80 columns: each region of one noise type, or that its
+/// slope is not that of noise; the jitter; and the time error to expect after a day and a week,
+/// marked where it is extrapolated. Beyond the table nothing is predicted for a log that is more
+/// than noise.
 std::string deviation_findings(const DeviationTable& table);
 
 /// "and 2 beside it, of up to 25 % of it: it changes with time" for a line with sidebands in the

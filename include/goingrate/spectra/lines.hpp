@@ -40,8 +40,8 @@ struct LineSearch {
 ///
 /// The periodogram on frequencies half a resolution apart is compared with the density around it:
 /// medians over blocks of up to `around` resolutions (at low frequencies half the frequency, so
-/// that a slope is no line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N values (twice the
-/// independent frequencies: the finer grid gives noise more chances). Frequency, amplitude and
+/// that a slope is not a line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N values (twice
+/// the independent frequencies: the finer grid gives noise more chances). Frequency, amplitude and
 /// phase are then those of least squares.
 ///
 /// A periodic part whose size or pace changes within the series is one line with sidebands close to

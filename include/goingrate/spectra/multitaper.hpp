@@ -51,14 +51,15 @@ struct CrossSpectrum {
 /// The periodogram of a series with gaps.
 struct GappedPeriodogram {
   std::vector<double> frequency_hz; ///< k / (2 N interval), k = 1 .. N - 1
-  std::vector<double> power; ///< share of the variance that a sinusoid of any phase with a freefset
-                             ///< takes, 0 to 1 (generalised Lomb-Scargle)
+  std::vector<double> power; ///< share of the variance that a sinusoid of any phase with a free
+                             ///< offset takes, 0 to 1 (generalised Lomb-Scargle)
   std::vector<double> window; ///< |mean of exp(2 pi i f t)|^2 over the known places: what a
                               ///< constant or a line far away leaks into this distance
 };
 
-/// Generalised Lomb-Scargle on an even grid with unknown places (NaN), which are left out. The sums over the known places are transforms of the series and
-/// of its mask, so N log N operations. At least 8 known values; throws ArgumentError otherwise.
+/// Generalised Lomb-Scargle on an even grid with unknown places (NaN), which are left out. The sums
+/// over the known places are transforms of the series and of its mask, so N log N operations. At
+/// least 8 known values; throws ArgumentError otherwise.
 /// (MultitaperTest.LombScargleEqualsTheDirectSums)
 [[nodiscard]] GappedPeriodogram lomb_scargle(std::span<const double> series, double interval_s);
 

@@ -70,7 +70,7 @@ struct Spectrum {
 
 /// The cosine transform (DCT-II) of a real series.
 ///
-/// X[k] = sqrt(2/N) sum_n x[n] cos(pi k (n + 1/2)/N), k = 0 .. N-1; of white noise each has the
+/// X[k] = sqrt(2/N) sum_n x[n] cos(pi k (n + 1/2)/N), k = 0 .. N-1; for white noise each has the
 /// variance of the series, the first twice that.
 /// `series`: N finite values, 1 or more, any unit. Accuracy: 1e-13 of sqrt(N) rms against the
 /// defining sum (Transform.OfCosinesEqualsTheDefiningSum). Cost: O(N log N). Throws ArgumentError

@@ -71,7 +71,7 @@ inline constexpr std::array deviation_kinds = {
 
 /// One averaging time of a stability table.
 struct DeviationRow {
-  double tau_s;     ///< m tau0; of Theo1 0.75 m tau0
+  double tau_s;     ///< m tau0; for Theo1 0.75 m tau0
   std::size_t m;    ///< averaging factor
   std::size_t n;    ///< terms averaged, those touching a gap left out
   double value;     ///< the deviation, dimensionless or in s; NaN if n is 0
@@ -97,7 +97,7 @@ struct DeviationTable {
 struct DeviationOptions {
   std::optional<int> alpha = {}; ///< noise at every tau, -4 to 2; nothing: it is identified at each
   bool remove_bias = true;       ///< false: the total variances and Theo1 as they come
-  std::size_t threads = 0;       ///< that share the factors; 0: as many as the work is worth
+  std::size_t threads = 0;       ///< to share the factors among; 0: as many as the work is worth
 };
 
 /// Computes deviations of phase data, with the kind of noise and a confidence interval.
@@ -155,19 +155,19 @@ struct DeviationOptions {
 /// The largest factor that leaves one term of `kind` among `phase_points` phases; 0 if none does.
 [[nodiscard]] std::size_t largest_factor(DeviationKind kind, std::size_t phase_points);
 
-/// The factors 1, 2, 4, 8, ... up to largest_factor (of Theo1 16, 32, 64, ...).
+/// The factors 1, 2, 4, 8, ... up to largest_factor (for Theo1 16, 32, 64, ...).
 /// Stable32 stops earlier (4 m <= N); the last rows here have few differences, see their interval.
 /// Tested by AveragingFactors.StopWhereOneSecondDifferenceIsLeft. Cost: O(log N).
 /// Throws ArgumentError if `phase_points` is below 3.
 [[nodiscard]] std::vector<std::size_t> octave_factors(std::size_t phase_points,
                                                       DeviationKind kind = DeviationKind::oadev);
 
-/// The factors 1, 2, 4, 10, 20, 40, 100, ... (of Theo1 10, 20, 40, ...); otherwise as
+/// The factors 1, 2, 4, 10, 20, 40, 100, ... (for Theo1 10, 20, 40, ...); otherwise as
 /// octave_factors.
 [[nodiscard]] std::vector<std::size_t> decade_factors(std::size_t phase_points,
                                                       DeviationKind kind = DeviationKind::oadev);
 
-/// Every factor 1, 2, 3, ... (of Theo1 every even one from 10); otherwise as octave_factors. A
+/// Every factor 1, 2, 3, ... (for Theo1 every even one from 10); otherwise as octave_factors. A
 /// table of all of them costs O(N^2): tests/studies/stability.txt has times.
 [[nodiscard]] std::vector<std::size_t> all_factors(std::size_t phase_points,
                                                    DeviationKind kind = DeviationKind::oadev);
