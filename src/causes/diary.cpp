@@ -21,7 +21,7 @@ namespace {
 
 using timing_model::Jumps;
 using timing_model::slope_jumps;
-using timing_model::Slopes;
+using timing_model::slope_of;
 using timing_model::Track;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -149,15 +149,14 @@ public:
 
   [[nodiscard]] Change change_at(std::size_t k, std::size_t before, std::size_t after) const {
     Change change;
-    const Slopes error(error_);
     change.cycle = cycle_[k];
     change.at_s = error_.time[k];
-    change.rate_change = error.slope(k, after) - error.slope(before, k);
+    change.rate_change = slope_of(error_, k, after) - slope_of(error_, before, k);
     change.amplitude_slope_change = unknown;
     change.significance = significance(k);
     if (!has_amplitude()) return change;
-    const Slopes amplitude(amplitude_);
-    change.amplitude_slope_change = amplitude.slope(k, after) - amplitude.slope(before, k);
+    change.amplitude_slope_change =
+        slope_of(amplitude_, k, after) - slope_of(amplitude_, before, k);
     return change;
   }
 

@@ -51,12 +51,30 @@ double without_bend(const std::vector<double>& jump, std::size_t i, std::size_t 
 
 } // namespace
 
+double slope_of(const Track& track, std::size_t from, std::size_t to) {
+  const std::size_t middle = from + (to - from) / 2;
+  const double t0 = track.time[middle], v0 = track.value[middle];
+  double st = 0.0, sv = 0.0, stt = 0.0, stv = 0.0;
+  for (std::size_t i = from; i < to; ++i) {
+    const double t = track.time[i] - t0, v = track.value[i] - v0;
+    st += t;
+    sv += v;
+    stt += t * t;
+    stv += t * v;
+  }
+  const auto n = static_cast<double>(to - from);
+  return (stv - st * sv / n) / (stt - st * st / n);
+}
+
 Jumps slope_jumps(const Track& track, std::size_t window, double least_scatter) {
-  const Slopes slopes(track);
+  const std::size_t n = track.time.size();
+  std::vector<double> after(n, 0.0); // of the window that begins at each point
+  for (std::size_t i = 0; i + window < n; ++i)
+    after[i] = slope_of(track, i, i + window);
   Jumps jumps;
-  jumps.jump.assign(track.time.size(), 0.0);
-  for (std::size_t i = window; i + window < track.time.size(); ++i)
-    jumps.jump[i] = slopes.slope(i, i + window) - slopes.slope(i - window, i);
+  jumps.jump.assign(n, 0.0);
+  for (std::size_t i = window; i + window < n; ++i)
+    jumps.jump[i] = after[i] - after[i - window];
   const std::vector<double> plain = jumps.jump;
   for (std::size_t i = window; i + window < plain.size(); ++i)
     jumps.jump[i] = without_bend(plain, i, window);

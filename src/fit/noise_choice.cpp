@@ -68,8 +68,10 @@ void ModelSearch::choose_noise() {
   if (!drive.minimum.usable) return;
   model.slow = true;
   // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
-  // after a search.
-  const bool asks_for_more = working_.data.has_amplitude() && !white(drive);
+  // after a search. So it is where a long log holds thousands of memories of the slow drive, for
+  // which another clock could stand in.
+  const bool asks_for_more =
+      working_.data.size() < all_.size() || (working_.data.has_amplitude() && !white(drive));
   const bool slowly = wanted == FitNoise::slow ||
                       (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
                                      worth_trying(best_, options_, model)));

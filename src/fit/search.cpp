@@ -5,25 +5,66 @@
 #include "goingrate/base/pulse.hpp"
 
 #include <algorithm>
+#include <array>
 #include <ceres/ceres.h>
 #include <cmath>
 #include <exception>
+#include <limits>
 
 namespace goingrate::timing_model {
 
 namespace {
 
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// The bounds of the coordinates.
+class Bounds {
+public:
+  explicit Bounds(const FitProblem& problem) : bounds_(problem.bounds) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    bounds_.resize(problem.parameters.free_count, {-infinite, infinite});
+  }
+  [[nodiscard]] std::vector<double> nearest(std::vector<double> x) const {
+    for (std::size_t k = 0; k < x.size(); ++k)
+      x[k] = std::clamp(x[k], bounds_[k][0], bounds_[k][1]);
+    return x;
+  }
+  /// Clears the slopes of each coordinate that is at a bound beyond which the cost would fall.
+  /// Ceres would else aim beyond it, and cut the whole step short for that.
+  void hold(std::span<const double> x, const Eigen::VectorXd& gradient,
+            Eigen::Ref<RowMajor> slopes) const {
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      if ((x[k] <= bounds_[k][0] && gradient[column] > 0.0) ||
+          (x[k] >= bounds_[k][1] && gradient[column] < 0.0))
+        slopes.col(column).setZero();
+    }
+  }
+  void put_into(ceres::Problem& problem, double* x) const {
+    for (std::size_t k = 0; k < bounds_.size(); ++k) {
+      const auto [low, high] = bounds_[k];
+      const auto place = static_cast<int>(k);
+      if (std::isfinite(low)) problem.SetParameterLowerBound(x, place, low);
+      if (std::isfinite(high)) problem.SetParameterUpperBound(x, place, high);
+    }
+  }
+
+private:
+  std::vector<std::array<double, 2>> bounds_;
+};
+
 class ScoredLikelihood : public ceres::CostFunction {
 public:
-  /// An earlier evaluation, so that it need not be repeated.
+  /// An evaluation that is kept, so that it need not be repeated.
   struct Remembered {
     std::vector<double> x;
     std::optional<Evaluation> evaluation;
   };
 
-  ScoredLikelihood(const FitProblem& problem, const Valley& map, double offset, Remembered start)
-      : problem_(problem), map_(map), offset_(offset), unknowns_(problem.parameters.free_count),
-        remembered_(std::move(start)) {
+  ScoredLikelihood(const FitProblem& problem, const Valley& map, const Bounds& bounds,
+                   double offset, Remembered start)
+      : problem_(problem), map_(map), bounds_(bounds), offset_(offset),
+        unknowns_(problem.parameters.free_count), last_(std::move(start)) {
     set_num_residuals(static_cast<int>(unknowns_) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(unknowns_));
   }
@@ -44,16 +85,16 @@ public:
       r[n] = std::sqrt(2.0 * (*value + offset_));
       return true;
     }
-    const auto evaluation =
-        remembered_ && remembered_->x == x ? remembered_->evaluation : evaluate(problem_, x);
+    if (last_.x != x) last_ = {x, evaluate(problem_, x)};
+    const std::optional<Evaluation>& evaluation = last_.evaluation;
     if (!evaluation) return has_value(x) && stop_here(r, jacobian[0]);
     const double rest = 2.0 * (evaluation->value + offset_) - evaluation->projected.squaredNorm();
     r.head(n) = evaluation->projected;
     r[n] = std::sqrt(std::max(0.0, rest)); // rest < 0 only if the noise is far too small
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> slopes(jacobian[0], n + 1, n);
     slopes.setZero();
     slopes.topRows(n) = evaluation->triangle * map_.slopes(u);
+    bounds_.hold(u, slopes.transpose() * r, slopes);
     // Ceres squares the slopes, and would write to stderr if that overflowed.
     if (!std::isfinite(slopes.squaredNorm())) return has_value(x) && stop_here(r, jacobian[0]);
     return true;
@@ -95,26 +136,44 @@ private:
 
   const FitProblem& problem_;
   const Valley& map_;
+  const Bounds& bounds_;
   double offset_;
   std::size_t unknowns_;
-  std::optional<Remembered> remembered_;
+  mutable Remembered last_;
   mutable std::vector<double> last_u_, last_x_;
   mutable std::vector<Value> values_;
   mutable bool broke_off_ = false;
 };
 
 // Ends a search by its gain: Ceres' own test is relative to the cost, whose zero is arbitrary here.
-class EnoughGained : public ceres::IterationCallback {
+// Ends it too where it creeps: under bounds Ceres shortens a step until it gains, so that none is
+// rejected and the trust region, however much too large, shrinks by no more than half at each.
+class Progress : public ceres::IterationCallback {
 public:
-  explicit EnoughGained(double least) : least_(least) {}
+  explicit Progress(double least_gain) : least_gain_(least_gain) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (summary.iteration == 0) return ceres::SOLVER_CONTINUE;
+    constexpr double poor_share = 0.25; // of the gain that a step promised
+    constexpr int most_poor_steps = 3;
+    const bool is_poor = summary.step_is_successful && summary.relative_decrease < poor_share;
+    poor_steps_ = is_poor ? poor_steps_ + 1 : 0;
+    radius_ = summary.trust_region_radius;
     // A rejected step with so small a change ends the search too: what remains is rounding.
-    const bool settled = summary.iteration > 0 && std::abs(summary.cost_change) < least_;
-    return settled ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    const bool settled = std::abs(summary.cost_change) < least_gain_;
+    // A region below 1 holds a step back as it is.
+    creeps_ = !settled && poor_steps_ >= most_poor_steps && radius_ > 1.0;
+    return settled || creeps_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+  /// The trust region to go on with, if the search ended because it creeps.
+  [[nodiscard]] std::optional<double> smaller_region() const {
+    constexpr double ratio = 1e-3; // of a region that is too large by orders of magnitude
+    return creeps_ ? std::optional(ratio * radius_) : std::nullopt;
   }
 
 private:
-  double least_;
+  double least_gain_, radius_ = 0.0;
+  int poor_steps_ = 0;
+  bool creeps_ = false;
 };
 
 // Exceptions must not pass through Ceres: it is told to abort, and they are rethrown afterwards.
@@ -152,7 +211,6 @@ std::string words_for(const ceres::Solver::Summary& summary) {
 
 ceres::Solver::Options solver_options(const SearchLimits& limits) {
   ceres::Solver::Options options;
-  options.initial_trust_region_radius = limits.first_radius;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = limits.iterations;
   options.function_tolerance = 1e-16; // in effect off: the callback ends the search
@@ -166,13 +224,31 @@ ceres::Solver::Options solver_options(const SearchLimits& limits) {
   return options;
 }
 
+// Solves, and goes on with a smaller trust region where that creeps.
+ceres::Solver::Summary solved(ceres::Problem& problem, const SearchLimits& limits) {
+  ceres::Solver::Options options = solver_options(limits);
+  ceres::Solver::Summary summary;
+  std::optional<double> radius = limits.first_radius;
+  while (radius && options.max_num_iterations > 0) {
+    options.initial_trust_region_radius = *radius;
+    Progress progress(limits.least_gain);
+    WayOut way_out;
+    options.callbacks = {&way_out, &progress};
+    ceres::Solve(options, &problem, &summary);
+    way_out.rethrow();
+    radius = progress.smaller_region();
+    options.max_num_iterations -= static_cast<int>(summary.iterations.size()) - 1;
+  }
+  if (radius) summary.termination_type = ceres::NO_CONVERGENCE; // it crept to the limit
+  return summary;
+}
+
 } // namespace
 
 Minimum minimise(const FitProblem& problem, std::vector<double> start, const SearchLimits& limits) {
   Minimum minimum;
-  minimum.x = std::move(start);
-  for (std::size_t k = 0; k < problem.bounds.size(); ++k)
-    minimum.x[k] = std::clamp(minimum.x[k], problem.bounds[k][0], problem.bounds[k][1]);
+  const Bounds bounds(problem);
+  minimum.x = bounds.nearest(std::move(start));
   const auto slopes = minimum.x.empty() ? std::nullopt : evaluate(problem, minimum.x);
   const auto first =
       slopes ? std::optional(slopes->value) : minus_log_likelihood(problem, minimum.x);
@@ -190,24 +266,13 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
                         slopes->projected.squaredNorm();
   const Valley map(problem, minimum.x);
   std::vector<double> u = map.u_of(minimum.x);
-  ScoredLikelihood likelihood(problem, map, offset, {map.x_of(u), slopes});
+  ScoredLikelihood likelihood(problem, map, bounds, offset, {map.x_of(u), slopes});
   ceres::Problem::Options owned_here;
   owned_here.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem ceres_problem(owned_here);
   ceres_problem.AddResidualBlock(&likelihood, nullptr, u.data());
-  for (std::size_t k = 0; k < problem.bounds.size(); ++k) {
-    const auto [low, high] = problem.bounds[k];
-    const auto place = static_cast<int>(k);
-    if (std::isfinite(low)) ceres_problem.SetParameterLowerBound(u.data(), place, low);
-    if (std::isfinite(high)) ceres_problem.SetParameterUpperBound(u.data(), place, high);
-  }
-  EnoughGained enough(limits.least_gain);
-  ceres::Solver::Options options = solver_options(limits);
-  WayOut way_out;
-  options.callbacks = {&way_out, &enough};
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &ceres_problem, &summary);
-  way_out.rethrow();
+  bounds.put_into(ceres_problem, u.data());
+  const ceres::Solver::Summary summary = solved(ceres_problem, limits);
   minimum.termination = words_for(summary);
   minimum.converged = summary.termination_type == ceres::CONVERGENCE ||
                       summary.termination_type == ceres::USER_SUCCESS;

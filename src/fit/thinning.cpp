@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -95,8 +96,9 @@ std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<do
       ++event;
       since = 0;
     }
-    const bool on_grid = static_cast<std::size_t>(data.cycle[i]) % stride == 0;
-    if (since < dense || on_grid || i + 1 == data.size()) kept.push_back(i);
+    const std::size_t spacing = since < dense ? 1 : std::bit_floor(2 * since / dense);
+    const bool on_grid = static_cast<std::size_t>(data.cycle[i]) % std::min(spacing, stride) == 0;
+    if (on_grid || i + 1 == data.size()) kept.push_back(i);
   }
   return kept;
 }

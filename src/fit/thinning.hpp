@@ -26,8 +26,9 @@ double information_lost(const NoiseShape& shape, std::size_t stride);
 /// The largest stride (a power of two up to 64) that loses less than `allowed`.
 std::size_t longest_stride(const NoiseShape& shape, double allowed);
 
-/// Indices of the beats to keep: all within `dense` beats after the start and after each event,
-/// every stride-th of the rest, and the last.
+/// Indices of the beats to keep: all within `dense` beats after the start and after each event; from
+/// there on at a spacing that grows with the distance, so that noise of every time scale shows, up
+/// to every stride-th, a power of two; and the last.
 std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
                                     std::size_t stride, std::size_t dense);
 
