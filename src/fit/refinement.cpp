@@ -81,8 +81,7 @@ bool is_lost(const Fitted& fitted) {
 bool refine(Fitted& fitted, FitDynamics dynamics) {
   if (dynamics == FitDynamics::averaged1) return true;
   constexpr int rounds = 8; // each gains two or three digits where the averaged model is near
-  constexpr int part_of_a_search = 15; // iterations: the next round moves the minimum anyway
-  constexpr double least_gain = 2e-4;  // of L: 0.02 sigma of the best known combination
+  constexpr double least_gain = 2e-4; // of L: 0.02 sigma of the best known combination
   Fitted refined = fitted;
   refined.dynamics = dynamics;
   Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
@@ -127,7 +126,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     const auto there = minus_log_likelihood(refined.problem, moved);
     if (there && *there < *here) refined.minimum.x = moved;
     if (round == 0) continue; // the difference at the new place is worth more than its minimum here
-    settle(refined.problem, refined.minimum, {part_of_a_search});
+    settle(refined.problem, refined.minimum, {});
     if (!refined.minimum.usable) return false;
   }
   if (!std::isfinite(best.minimum.value)) return false;
