@@ -68,8 +68,8 @@ void ModelSearch::choose_noise() {
   if (!drive.minimum.usable) return;
   model.slow = true;
   // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
-  // after a search. So it is where a long log holds thousands of memories of the slow drive, for
-  // which another clock could stand in.
+  // after a search. In a long log, which is thinned, a slow drive looks much like another clock,
+  // and only a search tells the two apart.
   const bool asks_for_more =
       working_.data.size() < all_.size() || (working_.data.has_amplitude() && !white(drive));
   const bool slowly = wanted == FitNoise::slow ||

@@ -30,7 +30,7 @@ public:
     return x;
   }
   /// Clears the slopes of each coordinate that is at a bound beyond which the cost would fall.
-  /// Ceres would else aim beyond it, and cut the whole step short for that.
+  /// Otherwise Ceres would aim beyond the bound and cut the whole step short.
   void hold(std::span<const double> x, const Eigen::VectorXd& gradient,
             Eigen::Ref<RowMajor> slopes) const {
     for (std::size_t k = 0; k < x.size(); ++k) {

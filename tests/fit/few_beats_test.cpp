@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace goingrate::timing_model {
 namespace {
@@ -29,6 +30,30 @@ TimingData beats(std::size_t count, double walk_s, std::size_t missing = 0) {
   }
   data.terms.push_back({"drift", "1/day", data.elapsed_s});
   return data;
+}
+
+// Of the steps from one kept beat to the next, those between two beats of the log.
+std::map<std::size_t, int> steps(const std::vector<std::size_t>& kept, std::size_t from,
+                                 std::size_t to) {
+  std::map<std::size_t, int> counts;
+  for (std::size_t k = 1; k < kept.size(); ++k)
+    if (kept[k - 1] >= from && kept[k] <= to) ++counts[kept[k] - kept[k - 1]];
+  return counts;
+}
+
+TEST(KeptBeatsTest, EveryTimeScaleShowsAfterTheStartAndAfterAnEvent) {
+  constexpr std::size_t dense = 100, stride = 64, event = 12800;
+  const auto kept = kept_beats(beats(25601, 0.0), {static_cast<double>(event)}, stride, dense);
+  EXPECT_EQ(kept.front(), 0u);
+  EXPECT_EQ(kept.back(), 25600u);
+  for (const std::size_t begin : {std::size_t{0}, event}) {
+    const auto counts = steps(kept, begin, begin + event);
+    EXPECT_GE(counts.at(1), static_cast<int>(dense) - 1);
+    for (std::size_t step = 2; step < stride;
+         step *= 2) // half as many beats as are dense an octave
+      EXPECT_NEAR(counts.at(step), 0.5 * dense, 2.0) << step; // where an octave is cut off the grid
+    EXPECT_EQ(counts.rbegin()->first, stride);
+  }
 }
 
 TEST(FewBeatsTest, UnderJitterEachIsTheMeanOfABlock) {
