@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace goingrate::timing_model {
@@ -239,6 +240,20 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   return fitted;
 }
 
+namespace {
+
+// How unusual a clock is, in units of 2 log L. Clocks of every friction may explain a log alike
+// whose noise hides the swing's memory; of these the likeliest is one as people have them.
+double unusualness(const Fitted& fitted) {
+  constexpr double usual_epsilon = 3e-4; // Q of 1700
+  constexpr double spread = 2.0;         // of its logarithm: Q of 230 to 12000 within one sigma
+  const Slot* epsilon = fitted.problem.parameters.find(Quantity::epsilon);
+  const double value = epsilon->value(std::span<const double>(fitted.minimum.x));
+  return std::pow(std::log(value / usual_epsilon) / spread, 2);
+}
+
+} // namespace
+
 Fitted fit_from_either(const Fitted& one, const Fitted& other, const FitOptions& options,
                        const ModelChoice& model) {
   const TimingData& data = *one.problem.data;
@@ -246,8 +261,10 @@ Fitted fit_from_either(const Fitted& one, const Fitted& other, const FitOptions&
   if (sees_second_order(problem, options) && data.size() > 2 * enough_to_screen)
     return fit_in_two_steps(std::array{&one, &other}, options, model, data);
   Fitted first = fit_from(one, options, model), second = fit_from(other, options, model);
-  return second.minimum.usable && (!first.minimum.usable || second.bic < first.bic) ? second
-                                                                                    : first;
+  const auto is_likelier = [&] {
+    return second.bic + unusualness(second) < first.bic + unusualness(first);
+  };
+  return second.minimum.usable && (!first.minimum.usable || is_likelier()) ? second : first;
 }
 
 } // namespace goingrate::timing_model

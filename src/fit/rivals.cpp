@@ -112,8 +112,11 @@ namespace {
 
 // The fit started from a twin of its minimum and brought to convergence with its own dynamics.
 // Not usable if that leads back to the same minimum or to a much worse one.
-Fitted twin_fit(const Fitted& home, const std::vector<double>& start) {
+Fitted twin_fit(const Fitted& home, std::vector<double> start) {
   Fitted twin = home;
+  // A twin may ask for more drive noise than there can be.
+  for (std::size_t k = 0; k < home.problem.bounds.size(); ++k)
+    start[k] = std::clamp(start[k], home.problem.bounds[k][0], home.problem.bounds[k][1]);
   twin.minimum.x = start;
   if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, start);
   constexpr double largest_start_deficit =
