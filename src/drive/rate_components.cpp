@@ -91,7 +91,7 @@ void ComponentFit::gather(std::span<const double> rates) {
   std::vector<double> x(rates.begin(), rates.end());
   for (double& v : x)
     v -= mean;
-  const auto transform = real_transform(x);
+  const std::vector<double> square = squared_transform(x, x.size());
   const double scale = 2.0 * period_s_ / static_cast<double>(size_);
   const double spacing = 1.0 / (static_cast<double>(size_) * period_s_);
   constexpr double width = 0.04;           // of the frequency: S changes little over it
@@ -104,7 +104,7 @@ void ComponentFit::gather(std::span<const double> rates) {
     bin.frequency_hz = 0.5 * static_cast<double>(k + to - 1) * spacing;
     bin.sine2 = sine2(bin.frequency_hz, period_s_);
     for (std::size_t i = k; i < to; ++i)
-      bin.power += std::norm(transform[i]) * scale / bin.count;
+      bin.power += square[i] * scale / bin.count;
     bin.response2 = std::norm(response_.at(bin.frequency_hz));
     bins_.push_back(bin);
     k = to;

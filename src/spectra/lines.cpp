@@ -59,12 +59,9 @@ std::vector<double> centred(std::span<const double> series) {
 
 // |X|^2 / N at frequencies k / (2 N), k = 0 .. N: for white noise its mean is the variance.
 std::vector<double> fine_periodogram(std::span<const double> x) {
-  std::vector<double> padded(x.begin(), x.end());
-  padded.resize(2 * x.size(), 0.0);
-  std::vector<double> power;
-  power.reserve(x.size() + 1);
-  for (const auto& value : real_transform(padded))
-    power.push_back(std::norm(value) / static_cast<double>(x.size()));
+  std::vector<double> power = squared_transform(x, 2 * x.size());
+  for (double& value : power)
+    value /= static_cast<double>(x.size());
   return power;
 }
 

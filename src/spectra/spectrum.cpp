@@ -268,6 +268,22 @@ std::vector<std::complex<double>> real_transform(std::span<const double> series)
   return transform;
 }
 
+std::vector<double> squared_transform(std::span<const double> series, std::size_t length) {
+  for (double v : series)
+    if (!std::isfinite(v)) throw ArgumentError("series", v, "finite");
+  if (length < series.size())
+    throw ArgumentError("length", static_cast<double>(length), "at least that of the series");
+  RealFft fft(length);
+  const std::span<double> values = fft.real();
+  std::fill(std::copy(series.begin(), series.end(), values.begin()), values.end(), 0.0);
+  fft.forward();
+  std::vector<double> squares;
+  squares.reserve(length / 2 + 1);
+  for (const fftw_complex& v : fft.complex())
+    squares.push_back(v[0] * v[0] + v[1] * v[1]);
+  return squares;
+}
+
 std::vector<double> cosine_transform(std::span<const double> series) {
   for (double v : series)
     if (!std::isfinite(v)) throw ArgumentError("series", v, "finite");

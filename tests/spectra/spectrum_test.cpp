@@ -73,6 +73,20 @@ TEST(Transform, OfCosinesEqualsTheDefiningSum) {
   }
 }
 
+TEST(Transform, SquaresAreThoseOfThePaddedSeries) {
+  const std::vector<double> series{0.3, -1.0, 2.5, 0.7, -0.2};
+  for (const std::size_t length : {5U, 8U, 10U}) {
+    std::vector<double> padded = series;
+    padded.resize(length, 0.0);
+    const auto transform = real_transform(padded);
+    const auto squares = squared_transform(series, length);
+    ASSERT_EQ(squares.size(), transform.size());
+    for (std::size_t k = 0; k < squares.size(); ++k) // the same sums, up to their rounding
+      EXPECT_NEAR(squares[k], std::norm(transform[k]), 1e-13);
+  }
+  EXPECT_THROW((void)squared_transform(series, 4), ArgumentError);
+}
+
 TEST(Transform, RoundTripIsTheIdentity) {
   for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 97u, 1000u, 4099u}) {
     const std::vector<double> x = white_noise(n, 2 * n);

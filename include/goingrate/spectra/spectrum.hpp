@@ -68,6 +68,11 @@ struct Spectrum {
 /// or contains NaN or infinity.
 [[nodiscard]] std::vector<std::complex<double>> real_transform(std::span<const double> series);
 
+/// |X[k]|^2 of the series with zeros behind it up to `length`, k = 0 .. length/2, as
+/// real_transform() has X (Transform.SquaresAreThoseOfThePaddedSeries), in half of the memory.
+[[nodiscard]] std::vector<double> squared_transform(std::span<const double> series,
+                                                    std::size_t length);
+
 /// The cosine transform (DCT-II) of a real series.
 ///
 /// X[k] = sqrt(2/N) sum_n x[n] cos(pi k (n + 1/2)/N), k = 0 .. N-1; for white noise each has the
