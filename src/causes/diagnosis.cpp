@@ -306,11 +306,10 @@ constexpr std::size_t most_displaced = 8;
 // Causes from the course of the rate, and those that show without it.
 void add_suspicions_of_log(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   if (!is_long_enough(input)) return;
-  TimingData times = *input.data;
-  const auto displaced = take_displacements(times, most_displaced);
-  for (Suspicion& suspicion : Diagnosis(input, times).suspicions())
+  const Undisplaced times(*input.data, most_displaced);
+  for (Suspicion& suspicion : Diagnosis(input, times.data()).suspicions())
     all.push_back(std::move(suspicion));
-  for (Suspicion& fact : suspicions_of_facts(input, displaced))
+  for (Suspicion& fact : suspicions_of_facts(input, times.displaced()))
     all.push_back(std::move(fact));
 }
 
@@ -328,11 +327,10 @@ std::vector<Suspicion> diagnose(const DiagnosisInput& input) {
 
 void add_small_changes(const DiagnosisInput& input, std::span<const Beat> beats, Diary& diary) {
   if (!is_long_enough(input)) return;
-  TimingData times = *input.data;
-  take_displacements(times, most_displaced);
-  Diagnosis diagnosis(input, times);
+  const Undisplaced times(*input.data, most_displaced);
+  Diagnosis diagnosis(input, times.data());
   for (const double at_s : diagnosis.undated_times())
-    add_change(times, at_s, diagnosis.doubt_s(), beats, diary.changes);
+    add_change(times.data(), at_s, diagnosis.doubt_s(), beats, diary.changes);
   put_rates(beats, input.nominal_period_s, diary.changes);
 }
 

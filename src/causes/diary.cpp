@@ -213,11 +213,11 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
     throw ArgumentError("window", static_cast<double>(options.window), "at least 4");
   Diary diary;
   if (beats.size() < 4 * options.window) return diary; // too short to compare slopes
-  // A displacement of the times is not a change of the rate.
-  TimingData data = timing_data(beats);
+  const TimingData times = timing_data(beats);
   constexpr std::size_t most_displaced = 8;
-  const Search search(beats, nominal_period_s,
-                      timing_model::take_displacements(data, most_displaced), options);
+  // A displacement of the times is not a change of the rate.
+  const timing_model::Undisplaced undisplaced(times, most_displaced);
+  const Search search(beats, nominal_period_s, undisplaced.displaced(), options);
   std::vector<std::size_t> knots;
   for (const std::size_t place : search.places()) {
     const std::size_t k = search.refined(place);
@@ -238,7 +238,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   if (search.has_amplitude())
     diary.interruptions =
         timing_model::interruptions_among(diary.changes, knots, search.amplitude(), options);
-  drop_bends(data, options, diary);
+  drop_bends(undisplaced.data(), options, diary);
   timing_model::judge_changes(beats, data, diary.changes);
   timing_model::put_rates(beats, nominal_period_s, diary.changes);
   for (Change& change : diary.changes)

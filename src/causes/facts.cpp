@@ -12,7 +12,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <optional>
+#include <numeric>
 
 namespace goingrate::timing_model {
 
@@ -24,48 +24,31 @@ struct Jump {
   double size = 0.0, scaled = 0.0;
 };
 
-double median_size(const std::vector<Jump>& jumps) {
-  std::vector<double> values;
-  for (const Jump& jump : jumps)
-    values.push_back(std::abs(jump.scaled));
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double mean_of(const std::vector<double>& values, std::size_t from, std::size_t count) {
+  const auto first = values.begin() + static_cast<std::ptrdiff_t>(from);
+  return std::accumulate(first, first + static_cast<std::ptrdiff_t>(count), 0.0) /
+         static_cast<double>(count);
 }
 
-// The mean of each run of `reach` values; entry i begins at value i.
-std::vector<double> means_of(const std::vector<double>& values, std::size_t reach) {
-  std::vector<double> sum{0.0};
-  for (const double x : values)
-    sum.push_back(sum.back() + x);
-  std::vector<double> means;
-  for (std::size_t i = 0; i + reach <= values.size(); ++i)
-    means.push_back((sum[i + reach] - sum[i]) / static_cast<double>(reach));
-  return means;
-}
-
-// The jump at each beat, from means of `reach` beats: the mean just after it minus the mean just
+// The jump at beat `at`, from means of `reach` beats: the mean just after it minus the mean just
 // before, less the advance that the rate explains. The rate is taken from two further means on
 // either side. Over missing beats it is extrapolated further, which adds scatter.
-std::vector<Jump> jumps(const TimingData& data, std::size_t reach) {
-  const auto late = means_of(data.lateness_s, reach), cycle = means_of(data.cycle, reach);
-  std::vector<Jump> jump;
-  for (std::size_t i = 2 * reach; i + 2 * reach <= data.size(); ++i) {
-    const std::size_t before = i - reach, first = before - reach, last = i + reach;
-    const double across = cycle[i] - cycle[before];
-    // The rate before and the rate after each account for half of the distance.
-    const double a = 0.5 * across / (cycle[last] - cycle[i]);
-    const double b = 0.5 * across / (cycle[before] - cycle[first]);
-    const double size =
-        late[i] - late[before] - a * (late[last] - late[i]) - b * (late[before] - late[first]);
-    // Variances from jitter and from a random walk of the times, relative to a place without
-    // missing beats, where a = b = 1/2.
-    const double jitter = (std::pow(1.0 + a, 2) + a * a + std::pow(1.0 + b, 2) + b * b) / 5.0;
-    const double walk = across / static_cast<double>(reach);
-    jump.push_back({size, size / std::sqrt(std::max(jitter, walk))});
+Jump jump_at(const TimingData& data, std::size_t at, std::size_t reach) {
+  std::array<double, 4> late{}, cycle{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    late[k] = mean_of(data.lateness_s, at + k * reach - 2 * reach, reach);
+    cycle[k] = mean_of(data.cycle, at + k * reach - 2 * reach, reach);
   }
-  return jump;
+  const double across = cycle[2] - cycle[1];
+  // The rate before and the rate after each account for half of the distance.
+  const double a = 0.5 * across / (cycle[3] - cycle[2]);
+  const double b = 0.5 * across / (cycle[1] - cycle[0]);
+  const double size = late[2] - late[1] - a * (late[3] - late[2]) - b * (late[1] - late[0]);
+  // Variances from jitter and from a random walk of the times, relative to a place without missing
+  // beats, where a = b = 1/2.
+  const double jitter = (std::pow(1.0 + a, 2) + a * a + std::pow(1.0 + b, 2) + b * b) / 5.0;
+  const double walk = across / static_cast<double>(reach);
+  return {size, size / std::sqrt(std::max(jitter, walk))};
 }
 
 // Residual sum of squares of the times around beat `at`: of two parallel lines with a jump at the
@@ -98,26 +81,35 @@ bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double
   return true;
 }
 
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 // The largest displacement, judged by means over `reach` beats.
 std::optional<Displacement> greatest(const TimingData& data, std::size_t reach, double price) {
   if (data.size() < 16 * reach) return {};
-  const std::vector<Jump> jump = jumps(data, reach);
-  const std::vector<Jump> at_once = jumps(data, 1);
+  const std::size_t first = 2 * reach; // the first beat with two means before it
+  std::vector<double> size;            // scaled, from that beat on
+  size.reserve(data.size() - 4 * reach + 1);
+  for (std::size_t at = first; at + 2 * reach <= data.size(); ++at)
+    size.push_back(std::abs(jump_at(data, at, reach).scaled));
   constexpr double sigma_per_median = 1.4826; // of the absolute values of a normal variable
-  const double scatter = sigma_per_median * median_size(jump);
+  const double scatter = sigma_per_median * median_of(size);
   const double least = scatter * std::sqrt(price + convincing_gain);
   std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < jump.size(); ++i)
-    if (std::abs(jump[i].scaled) > least) places.push_back(i);
+  for (std::size_t i = 0; i < size.size(); ++i)
+    if (size[i] > least) places.push_back(i);
   constexpr std::size_t most_tried = 200; // with more jumps the log is noisy, not displaced
   if (!(scatter > 0.0) || places.size() > most_tried) return {};
-  std::sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
-    return std::abs(jump[a].scaled) > std::abs(jump[b].scaled);
-  });
+  std::sort(places.begin(), places.end(),
+            [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
   for (const std::size_t place : places) {
-    const std::size_t at = place + 2 * reach;
-    if (is_sudden(data, at, reach, jump[place].size, at_once[at - 2].size))
-      return Displacement{at, jump[place].size, std::pow(jump[place].scaled / scatter, 2) - price};
+    const std::size_t at = first + place;
+    const double jump = jump_at(data, at, reach).size;
+    if (is_sudden(data, at, reach, jump, jump_at(data, at, 1).size))
+      return Displacement{at, jump, std::pow(size[place] / scatter, 2) - price};
   }
   return {};
 }
@@ -275,16 +267,15 @@ void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
 
 } // namespace
 
-std::vector<Displacement> take_displacements(TimingData& data, std::size_t most) {
-  std::vector<Displacement> found;
-  while (found.size() < most) {
-    const auto next = greatest(data);
-    if (!next) break;
-    for (std::size_t i = next->beat; i < data.size(); ++i)
-      data.lateness_s[i] -= next->late_s;
-    found.push_back(*next);
+Undisplaced::Undisplaced(const TimingData& data, std::size_t most) : data_(&data) {
+  while (displaced_.size() < most) {
+    const auto next = greatest(*data_);
+    if (!next) return;
+    if (!corrected_) data_ = &corrected_.emplace(data);
+    for (std::size_t i = next->beat; i < corrected_->size(); ++i)
+      corrected_->lateness_s[i] -= next->late_s;
+    displaced_.push_back(*next);
   }
-  return found;
 }
 
 std::vector<Suspicion> suspicions_of_facts(const DiagnosisInput& input,

@@ -17,6 +17,10 @@ TimingData timing_data(std::span<const Beat> beats) {
       (beats.back().time - first.time) / static_cast<double>(beats.back().cycle - first.cycle);
   const bool amplitudes = std::any_of(
       beats.begin(), beats.end(), [](const Beat& beat) { return !std::isnan(beat.amplitude_rad); });
+  data.cycle.reserve(beats.size());
+  data.elapsed_s.reserve(beats.size());
+  data.lateness_s.reserve(beats.size());
+  if (amplitudes) data.amplitude_rad.reserve(beats.size());
   for (const Beat& beat : beats) {
     const std::int64_t n = beat.cycle - first.cycle;
     data.cycle.push_back(static_cast<double>(n));
@@ -27,6 +31,7 @@ TimingData timing_data(std::span<const Beat> beats) {
   }
   RateTerm drift{"drift", "1/day", {}};
   const double length = data.elapsed_s.back();
+  drift.advance_s.reserve(beats.size());
   for (const double t : data.elapsed_s)
     drift.advance_s.push_back(0.5 * t * (t - length) / seconds_per_day);
   data.terms.push_back(std::move(drift));
