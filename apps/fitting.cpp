@@ -23,11 +23,11 @@ void add_parameter_options(CLI::App& command, ModelOptions& options) {
       command
           .add_option("--free", options.freed,
                       "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, gravity_share, "
-                      "offset (of the "
-                      "sensor, rad), drift (of the rate, 1/day), and, where the log has such "
-                      "columns, temperature (1/K), pressure (1/mbar), humidity (1/%), and with "
-                      "the first two density (of air, m^3/kg), with dates and --site tide (share "
-                      "of theory); or what a --from file holds")
+                      "offset (of the sensor, rad), drift (of the rate, 1/day), and, where the "
+                      "log has such columns, temperature (1/K), pressure (1/mbar), humidity (1/%) "
+                      "[where the rate answers by 5 sigma], and with the first two density (of "
+                      "air, m^3/kg), with dates and --site tide (share of theory); or what a "
+                      "--from file holds")
           ->delimiter(',');
   offers(free, optional_parameter_names())->allow_extra_args(false);
   auto* prior =

@@ -67,16 +67,26 @@ bool follows_more(const Analysis& data) {
          amplitude.back() < decayed_share * amplitude.front();
 }
 
+// What the fit gives to temperature, pressure or humidity is a cause to be named.
+void put_back_weather(const FitSummary& fit, TimingData& times) {
+  for (const RateTerm& term : times.terms) {
+    const FittedParameter* found = fit.find(term.name);
+    if (found == nullptr || !std::isfinite(found->value) || term.name == "drift") continue;
+    for (std::size_t i = 0; i < times.size(); ++i)
+      times.lateness_s[i] -= found->value * term.advance_s[i];
+  }
+}
+
 // The times that must be accounted for: what the fit leaves of them, where it follows more than
 // causes do; without interruptions, which are in the diary.
-TimingData unexplained_times(const TimingData& times, const Analysis& data) {
-  TimingData unexplained = times;
+TimingData unexplained_times(TimingData times, const Analysis& data) {
   if (follows_more(data) && data.fit.residual_s.size() == times.size()) {
-    unexplained.lateness_s = data.fit.residual_s;
-    unexplained.amplitude_rad = data.fit.amplitude_residual_rad;
+    times.lateness_s = data.fit.residual_s;
+    times.amplitude_rad = data.fit.amplitude_residual_rad;
+    put_back_weather(data.fit, times);
   }
-  level_interruptions(data.diary, unexplained);
-  return unexplained;
+  level_interruptions(data.diary, times);
+  return times;
 }
 
 const char* changed_by(ChangeKind kind) {
@@ -297,9 +307,10 @@ std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const 
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   if (rounding_explains(times)) return {};
   Diary diary = keep_diary(loaded.good, loaded.nominal_period_s);
-  TimingData levelled = times;
-  level_interruptions(diary, levelled);
-  add_small_changes(diagnosis_input(levelled, loaded, diary, {}, {}), loaded.good, diary);
+  std::optional<TimingData> levelled; // no copy of a long log in which nothing is to be levelled
+  if (!diary.interruptions.empty()) level_interruptions(diary, levelled.emplace(times));
+  const TimingData& seen = levelled ? *levelled : times;
+  add_small_changes(diagnosis_input(seen, loaded, diary, {}, {}), loaded.good, diary);
   return diary;
 }
 
@@ -389,6 +400,17 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
   return input;
 }
 
+// The causes of what is not explained; the times are not needed after that.
+static std::vector<Suspicion> suspicions_of(TimingData times, const NumberedLog& loaded,
+                                            const Analysis& data) {
+  if (rounding_explains(times)) return {};
+  const TimingData unexplained = unexplained_times(std::move(times), data);
+  DiagnosisInput causes = diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit);
+  if (follows_changes(data) && data.diary.interruptions.empty())
+    causes.explained = std::exchange(causes.changes, {});
+  return diagnose(causes);
+}
+
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   constexpr int steps = 6;
   auto tell = [&, step = 0](std::string_view what) mutable {
@@ -396,14 +418,14 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   };
   Analysis data;
   data.rate = mean_rate(loaded);
-  const TimingData times = fit_data(loaded);
+  TimingData times = fit_data(loaded);
   data.diary = diary_of(loaded, times);
   std::optional<Logbook> logbook;
   if (request.logbook) {
     logbook = brought_to(loaded.log, *request.logbook);
     take_entries(*logbook, loaded.good, data.diary);
   }
-  FitOptions asked = with_seen_offset(request.fit, loaded);
+  FitOptions asked = with_seen_weather(with_seen_offset(request.fit, loaded), loaded);
   asked.profiles = request.traces_profiles;
   if (request.finds_events && asked.events.empty())
     ask_for_changes(data.diary, loaded.good.front().cycle, asked);
@@ -441,11 +463,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   tell("the drive as it went");
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
   tell("likely causes");
-  const TimingData unexplained = unexplained_times(times, data);
-  DiagnosisInput causes = diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit);
-  if (follows_changes(data) && data.diary.interruptions.empty())
-    causes.explained = std::exchange(causes.changes, {});
-  if (!rounding_explains(times)) data.suspicions = diagnose(causes);
+  data.suspicions = suspicions_of(std::move(times), loaded, data);
   name_weather(data.covariates, data.suspicions);
   tell("stability");
   const PhaseSeries phase = phase_series(loaded);
@@ -453,7 +471,10 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
                                    octave_factors(phase.phase_s.size()));
   data.nut = nut_turns(request, data.now.rate);
   data.sensor = loaded.sensor;
-  data.beats.assign(loaded.good.begin(), loaded.good.end());
+  if (loaded.chosen.empty())
+    data.beats.assign(loaded.good.begin(), loaded.good.end());
+  else
+    data.beats = std::move(loaded.chosen);
   data.log = std::move(loaded.log);
   data.numbered = std::move(loaded.beats);
   if (logbook) data.logbook = check_logbook(*logbook, data, has_plans ? alone : data.fit);

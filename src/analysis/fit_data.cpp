@@ -1,6 +1,8 @@
 // What a fit is given from a log: times, amplitudes, and what outside the clock may drive its rate.
 #include "goingrate/analysis/analyse.hpp"
 
+#include "fit/fit_setup.hpp"
+#include "goingrate/causes/covariates.hpp"
 #include "goingrate/log/tides.hpp"
 #include "goingrate/log/weather.hpp"
 
@@ -97,6 +99,22 @@ void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
     }
 }
 
+// The terms of the weather that the log has columns of.
+void add_weather(const NumberedLog& loaded, TimingData& data) {
+  const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
+    if (!column.empty())
+      data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
+  };
+  const EventColumns& columns = loaded.log.columns;
+  add("temperature", "1/K", columns.temperature_c);
+  add("pressure", "1/mbar", columns.pressure_mbar);
+  add("humidity", "1/%", columns.humidity_percent);
+  if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
+    add("density", "m^3/kg",
+        air_density(columns.temperature_c, columns.pressure_mbar, columns.humidity_percent));
+  put_interpolation(loaded.log, data.terms);
+}
+
 // The tide's term, for a clock whose place and dates are known.
 std::optional<RateTerm> tide_term(const NumberedLog& loaded, const TimingData& data) {
   const ClockLog& log = loaded.log;
@@ -115,28 +133,34 @@ TimingData fit_data(const NumberedLog& loaded) {
     data.no_swings =
         "the log holds the clock's error at equal intervals, and does not say how long "
         "its pendulum swings: that would be the nominal period";
-  const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
-    if (!column.empty())
-      data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
-  };
   const EventColumns& columns = loaded.log.columns;
   if (!columns.sigma_s.empty())
     data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));
   if (!columns.width_s.empty() && data.has_amplitude())
     data.amplitude_noise =
         relative_noise(width_noise(data, at_good_beats(columns.width_s, loaded)));
-  add("temperature", "1/K", columns.temperature_c);
-  add("pressure", "1/mbar", columns.pressure_mbar);
-  add("humidity", "1/%", columns.humidity_percent);
-  if (!columns.temperature_c.empty() && !columns.pressure_mbar.empty())
-    add("density", "m^3/kg",
-        air_density(columns.temperature_c, columns.pressure_mbar, columns.humidity_percent));
-  put_interpolation(loaded.log, data.terms);
+  add_weather(loaded, data);
   if (const auto tide = tide_term(loaded, data)) data.terms.push_back(*tide);
   const bool swings = data.no_swings.empty() && data.reference_period_s <= longest_swing_s;
   if (swings) data.impulses = find_impulse_cycle(data);
   if (data.impulses) level_impulses(*data.impulses, data);
   return data;
+}
+
+FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded) {
+  const EventColumns& columns = loaded.log.columns;
+  const bool has_weather = !columns.temperature_c.empty() || !columns.pressure_mbar.empty() ||
+                           !columns.humidity_percent.empty();
+  if (!has_weather || timing_model::names(options, "density")) return options;
+  TimingData data = timing_data(loaded.good);
+  add_weather(loaded, data);
+  for (const WeatherPart& part : weather_parts(data)) {
+    constexpr double least_significance = 5.0; // sigma
+    if (std::abs(part.coefficient) > least_significance * part.sigma &&
+        !timing_model::names(options, part.name))
+      options.freed.push_back(part.name);
+  }
+  return options;
 }
 
 } // namespace goingrate

@@ -72,8 +72,7 @@ void check_against(const ParFile& file, const NumberedLog& loaded) {
   }
   for (const auto& [name, place] : file.parameter_places)
     if (const std::string missing = missing_for(name, loaded.log); !missing.empty())
-      throw InputError(place, fmt::format("'{}'", name),
-                       fmt::format("a log with a {}", missing));
+      throw InputError(place, fmt::format("'{}'", name), fmt::format("a log with a {}", missing));
 }
 
 FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
@@ -157,8 +156,7 @@ void put_gravity_share(const NumberedLog& loaded, FitOptions& result) {
   const std::string name = "gravity_share";
   const bool said = result.fixed.contains(name) || result.start.contains(name) ||
                     std::find(result.freed.begin(), result.freed.end(), name) != result.freed.end();
-  if (!said && loaded.sensor.gravity_share != 1.0)
-    result.fixed[name] = loaded.sensor.gravity_share;
+  if (!said && loaded.sensor.gravity_share != 1.0) result.fixed[name] = loaded.sensor.gravity_share;
 }
 
 // Sets the word of an option; throws if the option does not know it.
@@ -192,7 +190,7 @@ FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded) {
   put_priors(request, result);
   put_gravity_share(loaded, result);
   drop_partial_start(result);
-  return with_seen_offset(std::move(result), loaded);
+  return with_seen_weather(with_seen_offset(std::move(result), loaded), loaded);
 }
 
 std::pair<std::string, double> parse_fixed(const std::string& text) {

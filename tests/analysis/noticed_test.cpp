@@ -5,6 +5,7 @@
 #include "goingrate/log/writing.hpp"
 #include "support/simulated.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -234,6 +235,64 @@ temperature_rms = 0.01
   ASSERT_EQ(data.fit.events.size(), 4U);
   EXPECT_FALSE(data.log.columns.temperature_c.empty());
   expect_value(data.fit, "mu@4", 4e-5);
+}
+
+// Without the temperature in it the model would give to the drive what the rod does: of such a log
+// it took the friction for twice what it is.
+constexpr const char* warm_and_cold = R"(
+[clock]
+nominal_period = 1.0
+epsilon = 3e-4
+mu = 2e-5
+phi0 = 0.025
+[run]
+periods = 30000
+[drive]
+fast_rms = 0.05
+[[event]]
+at_period = 14000
+mu = 1.9e-5
+[temperature]
+mean = 18
+sine = [{amplitude = 2.0, period = 8640.0}]
+[length]
+temperature_coefficient = 1.2e-5
+[sensor]
+jitter_rms = 2e-5
+amplitude_rms = 5e-5
+temperature_rms = 0.05
+)";
+
+TEST(NoticedTest, ATemperatureThatTheRateFollows) {
+  const Analysis data = analysed(warm_and_cold, 20261128);
+  expect_value(data.fit, "temperature", -6e-6); // half of the rod's, and a longer rod is slower
+  expect_value(data.fit, "T0", 1.0);
+  expect_value(data.fit, "epsilon", 3e-4);
+  expect_value(data.fit, "mu@1", 1.9e-5);
+  // It is named among the causes, though the fit accounts for it.
+  EXPECT_TRUE(std::any_of(data.suspicions.begin(), data.suspicions.end(),
+                          [](const Suspicion& s) { return s.cause == Cause::temperature; }));
+}
+
+TEST(NoticedTest, ATemperatureThatTheRateDoesNotFollow) {
+  std::string scenario = warm_and_cold;
+  scenario.replace(scenario.find("1.2e-5"), 6, "0.0"); // a rod of Invar
+  const Analysis data = analysed(scenario, 20261129);
+  EXPECT_FALSE(data.log.columns.temperature_c.empty());
+  EXPECT_EQ(data.fit.find("temperature"), nullptr);
+}
+
+// What is asked for stands: the coefficient that is given, or none.
+TEST(NoticedTest, ATemperatureThatIsSpokenOf) {
+  const ClockLog log = test::simulated_log(parse_scenario(warm_and_cold, "noticed.toml"), 7);
+  LoadRequest request;
+  request.path = "noticed.csv";
+  constexpr int decimals = 9;
+  const NumberedLog loaded = load_text(native_log_text(log, decimals), request);
+  EXPECT_EQ(with_seen_weather({}, loaded).freed, std::vector<std::string>{"temperature"});
+  FitOptions fixed;
+  fixed.fixed["temperature"] = 0.0;
+  EXPECT_TRUE(with_seen_weather(fixed, loaded).freed.empty());
 }
 
 constexpr const char* impulses = R"(

@@ -63,6 +63,11 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 /// both directions, `offset` gets the place that they give as its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
+/// The options with temperature, pressure and humidity free, as far as the rate answers to them by
+/// more than 5 sigma (weather_parts()) and the options do not mention them, nor density: the fit
+/// would take a rate that the weather moves for the drive's.
+FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded);
+
 /// The evidence on which causes are judged. It points to `times`. From the fit it has only the size
 /// of the fast drive.
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
