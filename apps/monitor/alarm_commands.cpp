@@ -35,7 +35,7 @@ void AlarmCommands::run(const AlarmChange& change) {
   ::setenv("GOINGRATE_TEXT", change.text.c_str(), 1);
   stand_alone(STDERR_FILENO);
   ::execlp("timeout", "timeout", "-k", "5", "60", "/bin/sh", "-c", command_.c_str(), nullptr);
-  ::execl("/bin/sh", "sh", "-c", command_.c_str(), nullptr); // where there is no such program
+  ::execl("/bin/sh", "sh", "-c", command_.c_str(), nullptr); // if timeout(1) is missing
   std::_Exit(127);
 }
 

@@ -10,17 +10,18 @@
 
 namespace goingrate::apps {
 
-/// Finds a fall that comes at once, as a step of the logarithm that StepAlarm looks for, and one
-/// that goes on for days, as means of days or of weeks whose changes, 8 to 32 of days or 4 and 8 of
-/// weeks, are further below those of a season than a random walk would be (Student's t of the
-/// changes; limit: 0.2 false alarms a year). A season takes 2 ‰ of the amplitude a day at most,
-/// which is ± 10 % in a year. One fall is found once: it is over when the amplitude has come back
-/// by more than half of it, or has not fallen for a month (AmplitudeFallTest).
+/// Finds two kinds of fall. A sudden one is a step of the amplitude's logarithm, for which
+/// StepAlarm looks. A slow one is found from the changes between daily means (8 to 32 of them) or
+/// weekly means (4 or 8): it is a fall if these changes are further below what a season takes than
+/// those of a random walk would be (Student's t; limit: 0.2 false alarms a year). A season takes at
+/// most 2 ‰ of the amplitude a day, which is ± 10 % in a year. Each fall is reported once: it is
+/// over when more than half of it has been regained, or when the amplitude has not fallen for a
+/// month (AmplitudeFallTest).
 class AmplitudeFall {
 public:
   struct Found {
-    double size = 0.0, sigma = 0.0; ///< of the fall: positive
-    std::int64_t minutes = 0;       ///< at most, from begin to end
+    double size = 0.0, sigma = 0.0; ///< how far it fell: positive
+    std::int64_t minutes = 0;       ///< the longest that the fall can have taken
   };
 
   /// The mean of the minute that begins `minute` minutes after 1970; nothing if it is not known.

@@ -10,12 +10,13 @@
 namespace goingrate::apps {
 
 /// Counts the connections and the requests of every address, so that no client keeps others from
-/// being answered. IPv6 addresses count by their network, which one client has to itself.
+/// being answered. Of an IPv6 address the network counts, since a client may use any
+/// address of its network.
 class ClientShares {
 public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `most_connections` at a time of one address.
+  /// One address may have `most_connections` at a time.
   explicit ClientShares(int most_connections) : most_connections_(most_connections) {}
 
   /// Whether a connection of the address may be answered now; then leave() must follow.

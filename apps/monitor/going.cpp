@@ -211,8 +211,9 @@ double Going::missed_share() const {
 
 std::optional<double> Going::deviation_s(double nominal_period_s) const {
   if (!last_ || !first_of_run_ || nominal_period_s <= 0.0) return {};
-  return -residual_from_grid(last_->time, first_of_run_->time, last_->cycle - first_of_run_->cycle,
-                             nominal_period_s);
+  const double late_s = residual_from_grid(last_->time, first_of_run_->time,
+                                           last_->cycle - first_of_run_->cycle, nominal_period_s);
+  return 0.0 - late_s; // unlike -late_s, never -0.0
 }
 
 } // namespace goingrate::apps

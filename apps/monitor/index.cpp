@@ -49,7 +49,7 @@ struct ArchiveIndex::Database {
 
   // SQLITE_OK, or why it cannot be used.
   [[nodiscard]] int open() {
-    constexpr int patience_ms = 100; // of another program that reads it: beats must not wait long
+    constexpr int patience_ms = 100; // while another program reads: beats must not wait longer
     int code = sqlite3_open(path.c_str(), &handle);
     if (code == SQLITE_OK) code = sqlite3_busy_timeout(handle, patience_ms);
     if (code == SQLITE_OK && is_older())
@@ -58,7 +58,7 @@ struct ArchiveIndex::Database {
     if (code != SQLITE_OK) return code;
     return is_sound() ? SQLITE_OK : SQLITE_CORRUPT;
   }
-  // Whether its days have an earlier form; they are then made again.
+  // Whether an earlier version of goingrate wrote it; its days are then computed anew.
   [[nodiscard]] bool is_older() const {
     std::string version;
     const auto keep = [](void* to, int, char** columns, char**) {

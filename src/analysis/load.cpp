@@ -94,8 +94,9 @@ private:
     return periods;
   }
 
-  // The mean period of what was numbered is that of the intervals; where most events are false ones
-  // the count may not be a clock's.
+  // The mean period of the numbered beats must be about the typical interval between events. If
+  // most events are false ones, it is not, and the count is not that of a clock. The period of a
+  // wide swing that dies away changes, but smoothly.
   void refuse_if_numbered_wrong() const {
     if (loaded_.log.grid || loaded_.good.size() < 3) return;
     const double cycles =
@@ -103,7 +104,7 @@ private:
     const double mean = (loaded_.good.back().time - loaded_.good.front().time) / cycles;
     const double typical = loaded_.beats.typical_period_s;
     if (std::abs(mean / typical - 1.0) <= largest_rate_excess) return;
-    if (have_a_course(periods_of(loaded_.good))) return; // of a wide swing that dies away
+    if (have_a_course(periods_of(loaded_.good))) return;
     throw ImpossibleReading(
         loaded_.log.place(loaded_.good.front().line),
         fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
@@ -313,12 +314,12 @@ NumberedLog load_text(std::string_view text, const LoadRequest& request) {
 }
 
 NumberedLog load_events(ClockLog log, const LoadRequest& request) {
-  constexpr std::size_t fewest_events = 3; // as of a text
+  constexpr std::size_t fewest_events = 3; // two periods: the least from which a rate has a scatter
   if (log.events.size() < fewest_events)
     throw InputError({log.source, 0, 0}, fmt::format("{} events", log.events.size()),
                      fmt::format("at least {}", fewest_events));
   if (!log.nominal_period_s) log.nominal_period_s = request.reading.nominal_period_s;
-  constexpr double years_s = 1e8; // as for a text: no logger has counted so long
+  constexpr double years_s = 1e8; // three years: a larger time counts from 1970, not from a start
   if (log.origin == TimeOrigin::none && log.events.front().time.to_double() > years_s)
     log.origin = TimeOrigin::epoch;
   LoadRequest named = request;

@@ -18,7 +18,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr double least_correlation = 0.1; // smaller ones change no conclusion
+constexpr double least_correlation = 0.1; // a smaller one changes a sigma by less than 1 %
 
 std::string interval(double low, double high, double value) {
   const auto end = [&](double at) {
@@ -54,7 +54,7 @@ std::string remarks_on(const FittedParameter& p) {
       remarks.push_back(fmt::format("95 %: {}", interval(p.low95, p.high95, p.value)));
   }
   if (p.status == ParameterStatus::prior) remarks.emplace_back("with prior");
-  constexpr double least_widening = 1.05; // what two digits of sigma show
+  constexpr double least_widening = 1.05; // a smaller one does not show in two digits of sigma
   if (p.sigma_by_law > 0.0 && p.sigma > least_widening * p.sigma_by_law)
     remarks.push_back(fmt::format("whichever law of friction, ± {} by that of the model",
                                   with_sigma(p.sigma_by_law, 0.0, 2)));
@@ -128,7 +128,7 @@ std::string correlation_lines(const FitSummary& fit) {
 }
 
 std::string chi2_lines(const FitQuality& q) {
-  if (!std::isfinite(q.p_value)) return "  too few beats to test it\n";
+  if (!std::isfinite(q.p_value)) return "  too few beats for a χ² test\n";
   return fmt::format("  χ² {} for {} degrees of freedom (p = {:.2g}) {}\n", readable(q.chi2, 5),
                      readable(q.dof, 9), q.p_value,
                      q.of_innovations
@@ -166,7 +166,8 @@ std::string test_lines(const FitSummary& fit) {
               : "  the times are met to rounding: there is no noise to test\n";
   const double widest = std::max(fit.time_widening, fit.amplitude_widening);
   if (widest > 1.05)
-    text += fmt::format("  σ is widened by up to {:.3g} for correlation that is left\n", widest);
+    text += fmt::format(
+        "  σ is widened up to {:.3g}-fold, for what still correlates in the residuals\n", widest);
   if (fit.quality.whiteness_p < 1e-3)
     text += "  they are not white: the model misses something, take the values with care "
             "(`spectrum` finds lines)\n";

@@ -93,14 +93,15 @@ tbody th{font-weight:400}
 .value{white-space:nowrap}
 figure{margin:1.5rem 0}
 figcaption{color:var(--soft);font-size:.88rem}
-/* Each figure is a static drawing until page.js replaces it by an interactive one. Print shows the static one. */
+/* Each figure is a static drawing until page.js replaces it by an interactive one and marks what holds it as drawn.
+Print shows the static one. */
 .live{display:none;margin:.5rem 0;touch-action:pan-y}
 .live:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 .hint{display:none;color:var(--soft);font-size:.88rem}
-@media screen{.drawn .live,.drawn .hint{display:block}.drawn .still{display:none}
+@media screen{.drawn .live,.hint.drawn{display:block}.drawn .still{display:none}
 /* Panels that are drawn as one plot leave their titles and captions below it: each title leads its caption. */
-.drawn .joint figure{margin:.4rem 0}.drawn .joint h3,.drawn .joint figcaption{display:inline;font-size:.88rem}
-.drawn .joint h3::after{content:". "}}
+.joint.drawn figure{margin:.4rem 0}.joint.drawn h3,.joint.drawn figcaption{display:inline;font-size:.88rem}
+.joint.drawn h3::after{content:". "}}
 .save{display:none;margin:.2rem 0;font-size:.88rem;color:var(--soft)}
 button{font:inherit;color:var(--text);background:var(--panel);border:1px solid var(--grid);border-radius:3px;padding:.1rem .6rem}
 button:hover{border-color:currentColor}

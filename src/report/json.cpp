@@ -18,7 +18,8 @@ Json estimate_object(const std::optional<SensorEstimate>& estimate) {
   return {{"value", json_number(estimate->value)}, {"sigma", json_number(estimate->sigma)}};
 }
 
-// A rate against the mean period, for want of a nominal one, says nothing.
+// Without a nominal period a rate would be that against the log's own mean period: zero, and no
+// result.
 Json rate_or_null(double rate, bool nominal_is_known) {
   return nominal_is_known ? json_number(rate) : Json(nullptr);
 }
@@ -55,7 +56,7 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                  const SensorFindings& sensor) {
   Json json = json_with_schema("goingrate.rate");
   const auto rate = [&](double value) { return rate_or_null(value, summary.nominal_is_known); };
-  json["source"] = file_name(log.source); // a page is given away, its folders are not
+  json["source"] = file_name(log.source); // without folders, which a page for others should not tell
   if (!log.files.empty()) {
     json["files"] = Json::array();
     for (const LogFile& file : log.files)
@@ -253,7 +254,8 @@ Json cost_object(const DriveCost& cost) {
           {"slow_s", rms_object(cost.slow_s)}};
 }
 
-// Without a response, amplitudes are those of the rate.
+// The amplitude of a line is that of the drive, or of the rate if the response of the clock to its
+// drive is not known.
 Json line_object(const SpectralLine& line, const std::optional<DriveResponse>& response) {
   return {{"period_s", json_number(1.0 / line.frequency_hz)},
           {"amplitude", json_number(response ? drive_of(line, *response) : line.amplitude)},

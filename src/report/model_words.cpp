@@ -31,12 +31,13 @@ std::string wander(const Analysis& data, bool told_a_change) {
   const std::string change =
       fit.events.empty() && told_a_change ? ", which absorbs the change" : "";
   const FittedParameter* slow = known(fit, "slow_rms");
-  if (fit.model.slow && slow != nullptr)
-    return fmt::format(" with a drive that wanders slowly, by {} rms{}", percent(*slow), change);
+  if (fit.model.slow)
+    return " with a drive that wanders slowly" +
+           (slow != nullptr ? fmt::format(", by {} rms", percent(*slow)) : "") + change;
   const FittedParameter* fast = known(fit, "drive_rms");
-  if (fit.model.drive && fast != nullptr)
+  if (fit.model.drive)
     return " with a drive that varies from period to period" +
-           (data.drive.split ? "" : fmt::format(", by {} rms", percent(*fast)));
+           (data.drive.split || fast == nullptr ? "" : fmt::format(", by {} rms", percent(*fast)));
   return fit.model.walk ? " with a rate that wanders by itself" + change : "";
 }
 
@@ -52,10 +53,11 @@ std::string undetermined(const FitSummary& fit) {
 }
 
 // What would determine the parameters that are left open.
-std::string remedy(const Analysis& data, bool sees_amplitude) {
+std::string remedy(const Analysis& data, bool sees_amplitude, bool told_a_change) {
   const std::string amplitudes = sees_amplitude ? "" : "amplitudes, ";
   if (!swings_freely(data))
-    return fmt::format("; {}a ring-down or a change of the driving weight would", amplitudes);
+    return fmt::format("; {}a ring-down or a {}change of the driving weight would", amplitudes,
+                       told_a_change ? "larger " : "");
   const bool is_told = data.fit.decay && !std::isfinite(data.fit.decay->q.value);
   return is_told ? "" : fmt::format("; {}a longer log or a larger first swing would", amplitudes);
 }
@@ -77,7 +79,7 @@ std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_
   text += is_rough ? " only roughly" : needs.empty() ? " to within its noise" : needs;
   if (const std::string open = undetermined(fit); !open.empty())
     text += fmt::format(", {} the log does not tell {}{}", is_rough ? "and" : "but", open,
-                        remedy(data, sees_amplitude));
+                        remedy(data, sees_amplitude, told_a_change));
   return text + ".";
 }
 

@@ -299,7 +299,7 @@
     const from = Math.min(Math.max(low, least), greatest - length);
     for (const plot of timed) {
       plot.range = [from, from + length];
-      draw(plot);
+      if (plot.isDrawn) draw(plot);
     }
   }
 
@@ -341,36 +341,52 @@
       height: plot.place.clientHeight, scale: format === "png" ? 2 : 1 });
   }
 
+  // What holds the place of a plot and the static drawings that it replaces.
+  const holderOf = (plot) => plot.place.parentElement;
+  const pause = () => new Promise((done) => setTimeout(done));
+
+  async function drawFirst(plot, resized) {
+    holderOf(plot).classList.add("drawn"); // first, so that the place has a width
+    await draw(plot);
+    plot.isDrawn = true;
+    resized.observe(plot.place);
+    for (const button of plot.place.nextElementSibling.querySelectorAll("button"))
+      button.addEventListener("click", () => save(plot, button.dataset.format));
+    if (!plot.range) return;
+    plot.place.on("plotly_relayout", (event) => onRelayout(plot, event));
+    plot.place.addEventListener("keydown", (event) => onKey(plot, event));
+  }
+
+  // The page opens with its static drawings; they are replaced one by one, so that it answers meanwhile.
   async function start() {
-    document.documentElement.classList.add("drawn"); // first, so that the places have a width
+    if (document.readyState !== "complete") await new Promise((done) => addEventListener("load", done));
     timed = plots.filter((plot) => (plot.range = wholeRange(plot)));
     const low = Math.min(...timed.map((plot) => plot.range[0]));
     const high = Math.max(...timed.map((plot) => plot.range[1]));
     const room = 0.01 * (high - low); // so that dots at the edge are not cut
     whole = [low - room, high + room];
-    for (const plot of plots) {
-      plot.panels.forEach((panel, i) => { panel.number = i === 0 ? 0 : i + 1; });
-      if (plot.range) plot.range = whole;
-      await draw(plot);
-      for (const button of plot.place.nextElementSibling.querySelectorAll("button"))
-        button.addEventListener("click", () => save(plot, button.dataset.format));
-      if (!plot.range) continue;
-      plot.place.on("plotly_relayout", (event) => onRelayout(plot, event));
-      plot.place.addEventListener("keydown", (event) => onKey(plot, event));
-    }
     const resized = new ResizeObserver((entries) => {
       for (const plot of plots)
         if (entries.some((e) => e.target === plot.place) && plot.place.clientWidth > 0
             && plot.place.clientWidth !== plot.width) draw(plot);
     });
-    plots.forEach((plot) => resized.observe(plot.place));
+    for (const plot of plots) {
+      plot.panels.forEach((panel, i) => { panel.number = i === 0 ? 0 : i + 1; });
+      if (plot.range) plot.range = whole;
+    }
+    document.querySelectorAll(".hint").forEach((hint) => hint.classList.add("drawn"));
+    for (const plot of plots) {
+      await pause();
+      await drawFirst(plot, resized);
+    }
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plots.forEach(draw));
     document.getElementById("js-plotly-tester")?.setAttribute("aria-hidden", "true");
     document.documentElement.dataset.figures = plots.length; // all are drawn
   }
 
   start().catch((error) => {
-    document.documentElement.classList.remove("drawn"); // the still figures are better than none
+    // The still figures are better than none.
+    document.querySelectorAll(".drawn").forEach((holder) => holder.classList.remove("drawn"));
     console.error(error);
   });
 })();

@@ -178,7 +178,7 @@ std::string key_figures(const Analysis& data) {
                     "; ± allows for how it varied on the way");
   cards += card_of_q(data.fit, words);
   if (const auto& error = data.sensor.beat_error_s; error && !swings_freely(data))
-    cards += card("Beat error", measured(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms",
+    cards += card("Beat error", typeset(short_time(std::abs(error->value), error->sigma)),
                   "what tick and tock differ by (half of it is also called so): the clock is out "
                   "of beat, or the sensor "
                   "stands off the middle");

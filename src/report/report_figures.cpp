@@ -146,6 +146,13 @@ Figure TimeFigures::error() const {
           markers_};
 }
 
+// Of the clocks that explain a log equally well, the fitted one may swing far from the measured
+// amplitudes, if a slow drive bridges the two: its course tells the reader nothing.
+bool tells_amplitude(const FitSummary& fit) {
+  const FittedParameter* first = fit.find("lambda0");
+  return fit.has_result() && (first == nullptr || first->status != ParameterStatus::undetermined);
+}
+
 Figure TimeFigures::amplitude() const {
   std::vector<double> amplitude;
   for (const Beat& beat : data_.beats)
@@ -169,7 +176,7 @@ Figure TimeFigures::amplitude() const {
     figure.caption += " On this scale linear friction gives a straight line; drag bends it up, dry "
                       "friction down.";
   const auto& model = data_.fit.model_amplitude_rad;
-  if (data_.fit.has_result() && model.size() == time_.size())
+  if (tells_amplitude(data_.fit) && model.size() == time_.size())
     figure.series.push_back(against_time(Series::Style::line, "model",
                                          scaled(model, words_.angle_unit().factor), vermilion));
   else
@@ -361,7 +368,7 @@ void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& fi
   if (data.log.has_amplitude || data.fit.decay) figures.push_back(of_time.amplitude());
   if (fitted && data.fit.residual_s.size() == data.beats.size())
     figures.push_back(of_time.time_residual());
-  if (fitted && data.fit.amplitude_residual_rad.size() == data.beats.size())
+  if (tells_amplitude(data.fit) && data.fit.amplitude_residual_rad.size() == data.beats.size())
     figures.push_back(of_time.amplitude_residual());
   for (Figure& figure : figures)
     figure.group = "course";

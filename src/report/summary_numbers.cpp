@@ -83,8 +83,7 @@ void Numbers::add_going() {
     add("mean period", with_sigma(rate.mean_period_s, rate.mean_period_sigma_s, 12) + " s");
   if (swings_freely(data_)) return;
   if (const auto& error = data_.sensor.beat_error_s)
-    add("beat error, tick − tock",
-        with_sigma(1e3 * std::abs(error->value), 1e3 * error->sigma) + " ms");
+    add("beat error, tick − tock", short_time(std::abs(error->value), error->sigma));
   if (!rate.nominal_is_known) return;
   add("rate over the whole log, end to end", words_.rate(rate.rate_excess, rate.rate_excess_sigma));
   add_stretches();

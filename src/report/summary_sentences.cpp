@@ -289,6 +289,15 @@ std::string Sentences::whether_worse() const {
   return capitalised(told.empty() ? trend : told + "; " + trend) + ".";
 }
 
+// Only one cause can be the most likely.
+std::string less_likely(std::string explanation) {
+  constexpr std::string_view superlative = "ost likely"; // at the beginning or within
+  const std::size_t at = explanation.find(superlative);
+  if (at == std::string::npos || at == 0) return explanation;
+  const bool begins = explanation[at - 1] == 'M';
+  return explanation.replace(at - 1, superlative.size() + 1, begins ? "Probably" : "probably");
+}
+
 // The likeliest cause, and the next of another kind.
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
@@ -302,7 +311,7 @@ void Sentences::say_what_it_suffers_from() {
   const auto other = std::find_if(suspicions_.begin(), suspicions_.end(),
                                   [&](const Suspicion& s) { return s.cause != first.cause; });
   if (other != suspicions_.end())
-    say(explanation(*other, words_, sees_amplitude_),
+    say(less_likely(explanation(*other, words_, sees_amplitude_)),
         is_step(other->cause) ? Weight::dated_cause : Weight::second_cause);
 }
 

@@ -223,7 +223,8 @@ DisplayUnit short_time_unit(double seconds) {
 }
 
 std::string short_time(double seconds, double sigma_s) {
-  const DisplayUnit unit = short_time_unit(seconds);
+  // A time that is smaller than its sigma has the unit of the sigma.
+  const DisplayUnit unit = short_time_unit(sigma_s > std::abs(seconds) ? sigma_s : seconds);
   return fmt::format("{} {}", with_sigma(unit.factor * seconds, unit.factor * sigma_s, 3),
                      unit.name);
 }

@@ -30,8 +30,9 @@ void remove(std::vector<Beat>& beats, int from, int to) {
 }
 
 TEST(NumberingNoise, FindsJitterWalkAndRateWalk) {
-  // 20,000 beats. Jitter and walk are seen by thousands of differences; the rate's walk shows above
-  // 1000 cycles only, in about ten differences: known to a third or so, two such are allowed.
+  // Among 20,000 beats thousands of differences show the jitter and the walk. The walk of the rate
+  // shows only over more than 1000 cycles, of which there are about ten: it is found to about a
+  // third, so that twice that is allowed.
   const double j = 1e-3, w = 1e-4, r = 1e-6;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const auto beats = noisy_clock(20000, j, w, r, seed);
@@ -75,8 +76,9 @@ TEST(NumberingGap, ProbabilityIsTheShareOfSimulatedClocksCountedRight) {
 }
 
 TEST(NumberingGap, ADriftOverTheGapIsCountedFromBothSides) {
-  // The period grows by 2e-3 over 1000 missing cycles: foreseen from one side alone the beats come
-  // half a gap's growth off, a whole period. A drift can also be two steps: the doubt is told.
+  // The period grows by 2e-3 over 1000 missing cycles. Whoever predicts the end of the gap from one
+  // side alone is off by the mean of that, 1e-3 in each of 1000 cycles: a whole period. Two steps
+  // could look the same as a drift, so the probability must tell of a doubt.
   RandomStream random(5, StreamPurpose::jitter);
   std::vector<Beat> events;
   double time = 0.0;

@@ -8,8 +8,9 @@ namespace {
 // The clock beats every second.
 class ArrivalsTest : public testing::Test {
 protected:
-  // Tells beats `from` … `to` - 1, each heard when it was, with times that are off by `wrong_by_s`.
-  // Returns how many are believed, those that had waited among them.
+  // Hands over the beats from `from` to `to` - 1, each in the second in which it happened, but with
+  // a time that is off by `wrong_by_s`. Returns how many are believed, including beats that were
+  // held back before.
   int hear(int from, int to, double wrong_by_s = 0.0) {
     int believed = 0;
     for (int n = from; n < to; ++n)
@@ -26,7 +27,7 @@ protected:
   int begun_anew_ = 0;
 };
 
-// As of a counter of which some bits were wrong for a while.
+// As if some bits of the logger's counter had been wrong for a while.
 TEST_F(ArrivalsTest, WrongLinesThatAgreeAreLeftOut) {
   EXPECT_EQ(hear(0, 100), 100);
   int n = 100;
@@ -62,7 +63,7 @@ TEST_F(ArrivalsTest, AfterARestartAFirstLineIsNoLaterThanItCanBe) {
   EXPECT_EQ(left_out(), 1);
 }
 
-// Those of an archive were believed when they were stored.
+// Beats from an archive are not judged again: they were believed when they were stored.
 TEST_F(ArrivalsTest, WhatIsStoredIsBelieved) {
   Arrivals replayed;
   for (const std::int64_t second : {0, 1, 2, 1000, 1001, 5000})
@@ -70,7 +71,7 @@ TEST_F(ArrivalsTest, WhatIsStoredIsBelieved) {
   EXPECT_TRUE(replayed.believe(event_at({7, 0.0})).begins_anew);
 }
 
-// An old log, read from a file, and its end.
+// An old log is read from a file, whose end gives back what is held.
 TEST_F(ArrivalsTest, WhatIsHeldAtTheEndOfAFileGoesOn) {
   for (int n = 0; n < 100; ++n)
     arrivals_.add(event_at({n, 0.0}));

@@ -228,7 +228,11 @@ try {
   ({ sessionId: session } = await send("Target.attachToTarget", { targetId, flatten: true }));
   for (const domain of ["Page", "Runtime", "Log", "Accessibility"]) await send(`${domain}.enable`);
   await send("Emulation.setDeviceMetricsOverride", { width: 1000, height: 900, deviceScaleFactor: 1, mobile: false });
+  await send("Page.addScriptToEvaluateOnNewDocument", { source: `addEventListener("load", () => {
+    window.atLoad = { live: document.querySelectorAll(".live .main-svg").length,
+      still: [...document.querySelectorAll(".still")].every((e) => e.offsetHeight > 0) }; })` });
   console.log(`      drawn ${await load(true)} ms after the call`);
+  check(await value("atLoad.live === 0 && atLoad.still"), "the page opens with its static figures, before plotly draws");
   await checkFigures();
   await checkZoom();
   await checkWords();

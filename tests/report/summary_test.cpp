@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <gtest/gtest.h>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -305,11 +306,45 @@ TEST(SummaryTest, AWanderThatTheModelNeedsIsNamed) {
   EXPECT_EQ(text.find("to within its noise"), std::string::npos) << text;
 }
 
+TEST(SummaryTest, AWanderOfUnknownSizeIsNamedToo) {
+  Analysis data = quiet_report();
+  data.fit.model.slow = true;
+  FittedParameter slow;
+  slow.name = "slow_rms";
+  slow.value = std::numeric_limits<double>::quiet_NaN();
+  slow.status = ParameterStatus::undetermined;
+  data.fit.parameters.push_back(slow);
+  data.fit.quality.whiteness_p = 0.5;
+  const std::string text = all_of(report_sentences(data));
+  EXPECT_NE(text.find("explains this log with a drive that wanders slowly"), std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("to within its noise"), std::string::npos) << text;
+  EXPECT_EQ(text.find("nan"), std::string::npos) << text;
+}
+
+TEST(SummaryTest, OnlyOneCauseIsTheMostLikely) {
+  Analysis data = quiet_report();
+  Suspicion wander, step;
+  wander.cause = Cause::slow_drive;
+  step.cause = Cause::drive_step;
+  step.numbers.at_s = 300.0;
+  step.numbers.size = -1e-5;
+  data.suspicions = {wander, step};
+  const std::string text = all_of(report_sentences(data));
+  const std::size_t first = text.find("ost likely");
+  ASSERT_NE(first, std::string::npos) << text;
+  EXPECT_EQ(text.find("ost likely", first + 1), std::string::npos) << text;
+  EXPECT_NE(text.find("Probably the force that drives the pendulum changed"), std::string::npos)
+      << text;
+}
+
 TEST(SummaryTest, ABeatErrorIsInTheTable) {
   Analysis data = quiet_report();
   EXPECT_EQ(value_of(data, "beat error, tick − tock"), "");
   data.sensor.beat_error_s = SensorEstimate{-2.1e-3, 1e-5};
   EXPECT_EQ(value_of(data, "beat error, tick − tock"), "2.100 ± 0.010 ms");
+  data.sensor.beat_error_s = SensorEstimate{2e-8, 9.6e-7}; // the unit of the larger of the two
+  EXPECT_EQ(value_of(data, "beat error, tick − tock"), "20 ± 960 ns");
 }
 
 TEST(SummaryTest, WithoutANominalPeriodAChangeHasItsSize) {

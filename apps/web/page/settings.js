@@ -1,4 +1,4 @@
-// The form of assumptions: each field is an option of the command. What the command found out by itself is
+// The form of assumptions: each field is an option of the command. What the command worked out by itself is
 // shown in the field; what is entered there is passed to it.
 import { byId, element } from "./elements.js";
 
@@ -50,9 +50,9 @@ function controlOf({ option, kind, hint }) {
   const id = idOf(option);
   if (kind === "flag") return element("input", { id, type: "checkbox" });
   if (Array.isArray(kind))
-    return element("select", { id }, element("option", { value: "" }, "found out"),
+    return element("select", { id }, element("option", { value: "" }, "automatic"),
       ...kind.map((choice) => element("option", { value: choice }, choice)));
-  return element("input", { id, type: "text", placeholder: hint ?? "found out", autocomplete: "off", spellcheck: false,
+  return element("input", { id, type: "text", placeholder: hint ?? "automatic", autocomplete: "off", spellcheck: false,
     inputMode: kind === "number" ? "decimal" : undefined });
 }
 
@@ -92,8 +92,8 @@ function assumedFor(option, lines) {
 export function showAssumed(lines) {
   for (const field of fields) {
     const control = byId(idOf(field.option)), value = assumedFor(field.option, lines);
-    if (Array.isArray(field.kind)) control.options[0].textContent = value ? `found out: ${value}` : "found out";
-    else if (field.kind !== "flag") control.placeholder = value ? `found out: ${value}` : field.hint ?? "found out";
+    if (Array.isArray(field.kind)) control.options[0].textContent = value ? `automatic: ${value}` : "automatic";
+    else if (field.kind !== "flag") control.placeholder = value ? `automatic: ${value}` : field.hint ?? "automatic";
   }
 }
 
