@@ -36,10 +36,9 @@ public:
              bool may_lag, bool may_act_twice)
       : rate_(cosines(rate, true)), value_(value), block_s_(block_s) {
     settle({});
-    if (!may_lag) return;
     Action best;
     double best_score = found_.deviance;
-    for (const double lag_s : lags_to_try(rate.size(), block_s))
+    for (const double lag_s : may_lag ? lags_to_try(rate.size(), block_s) : std::vector<double>{})
       for (int twice = 0; twice <= (may_act_twice ? 1 : 0); ++twice) {
         constexpr double price = 8.0; // of 2 log L: for one more parameter, looked for on a grid
         settle({lag_s, twice == 1});
@@ -54,7 +53,7 @@ public:
         return found_.deviance;
       });
     settle(best);
-    allow_for_lag();
+    find_sigmas();
   }
 
   /// The coefficient of all that the covariate does, once it has held for long.
@@ -89,21 +88,20 @@ private:
   }
 
   // σ with the lag free: its course is one more cause, which at the best lag adds nothing.
-  void allow_for_lag() {
-    if (action_.lag_s == 0.0) return;
-    constexpr double step = 0.02; // relative: the course bends little over it
-    const auto more = lagged(value_, block_s_, action_.lag_s * (1.0 + step));
-    const auto less = lagged(value_, block_s_, action_.lag_s * (1.0 - step));
-    std::vector<double> by_lag(more.size());
-    for (std::size_t i = 0; i < by_lag.size(); ++i)
-      by_lag[i] = more[i] - less[i];
+  void find_sigmas() {
     std::vector<std::vector<double>> causes = cosines_of(courses_of(value_));
     const std::size_t own = causes.size();
-    causes.push_back(cosines(by_lag, true));
-    causes.push_back(cosines(memory(value_.size(), block_s_, action_.lag_s), true));
-    const RateRegression with_lag = regress(rate_, causes, found_.noise);
-    for (std::size_t k = 0; k < own; ++k)
-      found_.sigmas[k] = with_lag.sigmas[k];
+    if (action_.lag_s > 0.0) {
+      constexpr double step = 0.02; // relative: the course bends little over it
+      std::vector<double> by_lag = lagged(value_, block_s_, action_.lag_s * (1.0 + step));
+      const auto less = lagged(value_, block_s_, action_.lag_s * (1.0 - step));
+      for (std::size_t i = 0; i < by_lag.size(); ++i)
+        by_lag[i] -= less[i];
+      causes.push_back(cosines(by_lag, true));
+      causes.push_back(cosines(memory(value_.size(), block_s_, action_.lag_s), true));
+    }
+    const RateRegression with_lag = regress(rate_, causes, found_.noise, NoiseSize::unbiased);
+    std::copy_n(with_lag.sigmas.begin(), own, found_.sigmas.begin());
   }
 
   static std::vector<std::vector<double>>
@@ -301,7 +299,8 @@ std::vector<WeatherPart> weather_parts(const TimingData& data) {
   for (const std::vector<double>& value : values)
     causes.push_back(cosines(value, true));
   constexpr std::size_t first = 2; // the mean and the line
-  const RateRegression found = regress(cosines(rate, true), causes, RateNoise(first, {}));
+  const RateRegression found =
+      regress(cosines(rate, true), causes, RateNoise(first, {}), NoiseSize::unbiased);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     parts[k].coefficient = found.coefficients[k];
     parts[k].sigma = found.sigmas[k];

@@ -54,8 +54,9 @@ std::optional<Measured> slope_of(const FitSummary& fit) {
 // What the amplitude does for one unit of the covariate.
 Measured answer_of_amplitude(const RateBlocks& blocks, std::size_t term) {
   constexpr std::size_t first = 2; // the mean and the line
-  const RateRegression found = regress(cosines(blocks.amplitude_rad, true),
-                                       {cosines(blocks.values[term], true)}, RateNoise(first, {}));
+  const RateRegression found =
+      regress(cosines(blocks.amplitude_rad, true), {cosines(blocks.values[term], true)},
+              RateNoise(first, {}), NoiseSize::unbiased);
   return {found.coefficients.front(), found.sigmas.front()};
 }
 

@@ -144,7 +144,7 @@ void RateNoise::put_shapes(std::size_t cosines) {
   shapes_ = std::make_shared<const Eigen::MatrixXd>(std::move(shapes));
 }
 
-void RateNoise::fit(std::span<const double> residual) {
+void RateNoise::fit(std::span<const double> residual, const Eigen::ArrayXd& leverage) {
   put_shapes(residual.size());
   const Eigen::MatrixXd& shapes = *shapes_;
   const Eigen::ArrayXd squares =
@@ -168,6 +168,8 @@ void RateNoise::fit(std::span<const double> residual) {
     level_ = level_.max(least_power);
     weight = level_.inverse();
     expected.noalias() = shapes.transpose() * weight.matrix();
+    if (leverage.size() > 0)
+      expected.noalias() -= shapes.transpose() * (weight * leverage).matrix();
     weight *= squares * weight;
     seen.noalias() = shapes.transpose() * weight.matrix();
     moved = 0.0;
@@ -185,7 +187,8 @@ void RateNoise::fit(std::span<const double> residual) {
 }
 
 RateRegression regress(const std::vector<double>& rate,
-                       const std::vector<std::vector<double>>& causes, RateNoise noise) {
+                       const std::vector<std::vector<double>>& causes, RateNoise noise,
+                       NoiseSize size) {
   const auto unknowns = static_cast<Eigen::Index>(causes.size());
   const auto first = static_cast<Eigen::Index>(noise.first());
   const auto column = [&](const std::vector<double>& series) {
@@ -214,7 +217,15 @@ RateRegression regress(const std::vector<double>& rate,
     std::vector<double> rest = rate;
     Eigen::Map<Eigen::VectorXd>(rest.data(), static_cast<Eigen::Index>(rest.size()))
         .tail(courses.rows()) -= courses * b;
-    noise.fit(rest);
+    Eigen::ArrayXd leverage;
+    constexpr double most_leverage = 0.9; // beyond, a coefficient says nothing of the noise
+    if (size == NoiseSize::unbiased)
+      leverage = (weighted.array() * (courses * covariance).array())
+                     .rowwise()
+                     .sum()
+                     .max(0.0)
+                     .min(most_leverage);
+    noise.fit(rest, leverage);
     moved = std::abs(noise.deviance() - result.deviance);
     result.deviance = noise.deviance();
   }

@@ -44,6 +44,12 @@ std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requi
                         one.limit ? value(one.key, *one.limit) + (one.stops ? " (it stops)" : "")
                         : all <= most_s ? "none found"
                                         : "not by this alone");
+  if (all <= most_s) return text;
+  const double share = budget.share_below(most_s);
+  text += fmt::format("Or all the causes together, to {:.3g} of what they are:\n", share);
+  for (const ErrorPart& part : budget.parts)
+    text += fmt::format("  {:<52} {:<20} {}\n", named(part.key), value(part.key, part.size),
+                        value(part.key, share * part.size));
   return text;
 }
 
@@ -53,6 +59,7 @@ std::string error_budget_json(const ErrorBudget& budget, const std::vector<Requi
   json["after_s"] = budget.after_s;
   json["most_s"] = most_s;
   json["error_s"] = json_number(budget.all_s());
+  json["share_below"] = json_number(budget.share_below(most_s));
   json["parts"] = Json::array();
   for (const ErrorPart& part : budget.parts)
     json["parts"].push_back({{"cause", part.cause},

@@ -56,6 +56,19 @@ bool turned(const Panel& panel) {
   return character * static_cast<double>(count * (longest(panel.axes.x.ticks) + 1)) > room;
 }
 
+// Where numbers have no room side by side, every second or third stays, 0 among them.
+void thin_numbers(std::vector<AxisTick>& ticks, double room) {
+  const double wide = tick_character * static_cast<double>(longest(ticks) + 1);
+  const auto every =
+      static_cast<std::size_t>(std::ceil(wide * static_cast<double>(ticks.size()) / room));
+  const auto zero = std::find_if(ticks.begin(), ticks.end(), [](const AxisTick& tick) {
+    return tick.label.find_first_not_of("0.") == std::string::npos;
+  });
+  const auto kept = static_cast<std::size_t>(zero == ticks.end() ? 0 : zero - ticks.begin());
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    if (i % every != kept % every) ticks[i].label.clear();
+}
+
 double space_below(const Panel& panel) {
   if (panel.shares_x) return space_between;
   const double labels =
@@ -158,6 +171,8 @@ void Script::lay_out() {
   }
   const double plot_height = panels_.size() > 1 ? height_in_stack : height_alone;
   for (Panel& panel : panels_) {
+    if (AxisScale& x = panel.axes.x; !x.logarithmic && panel.figure.x.names.empty())
+      thin_numbers(x.ticks, right_ - left_);
     panel.key_rows = key_rows(panel.figure, right_ - left_);
     panel.markers = place_markers(panel.figure, panel.axes, character / (right_ - left_),
                                   0.1 / (right_ - left_));

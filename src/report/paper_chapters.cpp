@@ -52,8 +52,9 @@ constexpr std::array all_chapters{
         "The pendulum swings as φ = λ sin ψ, in units of time in which small swings take 2π. "
         "Averaged over a swing, friction lowers the amplitude λ and the component of the torque m "
         "along the motion raises it; the phase ψ runs ahead of time by the circular error and by "
-        "the component of the torque along the excursion. Only these two moments of the torque "
-        "count: escapements that share them keep the same time to first order.",
+        "the component of the torque along the excursion; ∮ is the mean over a swing, 1/2π of the "
+        "integral. Only these two moments of the torque count: escapements that share them keep "
+        "the same time to first order.",
         {{{"ddt1", DDOT(PHI) PLUS TWO EPSILON DOT(PHI) PLUS SIN PHI EQUALS M OPEN PHI CLOSE},
           {"deflabpsi", PHI EQUALS LAMBDA SIN PSI COMMA DOT(PHI) EQUALS LAMBDA COS PSI},
           {"dotl3", DOT(LAMBDA) EQUALS MINUS EPSILON LAMBDA PLUS LOOP M COS PSI DPSI},

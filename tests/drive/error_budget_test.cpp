@@ -73,6 +73,23 @@ TEST(ErrorBudgetTest, AnEscapementThatWaitsForgetsTheImpulseBefore) {
   EXPECT_NEAR(simulated_error(slow) / error_budget(slow, 40'000.0).all_s(), 1.0, 0.12);
 }
 
+TEST(ErrorBudgetTest, AllCausesReducedAlikeKeepTheError) {
+  Scenario scenario = clock_that_varies();
+  scenario.drive.slow_rms = 0.02;
+  scenario.drive.slow_time_s = 7000.0;
+  scenario.length.temperature_coefficient = 1.2e-5;
+  scenario.temperature.sines = {{1.5, day}, {2.0, 3.0 * day}};
+  const ErrorBudget now = error_budget(scenario, 30.0 * day);
+  const double most = 0.3 * now.all_s(), share = now.share_below(most);
+  for (const Requirement& one : requirements(scenario, most, 30.0 * day))
+    EXPECT_FALSE(one.limit && one.key != "amplitude" && one.key != "clock.epsilon") << one.key;
+  scenario.drive.fast_rms *= share;
+  scenario.drive.slow_rms *= share;
+  scenario.length.temperature_coefficient *= share;
+  // Linear in the conditions: to rounding.
+  EXPECT_NEAR(error_budget(scenario, 30.0 * day).all_s() / most, 1.0, 1e-12);
+}
+
 TEST(ErrorBudgetTest, OfAClockThatWaitsTheLimitIsAsked) {
   Scenario scenario = clock_that_varies();
   scenario.clock = hipp();

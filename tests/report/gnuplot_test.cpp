@@ -139,6 +139,16 @@ TEST(GnuplotScriptTest, PanelsOfOneGroupShareTheirAxis) {
   EXPECT_EQ(lines_with(script, "set xrange [-0.3:30.3]"), 2u) << script.substr(0, 2000);
 }
 
+TEST(GnuplotScriptTest, NumbersThatWouldRunIntoEachOtherAreThinned) {
+  Figure figure = every_style();
+  figure.markers.clear();
+  figure.series = {{Series::Style::line, "line", {-0.01, 0.01}, {1.0, 2.0}}};
+  const std::string script = gnuplot_script({figure}, "f");
+  EXPECT_NE(script.find("'0.000' 0 0"), std::string::npos) << script.substr(0, 1500);
+  EXPECT_NE(script.find("'' 0.002 1, '0.004' 0.004 0"), std::string::npos)
+      << "eleven numbers of five characters have no room in 8.5 cm";
+}
+
 TEST(GnuplotScriptTest, ALongSeriesStaysSmall) {
   EXPECT_LT(gnuplot_script({cloud(1'000'000, false)}, "long").size(), 120'000u);
 }

@@ -47,6 +47,12 @@ private:
   double z_ = 0.0, z2_ = 0.0, sigma_ = 0.0;
 };
 
+/// The seed of one log; no two scenes share one.
+std::uint64_t seed_of(std::uint64_t first, int scene, int log) {
+  constexpr std::uint64_t most_logs = 1000; // of a scene
+  return first + most_logs * static_cast<std::uint64_t>(scene) + static_cast<std::uint64_t>(log);
+}
+
 class Noise {
 public:
   explicit Noise(std::uint64_t seed) : random_(seed) {}
@@ -143,8 +149,9 @@ void tides(std::uint64_t seed, int logs) {
     Score score;
     for (int i = 0; i < logs; ++i) {
       const LoadRequest request = dated();
-      const auto effects = effects_of(load_text(
-          dated_phases(730.0, kind, 1e-9, 1.0, seed + static_cast<std::uint64_t>(i)), request));
+      const auto own = seed_of(seed, static_cast<int>(kind), i);
+      const auto effects =
+          effects_of(load_text(dated_phases(730.0, kind, 1e-9, 1.0, own), request));
       if (const CovariateEffect* effect = effect_named(effects, "tide"))
         score.add(effect->coefficient, effect->sigma, 1.0);
     }
@@ -154,8 +161,9 @@ void tides(std::uint64_t seed, int logs) {
   int claimed = 0;
   for (int i = 0; i < logs; ++i) {
     const LoadRequest request = dated();
-    const auto effects = effects_of(load_text(
-        dated_phases(60.0, Kind::walk, 1e-6, 1.0, seed + static_cast<std::uint64_t>(i)), request));
+    const auto own = seed_of(seed, 3, i);
+    const auto effects =
+        effects_of(load_text(dated_phases(60.0, Kind::walk, 1e-6, 1.0, own), request));
     const CovariateEffect* effect = effect_named(effects, "tide");
     if (effect == nullptr) continue;
     ordinary.add(effect->coefficient, effect->sigma, 1.0);
@@ -168,13 +176,15 @@ void tides(std::uint64_t seed, int logs) {
 void rods(std::uint64_t seed, int logs) {
   std::printf("a rod of 12e-6/K whose compensation lags, 9 days, drive 0.1 fast and 0.01 slow, "
               "jitter 0.1 ms\n");
+  int scene = 10;
   for (const auto& [compensation, lag_h] : {std::pair{0.0, 0.0}, std::pair{11.4e-6, 2.0},
                                             std::pair{12e-6, 4.0}, std::pair{11e-6, 8.0}}) {
+    ++scene;
     Score whole, rod;
     int twice = 0;
     double lag = 0.0;
     for (int i = 0; i < logs; ++i) {
-      const auto own = seed + static_cast<std::uint64_t>(i);
+      const auto own = seed_of(seed, scene, i);
       Noise noise(own);
       Scenario scenario;
       scenario.clock = {2.0, 1.2e-4, 1.5e-5, 0.03};
@@ -217,7 +227,7 @@ void barometers(std::uint64_t seed, int logs) {
   for (const bool knows_clock : {true, false}) {
     Score direct, through, whole;
     for (int i = 0; i < logs; ++i) {
-      const auto own = seed + static_cast<std::uint64_t>(i);
+      const auto own = seed_of(seed, knows_clock ? 20 : 21, i);
       Noise noise(own);
       const Course pressure(6.0, noise);
       Scenario scenario;

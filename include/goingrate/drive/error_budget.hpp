@@ -29,6 +29,9 @@ struct ErrorBudget {
   double after_s = 0.0;
   std::vector<ErrorPart> parts;
   [[nodiscard]] double all_s() const; ///< root of squares
+  /// The share of its size that each part may have, all alike, for the error to stay below
+  /// `most_s`; above 1 where it does already.
+  [[nodiscard]] double share_below(double most_s) const { return most_s / all_s(); }
 };
 
 /// The error that builds up in `after_s` (s, above 0). Linear in the conditions; the rms of 300

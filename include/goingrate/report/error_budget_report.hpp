@@ -8,11 +8,12 @@
 
 namespace goingrate {
 
-/// The parts of the error, and for each quantity its value and its limit.
+/// The parts of the error, and for each quantity its value and its limit; where the error is too
+/// large, also what all its causes together would have to be.
 std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requirement>& needed,
                               double most_s);
-/// {"after_s", "most_s", "error_s", "parts": [{cause, key, size, rms_s}], "requirements": [{key,
-/// present, limit}]}; a limit that does not exist is null.
+/// {"after_s", "most_s", "error_s", "share_below", "parts": [{cause, key, size, rms_s}],
+/// "requirements": [{key, present, limit}]}; a limit that does not exist is null.
 std::string error_budget_json(const ErrorBudget& budget, const std::vector<Requirement>& needed,
                               double most_s);
 
