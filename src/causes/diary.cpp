@@ -239,7 +239,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
     diary.interruptions =
         timing_model::interruptions_among(diary.changes, knots, search.amplitude(), options);
   drop_bends(undisplaced.data(), options, diary);
-  timing_model::judge_changes(beats, data, diary.changes);
+  timing_model::judge_changes(beats, undisplaced.data(), diary.changes);
   timing_model::put_rates(beats, nominal_period_s, diary.changes);
   for (Change& change : diary.changes)
     for (Interruption& event : diary.interruptions)

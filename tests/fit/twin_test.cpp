@@ -85,7 +85,7 @@ TEST_F(TwinTest, OfALongLogTheRivalsAreThoseOfAllBeats) {
   Scenario scenario;
   scenario.clock = {2.0, 2.5e-4, 4e-5, 0.03};
   scenario.periods = 480'000;
-  scenario.method = Method::map;
+  scenario.method.method = Method::map;
   scenario.drive.fast_rms = 0.2;
   scenario.drive.slow_rms = 0.02;
   scenario.drive.slow_time_s = 3600.0;
