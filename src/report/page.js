@@ -89,9 +89,10 @@
       return [{ ...base, mode: "markers", x, y, marker: { color: colour, size: x.length > 160 ? 4 : 7 } }];
     if (isCoarse(series, range, columns))
       return [{ ...base, ...strokes(x, y, range), mode: "lines", line: { color: faded(colour, 0.7), width: 2 } }];
-    const { dots, body } = cloud(x, y, range, columns);
+    const stroke = 2; // px: less than a dot, so that those of neighbouring columns touch
+    const { dots, body } = cloud(x, y, range, columns / stroke);
     return [
-      { ...base, ...body, mode: "lines", line: { color: faded(colour, 0.45), width: 1 },
+      { ...base, ...body, mode: "lines", line: { color: faded(colour, 0.45), width: stroke },
         hoverinfo: "skip", showlegend: false },
       { ...base, ...dots, mode: "markers", marker: { color: faded(colour, 0.7), size: 3 } },
     ];
