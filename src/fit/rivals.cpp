@@ -112,11 +112,8 @@ namespace {
 
 // The fit started from a twin of its minimum and brought to convergence with its own dynamics.
 // Not usable if that leads back to the same minimum or to a much worse one.
-Fitted twin_fit(const Fitted& home, std::vector<double> start) {
+Fitted twin_fit(const Fitted& home, const std::vector<double>& start) {
   Fitted twin = home;
-  // A twin may ask for more drive noise than there can be.
-  for (std::size_t k = 0; k < home.problem.bounds.size(); ++k)
-    start[k] = std::clamp(start[k], home.problem.bounds[k][0], home.problem.bounds[k][1]);
   twin.minimum.x = start;
   if (home.dynamics != FitDynamics::averaged1) extend(twin.problem, start);
   constexpr double largest_start_deficit =
@@ -144,24 +141,59 @@ std::vector<Fitted> twin_fits(const Fitted& home, const Twins& twins) {
   return fits;
 }
 
-// The twins without those that a few beats tell from the fit, since all beats do so, too.
-Twins not_told_apart_by_few(const Fitted& fitted, Twins twins) {
-  constexpr std::size_t compared_beats = 3000;
+// Whether a twin asks for what no clock has, such as a drive that varies by more than itself. Its
+// search begins at the bound, far behind, but what it comes to may be near.
+bool is_beyond_bounds(const FitProblem& problem, std::span<const double> x) {
+  for (std::size_t k = 0; k < problem.bounds.size(); ++k)
+    if (x[k] < problem.bounds[k][0] || x[k] > problem.bounds[k][1]) return true;
+  return false;
+}
+
+// The end of a search among some of the beats as a place to begin at among others. The jitter is
+// that of the fit: beats at a stride do not show it.
+std::vector<double> moved_to(const Fitted& to, const Fitted& from, const Fitted& end) {
+  std::vector<double> place = moved_along(end.minimum.x, from.minimum.x, to.minimum.x);
+  const Slot* jitter = to.problem.parameters.find(Quantity::jitter_rms);
+  if (jitter != nullptr && jitter->free) place[jitter->index] = to.minimum.x[jitter->index];
+  return place;
+}
+
+// The twins without those that some of the beats tell from the fit, since all beats do so, too. The
+// beats that are asked grow in number, so that a search that begins at a bound has come close
+// before all are asked.
+Twins not_told_apart_by_some(const Fitted& fitted, Twins twins) {
+  constexpr std::size_t fewest_beats = 3000, growth = 8;
   const TimingData& data = *fitted.problem.data;
-  if (fitted.problem.condensed != nullptr || data.size() <= 3 * compared_beats) return twins;
-  const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, compared_beats);
-  const Fitted home = on_few_beats(fitted, few);
-  if (!home.minimum.usable) return {};
-  const std::vector<Fitted> fits = twin_fits(home, twins_of(home.problem, home.minimum.x));
-  for (std::size_t i = 0; i < twins.size(); ++i)
-    if (i >= fits.size() || !fits[i].minimum.usable) twins[i].reset();
-  return twins;
+  if (fitted.problem.condensed != nullptr || twins.empty()) return twins;
+  Fitted before;
+  std::vector<Fitted> ends;
+  // The twins of a fit, those beyond the bounds moved to where the last search ended.
+  const auto starts_on = [&](const Fitted& home, Twins starts) {
+    starts.resize(twins.size());
+    for (std::size_t i = 0; i < twins.size(); ++i) {
+      if (!twins[i])
+        starts[i].reset();
+      else if (!ends.empty() && (!starts[i] || is_beyond_bounds(home.problem, *starts[i])))
+        starts[i] = moved_to(home, before, ends[i]);
+    }
+    return starts;
+  };
+  for (std::size_t beats = fewest_beats; data.size() > 3 * beats; beats *= growth) {
+    const FewBeats few = few_beats(data, fitted.problem.parameters.event_cycles, beats);
+    Fitted home = on_few_beats(fitted, few);
+    if (!home.minimum.usable) return {};
+    ends = twin_fits(home, starts_on(home, twins_of(home.problem, home.minimum.x)));
+    for (std::size_t i = 0; i < twins.size(); ++i)
+      if (!ends[i].minimum.usable) twins[i].reset();
+    before = std::move(home);
+  }
+  return starts_on(fitted, twins);
 }
 
 } // namespace
 
 void look_at_the_twins(Fitted& fitted) {
-  const Twins twins = not_told_apart_by_few(fitted, twins_of(fitted.problem, fitted.minimum.x));
+  const Twins twins = not_told_apart_by_some(fitted, twins_of(fitted.problem, fitted.minimum.x));
   for (Fitted& twin : twin_fits(fitted, twins)) {
     if (!twin.minimum.usable) continue;
     if (by_value(twin.minimum, fitted.minimum)) {

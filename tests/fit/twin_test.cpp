@@ -1,7 +1,6 @@
 #include "fit/twin.hpp"
 
 #include "fit/fit_starts.hpp"
-#include "fit/rivals.hpp"
 #include "goingrate/fit/timing_data.hpp"
 #include "support/simulated.hpp"
 
@@ -78,58 +77,6 @@ TEST_F(TwinTest, TheClocksPoleMayBeTheDrives) {
     EXPECT_NEAR(value(Quantity::epsilon, *twin), 2.0 / (4.0 * std::numbers::pi * 3000.0), 1e-12);
   }
   EXPECT_TRUE(swapped);
-}
-
-// Those that a few beats exclude are not sought among all: the rivals are the same as if they were.
-TEST_F(TwinTest, OfALongLogTheRivalsAreThoseOfAllBeats) {
-  Scenario scenario;
-  scenario.clock = {2.0, 2.5e-4, 4e-5, 0.03};
-  scenario.periods = 480'000;
-  scenario.method.method = Method::map;
-  scenario.drive.fast_rms = 0.2;
-  scenario.drive.slow_rms = 0.02;
-  scenario.drive.slow_time_s = 3600.0;
-  scenario.sensor.jitter_rms_s = 5e-5;
-  constexpr std::size_t stride = 16;
-  std::vector<std::size_t> kept;
-  const TimingData all = timing_data(test::simulated_beats(scenario, 20261128));
-  for (std::size_t i = 0; i < all.size(); i += stride)
-    kept.push_back(i);
-  const TimingData data = subset(all, kept);
-  FitProblem problem = problem_;
-  problem.data = &data;
-  std::vector<double> start = truth_;
-  const auto begin_at = [&](Quantity quantity, double value) {
-    const Slot* slot = problem.parameters.find(quantity);
-    start[slot->index] = slot->coordinate_of(value);
-  };
-  begin_at(Quantity::mu, 4e-5);
-  begin_at(Quantity::drive_rms, 0.2);
-  begin_at(Quantity::slow_rms, 0.02);
-  begin_at(Quantity::slow_time, 3600.0);
-  begin_at(Quantity::jitter_rms, 5e-5);
-  Fitted fitted;
-  fitted.model.drive = fitted.model.slow = true;
-  fitted.problem = problem;
-  fitted.minimum = minimise(problem, start);
-  ASSERT_TRUE(fitted.minimum.usable);
-  finish(fitted);
-  Fitted by_stages = fitted;
-  look_at_the_twins(by_stages);
-  std::size_t near = 0;
-  for (const auto& twin : twins_of(problem, fitted.minimum.x)) {
-    if (!twin) continue;
-    const Minimum end = minimise(problem, *twin, {.iterations = 200});
-    const double ahead = fitted.minimum.value - end.value;
-    if (!end.usable || ahead < -3.0 || !fitted.known.tells_apart(end.x, fitted.minimum.x)) continue;
-    ++near;
-    double nearest = 1e9;
-    for (const Rival& rival : by_stages.rivals)
-      nearest = std::min(nearest, std::abs(rival.behind - (by_stages.minimum.value - end.value)));
-    nearest = std::min(nearest, std::abs(by_stages.minimum.value - end.value));
-    EXPECT_LT(nearest, 0.3) << ahead; // of L: searches along a flat valley end that far apart
-  }
-  EXPECT_GE(near, 1U);
 }
 
 TEST_F(TwinTest, ChangesThatMoveTheSwingTellThemApart) {
