@@ -67,7 +67,7 @@ bool follows_more(const Analysis& data) {
          amplitude.back() < decayed_share * amplitude.front();
 }
 
-// What the fit gives to temperature, pressure or humidity is a cause to be named.
+// What the fit gives to the weather or the tides is a cause to be named.
 void put_back_weather(const FitSummary& fit, TimingData& times) {
   for (const RateTerm& term : times.terms) {
     const FittedParameter* found = fit.find(term.name);

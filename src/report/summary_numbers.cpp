@@ -188,8 +188,11 @@ void Numbers::add_fit() {
   for (const FittedParameter& p : fit.parameters) {
     const bool is_open =
         p.status == ParameterStatus::free && !(std::isfinite(p.low95) && std::isfinite(p.high95));
-    if (is_open) continue; // one ± would tell less than half
-    const bool told = data_.drive.split && is_noise_of_drive(p.name);
+    if (is_open) continue;    // one ± would tell less than half
+    const bool is_covariate = // has a row of its own, in s/day
+        std::any_of(data_.covariates.begin(), data_.covariates.end(),
+                    [&](const CovariateEffect& effect) { return effect.name == p.name; });
+    const bool told = is_covariate || (data_.drive.split && is_noise_of_drive(p.name));
     if (told || p.status == ParameterStatus::undetermined || !std::isfinite(p.value)) continue;
     const std::string_view known = p.status == ParameterStatus::fixed ? ", given"
                                    : p.status == ParameterStatus::prior
