@@ -155,7 +155,7 @@ FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded) {
   TimingData data = timing_data(loaded.good);
   add_weather(loaded, data);
   for (const WeatherPart& part : weather_parts(data)) {
-    constexpr double least_significance = 5.0; // sigma
+    constexpr double least_significance = 3.0; // sigma: one in 400 by chance
     if (std::abs(part.coefficient) > least_significance * part.sigma &&
         !timing_model::names(options, part.name))
       options.freed.push_back(part.name);

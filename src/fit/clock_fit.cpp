@@ -201,9 +201,13 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   const ProfiledPlace all{fitted.problem, fitted.minimum, known};
   const ProfiledPlace of_some{fewer.problem, fewer.minimum, fewer.known};
   const ProfiledPlace* few = fewer.minimum.usable ? &of_some : nullptr;
-  const std::vector<Interval> ends = intervals(all, few, widening.largest() < largest_widening);
-  state_results(fitted.problem, fitted.minimum.x, known, ends, fitted.rivals, search.options(),
-                nominal_period_s, summary);
+  const bool holds = widening.largest() < largest_widening;
+  const std::vector<Interval> ends = intervals(all, few, holds);
+  Stated stated{known, ends};
+  if (holds && !fitted.problem.parameters.event_cycles.empty())
+    reach_along_the_ridge(few != nullptr ? *few : all, fitted.minimum.x, stated);
+  state_results(fitted.problem, fitted.minimum.x, stated.known, stated.ends, fitted.rivals,
+                search.options(), nominal_period_s, summary);
   take_from_ratio_to_T0(summary);
   if (search.options().profiles) attach_profiles(all, few, ends, summary);
   attach_shifts(fitted.problem.parameters, search.first_order_shifts(), summary);

@@ -91,9 +91,8 @@ void begin_on_few_beats(const FitProblem& problem, std::vector<double>& x,
     return;
   const Parameters& parameters = problem.parameters;
   const bool wanders = parameters.has(Quantity::walk_rms) || parameters.has(Quantity::drive_rms);
-  const FewBeats few = wanders
-                           ? FewBeats{at_one_stride(*problem.data, enough_beats)}
-                           : few_beats(*problem.data, parameters.event_cycles, enough_beats);
+  const FewBeats few = wanders ? FewBeats{at_one_stride(*problem.data, enough_beats)}
+                               : few_beats(*problem.data, parameters.event_cycles, enough_beats);
   const FitProblem fewer = problem.on(few.data);
   std::vector<double> there = with_noise_of_blocks(parameters, x, few.together);
   settle_clock(fewer, there, limits);
@@ -187,6 +186,33 @@ std::optional<NoiseShape> noise_shape(const Fitted& fitted) {
   return NoiseShape{std::pow(clock.T0 * clock.fast_gain() * drive->value(x), 2), jitter * jitter,
                     -clock.laws.growth_slope(clock.amplitude2),
                     clock.slow_gain() / clock.fast_gain()};
+}
+
+namespace {
+
+// What these beats tell of the parameters, by the curvature at a place.
+std::optional<Certainty> certainty_on(const FitProblem& problem, const TimingData& beats,
+                                      std::span<const double> x) {
+  const FitProblem there = problem.on(beats);
+  const auto at = evaluate(there, x);
+  return at ? std::optional(certainty(there, x, *at, {})) : std::nullopt;
+}
+
+} // namespace
+
+double information_lost(const Fitted& fitted, const TimingData& beats) {
+  const Parameters& parameters = fitted.problem.parameters;
+  const auto x = with_jitter_of(beats, parameters, fitted.minimum.x);
+  const auto here = certainty_on(fitted.problem, *fitted.problem.data, x);
+  const auto there = certainty_on(fitted.problem, beats, x);
+  double lost = 0.0;
+  if (!here || !there) return lost;
+  for (const Slot& slot : parameters.slots)
+    if (slot.free && is_of_clock(slot.quantity))
+      lost = std::max(lost, 1.0 - std::pow(there->curvature_sigma(slot.index) /
+                                               here->curvature_sigma(slot.index),
+                                           2));
+  return lost;
 }
 
 std::vector<double> with_noise_of_blocks(const Parameters& parameters, std::vector<double> x,

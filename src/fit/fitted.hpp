@@ -67,4 +67,8 @@ std::vector<double> with_jitter_of(const TimingData& data, const Parameters& par
 /// What the fit says of the spectrum, to thin by; nothing if there is no drive noise.
 std::optional<NoiseShape> noise_shape(const Fitted& fitted);
 
+/// The largest relative loss of information (1 - variance with these beats / variance now) on a
+/// parameter of the clock, if the beats of the fit are used and not these.
+double information_lost(const Fitted& fitted, const TimingData& beats);
+
 } // namespace goingrate::timing_model

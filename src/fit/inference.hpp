@@ -26,8 +26,10 @@ struct Certainty {
   Eigen::MatrixXd factor;
   Eigen::MatrixXd unwidened; ///< R^-1: what the likelihood curves like
   std::vector<bool> distrusted;
+  std::vector<double> reach{}; ///< how much farther than the curvature says the likelihood lets a
+                               ///< coordinate go, see reach_along_the_ridge(); empty: no farther
   [[nodiscard]] double sigma(std::size_t i) const {
-    return factor.row(static_cast<Eigen::Index>(i)).norm();
+    return factor.row(static_cast<Eigen::Index>(i)).norm() * (reach.empty() ? 1.0 : reach[i]);
   }
   [[nodiscard]] double curvature_sigma(std::size_t i) const {
     return unwidened.row(static_cast<Eigen::Index>(i)).norm();

@@ -163,7 +163,8 @@ private:
       }
       before = data_.cycle[i];
       if (sees_amplitude(i)) {
-        const auto seen = filter.see_amplitude(sight, response, amplitude_excess(i, sight), scale_);
+        const auto seen = filter.see_amplitude(sight, response, amplitude_excess(i, sight), scale_,
+                                               squared_at(data_.amplitude_noise, i));
         see(i, seen.value, seen.variance, false);
       }
     });

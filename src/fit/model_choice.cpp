@@ -116,23 +116,28 @@ constexpr std::size_t most_working_beats = 16000;
 
 // Beats at a stride. Under drive noise neighbouring times carry nearly the same information, so
 // thinning a long log loses little.
-TimingData with_a_stride(const TimingData& data, const std::vector<FitEvent>& changes) {
-  std::size_t stride = 1;
-  while (data.size() / stride > most_working_beats)
-    stride *= 2;
+TimingData at_a_stride(const TimingData& data, const std::vector<FitEvent>& changes,
+                       std::size_t stride) {
   std::vector<double> events;
   for (const FitEvent& event : changes)
     events.push_back(static_cast<double>(event.cycle));
   // Beats that are all kept after the start and after each event, where the amplitude relaxes.
   constexpr std::size_t dense_beats = 500;
-  return subset(data, kept_beats(data, events, stride, dense_beats));
+  return thinned_to(data, kept_beats(data, events, stride, dense_beats));
+}
+
+std::size_t working_stride(const TimingData& data) {
+  std::size_t stride = 1;
+  while (data.size() / stride > most_working_beats)
+    stride *= 2;
+  return stride;
 }
 
 } // namespace
 
 void ModelSearch::thin_if_long() {
   const bool is_thinned = first_model().walk && all_.size() >= 2 * most_working_beats;
-  working_.data = is_thinned ? with_a_stride(all_, options_.events) : all_;
+  working_.data = is_thinned ? at_a_stride(all_, options_.events, working_stride(all_)) : all_;
 }
 
 void ModelSearch::tried(const Fitted& fitted, const std::string& verdict) {
@@ -279,7 +284,7 @@ void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
   if (best_.minimum.usable && best_.model.noise() != whole.model.noise()) {
     best_.minimum.x =
         with_noise_of_blocks(best_.problem.parameters, best_.minimum.x, 1.0 / few.together);
-    TimingData kept = with_a_stride(all_, options_.events);
+    TimingData kept = at_a_stride(all_, options_.events, working_stride(all_));
     best_ = fit_from(best_, options_, best_.model, &kept);
     working_.data = std::move(kept);
   }
@@ -290,29 +295,43 @@ void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
   best_.problem.data = &working_.data;
 }
 
+// The largest stride that keeps the information, as far as the fit knows: of times alone by their
+// spectrum; where amplitudes tell of the clock, that at which twice as many beats would tell little
+// more.
+std::size_t ModelSearch::longest_stride(std::size_t now) const {
+  constexpr double allowed_loss = 0.04;
+  if (!all_.has_amplitude()) return timing_model::longest_stride(*noise_shape(best_), allowed_loss);
+  Fitted there = best_;
+  for (; now > 1; now /= 2) {
+    const TimingData kept = at_a_stride(all_, options_.events, now);
+    there.problem = best_.problem.on(kept);
+    if (information_lost(there, at_a_stride(all_, options_.events, now / 2)) < allowed_loss) break;
+  }
+  return now;
+}
+
 // Repeats the fit with as many beats as are needed to keep the information.
 void ModelSearch::thin_by_information() {
   if (working_.data.size() == all_.size()) return;
   working_.thinning = {working_.data.size(), std::numeric_limits<double>::quiet_NaN()};
-  const auto shape = noise_shape(best_);
-  if (!shape) return;
-  constexpr double allowed_loss = 0.04;
-  constexpr std::size_t dense_beats = 500, stride_ratio = 8;
-  const std::vector<double> events = best_.problem.parameters.event_cycles;
-  const std::size_t final_stride = longest_stride(*shape, allowed_loss);
+  if (!best_.model.drive) return;
+  constexpr std::size_t stride_ratio = 8;
+  const std::size_t final_stride = longest_stride(working_stride(all_));
   // The number of beats grows in stages, so that most steps of the search are made on few beats.
   std::size_t stride = final_stride;
   while (all_.size() / (stride * stride_ratio) > working_.data.size())
     stride *= stride_ratio;
+  const auto shape = noise_shape(best_);
   for (;; stride /= stride_ratio) {
-    TimingData kept = subset(all_, kept_beats(all_, events, stride, dense_beats));
+    TimingData kept = at_a_stride(all_, options_.events, stride);
     best_.minimum.x = with_jitter_of(kept, best_.problem.parameters, best_.minimum.x);
     Fitted finer = fit_from(best_, options_, best_.model, &kept);
     if (!finer.minimum.usable) return;
     finer_ = std::move(kept);
     finer.problem.data = &finer_;
     best_ = std::move(finer);
-    working_.thinning = {finer_.size(), information_lost(*shape, stride)};
+    working_.thinning = {finer_.size(), all_.has_amplitude() ? information_lost(best_, all_)
+                                                             : information_lost(*shape, stride)};
     if (stride == final_stride) return;
   }
 }

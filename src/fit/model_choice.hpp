@@ -78,6 +78,7 @@ private:
   [[nodiscard]] bool noise_is_asked_for() const;
   void choose_noise();
   void choose_on_few_beats(const std::function<void()>& choose);
+  [[nodiscard]] std::size_t longest_stride(std::size_t now) const;
   void thin_by_information();
   bool take_if_better(Fitted&& other, const std::string& why);
   void choose_slow_drive(Fitted&& slow);

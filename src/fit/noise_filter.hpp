@@ -125,21 +125,23 @@ public:
   }
 
   /// Corrects the state by the amplitude of the beat. `excess` is the observed amplitude less that
-  /// of the course, `scale` the amplitude in the log's column over that of the pendulum.
+  /// of the course, `scale` the amplitude in the log's column over that of the pendulum,
+  /// `relative2` the variance of this amplitude over that of all.
   GOINGRATE_INLINED Innovation<T> see_amplitude(const Sight<T>& sight, const ResponseAt& response,
-                                                const T& excess, const T& scale) {
+                                                const T& excess, const T& scale, double relative2) {
+    const T power = noise_.amplitude * noise_.amplitude * relative2;
     frozen_ = false; // an amplitude changes the covariance, and so the gain for times
     still_ = 0;
     T value = excess, slope, variance;
     if (extended_) {
-      const TurningAngle seen = turning_angle_seen(sight, response, excess, scale);
+      const TurningAngle seen = turning_angle_seen(sight, response, excess, scale, power);
       value = seen.value;
       slope = seen.slope;
       variance = seen.variance;
     } else {
       slope = scale * slope_of_turning_angle(*sight.laws, response.speed2_of(sight.amplitude2));
       value -= slope * state_[1];
-      variance = slope * slope * covariance_[1][1] + noise_.amplitude * noise_.amplitude;
+      variance = slope * slope * covariance_[1][1] + power;
     }
     const T precision = T(1.0) / variance;
     std::array<T, D> shared, gain;
@@ -228,10 +230,10 @@ private:
   // that is then left (iterated extended Kalman filter: Jazwinski 1970, ch. 8). Where the amplitude
   // is known beforehand, as after the first beats, that is the amplitude foreseen.
   [[nodiscard]] TurningAngle turning_angle_seen(const Sight<T>& sight, const ResponseAt& response,
-                                                const T& excess, const T& scale) const {
+                                                const T& excess, const T& scale,
+                                                const T& power) const {
     const T on_course = response.speed2_of(sight.amplitude2);
     const T angle_on_course = turning_angle_at(*sight.laws, on_course);
-    const T power = noise_.amplitude * noise_.amplitude;
     const T foreseen = kept_outside(sight, response, state_[1]);
     constexpr int most_steps = 4;          // their errors fall as squares
     constexpr double settled_share = 0.01; // of the noise, that the bend may still have
@@ -245,7 +247,7 @@ private:
       seen.value = excess + scale * (angle_on_course - turning_angle_at(*sight.laws, there)) +
                    seen.slope * (at - foreseen) + seen.slope / there * left * 0.25;
       const double bend = plain(seen.slope) / plain(there) * plain(covariance_[1][1]) * 0.25;
-      if (bend <= settled_share * plain(noise_.amplitude)) break;
+      if (bend <= settled_share * std::sqrt(plain(power))) break;
       at = kept_outside(sight, response,
                         T(foreseen + covariance_[1][1] * seen.slope / seen.variance * seen.value));
     }

@@ -241,4 +241,30 @@ std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const Profile
   return found;
 }
 
+void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x, Stated& stated) {
+  constexpr double largest_rise = 4.5; // of L: three sigma
+  constexpr double folded = 1.5;       // times as far as the interval would have it
+  Certainty& known = stated.known;
+  known.reach.assign(x.size(), 1.0);
+  const std::vector<Interval> before = stated.ends;
+  const auto take = [&](const Foot& foot, std::size_t k) {
+    const double way = foot.x[k] - place.minimum.x[k], distance = std::abs(way);
+    const double sigmas = std::max(q68, std::sqrt(2.0 * std::max(0.0, foot.rise)));
+    const double end68 = way < 0.0 ? x[k] - before[k].low68 : before[k].high68 - x[k];
+    const double end95 = way < 0.0 ? x[k] - before[k].low95 : before[k].high95 - x[k];
+    if (!(distance > folded * std::max(end68, end95 * sigmas / q95))) return;
+    const double sigma = std::max(known.sigma(k), distance / sigmas);
+    known.reach[k] *= sigma / known.sigma(k);
+    Interval& ends = stated.ends[k];
+    ends.low68 = std::min(ends.low68, x[k] - sigma);
+    ends.high68 = std::max(ends.high68, x[k] + sigma);
+    ends.low95 = std::min(ends.low95, x[k] - q95 * sigma);
+    ends.high95 = std::max(ends.high95, x[k] + q95 * sigma);
+  };
+  for (const RidgeSide& side : sides_of_most_open(place, largest_rise))
+    for (const Foot& foot : side.feet)
+      for (std::size_t k = 0; k < x.size(); ++k)
+        take(foot, k);
+}
+
 } // namespace goingrate::timing_model

@@ -25,4 +25,15 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
 std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
                                          const Slot& slot, const Interval& interval);
 
+/// What is stated of the coordinates.
+struct Stated {
+  Certainty known;
+  std::vector<Interval> ends;
+};
+
+/// Widens sigmas and intervals to where the ridge of the most open coordinate leads. Where it
+/// folds, the other coordinates turn back on the way, so that the curvature gives them a sigma that
+/// is far too small. A foot of the ridge at a rise of L by r belongs within sqrt(2 r) sigma.
+void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x, Stated& stated);
+
 } // namespace goingrate::timing_model

@@ -241,4 +241,38 @@ std::optional<Foot> Ridge::foot(const std::vector<double>& x, double z, double v
   return foot;
 }
 
+namespace {
+
+std::size_t most_open(const ProfiledPlace& place) {
+  std::size_t most = 0;
+  for (const Slot& slot : place.problem.parameters.slots)
+    if (slot.free && is_of_clock(slot.quantity) &&
+        place.known.curvature_sigma(slot.index) > place.known.curvature_sigma(most))
+      most = slot.index;
+  return most;
+}
+
+bool is_far(std::span<const double> a, std::span<const double> b) {
+  constexpr double farthest = 3.0; // a factor e^3 in any parameter
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (std::abs(a[k] - b[k]) > farthest) return true;
+  return false;
+}
+
+} // namespace
+
+std::array<RidgeSide, 2> sides_of_most_open(const ProfiledPlace& place, double largest_rise) {
+  std::array<RidgeSide, 2> sides;
+  for (const bool up : {false, true}) {
+    Ridge ridge(place, most_open(place), 1.0);
+    RidgeSide& side = sides[up ? 1 : 0];
+    side.feet.push_back(ridge.last());
+    while (!side.is_lost && ridge.last().rise < largest_rise) {
+      side.is_lost = !ridge.advance(up ? 1.0 : -1.0) || is_far(ridge.last().x, place.minimum.x);
+      if (!side.is_lost) side.feet.push_back(ridge.last());
+    }
+  }
+  return sides;
+}
+
 } // namespace goingrate::timing_model

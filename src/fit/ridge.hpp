@@ -4,6 +4,7 @@
 #include "inference.hpp"
 #include "valley.hpp"
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -97,5 +98,14 @@ private:
   double stride_ = 0.0; // in z
   int steps_left_ = 0;
 };
+
+/// The feet of the ridge along the coordinate of the clock that the log leaves most open, on either
+/// side of the minimum, up to where L has risen by `largest_rise`, the ridge is lost, or some
+/// coordinate is a factor e^3 away; `is_lost` in the latter two cases.
+struct RidgeSide {
+  std::vector<Foot> feet; ///< the first is the minimum
+  bool is_lost = false;
+};
+std::array<RidgeSide, 2> sides_of_most_open(const ProfiledPlace& place, double largest_rise);
 
 } // namespace goingrate::timing_model

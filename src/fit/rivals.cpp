@@ -15,32 +15,15 @@ namespace {
 
 constexpr double largest_deficit = 4.5; // of L: three sigma
 
-bool is_farther_than(double distance, std::span<const double> a, std::span<const double> b) {
-  for (std::size_t k = 0; k < a.size(); ++k)
-    if (std::abs(a[k] - b[k]) > distance) return true;
-  return false;
-}
-
 // Places along the coordinate that the log leaves most open: where the ridge has a hollow, and
 // where it is left while no worse than a rival may be.
 std::vector<std::vector<double>> hollows_of_the_ridge(const ProfiledPlace& home) {
-  constexpr double farthest = 3.0; // a factor e^3 in any parameter
-  Eigen::Index most_open = 0;
-  home.known.unwidened.rowwise().norm().maxCoeff(&most_open);
   std::vector<std::vector<double>> hollows;
-  for (const double side : {-1.0, 1.0}) {
-    Ridge ridge(home, static_cast<std::size_t>(most_open), 1.0);
-    double slope = 1.0; // of the last stride
-    while (ridge.last().rise < largest_deficit) {
-      const Foot here = ridge.last();
-      const bool falls_to_here = slope < 0.0;
-      if (!ridge.advance(side) || is_farther_than(farthest, ridge.last().x, home.minimum.x)) {
-        hollows.push_back(here.x);
-        break;
-      }
-      slope = ridge.last().rise - here.rise;
-      if (falls_to_here && slope > 0.0) hollows.push_back(here.x);
-    }
+  for (const auto& [feet, is_lost] : sides_of_most_open(home, largest_deficit)) {
+    for (std::size_t i = 2; i < feet.size(); ++i)
+      if (feet[i - 1].rise < feet[i - 2].rise && feet[i - 1].rise < feet[i].rise)
+        hollows.push_back(feet[i - 1].x);
+    if (is_lost) hollows.push_back(feet.back().x);
   }
   return hollows;
 }

@@ -105,6 +105,38 @@ std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<do
 
 namespace {
 
+// The mean of the known amplitudes from `first` to `last`, and its noise over that of a usual one.
+struct MeanAmplitude {
+  double amplitude_rad = std::numeric_limits<double>::quiet_NaN(), noise = 1.0;
+};
+MeanAmplitude mean_amplitude(const TimingData& data, std::size_t first, std::size_t last) {
+  double sum = 0.0, variance = 0.0, seen = 0.0;
+  for (std::size_t i = first; i <= last; ++i) {
+    if (std::isnan(data.amplitude_rad[i])) continue;
+    sum += data.amplitude_rad[i];
+    variance += data.amplitude_noise.empty() ? 1.0 : std::pow(data.amplitude_noise[i], 2);
+    ++seen;
+  }
+  return seen > 0.0 ? MeanAmplitude{sum / seen, std::sqrt(variance) / seen} : MeanAmplitude{};
+}
+
+} // namespace
+
+TimingData thinned_to(const TimingData& data, std::span<const std::size_t> kept) {
+  TimingData thin = subset(data, kept);
+  if (!data.has_amplitude()) return thin;
+  thin.amplitude_noise.resize(kept.size(), 1.0);
+  for (std::size_t k = 1; k + 1 < kept.size(); ++k) {
+    const std::size_t reach = (std::min(kept[k] - kept[k - 1], kept[k + 1] - kept[k]) - 1) / 2;
+    const MeanAmplitude mean = mean_amplitude(data, kept[k] - reach, kept[k] + reach);
+    thin.amplitude_rad[k] = mean.amplitude_rad;
+    thin.amplitude_noise[k] = mean.noise;
+  }
+  return thin;
+}
+
+namespace {
+
 // Puts the mean of beats [first, first + together) in as their middle one.
 void add_mean(const TimingData& data, std::size_t first, std::size_t together, TimingData& means) {
   const auto mean = [&](const std::vector<double>& values) {

@@ -3,7 +3,7 @@
 
 #include "likelihood.hpp"
 
-#include "goingrate/fit/clock_fit.hpp"
+#include <span>
 
 namespace goingrate::timing_model {
 
@@ -26,11 +26,16 @@ double information_lost(const NoiseShape& shape, std::size_t stride);
 /// The largest stride (a power of two up to 64) that loses less than `allowed`.
 std::size_t longest_stride(const NoiseShape& shape, double allowed);
 
-/// Indices of the beats to keep: all within `dense` beats after the start and after each event; from
-/// there on at a spacing that grows with the distance, so that noise of every time scale shows, up
-/// to every stride-th, a power of two; and the last.
+/// Indices of the beats to keep: all within `dense` beats after the start and after each event;
+/// from there on at a spacing that grows with the distance, so that noise of every time scale
+/// shows, up to every stride-th, a power of two; and the last.
 std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
                                     std::size_t stride, std::size_t dense);
+
+/// The beats at those places. An amplitude becomes the mean of those around it that lie no nearer
+/// to another of the places: the swing follows the drive slowly, so that amplitudes in between tell
+/// as much, while times in between tell little.
+TimingData thinned_to(const TimingData& data, std::span<const std::size_t> kept);
 
 /// A few beats that stand for many.
 struct FewBeats {

@@ -236,6 +236,10 @@ void Numbers::add_covariate(const CovariateEffect& effect) {
   const std::string per = unit_of_covariate(effect);
   add(fmt::format("rate per {} of {}", per, effect.name),
       words_.rate(effect.coefficient, effect.sigma) + "/" + per);
+  const FittedParameter* fitted = data_.fit.find(effect.name);
+  if (fitted != nullptr && fitted->status == ParameterStatus::free)
+    add("  by the fitted pendulum, at its amplitude",
+        words_.rate(fitted->value, fitted->sigma) + "/" + per);
   if (!effect.significant()) return;
   for (const EffectPart& part : effect.parts)
     add(fmt::format("  {}", words_of(part.way)),

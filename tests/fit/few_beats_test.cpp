@@ -1,6 +1,9 @@
+#include "fit/fit_starts.hpp"
+#include "fit/fitted.hpp"
 #include "fit/thinning.hpp"
 
 #include "goingrate/base/random.hpp"
+#include "support/fit_scenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +57,74 @@ TEST(KeptBeatsTest, EveryTimeScaleShowsAfterTheStartAndAfterAnEvent) {
       EXPECT_NEAR(counts.at(step), 0.5 * dense, 2.0) << step; // where an octave is cut off the grid
     EXPECT_EQ(counts.rbegin()->first, stride);
   }
+}
+
+TEST(ThinnedBeatsTest, AnAmplitudeIsTheMeanOfThoseNearestToItsBeat) {
+  TimingData all = beats(4000, 0.0);
+  const double event = 2001.0;
+  const auto kept = kept_beats(all, {event}, 16, 100);
+  const TimingData thin = thinned_to(all, kept);
+  for (std::size_t k = 1; k + 1 < kept.size(); ++k) {
+    double sum = 0.0, seen = 0.0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto away = [&](std::size_t place) { return i > place ? i - place : place - i; };
+      const std::size_t neighbour =
+          std::min(kept[k] - kept[k - 1], kept[k + 1] - kept[k]); // as far on either side
+      if (2 * away(kept[k]) >= neighbour || i % 3 == 0) continue;
+      EXPECT_EQ(all.cycle[i] < event, all.cycle[kept[k]] < event) << kept[k];
+      sum += all.amplitude_rad[i];
+      ++seen;
+    }
+    EXPECT_EQ(thin.lateness_s[k], all.lateness_s[kept[k]]);
+    if (seen == 0.0) {
+      EXPECT_TRUE(std::isnan(thin.amplitude_rad[k]));
+      continue;
+    }
+    EXPECT_NEAR(thin.amplitude_rad[k], sum / seen, 1e-15); // rounding
+    EXPECT_NEAR(thin.amplitude_noise[k], 1.0 / std::sqrt(seen), 1e-15);
+  }
+}
+
+// A clock whose swing wanders, and a sensor that sees single amplitudes less well than that.
+Fitted told_the_truth(const TimingData& data, const Scenario& s) {
+  Fitted fitted;
+  fitted.model.drive = true;
+  fitted.problem = make_problem(data, {}, fitted.model);
+  const std::map<std::string, double> truth{
+      {"T0", s.clock.nominal_period_s},
+      {"epsilon", s.clock.epsilon},
+      {"mu", s.clock.mu},
+      {"phi0", s.clock.phi0},
+      {"lambda0", data.amplitude_rad.front()},
+      {"drive_rms", s.drive.fast_rms},
+      {"jitter_rms", s.sensor.jitter_rms_s},
+      {"amplitude_rms", *s.sensor.amplitude_rms},
+  };
+  fitted.minimum.x.resize(fitted.problem.parameters.free_count);
+  for (const Slot& slot : fitted.problem.parameters.slots)
+    if (slot.free)
+      fitted.minimum.x[slot.index] =
+          slot.coordinate_of(truth.at(fitted.problem.parameters.name_of(slot)));
+  return fitted;
+}
+
+TEST(ThinnedBeatsTest, AmplitudesInBetweenStillTellOfTheClock) {
+  Scenario s;
+  s.clock = {1.0, 3e-4, 2e-5, 0.025};
+  s.periods = 20000;
+  s.drive.fast_rms = 0.05;
+  s.sensor.jitter_rms_s = 2e-5;
+  s.sensor.amplitude_rms = 5e-5;
+  const TimingData all = timing_data(test::simulated_beats(s, 1618));
+  const auto kept = kept_beats(all, {}, 16, 100);
+  const TimingData thinned = thinned_to(all, kept), picked = subset(all, kept);
+  Fitted fitted = told_the_truth(all, s);
+  const auto lost_by = [&](const TimingData& beats) {
+    fitted.problem = fitted.problem.on(beats);
+    return information_lost(fitted, all);
+  };
+  EXPECT_GT(lost_by(picked), 0.7);
+  EXPECT_LT(lost_by(thinned), 0.3);
 }
 
 TEST(FewBeatsTest, UnderJitterEachIsTheMeanOfABlock) {

@@ -37,6 +37,10 @@ TEST_P(DrawnFromAPrior, EndsWhereAFitFromTheTruthEnds) {
 INSTANTIATE_TEST_SUITE_P(Prior, DrawnFromAPrior,
                          testing::Values(8001U, 8003U, 8009U, 8011U, 8017U, 8019U, 60025U));
 
+// Here the ridge of the most open parameter folds: by the curvature of the likelihood at its best
+// place alone, what is stated is up to 20 sigma off.
+INSTANTIATE_TEST_SUITE_P(FoldedRidge, DrawnFromAPrior, testing::Values(112800021U, 112800501U));
+
 // The same clocks, changed at 0.3 of a swing. With the change at the crossing before it they end up
 // to 24 sigma off; what is stated is good to five (0.6 to 2 here).
 class ChangedInASwing : public testing::TestWithParam<std::uint64_t> {};

@@ -64,7 +64,7 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
 /// The options with temperature, pressure and humidity free, as far as the rate answers to them by
-/// more than 5 sigma (weather_parts()) and the options do not mention them, nor density: the fit
+/// more than 3 sigma (weather_parts()) and the options do not mention them, nor density: the fit
 /// would take a rate that the weather moves for the drive's.
 FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded);
 
