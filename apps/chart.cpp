@@ -24,6 +24,7 @@ struct ChartCommand {
 };
 
 void run_limits(const ChartCommand& options, const GlobalOptions& global) {
+  check_writable({options.json, options.output});
   constexpr int periods = 50; // long enough to resolve a rate error of 1e-12
   say(global, fmt::format("{} periods at every point", periods));
   const auto rows = [&] {
@@ -36,6 +37,7 @@ void run_limits(const ChartCommand& options, const GlobalOptions& global) {
 
 void run(const ChartCommand& options, const GlobalOptions& global) {
   if (options.limits) return run_limits(options, global);
+  check_writable({options.plot, options.json, options.output});
   const auto rows = [&] {
     const StepLine now(global.quiet, "timing every method");
     return measure_chart(chart_scenes(options.periods), chart_methods(), options.repetitions);

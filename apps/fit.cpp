@@ -64,6 +64,8 @@ JobOutcome job_result(const FitCommand& options, const NumberedLog& loaded) {
 }
 
 void run(const FitCommand& options, const GlobalOptions& global) {
+  check_writable({options.json, options.par, options.latex, options.csv, options.plot,
+                  options.drive, text_output(options)});
   const NumberedLog loaded = load(with_held_share(options.log, options.model), global);
   const FitRequest request = fit_request(options.model);
   const FitOptions asked = fit_options(searching(request), loaded);

@@ -90,6 +90,9 @@ void add_tables(const std::string& folder, const Analysis& data, Files& files) {
 }
 
 void run(const ReportCommand& options, const GlobalOptions& global) {
+  const std::string page =
+      options.output.empty() ? page_name(options.log.paths.front()) : options.output;
+  check_writable({options.json, page, options.plot, options.diary_output});
   Analysis data = analysis_of(options, global);
   name_options(data.fit);
   if (options.nut_pitch_mm > 0.0 && !data.nut)
@@ -98,8 +101,6 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
                       "the length of the pendulum (--pendulum-length)"
                     : "no turns of the rating nut: the rate takes a nominal period "
                       "(--nominal-period)");
-  const std::string page =
-      options.output.empty() ? page_name(options.log.paths.front()) : options.output;
   const bool talk = options.json != "-" && page != "-";
   Files files{{options.json, report_json(data)},
               {page, report_html(data)},
@@ -115,7 +116,8 @@ void run(const ReportCommand& options, const GlobalOptions& global) {
   if (!options.diary_output.empty())
     files.emplace_back(options.diary_output, logbook_text(findings_of(data)));
   write_whole_files(files);
-  if (page != "-") say(global, "the page is " + std::filesystem::absolute(page).lexically_normal().string());
+  if (page != "-")
+    say(global, "the page is " + std::filesystem::absolute(page).lexically_normal().string());
 }
 
 // What the analysis depends on.

@@ -122,6 +122,8 @@ std::string plot_of(const SpectrumCommand& options, const NumberedLog& loaded,
 }
 
 void run(const SpectrumCommand& options, const GlobalOptions& global) {
+  check_writable({options.json, options.plot, options.output, options.gapped_output,
+                  options.coherence_output, options.fold_output});
   const NumberedLog loaded = load(options.log, global);
   check_against(options, loaded);
   const FitRequest request = fit_request(options.model);

@@ -110,6 +110,13 @@ void write_whole_files(const std::vector<std::pair<std::string, std::string>>& o
   commit_all(files);
 }
 
+void check_writable(const std::vector<std::string>& paths) {
+  std::vector<std::unique_ptr<Draft>> drafts; // alive together: two of one file are an error
+  for (const std::string& path : paths)
+    if (!path.empty() && !is_standard_output(path) && !is_special_file(path))
+      drafts.push_back(std::make_unique<Draft>(path));
+}
+
 // ---- pieces
 
 struct StreamedFile::Target {

@@ -62,6 +62,15 @@ TEST_F(AtomicFileTest, AMissingFolderIsAnOutputError) {
   EXPECT_THROW(write_whole_file(folder_ / "none" / "a.txt", "x"), OutputError);
 }
 
+TEST_F(AtomicFileTest, WhatCannotBeWrittenIsKnownBeforehand) {
+  write_whole_file(folder_ / "a.txt", "old");
+  EXPECT_NO_THROW(check_writable({folder_ / "a.txt", folder_ / "b.txt", "", "-", "/dev/null"}));
+  EXPECT_THROW(check_writable({folder_ / "b.txt", folder_ / "none" / "b.txt"}), OutputError);
+  EXPECT_THROW(check_writable({folder_ / "b.txt", folder_ / "b.txt"}), ArgumentError);
+  EXPECT_EQ(content(folder_ / "a.txt"), "old");
+  EXPECT_EQ(names(), (std::set<std::string>{"a.txt"}));
+}
+
 TEST_F(AtomicFileTest, OfSeveralFilesNoneIsReplacedIfOneFails) {
   write_whole_file(folder_ / "a.txt", "old");
   EXPECT_THROW(write_whole_files({{folder_ / "a.txt", "new"}, {folder_ / "none" / "b.txt", "new"}}),

@@ -36,6 +36,11 @@ void note_input(const std::string& path);
 /// or standard output. (AtomicFileTest.OfSeveralFilesNoneIsReplacedIfOneFails)
 void write_whole_files(const std::vector<std::pair<std::string, std::string>>& outputs);
 
+/// Throws now what write_whole_files() would throw if one of these files cannot be written, so that
+/// nobody waits for a result that has no place. Nothing is changed; streams are not looked at.
+/// (AtomicFileTest.WhatCannotBeWrittenIsKnownBeforehand)
+void check_writable(const std::vector<std::string>& paths);
+
 /// An output that is too long to be held in memory: written piece by piece, in constant memory, to
 /// a file beside the target (or straight to standard output or a pipe), and renamed over the target
 /// by commit_all(). Without that the old file stays and nothing is left behind. Where the reader of
