@@ -150,6 +150,8 @@ bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
     Fitted end = fitted;
     end.rivals.clear();
     end.minimum.x = place;
+    // With what the dynamics add at another end, a search from here would lead to that end.
+    if (fitted.dynamics != FitDynamics::averaged1 && !by_its_own(fitted.dynamics, end)) continue;
     settle(end.problem, end.minimum, {});
     if (end.minimum.usable) finish(end);
     consider(std::move(end));
