@@ -1,5 +1,6 @@
 #include "goingrate/analysis/analyse.hpp"
 
+#include "fitted_weather.hpp"
 #include "rounding.hpp"
 
 #include "base/scaled_time.hpp"
@@ -404,11 +405,24 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
 static std::vector<Suspicion> suspicions_of(TimingData times, const NumberedLog& loaded,
                                             const Analysis& data) {
   if (rounding_explains(times)) return {};
-  const TimingData unexplained = unexplained_times(std::move(times), data);
+  TimingData unexplained = unexplained_times(std::move(times), data);
   DiagnosisInput causes = diagnosis_input(unexplained, loaded, data.diary, data.drive, data.fit);
   if (follows_changes(data) && data.diary.interruptions.empty())
     causes.explained = std::exchange(causes.changes, {});
-  return diagnose(causes);
+  const auto diagnosed = [&] {
+    std::vector<Suspicion> found = diagnose(causes);
+    name_weather(data.covariates, found);
+    return found;
+  };
+  std::vector<Suspicion> suspicions = diagnosed();
+  const std::vector<Suspicion> hidden = weather_seen_by_fit(data.fit, suspicions);
+  if (hidden.empty()) return suspicions;
+  take_off(hidden, unexplained);
+  suspicions = diagnosed();
+  suspicions.insert(suspicions.end(), hidden.begin(), hidden.end());
+  const auto gains_more = [](const Suspicion& a, const Suspicion& b) { return a.gain > b.gain; };
+  std::stable_sort(suspicions.begin(), suspicions.end(), gains_more);
+  return suspicions;
 }
 
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
@@ -464,7 +478,6 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
   tell("likely causes");
   data.suspicions = suspicions_of(std::move(times), loaded, data);
-  name_weather(data.covariates, data.suspicions);
   tell("stability");
   const PhaseSeries phase = phase_series(loaded);
   data.deviation = stability_table(DeviationKind::oadev, phase.phase_s, phase.tau0_s,

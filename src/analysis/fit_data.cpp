@@ -156,8 +156,8 @@ FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded) {
   add_weather(loaded, data);
   for (const WeatherPart& part : weather_parts(data)) {
     constexpr double least_significance = 3.0; // sigma: one in 400 by chance
-    if (std::abs(part.coefficient) > least_significance * part.sigma &&
-        !timing_model::names(options, part.name))
+    const bool shows = std::abs(part.coefficient) > least_significance * part.sigma;
+    if ((shows || data.has_amplitude()) && !timing_model::names(options, part.name))
       options.freed.push_back(part.name);
   }
   return options;

@@ -26,6 +26,21 @@ bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<
       });
 }
 
+namespace {
+
+constexpr double least_white_p = 1e-2; // p below which the innovations call for a better model
+
+} // namespace
+
+bool white_in_amplitude(const Fitted& fitted) {
+  return fitted.seen.white_amplitude.size() < 8 ||
+         whiteness_p(fitted.seen.white_amplitude) > least_white_p;
+}
+
+bool white(const Fitted& fitted) {
+  return whiteness_p(fitted.seen.white_time) > least_white_p && white_in_amplitude(fitted);
+}
+
 bool knows_its_clock(const Fitted& fitted) {
   return all_but_known(fitted.problem, fitted.known, fitted.minimum.x);
 }

@@ -48,6 +48,11 @@ void condense(FitProblem& problem, std::span<const double> x);
 /// Whether every free parameter of the clock is known well.
 bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<const double> x);
 
+/// Whether the innovations of the amplitudes look white, or are too few to tell.
+bool white_in_amplitude(const Fitted& fitted);
+/// Whether both the times' and the amplitudes' do: then nothing calls for a better model.
+bool white(const Fitted& fitted);
+
 /// Whether the fit knows the clock well enough to be the only place to look from.
 bool knows_its_clock(const Fitted& fitted);
 

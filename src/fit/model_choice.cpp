@@ -18,8 +18,6 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double least_white_p = 1e-2; // p below which the innovations call for a better model
-
 bool by_bic(const Fitted& a, const Fitted& b) { return a.bic < b.bic; }
 
 // The largest shift, in sigma, of a clock parameter that the log determines.
@@ -50,15 +48,6 @@ std::string moved_by(const Fitted& from, const Fitted& to) {
 }
 
 } // namespace
-
-bool white_in_amplitude(const Fitted& fitted) {
-  return fitted.seen.white_amplitude.size() < 8 ||
-         whiteness_p(fitted.seen.white_amplitude) > least_white_p;
-}
-
-bool white(const Fitted& fitted) {
-  return whiteness_p(fitted.seen.white_time) > least_white_p && white_in_amplitude(fitted);
-}
 
 bool is_determined(const Fitted& fitted, const Slot& slot) {
   return slot.free &&

@@ -10,10 +10,6 @@
 
 namespace goingrate::timing_model {
 
-/// Whether the innovations of the amplitudes look white, or are too few to tell.
-bool white_in_amplitude(const Fitted& fitted);
-/// Whether both the times' and the amplitudes' do: then nothing calls for a better model.
-bool white(const Fitted& fitted);
 /// Whether the residuals are no larger than the scatter of neighbouring beats, `jitter` in seconds.
 bool is_as_small_as(double jitter, const Fitted& fitted);
 
@@ -77,6 +73,7 @@ private:
   [[nodiscard]] bool strays_by_noise() const;
   [[nodiscard]] bool noise_is_asked_for() const;
   void choose_noise();
+  void take_dates_of_best();
   void choose_on_few_beats(const std::function<void()>& choose);
   [[nodiscard]] std::size_t longest_stride(std::size_t now) const;
   void thin_by_information();

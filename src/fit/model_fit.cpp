@@ -1,5 +1,6 @@
 #include "model_fit.hpp"
 
+#include "date_search.hpp"
 #include "fit_starts.hpp"
 #include "refinement.hpp"
 #include "rivals.hpp"
@@ -8,7 +9,6 @@
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -151,45 +151,6 @@ bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelC
   return false;
 }
 
-namespace {
-
-// First on few beats: they locate the minimum roughly, show which start is the best, and whether
-// the model is worth fitting to all beats.
-Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, const FitOptions& options,
-                        const ModelChoice& model, const TimingData& data) {
-  constexpr double largest_deficit =
-      10.0; // of L, odds of 20000 to 1: more beats will not reverse that
-  const FewBeats few =
-      few_beats(data, simpler.front()->problem.parameters.event_cycles, enough_to_screen);
-  Fitted rough;
-  double best = std::numeric_limits<double>::infinity();
-  for (const Fitted* start : simpler) {
-    const Fitted plain = on_few_beats(*start, few);
-    if (!plain.minimum.usable) continue;
-    Fitted end = fit_from(plain, options, model, &few.data);
-    if (!end.minimum.usable) continue;
-    const double value = value_without_weak_priors(end.problem, end.minimum);
-    if (value > value_without_weak_priors(plain.problem, plain.minimum) + largest_deficit ||
-        !(value < best))
-      continue;
-    best = value;
-    rough = std::move(end);
-  }
-  if (!rough.minimum.usable) return {};
-  const auto on_all = [&](const std::vector<double>& x) {
-    return with_jitter_of(data, rough.problem.parameters,
-                          with_noise_of_blocks(rough.problem.parameters, x, 1.0 / few.together));
-  };
-  rough.minimum.x = on_all(rough.minimum.x);
-  Fitted fitted = fit_from(rough, options, model, &data);
-  for (const Rival& rival : rough.rivals)
-    fitted.rivals.push_back(
-        {moved_along(on_all(rival.x), rough.minimum.x, fitted.minimum.x), rival.behind});
-  return fitted;
-}
-
-} // namespace
-
 Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
                 const TimingData* data) {
   Fitted fitted;
@@ -197,9 +158,6 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
   fitted.problem = make_problem(data != nullptr ? *data : *simpler.problem.data, options, model);
   if (has_too_many(fitted.problem)) return fitted;
   const bool is_extended = sees_second_order(fitted.problem, options);
-  const bool is_new = model.name() != simpler.model.name();
-  if (is_extended && is_new && fitted.problem.data->size() > 2 * enough_to_screen)
-    return fit_in_two_steps(std::array{&simpler}, options, model, *fitted.problem.data);
   const auto points = richer_starts(simpler, fitted.problem, model);
   std::vector<Minimum> tried(1);
   tried.front().x = points.front();
@@ -213,12 +171,20 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     tried = screened(fewest, points);
     constexpr std::size_t to_score = 4;
     if (tried.size() > to_score) tried.resize(to_score);
-    share(tried.size(), [&](std::size_t i) {
+    const auto search = [&](std::size_t i) {
       FitProblem own = few;
       own.priors = make_priors(options, own.parameters, tried[i].x);
       if (is_extended) extend(own, tried[i].x);
       tried[i] = minimise(own, tried[i].x, {40, 1e-2});
-    });
+    };
+    // Second order is dear, and starts that differ in their noise mostly lead to one place.
+    const std::size_t first = is_extended ? std::min<std::size_t>(2, tried.size()) : tried.size();
+    share(first, search);
+    constexpr double same_place = 0.5; // of L
+    if (first == 2 && std::abs(tried[0].value - tried[1].value) < same_place)
+      tried.resize(2);
+    else
+      share(tried.size() - first, [&](std::size_t i) { search(first + i); });
     std::sort(tried.begin(), tried.end(), by_value);
   }
   if (tried.empty()) return fitted;
@@ -242,6 +208,43 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
 
 namespace {
 
+// First on few beats: they locate the minimum roughly, show which start is the best, and whether
+// the model is worth fitting to all beats.
+Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, FitOptions& options,
+                        const ModelChoice& model, const TimingData& data) {
+  constexpr double largest_deficit =
+      10.0; // of L, odds of 20000 to 1: more beats will not reverse that
+  const FewBeats few =
+      few_beats(data, simpler.front()->problem.parameters.event_cycles, enough_to_screen);
+  Fitted rough;
+  double best = std::numeric_limits<double>::infinity();
+  for (const Fitted* start : simpler) {
+    const Fitted plain = on_few_beats(*start, few);
+    if (!plain.minimum.usable) continue;
+    Fitted end = fit_from(plain, options, model, &few.data);
+    if (!end.minimum.usable) continue;
+    const double value = value_without_weak_priors(end.problem, end.minimum);
+    if (value > value_without_weak_priors(plain.problem, plain.minimum) + largest_deficit ||
+        !(value < best))
+      continue;
+    best = value;
+    rough = std::move(end);
+    if (white(rough)) break; // nothing calls for a better place
+  }
+  if (!rough.minimum.usable) return {};
+  move_dates(rough, options); // all beats would explain a wrong date by a slow drive
+  const auto on_all = [&](const std::vector<double>& x) {
+    return with_jitter_of(data, rough.problem.parameters,
+                          with_noise_of_blocks(rough.problem.parameters, x, 1.0 / few.together));
+  };
+  rough.minimum.x = on_all(rough.minimum.x);
+  Fitted fitted = fit_from(rough, options, model, &data);
+  for (const Rival& rival : rough.rivals)
+    fitted.rivals.push_back(
+        {moved_along(on_all(rival.x), rough.minimum.x, fitted.minimum.x), rival.behind});
+  return fitted;
+}
+
 // How unusual a clock is, in units of 2 log L. Clocks of every friction may explain a log alike
 // whose noise hides the swing's memory; of these the likeliest is one as people have them.
 double unusualness(const Fitted& fitted) {
@@ -254,17 +257,20 @@ double unusualness(const Fitted& fitted) {
 
 } // namespace
 
-Fitted fit_from_either(const Fitted& one, const Fitted& other, const FitOptions& options,
-                       const ModelChoice& model) {
-  const TimingData& data = *one.problem.data;
+Fitted fit_from_any(std::span<const Fitted* const> simpler, FitOptions& options,
+                    const ModelChoice& model) {
+  const TimingData& data = *simpler.front()->problem.data;
   const FitProblem problem = make_problem(data, options, model);
   if (sees_second_order(problem, options) && data.size() > 2 * enough_to_screen)
-    return fit_in_two_steps(std::array{&one, &other}, options, model, data);
-  Fitted first = fit_from(one, options, model), second = fit_from(other, options, model);
-  const auto is_likelier = [&] {
-    return second.bic + unusualness(second) < first.bic + unusualness(first);
-  };
-  return second.minimum.usable && (!first.minimum.usable || is_likelier()) ? second : first;
+    return fit_in_two_steps(simpler, options, model, data);
+  Fitted likeliest;
+  for (const Fitted* start : simpler) {
+    Fitted end = fit_from(*start, options, model);
+    if (end.minimum.usable && (!likeliest.minimum.usable ||
+                               end.bic + unusualness(end) < likeliest.bic + unusualness(likeliest)))
+      likeliest = std::move(end);
+  }
+  return likeliest;
 }
 
 } // namespace goingrate::timing_model

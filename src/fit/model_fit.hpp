@@ -3,6 +3,8 @@
 
 #include "fitted.hpp"
 
+#include <span>
+
 namespace goingrate::timing_model {
 
 /// Finds the maximum of a model in averaged1 from scratch: a grid of starts on few beats with the
@@ -18,9 +20,10 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
 Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelChoice& model,
                 const TimingData* data = nullptr);
 
-/// The better of what two simpler fits lead to.
-Fitted fit_from_either(const Fitted& one, const Fitted& other, const FitOptions& options,
-                       const ModelChoice& model);
+/// The best of what simpler fits to the same data lead to. In a long log with amplitudes that is
+/// sought on few beats first, where dates that may move are moved.
+Fitted fit_from_any(std::span<const Fitted* const> simpler, FitOptions& options,
+                    const ModelChoice& model);
 
 /// Whether any size and memory of a slow drive, put into the fit as it is, raises its likelihood.
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model);

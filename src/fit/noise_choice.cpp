@@ -2,11 +2,15 @@
 // or slowly, or times that walk.
 #include "model_choice.hpp"
 
+#include "date_search.hpp"
+
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 namespace goingrate::timing_model {
 
@@ -40,8 +44,9 @@ void ModelSearch::choose_noise() {
   const bool automatic = wanted == FitNoise::automatic;
   const FitDynamics dynamics = best_.dynamics;
   const bool driven = best_.model.escapement != Escapement::none;
+  FitOptions dated = options_; // under a drive that varies
   const auto fit_with = [&](ModelChoice model) {
-    Fitted other = fit_from(best_, options_, model);
+    Fitted other = fit_from_any(std::array{&std::as_const(best_)}, dated, model);
     if (other.minimum.usable) refine(other, dynamics);
     return other;
   };
@@ -49,6 +54,7 @@ void ModelSearch::choose_noise() {
   if (automatic && model.drive) {
     model.slow = true;
     if (worth_trying(best_, options_, model)) choose_slow_drive(fit_with(model));
+    take_dates_of_best();
     return;
   }
   if (automatic) {
@@ -66,6 +72,7 @@ void ModelSearch::choose_noise() {
   model.jitter = wanted != FitNoise::drive;
   Fitted drive = fit_with(model);
   if (!drive.minimum.usable) return;
+  move_dates(drive, dated); // what such a drive does to the swing was no change's doing
   model.slow = true;
   // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
   // after a search. In a long log, which is thinned, a slow drive looks much like another clock,
@@ -76,14 +83,22 @@ void ModelSearch::choose_noise() {
                       (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
                                      worth_trying(best_, options_, model)));
   // A fit without slow drive may have ended far from the solution: both fits serve as starts.
-  Fitted slow = slowly ? fit_from_either(drive, best_, options_, model) : Fitted{};
+  Fitted slow =
+      slowly ? fit_from_any(std::array<const Fitted*, 2>{&drive, &best_}, dated, model) : Fitted{};
   if (slow.minimum.usable) refine(slow, dynamics);
   if (!automatic) {
     best_ = wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive);
+    take_dates_of_best();
     return;
   }
   take_if_better(std::move(drive), "a drive that varies explains the walk");
   choose_slow_drive(std::move(slow));
+  take_dates_of_best();
+}
+
+void ModelSearch::take_dates_of_best() {
+  for (std::size_t k = 0; k < options_.events.size(); ++k)
+    options_.events[k].cycle = std::llround(best_.problem.parameters.event_cycles[k]);
 }
 
 // Slow drive is not part of the clock's course, but the clock is read off the noise too: left out

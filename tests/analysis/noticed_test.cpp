@@ -278,8 +278,55 @@ TEST(NoticedTest, ATemperatureThatTheRateDoesNotFollow) {
   std::string scenario = warm_and_cold;
   scenario.replace(scenario.find("1.2e-5"), 6, "0.0"); // a rod of Invar
   const Analysis data = analysed(scenario, 20261129);
-  EXPECT_FALSE(data.log.columns.temperature_c.empty());
-  EXPECT_EQ(data.fit.find("temperature"), nullptr);
+  expect_value(data.fit, "temperature", 0.0);
+  EXPECT_TRUE(std::none_of(data.suspicions.begin(), data.suspicions.end(),
+                           [](const Suspicion& s) { return s.cause == Cause::temperature; }));
+  scenario.erase(scenario.find("amplitude_rms")); // times alone
+  const Analysis times = analysed(scenario + "temperature_rms = 0.05", 20261129);
+  EXPECT_FALSE(times.log.columns.temperature_c.empty());
+  EXPECT_EQ(times.fit.find("temperature"), nullptr);
+}
+
+// The rate alone shows the temperature at one sigma, under a drive that wanders slowly; a fit that
+// knows the drive from the amplitudes shows it at hundreds.
+TEST(NoticedTest, ATemperatureThatTheDriveHides) {
+  const Analysis data = analysed(R"(
+[clock]
+nominal_period = 1.0
+epsilon = 3e-4
+mu = 2e-5
+phi0 = 0.025
+[run]
+periods = 12000
+[drive]
+fast_rms = 0.05
+slow_rms = 0.04
+slow_time = 1500.0
+[temperature]
+mean = 18
+sine = [{amplitude = 2.0, period = 6000.0}]
+[length]
+temperature_coefficient = 4e-6
+[sensor]
+jitter_rms = 2e-5
+amplitude_rms = 5e-5
+temperature_rms = 0.05
+)",
+                                 20261130);
+  ASSERT_EQ(data.covariates.size(), 1U);
+  EXPECT_FALSE(data.covariates.front().significant());
+  expect_value(data.fit, "temperature", -2e-6);
+  expect_value(data.fit, "epsilon", 3e-4);
+  const auto named = std::find_if(data.suspicions.begin(), data.suspicions.end(),
+                                  [](const Suspicion& s) { return s.cause == Cause::temperature; });
+  ASSERT_NE(named, data.suspicions.end());
+  const FittedParameter* fitted = data.fit.find("temperature");
+  EXPECT_EQ(named->numbers.size, fitted->value); // what the rate alone shows is not stated
+  EXPECT_LT(fitted->sigma, 0.01 * std::abs(fitted->value));
+  // What is left is the drive's, and nobody is sent to log the weather.
+  EXPECT_TRUE(std::none_of(data.suspicions.begin(), data.suspicions.end(), [](const Suspicion& s) {
+    return s.cause == Cause::unknown || s.cause == Cause::unlogged_weather;
+  }));
 }
 
 // What is asked for stands: the coefficient that is given, or none.

@@ -63,9 +63,11 @@ void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& o
 /// both directions, `offset` gets the place that they give as its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
-/// The options with temperature, pressure and humidity free, as far as the rate answers to them by
-/// more than 3 sigma (weather_parts()) and the options do not mention them, nor density: the fit
-/// would take a rate that the weather moves for the drive's.
+/// The options with temperature, pressure and humidity free, as far as the log has them
+/// (weather_parts()) and the options do not mention them, nor density: the fit would take a rate
+/// that the weather moves for the drive's. Where the log has amplitudes, each is free, for the fit
+/// then knows what the drive does, which hides the weather in the rate alone; where it has none,
+/// each that the rate answers to by more than 3 sigma.
 FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded);
 
 /// The evidence on which causes are judged. It points to `times`. From the fit it has only the size
