@@ -57,12 +57,12 @@ std::vector<Minimum> screened(const FitProblem& problem,
     Minimum& start = tried[i]; // as it is, or with the mean rate of the log
     for (const auto& x : {matched, points[i]}) {
       const auto value = minus_log_likelihood(problem, x);
-      if (!value || (!start.x.empty() && *value >= start.value)) continue;
+      if (!value || !(*value < start.value)) continue;
       start.value = *value;
       start.x = x;
     }
   });
-  std::erase_if(tried, [](const Minimum& start) { return start.x.empty(); });
+  std::erase_if(tried, [](const Minimum& start) { return !std::isfinite(start.value); });
   std::sort(tried.begin(), tried.end(), by_value);
   return tried;
 }
@@ -88,6 +88,7 @@ std::vector<std::vector<double>> starts_of(const FitOptions& options, const Para
 
 void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
   if (places.size() < 2) return;
+  if (places.front().x.empty()) return places.resize(1); // every parameter is held
   const auto at = evaluate(problem, places.front().x);
   if (!at) return;
   const Certainty known = certainty(problem, places.front().x, *at, {});

@@ -247,9 +247,15 @@ void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x
   Certainty& known = stated.known;
   known.reach.assign(x.size(), 1.0);
   const std::vector<Interval> before = stated.ends;
+  std::vector<double> widening; // of sigma beyond what curvature says
+  double widest = 1.0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    widening.push_back(known.sigma(k) / known.curvature_sigma(k));
+    widest = std::max(widest, widening.back());
+  }
   const auto take = [&](const Foot& foot, std::size_t k) {
     const double way = foot.x[k] - place.minimum.x[k], distance = std::abs(way);
-    const double sigmas = std::max(q68, std::sqrt(2.0 * std::max(0.0, foot.rise)));
+    const double sigmas = std::max(q68, std::sqrt(2.0 * std::max(0.0, foot.rise)) / widening[k]);
     const double end68 = way < 0.0 ? x[k] - before[k].low68 : before[k].high68 - x[k];
     const double end95 = way < 0.0 ? x[k] - before[k].low95 : before[k].high95 - x[k];
     if (!(distance > folded * std::max(end68, end95 * sigmas / q95))) return;
@@ -261,7 +267,7 @@ void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x
     ends.low95 = std::min(ends.low95, x[k] - q95 * sigma);
     ends.high95 = std::max(ends.high95, x[k] + q95 * sigma);
   };
-  for (const RidgeSide& side : sides_of_most_open(place, largest_rise))
+  for (const RidgeSide& side : sides_of_most_open(place, largest_rise * widest * widest))
     for (const Foot& foot : side.feet)
       for (std::size_t k = 0; k < x.size(); ++k)
         take(foot, k);

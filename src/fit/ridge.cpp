@@ -243,11 +243,11 @@ std::optional<Foot> Ridge::foot(const std::vector<double>& x, double z, double v
 
 namespace {
 
-std::size_t most_open(const ProfiledPlace& place) {
-  std::size_t most = 0;
+std::optional<std::size_t> most_open(const ProfiledPlace& place) {
+  std::optional<std::size_t> most;
   for (const Slot& slot : place.problem.parameters.slots)
     if (slot.free && is_of_clock(slot.quantity) &&
-        place.known.curvature_sigma(slot.index) > place.known.curvature_sigma(most))
+        (!most || place.known.curvature_sigma(slot.index) > place.known.curvature_sigma(*most)))
       most = slot.index;
   return most;
 }
@@ -263,8 +263,10 @@ bool is_far(std::span<const double> a, std::span<const double> b) {
 
 std::array<RidgeSide, 2> sides_of_most_open(const ProfiledPlace& place, double largest_rise) {
   std::array<RidgeSide, 2> sides;
+  const auto open = most_open(place);
+  if (!open) return sides;
   for (const bool up : {false, true}) {
-    Ridge ridge(place, most_open(place), 1.0);
+    Ridge ridge(place, *open, 1.0);
     RidgeSide& side = sides[up ? 1 : 0];
     side.feet.push_back(ridge.last());
     while (!side.is_lost && ridge.last().rise < largest_rise) {

@@ -47,6 +47,23 @@ TEST(ClockFitTest, JumpOverTenSeeds) {
   }
 }
 
+// What is left is the noise.
+TEST(ClockFitTest, EveryParameterOfTheClockMayBeHeld) {
+  const Scenario scenario = test::jump_from_a_to_b(2000, 1e-5);
+  FitOptions options;
+  options.events = {{150, {"mu"}}};
+  const FitSummary fitted = fit_of(scenario, 1, options);
+  for (const FittedParameter& parameter : fitted.parameters)
+    if (parameter.name != "jitter_rms") options.fixed[parameter.name] = parameter.value;
+  const FitSummary held = fit_of(scenario, 1, options);
+  ASSERT_EQ(held.status, FitStatus::converged) << held.termination;
+  expect_within(held, "jitter_rms", 1e-5, 3.0);
+  for (const FittedParameter& parameter : held.parameters) {
+    const bool is_noise = parameter.name.find("_rms") != std::string::npos;
+    EXPECT_EQ(parameter.status == ParameterStatus::fixed, !is_noise) << parameter.name;
+  }
+}
+
 TEST(ClockFitTest, SigmaIsTheScatterOfManyFits) {
   // epsilon from 30 logs: the scatter of its normalised error is 1 to within 4 standard errors.
   FitOptions options;
