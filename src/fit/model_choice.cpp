@@ -153,6 +153,16 @@ bool ModelSearch::take_if_better(Fitted&& other, const std::string& why) {
 // with second order, at a twentieth of the cost of the full equation, and with the full equation
 // before it is accepted.
 void ModelSearch::choose_dynamics() {
+  const auto& slots = best_.problem.parameters.slots;
+  const auto is_free = [](const Slot& slot) { return slot.free && is_of_clock(slot.quantity); };
+  if (options_.dynamics == FitDynamics::automatic &&
+      std::none_of(slots.begin(), slots.end(), is_free)) {
+    chosen_by_ = "no parameter of the clock is free to make up for an error of the averaged course";
+    if (!refine_every_end(best_, FitDynamics::map))
+      chosen_by_ =
+          "the full equation of motion stops at these parameters; first order is all there is";
+    return;
+  }
   constexpr double tolerable_shift = 0.2, tolerable_shift_of_second = 0.1;
   const auto shift_by = [&](FitDynamics judge) {
     shifts_ = model_shifts(best_, judge);
