@@ -155,7 +155,6 @@ void take_from_ratio_to_T0(FitSummary& summary) {
     if (p.status != ParameterStatus::undetermined || ratio == nullptr ||
         !std::isfinite(ratio->sigma))
       continue;
-    constexpr double z95 = 1.959964;
     p.status = ParameterStatus::free;
     p.value = T0 * (1.0 + ratio->value);
     p.sigma = p.sigma_by_law = T0 * ratio->sigma;
@@ -232,7 +231,6 @@ void widen_by_laws(const Decay& decay, const std::string& own, double FrictionLa
                    double FrictionLaw::*sigma, FittedParameter& p) {
   for (const FrictionLaw& law : decay.laws) {
     if (law.friction == own || !law.is_open() || !std::isfinite(law.*sigma)) continue;
-    constexpr double z95 = 1.959964;
     p.low68 = std::min(p.low68, law.*value - law.*sigma);
     p.high68 = std::max(p.high68, law.*value + law.*sigma);
     p.low95 = std::min(p.low95, law.*value - z95 * law.*sigma);
@@ -270,7 +268,6 @@ void widen_by_time_base(double time_base_sigma, FitSummary& summary) {
     const auto widen = [&](double& end, double widths) {
       end = p.value + std::copysign(std::hypot(end - p.value, widths * common), end - p.value);
     };
-    constexpr double z95 = 1.959964;
     widen(p.low68, 1.0), widen(p.high68, 1.0);
     widen(p.low95, z95), widen(p.high95, z95);
     p.sigma = std::hypot(p.sigma, common);
@@ -289,8 +286,8 @@ struct Searched {
   const Fitted* fitted = nullptr;
 };
 
-Searched searched(const TimingData& data, const FitOptions& options, bool moments) {
-  Searched end{std::make_unique<ModelSearch>(data, options, moments), nullptr};
+template <class Given> Searched run_search(const TimingData& data, const Given& given) {
+  Searched end{std::make_unique<ModelSearch>(data, given), nullptr};
   end.fitted = &end.search->run();
   return end;
 }
@@ -298,7 +295,7 @@ Searched searched(const TimingData& data, const FitOptions& options, bool moment
 // The search with every change at a crossing or, where the times leap at one, at the moment that
 // explains them better.
 Searched searched(const TimingData& data, const FitOptions& options) {
-  Searched plain = searched(data, options, false);
+  Searched plain = run_search(data, options);
   const std::vector<FitEvent>& events = plain.search->options().events;
   const auto open = std::count_if(events.begin(), events.end(),
                                   [](const FitEvent& event) { return !event.has_known_moment(); });
@@ -306,7 +303,7 @@ Searched searched(const TimingData& data, const FitOptions& options) {
   if (open == 0 || !plain.fitted->minimum.usable ||
       !leaps_at_changes(*plain.fitted, plain.search->options(), worth_a_search))
     return plain;
-  Searched within = searched(data, options, true);
+  Searched within = run_search(data, plain.search->settled());
   if (!within.fitted->minimum.usable) return plain;
   const Fitted beside = on_few_beats(*plain.fitted, {*within.fitted->problem.data, 1.0});
   constexpr double two_sigma = 4.0; // of 2 log L for each moment

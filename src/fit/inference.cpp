@@ -64,10 +64,9 @@ void state_free(const FitProblem& problem, const Slot& slot, std::span<const dou
   const bool open = !std::isfinite(interval.low68) || !std::isfinite(interval.high68) ||
                     !std::isfinite(interval.low95) || !std::isfinite(interval.high95);
   // Where the profile is wider than its curvature at the best, the curvature would claim too much.
-  constexpr double q95 = 1.959964;
   if (!open && !may_vanish(slot))
     parameter.sigma = std::max({parameter.sigma, 0.5 * (parameter.high68 - parameter.low68),
-                                0.5 * (parameter.high95 - parameter.low95) / q95});
+                                0.5 * (parameter.high95 - parameter.low95) / z95});
   const bool vague = !(sigma <= tolerable_sigma(problem, slot, x)) &&
                      (!may_vanish(slot) || tells_nothing(problem, slot, sigma));
   if (vague || (open && !parameter.at_bound) || known.distrusted[slot.index]) {

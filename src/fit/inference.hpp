@@ -10,6 +10,9 @@
 
 namespace goingrate::timing_model {
 
+/// Standard deviations from the middle of a normal distribution to either end of its 95 %.
+inline constexpr double z95 = 1.959964;
+
 /// How much wider sigmas are for correlation left in the innovations of times and of amplitudes.
 struct Widening {
   double time = 1.0;

@@ -77,8 +77,16 @@ std::map<std::string, double> model_shifts(const Fitted& fitted, FitDynamics jud
   return in_sigma;
 }
 
-ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options, bool moments)
-    : all_(data), options_(options), moments_(moments), guess_(guess_noise(data)) {
+ModelSearch::ModelSearch(const TimingData& data, const Settled& settled)
+    : ModelSearch(data, settled.laws.options) {
+  moments_ = true;
+  settled_ = settled;
+  alternatives_ = settled.alternatives;
+  notes_ = settled.notes;
+}
+
+ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
+    : all_(data), options_(options), guess_(guess_noise(data)) {
   check_names(options, data);
   include_named_noise(options_);
   const std::size_t asked = make_parameters(options_, data, first_model()).free_count;
@@ -381,17 +389,27 @@ void ModelSearch::find_moments() {
   scan_moments(best_, fit_from_scratch(working_.data, options_, loose, guess_), options_);
 }
 
-const Fitted& ModelSearch::run() {
-  thin_if_long();
+// The escapement and what changes at the dates found.
+void ModelSearch::settle_laws() {
   ModelChoice model = first_model();
   ModelChoice free;
   if (prefers_no_escapement(model, free)) model = free;
   best_ = fit_from_scratch(working_.data, options_, model, guess_);
   leave_out_contradicted_priors();
-  if (!best_.minimum.usable) return best_;
+  if (!best_.minimum.usable) return;
   const std::vector<FitEvent> found = options_.events;
   move_dates(best_, options_);
   consider_other_laws(found);
+  settled_ = {{options_, best_.model}, alternatives_, notes_};
+}
+
+const Fitted& ModelSearch::run() {
+  thin_if_long();
+  if (moments_)
+    best_ = fit_from_scratch(working_.data, options_, settled_.laws.model, guess_);
+  else
+    settle_laws();
+  if (!best_.minimum.usable) return best_;
   if (moments_) find_moments();
   const bool noise_first = best_.model.walk || strays_by_noise();
   if (noise_first) {

@@ -33,8 +33,22 @@ struct Working {
 /// escapement_choice.cpp, the noise in noise_choice.cpp.
 class ModelSearch {
 public:
-  /// With `moments`, changes that are not said to come at a crossing may come at any moment.
-  ModelSearch(const TimingData& data, const FitOptions& options, bool moments = false);
+  /// Laws to fit: which parameters change when (options), and the escapement and friction (model).
+  struct Laws {
+    FitOptions options;
+    ModelChoice model;
+  };
+  /// What a search settled before it looked at the noise, and what it has to say of that.
+  struct Settled {
+    Laws laws;
+    std::vector<FitAlternative> alternatives;
+    std::vector<FitNote> notes;
+  };
+
+  ModelSearch(const TimingData& data, const FitOptions& options);
+  /// By the laws of another search of the same data, with changes that may come at any moment where
+  /// they are not said to come at a crossing.
+  ModelSearch(const TimingData& data, const Settled& settled);
 
   /// Runs the search. The result points into this object.
   const Fitted& run();
@@ -45,16 +59,11 @@ public:
   [[nodiscard]] const FitOptions& options() const { return options_; }
   /// Findings of the search that the user must be told.
   [[nodiscard]] const std::vector<FitNote>& notes() const { return notes_; }
+  [[nodiscard]] const Settled& settled() const { return settled_; }
   /// Errors of first-order averaging alone, in sigma and by name; empty if not known.
   [[nodiscard]] const std::map<std::string, double>& first_order_shifts() const { return shifts_; }
 
 private:
-  /// Laws to fit: which parameters change when (options), and the escapement (model).
-  struct Laws {
-    FitOptions options;
-    ModelChoice model;
-  };
-
   void thin_if_long();
   [[nodiscard]] ModelChoice first_model() const;
   [[nodiscard]] bool explains(const Fitted& fitted) const;
@@ -65,6 +74,7 @@ private:
   void consider_other_laws(const std::vector<FitEvent>& found);
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void leave_out_contradicted_priors();
+  void settle_laws();
   void find_moments();
   void choose_dynamics();
   void add_terms(Fitted& fitted);
@@ -84,7 +94,8 @@ private:
 
   const TimingData& all_;
   FitOptions options_;
-  bool moments_;
+  bool moments_ = false;
+  Settled settled_;
   NoiseGuess guess_;
   Working working_;
   TimingData finer_; ///< the beats that thin_by_information() keeps

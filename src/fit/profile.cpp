@@ -14,7 +14,7 @@ namespace goingrate::timing_model {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double q68 = 1.0, q95 = 1.959964;
+constexpr double z68 = 1.0;
 
 // The profile likelihood of one coordinate; z is its distance from the minimum in sigmas of the
 // curvature.
@@ -62,24 +62,24 @@ private:
   Ends ends_on(double side) {
     constexpr double straight = 0.1; // of the rise: a twentieth of the interval
     constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
-    const double shape = look(side * q95);
+    const double shape = look(side * z95);
     // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
-    const double b = (std::sqrt(shape) - 1.0) / (side * q95 * widening_);
+    const double b = (std::sqrt(shape) - 1.0) / (side * z95 * widening_);
     const Interval::Root line{{0.0, 1.0}, {1.0, 1.0 + b}};
     if (std::abs(shape - 1.0) < straight)
-      return {side * q68 * widening_, side * q95 * widening_, line};
+      return {side * z68 * widening_, side * z95 * widening_, line};
     const auto by_root = [&]() -> Ends {
       if (!(shape > least_straight && shape < largest_straight)) return open_ends(side);
       const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };
-      return {root(side * q68 * widening_), root(side * q95 * widening_), line};
+      return {root(side * z68 * widening_), root(side * z95 * widening_), line};
     };
     if (!search_ || (shape > 1.0 && shape < largest_straight)) return by_root();
     // An end beyond the look is believed only where the ridge is lost.
     ridge_.restart();
     feet_ = {{0.0}, {1.0}};
-    const double at68 = walk_to_root(q68 * widening_, side);
+    const double at68 = walk_to_root(z68 * widening_, side);
     if (!std::isfinite(at68)) return by_root();
-    const double at95 = walk_to_root(q95 * widening_, side);
+    const double at95 = walk_to_root(z95 * widening_, side);
     return std::isfinite(at95) ? Ends{at68, at95, feet_} : by_root();
   }
 
@@ -193,7 +193,7 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
     const bool lopsided = is_noise(slot.quantity) || may_vanish(slot);
     if ((!(sigma <= tolerable) && !may_vanish(slot)) || known.distrusted[k]) return;
     if (largest < small_relative_sigma && !may_vanish(slot)) {
-      result[k] = {x - sigma, x + sigma, x - q95 * sigma, x + q95 * sigma};
+      result[k] = {x - sigma, x + sigma, x - z95 * sigma, x + z95 * sigma};
       return;
     }
     // A parameter known this poorly, or a model that does not hold, is not worth a search for the
@@ -255,17 +255,17 @@ void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x
   }
   const auto take = [&](const Foot& foot, std::size_t k) {
     const double way = foot.x[k] - place.minimum.x[k], distance = std::abs(way);
-    const double sigmas = std::max(q68, std::sqrt(2.0 * std::max(0.0, foot.rise)) / widening[k]);
+    const double sigmas = std::max(z68, std::sqrt(2.0 * std::max(0.0, foot.rise)) / widening[k]);
     const double end68 = way < 0.0 ? x[k] - before[k].low68 : before[k].high68 - x[k];
     const double end95 = way < 0.0 ? x[k] - before[k].low95 : before[k].high95 - x[k];
-    if (!(distance > folded * std::max(end68, end95 * sigmas / q95))) return;
+    if (!(distance > folded * std::max(end68, end95 * sigmas / z95))) return;
     const double sigma = std::max(known.sigma(k), distance / sigmas);
     known.reach[k] *= sigma / known.sigma(k);
     Interval& ends = stated.ends[k];
     ends.low68 = std::min(ends.low68, x[k] - sigma);
     ends.high68 = std::max(ends.high68, x[k] + sigma);
-    ends.low95 = std::min(ends.low95, x[k] - q95 * sigma);
-    ends.high95 = std::max(ends.high95, x[k] + q95 * sigma);
+    ends.low95 = std::min(ends.low95, x[k] - z95 * sigma);
+    ends.high95 = std::max(ends.high95, x[k] + z95 * sigma);
   };
   for (const RidgeSide& side : sides_of_most_open(place, largest_rise * widest * widest))
     for (const Foot& foot : side.feet)

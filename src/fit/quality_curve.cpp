@@ -151,8 +151,6 @@ DecayEstimate estimate(double inverse, const std::array<double, 2>& in68,
   return q.sigma <= largest_relative_sigma * q.value ? q : nothing_known();
 }
 
-constexpr double z95 = 1.959964;
-
 bool is_straight(const std::array<double, 2>& in68, double best) {
   constexpr double straight_relative_sigma = 0.02; // no bend of the ridge shows
   return in68[1] - in68[0] < 2.0 * straight_relative_sigma * best;
