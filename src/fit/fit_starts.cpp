@@ -86,12 +86,13 @@ std::vector<std::vector<double>> starts_of(const FitOptions& options, const Para
 
 } // namespace
 
-void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places) {
+void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places, double share) {
   if (places.size() < 2) return;
   if (places.front().x.empty()) return places.resize(1); // every parameter is held
   const auto at = evaluate(problem, places.front().x);
   if (!at) return;
-  const Certainty known = certainty(problem, places.front().x, *at, {});
+  Certainty known = certainty(problem, places.front().x, *at, {});
+  known.factor *= std::sqrt(share); // what a sigma is on every beat
   std::vector<Minimum> kept;
   for (const Minimum& place : places)
     if (std::all_of(kept.begin(), kept.end(),
@@ -132,7 +133,8 @@ std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
     std::erase_if(tried, [](const Minimum& m) { return !m.usable; });
     std::sort(tried.begin(), tried.end(), by_value);
     if (!tried.empty()) problem.priors = make_priors(options, problem.parameters, tried.front().x);
-    drop_duplicates(problem, tried);
+    drop_duplicates(problem, tried,
+                    static_cast<double>(data.size()) / static_cast<double>(all.size()));
   };
   score(8);
   keep_usable();

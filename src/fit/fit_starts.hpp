@@ -17,8 +17,9 @@ FitProblem with_noise_held(const FitProblem& problem, std::span<const double> st
 std::vector<Minimum> screened(const FitProblem& problem,
                               const std::vector<std::vector<double>>& points);
 
-/// Drops each place that lies within a sigma of a better one. They are in order of value.
-void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places);
+/// Drops each place that lies within a sigma of a better one. They are in order of value. Where the
+/// problem's beats are a `share` of those that are to tell places apart, sigma is that of all.
+void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places, double share = 1.0);
 
 /// Where scoring comes to rest on few beats with the noise held, from the best of the log's own
 /// starts and the clocks that a change tells of (or the options' start), all different, lowest

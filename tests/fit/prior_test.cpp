@@ -44,6 +44,9 @@ INSTANTIATE_TEST_SUITE_P(FoldedRidge, DrawnFromAPrior, testing::Values(112800021
 // Second order and the full equation prefer the other of two ends: neither may drop out.
 INSTANTIATE_TEST_SUITE_P(EndsOfEveryDynamics, DrawnFromAPrior, testing::Values(128110267U));
 
+// Two ends that few beats do not tell apart and all do.
+INSTANTIATE_TEST_SUITE_P(OneOnFewBeats, DrawnFromAPrior, testing::Values(128160531U));
+
 // The same clocks, changed at 0.3 of a swing. With the change at the crossing before it they end up
 // to 24 sigma off; what is stated is good to five (0.6 to 2 here).
 class ChangedInASwing : public testing::TestWithParam<std::uint64_t> {};
