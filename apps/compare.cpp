@@ -21,6 +21,7 @@ struct CompareCommand {
 void run(const CompareCommand& options, const GlobalOptions& global) {
   if (options.paths.size() < 2)
     throw UsageError("compare needs the logs of two clocks or more; found one");
+  check_writable({options.output, options.rates, options.json, options.plot});
   std::vector<NumberedLog> logs;
   for (const std::string& path : options.paths) {
     LogOptions one = options.log;

@@ -122,6 +122,7 @@ void solve_error(const MapCommand& options, double most_s) {
 
 void run(const MapCommand& options) {
   check_ranges(options);
+  check_writable({options.json, options.plot, options.output});
   if (const auto most_s = asked_error(options.solve)) return solve_error(options, *most_s);
   if (!options.under.path.empty()) throw UsageError("--under: it goes with --solve error=SECONDS");
   if (options.solve.size() == 1)

@@ -22,6 +22,8 @@ struct PaperCommand {
 };
 
 void run(const PaperCommand& options, const GlobalOptions& global) {
+  const bool in_folder = !options.folder.empty();
+  check_writable({options.json, in_folder ? inside(options.folder, "paper.md") : ""});
   const PaperResults results = [&] {
     StepLine now(global.quiet, "computing the paper's figures and numbers");
     PaperOptions paper = options.paper;
@@ -29,7 +31,7 @@ void run(const PaperCommand& options, const GlobalOptions& global) {
     return recompute_paper(paper);
   }();
   Files files{{options.json, paper_json(results)}};
-  if (!options.folder.empty()) {
+  if (in_folder) {
     bool found = options.figure.empty();
     for (const PaperFigure& figure : results.figures) {
       if (!options.figure.empty() && !figure.name.starts_with(options.figure)) continue;
@@ -43,7 +45,7 @@ void run(const PaperCommand& options, const GlobalOptions& global) {
   }
   files.push_back({options.json == "-" ? "" : "-", paper_text(results)});
   write_whole_files(files);
-  if (!options.folder.empty() &&
+  if (in_folder &&
       !print_page(inside(options.folder, "paper.html"), inside(options.folder, "paper.pdf")))
     say(global, "paper.pdf is not made: there is no Chromium or Chrome that prints paper.html");
 }

@@ -33,6 +33,10 @@ if ! diff <(cd include && find goingrate -mindepth 2 -name '*.hpp' | LC_ALL=C so
   echo "include/goingrate/goingrate.hpp is not the list of installed headers"
   fault=1
 fi
+if grep -nE '!\[[^]]*$' README.md CHANGELOG.md CONTRIBUTING.md data/guide/*.md; then
+  echo "an image's text goes over two lines, which Doxygen does not read"
+  fault=1
+fi
 # Options of the command, from where it defines them; a string of the library names none.
 options=$(grep -rhoE '"(-[a-z],)?--[a-z][a-z-]+' apps/*.cpp | grep -oE -- '--[a-z-]+' | sort -u | paste -sd'|')
 if grep -rnE "^[^/]*\".*($options)\b" src include --include='*.cpp' --include='*.hpp'; then

@@ -4,9 +4,13 @@
 
 #include "date_search.hpp"
 
+#include "base/workers.hpp"
+
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <limits>
+#include <utility>
 
 namespace goingrate::timing_model {
 
@@ -63,40 +67,46 @@ bool ModelSearch::is_told_of_torque() const {
 
 // Alternative laws: other parameters that change at the dates found, or impulses instead of a
 // torque.
-std::vector<ModelSearch::Laws> ModelSearch::other_laws(const std::vector<FitEvent>& found) const {
+std::vector<ModelSearch::Laws> ModelSearch::other_laws(const Laws& than) const {
   std::vector<Laws> all;
-  FitOptions options = options_;
-  options.events = found; // the dates as found, not as moved by the first fit
-  for (std::size_t event = 0; event < found.size(); ++event)
+  const auto& [options, model] = than;
+  for (std::size_t event = 0; event < options.events.size(); ++event)
     for (const char* name : {"phi0", "epsilon", "mu", "T0"}) {
       const bool of_drive = std::string_view(name) == "mu" || std::string_view(name) == "phi0";
-      if (!found[event].movable || (of_drive && best_.model.escapement == Escapement::none))
+      if (!options.events[event].movable || (of_drive && model.escapement == Escapement::none))
         continue;
-      if (found[event].names == std::vector<std::string>{name}) continue;
-      all.push_back({options, best_.model});
+      if (options.events[event].names == std::vector<std::string>{name}) continue;
+      all.push_back(than);
       all.back().options.events[event].names = {name};
     }
-  if (options_.escapement || best_.model.escapement != Escapement::constant_torque ||
-      is_told_of_torque())
+  if (options_.escapement || model.escapement != Escapement::constant_torque || is_told_of_torque())
     return all;
-  all.push_back({options, best_.model});
+  all.push_back(than);
   all.back().model.escapement = Escapement::single_impulse;
   return all;
 }
+
+namespace {
+
+// Gain in L (odds of 20 to 1) that is needed to prefer impulses to a torque.
+double handicap(const ModelChoice& model) {
+  return model.escapement == Escapement::single_impulse ? 3.0 : 0.0;
+}
+
+} // namespace
 
 // If the simplest laws do not explain the log, takes the alternative that explains it best.
 void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   if (best_.model.walk || is_rounding(best_) || explains(best_)) return;
   TimingData thin;
   if (explains(roughly_fitted(options_, best_.model, thin))) return;
-  // Gain in L (odds of 20 to 1) that is needed to prefer impulses to a torque.
-  constexpr double impulse_handicap = 3.0;
+  Laws here{options_, best_.model};
+  here.options.events = found; // the dates as found, not as moved by the first fit
   std::optional<Laws> best;
   double least = std::numeric_limits<double>::infinity();
-  for (Laws& laws : other_laws(found)) {
+  for (Laws& laws : other_laws(here)) {
     const Fitted rough = roughly_fitted(laws.options, laws.model, thin);
-    const bool is_rarer = laws.model.escapement == Escapement::single_impulse;
-    const double value = rough.minimum.value + (is_rarer ? impulse_handicap : 0.0);
+    const double value = rough.minimum.value + handicap(laws.model);
     if (!explains(rough) || !(value < least)) continue;
     least = value;
     best = std::move(laws);
@@ -108,6 +118,32 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   best_ = std::move(other);
   options_ = std::move(best->options);
   move_dates(best_, options_);
+}
+
+// The same under a drive that varies from beat to beat, before a slow drive is made to explain what
+// the laws do not. Few beats show which of the others is the likeliest.
+std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& driven) const {
+  constexpr std::size_t enough_to_rank_laws = 2500; // beats
+  const FewBeats few =
+      few_beats(working_.data, driven.fitted.problem.parameters.event_cycles, enough_to_rank_laws);
+  const Fitted simpler = on_few_beats(best_, few), here = on_few_beats(driven.fitted, few);
+  if (!simpler.minimum.usable || !here.minimum.usable) return {};
+  std::vector<Laws> others = other_laws(driven.laws);
+  std::vector<double> losses(others.size(), std::numeric_limits<double>::infinity());
+  share(others.size(), [&](std::size_t i) {
+    Fitted there = fit_from(simpler, others[i].options, others[i].model, &few.data);
+    if (there.minimum.usable && refine(there, here.dynamics)) move_dates(there, others[i].options);
+    if (there.minimum.usable && white(there))
+      losses[i] = there.minimum.value + handicap(there.model);
+  });
+  const auto least = std::min_element(losses.begin(), losses.end());
+  if (least == losses.end() || *least >= here.minimum.value) return {};
+  Driven other{std::move(others[static_cast<std::size_t>(least - losses.begin())]), {}};
+  auto& [laws, fitted] = other;
+  fitted = fit_from_any(std::array{&std::as_const(best_)}, laws.options, laws.model);
+  if (!fitted.minimum.usable || !refine(fitted, driven.fitted.dynamics)) return {};
+  move_dates(fitted, laws.options);
+  return white(fitted) ? std::optional(std::move(other)) : std::nullopt;
 }
 
 // A free pendulum is the simpler model. It is taken where it explains the log as well as a driven

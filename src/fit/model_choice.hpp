@@ -70,8 +70,15 @@ private:
   [[nodiscard]] Fitted roughly_fitted(const FitOptions& options, const ModelChoice& model,
                                       TimingData& thin) const;
   [[nodiscard]] bool is_told_of_torque() const;
-  [[nodiscard]] std::vector<Laws> other_laws(const std::vector<FitEvent>& found) const;
+  [[nodiscard]] std::vector<Laws> other_laws(const Laws& than) const;
   void consider_other_laws(const std::vector<FitEvent>& found);
+  /// Laws fitted under a drive that varies.
+  struct Driven {
+    Laws laws;
+    Fitted fitted;
+  };
+  [[nodiscard]] std::optional<Driven> laws_that_explain(const Driven& driven) const;
+  [[nodiscard]] Fitted with_slow_drive(Driven& drive, FitDynamics dynamics) const;
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void leave_out_contradicted_priors();
   void settle_laws();

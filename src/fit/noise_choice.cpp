@@ -38,62 +38,77 @@ bool ModelSearch::noise_is_asked_for() const {
          !white_in_amplitude(best_);
 }
 
+// The fit of these laws with a drive that varies slowly too, where the log calls for it.
+Fitted ModelSearch::with_slow_drive(Driven& drive, FitDynamics dynamics) const {
+  auto& [options, model] = drive.laws;
+  const bool automatic = options.noise == FitNoise::automatic;
+  model.slow = true;
+  // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
+  // after a search. In a long log, which is thinned, a slow drive looks much like another clock,
+  // and only a search tells the two apart.
+  const bool asks_for_more =
+      working_.data.size() < all_.size() || (working_.data.has_amplitude() && !white(drive.fitted));
+  const bool slowly = options.noise == FitNoise::slow ||
+                      (automatic && (asks_for_more || worth_trying(drive.fitted, options, model) ||
+                                     worth_trying(best_, options, model)));
+  if (!slowly) return {};
+  // A fit without slow drive may have ended far from the solution: both fits serve as starts.
+  Fitted slow = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, options, model);
+  if (slow.minimum.usable) refine(slow, dynamics);
+  return slow;
+}
+
 void ModelSearch::choose_noise() {
   if (!noise_is_asked_for()) return;
   const FitNoise wanted = options_.noise;
   const bool automatic = wanted == FitNoise::automatic;
   const FitDynamics dynamics = best_.dynamics;
   const bool driven = best_.model.escapement != Escapement::none;
-  FitOptions dated = options_; // under a drive that varies
-  const auto fit_with = [&](ModelChoice model) {
-    Fitted other = fit_from_any(std::array{&std::as_const(best_)}, dated, model);
+  const auto fit_with = [&](Laws& laws) {
+    Fitted other = fit_from_any(std::array{&std::as_const(best_)}, laws.options, laws.model);
     if (other.minimum.usable) refine(other, dynamics);
     return other;
   };
-  ModelChoice model = best_.model;
-  if (automatic && model.drive) {
-    model.slow = true;
-    if (worth_trying(best_, options_, model)) choose_slow_drive(fit_with(model));
+  Laws laws{options_, best_.model};
+  if (automatic && laws.model.drive) {
+    laws.model.slow = true;
+    if (worth_trying(best_, options_, laws.model)) choose_slow_drive(fit_with(laws));
     take_dates_of_best();
     return;
   }
   if (automatic) {
     const bool walks = estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0;
     const bool swing_wanders = !white_in_amplitude(best_);
-    model.walk = !best_.model.walk;
-    if (model.walk == walks)
-      take_if_better(fit_with(model), walks ? "the times walk" : "the times do not walk");
+    laws.model.walk = !best_.model.walk;
+    if (laws.model.walk == walks)
+      take_if_better(fit_with(laws), walks ? "the times walk" : "the times do not walk");
     if (!(best_.model.walk || swing_wanders) || !driven) return;
   }
   if (!driven) return;
-  model = best_.model;
-  model.walk = false;
-  model.drive = true;
-  model.jitter = wanted != FitNoise::drive;
-  Fitted drive = fit_with(model);
-  if (!drive.minimum.usable) return;
-  move_dates(drive, dated); // what such a drive does to the swing was no change's doing
-  model.slow = true;
-  // In a log with amplitudes the peak of the likelihood is so narrow that its height is known only
-  // after a search. In a long log, which is thinned, a slow drive looks much like another clock,
-  // and only a search tells the two apart.
-  const bool asks_for_more =
-      working_.data.size() < all_.size() || (working_.data.has_amplitude() && !white(drive));
-  const bool slowly = wanted == FitNoise::slow ||
-                      (automatic && (asks_for_more || worth_trying(drive, options_, model) ||
-                                     worth_trying(best_, options_, model)));
-  // A fit without slow drive may have ended far from the solution: both fits serve as starts.
-  Fitted slow =
-      slowly ? fit_from_any(std::array<const Fitted*, 2>{&drive, &best_}, dated, model) : Fitted{};
-  if (slow.minimum.usable) refine(slow, dynamics);
-  if (!automatic) {
-    best_ = wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive);
+  laws.model = best_.model;
+  laws.model.walk = false;
+  laws.model.drive = true;
+  laws.model.jitter = wanted != FitNoise::drive;
+  Driven drive{laws, fit_with(laws)};
+  if (!drive.fitted.minimum.usable) return;
+  // What such a drive does to the swing was no change's doing.
+  move_dates(drive.fitted, drive.laws.options);
+  if (auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive))
+    drive = std::move(*other);
+  Fitted slow = with_slow_drive(drive, dynamics);
+  const auto take_laws = [&] {
+    if (best_.model.drive) options_.events = drive.laws.options.events;
     take_dates_of_best();
-    return;
+  };
+  if (automatic) {
+    take_if_better(std::move(drive.fitted), "a drive that varies explains the walk");
+    take_laws(); // with a slow drive the same laws are compared
+    choose_slow_drive(std::move(slow));
+  } else {
+    best_ =
+        wanted == FitNoise::slow && slow.minimum.usable ? std::move(slow) : std::move(drive.fitted);
   }
-  take_if_better(std::move(drive), "a drive that varies explains the walk");
-  choose_slow_drive(std::move(slow));
-  take_dates_of_best();
+  take_laws();
 }
 
 void ModelSearch::take_dates_of_best() {

@@ -329,6 +329,41 @@ temperature_rms = 0.05
   }));
 }
 
+// Every change is first taken for one of the drive. What it leaves unexplained looks like a drive
+// that wanders, until the kind of the change is asked for under the drive that varies from beat to
+// beat. The first guess of its date is then some beats off as well.
+TEST(NoticedTest, AKindOfChangeThatTheDriveHides) {
+  const std::string clock = R"(
+[clock]
+nominal_period = 1.2
+epsilon = 6e-4
+mu = 5e-5
+phi0 = 0.02
+[run]
+periods = 2000
+[drive]
+fast_rms = 0.03
+[sensor]
+jitter_rms = 3e-5
+amplitude_rms = 6e-5
+[[event]]
+at_period = 800
+)";
+  for (const auto& [name, value] : std::vector<std::pair<std::string, double>>{
+           {"phi0", 0.0185}, {"epsilon", 7e-4}, {"mu", 5.8e-5}}) {
+    SCOPED_TRACE(name);
+    const Analysis data = analysed(clock + name + " = " + std::to_string(value) + "\n", 20261128);
+    ASSERT_EQ(data.fit.events.size(), 1U);
+    constexpr double beats_off = 3.0; // 3 sigma of a date in such logs
+    EXPECT_NEAR(static_cast<double>(data.fit.events.front().cycle), 800.0, beats_off);
+    expect_value(data.fit, name + "@1", value);
+    expect_value(data.fit, "epsilon", 6e-4);
+    expect_value(data.fit, "mu", 5e-5);
+    expect_value(data.fit, "phi0", 0.02);
+    EXPECT_EQ(data.fit.find("slow_rms"), nullptr);
+  }
+}
+
 // What is asked for stands: the coefficient that is given, or none.
 TEST(NoticedTest, ATemperatureThatIsSpokenOf) {
   const ClockLog log = test::simulated_log(parse_scenario(warm_and_cold, "noticed.toml"), 7);

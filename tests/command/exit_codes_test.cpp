@@ -66,6 +66,9 @@ TEST_F(CommandTest, AnUnwritableStandardErrorIsNoCrash) {
 
 TEST_F(CommandTest, OutputThatCannotBeWrittenIsExitFive) {
   EXPECT_EQ(run("simulate " + scenario("jump") + " -o no/such/folder/log.csv").code, 5);
+  EXPECT_EQ(run("map -o no/such/map.csv").code, 5);
+  EXPECT_EQ(run("paper --json no/such/paper.json").code, 5);
+  EXPECT_EQ(run("compare one.csv other.csv -o no/such/table.txt").code, 5) << "before it reads";
   if (!fs::exists("/dev/full")) return;
   EXPECT_EQ(run("simulate " + scenario("jump") + " -o /dev/full").code, 5);
 }
