@@ -132,9 +132,9 @@ std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& 
   std::vector<double> losses(others.size(), std::numeric_limits<double>::infinity());
   share(others.size(), [&](std::size_t i) {
     Fitted there = fit_from(simpler, others[i].options, others[i].model, &few.data);
-    if (there.minimum.usable && refine(there, here.dynamics)) move_dates(there, others[i].options);
-    if (there.minimum.usable && white(there))
-      losses[i] = there.minimum.value + handicap(there.model);
+    if (!there.minimum.usable || there.minimum.value > here.minimum.value) return;
+    if (refine(there, here.dynamics)) move_dates(there, others[i].options);
+    if (white(there)) losses[i] = there.minimum.value + handicap(there.model);
   });
   const auto least = std::min_element(losses.begin(), losses.end());
   if (least == losses.end() || *least >= here.minimum.value) return {};
