@@ -14,6 +14,7 @@ print() { # NAME ARGUMENT...
 }
 print numbering 5000 "$base"
 print prior 600 "$base"
+print kinds 40 "$base"
 print moment 200 "$base"
 print impulses "$base" 300
 print rests
