@@ -18,8 +18,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// A jump of the times before a beat: `size` in seconds; `scaled` is divided by what missing beats
-// add to its scatter, so that all places of the log compare.
+// A jump of the times before a beat, in seconds; `scaled` is less where missing beats raise its
+// scatter, so that places with and without them can be compared.
 struct Jump {
   double size = 0.0, scaled = 0.0;
 };
@@ -178,9 +178,9 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
     missed += is_hole(*input.data, i) ? 1.0 : 0.0;
   const double beats = missed + static_cast<double>(input.data->size());
   const double share = missed / beats;
-  constexpr double regular_share =
-      0.45; // losses at random leave more neighbours: every n-th is logged
-  if (share <= usual_missed_share || share > regular_share) return;
+  // Above it hardly any neighbours are logged, as losses at random leave them: every n-th beat is.
+  constexpr double largest_random_share = 0.45;
+  if (share <= usual_missed_share || share > largest_random_share) return;
   const double gain =
       2.0 * (missed * std::log(share / usual_missed_share) + (beats - missed) * std::log1p(-share) -
              (beats - missed) * std::log1p(-usual_missed_share)) -

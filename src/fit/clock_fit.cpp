@@ -165,12 +165,33 @@ void take_from_ratio_to_T0(FitSummary& summary) {
   }
 }
 
+// What is not the same by other laws that explain the log as well is not known.
+void distrust_by_laws(const std::vector<ModelSearch::EqualLaws>& equal, const Fitted& fitted,
+                      Certainty& known) {
+  constexpr double three_sigma = 3.0;
+  const std::span<const double> x(fitted.minimum.x);
+  for (const auto& laws : equal)
+    for (const Slot& slot : fitted.problem.parameters.slots) {
+      if (!slot.free || !is_of_clock(slot.quantity)) continue;
+      const auto other = laws.values.find(fitted.problem.parameters.name_of(slot));
+      const double reach = three_sigma * known.sigma(slot.index) * slot.slope(x);
+      const bool agrees = other != laws.values.end() && laws.sigmas.at(other->first) <= reach &&
+                          std::abs(other->second - slot.value(x)) <= reach;
+      if (!agrees) known.distrusted[slot.index] = true;
+    }
+}
+
 // Everything that follows from the chosen fit.
 void state(const Fitted& fitted, const ModelSearch& search, double nominal_period_s,
            FitSummary& summary) {
   const Widening& widening = fitted.widening;
   Certainty known = fitted.known;
   distrust_by_rivals(fitted.rivals, fitted.minimum.x, known);
+  distrust_by_laws(search.settled().equal, fitted, known);
+  for (const auto& laws : search.settled().equal)
+    summary.notes.push_back({NoteKind::twin, fmt::format("a change of {} at that date explains the "
+                                                         "log as well as the one that is stated",
+                                                         laws.changed)});
   summary.termination = fitted.minimum.termination;
   if (!fitted.minimum.converged) { // it crept along a valley to the end of its patience
     known.distrusted.assign(known.distrusted.size(), true);

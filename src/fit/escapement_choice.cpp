@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <utility>
@@ -43,11 +44,13 @@ bool ModelSearch::explains(const Fitted& fitted) const {
 }
 
 // A fit of a thinned log by the full equation of motion: effects that first order omits must not be
-// mistaken for a drive. The thinned log has enough beats to show an escapement.
+// mistaken for a drive. The thinned log, made here if it is empty, has enough beats to show an
+// escapement.
 Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice& model,
                                    TimingData& thin) const {
   constexpr std::size_t thinned_beats = 1000;
-  thin = thinned(working_.data, make_parameters(options, working_.data, model), thinned_beats);
+  if (thin.size() == 0)
+    thin = thinned(working_.data, make_parameters(options, working_.data, model), thinned_beats);
   Fitted fitted = fit_from_scratch(thin, options, model, guess_);
   FitOptions dated = options;
   move_dates(fitted, dated);
@@ -105,6 +108,7 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   std::optional<Laws> best;
   double least = std::numeric_limits<double>::infinity();
   for (Laws& laws : other_laws(here)) {
+    thin = {};
     const Fitted rough = roughly_fitted(laws.options, laws.model, thin);
     const double value = rough.minimum.value + handicap(laws.model);
     if (!explains(rough) || !(value < least)) continue;
@@ -120,8 +124,67 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   move_dates(best_, options_);
 }
 
-// The same under a drive that varies from beat to beat, before a slow drive is made to explain what
-// the laws do not. Few beats show which of the others is the likeliest.
+// Other changes at the same dates that explain the log as well, to three sigma. Asked for only
+// where the chosen ones determine something of the clock, which the others may contradict.
+std::vector<ModelSearch::EqualLaws>
+ModelSearch::equal_laws(const std::vector<FitEvent>& found) const {
+  const auto& slots = best_.problem.parameters.slots;
+  const auto is_known = [&](const Slot& slot) {
+    return is_of_clock(slot.quantity) && is_determined(best_, slot);
+  };
+  if (best_.model.walk || is_rounding(best_) || std::none_of(slots.begin(), slots.end(), is_known))
+    return {};
+  Laws here{options_, best_.model};
+  for (std::size_t k = 0; k < found.size(); ++k) // each moves its dates from where they were found
+    here.options.events[k].cycle = found[k].cycle;
+  std::vector<Laws> others = other_laws(here);
+  std::erase_if(others, [&](const Laws& laws) { return laws.model.name() != best_.model.name(); });
+  if (others.empty()) return {};
+  TimingData thin;
+  const Fitted chosen = roughly_fitted(here.options, best_.model, thin);
+  if (!explains(chosen)) return {};
+  constexpr double three_sigma = 4.5;        // of L
+  constexpr double hopeless_straying = 10.0; // of the jitter: not the doing of a beat
+  const auto on_all_beats = [&](const Fitted& rough, FitOptions options) {
+    for (std::size_t k = 0; k < options.events.size(); ++k)
+      options.events[k].cycle = std::llround(rough.problem.parameters.event_cycles[k]);
+    Fitted all = fit_from(rough, options, rough.model, &working_.data);
+    all.minimum.usable = all.minimum.usable && refine(all, FitDynamics::map);
+    return all;
+  };
+  Fitted whole;
+  std::vector<EqualLaws> equal;
+  for (const Laws& laws : others) {
+    Fitted other;
+    for (const std::int64_t beats : {0, -1, 1}) { // a search begun a beat off may not get there
+      FitOptions dated = laws.options;
+      for (std::size_t k = 0; k < found.size(); ++k)
+        if (dated.events[k].names != options_.events[k].names) dated.events[k].cycle += beats;
+      Fitted there = roughly_fitted(dated, laws.model, thin);
+      if (!there.minimum.usable || straying(there) > hopeless_straying) break;
+      if (there.minimum.value < other.minimum.value) other = std::move(there);
+    }
+    if (!explains(other) || other.minimum.value > chosen.minimum.value + three_sigma) continue;
+    other = on_all_beats(other, laws.options);
+    if (!whole.minimum.usable) whole = on_all_beats(chosen, here.options);
+    if (!other.minimum.usable || other.minimum.value > whole.minimum.value + three_sigma) continue;
+    equal.emplace_back();
+    for (std::size_t k = 0; k < options_.events.size(); ++k)
+      if (laws.options.events[k].names != options_.events[k].names)
+        equal.back().changed = laws.options.events[k].names.front();
+    const std::span<const double> x(other.minimum.x);
+    for (const Slot& slot : other.problem.parameters.slots) {
+      if (slot.free && !is_determined(other, slot)) continue;
+      const std::string name = other.problem.parameters.name_of(slot);
+      equal.back().values[name] = slot.value(x);
+      equal.back().sigmas[name] = slot.free ? other.known.sigma(slot.index) * slot.slope(x) : 0.0;
+    }
+  }
+  return equal;
+}
+
+// Other laws under a drive that varies from beat to beat, asked for before a slow drive absorbs
+// what wrong laws leave. A thinned log is enough to rank them.
 std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& driven) const {
   constexpr std::size_t enough_to_rank_laws = 2500; // beats
   const FewBeats few =

@@ -9,10 +9,10 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double good_amplitude = 1e-4;  // rad: what a plain photogate's width gives
-constexpr double best_to_promise = 1e-6; // no clock stands so still that more could be seen
+constexpr double photogate_amplitude_rms_rad = 1e-4; // from the width of a plain photogate's pulse
+constexpr double least_relative_sigma = 1e-6;        // no real clock is steady enough for less
 
-// Beats as the model predicts them: as many as the log has, at most a few thousand.
+// Evenly spaced beats that are not late, over the cycles of the log: at most a few thousand.
 TimingData regular_data(const Fitted& fitted, bool with_amplitudes) {
   constexpr double most_cycles = 4000.0;
   const TimingData& seen = *fitted.problem.data;
@@ -39,7 +39,8 @@ Experiment predicted(const std::string& what, const Fitted& fitted, const FitOpt
   std::vector<double> x(problem.parameters.free_count, 0.0);
   for (const Slot& slot : problem.parameters.slots) {
     if (!slot.free) continue;
-    if (slot.quantity == Quantity::amplitude_rms) x[slot.index] = std::log(good_amplitude);
+    if (slot.quantity == Quantity::amplitude_rms)
+      x[slot.index] = std::log(photogate_amplitude_rms_rad);
     if (slot.quantity == Quantity::mu && slot.event > 0) {
       const Slot* mu = fitted.problem.parameters.find(Quantity::mu);
       x[slot.index] =
@@ -54,8 +55,9 @@ Experiment predicted(const std::string& what, const Fitted& fitted, const FitOpt
   for (const Slot& slot : problem.parameters.slots)
     if (slot.free && slot.event == 0 && slot.quantity >= Quantity::epsilon &&
         slot.quantity <= Quantity::phi0 && known.sigma(slot.index) < 1.0 / 3.0)
-      experiment.relative_sigma.emplace_back(problem.parameters.name_of(slot),
-                                             std::max(known.sigma(slot.index), best_to_promise));
+      experiment.relative_sigma.emplace_back(
+          problem.parameters.name_of(slot),
+          std::max(known.sigma(slot.index), least_relative_sigma));
   return experiment;
 }
 
@@ -65,7 +67,7 @@ std::vector<Experiment> suggest_experiments(const Fitted& fitted, const FitOptio
   std::vector<Experiment> found;
   if (fitted.model.escapement != Escapement::constant_torque) return found;
   const std::span<const double> x(fitted.minimum.x);
-  FitOptions bare = options; // what belongs to the log at hand stays with it
+  FitOptions bare = options; // without the changes, which belong to the log at hand
   bare.events.clear();
   bare.freed.clear();
   std::erase_if(bare.fixed,

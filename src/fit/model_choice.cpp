@@ -400,7 +400,7 @@ void ModelSearch::settle_laws() {
   const std::vector<FitEvent> found = options_.events;
   move_dates(best_, options_);
   consider_other_laws(found);
-  settled_ = {{options_, best_.model}, alternatives_, notes_};
+  settled_ = {{options_, best_.model}, equal_laws(found), alternatives_, notes_};
 }
 
 const Fitted& ModelSearch::run() {

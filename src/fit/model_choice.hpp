@@ -38,9 +38,16 @@ public:
     FitOptions options;
     ModelChoice model;
   };
+  /// Laws that explain the log as well as those chosen: what changes, and the parameters that the
+  /// log determines then, by name.
+  struct EqualLaws {
+    std::string changed;
+    std::map<std::string, double> values, sigmas;
+  };
   /// What a search settled before it looked at the noise, and what it has to say of that.
   struct Settled {
     Laws laws;
+    std::vector<EqualLaws> equal;
     std::vector<FitAlternative> alternatives;
     std::vector<FitNote> notes;
   };
@@ -79,6 +86,7 @@ private:
   };
   [[nodiscard]] std::optional<Driven> laws_that_explain(const Driven& driven) const;
   [[nodiscard]] Fitted with_slow_drive(Driven& drive, FitDynamics dynamics) const;
+  [[nodiscard]] std::vector<EqualLaws> equal_laws(const std::vector<FitEvent>& found) const;
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void leave_out_contradicted_priors();
   void settle_laws();

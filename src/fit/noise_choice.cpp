@@ -16,8 +16,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// A fit's place among the parameters of another with or without slow drive. Without it, its size is
-// nothing.
+// The place of another fit in the parameters `to`: what it lacks comes from `at`, except that a
+// slow drive which it lacks is negligible.
 std::vector<double> place_among(const Parameters& to, std::span<const double> at,
                                 const Fitted& other) {
   std::vector<double> otherwise(at.begin(), at.end());
@@ -91,7 +91,7 @@ void ModelSearch::choose_noise() {
   laws.model.jitter = wanted != FitNoise::drive;
   Driven drive{laws, fit_with(laws)};
   if (!drive.fitted.minimum.usable) return;
-  // What such a drive does to the swing was no change's doing.
+  // Without such a drive, changes were dated to explain what it did.
   move_dates(drive.fitted, drive.laws.options);
   if (auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive))
     drive = std::move(*other);
@@ -102,7 +102,7 @@ void ModelSearch::choose_noise() {
   };
   if (automatic) {
     take_if_better(std::move(drive.fitted), "a drive that varies explains the walk");
-    take_laws(); // with a slow drive the same laws are compared
+    take_laws(); // for the comparison with slow drive
     choose_slow_drive(std::move(slow));
   } else {
     best_ =
@@ -116,18 +116,18 @@ void ModelSearch::take_dates_of_best() {
     options_.events[k].cycle = std::llround(best_.problem.parameters.event_cycles[k]);
 }
 
-// Slow drive is not part of the clock's course, but the clock is read off the noise too: left out
-// where there is a little of it, friction and fast drive come out wrong by several σ; taken where
-// there is none, intervals are wider. So chance is its price, not BIC's, and while the log hardly
-// tells, the clock without it is a rival of the clock with it.
+// The clock is also inferred from the noise: where a little slow drive is left out, friction and
+// fast drive are wrong by several σ; where it is added without need, intervals are wider. So it has
+// to gain what chance gains in one log of 100, not what BIC asks. Near that limit the fit that is
+// not chosen remains as a rival.
 void ModelSearch::choose_slow_drive(Fitted&& slow) {
   if (!slow.minimum.usable) return;
   if (!best_.model.drive || best_.model.slow) {
     take_if_better(std::move(slow), "the drive varies slowly too");
     return;
   }
-  // Two fits can be compared only by the same dynamics. Where the drive's own search did not reach
-  // those of the slow drive's, it begins again at that end.
+  // Fits compare only under the same dynamics. Where the one without slow drive has simpler ones, it
+  // is repeated from where the other ended.
   if (best_.dynamics < slow.dynamics) {
     Fitted same = fit_from(slow, options_, best_.model);
     if (same.minimum.usable && refine(same, slow.dynamics) && same.dynamics == slow.dynamics)

@@ -13,10 +13,10 @@
 // the matrices of one cycle are combined by doubling. A beat costs a fixed number of operations, so
 // a log of N beats costs O(N); once the covariance is constant, only the state is advanced.
 //
-// Where a log determines the amplitude better than the course does, second-order effects matter:
-// the extended filter evaluates the gains at the estimated state of the clock, not on its course,
-// and adds half the second derivatives times the mean squares, and to the covariance the scatter of
-// those squares (second-order extended Kalman filter: Jazwinski 1970, ch. 9).
+// Where the log shows the amplitude more closely than it scatters about the course, second-order
+// effects matter: the extended filter evaluates the gains at the estimated amplitude, adds to the
+// mean half the second derivatives times the mean squares, and to the covariance that of these
+// second-order terms (second-order extended Kalman filter: Jazwinski 1970, ch. 9).
 // The first time sets the lateness without an innovation, because no time is predicted for it
 // (exact diffuse start). The first amplitude scatters about the course like all others. If it were
 // held to the course, clocks whose inverse response grows (slow gain of the opposite sign) would
@@ -225,18 +225,18 @@ private:
     T value, variance; // of the innovation
     T slope;
   };
-  // The extended filter takes the turning angle and its slope at the amplitude that this
-  // observation leads to, and adds half the second derivative, for small angles, times the variance
-  // that is then left (iterated extended Kalman filter: Jazwinski 1970, ch. 8). Where the amplitude
-  // is known beforehand, as after the first beats, that is the amplitude foreseen.
+  // The extended filter linearises about the amplitude estimated with this observation (iterated
+  // extended Kalman filter: Jazwinski 1970, ch. 8), and adds half the second derivative, for small
+  // angles, times the variance that remains. An amplitude that is well known, as after the first
+  // beats, needs no iteration.
   [[nodiscard]] TurningAngle turning_angle_seen(const Sight<T>& sight, const ResponseAt& response,
                                                 const T& excess, const T& scale,
                                                 const T& power) const {
     const T on_course = response.speed2_of(sight.amplitude2);
     const T angle_on_course = turning_angle_at(*sight.laws, on_course);
     const T foreseen = kept_outside(sight, response, state_[1]);
-    constexpr int most_steps = 4;          // their errors fall as squares
-    constexpr double settled_share = 0.01; // of the noise, that the bend may still have
+    constexpr int most_steps = 4;          // each squares the error
+    constexpr double settled_share = 0.01; // of the noise: the bend may add as much
     T at = foreseen;
     TurningAngle seen;
     for (int step = 0; step < most_steps; ++step) {

@@ -268,7 +268,7 @@ void Detection::settle_tau0() {
     const TimeUnit& unit = layout_.columns[*time].unit;
     const double step_s = samples_[*time].typical_step * unit.seconds * std::pow(10.0, unit.power);
     const double whole_s = std::round(step_s);
-    constexpr double rounding = 1e-4; // relative: of half an hour in days with five decimals
+    constexpr double rounding = 2e-4; // relative: half an hour in days with five decimals
     layout_.tau0_s = std::abs(step_s - whole_s) < rounding * step_s ? whole_s : step_s;
     return assume(fmt::format("one value every {:.9g} s, the step of the times", layout_.tau0_s),
                   Setting::tau0);

@@ -74,7 +74,7 @@ private:
     return fmt::format("linecolor rgb '{}'", palette(look_.colour));
   }
 
-  // A block of data and how it is drawn; one without data is only in the key.
+  // Adds a block of data and how it is drawn; nothing where there are none.
   void add(const std::string& data, std::string_view manner, bool titled) {
     if (data.empty()) return;
     const std::string name = fmt::format("{}{}", options_.name, blocks_++);

@@ -23,8 +23,8 @@ struct Starts {
   std::size_t first, count;
 };
 
-// All factors in one walk over x: of long rows each phase then comes from memory once or twice for
-// each factor, and the two factors of an octave share what they fetch.
+// All factors in one pass over x, block by block: of a long series each phase then comes from memory
+// once or twice for each factor, and the factors m and 2m share what they read.
 template <class StartsAt>
 std::vector<MeanSquare> overlapped(std::span<const double> x, bool known, std::size_t order,
                                    std::span<const std::size_t> factors,
@@ -47,9 +47,9 @@ std::vector<MeanSquare> overlapped(std::span<const double> x, bool known, std::s
   return means;
 }
 
-// Every m-th phase, fetched a stretch at a time. A factor that is a multiple of the one before is
-// taken from what that left, which lies closer together: an octave then fetches each row of memory
-// twice, not at every factor.
+// Every m-th phase, gathered a block at a time. Where m is a multiple of the factor before, it is
+// gathered from the phases of that one, which lie next to each other: factors that double then do
+// not read the whole series again each time.
 class EveryNth {
 public:
   explicit EveryNth(std::span<const double> x) : all_(x), phases_(x) {}

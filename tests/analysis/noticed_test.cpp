@@ -364,6 +364,32 @@ at_period = 800
   }
 }
 
+// A change of the escapement's angle in another clock explains this change of friction as well, to
+// 0.2 of 2 log L. Nothing that the two contradict is stated, and the other change is told.
+TEST(NoticedTest, TwoKindsOfChangeThatExplainALogAlike) {
+  const FitSummary fit = analysed(R"(
+[clock]
+nominal_period = 3.0
+epsilon = 0.000455515
+mu = 0.000231292
+phi0 = 0.047385
+[run]
+periods = 1768
+[[event]]
+at_period = 600
+epsilon = 0.000398791
+[sensor]
+jitter_rms = 7.66e-6
+)",
+                                  20261134)
+                             .fit;
+  for (const char* name : {"T0", "epsilon", "mu", "phi0", "lambda0"})
+    EXPECT_FALSE(std::isfinite(fit.find(name)->value)) << name;
+  EXPECT_TRUE(std::any_of(fit.notes.begin(), fit.notes.end(), [](const FitNote& note) {
+    return note.text.find("explains the log as well") != std::string::npos;
+  }));
+}
+
 // What is asked for stands: the coefficient that is given, or none.
 TEST(NoticedTest, ATemperatureThatIsSpokenOf) {
   const ClockLog log = test::simulated_log(parse_scenario(warm_and_cold, "noticed.toml"), 7);
