@@ -189,9 +189,10 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   distrust_by_rivals(fitted.rivals, fitted.minimum.x, known);
   distrust_by_laws(search.settled().equal, fitted, known);
   for (const auto& laws : search.settled().equal)
-    summary.notes.push_back({NoteKind::twin, fmt::format("a change of {} at that date explains the "
-                                                         "log as well as the one that is stated",
-                                                         laws.changed)});
+    summary.notes.push_back({NoteKind::change,
+                             fmt::format("a change of {} at that date explains the log as well as "
+                                         "the one that is stated",
+                                         laws.changed)});
   summary.termination = fitted.minimum.termination;
   if (!fitted.minimum.converged) { // it crept along a valley to the end of its patience
     known.distrusted.assign(known.distrusted.size(), true);

@@ -386,7 +386,7 @@ jitter_rms = 7.66e-6
   for (const char* name : {"T0", "epsilon", "mu", "phi0", "lambda0"})
     EXPECT_FALSE(std::isfinite(fit.find(name)->value)) << name;
   EXPECT_TRUE(std::any_of(fit.notes.begin(), fit.notes.end(), [](const FitNote& note) {
-    return note.text.find("explains the log as well") != std::string::npos;
+    return note.kind == NoteKind::change && note.text.find("epsilon") != std::string::npos;
   }));
 }
 

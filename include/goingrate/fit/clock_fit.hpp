@@ -197,6 +197,7 @@ enum class NoteKind {
   dynamics,      ///< what equations could not be used
   domain,        ///< the best place is at the edge of where the equations hold
   misfit,        ///< the times stray from the best place by more than they scatter
+  change,        ///< another change at the same date explains the log as well
 };
 
 /// Something that must be said besides the numbers.
