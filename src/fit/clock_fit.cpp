@@ -189,10 +189,10 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   distrust_by_rivals(fitted.rivals, fitted.minimum.x, known);
   distrust_by_laws(search.settled().equal, fitted, known);
   for (const auto& laws : search.settled().equal)
-    summary.notes.push_back({NoteKind::change,
-                             fmt::format("a change of {} at that date explains the log as well as "
-                                         "the one that is stated",
-                                         laws.changed)});
+    summary.notes.push_back(
+        {NoteKind::change, fmt::format("a change of {} at that date explains the log as well as "
+                                       "the one that is stated",
+                                       laws.changed)});
   summary.termination = fitted.minimum.termination;
   if (!fitted.minimum.converged) { // it crept along a valley to the end of its patience
     known.distrusted.assign(known.distrusted.size(), true);
@@ -236,7 +236,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
-  if (summary.status != FitStatus::contradicts_log) list_twins(fitted, summary);
+  if (holds && summary.status != FitStatus::contradicts_log) list_twins(fitted, summary);
 }
 
 // T0 of the best law, where the terms of friction that the fit has leave it open.

@@ -7,9 +7,6 @@
 
 namespace goingrate::timing_model {
 
-/// If sigmas are widened by more than this, the model does not hold.
-inline constexpr double largest_widening = 2.0;
-
 /// Notes on what shows that the log is not of the clock that fits it best; empty if nothing does.
 std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality);
 

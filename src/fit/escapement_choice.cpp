@@ -124,6 +124,48 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
   move_dates(best_, options_);
 }
 
+namespace {
+
+// What a fit by other laws knows of the clock, and what it holds fixed.
+ModelSearch::EqualLaws knowledge_of(const Fitted& other, const std::string& changed) {
+  ModelSearch::EqualLaws knowledge{changed, {}, {}};
+  const std::span<const double> x(other.minimum.x);
+  for (const Slot& slot : other.problem.parameters.slots) {
+    if (slot.free && !is_determined(other, slot)) continue;
+    const std::string name = other.problem.parameters.name_of(slot);
+    knowledge.values[name] = slot.value(x);
+    knowledge.sigmas[name] = slot.free ? other.known.sigma(slot.index) * slot.slope(x) : 0.0;
+  }
+  return knowledge;
+}
+
+} // namespace
+
+// The best rough fit of laws in which event `changed` is of another kind. Not usable where the log
+// is hopelessly far from it.
+Fitted ModelSearch::roughly_fitted_near(const Laws& laws, std::size_t changed,
+                                        TimingData& thin) const {
+  constexpr double hopeless_straying = 10.0; // of the jitter: not the doing of a beat
+  Fitted best;
+  for (const std::int64_t beats : {0, -1, 1}) { // a search begun a beat off may not get there
+    FitOptions dated = laws.options;
+    dated.events[changed].cycle += beats;
+    Fitted there = roughly_fitted(dated, laws.model, thin);
+    if (!there.minimum.usable || straying(there) > hopeless_straying) break;
+    if (there.minimum.value < best.minimum.value) best = std::move(there);
+  }
+  return best;
+}
+
+// A rough fit brought to rest on all beats, by the full equation of motion.
+Fitted ModelSearch::wholly_fitted(const Fitted& rough, FitOptions options) const {
+  for (std::size_t k = 0; k < options.events.size(); ++k)
+    options.events[k].cycle = std::llround(rough.problem.parameters.event_cycles[k]);
+  Fitted all = fit_from(rough, options, rough.model, &working_.data);
+  all.minimum.usable = all.minimum.usable && refine(all, FitDynamics::map);
+  return all;
+}
+
 // Other changes at the same dates that explain the log as well, to three sigma. Asked for only
 // where the chosen ones determine something of the clock, which the others may contradict.
 std::vector<ModelSearch::EqualLaws>
@@ -143,42 +185,19 @@ ModelSearch::equal_laws(const std::vector<FitEvent>& found) const {
   TimingData thin;
   const Fitted chosen = roughly_fitted(here.options, best_.model, thin);
   if (!explains(chosen)) return {};
-  constexpr double three_sigma = 4.5;        // of L
-  constexpr double hopeless_straying = 10.0; // of the jitter: not the doing of a beat
-  const auto on_all_beats = [&](const Fitted& rough, FitOptions options) {
-    for (std::size_t k = 0; k < options.events.size(); ++k)
-      options.events[k].cycle = std::llround(rough.problem.parameters.event_cycles[k]);
-    Fitted all = fit_from(rough, options, rough.model, &working_.data);
-    all.minimum.usable = all.minimum.usable && refine(all, FitDynamics::map);
-    return all;
-  };
+  constexpr double three_sigma = 4.5; // of L
   Fitted whole;
   std::vector<EqualLaws> equal;
   for (const Laws& laws : others) {
-    Fitted other;
-    for (const std::int64_t beats : {0, -1, 1}) { // a search begun a beat off may not get there
-      FitOptions dated = laws.options;
-      for (std::size_t k = 0; k < found.size(); ++k)
-        if (dated.events[k].names != options_.events[k].names) dated.events[k].cycle += beats;
-      Fitted there = roughly_fitted(dated, laws.model, thin);
-      if (!there.minimum.usable || straying(there) > hopeless_straying) break;
-      if (there.minimum.value < other.minimum.value) other = std::move(there);
-    }
+    std::size_t changed = 0;
+    while (laws.options.events[changed].names == options_.events[changed].names)
+      ++changed;
+    Fitted other = roughly_fitted_near(laws, changed, thin);
     if (!explains(other) || other.minimum.value > chosen.minimum.value + three_sigma) continue;
-    other = on_all_beats(other, laws.options);
-    if (!whole.minimum.usable) whole = on_all_beats(chosen, here.options);
-    if (!other.minimum.usable || other.minimum.value > whole.minimum.value + three_sigma) continue;
-    equal.emplace_back();
-    for (std::size_t k = 0; k < options_.events.size(); ++k)
-      if (laws.options.events[k].names != options_.events[k].names)
-        equal.back().changed = laws.options.events[k].names.front();
-    const std::span<const double> x(other.minimum.x);
-    for (const Slot& slot : other.problem.parameters.slots) {
-      if (slot.free && !is_determined(other, slot)) continue;
-      const std::string name = other.problem.parameters.name_of(slot);
-      equal.back().values[name] = slot.value(x);
-      equal.back().sigmas[name] = slot.free ? other.known.sigma(slot.index) * slot.slope(x) : 0.0;
-    }
+    other = wholly_fitted(other, laws.options);
+    if (!whole.minimum.usable) whole = wholly_fitted(chosen, here.options);
+    if (other.minimum.usable && other.minimum.value <= whole.minimum.value + three_sigma)
+      equal.push_back(knowledge_of(other, laws.options.events[changed].names.front()));
   }
   return equal;
 }

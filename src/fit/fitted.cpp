@@ -45,6 +45,19 @@ bool knows_its_clock(const Fitted& fitted) {
   return all_but_known(fitted.problem, fitted.known, fitted.minimum.x);
 }
 
+void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
+  const auto seen = residuals(problem, x);
+  if (!seen) return;
+  for (const Slot& slot : problem.parameters.slots) {
+    if (!slot.free || !is_noise(slot.quantity) || slot.quantity == Quantity::slow_time) continue;
+    const bool of_amplitude = slot.quantity == Quantity::amplitude_rms;
+    const auto& white = of_amplitude ? seen->white_amplitude : seen->white_time;
+    if (white.empty()) continue;
+    const auto [low, high] = problem.bounds[slot.index];
+    x[slot.index] = std::clamp(x[slot.index] + std::log(rms(white)), low, high);
+  }
+}
+
 void condense(FitProblem& problem, std::span<const double> x) {
   const Parameters& parameters = problem.parameters;
   for (const Quantity quantity : {Quantity::walk_rms, Quantity::drive_rms, Quantity::term})
@@ -65,20 +78,6 @@ bool condensed_well(const FitProblem& problem, std::span<const double> x) {
   const auto few = minus_log_likelihood(problem, x);
   const auto all = minus_log_likelihood(on_every_beat(problem), x);
   return few && all && std::abs(*few - *all) < largest_difference;
-}
-
-// Rescales the noise to the size of the innovations.
-void rescale_noise(const FitProblem& problem, std::vector<double>& x) {
-  const auto seen = residuals(problem, x);
-  if (!seen) return;
-  for (const Slot& slot : problem.parameters.slots) {
-    if (!slot.free || !is_noise(slot.quantity) || slot.quantity == Quantity::slow_time) continue;
-    const bool of_amplitude = slot.quantity == Quantity::amplitude_rms;
-    const auto& white = of_amplitude ? seen->white_amplitude : seen->white_time;
-    if (white.empty()) continue;
-    const auto [low, high] = problem.bounds[slot.index];
-    x[slot.index] = std::clamp(x[slot.index] + std::log(rms(white)), low, high);
-  }
 }
 
 // Where the misfit is still due to the clock and not to the noise, the clock is fitted first, with

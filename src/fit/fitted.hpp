@@ -42,6 +42,9 @@ void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits);
 /// hold there.
 void finish(Fitted& fitted);
 
+/// Rescales free noise to the size of the innovations.
+void rescale_noise(const FitProblem& problem, std::vector<double>& x);
+
 /// Lets a few beats stand for all where nothing but jitter disturbs them.
 void condense(FitProblem& problem, std::span<const double> x);
 

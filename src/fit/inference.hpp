@@ -20,6 +20,9 @@ struct Widening {
   [[nodiscard]] double largest() const { return std::max(time, amplitude); }
 };
 
+/// If sigmas are widened by more than this, the model does not hold.
+inline constexpr double largest_widening = 2.0;
+
 /// What the data say of the search coordinates, priors included (so it always exists).
 ///
 /// With the triangle R of all rows the covariance is the sandwich R^-1 M R^-T, where M is the

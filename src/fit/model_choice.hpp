@@ -86,6 +86,9 @@ private:
   };
   [[nodiscard]] std::optional<Driven> laws_that_explain(const Driven& driven) const;
   [[nodiscard]] Fitted with_slow_drive(Driven& drive, FitDynamics dynamics) const;
+  [[nodiscard]] Fitted roughly_fitted_near(const Laws& laws, std::size_t changed,
+                                           TimingData& thin) const;
+  [[nodiscard]] Fitted wholly_fitted(const Fitted& rough, FitOptions options) const;
   [[nodiscard]] std::vector<EqualLaws> equal_laws(const std::vector<FitEvent>& found) const;
   [[nodiscard]] bool prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen);
   void leave_out_contradicted_priors();

@@ -4,6 +4,7 @@
 #include "fit_starts.hpp"
 #include "refinement.hpp"
 #include "rivals.hpp"
+#include "swing_sizes.hpp"
 
 #include "base/workers.hpp"
 #include "fit/timing_noise.hpp"
@@ -131,6 +132,24 @@ bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
          options.dynamics != FitDynamics::averaged1;
 }
 
+// A search that begins with far too little noise spends its steps on finding the noise.
+std::vector<double> with_likelier_noise(const FitProblem& problem, const std::vector<double>& x) {
+  std::vector<double> rescaled = x;
+  rescale_noise(problem, rescaled);
+  const auto before = minus_log_likelihood(problem, x);
+  const auto after = minus_log_likelihood(problem, rescaled);
+  return after && before && *after < *before ? rescaled : x;
+}
+
+// How unusual a clock is, in units of 2 log L. Clocks of every friction may explain a log alike
+// whose noise hides the swing's memory; of these the likeliest is one as people have them.
+double unusualness(const FitProblem& problem, std::span<const double> x) {
+  constexpr double usual_epsilon = 3e-4; // Q of 1700
+  constexpr double spread = 2.0;         // of its logarithm: Q of 230 to 12000 within one sigma
+  const Slot* epsilon = problem.parameters.find(Quantity::epsilon);
+  return std::pow(std::log(epsilon->value(x) / usual_epsilon) / spread, 2);
+}
+
 } // namespace
 
 bool worth_trying(const Fitted& simpler, const FitOptions& options, const ModelChoice& model) {
@@ -175,7 +194,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
       FitProblem own = few;
       own.priors = make_priors(options, own.parameters, tried[i].x);
       if (is_extended) extend(own, tried[i].x);
-      tried[i] = minimise(own, tried[i].x, {40, 1e-2});
+      tried[i] = minimise(own, with_likelier_noise(own, tried[i].x), {40, 1e-2});
     };
     // Second order is dear, and starts that differ in their noise mostly lead to one place.
     const std::size_t first = is_extended ? std::min<std::size_t>(2, tried.size()) : tried.size();
@@ -186,6 +205,13 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     else
       share(tried.size() - first, [&](std::size_t i) { search(first + i); });
     std::sort(tried.begin(), tried.end(), by_value);
+    for (Minimum& end : ends_of_every_size(few, tried.front()))
+      tried.push_back(std::move(end));
+    const auto cost = [&](const Minimum& end) {
+      return end.usable ? end.value + 0.5 * unusualness(few, end.x) : end.value;
+    };
+    std::stable_sort(tried.begin(), tried.end(),
+                     [&](const Minimum& a, const Minimum& b) { return cost(a) < cost(b); });
   }
   if (tried.empty()) return fitted;
   fitted.minimum.x = tried.front().x;
@@ -199,7 +225,7 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
     constexpr double largest_deficit = 4.5; // three sigma
     if (!other.usable || other.value > tried.front().value + largest_deficit) continue;
     fitted.rivals.push_back({moved_along(other.x, tried.front().x, fitted.minimum.x),
-                             other.value - tried.front().value});
+                             std::max(0.0, other.value - tried.front().value)});
   }
   look_at_the_twins(fitted);
   finish(fitted);
@@ -233,6 +259,7 @@ Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, FitOptions& opti
   }
   if (!rough.minimum.usable) return {};
   move_dates(rough, options); // all beats would explain a wrong date by a slow drive
+  if (rough.widening.largest() > largest_widening) return {}; // more beats contradict it more
   const auto on_all = [&](const std::vector<double>& x) {
     return with_jitter_of(data, rough.problem.parameters,
                           with_noise_of_blocks(rough.problem.parameters, x, 1.0 / few.together));
@@ -243,16 +270,6 @@ Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, FitOptions& opti
     fitted.rivals.push_back(
         {moved_along(on_all(rival.x), rough.minimum.x, fitted.minimum.x), rival.behind});
   return fitted;
-}
-
-// How unusual a clock is, in units of 2 log L. Clocks of every friction may explain a log alike
-// whose noise hides the swing's memory; of these the likeliest is one as people have them.
-double unusualness(const Fitted& fitted) {
-  constexpr double usual_epsilon = 3e-4; // Q of 1700
-  constexpr double spread = 2.0;         // of its logarithm: Q of 230 to 12000 within one sigma
-  const Slot* epsilon = fitted.problem.parameters.find(Quantity::epsilon);
-  const double value = epsilon->value(std::span<const double>(fitted.minimum.x));
-  return std::pow(std::log(value / usual_epsilon) / spread, 2);
 }
 
 } // namespace
@@ -266,8 +283,10 @@ Fitted fit_from_any(std::span<const Fitted* const> simpler, FitOptions& options,
   Fitted likeliest;
   for (const Fitted* start : simpler) {
     Fitted end = fit_from(*start, options, model);
-    if (end.minimum.usable && (!likeliest.minimum.usable ||
-                               end.bic + unusualness(end) < likeliest.bic + unusualness(likeliest)))
+    const auto cost = [](const Fitted& fit) {
+      return fit.bic + unusualness(fit.problem, fit.minimum.x);
+    };
+    if (end.minimum.usable && (!likeliest.minimum.usable || cost(end) < cost(likeliest)))
       likeliest = std::move(end);
   }
   return likeliest;

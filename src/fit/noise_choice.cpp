@@ -93,11 +93,13 @@ void ModelSearch::choose_noise() {
   if (!drive.fitted.minimum.usable) return;
   // Without such a drive, changes were dated to explain what it did.
   move_dates(drive.fitted, drive.laws.options);
-  if (auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive))
-    drive = std::move(*other);
+  auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
+  const bool are_other = other.has_value();
+  if (are_other) drive = std::move(*other);
   Fitted slow = with_slow_drive(drive, dynamics);
   const auto take_laws = [&] {
     if (best_.model.drive) options_.events = drive.laws.options.events;
+    if (best_.model.drive && are_other) settled_.equal.clear(); // they equal the laws before
     take_dates_of_best();
   };
   if (automatic) {
@@ -126,8 +128,8 @@ void ModelSearch::choose_slow_drive(Fitted&& slow) {
     take_if_better(std::move(slow), "the drive varies slowly too");
     return;
   }
-  // Fits compare only under the same dynamics. Where the one without slow drive has simpler ones, it
-  // is repeated from where the other ended.
+  // Fits compare only under the same dynamics. Where the one without slow drive has simpler ones,
+  // it is repeated from where the other ended.
   if (best_.dynamics < slow.dynamics) {
     Fitted same = fit_from(slow, options_, best_.model);
     if (same.minimum.usable && refine(same, slow.dynamics) && same.dynamics == slow.dynamics)

@@ -28,7 +28,9 @@
 #include "turning_angle.hpp"
 
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 
 // Inlines all that a beat calls into one body. With a sanitizer's checks that body would take half
 // an hour to compile.
@@ -316,15 +318,14 @@ private:
     add(covariance_, step.noise);
   }
 
-  // Combines `cycles` equal cycles, by doubling.
-  [[nodiscard]] Step over(Step power, double cycles) const {
-    if (cycles == 1.0) return power;
-    Step total;
-    for (std::size_t i = 0; i < D; ++i)
-      total.transition[i][i] = T(1.0);
-    for (auto left = static_cast<std::uint64_t>(cycles); left > 0; left /= 2) {
-      if (left % 2 == 1) total = {times(power.transition, total.transition), joined(power, total)};
-      power = {times(power.transition, power.transition), joined(power, power)};
+  // Combines `cycles` equal cycles, by doubling: the bits of their number below the highest one say
+  // where one more is added.
+  [[nodiscard]] Step over(const Step& one, double cycles) const {
+    const auto count = static_cast<std::uint64_t>(cycles);
+    Step total = one;
+    for (std::uint64_t bit = std::bit_floor(count) / 2; bit > 0; bit /= 2) {
+      total = {times(total.transition, total.transition), joined(total, total)};
+      if ((count & bit) != 0) total = {times(one.transition, total.transition), joined(one, total)};
     }
     return total;
   }

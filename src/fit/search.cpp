@@ -29,6 +29,12 @@ public:
       x[k] = std::clamp(x[k], bounds_[k][0], bounds_[k][1]);
     return x;
   }
+  /// Clears dx/du of each coordinate x that u would put beyond its bounds, where it stays.
+  void stay(std::span<const double> beyond, Eigen::MatrixXd& dx_du) const {
+    for (std::size_t k = 0; k < beyond.size(); ++k)
+      if (beyond[k] < bounds_[k][0] || beyond[k] > bounds_[k][1])
+        dx_du.row(static_cast<Eigen::Index>(k)).setZero();
+  }
   /// Clears the slopes of each coordinate that is at a bound beyond which the cost would fall.
   /// Otherwise Ceres would aim beyond the bound and cut the whole step short.
   void hold(std::span<const double> x, const Eigen::VectorXd& gradient,
@@ -73,7 +79,8 @@ public:
     const std::span<const double> u(at[0], unknowns_);
     if (!std::equal(u.begin(), u.end(), last_u_.begin(), last_u_.end())) {
       last_u_.assign(u.begin(), u.end()); // kept, since Ceres asks for the slopes after the value
-      last_x_ = map_.x_of(u);
+      last_beyond_ = map_.x_of(u); // the bounds are those of x, which follows other coordinates too
+      last_x_ = bounds_.nearest(last_beyond_);
     }
     const std::vector<double>& x = last_x_;
     const auto n = static_cast<Eigen::Index>(unknowns_);
@@ -93,7 +100,9 @@ public:
     r[n] = std::sqrt(std::max(0.0, rest)); // rest < 0 only if the noise is far too small
     Eigen::Map<RowMajor> slopes(jacobian[0], n + 1, n);
     slopes.setZero();
-    slopes.topRows(n) = evaluation->triangle * map_.slopes(u);
+    Eigen::MatrixXd dx_du = map_.slopes(u);
+    bounds_.stay(last_beyond_, dx_du);
+    slopes.topRows(n) = evaluation->triangle * dx_du;
     bounds_.hold(u, slopes.transpose() * r, slopes);
     // Ceres squares the slopes, and would write to stderr if that overflowed.
     if (!std::isfinite(slopes.squaredNorm())) return has_value(x) && stop_here(r, jacobian[0]);
@@ -140,7 +149,7 @@ private:
   double offset_;
   std::size_t unknowns_;
   mutable Remembered last_;
-  mutable std::vector<double> last_u_, last_x_;
+  mutable std::vector<double> last_u_, last_beyond_, last_x_;
   mutable std::vector<Value> values_;
   mutable bool broke_off_ = false;
 };
@@ -266,7 +275,7 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
                         slopes->projected.squaredNorm();
   const Valley map(problem, minimum.x);
   std::vector<double> u = map.u_of(minimum.x);
-  ScoredLikelihood likelihood(problem, map, bounds, offset, {map.x_of(u), slopes});
+  ScoredLikelihood likelihood(problem, map, bounds, offset, {bounds.nearest(map.x_of(u)), slopes});
   ceres::Problem::Options owned_here;
   owned_here.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem ceres_problem(owned_here);
@@ -277,7 +286,7 @@ Minimum minimise(const FitProblem& problem, std::vector<double> start, const Sea
   minimum.converged = summary.termination_type == ceres::CONVERGENCE ||
                       summary.termination_type == ceres::USER_SUCCESS;
   if (summary.termination_type == ceres::FAILURE || likelihood.broke_off()) return minimum;
-  minimum.x = map.x_of(u);
+  minimum.x = bounds.nearest(map.x_of(u));
   // Not from final_cost: too few digits are left in it less the offset.
   const auto last = likelihood.value_at(minimum.x);
   minimum.usable = last.has_value();

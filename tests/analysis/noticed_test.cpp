@@ -364,6 +364,37 @@ at_period = 800
   }
 }
 
+// Under a drive that varies, times alone leave hills between clocks that swing far and clocks that
+// swing little. The end must be no worse than the one to which the true period leads.
+TEST(NoticedTest, NoSizeOfTheSwingIsPassedBy) {
+  const std::string clock = R"(
+[clock]
+nominal_period = 0.9947
+epsilon = 0.00054385
+mu = 1.2724e-05
+phi0 = 0.01324
+[run]
+periods = 3735
+[drive]
+fast_rms = 0.055
+[[event]]
+at_period = 1427
+phi0 = 0.01238
+[sensor]
+jitter_rms = 2e-5
+)";
+  const FitSummary bare = analysed(clock, 2).fit;
+  const FitSummary told = analysed(clock, 2, {{"T0", 0.9947}}).fit;
+  constexpr double one_parameter_more = 2.0, same_end = 1.0; // of 2 log L
+  EXPECT_LT(bare.quality.aic, told.quality.aic + one_parameter_more + same_end);
+  for (const auto& [name, truth] : {std::pair{"phi0", 0.01324}, {"mu", 1.2724e-5}}) {
+    const FittedParameter* p = bare.find(name);
+    if (std::isfinite(p->value)) {
+      EXPECT_NEAR(p->value, truth, 4.0 * p->sigma) << name; // as expect_value
+    }
+  }
+}
+
 // A change of the escapement's angle in another clock explains this change of friction as well, to
 // 0.2 of 2 log L. Nothing that the two contradict is stated, and the other change is told.
 TEST(NoticedTest, TwoKindsOfChangeThatExplainALogAlike) {
