@@ -232,7 +232,7 @@ private:
               ? *log.nominal_period_s
               : small_swing_period(log, width, loaded_.nominal_period_s, request_.gravity_share);
       set_amplitudes_from_widths(log, width, period_s, request_.gravity_share);
-      move_middles_to_vertical(log, period_s);
+      correct_widths_for_friction(log, width, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {
       assume("the times are those of a flag's leading edge, and without amplitudes cannot be moved "

@@ -164,11 +164,10 @@ void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>
             std::abs(length.drift_per_day), after_s, parts);
 }
 
-// The value nearest to `present`, by factors, between `low` and `high` at which `error` falls below
-// `most`; if it is below at present, the value at which it no longer is.
+// The value nearest to `present`, by factors of `step`, between `low` and `high` at which `error`
+// falls below `most`; if it is below at present, the value at which it no longer is.
 std::optional<double> nearest_limit(const std::function<double(double)>& error, double present,
-                                    double most, double low, double high) {
-  constexpr double step = 1.02;
+                                    double most, double low, double high, double step = 1.02) {
   const bool holds = error(present) <= most;
   const auto changes = [&](double value) { return (error(value) <= most) != holds; };
   double up = present, down = present;
@@ -183,7 +182,7 @@ std::optional<double> nearest_limit(const std::function<double(double)>& error, 
       *side = next;
       if (!changes(next)) continue;
       double inside = before, outside = next;
-      for (int i = 0; i < 20; ++i) { // 2 % halved 20 times
+      for (int i = 0; i < 20; ++i) { // a step halved 20 times
         const double middle = std::sqrt(inside * outside);
         (changes(middle) ? outside : inside) = middle;
       }
@@ -261,7 +260,27 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
       !std::isfinite(error_of(wider(*limit2 * (*limit2 < 1.0 ? 1.0 - margin : 1.0 + margin))));
   all.push_back({waits ? "clock.below" : "amplitude", *size(clock),
                  limit2 ? size(wider(*limit2)) : std::nullopt, stops});
+  // A compensation takes off what the length does: each is asked for with the other as it is.
+  const bool compensates = scenario.length.compensation != 0.0;
+  const auto ask_of_length = [&](const char* key, double LengthChanges::*value) {
+    const double present = scenario.length.*value;
+    const auto error = [&](double with) {
+      Scenario other = scenario;
+      other.length.*value = std::copysign(with, present);
+      return error_budget(other, after_s).all_s();
+    };
+    constexpr double range = 10.0, step = 1.001; // finer than what a good compensation leaves
+    const double now = std::abs(present);
+    all.push_back({key, now,
+                   now > 0.0 ? nearest_limit(error, now, most_s, now / range, now * range, step)
+                             : std::nullopt});
+  };
+  if (compensates) {
+    ask_of_length("length.temperature_coefficient", &LengthChanges::temperature_coefficient);
+    ask_of_length("length.compensation", &LengthChanges::compensation);
+  }
   for (const ErrorPart& part : budget.parts) {
+    if (compensates && part.key == "length.temperature_coefficient") continue;
     const double others2 = all2 - part.rms_s * part.rms_s, room2 = most_s * most_s - others2;
     const double limit = part.size * std::sqrt(std::max(0.0, room2)) / part.rms_s;
     // A drive that varies by more than itself drives nothing.

@@ -236,7 +236,10 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
-  if (holds && summary.status != FitStatus::contradicts_log) list_twins(fitted, summary);
+  constexpr double beyond_chance = 1e-6; // whiteness of a log that a clock explains
+  if (holds && summary.status != FitStatus::contradicts_log &&
+      whiteness_p(fitted.seen.white_time) > beyond_chance)
+    list_twins(fitted, summary);
 }
 
 // T0 of the best law, where the terms of friction that the fit has leave it open.

@@ -91,6 +91,11 @@ void check_value(const std::string& name, const Slot& slot, double value) {
                                               (may_be_zero(slot.quantity) && value == 0.0));
   if (!legal)
     throw ArgumentError(name, value, may_be_zero(slot.quantity) ? "not below 0" : "above 0");
+  if (slot.quantity == Quantity::gravity_share) {
+    ClockParameters clock;
+    clock.gravity_share = value;
+    check(clock);
+  }
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {

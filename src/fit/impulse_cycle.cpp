@@ -239,6 +239,22 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   return found;
 }
 
+// Whether what looks like pushes is the overtone of pushes that are rarer than those sought.
+bool is_part_of_longer_cycle(const Sight& sight, const Candidate& found, double price) {
+  if (!found.pushes.is_regular) return false;
+  constexpr std::size_t rarest = 5; // times the longest cycle sought
+  const auto n = static_cast<std::size_t>(found.pushes.periods);
+  for (std::size_t longer = 2 * n;
+       longer <= rarest * longest_cycle && longer * least_cycles <= sight.late.size();
+       longer += n) {
+    if (longer <= longest_cycle) continue; // was sought
+    const auto candidate = RegularSearch(sight, longer, price).best();
+    if (candidate && candidate->pushes.gain > least_gain && candidate->squares > found.squares)
+      return true;
+  }
+  return false;
+}
+
 std::vector<double> pushes_of(const ImpulseCycle& found, double last) {
   if (!found.is_regular) return found.cycles;
   return regular_pushes(static_cast<std::size_t>(found.first),
@@ -266,6 +282,7 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
   }
   if (!sight.amplitude.empty()) take(visible_pushes(sight, price));
   if (!best || best->squares < sine) return {};
+  if (is_part_of_longer_cycle(sight, *best, price)) return {};
   if (!best->pushes.cycles.empty() && sight.late.size() == searched_cycles) // each one, to the end
     best = visible_pushes(seen(data, std::numeric_limits<std::size_t>::max()), price);
   if (!best) return {};

@@ -67,7 +67,8 @@ void state_free(const FitProblem& problem, const Slot& slot, std::span<const dou
   if (!open && !may_vanish(slot))
     parameter.sigma = std::max({parameter.sigma, 0.5 * (parameter.high68 - parameter.low68),
                                 0.5 * (parameter.high95 - parameter.low95) / z95});
-  const bool vague = !(sigma <= tolerable_sigma(problem, slot, x)) &&
+  const double widened = parameter.sigma / std::abs(slot.slope(x));
+  const bool vague = !(widened <= tolerable_sigma(problem, slot, x)) &&
                      (!may_vanish(slot) || tells_nothing(problem, slot, sigma));
   if (vague || (open && !parameter.at_bound) || known.distrusted[slot.index]) {
     parameter.status = ParameterStatus::undetermined;

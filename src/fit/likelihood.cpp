@@ -27,13 +27,8 @@ template <class T> NoiseSizes<T> noise_sizes(const Parameters& parameters, std::
   return noise;
 }
 
-bool noise_is_free(const Parameters& parameters) {
-  return std::any_of(parameters.slots.begin(), parameters.slots.end(),
-                     [](const Slot& slot) { return slot.free && is_noise(slot.quantity); });
-}
-
 // The filter for times disturbed only by jitter and a random walk: it has one state, and its gain
-// does not depend on the clock. N is double where the noise is held fixed.
+// does not depend on the clock. N is double where its derivatives are not asked for.
 template <class N> class WalkFilter {
 public:
   explicit WalkFilter(const NoiseSizes<N>& noise)
@@ -101,9 +96,11 @@ public:
       : problem_(problem), data_(*problem.data), x_(x), scale_(amplitude_scale(problem, x)) {
     if constexpr (std::is_same_v<T, N>) {
       noise_ = noise_sizes<N>(problem.parameters, x);
-    } else { // noise held fixed has no derivatives
-      const std::vector<double> none(problem.parameters.free_count, 0.0);
-      noise_ = noise_sizes<double>(problem.parameters, none);
+    } else {
+      std::vector<double> values;
+      for (const T& one : x)
+        values.push_back(plain(one));
+      noise_ = noise_sizes<double>(problem.parameters, values);
     }
   }
 
@@ -222,21 +219,31 @@ double condensed_value(const FitProblem& problem, double squares, double jitter2
   return 0.5 * (squares / jitter2 + (n - 1.0) * std::log(jitter2) + std::log(n));
 }
 
-// Adds one innovation to the sums and to its rows.
+// Adds one innovation to sums and rows.
 template <class T, class N>
-void fold_in(const T& value, const N& variance, bool of_time, LikelihoodSums& sums, RowStack& rows,
-             RowStack& amplitude_rows) {
+void fold_in(const T& value, const N& variance, LikelihoodSums& sums, RowStack& rows) {
   const double root = 1.0 / std::sqrt(plain(variance));
   const double white = plain(value) * root;
   sums.squares += white * white;
   sums.logs += std::log(plain(variance));
-  RowStack& stack = of_time ? rows : amplitude_rows;
-  stack.add(white, [&](Eigen::Index k) { return value.v[k] * root; });
+  rows.add(white, [&](Eigen::Index k) { return value.v[k] * root; });
   if constexpr (!std::is_same_v<N, double>) {
     const double scale = std::sqrt(0.5) * root * root;
-    stack.add((1.0 - white * white) * std::sqrt(0.5),
-              [&](Eigen::Index k) { return variance.v[k] * scale; });
+    rows.add((1.0 - white * white) * std::sqrt(0.5),
+             [&](Eigen::Index k) { return variance.v[k] * scale; });
   }
+}
+
+// The rows (1 - e^2/F)/sqrt 2 of innovations whose variances F are all proportional to the square
+// of one size, combined into one. `squares` is the sum of e^2/F.
+void add_row_of_size(const Parameters& parameters, Quantity size, double innovations,
+                     double squares, RowStack& rows) {
+  const Slot* slot = parameters.find(size);
+  if (slot == nullptr || !slot->free || innovations == 0.0) return;
+  const double slope = std::sqrt(2.0 * innovations);
+  rows.add((innovations - squares) / slope, [&](Eigen::Index k) {
+    return static_cast<std::size_t>(k) == slot->index ? slope : 0.0;
+  });
 }
 
 void add_priors(const FitProblem& problem, std::span<const double> x, RowStack& rows) {
@@ -271,13 +278,7 @@ std::optional<Evaluation> evaluate_condensed(const FitProblem& problem, std::spa
     rows.add((*late)(i, 0) * root, [&](Eigen::Index k) { return (*late)(i, k + 1) * root; });
   const double squares = problem.condensed->rest_s2() + late->col(0).squaredNorm();
   const double innovations = problem.condensed->beats() - 1.0;
-  const Slot* jitter = problem.parameters.find(Quantity::jitter_rms);
-  if (jitter->free) { // the rows (1 - e^2/F)/sqrt 2 of all beats, combined into one
-    const double slope = std::sqrt(2.0 * innovations);
-    rows.add((innovations - squares / variance) / slope, [&](Eigen::Index k) {
-      return static_cast<std::size_t>(k) == jitter->index ? slope : 0.0;
-    });
-  }
+  add_row_of_size(problem.parameters, Quantity::jitter_rms, innovations, squares / variance, rows);
   add_priors(problem, x, rows);
   Evaluation result;
   result.value = condensed_value(problem, squares, variance) + prior_cost(problem, x);
@@ -295,16 +296,24 @@ std::optional<Evaluation> evaluate_with(const FitProblem& problem, std::span<con
   const auto unknowns = static_cast<Eigen::Index>(x.size());
   RowStack rows(unknowns), amplitude_rows(unknowns);
   Evaluation result;
-  LikelihoodSums sums;
+  LikelihoodSums sums, of_amplitude;
   Run<T, N> run(problem, jets);
+  double times = 0.0, amplitudes = 0.0;
   if (!run.run([&](std::size_t, const T& value, const N& variance, bool of_time) {
-        fold_in(value, variance, of_time, sums, rows, amplitude_rows);
+        ++(of_time ? times : amplitudes);
+        fold_in(value, variance, of_time ? sums : of_amplitude, of_time ? rows : amplitude_rows);
       }))
     return {};
+  if constexpr (!noisy) {
+    const Parameters& parameters = problem.parameters;
+    add_row_of_size(parameters, Quantity::jitter_rms, times, sums.squares.value(), rows);
+    add_row_of_size(parameters, Quantity::amplitude_rms, amplitudes, of_amplitude.squares.value(),
+                    amplitude_rows);
+  }
   result.amplitude_triangle = amplitude_rows.triangle();
   rows.add(amplitude_rows);
   add_priors(problem, x, rows);
-  result.value = sums.value() + prior_cost(problem, x);
+  result.value = sums.value() + of_amplitude.value() + prior_cost(problem, x);
   result.triangle = rows.triangle();
   result.projected = rows.projected();
   return if_finite(std::move(result));
@@ -359,11 +368,15 @@ std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<
 }
 
 std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const double> x) {
-  // Noise without derivatives costs less. The effect of drive noise depends on the clock, so its
-  // variances have derivatives even where its size is held fixed.
-  const bool disturbed =
-      problem.parameters.has(Quantity::drive_rms) || problem.parameters.has(Quantity::slow_rms);
-  const bool noisy = disturbed || noise_is_free(problem.parameters);
+  // Noise without derivatives costs less: under jitter alone every variance is a multiple of one
+  // size. The effect of drive noise depends on the clock, so its variances have derivatives even
+  // where its size is held fixed.
+  const Parameters& parameters = problem.parameters;
+  const bool walks =
+      parameters.has(Quantity::walk_rms) &&
+      (parameters.is_free(Quantity::walk_rms) || parameters.is_free(Quantity::jitter_rms));
+  const bool noisy =
+      walks || parameters.has(Quantity::drive_rms) || parameters.has(Quantity::slow_rms);
   const auto of_width = [&](auto width) {
     constexpr int n = decltype(width)::value;
     if (problem.condensed != nullptr) return evaluate_condensed<n>(problem, x);

@@ -44,7 +44,7 @@ std::string moved_by(const Fitted& from, const Fitted& to) {
     largest = change;
     which = from.problem.parameters.name_of(slot);
   }
-  return which.empty() ? "" : fmt::format("; {} moves by {:.2g} sigma", which, largest);
+  return which.empty() ? "" : fmt::format("; {} moves by {} sigma", which, readable(largest, 2));
 }
 
 } // namespace
@@ -199,23 +199,26 @@ void ModelSearch::choose_dynamics() {
   const bool suffices = shifts_.empty() || first <= allowed_shift;
   if (is_extended) shifts_.clear();
   if (suffices) return;
-  chosen_by_ = fmt::format("{} is off by up to {:.2g} sigma", name_of(best_.dynamics), first);
-  tried(best_, fmt::format("off by up to {:.2g} sigma", first));
+  const auto off_by = [](double sigmas) {
+    return fmt::format("off by up to {} sigma", readable(sigmas, 2));
+  };
+  chosen_by_ = fmt::format("{} is {}", name_of(best_.dynamics), off_by(first));
+  tried(best_, off_by(first));
   double second = std::numeric_limits<double>::infinity();
   if (is_extended) {
     second = first;
   } else if (refine_every_end(best_, FitDynamics::averaged2)) {
     second = shift_by(FitDynamics::map);
     if (second > tolerable_shift_of_second) {
-      tried(best_, fmt::format("off by up to {:.2g} sigma", second));
-      chosen_by_ += fmt::format(", averaged2 by {:.2g}", second);
+      tried(best_, off_by(second));
+      chosen_by_ += fmt::format(", averaged2 by {}", readable(second, 2));
     }
   }
   if (second > tolerable_shift_of_second && !refine_every_end(best_, FitDynamics::map))
     notes_.push_back(
         {NoteKind::dynamics, fmt::format("the full equation of motion found no place near this "
-                                         "one; the values are off by up to {:.2g} sigma",
-                                         std::min(first, second))});
+                                         "one; the values are {}",
+                                         off_by(std::min(first, second)))});
   shifts_ = first_order;
 }
 

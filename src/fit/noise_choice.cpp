@@ -4,6 +4,7 @@
 
 #include "date_search.hpp"
 
+#include "base/readable.hpp"
 #include "fit/timing_noise.hpp"
 
 #include <algorithm>
@@ -140,10 +141,10 @@ void ModelSearch::choose_slow_drive(Fitted&& slow) {
   const double price = 2.0 * std::log(static_cast<double>(best_.problem.data->size()));
   const double gain = best_.bic - slow.bic + price;
   if (gain > one_in_a_hundred) {
-    tried(best_, fmt::format("2 log L less by {:.3g}: the drive varies slowly too", gain));
+    tried(best_, fmt::format("2 log L less by {}: the drive varies slowly too", readable(gain, 3)));
     std::swap(best_, slow);
   } else {
-    tried(slow, fmt::format("2 log L more by {:.3g}, as by chance: not demanded", gain));
+    tried(slow, fmt::format("2 log L gains {:.3g}, as by chance: not demanded", gain));
   }
   const double ahead = gain - one_in_a_hundred;
   if (gain > one_in_twenty && ahead < three_sigma)

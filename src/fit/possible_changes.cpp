@@ -175,7 +175,7 @@ std::optional<FitOptions> without_needless_change(const Fitted& fitted, const Fi
       continue;
     if (!beside) {
       few = few_beats(data, fitted.problem.parameters.event_cycles, beats_looked_at);
-      beside = data.size() > 3 * beats_looked_at ? on_few_beats(fitted, few) : fitted;
+      beside = few.data.size() < data.size() ? on_few_beats(fitted, few) : fitted;
     }
     if (!beside->minimum.usable) return {};
     FitOptions fewer = options;

@@ -70,13 +70,17 @@ double small_swing_period(const ClockLog& log, double flag_width_rad, double per
   return found;
 }
 
-void move_middles_to_vertical(ClockLog& log, double period_s) {
+namespace {
+
+// epsilon by the fall of the amplitudes about each event that has one: -(d log A/d cycle)/2 pi.
+// NaN where too few tell.
+std::vector<double> local_friction(const ClockLog& log, double period_s) {
   constexpr std::size_t reach = 20; // events either way
   std::vector<std::size_t> known;
   for (std::size_t i = 0; i < log.events.size(); ++i)
     if (!std::isnan(log.events[i].amplitude_rad) && log.events[i].flag != BeatFlag::spurious)
       known.push_back(i);
-  std::vector<double> late(log.events.size(), 0.0);
+  std::vector<double> friction(log.events.size(), unknown);
   for (std::size_t k = 0; k < known.size(); ++k) {
     double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
     const Beat& here = log.events[known[k]];
@@ -89,13 +93,24 @@ void move_middles_to_vertical(ClockLog& log, double period_s) {
       ++n, x += cycles, y += log_a, xx += cycles * cycles, xy += cycles * log_a;
     }
     const double spread = n * xx - x * x;
-    if (!(n > 2.0 && spread > 0.0)) continue;
-    const double inverse_q = -(n * xy - x * y) / spread / std::numbers::pi;
-    const double width_s = log.columns.width_s[known[k]];
-    late[known[k]] = std::numbers::pi * width_s * width_s * inverse_q / (4.0 * period_s);
+    if (n > 2.0 && spread > 0.0) friction[known[k]] = -(n * xy - x * y) / spread / two_pi;
   }
-  for (std::size_t i = 0; i < log.events.size(); ++i)
-    log.events[i].time = log.events[i].time + -late[i];
+  return friction;
+}
+
+} // namespace
+
+void correct_widths_for_friction(ClockLog& log, double flag_width_rad, double period_s) {
+  const std::vector<double> friction = local_friction(log, period_s);
+  for (std::size_t i = 0; i < log.events.size(); ++i) {
+    if (!std::isfinite(friction[i])) continue;
+    Beat& beat = log.events[i];
+    const double half = std::asin(0.5 * flag_width_rad / beat.amplitude_rad), // of tau
+        late = std::atan(std::tanh(friction[i] * half) * std::tan(half));
+    beat.time = beat.time + -log.columns.width_s[i] * late / (2.0 * half);
+    beat.amplitude_rad *=
+        std::exp(friction[i] * (half + late)) * std::sin(half) / std::sin(half + late);
+  }
 }
 
 double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitude_rad,

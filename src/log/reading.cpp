@@ -310,7 +310,19 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
     turn_round(log);
     if (!log.grid) unwrap_turned(log, layout, options);
   }
-  if (layout.label_step_s > 0.0) mend_label_jitter(log, layout.label_step_s, issues);
+  if (layout.label_step_s > 0.0) {
+    std::vector<double>& errors_s = rows.clock_errors();
+    if (layout.newest_first) std::reverse(errors_s.begin(), errors_s.end());
+    const double step_s =
+        level_labels(log, errors_s, options.nominal_period_s.value_or(layout.label_step_s));
+    if (!options.nominal_period_s && step_s != layout.label_step_s) {
+      log.nominal_period_s = step_s;
+      std::erase_if(log.assumptions, [](const Assumption& assumption) {
+        return assumption.setting == Setting::nominal_period;
+      });
+    }
+    mend_label_jitter(log, layout.label_step_s, issues);
+  }
   // Looking through a long log again takes a tenth of reading it: only where times were not
   // appended as they stand.
   const bool as_read = !layout.find(ColumnRole::clock_error) && layout.format != LogFormat::angle &&

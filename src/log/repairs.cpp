@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace goingrate {
@@ -201,6 +202,91 @@ void turn_round(ClockLog& log) {
         Instant::from_seconds(-late) + -phase_s[static_cast<std::size_t>(event.cycle)];
     event.time = Instant{begin.seconds + elapsed.seconds, elapsed.fraction} + begin.fraction;
   }
+}
+
+namespace {
+
+// Labels as seconds after the first, and the grid to which they are moved.
+struct Labels {
+  std::vector<double> after_s;
+  double step_s, begin_s; ///< of the grid
+  [[nodiscard]] double place(std::size_t i) const {
+    return std::round((after_s[i] - begin_s) / step_s);
+  }
+  [[nodiscard]] double off_s(std::size_t i) const {
+    return after_s[i] - begin_s - place(i) * step_s;
+  }
+};
+
+// By how much the clock's error at the grid is above that at label i.
+double error_moved(const Labels& labels, std::span<const double> errors_s, std::size_t i) {
+  const bool is_early = labels.off_s(i) < 0.0;
+  const std::size_t last = errors_s.size() - 1;
+  const std::size_t from = is_early ? std::min(i, last - 1) : std::max<std::size_t>(i, 1) - 1;
+  const double gap_s = labels.after_s[from + 1] - labels.after_s[from];
+  return gap_s > 0.0 ? -labels.off_s(i) * (errors_s[from + 1] - errors_s[from]) / gap_s : 0.0;
+}
+
+// The habit behind a usual step: a week, a day, an hour and their like, if it is near one.
+double round_step(double usual_s) {
+  constexpr double largest_departure = 0.25;
+  for (const double step_s : {604800.0, 86400.0, 43200.0, 21600.0, 3600.0, 1800.0, 600.0, 60.0})
+    if (std::abs(usual_s / step_s - 1.0) < largest_departure) return step_s;
+  return usual_s;
+}
+
+void keep_events(ClockLog& log, const std::vector<std::size_t>& kept) {
+  const auto keep = [&](auto& values) {
+    if (values.empty()) return;
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      values[k] = values[kept[k]];
+    values.resize(kept.size());
+  };
+  keep(log.events);
+  for (std::vector<double>* column : log.columns.all())
+    keep(*column);
+}
+
+} // namespace
+
+double level_labels(ClockLog& log, std::span<const double> clock_errors_s, double label_step_s) {
+  auto& events = log.events;
+  if (clock_errors_s.size() != events.size() || events.size() < 2) return label_step_s;
+  Labels labels{{}, label_step_s, 0.0};
+  for (std::size_t i = 0; i < events.size(); ++i)
+    labels.after_s.push_back(events[i].time - events.front().time + clock_errors_s[i] -
+                             clock_errors_s.front());
+  constexpr double label_grain_s = 2.0; // labels of whole seconds, at either end of a step
+  std::size_t uneven = 0;
+  for (std::size_t i = 1; i < events.size(); ++i)
+    uneven += std::abs(std::remainder(labels.after_s[i] - labels.after_s[i - 1], label_step_s)) >
+              label_grain_s;
+  if (2 * uneven <= events.size()) return label_step_s;
+  labels.step_s = round_step(label_step_s);
+  std::vector<double> off;
+  for (std::size_t i = 0; i < events.size(); ++i)
+    off.push_back(labels.off_s(i));
+  labels.begin_s = median(off);
+  std::vector<std::size_t> kept; // the one nearest to each even time
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const bool again = !kept.empty() && labels.place(i) == labels.place(kept.back());
+    if (!again)
+      kept.push_back(i);
+    else if (std::abs(labels.off_s(i)) < std::abs(labels.off_s(kept.back())))
+      kept.back() = i;
+  }
+  for (const std::size_t i : kept)
+    events[i].time = events[i].time + -labels.off_s(i) + -error_moved(labels, clock_errors_s, i);
+  log.assumptions.push_back(
+      {fmt::format("readings at uneven times moved to one every {} s, by the straight line between "
+                   "neighbours{}",
+                   labels.step_s,
+                   kept.size() < events.size()
+                       ? fmt::format("; {} of them not used, being nearest to the same time",
+                                     events.size() - kept.size())
+                       : "")});
+  keep_events(log, kept);
+  return labels.step_s;
 }
 
 void mend_label_jitter(ClockLog& log, double label_step_s, IssueList& issues) {

@@ -141,6 +141,7 @@ RowReader::Taken RowReader::add_plain_times(std::string_view text, std::uint32_t
 void RowReader::push(const Beat& beat) {
   in_order_ = in_order_ && (log_.events.empty() || log_.events.back().time <= beat.time);
   log_.events.push_back(beat);
+  if (error_) clock_errors_.push_back(clock_error_s_);
 }
 
 // Whether the line has the right number of fields and no binary bytes; rejects it if not.

@@ -47,6 +47,8 @@ public:
   [[nodiscard]] const std::vector<AngleSample>& samples() const { return samples_; }
   /// One per sample, where the log has the position of the bob; else empty.
   [[nodiscard]] const std::vector<double>& heights() const { return heights_; }
+  /// The clock's error, s, at each event; empty unless the log is one of labels and errors.
+  [[nodiscard]] std::vector<double>& clock_errors() { return clock_errors_; }
   /// Lines that should have held data, and those of them that gave nothing.
   [[nodiscard]] std::size_t data_lines() const { return data_lines_; }
   [[nodiscard]] std::size_t rejected() const { return rejected_; }
@@ -114,6 +116,8 @@ private:
   double zone_s_;             // of dates that name none, east of Greenwich
   std::vector<AngleSample> samples_;
   std::vector<double> heights_;
+  std::vector<double> clock_errors_;
+  double clock_error_s_ = 0.0; // of the line at hand
   std::size_t data_lines_ = 0, rejected_ = 0, other_channels_ = 0;
   std::size_t time_length_ = 0; // of the text of the time in the line before
   std::int64_t row_ = 0;        // of half-periods

@@ -128,6 +128,7 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
       return {};
     }
     time = *time + -error_s;
+    clock_error_s_ = error_s;
   }
   return time;
 }

@@ -125,7 +125,7 @@ Figure chart_figure(const std::vector<ChartRow>& rows, const std::string& scene,
 
 std::string limits_text(const std::vector<LimitRow>& rows) {
   std::string text = "error of the last crossing time, relative to the length of the run; the "
-                     "first method above 1e-6\n  epsilon  l/phi0   amplitude";
+                     "first method above 1e-6\n        ε    λ/φ0   amplitude";
   auto out = std::back_inserter(text);
   if (!rows.empty())
     for (const auto& error : rows.front().errors)
@@ -271,8 +271,8 @@ double without_rounding(double rate_excess) {
 } // namespace
 
 std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0) {
-  std::string text = fmt::format("phi0 = {} rad\n  {:<14} {:<14} {:<16} {:<14} {}\n", phi0,
-                                 "epsilon", "mu", "amplitude/rad", "rate/(s/day)", "rate excess");
+  std::string text = fmt::format("φ0 = {} rad\n  {:<14} {:<14} {:<16} {:<14} {}\n", phi0,
+                                 "ε", "μ", "amplitude/rad", "rate/(s/day)", "rate excess");
   for (const OperatingPoint& point : points) {
     const double rate = without_rounding(point.rate_excess);
     fmt::format_to(std::back_inserter(text), "  {:<14.8g} {:<14.8g} {:<16.10g} {:<14} {}\n",

@@ -3,6 +3,7 @@
 #include "figure_axes.hpp"
 #include "impulse_words.hpp"
 #include "listed_clocks.hpp"
+#include "markup.hpp"
 #include "parameter_words.hpp"
 #include "wording.hpp"
 
@@ -49,7 +50,7 @@ std::string remarks_on(const FittedParameter& p) {
   std::vector<std::string> remarks;
   if (!is_at_lower_bound(p)) {
     if (p.sigma < std::abs(p.value))
-      remarks.push_back(fmt::format("{:.2g} %", 100.0 * p.sigma / std::abs(p.value)));
+      remarks.push_back(plain_number(100.0 * p.sigma / std::abs(p.value), 2) + " %");
     if (is_lopsided(p))
       remarks.push_back(fmt::format("95 %: {}", interval(p.low95, p.high95, p.value)));
   }
@@ -61,7 +62,8 @@ std::string remarks_on(const FittedParameter& p) {
   if (p.at_bound) remarks.emplace_back("at the edge of what is allowed");
   const std::string all = fmt::format("{}", fmt::join(remarks, "; "));
   if (!(std::abs(p.model_shift) >= 0.1)) return all;
-  return all + fmt::format("{}[first order: {:+.2g} σ]", all.empty() ? "" : " ", p.model_shift);
+  return all + fmt::format("{}[first order: {} σ]", all.empty() ? "" : " ",
+                           readable_signed(p.model_shift, 2));
 }
 
 std::string parameter_lines(const FitSummary& fit, const DisplayUnit& angle) {
@@ -213,7 +215,7 @@ std::string fit_text(const FitSummary& fit) {
   for (const FitAlternative& a : fit.alternatives)
     text += fmt::format("  {}\n    BIC {:.8g}: {}\n", a.model, a.bic, in_symbols(a.verdict));
   for (const FitNote& note : fit.notes)
-    text += "note: " + note.text + "\n";
+    text += "note: " + in_symbols(note.text) + "\n";
   constexpr std::size_t line_columns = 80;
   return wrapped(text, line_columns, 2);
 }

@@ -5,6 +5,7 @@
 #include "base/readable.hpp"
 #include "goingrate/report/tables.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -33,7 +34,13 @@ std::string parameters_of(const ClockTwin& clock, const FitSummary& fit, const D
 } // namespace
 
 std::vector<ListedClock> listed_clocks(const FitSummary& fit, const DisplayUnit& angle) {
-  if (!fit.likeliest_twin) return {};
+  const auto says_something = [](const ClockTwin& clock) {
+    return std::any_of(clock.sigma.begin(), clock.sigma.end(),
+                       [](const auto& known) { return std::isfinite(known.second); });
+  };
+  if (!fit.likeliest_twin || (!says_something(*fit.likeliest_twin) &&
+                              std::none_of(fit.twins.begin(), fit.twins.end(), says_something)))
+    return {};
   std::vector<ListedClock> clocks{{"", parameters_of(*fit.likeliest_twin, fit, angle)}};
   for (const ClockTwin& twin : fit.twins) {
     const double odds = std::exp(0.5 * twin.delta_2logL);

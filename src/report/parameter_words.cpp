@@ -1,8 +1,13 @@
 #include "parameter_words.hpp"
 
+#include "markup.hpp"
+
+#include "base/readable.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 
 namespace goingrate {
 
@@ -52,6 +57,30 @@ const ParameterWords* find(std::string_view base) {
 
 bool is_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
+// Of a number at the beginning of `text`, with what is written against it.
+std::size_t length_of_number(std::string_view text) {
+  std::size_t end = 1;
+  for (; end < text.size(); ++end) {
+    const bool signs_exponent = (text[end] == '-' || text[end] == '+') && text[end - 1] == 'e';
+    const bool is_point = text[end] == '.' && end + 1 < text.size() &&
+                          std::isdigit(static_cast<unsigned char>(text[end + 1])) != 0;
+    if (!is_of_word(text[end]) && !is_point && !signs_exponent) break;
+  }
+  return end;
+}
+
+// "4.2e+02" as "420", "1.5e-07" as "1.5×10⁻⁷"; anything else as it is.
+std::string without_letter_e(std::string_view number) {
+  const std::size_t e = number.find('e');
+  double value = 0.0;
+  const auto read = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (e == std::string_view::npos || read.ptr != number.data() + number.size())
+    return std::string(number);
+  const auto digits = std::count_if(number.begin(), number.begin() + static_cast<std::ptrdiff_t>(e),
+                                    [](char c) { return c != '.'; });
+  return value < 1.0 ? typeset(number) : typeset(readable(value, static_cast<int>(digits)));
+}
+
 std::string word_in_symbols(std::string_view word) {
   if (word == "lambda") return "λ"; // no parameter by itself
   if (word == "sqrt") return "√";
@@ -75,13 +104,18 @@ std::string symbol_and_name(std::string_view name) {
 std::string in_symbols(std::string_view expression) {
   std::string text;
   while (!expression.empty()) {
-    const auto* const end = std::find_if_not(expression.begin(), expression.end(), is_of_word);
-    const auto length = static_cast<std::size_t>(end - expression.begin());
-    if (length == 0)
-      text += expression.front();
-    else
-      text += word_in_symbols(expression.substr(0, length));
-    expression.remove_prefix(std::max<std::size_t>(1, length));
+    const bool is_number = std::isdigit(static_cast<unsigned char>(expression.front())) != 0;
+    const std::size_t length =
+        is_number ? length_of_number(expression)
+                  : static_cast<std::size_t>(
+                        std::find_if_not(expression.begin(), expression.end(), is_of_word) -
+                        expression.begin());
+    const std::string_view part = expression.substr(0, std::max<std::size_t>(1, length));
+    expression.remove_prefix(part.size());
+    const bool is_typed = expression.starts_with('='); // into a command
+    text += is_number                 ? without_letter_e(part)
+            : length > 0 && !is_typed ? word_in_symbols(part)
+                                      : std::string(part);
   }
   return text;
 }

@@ -71,7 +71,8 @@ private:
 
 void Numbers::add_going() {
   const RateSummary& rate = data_.rate;
-  add("beats in " + words_.duration(rate.duration_s),
+  const bool is_swing = rate.nominal_period_s <= longest_swing_s;
+  add((is_swing ? "beats in " : "readings in ") + words_.duration(rate.duration_s),
       fmt::format("{}; {}", rate.crossings, fault_counts(data_.numbered)));
   if (data_.numbered.segments > 1)
     add("parts that could not be joined",

@@ -63,6 +63,12 @@ TEST(ImpulseCycleTest, TimesAloneShowThemToo) {
   EXPECT_NEAR(data.impulses->lateness.value, peak, 4.0 * data.impulses->lateness.sigma);
 }
 
+// Half of a cycle that is longer than those sought explains much of what is seen, and is not it.
+TEST(ImpulseCycleTest, CyclesLongerThanThoseSoughtAreUndetermined) {
+  for (const std::int64_t every : {62, 90, 100, 150})
+    EXPECT_FALSE(times_of(clock_with_rests(every, 0.0), 5).impulses) << every;
+}
+
 // A clock that swings up to its rest, and is pushed harder from the middle of the log on.
 TEST(ImpulseCycleTest, PushesMayGrowOnTheWay) {
   Scenario scenario = clock_with_rests(15, 5e-6);

@@ -159,6 +159,33 @@ TEST(ErrorBudgetTest, LimitsKeepTheError) {
     }
 }
 
+// What a compensation leaves is no multiple of the rod's coefficient, nor of its own.
+TEST(ErrorBudgetTest, LimitsOfACompensatedRodKeepTheError) {
+  Scenario scenario = clock_that_varies();
+  scenario.drive = {};
+  scenario.length.temperature_coefficient = 1.2e-5;
+  scenario.temperature.sines = {{2.0, day}};
+  for (const double lag_s : {0.0, 3600.0}) {
+    scenario.length.compensation = 1.1e-5;
+    scenario.length.compensation_lag_s = lag_s;
+    const double week = 7.0 * day, now = error_budget(scenario, week).all_s();
+    for (const double most : {0.7 * now, 1.4 * now}) {
+      int limits = 0;
+      for (const Requirement& one : requirements(scenario, most, week)) {
+        if (!one.limit || !one.key.starts_with("length.")) continue;
+        ++limits;
+        Scenario other = scenario;
+        (one.key == "length.compensation" ? other.length.compensation
+                                          : other.length.temperature_coefficient) = *one.limit;
+        // A step of 0.1 % halved 20 times, of which the error is a hundredth or so.
+        EXPECT_NEAR(error_budget(other, week).all_s() / most, 1.0, 1e-4) << one.key << ' ' << lag_s;
+      }
+      // What lags by an hour leaves three quarters of that whatever its size.
+      EXPECT_EQ(limits, lag_s > 0.0 && most < now ? 0 : 2) << lag_s << ' ' << most;
+    }
+  }
+}
+
 // No drive varies by more than itself, and below phi0 there is no swing.
 TEST(ErrorBudgetTest, LimitsAreThoseOfAClock) {
   const Scenario scenario = clock_that_varies();

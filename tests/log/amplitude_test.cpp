@@ -91,6 +91,30 @@ TEST(AmplitudeTest, WithoutForcesTheyAreExact) {
     EXPECT_NEAR(event.amplitude_rad, 2.0 * std::asin(0.03), 1e-11); // 15 decimals of a width
 }
 
+// A free pendulum of Q 200 until it no longer leaves its flag.
+TEST(AmplitudeTest, FrictionBetweenTheEdgesIsAccountedFor) {
+  Scenario scenario = flagged(SensorEdges::gate);
+  scenario.clock.escapement = Escapement::none;
+  scenario.clock.epsilon = 2.5e-3;
+  scenario.start_amplitude = 0.1;
+  scenario.periods = 140;
+  ClockLog log = read_simulated(scenario);
+  set_amplitudes_from_widths(log, 0.02, 2.0);
+  correct_widths_for_friction(log, 0.02, 2.0);
+  ClockRun run(scenario, 1);
+  double share = 0.0, late_s = 0.0, larger = 0.0;
+  for (std::size_t i = 2; i < log.events.size(); i += 2) {
+    const Period truth = *run.next();
+    share = 0.01 / truth.amplitude_rad;
+    late_s = std::max(late_s, std::abs(log.events[i].time.to_double() - truth.time_s.value()));
+    larger = std::max(larger, std::abs(log.events[i].amplitude_rad / truth.amplitude_rad - 1.0));
+  }
+  EXPECT_GT(share, 0.85);
+  // The equations are those of small swings: of 5e-3 rad late and 5e-3 larger, amplitude^2/16.
+  EXPECT_LT(late_s, 5e-7);
+  EXPECT_LT(larger, 5e-6);
+}
+
 TEST(AmplitudeTest, OffsetFromBothDirections) {
   Scenario scenario = test::at_point_a(2000);
   scenario.sensor.edges = SensorEdges::both;

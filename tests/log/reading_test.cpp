@@ -6,6 +6,7 @@
 #include "goingrate/log/writing.hpp"
 #include "support/simulated.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -174,6 +175,27 @@ TEST(EdgeCorrectionTest, MovesAnEdgeToTheVerticalByTheSineOfItsPlace) {
   EXPECT_NEAR((log.events[1].time - Instant{101, 0.0}), shift, 1e-15)
       << "the falling pendulum meets the other edge, as early";
   EXPECT_NEAR((log.events[2].time - Instant{102, 0.0}), shift, 1e-15); // likewise
+}
+
+// A clock that gains half a second a day, compared some time between half past seven and half past
+// eight, once not at all and once twice; errors to a hundredth of a second.
+TEST(ReadingTest, ErrorsReadAtUnevenTimes) {
+  RandomStream moment(5, StreamPurpose::jitter);
+  std::string text = "date,error_s\n";
+  for (int day = 1; day <= 28; ++day) {
+    if (day == 9) continue;
+    for (const int hours : day == 17 ? std::vector{0, 9} : std::vector{0}) {
+      const int second = 27000 + 3600 * hours + static_cast<int>(3600.0 * moment.uniform());
+      text += fmt::format("2023-03-{:02} {:02}:{:02}:{:02},{:+.2f}\n", day, second / 3600,
+                          second / 60 % 60, second % 60, 0.5 * (day + second / 86400.0));
+    }
+  }
+  const ClockLog log = read_log(text, "errors");
+  EXPECT_EQ(log.nominal_period_s, 86400.0);
+  ASSERT_EQ(log.events.size(), 27u);
+  // Rounding of the two errors.
+  EXPECT_NEAR(log.events[7].time - log.events[0].time, 7.0 * 86400.0 - 3.5, 0.012);
+  EXPECT_NEAR(log.events[26].time - log.events[0].time, 27.0 * 86400.0 - 13.5, 0.012);
 }
 
 } // namespace

@@ -26,11 +26,14 @@ double amplitude_from_width(double width_s, double flag_width_rad, double period
 double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s,
                           double gravity_share = 1.0);
 
-/// Moves times that are the middle of a flag's dark time to the vertical: a pendulum that is slowed
-/// down takes longer over the second half of the flag. With the local fall of the amplitudes,
-/// 1/Q = -(d log A/d cycle)/pi, the middle of a dark time w is late by pi w^2/(4 T Q); for dry
-/// friction and quadratic drag that is right to a fifth.
-void move_middles_to_vertical(ClockLog& log, double period_s);
+/// Accounts for friction between the edges of a flag, in times that are the middle of its dark time
+/// and in amplitudes from its width: a pendulum that is slowed down takes longer over the second
+/// half. With phi = lambda exp(-epsilon psi) sin psi and epsilon = -(d log lambda/d cycle)/2 pi of the
+/// amplitudes about, an edge at w/2 is passed at -tau/2 + m and at tau/2 + m with
+///   tan m = tanh(epsilon tau/2) tan(tau/2),
+///   lambda = (w/2) exp(epsilon (tau/2 + m)) / sin(tau/2 + m).
+/// For dry friction and quadratic drag m is right to a fifth.
+void correct_widths_for_friction(ClockLog& log, double flag_width_rad, double period_s);
 
 /// Standard deviation of that amplitude for a width known to `sigma_s`:
 /// lambda / tan(tau/2) * pi sigma / T0.
