@@ -12,8 +12,8 @@ namespace goingrate {
 /// Reverses the order of events and columns; data on a grid get new places.
 void turn_round(ClockLog& log);
 
-/// Readings of a clock's error that somebody took at uneven times, as at some time each day: each is
-/// moved to the nearest of even times by the straight line to its neighbour there. Their step is
+/// Readings of a clock's error that somebody took at uneven times, as at some time each day: each
+/// is moved to the nearest of even times by the straight line to its neighbour there. Their step is
 /// returned: the usual one of the labels, `label_step_s`, or the week, day or hour that it is near.
 /// `clock_errors_s` are those of the events. Labels that keep to the step, but for whole seconds,
 /// stay (ReadingTest.ErrorsReadAtUnevenTimes).

@@ -271,8 +271,8 @@ double without_rounding(double rate_excess) {
 } // namespace
 
 std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0) {
-  std::string text = fmt::format("φ0 = {} rad\n  {:<14} {:<14} {:<16} {:<14} {}\n", phi0,
-                                 "ε", "μ", "amplitude/rad", "rate/(s/day)", "rate excess");
+  std::string text = fmt::format("φ0 = {} rad\n  {:<14} {:<14} {:<16} {:<14} {}\n", phi0, "ε", "μ",
+                                 "amplitude/rad", "rate/(s/day)", "rate excess");
   for (const OperatingPoint& point : points) {
     const double rate = without_rounding(point.rate_excess);
     fmt::format_to(std::back_inserter(text), "  {:<14.8g} {:<14.8g} {:<16.10g} {:<14} {}\n",

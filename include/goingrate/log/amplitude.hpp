@@ -28,8 +28,8 @@ double small_swing_period(const ClockLog& log, double flag_width_rad, double per
 
 /// Accounts for friction between the edges of a flag, in times that are the middle of its dark time
 /// and in amplitudes from its width: a pendulum that is slowed down takes longer over the second
-/// half. With phi = lambda exp(-epsilon psi) sin psi and epsilon = -(d log lambda/d cycle)/2 pi of the
-/// amplitudes about, an edge at w/2 is passed at -tau/2 + m and at tau/2 + m with
+/// half. With phi = lambda exp(-epsilon psi) sin psi and epsilon = -(d log lambda/d cycle)/2 pi of
+/// the amplitudes about, an edge at w/2 is passed at -tau/2 + m and at tau/2 + m with
 ///   tan m = tanh(epsilon tau/2) tan(tau/2),
 ///   lambda = (w/2) exp(epsilon (tau/2 + m)) / sin(tau/2 + m).
 /// For dry friction and quadratic drag m is right to a fifth.
