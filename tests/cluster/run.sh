@@ -7,7 +7,7 @@ set -uo pipefail
 export GOINGRATE
 GOINGRATE=$(realpath "$1")
 source=$(realpath "$2")
-folder=$3 shares=${4:-20}
+folder=$3 shares=${4:-8}
 rm -rf "$folder"
 mkdir -p "$folder/bin"
 folder=$(realpath "$folder")
@@ -37,8 +37,8 @@ same() { # WHAT FILE
 }
 
 cp "$source/data/scenarios/jump.toml" jump.toml
-# 400 clocks: a share takes more than a second, so that one can be killed at work.
-words=(--scenario jump.toml --set run.periods=2000 --realisations 400 --seed 1000
+# 20 clocks a share: it takes more than a second, so that one can be killed at work.
+words=(--scenario jump.toml --set run.periods=2000 --realisations 160 --seed 1000
   fit --fix T0=2 --event 150:mu)
 goingrate batch "${words[@]}" -o one.jsonl || fault "one process failed"
 
