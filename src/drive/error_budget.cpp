@@ -138,6 +138,13 @@ void add_drift(double change_per_day, double rate_per_change, const char* cause,
   if (error > 0.0) parts.push_back({cause, key, size, error});
 }
 
+double sum_of_squares(const std::vector<ErrorPart>& parts) {
+  double sum = 0.0;
+  for (const ErrorPart& part : parts)
+    sum += part.rms_s * part.rms_s;
+  return sum;
+}
+
 void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>& parts) {
   const LengthChanges& length = scenario.length;
   // What the compensation leaves of a course with this period.
@@ -151,9 +158,7 @@ void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>
       [&](const auto& sine) { return per_kelvin(sine.period_s) * sine.amplitude; }, warmth);
   constexpr double no_end = std::numeric_limits<double>::infinity();
   add_drift(scenario.temperature.drift_per_day, per_kelvin(no_end), "", "", 0.0, after_s, warmth);
-  double error2 = 0.0;
-  for (const ErrorPart& part : warmth)
-    error2 += part.rms_s * part.rms_s;
+  const double error2 = sum_of_squares(warmth);
   if (error2 > 0.0)
     parts.push_back({"the temperature, by the length", "length.temperature_coefficient",
                      std::abs(length.temperature_coefficient), std::sqrt(error2)});
@@ -194,12 +199,7 @@ std::optional<double> nearest_limit(const std::function<double(double)>& error, 
 
 } // namespace
 
-double ErrorBudget::all_s() const {
-  double sum = 0.0;
-  for (const ErrorPart& part : parts)
-    sum += part.rms_s * part.rms_s;
-  return std::sqrt(sum);
-}
+double ErrorBudget::all_s() const { return std::sqrt(sum_of_squares(parts)); }
 
 ErrorBudget error_budget(const Scenario& scenario, double after_s) {
   check(scenario.clock);
@@ -260,21 +260,28 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
       !std::isfinite(error_of(wider(*limit2 * (*limit2 < 1.0 ? 1.0 - margin : 1.0 + margin))));
   all.push_back({waits ? "clock.below" : "amplitude", *size(clock),
                  limit2 ? size(wider(*limit2)) : std::nullopt, stops});
-  // A compensation takes off what the length does: each is asked for with the other as it is.
-  const bool compensates = scenario.length.compensation != 0.0;
+  // A compensation takes off what the rod does: each is asked for with the other as it is.
+  const auto of_length2 = [&](const LengthChanges& length) {
+    Scenario other = scenario;
+    other.length = length;
+    std::vector<ErrorPart> parts;
+    add_length(other, after_s, parts);
+    return sum_of_squares(parts);
+  };
+  const double beside2 = all2 - of_length2(scenario.length);
   const auto ask_of_length = [&](const char* key, double LengthChanges::*value) {
-    const double present = scenario.length.*value;
+    const double now = std::abs(scenario.length.*value);
     const auto error = [&](double with) {
-      Scenario other = scenario;
-      other.length.*value = std::copysign(with, present);
-      return error_budget(other, after_s).all_s();
+      LengthChanges length = scenario.length;
+      length.*value = std::copysign(with, scenario.length.*value);
+      return std::sqrt(beside2 + of_length2(length));
     };
     constexpr double range = 10.0, step = 1.001; // finer than what a good compensation leaves
-    const double now = std::abs(present);
     all.push_back({key, now,
                    now > 0.0 ? nearest_limit(error, now, most_s, now / range, now * range, step)
                              : std::nullopt});
   };
+  const bool compensates = scenario.length.compensation != 0.0;
   if (compensates) {
     ask_of_length("length.temperature_coefficient", &LengthChanges::temperature_coefficient);
     ask_of_length("length.compensation", &LengthChanges::compensation);

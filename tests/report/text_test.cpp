@@ -1,6 +1,7 @@
 #include "goingrate/report/tables.hpp"
 
 #include "report/figure_axes.hpp"
+#include "report/parameter_words.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -26,6 +27,15 @@ TEST(TextTest, WithoutASigmaThereIsNone) {
   EXPECT_EQ(with_sigma(-2.5e-7, NAN, 2), "-2.5×10⁻⁷");
   EXPECT_EQ(with_sigma(2997.0, NAN, 3), "2997");
   EXPECT_EQ(with_sigma(0.0, NAN, 3), "0");
+}
+
+TEST(TextTest, SymbolsAndNumbersAsInPrint) {
+  EXPECT_EQ(in_symbols("mu@1 moves by 4.2e+02 sigma"), "μ@1 moves by 420 σ");
+  EXPECT_EQ(in_symbols("phi0 1.06e-06, T0/(2 pi epsilon)"), "φ0 1.06×10⁻⁶, T0/(2 π ε)");
+  EXPECT_EQ(in_symbols("averaged2, 16,700: 0.5."), "averaged2, 16,700: 0.5.");
+  // What is typed into a command stays.
+  EXPECT_EQ(in_symbols("lambda0 (--prior lambda0=VALUE+-SIGMA)"),
+            "λ0 (--prior lambda0=VALUE+-SIGMA)");
 }
 
 TEST(TextTest, NoDigitsBeyondThoseOfADouble) {
