@@ -62,10 +62,10 @@ void add_paper(CLI::App& program, const GlobalOptions& global) {
       "installed), paper.md, and the figures (SVG, PDF, PNG, gnuplot, CSV)");
   auto* figure = command->add_option(
       "--figure", options->figure,
-      "only those whose names begin so: modesc, rate, jump_zoom, jump, quasistat, noise, impulse, "
-      "optdriv, moments, harmonics, length");
-  offers(figure, {"modesc", "rate", "jump_zoom", "jump", "quasistat", "noise", "impulse", "optdriv",
-                  "moments", "harmonics", "length"})
+      "only those whose names begin so: amplitude_phase, modesc, rate, jump_zoom, jump, "
+      "quasistat, noise, impulse, optdriv, moments, harmonics, length");
+  offers(figure, {"amplitude_phase", "modesc", "rate", "jump_zoom", "jump", "quasistat", "noise",
+                  "impulse", "optdriv", "moments", "harmonics", "length"})
       ->needs(folder);
   command->add_option("--periods", options->paper.periods,
                       "length of the noisy run, at least 10000; the paper's is 4774648");

@@ -34,7 +34,7 @@ std::string parts_text(const CovariateEffect& effect) {
     text += fmt::format("{} {} by {}", text.empty() ? ":" : ",", words_of(part.way),
                         daily(part.coefficient, part.sigma));
   if (effect.part(EffectWay::at_once) != nullptr)
-    text += fmt::format("; the compensation follows with a lag of {} s", readable(effect.lag_s, 3));
+    text += fmt::format("; the rest follows with a lag of {} s", readable(effect.lag_s, 3));
   if (std::isfinite(effect.amplitude) && std::abs(effect.amplitude) > 3.0 * effect.amplitude_sigma)
     text += fmt::format(" (the amplitude answers by {:.3g} ± {:.2g} mrad)", 1e3 * effect.amplitude,
                         1e3 * effect.amplitude_sigma);

@@ -25,7 +25,8 @@ double mean_of(std::span<const double> x) {
 /// How a covariate is assumed to act.
 struct Action {
   double lag_s = 0.0;
-  bool also_at_once = false; ///< on a rod; through the lag on the rod's compensation
+  bool also_at_once = false; ///< on a rod, and through the lag on its compensation; as buoyancy,
+                             ///< and as friction, which the amplitude follows
 };
 
 /// The regression of a rate on a covariate, at once or through a lag. The first cosine is left out:
@@ -33,13 +34,13 @@ struct Action {
 class Regression {
 public:
   Regression(std::span<const double> rate, std::span<const double> value, double block_s,
-             bool may_lag, bool may_act_twice)
+             bool may_lag)
       : rate_(cosines(rate, true)), value_(value), block_s_(block_s) {
     settle({});
     Action best;
     double best_score = found_.deviance;
     for (const double lag_s : may_lag ? lags_to_try(rate.size(), block_s) : std::vector<double>{})
-      for (int twice = 0; twice <= (may_act_twice ? 1 : 0); ++twice) {
+      for (const int twice : {0, 1}) {
         constexpr double price = 8.0; // of 2 log L: for one more parameter, looked for on a grid
         settle({lag_s, twice == 1});
         const double score = found_.deviance + price * (1.0 + twice);
@@ -242,7 +243,8 @@ RateBlocks blocks_for(const TimingData& data, bool of_tide) {
 std::optional<CovariateEffect> effect_of(const RateTerm& term, const Answer& answer) {
   if (answer.rate.size() < least_blocks || !bends(answer.value)) return {};
   const auto regression = [&](std::span<const double> rate, std::span<const double> value) {
-    return Regression(rate, value, answer.block_s, term.name != "tide", term.name == "temperature");
+    const bool may_lag = term.name != "tide"; // what the tide does is known: it acts at once
+    return Regression(rate, value, answer.block_s, may_lag);
   };
   const Regression all = regression(answer.rate, answer.value);
   const std::size_t half = answer.rate.size() / 2;

@@ -68,8 +68,8 @@ bool ModelSearch::is_told_of_torque() const {
                      [&](const Prior& prior) { return speaks(prior.name); });
 }
 
-// Alternative laws: other parameters that change at the dates found, or impulses instead of a
-// torque.
+// Alternative laws: other parameters that change at the dates found, or the other kind of
+// escapement, a torque or impulses.
 std::vector<ModelSearch::Laws> ModelSearch::other_laws(const Laws& than) const {
   std::vector<Laws> all;
   const auto& [options, model] = than;
@@ -82,10 +82,11 @@ std::vector<ModelSearch::Laws> ModelSearch::other_laws(const Laws& than) const {
       all.push_back(than);
       all.back().options.events[event].names = {name};
     }
-  if (options_.escapement || model.escapement != Escapement::constant_torque || is_told_of_torque())
-    return all;
+  if (options_.escapement || model.escapement == Escapement::none || is_told_of_torque()) return all;
   all.push_back(than);
-  all.back().model.escapement = Escapement::single_impulse;
+  all.back().model.escapement = model.escapement == Escapement::single_impulse
+                                    ? Escapement::constant_torque
+                                    : Escapement::single_impulse;
   return all;
 }
 
@@ -230,11 +231,11 @@ std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& 
 
 // A free pendulum is the simpler model. It is taken where it explains the log as well as a driven
 // clock does and the log determines its friction (a stationary log fits any model and determines
-// none). Changes that were noticed only in the log may be due to its decaying swing: where it
-// explains the log without them, they are dropped.
+// none); one that is seen to be pushed is not free. Changes that were noticed only in the log may be
+// due to its decaying swing: where it explains the log without them, they are dropped.
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
   const auto is_noticed = [](const FitEvent& event) { return event.movable; };
-  if (options_.escapement || is_told_of_torque() ||
+  if (options_.escapement || all_.impulses || is_told_of_torque() ||
       !std::all_of(options_.events.begin(), options_.events.end(), is_noticed))
     return false;
   if (swing_grows(all_, guess_.amplitude_rad)) return false;

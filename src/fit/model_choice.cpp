@@ -99,6 +99,8 @@ ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
 // neighbouring beats show one.
 ModelChoice ModelSearch::first_model() const {
   ModelChoice model;
+  // An escapement that rests between its pushes gives impulses.
+  if (all_.impulses && !is_told_of_torque()) model.escapement = Escapement::single_impulse;
   if (options_.escapement) model.escapement = *options_.escapement;
   model.quadratic = names(options_, "quadratic_drag");
   model.dry = names(options_, "dry_friction");

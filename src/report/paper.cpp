@@ -22,10 +22,10 @@ void add_times(const PaperOptions& options, const NoisyRun& noisy,
       static_cast<double>(PaperOptions{}.periods) / static_cast<double>(options.periods);
   const std::string said =
       whole ? "" : fmt::format("; carried over from {} periods", options.periods);
-  numbers.push_back({"time of the simulation", "fig. quasistat", "1e4 s (IDL)", times * noisy.rk4_s,
+  numbers.push_back({"time of the simulation", "Fig. 6", "1e4 s (IDL)", times * noisy.rk4_s,
                      times * noisy.map_s, "s",
                      "RK4 compiled; the return map, which is exact to rounding" + said});
-  numbers.push_back({"time of the averaged equations", "sec. disc", "~50 s", times * noisy.model_s,
+  numbers.push_back({"time of the averaged equations", "Sec. VII", "~50 s", times * noisy.model_s,
                      times * noisy.model_s, "s", "closed forms, one period a step" + said});
 }
 

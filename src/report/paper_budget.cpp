@@ -114,7 +114,7 @@ std::vector<BudgetPart> budget_at_c() {
   const double sum = first + free_swing + friction + escapement + in_swing;
   const double phase = phase_error_of_rk4(), rk4 = rk4_rate(c, Rk4Torque::per_stage);
   return {
-      {"first order: eq. statrate, a formula", first},
+      {"first order: eq. 20, a formula", first},
       {"the free swing beyond -λ²/16: the exact period, a quadrature, of the free swing "
        "that loses to friction what C's does",
        free_swing},

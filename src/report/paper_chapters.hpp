@@ -7,9 +7,9 @@
 
 namespace goingrate::paper {
 
-/// An equation of the paper; `math` is MathML without its outermost element.
+/// An equation of the paper with its number there; `math` is MathML without its outermost element.
 struct Equation {
-  std::string_view label{}, math{};
+  std::string_view number{}, math{};
 };
 
 /// A section of the paper, and where its numbers and figures come from; what is empty is not there.

@@ -41,7 +41,7 @@ Series contour(double s_per_day, int colour) {
 Figure rate_figure() {
   Figure figure{"rate",
                 "Stationary rate over friction and torque",
-                "Lines of equal rate by eq. statrate, φ0 = 0.03. Below the lowest straight line "
+                "Lines of equal rate by eq. 20, φ0 = 0.03. Below the lowest straight line "
                 "the clock stalls; A, B, C are the paper's points.",
                 {"friction ε", ""},
                 {"torque μ", ""},
@@ -69,6 +69,32 @@ Figure rate_figure() {
                            {},
                            orange});
   return figure;
+}
+
+// Fig. pslaph: a vector of length lambda that turns with psi, and its height over time. The
+// friction is far above that of a clock, or nothing would show.
+Figure amplitude_phase_figure() {
+  constexpr double epsilon = 0.02, shown = 0.7, right = 1.5; // psi of the vector; where time begins
+  const auto lambda = [](double psi) { return std::exp(-epsilon * psi); };
+  Series circle{Series::Style::line, "end of the vector (λ, ψ)", {}, {}, {}, {}, blue};
+  Series height{Series::Style::line, "its height, φ = λ sin ψ", {}, {}, {}, {}, vermilion};
+  for (double psi = 0.0; psi <= 4.0 * pi; psi += 0.05) {
+    circle.x.push_back(lambda(psi) * std::cos(psi));
+    circle.y.push_back(lambda(psi) * std::sin(psi));
+    height.x.push_back(right + psi / pi);
+    height.y.push_back(circle.y.back());
+  }
+  const double x = lambda(shown) * std::cos(shown), y = lambda(shown) * std::sin(shown);
+  const Series vector{Series::Style::line, "the vector", {0.0, x}, {0.0, y}, {}, {}, green};
+  const Series across{
+      Series::Style::line, "the same height", {x, right + shown / pi}, {y, y}, {}, {}, purple};
+  return {"amplitude_phase",
+          "Amplitude and phase",
+          "The end of a vector of length λ that turns at the rate of ψ, drawn over the velocity; "
+          "to the right its height φ over time. Friction is drawn a hundred times too large.",
+          {"velocity; from 1.5 on time, in half swings", ""},
+          {"angle φ", ""},
+          {circle, height, vector, across}};
 }
 
 // The torque over the phase at A, eq. defdel: the part of fig. modesc that can be computed.
@@ -105,7 +131,9 @@ Figure escapement_figure() {
 } // namespace
 
 std::vector<PaperFigure> figures(const NoisyRun& noisy, const NoiseStatistics& noise) {
-  std::vector<PaperFigure> all{{"modesc", escapement_figure()}, {"rate", rate_figure()}};
+  std::vector<PaperFigure> all{{"amplitude_phase", amplitude_phase_figure()},
+                               {"modesc", escapement_figure()},
+                               {"rate", rate_figure()}};
   const auto add = [&](std::vector<PaperFigure> more) {
     for (PaperFigure& figure : more)
       all.push_back(std::move(figure));

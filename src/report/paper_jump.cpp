@@ -117,7 +117,7 @@ Figure rate_figure(const JumpCourse& exact, const JumpCourse& theory) {
   Scenario scenario = jump_scenario(drawn_periods, Method::rk4);
   scenario.method.rk4_torque = Rk4Torque::per_stage;
   const JumpCourse rk4 = course_of(scenario);
-  Series diamonds{Series::Style::points, "theory, eq. dotpsi4", {}, {}, {}, {}, vermilion};
+  Series diamonds{Series::Style::points, "theory, eq. 16", {}, {}, {}, {}, vermilion};
   for (std::size_t i = 100; i < theory.time.size(); i += 150) {
     diamonds.x.push_back(theory.time[i]);
     diamonds.y.push_back(theory.rate[i]);
@@ -142,7 +142,7 @@ double amplitude_by_l2jump(double periods) {
 }
 
 Figure amplitude_figure(const JumpCourse& exact) {
-  Series jump{Series::Style::points, "theory, eq. l2jump", {}, {}, {}, {}, vermilion};
+  Series jump{Series::Style::points, "theory, eq. 18", {}, {}, {}, {}, vermilion};
   for (double t = 0.0; t < drawn_periods; t += 100.0) {
     jump.x.push_back(t);
     jump.y.push_back(amplitude_by_l2jump(std::max(0.0, t - jumps_at)));
@@ -168,23 +168,23 @@ void add_jump(std::vector<PaperNumber>& numbers) {
   const JumpCourse averaged = course_by_paper(settled_periods);
   const double by_paper = phase_gained(averaged), ours = phase_gained(exact);
   const double at_once = first_order_rate(a) + 2.0 * (b.mu - a.mu) * cosine / (pi * lambda);
-  numbers.push_back({"rate just after the jump from A to B", "sec. such", "3.2e-4", at_once,
+  numbers.push_back({"rate just after the jump from A to B", "Sec. V", "3.2e-4", at_once,
                      exact.rate[jumps_at], "",
                      fmt::format("second order; λ grows in this period already, but that makes "
                                  "{:.0f}e-9 of it only",
                                  1e9 * (averaged.rate[jumps_at] - at_once))});
-  numbers.push_back({"relative growth of λ in that period", "sec. such", "",
+  numbers.push_back({"relative growth of λ in that period", "Sec. V", "",
                      averaged.amplitude[jumps_at] / lambda - 1.0,
                      exact.amplitude[jumps_at] / exact.amplitude[jumps_at - 1] - 1.0, "",
                      "a cycle's mean against φ' at the crossing"});
   constexpr std::size_t later = 300; // periods after the jump
-  numbers.push_back({"λ 300 periods after the jump", "sec. ansol", "eqs. lamanal, l2jump",
+  numbers.push_back({"λ 300 periods after the jump", "Sec. III C", "eqs. 17, 18",
                      amplitude_by_l2jump(static_cast<double>(later)),
                      exact.amplitude[jumps_at + later - 1], "rad",
                      "a cycle's mean against φ' at the crossing"});
   numbers.push_back(
-      {"phase gained after the jump", "sec. such", "0.295", by_paper, ours, "rad", "second order"});
-  numbers.push_back({"the same for a 1 m pendulum", "sec. such", "~0.1 s", by_paper / pi, ours / pi,
+      {"phase gained after the jump", "Sec. V", "0.295", by_paper, ours, "rad", "second order"});
+  numbers.push_back({"the same for a 1 m pendulum", "Sec. V", "~0.1 s", by_paper / pi, ours / pi,
                      "s", "second order"});
 }
 

@@ -116,31 +116,30 @@ void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>
   const double n = noise.periods.back(), ours = gain(noise.variance.back(), n);
   numbers.push_back(
       {fmt::format("rms gain by the driving noise in {:.0f} periods, {} runs", n, noise.runs),
-       "sec. perst", "", gain(noise.linear.back(), n), ours, "",
+       "Sec. VI", "", gain(noise.linear.back(), n), ours, "",
        "by the paper's equations for small noise, the start included: the first "
        "700 periods answer with the fast gain",
        ours / std::sqrt(2.0 * static_cast<double>(noise.runs - 1))});
   const double slow = drive_rms * std::abs(drive_response(point_c())->slow_gain);
   const double carried = gain(noise.growth.value * paper_periods, paper_periods);
   numbers.push_back(
-      {"the same in the paper's 4.3e6 periods, from the growth of the variance", "sec. perst",
-       "~1e-8", slow / std::sqrt(paper_periods), carried, "",
+      {"the same in the paper's 4.3e6 periods, from the growth of the variance", "Sec. VI", "~1e-8",
+       slow / std::sqrt(paper_periods), carried, "",
        fmt::format("carried over, not run: the variance of ψp grows from {} to {} periods as it "
                    "will go on. Theory: slow gain times 0.3/sqrt(N). The paper reads 0.04/4e6 off "
                    "one run, {:.1f} times our rms",
                    memory_end, longest_run, 0.04 / 4e6 / carried),
        0.5 * carried * noise.growth.sigma / noise.growth.value});
-  numbers.push_back({"mean gain by that noise", "sec. perst", "", unknown, noise.mean_gain.value,
-                     "",
+  numbers.push_back({"mean gain by that noise", "Sec. VI", "", unknown, noise.mean_gain.value, "",
                      "the rate is no straight line in the drive; the paper does not part it from "
                      "the rms",
                      noise.mean_gain.sigma});
   numbers.push_back(
-      {fmt::format("what the noise adds to the secular ψp - ψm, {} runs", compared_runs),
-       "sec. perst", "", unknown, noise.by_noise.value, "",
+      {fmt::format("what the noise adds to the secular ψp - ψm, {} runs", compared_runs), "Sec. VI",
+       "", unknown, noise.by_noise.value, "",
        "second order in the torque: the model of second order has it", noise.by_noise.sigma});
   numbers.push_back(
-      {"the same with half the noise", "sec. perst", "", unknown, noise.by_half_the_noise.value, "",
+      {"the same with half the noise", "Sec. VI", "", unknown, noise.by_half_the_noise.value, "",
        "a quarter: it goes as the square of the noise", noise.by_half_the_noise.sigma});
 }
 

@@ -26,8 +26,8 @@ std::string equations_html(std::span<const Equation> equations) {
   for (const Equation& equation : equations)
     if (!equation.math.empty())
       html += fmt::format("<div class=\"equation\"><math display=\"block\"><mrow>{}</mrow></math>"
-                          "<span>eq. {}</span></div>\n",
-                          equation.math, equation.label);
+                          "<span>({})</span></div>\n",
+                          equation.math, equation.number);
   return html;
 }
 
@@ -83,7 +83,7 @@ std::string paper_page(const PaperResults& results) {
       "<header>\n<h1>Hoyng’s paper, computed again</h1>\n{}</header>\n<main>\n",
       page::style(), figure_style(), equation_style,
       page::paragraph("A companion to P. Hoyng, “Dynamics and performance of clock pendulums”. "
-                      "Each section gives the paper’s equations by their names there, its figures "
+                      "Each section gives the paper’s equations by their numbers there, its figures "
                       "drawn from runs made now, and its numbers in three columns: as printed, by "
                       "the paper’s method, and by the full equation of motion. Where they "
                       "differ, the last column says why."));

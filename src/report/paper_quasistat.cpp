@@ -102,10 +102,10 @@ NoisyRun noisy_run(const PaperOptions& options) {
   const auto nothing = [](const Period&) {};
   NoisyRun run;
   run.by_rk4 = gains(noisy_scenario(Method::rk4, factors), options,
-                     "fig. quasistat by RK4, as the paper did", run.rk4_s, nothing);
+                     "Fig. 6 by RK4, as the paper did", run.rk4_s, nothing);
   run.gained = gains(noisy_scenario(Method::map, factors), options, "the same by the return map",
                      run.map_s, nothing);
-  double beyond = 0.0; // phase by what eq. ce3 has beyond -lambda^2/16
+  double beyond = 0.0; // phase by what eq. A1 has beyond -lambda^2/16
   std::vector<double> beyond_there;
   const auto model =
       gains(noisy_scenario(Method::averaged1, factors), options,
@@ -133,24 +133,24 @@ NoisyRun noisy_run(const PaperOptions& options) {
 namespace {
 
 void add_secular(const NoisyRun& noisy, std::vector<PaperNumber>& numbers) {
-  numbers.push_back({"secular ψp - ψm before the noise begins", "sec. perst", "~1e-8",
+  numbers.push_back({"secular ψp - ψm before the noise begins", "Sec. VI", "~1e-8",
                      noisy.secular_by_rk4.steady, noisy.secular.steady, "",
-                     "the paper's: RK4 less eq. dotpsi4; ours: the return map less the same "
+                     "the paper's: RK4 less eq. 16; ours: the return map less the same "
                      "equation. RK4's own phase error is -6.8e-9"});
-  numbers.push_back({"secular ψp - ψm under the noise", "sec. perst", "~1e-8",
+  numbers.push_back({"secular ψp - ψm under the noise", "Sec. VI", "~1e-8",
                      noisy.secular_by_rk4.noisy, noisy.secular.noisy, "",
                      fmt::format("fitted from where the noise begins. The noise adds {:.1f}e-9: "
                                  "second order goes as the square of the torque, whose mean is 9 % "
                                  "more",
                                  1e9 * (noisy.secular.noisy - noisy.secular.steady))});
   numbers.push_back(
-      {"the same, the model with the circular error of eq. ce3", "sec. perst", "", unknown,
+      {"the same, the model with the circular error of eq. A1", "Sec. VI", "", unknown,
        noisy.secular_in_full.noisy, "",
-       "nearer by chance: eq. ce3 adds λ⁴/384 = +1.6e-8, but a free swing has -3λ⁴/1024 beyond "
+       "nearer by chance: eq. A1 adds λ⁴/384 = +1.6e-8, but a free swing has -3λ⁴/1024 beyond "
        "-λ²/16; the budget has what outweighs it"});
-  numbers.push_back({"the same, the model of second order", "sec. perst", "", unknown,
+  numbers.push_back({"the same, the model of second order", "Sec. VI", "", unknown,
                      noisy.secular_by_second.noisy, "",
-                     "the secular difference is the O1 and O2 of eqs. dotl4 and dotpsi4, with the "
+                     "the secular difference is the O1 and O2 of eqs. 15 and 16, with the "
                      "noise and without: closed, third order is left"});
 }
 
@@ -160,20 +160,20 @@ void add_long_run(const NoisyRun& noisy, std::vector<PaperNumber>& numbers) {
   constexpr double year_s = 365.25 * seconds_per_day;
   const double exact = exact_rate(point_c());
   const double rk4 = rk4_rate(point_c(), Rk4Torque::per_stage);
-  numbers.push_back({"steps of 0.03 in a nominal period", "sec. such", "~209", two_pi / step,
+  numbers.push_back({"steps of 0.03 in a nominal period", "Sec. V", "~209", two_pi / step,
                      two_pi / step, "", "none"});
-  numbers.push_back({"nominal periods in 1e9 steps", "sec. perst", "~4.8e6", 1e9 * step / two_pi,
+  numbers.push_back({"nominal periods in 1e9 steps", "Sec. VI", "~4.8e6", 1e9 * step / two_pi,
                      1e9 * step / two_pi, "", "none"});
-  numbers.push_back({"the same at 2 s", "sec. perst", "about 110 days",
+  numbers.push_back({"the same at 2 s", "Sec. VI", "about 110 days",
                      1e9 * step / pi / seconds_per_day, 1e9 * step / pi / seconds_per_day, "d",
                      "none"});
-  numbers.push_back({"gain at C without variability", "sec. perst", "1e-8", rk4, exact, "",
+  numbers.push_back({"gain at C without variability", "Sec. VI", "1e-8", rk4, exact, "",
                      "RK4's own phase error is -6.8e-9; the budget below has the rest"});
-  numbers.push_back({"the same in a year", "sec. perst", "0.3 s/yr", year_s * rk4, year_s * exact,
+  numbers.push_back({"the same in a year", "Sec. VI", "0.3 s/yr", year_s * rk4, year_s * exact,
                      "s/yr", "the same"});
   add_secular(noisy, numbers);
   const auto by_rk4 = [&](const char* when, Rk4Torque torque, const char* why) {
-    numbers.push_back({fmt::format("gain at C by RK4, the torque chosen {}", when), "app. appnum",
+    numbers.push_back({fmt::format("gain at C by RK4, the torque chosen {}", when), "App. D",
                        "1e-8", rk4_rate(point_c(), torque), exact, "", why});
   };
   by_rk4("once a step", Rk4Torque::per_step,
@@ -204,9 +204,9 @@ std::vector<PaperFigure> long_run_figures(const NoisyRun& noisy) {
             "little less. Second order leaves nothing that is seen here.",
             {"time", "nominal periods"},
             {"ψp - ψm", "rad"},
-            {line("RK4 less eq. dotpsi4", noisy.unsolved_by_rk4, green),
-             line("return map less eq. dotpsi4", noisy.unsolved, blue),
-             line("the same, the circular error by eq. ce3", noisy.unsolved_in_full, vermilion),
+            {line("RK4 less eq. 16", noisy.unsolved_by_rk4, green),
+             line("return map less eq. 16", noisy.unsolved, blue),
+             line("the same, the circular error by eq. A1", noisy.unsolved_in_full, vermilion),
              line("return map less second order", noisy.unsolved_by_second, purple)},
             begins}}};
 }

@@ -28,7 +28,7 @@ Series points(std::string label, int colour) {
 Figure impulse_figure() {
   Figure figure{"impulse",
                 "The rate with a single impulse",
-                "Lines: eq. blow6; dots: the full equation of motion. The earlier in the "
+                "Lines: eq. C6; dots: the full equation of motion. The earlier in the "
                 "swing, the faster the clock; more energy adds circular error.",
                 {"angle φ1 of the impulse", "rad"},
                 {"rate excess", ""},
@@ -64,7 +64,7 @@ double by_cycle(double centre, double width) {
 Figure place_figure() {
   Figure figure{"optdriv_place",
                 "Escapement error against the place of the push",
-                "Lines: eqs. dotl3 and dotpsi3; dots: limit cycles of the full equation less their "
+                "Lines: eqs. 9 and 10; dots: limit cycles of the full equation less their "
                 "circular error. Widths from 0.002 to 0.04 rad make nearly one line: it is the "
                 "place that counts.",
                 {"middle of the push", "rad"},
@@ -126,7 +126,7 @@ Figure moments_figure() {
     add_point(c, width, std::abs(exact_rate(point_c()) - nominal));
   return {"moments",
           "Escapements with equal moments keep equal time",
-          "How far the full equation is from the rate of C by eq. statrate, for an impulse (width "
+          "How far the full equation is from the rate of C by eq. 20, for an impulse (width "
           "0) and for pushes. With C's two moments what is left is of second order; with C's work "
           "but not its moment b the whole escapement error is missing.",
           {"width of the push", "rad"},

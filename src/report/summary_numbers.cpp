@@ -246,7 +246,7 @@ void Numbers::add_covariate(const CovariateEffect& effect) {
     add(fmt::format("  {}", words_of(part.way)),
         words_.rate(part.coefficient, part.sigma) + "/" + per);
   if (effect.part(EffectWay::at_once) != nullptr)
-    add("  the whole follows with a lag of", fmt::format("{} s", number(effect.lag_s)));
+    add("  the rest follows with a lag of", fmt::format("{} s", number(effect.lag_s)));
   add(fmt::format("  time error, rms, with {} left in", effect.name),
       number(effect.without_s) + " s");
   add("    taken off, by what the other half tells", number(effect.with_s) + " s");

@@ -53,6 +53,20 @@ TEST(ImpulseCycleTest, CountsTheSwingsBetweenPushes) {
   }
 }
 
+// A torque cannot set the clock back at each push, as one after the middle does.
+TEST(ImpulseCycleTest, WhatIsPushedIsFittedWithImpulses) {
+  Scenario scenario = clock_with_rests(15, 5e-6);
+  scenario.clock.impulse_angle = 0.006;
+  scenario.drive.fast_rms = 0.01;
+  const FitSummary fit = fit_clock(times_of(scenario, 11), 2.0, {});
+  EXPECT_EQ(fit.status, FitStatus::converged);
+  EXPECT_EQ(fit.model.escapement, Escapement::single_impulse);
+  FitOptions told;
+  told.fixed["phi0"] = 0.006;
+  EXPECT_EQ(fit_clock(times_of(scenario, 11), 2.0, told).model.escapement,
+            Escapement::constant_torque);
+}
+
 TEST(ImpulseCycleTest, TimesAloneShowThemToo) {
   const TimingData data = times_of(clock_with_rests(30, 0.0), 4);
   ASSERT_TRUE(data.impulses);

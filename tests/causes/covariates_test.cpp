@@ -43,13 +43,17 @@ TimingData made(const Made& what, std::uint64_t seed) {
   return data;
 }
 
-// A rod answers at once, what compensates it through a lag.
-TEST(CovariateTest, ACompensationThatLagsIsToldFromTheRod) {
+class CovariateThatActsTwice : public testing::TestWithParam<const char*> {};
+
+// A rod answers at once, what compensates it through a lag; air carries the bob at once, and brakes
+// a swing that follows slowly.
+TEST_P(CovariateThatActsTwice, ShowsWhatComesAtOnceAndTheWhole) {
   double z2_whole = 0.0, z2_rod = 0.0, mean_lag_s = 0.0;
   constexpr int logs = 20;
   constexpr double rod = -6e-6, compensation = 5.7e-6, lag_s = 4000.0;
   for (std::uint64_t seed = 1; seed <= logs; ++seed) {
     TimingData data = made({.coefficient = rod, .white = 1e-5}, seed);
+    data.terms.back().name = GetParam();
     const TimingData late = made({.coefficient = compensation, .lag_s = lag_s, .white = 0.0}, seed);
     for (std::size_t i = 0; i < data.size(); ++i)
       data.lateness_s[i] += late.lateness_s[i];
@@ -66,6 +70,9 @@ TEST(CovariateTest, ACompensationThatLagsIsToldFromTheRod) {
   const auto plain = covariate_effects(made({.coefficient = rod, .white = 1e-5}, 3)).at(0);
   EXPECT_TRUE(plain.parts.empty());
 }
+
+INSTANTIATE_TEST_SUITE_P(CovariateTest, CovariateThatActsTwice,
+                         testing::Values("temperature", "pressure", "humidity"));
 
 // Air that carries the bob slows the clock by 1e-8 a mbar; air that brakes it lowers the amplitude
 // by 0.1 mrad, which the circular error turns into 0.1e-3 A/8 the other way.

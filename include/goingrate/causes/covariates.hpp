@@ -1,13 +1,14 @@
 // Whether the rate answers to temperature or pressure, and whether compensating for it would help.
 //
 // rate(t) = a + drift t + b c(t) + noise, where c is the covariate, perhaps seen through a
-// first-order lag (a case that warms up). A temperature may also act twice, at once on the rod and
-// through the lag on what compensates it. b is found by generalised least squares in noise that is
-// white, flicker and random walk of the rate, whose sizes are fitted too: two independent wanders
-// that look alike by chance then give no significant coefficient. A coefficient that lowers the
-// scatter may still increase the time error; so each half of the log is compensated with the
-// coefficient found in the other half, and the time errors are compared. Limit: a covariate that
-// only drifts through the log cannot be distinguished from a drift of the clock.
+// first-order lag (a case that warms up). It may also act twice, at once and through the lag: a
+// temperature on the rod and on what compensates it; a pressure on what the air carries and, by its
+// friction, on the amplitude, which follows slowly. b is found by generalised least squares in
+// noise that is white, flicker and random walk of the rate, whose sizes are fitted too: two
+// independent wanders that look alike by chance then give no significant coefficient. A coefficient
+// that lowers the scatter may still increase the time error; so each half of the log is compensated
+// with the coefficient found in the other half, and the time errors are compared. Limit: a
+// covariate that only drifts through the log cannot be distinguished from a drift of the clock.
 //
 // Interpolation errors add noise, which the fit includes. So far as they are errors of the readings
 // they also make the coefficient too small, by the share that they have in the variance of the
@@ -29,7 +30,7 @@ namespace goingrate {
 
 /// The way in which a covariate acts on the rate.
 enum class EffectWay : std::uint8_t {
-  at_once,           ///< a rod, before its compensation follows
+  at_once,           ///< before what lags follows: a rod before its compensation
   direct,            ///< not through the amplitude: air that carries the bob
   through_amplitude, ///< air that brakes it: circular error and escapement
   circular_error,    ///< of the amplitude, the escapement's part being unknown
@@ -60,8 +61,8 @@ struct CovariateEffect {
   double interpolation_sigma = 0.0;
   double step_s = 0.0;      ///< between two readings, s; 0 if there is one at each beat
   double known_share = 1.0; ///< of the log, 0 to 1; the rest is left out
-  /// The ways, where the log tells them apart: `at_once` alone, for a rod whose compensation comes
-  /// after `lag_s`, when the whole holds; or two, through the amplitude and otherwise.
+  /// The ways, where the log tells them apart: `at_once`, where the rest comes after `lag_s` and the
+  /// whole holds then; and two more, through the amplitude and otherwise.
   std::vector<EffectPart> parts{};
   /// The coefficient of the amplitude, rad per unit of the covariate; NaN where the log has none.
   double amplitude = std::numeric_limits<double>::quiet_NaN(), amplitude_sigma = amplitude;
