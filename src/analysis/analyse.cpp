@@ -35,6 +35,9 @@ void level_interruptions(const Diary& diary, TimingData& data) {
         data.lateness_s[i] -= taken_off;
       }
     }
+    std::erase_if(data.displaced, [&](const Displacement& at) {
+      return data.elapsed_s[at.beat] >= from && data.elapsed_s[at.beat] <= to;
+    });
   }
 }
 
@@ -458,9 +461,11 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
     drop_wakes(data.fit, loaded.good, data.diary);
   }
   if (request.finds_events) drop_what_no_fit_demands(data.fit, data.diary);
-  put_rates(loaded.good, loaded.nominal_period_s, data.diary);
-  data.stretches = stretches_of(loaded.good, data.diary, loaded.nominal_period_s);
-  data.now = rate_now(loaded.good, data.stretches.back(), loaded.nominal_period_s);
+  const auto moved_back = without_displacements(loaded.good, times);
+  const std::span<const Beat> level = moved_back ? std::span<const Beat>(*moved_back) : loaded.good;
+  put_rates(level, loaded.nominal_period_s, data.diary);
+  data.stretches = stretches_of(level, data.diary, loaded.nominal_period_s);
+  data.now = rate_now(level, data.stretches.back(), loaded.nominal_period_s);
   const auto complete = [&](RateSummary& rate) {
     rate.nominal_is_known = loaded.nominal_is_known;
     add_time_base(rate, loaded.log.time_base_sigma);
@@ -473,7 +478,7 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   tell_ways(times, data.fit, data.covariates);
   data.isochronism = isochronism(times, data.fit);
   tell("spectrum of the rate, fast and slow drive");
-  data.drive = analyse_drive(loaded.good, loaded.nominal_period_s, data.fit);
+  data.drive = analyse_drive(level, loaded.nominal_period_s, data.fit);
   tell("the drive as it went");
   if (const auto model = drive_model(data.fit, times)) data.history = drive_history(times, *model);
   tell("likely causes");

@@ -144,6 +144,7 @@ TimingData fit_data(const NumberedLog& loaded) {
   const bool swings = data.no_swings.empty() && data.reference_period_s <= longest_swing_s;
   if (swings) data.impulses = find_impulse_cycle(data);
   if (data.impulses) level_impulses(*data.impulses, data);
+  level_displacements(data);
   return data;
 }
 

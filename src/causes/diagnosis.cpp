@@ -301,12 +301,10 @@ bool is_long_enough(const DiagnosisInput& input) {
   return input.data != nullptr && input.data->size() >= least_diagnosed_beats;
 }
 
-constexpr std::size_t most_displaced = 8;
-
 // Causes from the course of the rate, and those that show without it.
 void add_suspicions_of_log(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   if (!is_long_enough(input)) return;
-  const Undisplaced times(*input.data, most_displaced);
+  const Undisplaced times(*input.data);
   for (Suspicion& suspicion : Diagnosis(input, times.data()).suspicions())
     all.push_back(std::move(suspicion));
   for (Suspicion& fact : suspicions_of_facts(input, times.displaced()))
@@ -327,7 +325,7 @@ std::vector<Suspicion> diagnose(const DiagnosisInput& input) {
 
 void add_small_changes(const DiagnosisInput& input, std::span<const Beat> beats, Diary& diary) {
   if (!is_long_enough(input)) return;
-  const Undisplaced times(*input.data, most_displaced);
+  const Undisplaced times(*input.data);
   Diagnosis diagnosis(input, times.data());
   for (const double at_s : diagnosis.undated_times())
     add_change(times.data(), at_s, diagnosis.doubt_s(), beats, diary.changes);

@@ -55,10 +55,10 @@ double broken_line_misfit(const Track& track, std::size_t from, std::size_t to, 
 class Search {
 public:
   Search(std::span<const Beat> beats, double nominal_period_s,
-         const std::vector<timing_model::Displacement>& displaced, const DiaryOptions& options)
+         const std::vector<Displacement>& displaced, const DiaryOptions& options)
       : options_(options) {
     auto error = clock_error(beats, nominal_period_s);
-    for (const timing_model::Displacement& at : displaced)
+    for (const Displacement& at : displaced)
       for (std::size_t i = at.beat; i < error.size(); ++i)
         error[i] += at.late_s;
     for (std::size_t i = 0; i < beats.size(); ++i) {
@@ -214,9 +214,8 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
   Diary diary;
   if (beats.size() < 4 * options.window) return diary; // too short to compare slopes
   const TimingData times = timing_data(beats);
-  constexpr std::size_t most_displaced = 8;
   // A displacement of the times is not a change of the rate.
-  const timing_model::Undisplaced undisplaced(times, most_displaced);
+  const timing_model::Undisplaced undisplaced(times);
   const Search search(beats, nominal_period_s, undisplaced.displaced(), options);
   std::vector<std::size_t> knots;
   for (const std::size_t place : search.places()) {
@@ -252,6 +251,16 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
           *end = change;
         }
   return diary;
+}
+
+std::optional<std::vector<Beat>> without_displacements(std::span<const Beat> beats,
+                                                       const TimingData& data) {
+  if (data.displaced.empty()) return {};
+  std::vector<Beat> level(beats.begin(), beats.end());
+  for (const Displacement& at : data.displaced)
+    for (std::size_t i = at.beat; i < level.size(); ++i)
+      level[i].time = level[i].time + (-at.late_s);
+  return level;
 }
 
 void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary) {

@@ -9,27 +9,19 @@
 
 namespace goingrate::timing_model {
 
-/// All times from one beat on are late by the same amount; the rate stays as it was.
-struct Displacement {
-  std::size_t beat = 0; ///< the first that is late
-  double late_s = 0.0;
-  double gain = 0.0;
-};
-
-/// The data without at most `most` displacements of their times, the greatest gain first; each is
-/// taken off before the next is searched for. Data without any are not copied, and must outlive it.
+/// The data without displacements of their times. Data without any are not copied, and must outlive
+/// it.
 class Undisplaced {
 public:
-  Undisplaced(const TimingData& data, std::size_t most);
+  explicit Undisplaced(const TimingData& data);
   Undisplaced(const Undisplaced&) = delete;
   Undisplaced& operator=(const Undisplaced&) = delete;
   [[nodiscard]] const TimingData& data() const { return *data_; }
-  [[nodiscard]] const std::vector<Displacement>& displaced() const { return displaced_; }
+  [[nodiscard]] const std::vector<Displacement>& displaced() const { return data_->displaced; }
 
 private:
   const TimingData* data_;
   std::optional<TimingData> corrected_;
-  std::vector<Displacement> displaced_;
 };
 
 /// The suspicions that follow from these, each with a gain above `believed`.

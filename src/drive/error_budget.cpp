@@ -205,6 +205,9 @@ ErrorBudget error_budget(const Scenario& scenario, double after_s) {
   check(scenario.clock);
   if (!(after_s > 0.0 && std::isfinite(after_s)))
     throw ArgumentError("after", after_s, "a positive number of seconds");
+  if (!scenario.events.empty())
+    throw ArgumentError("event", static_cast<double>(scenario.events.size()),
+                        "none: what a clock loses by a change of itself is no matter of chance");
   ErrorBudget budget{after_s, {}};
   add_drive(scenario, after_s, budget.parts);
   add_length(scenario, after_s, budget.parts);

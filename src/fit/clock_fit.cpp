@@ -403,6 +403,15 @@ std::string no_pendulum(const TimingData& data, double nominal_period_s) {
                      readable(nominal_period_s, 4));
 }
 
+void note_displacements(const TimingData& data, FitSummary& summary) {
+  for (const Displacement& at : data.displaced)
+    summary.notes.push_back(
+        {NoteKind::displacement,
+         fmt::format("from {} s after the first beat on all times are displaced by {} ms: this was "
+                     "taken off, for it is the sensor's doing, or a knock's",
+                     readable(data.elapsed_s[at.beat], 5), readable_signed(1e3 * at.late_s, 3))});
+}
+
 } // namespace
 
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options) {
@@ -427,6 +436,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   state(fitted, *end.search, nominal_period_s, summary);
   if (summary.status != FitStatus::contradicts_log)
     if (const auto decay = decay_of(fitted, end.search->options())) state_decay(*decay, summary);
+  note_displacements(data, summary);
   if (data.time_base_sigma > 0.0) widen_by_time_base(data.time_base_sigma, summary);
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, end.search->options());

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <optional>
+#include <span>
 
 namespace goingrate::timing_model {
 
@@ -51,6 +52,27 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
   return rough;
 }
 
+// Between two pushes the swing is free, and its friction shows whatever the pushes give. A drive
+// that waits for the swing to fall holds the amplitude, and the fit of a mean drive then takes the
+// memory of that for friction.
+std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted) {
+  const auto& pushes = fitted.problem.data->impulses;
+  const Slot& slot = *fitted.problem.parameters.find(Quantity::epsilon);
+  const bool is_linear = !fitted.model.quadratic && !fitted.model.dry;
+  if (!pushes || !pushes->epsilon || !slot.free || !is_linear) return {};
+  const double found = slot.value(std::span<const double>(fitted.minimum.x));
+  const double sigma = fitted.known.sigma(slot.index) * found; // of a logarithm
+  constexpr double largest_difference_sigma = 4.0;
+  const double seen = pushes->epsilon->value;
+  if (!(std::abs(found - seen) >
+        largest_difference_sigma * std::hypot(sigma, pushes->epsilon->sigma)))
+    return {};
+  return FitNote{NoteKind::misfit,
+                 fmt::format("between two pushes the swing dies away by ε = {}, in the best fit by "
+                             "{}: the pushes are not those of a steady drive",
+                             readable(seen, 3), readable(found, 3))};
+}
+
 } // namespace
 
 std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality) {
@@ -67,6 +89,7 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
     found.push_back({NoteKind::domain,
                      "the best fit swings or loses more than any pendulum of this model: "
                      "something else rules the times"});
+  if (const auto other = other_friction_between_pushes(fitted)) found.push_back(*other);
   constexpr double least_p_value = 1e-6;
   if (found.empty() && quality.p_value < least_p_value)
     found.push_back({NoteKind::misfit,

@@ -248,6 +248,8 @@ NamedColumn column_named(std::string_view text) {
   NamedColumn result;
   result.column.name = std::string(text);
   result.column.role = role_of(name);
+  if (result.column.role == ColumnRole::ignored && unit_named(unit)) // "unix_s", "t ms"
+    result.column.role = role_of(std::string_view(name).substr(0, name.find_last_of("_ ")));
   result.has_unit = set_unit(result.column, unit);
   return result;
 }
@@ -255,15 +257,17 @@ NamedColumn column_named(std::string_view text) {
 std::optional<DatedPhases> dated_phases_named(std::string_view date, std::string_view phase) {
   constexpr std::string_view word = "phase";
   const auto [name, unit] = name_and_unit(phase);
-  if (!lower(date).starts_with("mjd") || !name.starts_with(word)) return {};
-  DatedPhases result;
-  result.date.name = std::string(date);
+  const bool is_mjd = lower(date).starts_with("mjd");
+  const NamedColumn time = column_named(date);
+  if ((!is_mjd && time.column.role != ColumnRole::time) || !name.starts_with(word)) return {};
+  DatedPhases result{time.column, {}};
   result.date.role = ColumnRole::time;
-  (void)set_unit(result.date, "mjd");
+  if (is_mjd) (void)set_unit(result.date, "mjd");
   result.phase.name = std::string(phase);
   result.phase.role = ColumnRole::phase;
   const bool has_unit = set_unit(result.phase, unit);
-  return has_unit || lower(phase) == word ? std::optional(result) : std::nullopt;
+  // Beside another time than MJD a phase without a unit may be an angle.
+  return has_unit || (is_mjd && lower(phase) == word) ? std::optional(result) : std::nullopt;
 }
 
 } // namespace goingrate

@@ -264,8 +264,8 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
 
 // The spacing of phase or frequency values: the step of a time column, or else 1 s.
 void Detection::settle_tau0() {
-  if (const auto time = layout_.find(ColumnRole::time); time && !layout_.calendar) {
-    const TimeUnit& unit = layout_.columns[*time].unit;
+  if (const auto time = layout_.find(ColumnRole::time)) {
+    const TimeUnit unit = layout_.calendar ? in_seconds : layout_.columns[*time].unit;
     const double step_s = samples_[*time].typical_step * unit.seconds * std::pow(10.0, unit.power);
     const double whole_s = std::round(step_s);
     constexpr double rounding = 2e-4; // relative: half an hour in days with five decimals

@@ -84,13 +84,16 @@ std::size_t longest_label(const Figure& figure) {
   return widest;
 }
 
-// Width of a label in letters: digits and what stands between them are wider.
+// Width of a label in letters: digits and what stands between them are wider, m and w widest.
 double letters(const std::string& label) {
-  constexpr double digit = 1.25;
-  const auto wide = std::count_if(label.begin(), label.end(), [](char c) {
-    return (c >= '0' && c <= '9') || c == '=' || static_cast<unsigned char>(c) >= 0xC0;
-  });
-  return static_cast<double>(characters(label)) + (digit - 1.0) * static_cast<double>(wide);
+  constexpr double digit = 1.25, broad = 1.7;
+  double wide = static_cast<double>(characters(label));
+  for (const char c : label) {
+    if ((c >= '0' && c <= '9') || c == '=' || static_cast<unsigned char>(c) >= 0xC0)
+      wide += digit - 1.0;
+    if (std::string_view("mwMW").find(c) != std::string_view::npos) wide += broad - 1.0;
+  }
+  return wide;
 }
 
 double widest_label(const Figure& figure) {

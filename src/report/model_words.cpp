@@ -43,12 +43,15 @@ std::string wander(const Analysis& data, bool told_a_change) {
 
 // "the friction ε, the driving torque μ or ...": what the table has no row for.
 std::string undetermined(const FitSummary& fit) {
-  constexpr std::array<std::string_view, 4> asked{"T0", "epsilon", "mu", "phi0"};
+  constexpr std::array<std::string_view, 6> asked{"T0",   "epsilon", "mu",
+                                                  "phi0", "impulse", "impulse_angle"};
   std::vector<std::string> names;
   for (const std::string_view name : asked)
     if (const FittedParameter* found = fit.find(name);
         found != nullptr && found->status == ParameterStatus::undetermined)
-      names.push_back(fmt::format("the {} {}", meaning_of(name), symbol_of(name)));
+      names.push_back(symbol_of(name).empty()
+                          ? fmt::format("the {}", meaning_of(name))
+                          : fmt::format("the {} {}", meaning_of(name), symbol_of(name)));
   return listed(names, "or");
 }
 

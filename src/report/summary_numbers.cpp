@@ -213,6 +213,9 @@ void Numbers::add_fit() {
                                     words_.angle(fit.decay->amplitude_rad, 0.0))
                       : "quality factor Q " + fit.q_factor.expression,
         with_sigma(fit.q_factor.value, fit.q_factor.sigma));
+  if (fit.decay && std::isfinite(fit.decay_time.value))
+    add("  decay time there",
+        with_sigma(fit.decay_time.value, fit.decay_time.sigma) + " s");
 }
 
 void Numbers::add_drive() {
@@ -261,7 +264,7 @@ void Numbers::add_isochronism() {
                   words_.angle(found.amplitude_rad, 0.0)),
       fmt::format("{}/{}", words_.rate(per * found.slope, per * found.sigma), unit));
   if (found.fitted_slope)
-    add("  by the fitted pendulum alone",
+    add("  of the fitted pendulum, all else steady",
         fmt::format("{:+.3g} {}/{}", words_.rate_unit().factor * per * *found.fitted_slope,
                     words_.rate_unit().name, unit));
 }

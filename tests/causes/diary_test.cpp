@@ -2,6 +2,7 @@
 
 #include "support/simulated.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace goingrate {
@@ -142,6 +143,33 @@ INSTANTIATE_TEST_SUITE_P(
                     ChangeCase{"RegulationWithAmplitudes", ChangeKind::regulation, 2e-5, true},
                     ChangeCase{"Regulation", ChangeKind::regulation, -2e-5, false}),
     [](const auto& given) { return given.param.name; });
+
+// A beat that comes 14 ms late, with all that follow, is no part of the rate before a later change.
+TEST(DiaryTest, ADisplacementIsNoRate) {
+  std::vector<Beat> beats;
+  for (std::int64_t i = 0; i < 5000; ++i) {
+    const auto n = static_cast<double>(i);
+    double late = 1e-4 * std::max(0.0, n - 2500.0) + (i >= 1300 ? 14e-3 : 0.0);
+    late += 1e-5 * std::sin(12.9898 * n); // neighbours differ
+    Beat beat;
+    beat.cycle = i;
+    beat.time = Instant{} + (2.0 * n + late);
+    beats.push_back(beat);
+  }
+  TimingData data = timing_data(beats);
+  level_displacements(data);
+  const auto level = without_displacements(beats, data);
+  ASSERT_TRUE(level);
+  Diary diary = keep_diary(*level, 2.0);
+  ASSERT_EQ(diary.changes.size(), 1u);
+  put_rates(*level, 2.0, diary);
+  constexpr double within = 2e-8; // 1e-5 s in 2400 swings, and the first of them
+  EXPECT_NEAR(diary.changes[0].rate_before, 0.0, within);
+  EXPECT_NEAR(diary.changes[0].rate_after, -5e-5, within);
+  TimingData again = timing_data(*level);
+  level_displacements(again);
+  EXPECT_TRUE(again.displaced.empty());
+}
 
 TEST(DiaryTest, AShortLogHasNoDiary) {
   EXPECT_TRUE(keep_diary(test::simulated_beats(test::at_point_a(50), 1), 2.0).changes.empty());

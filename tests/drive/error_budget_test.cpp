@@ -213,6 +213,9 @@ TEST(ErrorBudgetTest, WhatHasNoLinearResponseIsRefused) {
   scenario.drive.series = std::make_shared<const std::vector<double>>(3, 1.0);
   EXPECT_THROW((void)error_budget(scenario, day), ArgumentError);
   scenario = clock_that_varies();
+  scenario.events.emplace_back();
+  EXPECT_THROW((void)error_budget(scenario, day), ArgumentError);
+  scenario = clock_that_varies();
   scenario.clock.epsilon = 0.0;
   scenario.clock.quadratic_drag = 1e-2; // no friction to vary, and an answer all the same
   for (const Requirement& one : requirements(scenario, 2.0, day))

@@ -311,6 +311,35 @@ TEST(FormatsTest, PhasesBesideTheirDatesAreKnownByTheirNames) {
   }
 }
 
+// 56000 is 2012-03-14.
+TEST(FormatsTest, DatesBesidePhasesMayBeCalendarOrSeconds) {
+  const ClockLog expected = read_log(phases_of_dates("mjd,phase_s", 1.0 / 48.0, 1.0), "x");
+  const auto rewritten = [](const std::string& header, const auto& date) {
+    std::string text = header + "\n";
+    for (int i = 0; i < 40; ++i)
+      text += fmt::format("{},{:.6f}\n", date(i), 1e-6 * i + 1e-7 * (i * 37 % 11));
+    return text;
+  };
+  const auto calendar = [](int i) {
+    return fmt::format("2012-03-{:02}T{:02}:{:02}:00", 14 + i / 48, i / 2 % 24, i % 2 * 30);
+  };
+  const auto unix_s = [](int i) { return std::to_string(1331683200 + 1800 * i); };
+  ReadingOptions by_hand;
+  by_hand.columns = {"time=1", "phase=2"};
+  for (const ClockLog& log : {read_log(rewritten("time,phase_s", calendar), "x"),
+                              read_log(rewritten("when,offset", calendar), "x", by_hand),
+                              read_log(rewritten("unix_s,phase_s", unix_s), "x")}) {
+    EXPECT_EQ(log.format, LogFormat::phase);
+    EXPECT_EQ(log.nominal_period_s, 1800.0);
+    ASSERT_EQ(log.events.size(), 40u);
+    EXPECT_EQ(log.events[39].time - log.events[0].time,
+              expected.events[39].time - expected.events[0].time);
+    Instant first = log.events[0].time;
+    first.seconds -= seconds_before_1970(log.origin);
+    EXPECT_EQ(first.seconds, 1331683200);
+  }
+}
+
 TEST(FormatsTest, APhaseThatIsNoTimeIsNotRead) {
   for (const char* header : {"mjd,phase_deg", "mjd,phase (cycles)", "mjd,moon phase", "time,phase"})
     EXPECT_EQ(read_log(phases_of_dates(header, 1.0 / 48.0, 1.0), "x").format, LogFormat::table)

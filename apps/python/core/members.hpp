@@ -47,8 +47,9 @@ GOINGRATE_MEMBERS(RateTerm, name, unit, advance_s, is_known, sigma, step_s)
 GOINGRATE_MEMBERS(ImpulseCycle::Estimate, value, sigma)
 GOINGRATE_MEMBERS(ImpulseCycle, periods, is_regular, gain, first, cycles, amplitude_step, lateness,
                   kick, middle, amplitude_middle, epsilon)
+GOINGRATE_MEMBERS(Displacement, beat, late_s, gain)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
-                  terms, time_noise, amplitude_noise, no_swings, impulses, time_base_sigma)
+                  terms, time_noise, amplitude_noise, no_swings, impulses, displaced, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
 GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned, at_crossing)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "goingrate/fit/fit_event.hpp"
+#include "goingrate/fit/timing_data.hpp"
 #include "goingrate/log/beats.hpp"
 
 #include <optional>
@@ -43,7 +44,7 @@ struct Change {
   /// five.
   double rate_before = 0.0, rate_before_sigma = 0.0;
   double rate_after = 0.0, rate_after_sigma = 0.0;
-  bool noted = false;                      ///< the keeper of the clock wrote it down, with its kind
+  bool noted = false;                    ///< the keeper of the clock wrote it down, with its kind
   std::optional<PlannedRatio> planned{}; ///< of the parameter of that kind, if that was noted too
   /// Whether the keeper says that it happened, and the search found nothing there.
   [[nodiscard]] bool is_only_noted() const { return noted && significance == 0.0; }
@@ -102,6 +103,11 @@ struct DiaryOptions {
 /// alarms.
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
+
+/// The beats without the displacements that were taken off their data, which are no change of the
+/// rate; nothing where there are none. (DiaryTest.ADisplacementIsNoRate)
+std::optional<std::vector<Beat>> without_displacements(std::span<const Beat> beats,
+                                                       const TimingData& data);
 
 /// Fills in the rates before and after each change again, after dates were moved.
 void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary);

@@ -39,8 +39,8 @@ struct ErrorBudget {
 /// escapement that waits for its swing to fall (Hipp), whose every wait begins at the limit, the
 /// rate answers to the drive alike at all frequencies
 /// (ErrorBudgetTest.AnEscapementThatWaitsForgetsTheImpulseBefore). Throws ArgumentError for a clock
-/// that stalls or has no drive, and for a series of the drive, which says nothing of what comes
-/// next.
+/// that stalls or has no drive, for one that changes in an event, and for a series of the drive,
+/// which says nothing of what comes next.
 ErrorBudget error_budget(const Scenario& scenario, double after_s);
 
 /// What one quantity would have to be, the rest being as it is, for the error to stay below a

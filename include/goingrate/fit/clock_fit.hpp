@@ -198,6 +198,7 @@ enum class NoteKind {
   domain,        ///< the best place is at the edge of where the equations hold
   misfit,        ///< the times stray from the best place by more than they scatter
   change,        ///< another change at the same date explains the log as well
+  displacement,  ///< of the times from a beat on, taken off before the fit
 };
 
 /// Something that must be said besides the numbers.

@@ -25,6 +25,14 @@ struct RateTerm {
   double step_s = 0.0;                  ///< between those readings; 0: there is one at each beat
 };
 
+/// All times from one beat on are late by the same amount, and the rate stays as it was: a sensor
+/// that was moved, a knock.
+struct Displacement {
+  std::size_t beat = 0; ///< the first that is late
+  double late_s = 0.0;
+  double gain = 0.0; ///< of 2 log L, less the price of looking at every beat
+};
+
 /// Times and amplitudes of a run of good beats; all vectors have one entry per beat.
 struct TimingData {
   double reference_period_s = 0.0;   ///< the mean period: makes the lateness small
@@ -39,6 +47,7 @@ struct TimingData {
   std::string no_swings{}; ///< why these are not a pendulum's swings; empty if they are
   /// Pushes of an escapement that rests, whose saw-tooth was taken off times and amplitudes.
   std::optional<ImpulseCycle> impulses{};
+  std::vector<Displacement> displaced{}; ///< taken off the times, the greatest gain first
   double time_base_sigma = 0.0; ///< relative, of the clock that took the times, and so of T0
 
   /// Number of beats.
@@ -49,6 +58,11 @@ struct TimingData {
 
 /// No pendulum swings more slowly: that of 20 s is 99 m long.
 inline constexpr double longest_swing_s = 20.0;
+
+/// Takes displacements off the times, at most eight, and notes them; each is taken off before the
+/// next is searched for. No pendulum makes them, so a fit is better off without.
+/// (FitDisplacedTest.AMovedSensorLeavesTheClock)
+void level_displacements(TimingData& data);
 
 /// Throws ArgumentError for fewer than three beats. The data have the term "drift".
 TimingData timing_data(std::span<const Beat> beats);
@@ -65,7 +79,7 @@ RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
 std::vector<double> relative_noise(std::span<const double> sigmas);
 
 /// The beats with the given indices (increasing). What belongs to the log as a whole (no_swings,
-/// impulses, time_base_sigma) is not copied.
+/// impulses, displaced, time_base_sigma) is not copied.
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen);
 
 } // namespace goingrate

@@ -1,0 +1,13 @@
+// Displaced times: a sensor that was moved, a knock. Private to the fit room and those above.
+#pragma once
+
+#include "goingrate/fit/timing_data.hpp"
+
+#include <optional>
+
+namespace goingrate::timing_model {
+
+/// The displacement that gains most, if one is sudden and stands out of the scatter of the times.
+std::optional<Displacement> greatest_displacement(const TimingData& data);
+
+} // namespace goingrate::timing_model
