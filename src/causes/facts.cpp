@@ -161,9 +161,13 @@ void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
 } // namespace
 
 Undisplaced::Undisplaced(const TimingData& data) : data_(&data) {
-  if (!greatest_displacement(data)) return;
-  level_displacements(corrected_.emplace(data));
-  data_ = &*corrected_;
+  constexpr std::size_t most_displaced = 8;
+  while (data_->displaced.size() < most_displaced) {
+    const auto next = greatest_displacement(*data_);
+    if (!next) return;
+    if (!corrected_) data_ = &corrected_.emplace(data);
+    take_off(*next, *corrected_);
+  }
 }
 
 std::vector<Suspicion> suspicions_of_facts(const DiagnosisInput& input,

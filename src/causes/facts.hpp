@@ -9,8 +9,8 @@
 
 namespace goingrate::timing_model {
 
-/// The data without displacements of their times. Data without any are not copied, and must outlive
-/// it.
+/// The data without displacements of their times, less certain ones among them, eight at most. Data
+/// without any are not copied, and must outlive it.
 class Undisplaced {
 public:
   explicit Undisplaced(const TimingData& data);

@@ -58,7 +58,7 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
 std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted) {
   const auto& pushes = fitted.problem.data->impulses;
   const Slot& slot = *fitted.problem.parameters.find(Quantity::epsilon);
-  const bool is_linear = !fitted.model.quadratic && !fitted.model.dry;
+  const bool is_linear = fitted.model.friction() == "linear";
   if (!pushes || !pushes->epsilon || !slot.free || !is_linear) return {};
   const double found = slot.value(std::span<const double>(fitted.minimum.x));
   const double sigma = fitted.known.sigma(slot.index) * found; // of a logarithm

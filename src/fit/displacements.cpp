@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace goingrate {
@@ -124,17 +125,27 @@ std::optional<Displacement> greatest_displacement(const TimingData& data) {
   return best;
 }
 
+void take_off(const Displacement& displacement, TimingData& data) {
+  for (std::size_t i = displacement.beat; i < data.size(); ++i)
+    data.lateness_s[i] -= displacement.late_s;
+  data.displaced.push_back(displacement);
+}
+
 } // namespace timing_model
 
+// Real noise has longer tails than a normal one, and where displacements follow one another down to
+// that noise, they are a part of it: those that are taken off have twice the size of all others.
 void level_displacements(TimingData& data) {
   constexpr std::size_t most = 8;
-  while (data.displaced.size() < most) {
-    const auto next = timing_model::greatest_displacement(data);
-    if (!next) return;
-    for (std::size_t i = next->beat; i < data.size(); ++i)
-      data.lateness_s[i] -= next->late_s;
-    data.displaced.push_back(*next);
+  constexpr double least_gain = 100.0, most_gain_of_others = least_gain / 4.0;
+  auto next = timing_model::greatest_displacement(data);
+  if (!next || next->gain < least_gain) return;
+  TimingData level = data;
+  for (; next && next->gain >= least_gain; next = timing_model::greatest_displacement(level)) {
+    if (level.displaced.size() == most) return;
+    timing_model::take_off(*next, level);
   }
+  if (!next || next->gain < most_gain_of_others) data = std::move(level);
 }
 
 } // namespace goingrate

@@ -10,4 +10,7 @@ namespace goingrate::timing_model {
 /// The displacement that gains most, if one is sudden and stands out of the scatter of the times.
 std::optional<Displacement> greatest_displacement(const TimingData& data);
 
+/// Takes it off the times, and notes it.
+void take_off(const Displacement& displacement, TimingData& data);
+
 } // namespace goingrate::timing_model

@@ -38,6 +38,18 @@ TEST(FitDisplacedTest, AMovedSensorLeavesTheClock) {
   EXPECT_EQ(here.notes.back().kind, NoteKind::displacement);
 }
 
+TEST(FitDisplacedTest, KicksThatFollowEachOtherAreANoise) {
+  const TimingData undisturbed =
+      timing_data(test::simulated_beats(test::jump_from_a_to_b(4000, 1e-5), 6));
+  TimingData kicked = undisturbed;
+  for (std::size_t kick = 1; kick <= 40; ++kick) // each of another size
+    kicked = displaced(kicked, 90 * kick, 1e-4 * static_cast<double>(kick % 7 + 3));
+  const std::vector<double> times = kicked.lateness_s;
+  level_displacements(kicked);
+  EXPECT_TRUE(kicked.displaced.empty());
+  EXPECT_EQ(kicked.lateness_s, times);
+}
+
 TEST(FitDisplacedTest, LogsWithoutOneStayAsTheyAre) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Scenario noisy = test::at_point_b(4000);
