@@ -134,7 +134,9 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
     StepLine now(global.quiet, "fitting the model");
     fit = fit_clock(times, loaded.nominal_period_s, asked);
     now("spectrum of the rate, fast and slow drive");
-    return analyse_drive(loaded.good, loaded.nominal_period_s, fit, options.split_hz);
+    const auto moved_back = without_displacements(loaded.good, times);
+    return analyse_drive(moved_back ? std::span<const Beat>(*moved_back) : loaded.good,
+                         loaded.nominal_period_s, fit, options.split_hz);
   }();
   if (finds_events(request)) tell_events(fit.events, loaded.good, global);
   if (!drive.rate_spectrum)

@@ -248,8 +248,9 @@ NamedColumn column_named(std::string_view text) {
   NamedColumn result;
   result.column.name = std::string(text);
   result.column.role = role_of(name);
-  if (result.column.role == ColumnRole::ignored && unit_named(unit)) // "unix_s", "t ms"
-    result.column.role = role_of(std::string_view(name).substr(0, name.find_last_of("_ ")));
+  const auto before_unit = std::string_view(name).substr(0, name.find_last_of("_ "));
+  if (unit_named(unit) && role_of(before_unit) == ColumnRole::time) // "unix_s", "t ms"
+    result.column.role = ColumnRole::time;
   result.has_unit = set_unit(result.column, unit);
   return result;
 }

@@ -264,7 +264,8 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
 
 // The spacing of phase or frequency values: the step of a time column, or else 1 s.
 void Detection::settle_tau0() {
-  if (const auto time = layout_.find(ColumnRole::time)) {
+  const auto time = layout_.find(ColumnRole::time);
+  if (time && samples_[*time].typical_step > 0.0) { // not for days alone, without a time of day
     const TimeUnit unit = layout_.calendar ? in_seconds : layout_.columns[*time].unit;
     const double step_s = samples_[*time].typical_step * unit.seconds * std::pow(10.0, unit.power);
     const double whole_s = std::round(step_s);

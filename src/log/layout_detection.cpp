@@ -94,7 +94,7 @@ bool Detection::settle_dated_phases() {
   if (head_.columns != 2 || head_.names.size() != 2) return false;
   if (options_.format && *options_.format != LogFormat::phase) return false;
   const auto named = dated_phases_named(head_.names[0], head_.names[1]);
-  if (!named) return false;
+  if (!named || !(samples_[0].typical_step > 0.0)) return false;
   layout_.columns = {named->date, named->phase};
   stated_unit_.assign(2, true);
   return true;

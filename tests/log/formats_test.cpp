@@ -340,6 +340,20 @@ TEST(FormatsTest, DatesBesidePhasesMayBeCalendarOrSeconds) {
   }
 }
 
+TEST(FormatsTest, DaysAloneAreNoTimes) {
+  std::string text = "date,phase_s\n";
+  for (int i = 1; i <= 28; ++i)
+    text += fmt::format("2012-02-{:02},{:.6f}\n", i, 1e-6 * i);
+  EXPECT_THROW((void)read_log(text, "x"), InputError);
+}
+
+TEST(FormatsTest, AUnitAfterANameMakesATimeOfATimeAlone) {
+  std::string text = "t_ms,x_s\n";
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format("{},{:.7f}\n", 2000 * i + i * 37 % 11, 1e-6 * i);
+  EXPECT_EQ(read_log(text, "x").format, LogFormat::table);
+}
+
 TEST(FormatsTest, APhaseThatIsNoTimeIsNotRead) {
   for (const char* header : {"mjd,phase_deg", "mjd,phase (cycles)", "mjd,moon phase", "time,phase"})
     EXPECT_EQ(read_log(phases_of_dates(header, 1.0 / 48.0, 1.0), "x").format, LogFormat::table)

@@ -22,7 +22,10 @@ namespace {
 
 DriveAnalysis spectrum(const SharedLog& log, const Fitted& fit, double split_hz) {
   const Waiting waiting{py::none()};
-  DriveAnalysis drive = analyse_drive(log->good, log->nominal_period_s, fit.summary, split_hz);
+  const auto moved_back = without_displacements(log->good, fit.data);
+  DriveAnalysis drive =
+      analyse_drive(moved_back ? std::span<const Beat>(*moved_back) : log->good,
+                    log->nominal_period_s, fit.summary, split_hz);
   if (!drive.rate_spectrum)
     throw NumericsError(fmt::format("{} beats are too few for a spectrum", log->good.size()));
   return drive;

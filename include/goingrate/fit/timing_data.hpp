@@ -59,9 +59,11 @@ struct TimingData {
 /// No pendulum swings more slowly: that of 20 s is 99 m long.
 inline constexpr double longest_swing_s = 20.0;
 
-/// Takes displacements off the times, at most eight, and notes them; each is taken off before the
-/// next is searched for. No pendulum makes them, so a fit is better off without.
-/// (FitDisplacedTest.AMovedSensorLeavesTheClock)
+/// Takes displacements off the times and notes them, each before the next is searched for: up to
+/// eight that stand out of all others (2 log L of each above 100, of any other below 25); where
+/// there are more, they are a noise of the clock, and none is taken off. No pendulum makes them, so
+/// a fit is better off without. (FitDisplacedTest.AMovedSensorLeavesTheClock,
+/// FitDisplacedTest.KicksThatFollowEachOtherAreANoise)
 void level_displacements(TimingData& data);
 
 /// Throws ArgumentError for fewer than three beats. The data have the term "drift".
