@@ -1,4 +1,4 @@
-// How far a file was read that may have been rotated since.
+// Up to where a log file, perhaps rotated since, was read.
 #pragma once
 
 #include <cstdint>
@@ -22,27 +22,28 @@ public:
     std::string path;
     std::uint32_t known_lines = 0;
   };
-  /// What is to be read of the source `path`: itself alone, or first what it was when it was read
-  /// last, if that is PATH.1 … PATH.9 now, and what came between.
+  /// The files to read of the source `path`, the oldest first: where the file that was read last is
+  /// PATH.1 … PATH.9 now, that one from its known line on, every later one, and `path`; otherwise
+  /// `path` alone.
   [[nodiscard]] std::vector<Part> parts_of(const std::string& path) const;
 
-  /// A line of that file was read. Lines that begin again are those of another file of that name.
+  /// Notes that `line` of `path` was read. A number below the last means that another file is read.
   void took(const std::string& path, std::uint32_t line);
   /// Called when all that was taken is safe: writes the position if it is new.
   void save();
 
 private:
   struct Mark {
-    std::uint64_t inode = 0, bytes = 0;          // of the file, and how long it was at least
-    std::uint64_t head_bytes = 0, head_hash = 0; // of its beginning
+    std::uint64_t inode = 0, bytes = 0;          // of the file; the least it can have now
+    std::uint64_t head_bytes = 0, head_hash = 0; // of its first bytes: how many, FNV-1a
     std::uint32_t lines = 0;
   };
   static bool fits(const Mark& mark, const std::string& path, bool with_inode);
 
   std::string path_;
   Mark saved_;
-  int file_ = -1;           // the one being read
-  std::uint32_t lines_ = 0; // of it
+  int file_ = -1;           // descriptor of the file that is read; -1: none
+  std::uint32_t lines_ = 0; // of that file, read so far
 };
 
 } // namespace goingrate::apps

@@ -30,7 +30,7 @@ constexpr std::array named_values{NamedValue{"width_s", &EventValues::width_s},
                                   NamedValue{"pressure_mbar", &EventValues::pressure_mbar},
                                   NamedValue{"humidity_percent", &EventValues::humidity_percent}};
 
-// The reverse of words_of(): false if the word is not that of a value.
+// Takes one word NAME=VALUE of words_of(); false if it has no '='. An unknown name is ignored.
 bool take_word(EventValues& values, const std::string& word) {
   const std::size_t sign = word.find('=');
   if (sign == word.npos) return false;
@@ -65,7 +65,7 @@ std::string misdated_note(const HeardEvent& event, double error_s) {
 std::vector<HeardEvent> still_waiting(const std::vector<std::string>& notes) {
   std::vector<HeardEvent> events;
   for (const std::string& note : notes) {
-    if (note.starts_with(left_out_words)) events.clear(); // those that waited
+    if (note.starts_with(left_out_words)) events.clear(); // nothing waits on
     if (!note.starts_with(waiting_words)) continue;
     std::istringstream words(note.substr(waiting_words.size()));
     std::string word;

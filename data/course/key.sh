@@ -71,7 +71,7 @@ first_log() {
   T=$(truth $name nominal_period)
   naive=$(awk '/^[0-9]/ {if (!n++) first = $1; last = $1} END {printf "%.9f", (last - first) / (n - 1)}' "$log")
   s=$(awk -f "$course/periods.awk" "$work/1-rates.csv" | sed -nE 's/.*scatter ([0-9.]+) ms/\1/p')
-  slope=$(sed -nE 's/^ *mean period +([0-9.]+) ± ([0-9.]+) s.*/\1 \2/p' "$work/1.txt")
+  slope=$(sed -nE 's/^ *fitted mean period +([0-9.]+) ± ([0-9.]+) s.*/\1 \2/p' "$work/1.txt")
   true_period=$(run map --phi0 "$(truth $name phi0)" --solve epsilon="$(truth $name epsilon)" mu="$(truth $name mu)" \
     | awk -v T="$T" 'END {printf "%.9f", T / (1 + $5)}')
   table

@@ -3,6 +3,7 @@
 
 #include "lag.hpp"
 #include "rate_blocks.hpp"
+#include "reading_errors.hpp"
 
 #include "base/scaled_time.hpp"
 
@@ -24,9 +25,10 @@ double mean_of(std::span<const double> x) {
 
 /// How a covariate is assumed to act.
 struct Action {
-  double lag_s = 0.0;
-  bool also_at_once = false; ///< on a rod, and through the lag on its compensation; as buoyancy,
-                             ///< and as friction, which the amplitude follows
+  double lag_s = 0.0; ///< 0: all of it acts at once
+  /// Besides through the lag, at once: on a rod, and through the lag on its compensation; as
+  /// buoyancy, and as friction, which the amplitude follows.
+  bool also_at_once = false;
 };
 
 /// The regression of a rate on a covariate, at once or through a lag. The first cosine is left out:
@@ -34,27 +36,23 @@ struct Action {
 class Regression {
 public:
   Regression(std::span<const double> rate, std::span<const double> value, double block_s,
-             bool may_lag)
+             bool is_weather)
       : rate_(cosines(rate, true)), value_(value), block_s_(block_s) {
-    settle({});
-    Action best;
-    double best_score = found_.deviance;
-    for (const double lag_s : may_lag ? lags_to_try(rate.size(), block_s) : std::vector<double>{})
-      for (const int twice : {0, 1}) {
-        constexpr double price = 8.0; // of 2 log L: for one more parameter, looked for on a grid
-        settle({lag_s, twice == 1});
-        const double score = found_.deviance + price * (1.0 + twice);
-        if (score >= best_score) continue;
-        best = action_;
-        best_score = score;
-      }
-    if (best.lag_s > 0.0)
-      best.lag_s = refined_lag(best.lag_s, [&](double lag_s) {
-        settle({lag_s, best.also_at_once});
-        return found_.deviance;
-      });
-    settle(best);
+    if (!is_weather) {
+      settle({});
+      find_sigmas();
+      return;
+    }
+    const std::vector<double> shares = signal_shares(cosines(value, true));
+    Candidate best = likeliest();
+    shares_ = shares;
+    if (Candidate inexact = likeliest(); inexact.score < best.score + price)
+      best = std::move(inexact);
+    else
+      shares_.clear();
+    settle_whole(best.action);
     find_sigmas();
+    if (action_.lag_s > 0.0) widen_by_lags(best.with_two_ways);
   }
 
   /// The coefficient of all that the covariate does, once it has held for long.
@@ -77,6 +75,40 @@ public:
   }
 
 private:
+  static constexpr double price = 8.0; // of 2 log L: for one more parameter, looked for on a grid
+  struct Candidate {
+    Action action;
+    double score = 0.0;
+    std::vector<RateRegression> with_two_ways{}; ///< for each lag that was tried
+  };
+
+  [[nodiscard]] Candidate likeliest() {
+    settle({});
+    Candidate best{{}, found_.deviance};
+    std::vector<RateRegression> with_two_ways;
+    for (const double lag_s : lags_to_try(rate_.size(), block_s_))
+      for (const int twice : {0, 1}) {
+        settle({lag_s, twice == 1});
+        if (twice == 1) with_two_ways.push_back(found_);
+        const double score = found_.deviance + price * (1.0 + twice);
+        if (score < best.score) best = {action_, score};
+      }
+    best.with_two_ways = std::move(with_two_ways);
+    return best;
+  }
+
+  // What lags in part acts at once in part, so far as the log does not tell otherwise: otherwise
+  // two numbers that a daily wave tells, its size and its lateness, would pass for the whole.
+  void settle_whole(Action action) {
+    action.also_at_once = action.lag_s > 0.0;
+    if (action.lag_s > 0.0)
+      action.lag_s = refined_lag(action.lag_s, [&](double lag_s) {
+        settle({lag_s, true});
+        return found_.deviance;
+      });
+    settle(action);
+  }
+
   // b (c through the lag) + b_at_once (c - c through the lag): b is what remains when c holds.
   [[nodiscard]] std::vector<std::vector<double>> courses_of(std::span<const double> value) const {
     std::vector<std::vector<double>> courses{lagged(value, block_s_, action_.lag_s)};
@@ -98,18 +130,41 @@ private:
       const auto less = lagged(value_, block_s_, action_.lag_s * (1.0 - step));
       for (std::size_t i = 0; i < by_lag.size(); ++i)
         by_lag[i] -= less[i];
-      causes.push_back(cosines(by_lag, true));
+      causes.push_back(signal_of(cosines(by_lag, true)));
       causes.push_back(cosines(memory(value_.size(), block_s_, action_.lag_s), true));
     }
     const RateRegression with_lag = regress(rate_, causes, found_.noise, NoiseSize::unbiased);
     std::copy_n(with_lag.sigmas.begin(), own, found_.sigmas.begin());
   }
 
-  static std::vector<std::vector<double>>
-  cosines_of(const std::vector<std::vector<double>>& courses) {
+  // σ where the log tells little of the lag, by which the coefficients go along a bent ridge: so
+  // wide that those of each lag lie within as many σ as the likelihood has that lag off, and those
+  // of a lag within one σ with their own σ.
+  void widen_by_lags(const std::vector<RateRegression>& with_two_ways) {
+    constexpr double three_sigma = 9.0; // of 2 log L
+    for (const RateRegression& other : with_two_ways) {
+      const double behind = std::max(0.0, other.deviance - found_.deviance);
+      if (behind > three_sigma) continue;
+      for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+        const double away = std::abs(other.coefficients[k] - found_.coefficients[k]);
+        const double sigma =
+            behind > 1.0 ? away / std::sqrt(behind) : std::hypot(away, other.sigmas[k]);
+        found_.sigmas[k] = std::max(found_.sigmas[k], sigma);
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<double> signal_of(std::vector<double> cosines) const {
+    for (std::size_t k = 0; k < shares_.size(); ++k)
+      cosines[k] *= shares_[k];
+    return cosines;
+  }
+
+  [[nodiscard]] std::vector<std::vector<double>>
+  cosines_of(const std::vector<std::vector<double>>& courses) const {
     std::vector<std::vector<double>> causes;
     for (const std::vector<double>& course : courses)
-      causes.push_back(cosines(course, true));
+      causes.push_back(signal_of(cosines(course, true)));
     return causes;
   }
 
@@ -124,6 +179,7 @@ private:
 
   std::vector<double> rate_;
   std::span<const double> value_;
+  std::vector<double> shares_; // of each cosine of the covariate that is no error; empty: all of it
   double block_s_;
   RateRegression found_;
   Action action_;
@@ -240,11 +296,22 @@ RateBlocks blocks_for(const TimingData& data, bool of_tide) {
   return rate_blocks(data, std::min(of_tide ? most_of_tide : most_blocks, data.size() / 8));
 }
 
+// An answer without the beginning of the log, where the swing may still settle: that is no answer
+// to the weather, but a lag could be taken for it.
+Answer without_start(Answer answer) {
+  constexpr double start_share = 0.02; // of the log: some relaxation times of most clocks in a week
+  const auto start =
+      static_cast<std::ptrdiff_t>(start_share * static_cast<double>(answer.rate.size()));
+  for (std::vector<double>* series : {&answer.rate, &answer.value})
+    series->erase(series->begin(), series->begin() + start);
+  return answer;
+}
+
 std::optional<CovariateEffect> effect_of(const RateTerm& term, const Answer& answer) {
   if (answer.rate.size() < least_blocks || !bends(answer.value)) return {};
   const auto regression = [&](std::span<const double> rate, std::span<const double> value) {
-    const bool may_lag = term.name != "tide"; // what the tide does is known: it acts at once
-    return Regression(rate, value, answer.block_s, may_lag);
+    const bool is_weather = term.name != "tide"; // the tide is known, and acts at once
+    return Regression(rate, value, answer.block_s, is_weather);
   };
   const Regression all = regression(answer.rate, answer.value);
   const std::size_t half = answer.rate.size() / 2;
@@ -276,7 +343,8 @@ std::vector<CovariateEffect> covariate_effects(const TimingData& data) {
     const RateTerm& term = data.terms[k];
     if (term.name == "drift") continue;
     const bool of_tide = term.name == "tide";
-    const Answer answer = answer_in(of_tide ? blocks_for(data, true) : blocks, k);
+    const Answer answer =
+        of_tide ? answer_in(blocks_for(data, true), k) : without_start(answer_in(blocks, k));
     if (auto effect = effect_of(term, answer)) effects.push_back(std::move(*effect));
   }
   return effects;

@@ -272,8 +272,9 @@ void state_decay(const Decay& decay, FitSummary& summary) {
     if (p.name == "T0" && p.status == ParameterStatus::undetermined) take_from_best_law(decay, p);
     if (!std::isfinite(p.sigma)) continue;
     if (p.name == "T0") widen_by_laws(decay, own, &FrictionLaw::T0_s, &FrictionLaw::T0_sigma_s, p);
-    if (p.name == "lambda0")
-      widen_by_laws(decay, own, &FrictionLaw::lambda0, &FrictionLaw::lambda0_sigma, p);
+    if (p.name != "lambda0") continue;
+    widen_by_laws(decay, own, &FrictionLaw::lambda0, &FrictionLaw::lambda0_sigma, p);
+    if (!(p.sigma <= largest_relative_sigma * p.value)) leave_undetermined(p);
   }
   const std::string where =
       fmt::format("at {:.4g} rad, whichever law of friction", decay.amplitude_rad);

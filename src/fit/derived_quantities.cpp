@@ -233,10 +233,7 @@ void doubt_T0_without_gain(FitSummary& summary) {
   const bool known =
       summary.model.escapement == Escapement::none || summary.combination("fast gain") != nullptr;
   for (FittedParameter& p : summary.parameters)
-    if (!known && p.name == "T0" && p.status == ParameterStatus::free) {
-      p.status = ParameterStatus::undetermined;
-      p.value = p.sigma = p.low68 = p.high68 = p.low95 = p.high95 = unknown;
-    }
+    if (!known && p.name == "T0" && p.status == ParameterStatus::free) leave_undetermined(p);
 }
 
 } // namespace

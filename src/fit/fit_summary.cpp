@@ -65,7 +65,8 @@ const FittedParameter& FitSummary::operator[](std::string_view name) const {
   std::vector<std::string_view> names;
   for (const FittedParameter& p : parameters)
     names.push_back(p.name);
-  throw ArgumentError("parameter", std::string(name), fmt::format("{}", fmt::join(names, ", ")));
+  throw ArgumentError("parameter", std::string(name),
+                      fmt::format("one of {}", fmt::join(names, ", ")));
 }
 
 const DerivedQuantity* FitSummary::combination(std::string_view name) const {

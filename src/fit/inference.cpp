@@ -70,11 +70,8 @@ void state_free(const FitProblem& problem, const Slot& slot, std::span<const dou
   const double widened = parameter.sigma / std::abs(slot.slope(x));
   const bool vague = !(widened <= tolerable_sigma(problem, slot, x)) &&
                      (!may_vanish(slot) || tells_nothing(problem, slot, sigma));
-  if (vague || (open && !parameter.at_bound) || known.distrusted[slot.index]) {
-    parameter.status = ParameterStatus::undetermined;
-    parameter.value = parameter.sigma = unknown;
-    parameter.low68 = parameter.high68 = parameter.low95 = parameter.high95 = unknown;
-  }
+  if (vague || (open && !parameter.at_bound) || known.distrusted[slot.index])
+    leave_undetermined(parameter);
 }
 
 void state_parameters(const FitProblem& problem, std::span<const double> x, const Certainty& known,
@@ -113,6 +110,12 @@ void state_correlation(const FitProblem& problem, const Certainty& known, FitSum
 }
 
 } // namespace
+
+void leave_undetermined(FittedParameter& parameter) {
+  parameter.status = ParameterStatus::undetermined;
+  parameter.value = parameter.sigma = unknown;
+  parameter.low68 = parameter.high68 = parameter.low95 = parameter.high95 = unknown;
+}
 
 bool may_vanish(const Slot& slot) {
   return slot.coordinate == Coordinate::multiple && slot.quantity != Quantity::mu;

@@ -100,6 +100,9 @@ struct Interval {
   Root low{}, high{};
 };
 
+/// States a free parameter as one that the log does not determine.
+void leave_undetermined(FittedParameter& parameter);
+
 /// Puts parameters, correlations, combinations and derived quantities into `summary`.
 void state_results(const FitProblem& problem, std::span<const double> x, const Certainty& known,
                    const std::vector<Interval>& intervals, const Rivals& rivals,

@@ -40,6 +40,35 @@ start_from_free_changes(const TimingData& data, const FitOptions& options, const
   return carried_over(there.problem.parameters, there.minimum.x, parameters, otherwise);
 }
 
+bool is_likelier(const FitProblem& problem, std::span<const double> x,
+                 std::span<const double> than) {
+  const auto there = minus_log_likelihood(problem, x), here = minus_log_likelihood(problem, than);
+  return there && !(here && *here < *there);
+}
+
+// Times alone show the swing by its circular error, in which gravity's share and the square of the
+// amplitude are one product: the fits with the share held are starts on the ridge that this makes,
+// for periods that grow and that fall as the swing does.
+std::vector<std::vector<double>>
+starts_at_shares_of_gravity(const TimingData& data, const FitOptions& options,
+                            const ModelChoice& model, const NoiseGuess& noise,
+                            const Parameters& parameters, std::span<const double> otherwise) {
+  const Slot* share = parameters.find(Quantity::gravity_share);
+  if (share == nullptr || !share->free || data.has_amplitude()) return {};
+  std::vector<std::vector<double>> starts;
+  for (const double held : {1.0, -1.0}) {
+    FitOptions narrower = options;
+    std::erase(narrower.freed, parameters.name_of(*share));
+    narrower.fixed[parameters.name_of(*share)] = held;
+    const Fitted there = fit_from_scratch(data, narrower, model, noise);
+    if (!there.minimum.usable) continue;
+    starts.push_back(
+        carried_over(there.problem.parameters, there.minimum.x, parameters, otherwise));
+    starts.back()[share->index] = share->coordinate_of(held);
+  }
+  return starts;
+}
+
 } // namespace
 
 Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const ModelChoice& model,
@@ -63,6 +92,11 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
   }
   if (auto start = start_from_free_changes(data, options, model, noise, parameters, points.front()))
     starts.insert(starts.begin(), std::move(*start));
+  for (auto& start :
+       starts_at_shares_of_gravity(data, options, model, noise, parameters, points.front()))
+    starts.insert(is_likelier(fitted.problem, start, starts.front()) ? starts.begin()
+                                                                     : starts.end(),
+                  std::move(start));
   fitted.problem.priors = make_priors(options, parameters, starts.front());
   fitted.minimum.x = starts.front();
   starts.erase(starts.begin());

@@ -7,7 +7,10 @@
 #include "goingrate/clock/restoring.hpp"
 #include "goingrate/report/tables.hpp"
 
+#include <math.h> // declares the isnan that pchip.hpp of Boost 1.74 calls unqualified
+
 #include <algorithm>
+#include <boost/math/interpolators/pchip.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -83,16 +86,70 @@ Series theory(double T0, double gravity_share, double largest_rad2) {
   return curve;
 }
 
-Series band(const Decay& decay, const char* label, double DecayEstimate::*low,
-            double DecayEstimate::*high, int colour) {
-  const double factor = angle_unit(decay).factor;
-  Series series{Series::Style::band, label, {}, {}, {}, {}, colour};
-  for (const QAtAmplitude& at : decay.q_at_amplitude) {
-    series.x.push_back(factor * at.amplitude_rad);
-    series.low.push_back(at.q.*low);
-    series.high.push_back(at.q.*high);
+// Q along the amplitude. Between those at which it is known 1/Q, a sum of what smooth laws take, is
+// on cubics that keep its order (Fritsch and Carlson 1980).
+class QCurve {
+public:
+  explicit QCurve(const Decay& decay) : unit_(angle_unit(decay)) {
+    for (const QAtAmplitude& at : decay.q_at_amplitude)
+      if (std::isfinite(at.q.value)) known_.push_back(at);
+    std::sort(known_.begin(), known_.end(), [](const QAtAmplitude& a, const QAtAmplitude& b) {
+      return a.amplitude_rad < b.amplitude_rad;
+    });
   }
-  return series;
+
+  [[nodiscard]] std::size_t size() const { return known_.size(); }
+  [[nodiscard]] const DisplayUnit& unit() const { return unit_; }
+  /// The amplitudes that are drawn, in the unit of the figure.
+  [[nodiscard]] std::vector<double> amplitudes() const {
+    std::vector<double> all;
+    for (const double rad : drawn_rad())
+      all.push_back(unit_.factor * rad);
+    return all;
+  }
+  /// One number of each Q at these amplitudes.
+  [[nodiscard]] std::vector<double> of(double DecayEstimate::*number) const {
+    std::vector<double> rad, inverse, drawn;
+    for (const QAtAmplitude& at : known_) {
+      rad.push_back(at.amplitude_rad);
+      inverse.push_back(1.0 / (at.q.*number)); // 0 where an interval is open
+    }
+    if (!is_smooth()) {
+      drawn = std::move(inverse);
+    } else {
+      const boost::math::interpolators::pchip curve(std::move(rad), std::move(inverse));
+      for (const double at : drawn_rad())
+        drawn.push_back(curve(at));
+    }
+    for (double& q : drawn)
+      q = 1.0 / q;
+    return drawn;
+  }
+
+private:
+  [[nodiscard]] bool is_smooth() const { return known_.size() >= 4; } // as a cubic needs
+  [[nodiscard]] std::vector<double> drawn_rad() const {
+    constexpr int steps = 64;
+    std::vector<double> all;
+    if (!is_smooth()) {
+      for (const QAtAmplitude& at : known_)
+        all.push_back(at.amplitude_rad);
+      return all;
+    }
+    const double first = known_.front().amplitude_rad, last = known_.back().amplitude_rad;
+    for (int i = 0; i <= steps; ++i)
+      all.push_back(std::lerp(first, last, static_cast<double>(i) / steps));
+    return all;
+  }
+
+  DisplayUnit unit_;
+  std::vector<QAtAmplitude> known_;
+};
+
+Series band(const QCurve& curve, const char* label, double DecayEstimate::*low,
+            double DecayEstimate::*high, int colour) {
+  return {Series::Style::band, label, curve.amplitudes(), {}, curve.of(low),
+          curve.of(high),      colour};
 }
 
 } // namespace
@@ -144,16 +201,8 @@ std::optional<Figure> period_amplitude_figure(const Analysis& data) {
 
 std::optional<Figure> q_figure(const FitSummary& fit) {
   if (!fit.decay) return std::nullopt;
-  const Decay& decay = *fit.decay;
-  const auto known = std::count_if(decay.q_at_amplitude.begin(), decay.q_at_amplitude.end(),
-                                   [](const auto& at) { return std::isfinite(at.q.value); });
-  if (known < 2) return std::nullopt;
-  const DisplayUnit unit = angle_unit(decay);
-  Series line{Series::Style::line, "Q", {}, {}, {}, {}, vermilion};
-  for (const QAtAmplitude& at : decay.q_at_amplitude) {
-    line.x.push_back(unit.factor * at.amplitude_rad);
-    line.y.push_back(at.q.value);
-  }
+  const QCurve curve(*fit.decay);
+  if (curve.size() < 2) return std::nullopt;
   return Figure{
       "q-amplitude",
       "Quality factor against amplitude",
@@ -161,10 +210,17 @@ std::optional<Figure> q_figure(const FitSummary& fit) {
       "95 % intervals, whichever law the friction has. Level: linear friction. Falling to "
       "the right: drag that grows with the square of the speed. Falling to the left: dry "
       "friction.",
-      {"amplitude", std::string(unit.name)},
+      {"amplitude", std::string(curve.unit().name)},
       {"Q", ""},
-      {band(decay, "95 %", &DecayEstimate::low95, &DecayEstimate::high95, green),
-       band(decay, "68 %", &DecayEstimate::low68, &DecayEstimate::high68, blue), std::move(line)}};
+      {band(curve, "95 %", &DecayEstimate::low95, &DecayEstimate::high95, green),
+       band(curve, "68 %", &DecayEstimate::low68, &DecayEstimate::high68, blue),
+       {Series::Style::line,
+        "Q",
+        curve.amplitudes(),
+        curve.of(&DecayEstimate::value),
+        {},
+        {},
+        vermilion}}};
 }
 
 } // namespace goingrate

@@ -19,9 +19,9 @@ struct FigureAxes {
 
 /// The axes that show all values of `figure`, with room at the edges; x shows those of `beside`
 /// too, figures that have the same x axis. Where there is a cloud of points and y is linear, the
-/// values of points and lines set the y axis by their bulk: one that lies farther beyond the middle
-/// 98 % of its series than these are wide is left outside, so that a single bad period does not
-/// hide all others. Throws ArgumentError if the vectors of a series differ in length.
+/// values of points and lines set the y axis by their bulk, so that a single bad period does not hide
+/// all others: one that lies farther from the range of the middle 98 % of its series than that range
+/// is wide is left outside. Throws ArgumentError if the vectors of a series differ in length.
 FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside = {});
 
 /// A value of a cloud that lies beyond the y axis.
@@ -63,7 +63,8 @@ struct PlacedMarker {
   std::size_t row; ///< from the plot upwards, 0 to 3
 };
 
-/// The markers inside the drawing, each label in the first row that has room for it. `character`
+/// The markers inside the drawing, each label in the first row that has room for it; where all four
+/// are full, labels overlap from the lowest row on. `character`
 /// and `apart`: width of one and what is left between two labels, as parts of the plot's width.
 std::vector<PlacedMarker> place_markers(const Figure& figure, const FigureAxes& axes,
                                         double character, double apart);

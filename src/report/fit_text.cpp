@@ -139,15 +139,14 @@ std::string chi2_lines(const FitQuality& q) {
                            "being known to some per cent only");
 }
 
-std::string statistics_lines(const FitSummary& fit, const DisplayUnit& angle) {
+std::string statistics_lines(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
   std::string text =
       fmt::format("[statistics]\n  beats {}, free parameters {}\n  residual rms {}\n",
                   fit.residual_s.size(), fit.correlated.size(), short_time(q.rms_s, 0.0));
   text += chi2_lines(q);
   if (std::isfinite(q.amplitude_rms_rad))
-    text += fmt::format("  amplitude residual rms {} {}\n",
-                        with_sigma(angle.factor * q.amplitude_rms_rad, 0.0, 3), angle.name);
+    text += fmt::format("  amplitude residual rms {}\n", small_angle(q.amplitude_rms_rad));
   text += fmt::format("  BIC {:.8g}, AIC {:.8g}\n", q.bic, q.aic);
   if (fit.thinning.beats > 0) {
     text += fmt::format("  {} of the beats were used", fit.thinning.beats);
@@ -197,7 +196,7 @@ std::string fit_text(const FitSummary& fit) {
       "[model]\n  dynamics {}, escapement {}, friction {}, noise {}\n  chosen: {}\n  search {}\n",
       name_of(fit.dynamics), name_of(fit.model.escapement), fit.model.friction(), fit.model.noise(),
       in_symbols(fit.chosen_by), fit.termination);
-  text += statistics_lines(fit, angle);
+  text += statistics_lines(fit);
   text += "[parameters]\n" + parameter_lines(fit, angle);
   text += twin_lines(fit, angle);
   text += "[determined by this log]\n" + derived_lines(fit, angle);

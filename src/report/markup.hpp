@@ -6,10 +6,12 @@
 
 namespace goingrate {
 
-/// Escapes & < > " ' and replaces bytes that no UTF-8 text may hold by U+FFFD.
+/// Escapes & < > " ' and replaces what is no UTF-8, and control characters other than newline and
+/// tab, with U+FFFD.
 std::string escape_markup(std::string_view text);
 
-/// At most `bytes` of `text`, with an ellipsis if something was cut off.
+/// The first whole characters of `text` that fit into `bytes`, followed by an ellipsis, three more,
+/// if anything was cut off.
 std::string shortened(std::string_view text, std::size_t bytes);
 
 /// An integer as superscript digits.

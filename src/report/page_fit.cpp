@@ -118,7 +118,7 @@ std::string decay_part(const FitSummary& fit, const DisplayUnit& unit) {
   return table.empty() ? "" : table.html(); // the summary has it in words
 }
 
-std::string quality_table(const FitSummary& fit, const DisplayUnit& angle) {
+std::string quality_table(const FitSummary& fit) {
   const FitQuality& q = fit.quality;
   Table table("How good the fit is", {"measure", "value", "how to read it"});
   table.row({"χ² / degrees of freedom", plain_number(q.chi2, 5) + " / " + plain_number(q.dof, 7),
@@ -136,9 +136,7 @@ std::string quality_table(const FitSummary& fit, const DisplayUnit& angle) {
   table.row({"residual of the times, rms", short_time(q.rms_s, 0.0),
              q.of_innovations ? "includes the wander of the drive or the rate" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
-    table.row({"residual of the amplitudes, rms",
-               fmt::format("{} {}", plain_number(angle.factor * q.amplitude_rms_rad), angle.name),
-               ""});
+    table.row({"residual of the amplitudes, rms", small_angle(q.amplitude_rms_rad), ""});
   table.row({"σ widened by", plain_number(std::max(fit.time_widening, fit.amplitude_widening)),
              "for correlation left in the residuals; 1 is none"});
   table.row({"BIC, AIC", plain_number(q.bic, 7) + ", " + plain_number(q.aic, 7),
@@ -232,7 +230,7 @@ std::string fit(const Analysis& data) {
                                fit.model.noise(), in_symbols(fit.chosen_by)));
   const DisplayUnit angle = Wording(data).angle_unit();
   body += decay_part(fit, angle) + parameter_table(fit, angle) + combination_table(fit, angle) +
-          correlation_table(fit) + quality_table(fit, angle) + alternatives_table(fit);
+          correlation_table(fit) + quality_table(fit) + alternatives_table(fit);
   return section("fit", "Fit of the pendulum model", body);
 }
 

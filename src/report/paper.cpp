@@ -70,7 +70,8 @@ std::string paper_text(const PaperResults& results) {
   for (const PaperNumber& n : results.numbers)
     text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", n.what, n.where, n.printed,
                         number_text(n.by_paper), ours_text(n), n.unit, n.why);
-  text += "\n## What the secular 1e-8 at C is made of\n\n| part | rate |\n|---|---|\n";
+  text += "\n## What the lasting rate of 1e-8 at the operating point C is made of\n\n| part | rate "
+          "|\n|---|---|\n";
   for (const BudgetPart& part : results.budget)
     text += fmt::format("| {} | {:+.4e} |\n", part.what, part.rate);
   return text;

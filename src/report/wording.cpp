@@ -97,10 +97,12 @@ DisplayUnit angle_unit(const FitSummary& fit) {
 FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter parameter) {
   const bool is_scatter = parameter.name == "jitter_rms" || parameter.name == "walk_rms";
   const bool is_share = parameter.name == "drive_rms" || parameter.name == "slow_rms";
+  const bool is_scatter_of_angles = parameter.name == "amplitude_rms";
   if (parameter.unit != "rad" && !is_scatter && !is_share) return parameter;
-  const DisplayUnit unit = is_scatter ? short_time_unit(parameter.value)
-                           : is_share ? DisplayUnit{"%", 100.0}
-                                      : angle;
+  const DisplayUnit unit = is_scatter             ? short_time_unit(parameter.value)
+                           : is_scatter_of_angles ? small_angle_unit(parameter.value)
+                           : is_share             ? DisplayUnit{"%", 100.0}
+                                                  : angle;
   parameter.unit = unit.name;
   for (double* size : {&parameter.value, &parameter.sigma, &parameter.low68, &parameter.high68,
                        &parameter.low95, &parameter.high95, &parameter.sigma_by_law})
@@ -110,10 +112,12 @@ FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter paramete
 
 DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit,
                          DerivedQuantity quantity) {
-  if (quantity.name == "mean period")
+  if (quantity.name == "mean period") {
+    quantity.name = "fitted mean period"; // the mean period of a report is that from end to end
     quantity.expression += fit.model.walk || fit.model.drive || fit.model.slow
                                ? "; ± is that of the timing and of the noise of the model"
                                : "; ± is that of the timing alone, however the rate varied";
+  }
   // Only the Q and the decay time of a free swing belong to an amplitude.
   if (fit.decay && (quantity.name == fit.q_factor.name || quantity.name == fit.decay_time.name))
     quantity.expression =
@@ -220,6 +224,17 @@ DisplayUnit short_time_unit(double seconds) {
   if (size < 1e-6) return {"ns", 1e9};
   if (size < 1e-3) return {"µs", 1e6};
   return size < 1.0 ? DisplayUnit{"ms", 1e3} : DisplayUnit{"s", 1.0};
+}
+
+DisplayUnit small_angle_unit(double rad) {
+  const double size = std::abs(rad);
+  if (size < 1e-3) return {"µrad", 1e6};
+  return size < 1.0 ? DisplayUnit{"mrad", 1e3} : DisplayUnit{"rad", 1.0};
+}
+
+std::string small_angle(double rad) {
+  const DisplayUnit unit = small_angle_unit(rad);
+  return fmt::format("{} {}", with_sigma(unit.factor * rad, 0.0, 3), unit.name);
 }
 
 std::string short_time(double seconds, double sigma_s) {

@@ -85,6 +85,12 @@ std::size_t sentences_in(std::string_view text);
 /// s, ms, µs or ns: the unit in which a scatter or a displacement of times is read most easily.
 DisplayUnit short_time_unit(double seconds);
 
+/// rad, mrad or µrad: the same for a scatter of angles.
+DisplayUnit small_angle_unit(double rad);
+
+/// "15.3 µrad".
+std::string small_angle(double rad);
+
 /// "33.2 ± 1.1 ns".
 std::string short_time(double seconds, double sigma_s);
 

@@ -83,6 +83,29 @@ TEST(RingDownTest, QIsNotThatOfTheLinearPartAlone) {
   EXPECT_EQ(fit.q_factor.value, decay.q.value);
 }
 
+// Times alone show gravity's share and the square of the amplitude as one product, but for what is
+// beyond the circular error of first order; periods grow or fall as the swing dies away.
+TEST(RingDownTest, GravitysShareFromTimesAlone) {
+  for (const double share : {1.0, 0.5, -0.5}) {
+    Scenario scenario = test::ring_down(400, 5e-5);
+    scenario.clock.epsilon = 1e-3;
+    scenario.clock.gravity_share = share;
+    scenario.start_amplitude = 1.0;
+    FitOptions options;
+    options.freed = {"gravity_share"};
+    const FitSummary fit = fit_clock(timing_data(test::simulated_beats(scenario, 9)), 2.0, options);
+    EXPECT_EQ(fit.model.escapement, Escapement::none) << share;
+    for (const auto& [name, truth] :
+         {std::pair{"T0", 2.0}, std::pair{"epsilon", 1e-3}, std::pair{"gravity_share", share}}) {
+      const FittedParameter& found = fit[name];
+      EXPECT_EQ(found.status, ParameterStatus::free) << name << " at " << share;
+      EXPECT_NEAR(found.value, truth, 3.0 * found.sigma) << name << " at " << share;
+    }
+    const FittedParameter& start = fit["lambda0"]; // of another law of friction it would be another
+    EXPECT_TRUE(std::isnan(start.sigma) || start.sigma < 0.34 * start.value) << share;
+  }
+}
+
 // Thirty swings seen by their times alone tell next to nothing of the friction.
 TEST(RingDownTest, WhatTheLogDoesNotTellIsNotStated) {
   Scenario scenario = test::ring_down(30, 1e-4);

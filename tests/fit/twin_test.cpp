@@ -12,7 +12,8 @@
 namespace goingrate::timing_model {
 namespace {
 
-// A stationary log whose drive is noisy from beat to beat and slowly, and the place of its truth.
+// A steady log whose drive varies both from beat to beat and slowly, and its true parameters as
+// coordinates of the fit. What twins are: fit/twin.hpp.
 class TwinTest : public testing::Test {
 protected:
   TwinTest() {
@@ -52,23 +53,23 @@ protected:
   std::vector<double> truth_;
 };
 
-TEST_F(TwinTest, EachShowsTheSameDensity) {
+TEST_F(TwinTest, EachExplainsTheLogEquallyWell) {
   const auto twins = twins_of(problem_, truth_);
   ASSERT_EQ(twins.size(), 7U); // two poles, two zeros, two signs, less the clock itself
   std::size_t found = 0;
   for (const auto& twin : twins) {
     if (!twin) continue;
     ++found;
-    // The start and a density of continuous time cost this much; half of the drive alone, 2000.
+    // Of log L: the state at the start and a density of continuous time cost this much.
     EXPECT_LT(behind(*twin), 60.0);
   }
   EXPECT_GE(found, 3U);
   std::vector<double> other = truth_;
   other[problem_.parameters.find(Quantity::drive_rms)->index] -= std::log(2.0);
-  EXPECT_GT(behind(other), 600.0);
+  EXPECT_GT(behind(other), 600.0); // half of the drive and nothing else: some 2000
 }
 
-TEST_F(TwinTest, TheClocksPoleMayBeTheDrives) {
+TEST_F(TwinTest, ATwinSwapsTheRelaxationTimes) {
   const double relaxation_s = 2.0 / (4.0 * std::numbers::pi * 2.5e-4);
   bool swapped = false;
   for (const auto& twin : twins_of(problem_, truth_)) {
@@ -79,7 +80,7 @@ TEST_F(TwinTest, TheClocksPoleMayBeTheDrives) {
   EXPECT_TRUE(swapped);
 }
 
-TEST_F(TwinTest, ChangesThatMoveTheSwingTellThemApart) {
+TEST_F(TwinTest, AChangeOfTheSwingLeavesNoTwins) {
   FitOptions options;
   ModelChoice model;
   model.drive = true;

@@ -40,7 +40,7 @@ public:
     if (socket_ >= 0) ::close(socket_);
   }
 
-  // Whether the server took it all.
+  // Whether all of it could be sent; some may still be in the sockets' buffers.
   [[nodiscard]] bool says(std::string_view text) const {
     while (!text.empty()) {
       const auto count = ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
@@ -49,7 +49,7 @@ public:
     }
     return true;
   }
-  // How much the server took of a text said again and again, up to 120 MB.
+  // How much of a text said again and again could be sent, up to 120 MB.
   [[nodiscard]] std::size_t floods(std::string_view text) const {
     std::size_t taken = 0;
     while (taken < 120'000'000 && says(text))
@@ -175,7 +175,7 @@ TEST_F(MonitorServerTest, AHeadIsNoListener) {
   EXPECT_TRUE(listener.hears(12).starts_with("HTTP/1.1 200"));
 }
 
-// As many as sixteen listen; one more is told to ask again, and is let in when another has gone.
+// Sixteen may listen; one more is told to ask again, and is let in when another has gone.
 TEST_F(MonitorServerTest, OneListenerTooManyIsToldToWait) {
   const std::string request = "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n";
   std::vector<Client> listeners;
@@ -191,10 +191,10 @@ TEST_F(MonitorServerTest, OneListenerTooManyIsToldToWait) {
   }
   const std::string refusal = ask(request);
   EXPECT_NE(refusal.find("Retry-After: 10"), std::string::npos) << refusal;
-  EXPECT_TRUE(get("/api/now").ends_with("{\"beats\":7}")); // which it may ask for meanwhile
+  EXPECT_TRUE(get("/api/now").ends_with("{\"beats\":7}")); // one that is refused may ask for this
   listeners.pop_back();
   bool is_let_in = false;
-  for (int second = 0; second < 60 && !is_let_in; ++second) { // a comment every five tells who went
+  for (int second = 0; second < 60 && !is_let_in; ++second) { // what is sent every five shows who has gone
     const Client next(server_.port());
     EXPECT_TRUE(next.says(request));
     is_let_in = next.hears(12).starts_with("HTTP/1.1 200");
@@ -203,7 +203,7 @@ TEST_F(MonitorServerTest, OneListenerTooManyIsToldToWait) {
   EXPECT_TRUE(is_let_in);
 }
 
-// Those that say nothing, that listen, that take nothing of what they asked for.
+// Clients that stop in the middle of a request, that listen to events, that do not read their answer.
 TEST(MonitorServerEndTest, NoClientHoldsTheEnd) {
   auto server = std::make_unique<MonitorServer>(ListenAddress{"127.0.0.1", 0});
   WatchAnswers answers;
@@ -222,7 +222,7 @@ TEST(MonitorServerEndTest, NoClientHoldsTheEnd) {
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20)); // a busy computer
 }
 
-// Byte by byte a request would take a day.
+// A client that sends a byte at a time must not keep a thread: a request has to come within 5 s.
 TEST_F(MonitorServerTest, ARequestHasFiveSeconds) {
   const Client client(server_.port());
   const auto began = std::chrono::steady_clock::now();
@@ -231,7 +231,7 @@ TEST_F(MonitorServerTest, ARequestHasFiveSeconds) {
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30)); // a busy computer
 }
 
-TEST_F(MonitorServerTest, OneAddressLeavesThreadsToOthers) {
+TEST_F(MonitorServerTest, AnAddressIsRefusedBeyondItsShare) {
   std::vector<Client> slow;
   for (int i = 0; i < 60; ++i) {
     slow.emplace_back(server_.port());
@@ -241,7 +241,7 @@ TEST_F(MonitorServerTest, OneAddressLeavesThreadsToOthers) {
     return client.hears(12).starts_with("HTTP/1.1 429");
   });
   EXPECT_GE(refused, 1);                                    // a refusal can be lost on its way
-  EXPECT_TRUE(get("/api/now").starts_with("HTTP/1.1 200")); // when they are given up
+  EXPECT_TRUE(get("/api/now").starts_with("HTTP/1.1 200")); // once the slow ones are given up
 }
 
 TEST(ClientSharesTest, AnAddressHasItsShare) {

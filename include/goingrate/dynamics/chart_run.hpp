@@ -1,4 +1,4 @@
-// The timed loop of the chart; see chart.hpp, which includes this.
+// run_scene() of chart.hpp, which includes this: runs and times one method on one scene of the chart.
 #pragma once
 
 #include "goingrate/base/sums.hpp"

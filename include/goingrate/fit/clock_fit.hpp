@@ -75,7 +75,7 @@ struct ModelChoice {
   /// What is known of the moment within a swing of an event that did not come at a crossing.
   enum class Moments { of_crossings, loose, fitted } moments = Moments::of_crossings;
 
-  /// "constant-torque, linear, jitter + drive"
+  /// "constant-torque, friction linear, noise jitter + drive"
   [[nodiscard]] std::string name() const;
   [[nodiscard]] std::string friction() const; ///< "linear + dry"
   [[nodiscard]] std::string noise() const;    ///< "jitter + drive"

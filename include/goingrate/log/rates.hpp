@@ -22,7 +22,7 @@ struct RateSummary {
   double mean_period_s = 0.0;
   double mean_period_sigma_s = 0.0;
   double last_period_s = 0.0;
-  double rate_excess = 0.0;       ///< T0 / mean period - 1, from end to end (eq. ratemeas)
+  double rate_excess = 0.0;       ///< nominal / mean period - 1, from end to end (eq. ratemeas)
   double rate_excess_sigma = 0.0; ///< from jitter and the scatter of block rates, see below
   double slope_rate_excess = 0.0; ///< the same from a straight line fitted to the clock's error
   double time_base_sigma = 0.0;   ///< of the clock that took the times; the sigmas above include it
