@@ -44,8 +44,8 @@ bool ModelSearch::explains(const Fitted& fitted) const {
 }
 
 // A fit of a thinned log by the full equation of motion: effects that first order omits must not be
-// mistaken for a drive. The thinned log, made here if it is empty, has enough beats to show an
-// escapement.
+// mistaken for a drive. One that misses the log by far more than those effects stays as it is. The
+// thinned log, made here if it is empty, has enough beats to show an escapement.
 Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice& model,
                                    TimingData& thin) const {
   constexpr std::size_t thinned_beats = 1000;
@@ -54,9 +54,18 @@ Fitted ModelSearch::roughly_fitted(const FitOptions& options, const ModelChoice&
   Fitted fitted = fit_from_scratch(thin, options, model, guess_);
   FitOptions dated = options;
   move_dates(fitted, dated);
-  fitted.minimum.usable = fitted.minimum.usable && refine(fitted, FitDynamics::map);
+  if (!fitted.minimum.usable || is_hopeless(fitted)) return fitted;
+  fitted.minimum.usable = refine(fitted, FitDynamics::map);
   move_dates(fitted, dated);
   return fitted;
+}
+
+// Adds what makes a rough fit explain the log, by the full equation of motion in the end.
+void ModelSearch::explain_roughly(Fitted& rough) {
+  if (explains(rough)) return;
+  add_terms(rough);
+  if (rough.dynamics == FitDynamics::map || !refine(rough, FitDynamics::map)) return;
+  if (!explains(rough)) add_terms(rough);
 }
 
 // Whether the options mention a torque, so that a drive is taken as given.
@@ -82,7 +91,8 @@ std::vector<ModelSearch::Laws> ModelSearch::other_laws(const Laws& than) const {
       all.push_back(than);
       all.back().options.events[event].names = {name};
     }
-  if (options_.escapement || model.escapement == Escapement::none || is_told_of_torque()) return all;
+  if (options_.escapement || model.escapement == Escapement::none || is_told_of_torque())
+    return all;
   all.push_back(than);
   all.back().model.escapement = model.escapement == Escapement::single_impulse
                                     ? Escapement::constant_torque
@@ -231,8 +241,8 @@ std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& 
 
 // A free pendulum is the simpler model. It is taken where it explains the log as well as a driven
 // clock does and the log determines its friction (a stationary log fits any model and determines
-// none); one that is seen to be pushed is not free. Changes that were noticed only in the log may be
-// due to its decaying swing: where it explains the log without them, they are dropped.
+// none); one that is seen to be pushed is not free. Changes that were noticed only in the log may
+// be due to its decaying swing: where it explains the log without them, they are dropped.
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
   const auto is_noticed = [](const FitEvent& event) { return event.movable; };
   if (options_.escapement || all_.impulses || is_told_of_torque() ||
@@ -246,8 +256,7 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   TimingData thin;
   Fitted without = roughly_fitted(plain, free, thin);
   if (!without.minimum.usable || !determines_friction(without)) return false;
-  if (!explains(without))
-    add_terms(without); // nonlinear friction may explain what looks like a drive
+  explain_roughly(without); // nonlinear friction may explain what looks like a drive
   const std::string name =
       fmt::format("no escapement, friction {} ({} beats)", without.model.friction(), thin.size());
   chosen = without.model;
@@ -259,8 +268,8 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   if (!options_.events.empty()) return false;
   TimingData thin_driven;
   Fitted with = roughly_fitted(options_, driven, thin_driven);
-  if (with.minimum.usable && !explains(with)) add_terms(with); // gives both models the same chance
-  constexpr double least_bic_gain = 6.0; // odds of 20 to 1 needed to believe in a torque
+  if (with.minimum.usable) explain_roughly(with); // gives both models the same chance
+  constexpr double least_bic_gain = 6.0;          // odds of 20 to 1 needed to believe in a torque
   const bool simpler = !with.minimum.usable || without.bic < with.bic + least_bic_gain;
   alternatives_.push_back(
       {name, without.bic,

@@ -96,6 +96,7 @@ private:
   void find_moments();
   void choose_dynamics();
   void add_terms(Fitted& fitted);
+  void explain_roughly(Fitted& rough);
   void choose_friction();
   [[nodiscard]] double straying(const Fitted& fitted) const;
   [[nodiscard]] bool strays_by_noise() const;

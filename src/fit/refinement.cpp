@@ -67,6 +67,25 @@ private:
   std::optional<Correction::Slopes> slopes_;
 };
 
+// What a correction adds to the times, rms, s, apart from a line, which T0 makes up for.
+double bend_of(const FitProblem& problem) {
+  const std::vector<double>&x = problem.asked().cycle, &y = problem.correction.late_s;
+  const Eigen::Map<const Eigen::ArrayXd> cycle(x.data(), static_cast<Eigen::Index>(x.size())),
+      late(y.data(), static_cast<Eigen::Index>(y.size()));
+  const Eigen::ArrayXd along = cycle - cycle.mean(), bent = late - late.mean();
+  const double slope = (along * bent).sum() / along.square().sum();
+  return std::sqrt((bent - slope * along).square().mean());
+}
+
+// Whether a fit under jitter alone misses the times by far more than the dynamics add to them: how
+// that changes with the parameters, the dearest thing to find, then tells nothing.
+bool is_far_beyond(const Fitted& first_order, const FitProblem& corrected) {
+  constexpr double far = 10.0; // times what the dynamics add
+  const ModelChoice& model = first_order.model;
+  return !model.walk && !model.drive && !model.slow &&
+         rms(first_order.seen.late_s) > far * bend_of(corrected);
+}
+
 // Whether the innovations show that the place explains nothing.
 bool is_lost(const Fitted& fitted) {
   constexpr double beyond_chance = 1e-6;
@@ -103,7 +122,8 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
         refined.minimum.x[k] = 0.5 * (refined.minimum.x[k] + best.minimum.x[k]);
       continue;
     }
-    if (with_slopes) slopes.put_into(refined, dynamics);
+    const bool is_far = is_far_beyond(fitted, refined.problem);
+    if (with_slopes && !is_far) slopes.put_into(refined, dynamics);
     if (*here < best.minimum.value) {
       best = refined;
       best.minimum.value = *here;
@@ -113,7 +133,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     if (!step) return false;
     // At a bound a step keeps promising a gain that it cannot have.
     const bool stands = std::abs(before - *here) < least_gain;
-    if (round > 1 && (step->gain < least_gain || stands)) break;
+    if ((round > 1 && (step->gain < least_gain || stands)) || (round > 0 && is_far)) break;
     before = *here;
     std::vector<double> moved = refined.minimum.x;
     constexpr double longest_step = 0.3; // along a flat ridge a step of scoring may lead anywhere
@@ -137,6 +157,14 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   if (!refined.minimum.usable || (!is_lost(fitted) && is_lost(refined))) return false;
   fitted = std::move(refined);
   return true;
+}
+
+bool is_hopeless(const Fitted& fitted) {
+  FitProblem corrected = fitted.problem;
+  auto correction = difference_to(FitDynamics::averaged2, corrected, fitted.minimum.x);
+  if (!correction) return false;
+  corrected.correction = std::move(*correction);
+  return is_far_beyond(fitted, corrected);
 }
 
 bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {

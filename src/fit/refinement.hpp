@@ -13,6 +13,10 @@ void extend(FitProblem& problem, std::span<const double> x);
 /// (and nothing changed) if they cannot be run there.
 bool refine(Fitted& fitted, FitDynamics dynamics);
 
+/// Whether a fit of first order under jitter alone misses the times by ten times what second order
+/// would add to them, so that no refinement makes it explain the log.
+bool is_hopeless(const Fitted& fitted);
+
 /// The same from every place where the search came to rest: the best of them, the others as rivals
 /// if they are nearly as good.
 bool refine_every_end(Fitted& fitted, FitDynamics dynamics);
