@@ -77,13 +77,17 @@ double bend_of(const FitProblem& problem) {
   return std::sqrt((bent - slope * along).square().mean());
 }
 
-// Whether a fit under jitter alone misses the times by far more than the dynamics add to them: how
-// that changes with the parameters, the dearest thing to find, then tells nothing.
+// Whether a fit under jitter alone misses the times, beyond their scatter, by far more than the
+// dynamics add to them: how that changes with the parameters, the dearest thing to find, then tells
+// nothing.
 bool is_far_beyond(const Fitted& first_order, const FitProblem& corrected) {
-  constexpr double far = 10.0; // times what the dynamics add
+  constexpr double far = 10.0;           // times what the dynamics add
+  constexpr double beyond_scatter = 1.5; // times the scatter of neighbouring beats
   const ModelChoice& model = first_order.model;
-  return !model.walk && !model.drive && !model.slow &&
-         rms(first_order.seen.late_s) > far * bend_of(corrected);
+  if (model.walk || model.drive || model.slow) return false;
+  const double misfit = rms(first_order.seen.late_s);
+  return misfit > beyond_scatter * local_white_noise(first_order.seen.late_s) &&
+         misfit > far * bend_of(corrected);
 }
 
 // Whether the innovations show that the place explains nothing.

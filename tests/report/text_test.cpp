@@ -91,7 +91,7 @@ TEST(TextTest, AFitHasOneUnitOfAngle) {
   fit.model_amplitude_rad = {0.04, 0.045};
   const std::string narrow = fit_text(fit);
   for (const char* words : {"30 mrad (fixed)", "40.000 ± 0.010 mrad", "45.000 ± 0.010 mrad",
-                            "amplitude residual rms 0.01 mrad"})
+                            "amplitude residual rms 10 µrad"})
     EXPECT_NE(narrow.find(words), std::string::npos) << words << " is not in\n" << narrow;
   EXPECT_EQ(narrow.find(" rad"), std::string::npos) << narrow;
   fit.model_amplitude_rad = {0.7};
