@@ -81,13 +81,13 @@ double bend_of(const FitProblem& problem) {
 // dynamics add to them: how that changes with the parameters, the dearest thing to find, then tells
 // nothing.
 bool is_far_beyond(const Fitted& first_order, const FitProblem& corrected) {
-  constexpr double far = 10.0;           // times what the dynamics add
-  constexpr double beyond_scatter = 1.5; // times the scatter of neighbouring beats
+  constexpr double hopeless_ratio = 10.0; // of the misfit to what the dynamics add
+  constexpr double scatter_ratio = 1.5;   // of the misfit to the scatter of neighbouring beats
   const ModelChoice& model = first_order.model;
   if (model.walk || model.drive || model.slow) return false;
   const double misfit = rms(first_order.seen.late_s);
-  return misfit > beyond_scatter * local_white_noise(first_order.seen.late_s) &&
-         misfit > far * bend_of(corrected);
+  return misfit > scatter_ratio * local_white_noise(first_order.seen.late_s) &&
+         misfit > hopeless_ratio * bend_of(corrected);
 }
 
 // Whether the innovations show that the place explains nothing.
