@@ -63,8 +63,6 @@ std::string covariate_text(const CovariateEffect& effect) {
   if (effect.name == "tide") return tide_text(effect);
   std::string text = fmt::format("{}: the rate answers by {} per {}", effect.name,
                                  daily(effect.coefficient, effect.sigma), unit_below(effect));
-  if (effect.lag_s > 0.0 && effect.part(EffectWay::at_once) == nullptr)
-    text += fmt::format(", with a lag of {} s", readable(effect.lag_s, 3));
   if (effect.known_share < 1.0)
     text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
   if (!effect.significant()) return text + ": nothing that stands out of the noise";

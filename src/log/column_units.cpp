@@ -86,7 +86,7 @@ void Detection::settle_times() {
       settle_unit(layout_.columns[*column], sample);
     }
   if (layout_.find(ColumnRole::phase) || layout_.find(ColumnRole::frequency))
-    if (!options_.tau0_s && !options_.nominal_period_s) settle_tau0();
+    if (!options_.tau0_s) settle_tau0();
   if (layout_.format == LogFormat::ticktock) settle_counter();
   settle_angle_unit();
   settle_weather_units();
@@ -262,7 +262,8 @@ void Detection::settle_unit(LogColumn& column, const ColumnSample& sample) {
   column.unit = *likely;
 }
 
-// The spacing of phase or frequency values: the step of a time column, or else 1 s.
+// The spacing of phase or frequency values: the step of a time column, or else the nominal period,
+// or else 1 s.
 void Detection::settle_tau0() {
   const auto time = layout_.find(ColumnRole::time);
   if (time && samples_[*time].typical_step > 0.0) { // not for days alone, without a time of day
@@ -274,6 +275,7 @@ void Detection::settle_tau0() {
     return assume(fmt::format("one value every {:.9g} s, the step of the times", layout_.tau0_s),
                   Setting::tau0);
   }
+  if (options_.nominal_period_s) return;
   const bool timed = head_.columns >= 2 && is_number(0) && samples_[0].rising > 0.9;
   const auto unit = timed ? unit_for_step(samples_[0].typical_step, samples_[0]) : std::nullopt;
   const bool second =

@@ -19,9 +19,9 @@ struct FigureAxes {
 
 /// The axes that show all values of `figure`, with room at the edges; x shows those of `beside`
 /// too, figures that have the same x axis. Where there is a cloud of points and y is linear, the
-/// values of points and lines set the y axis by their bulk, so that a single bad period does not hide
-/// all others: one that lies farther from the range of the middle 98 % of its series than that range
-/// is wide is left outside. Throws ArgumentError if the vectors of a series differ in length.
+/// values of points and lines set the y axis by their bulk, so that a single bad period does not
+/// hide all others: one that lies farther from the range of the middle 98 % of its series than that
+/// range is wide is left outside. Throws ArgumentError if the vectors of a series differ in length.
 FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside = {});
 
 /// A value of a cloud that lies beyond the y axis.

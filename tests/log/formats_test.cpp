@@ -340,6 +340,17 @@ TEST(FormatsTest, DatesBesidePhasesMayBeCalendarOrSeconds) {
   }
 }
 
+// The nominal period is that of the pendulum, which may swing many times from one phase to the next.
+TEST(FormatsTest, ANominalPeriodDoesNotMoveDatedPhases) {
+  ReadingOptions options;
+  options.nominal_period_s = 2.0;
+  const std::string text = phases_of_dates("mjd,phase_s", 1.0 / 48.0, 1.0);
+  const ClockLog plain = read_log(text, "x"), told = read_log(text, "x", options);
+  ASSERT_EQ(told.events.size(), plain.events.size());
+  EXPECT_EQ(told.events.back().time - told.events.front().time,
+            plain.events.back().time - plain.events.front().time);
+}
+
 TEST(FormatsTest, DaysAloneAreNoTimes) {
   std::string text = "date,phase_s\n";
   for (int i = 1; i <= 28; ++i)

@@ -1,9 +1,9 @@
 // Whether the rate answers to temperature or pressure, and whether compensating for it would help.
 //
-// rate(t) = a + drift t + b c(t) + noise, where c is the covariate, perhaps seen through a
-// first-order lag (a case that warms up). It may also act twice, at once and through the lag: a
-// temperature on the rod and on what compensates it; a pressure on what the air carries and, by its
-// friction, on the amplitude, which follows slowly. b is found by generalised least squares in
+// rate(t) = a + drift t + b c(t) + noise, where c is the covariate. Where a lag shows, c acts twice,
+// at once and through the lag: a temperature on the rod and on what compensates it; a pressure on
+// what the air carries and, by its friction, on the amplitude, which follows slowly. Readings that
+// do not stand out of their errors tell nothing. b is found by generalised least squares in
 // noise that is white, flicker and random walk of the rate, whose sizes are fitted too: two
 // independent wanders that look alike by chance then give no significant coefficient. A coefficient
 // that lowers the scatter may still increase the time error; so each half of the log is compensated

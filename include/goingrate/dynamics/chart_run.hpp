@@ -1,4 +1,4 @@
-// run_scene() of chart.hpp, which includes this: runs and times one method on one scene of the chart.
+// run_scene() of chart.hpp, which includes this: runs and times one method on one scene.
 #pragma once
 
 #include "goingrate/base/sums.hpp"
