@@ -1,6 +1,7 @@
 // How a covariate acts on the rate: through the amplitude, or otherwise.
 #include "goingrate/causes/covariates.hpp"
 
+#include "answer.hpp"
 #include "rate_blocks.hpp"
 
 #include "fit/gravity_share.hpp"
@@ -51,13 +52,11 @@ std::optional<Measured> slope_of(const FitSummary& fit) {
   return result;
 }
 
-// What the amplitude does for one unit of the covariate.
+// What the amplitude does for one unit of the covariate, once it has followed.
 Measured answer_of_amplitude(const RateBlocks& blocks, std::size_t term) {
-  constexpr std::size_t first = 2; // the mean and the line
-  const RateRegression found =
-      regress(cosines(blocks.amplitude_rad, true), {cosines(blocks.values[term], true)},
-              RateNoise(first, {}), NoiseSize::unbiased);
-  return {found.coefficients.front(), found.sigmas.front()};
+  const AnswerBlocks of_swing = without_start(answer_blocks(blocks, blocks.amplitude_rad, term));
+  const Answer found(of_swing.series, of_swing.value, of_swing.block_s, true);
+  return {found.coefficient(), found.sigma()};
 }
 
 } // namespace

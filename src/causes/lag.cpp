@@ -50,7 +50,7 @@ std::vector<double> memory(std::size_t blocks, double block_s, double lag_s) {
 
 std::vector<double> lags_to_try(std::size_t blocks, double block_s) {
   std::vector<double> lags;
-  const double longest_s = 0.1 * block_s * static_cast<double>(blocks);
+  const double longest_s = 0.3 * block_s * static_cast<double>(blocks);
   for (double lag_s = block_s; lag_s < longest_s; lag_s *= lag_step)
     lags.push_back(lag_s);
   return lags;

@@ -17,7 +17,7 @@ std::vector<double> lagged(std::span<const double> value, double block_s, double
 /// What a lag still remembers of the time before the log, which nobody knows.
 std::vector<double> memory(std::size_t blocks, double block_s, double lag_s);
 
-/// The lags to try, each a factor above the last: from one block to a tenth of the log, beyond
+/// The lags to try, each a factor above the last: from one block to three tenths of the log, beyond
 /// which a lag cannot be told from a drift.
 std::vector<double> lags_to_try(std::size_t blocks, double block_s);
 

@@ -90,7 +90,7 @@ std::vector<CovariateEffect> covariate_effects(const TimingData& data);
 /// constant drive it is the second way, and the rest is the first. That slope is the fitted
 /// clock's, or, where the fit leaves the escapement undetermined, - s A/8 of the circular error
 /// alone. The intervals of both ways cover in simulated clocks (tests/studies/conditions.txt;
-/// CovariateTest.TheBarometersTwoWays).
+/// BarometersTwoWays.AreToldApart).
 void tell_ways(const TimingData& data, const FitSummary& fit,
                std::vector<CovariateEffect>& effects);
 
