@@ -27,9 +27,9 @@ std::string value(const std::string& key, double size) {
 std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requirement>& needed,
                               double most_s) {
   const double all = budget.all_s();
-  std::string text =
-      fmt::format("The error of this clock after {:.3g} days, once it is regulated (rms)\n",
-                  budget.after_s / seconds_per_day);
+  std::string text = fmt::format(
+      "The error of this clock within {:.3g} days, once regulated (rms, sines at worst)\n",
+      budget.after_s / seconds_per_day);
   for (const ErrorPart& part : budget.parts)
     text += fmt::format("  {:<34} {:.3g} s\n", part.cause, part.rms_s);
   text += fmt::format("  {:<34} {:.3g} s\n", "all together", all);
@@ -41,15 +41,24 @@ std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requi
   text += fmt::format("  {:<52} {:<20} {}\n", "", "now", "limit");
   for (const Requirement& one : needed)
     text += fmt::format("  {:<52} {:<20} {}\n", named(one.key), value(one.key, one.present),
-                        one.limit ? value(one.key, *one.limit) + (one.stops ? " (it stops)" : "")
+                        one.limit ? value(one.key, *one.limit) +
+                                        (one.stops ? " (no steady swing beyond)" : "")
                         : all <= most_s ? "none found"
                                         : "not by this alone");
   if (all <= most_s) return text;
   const double share = budget.share_below(most_s);
   text += fmt::format("Or all the causes together, to {:.3g} of what they are:\n", share);
-  for (const ErrorPart& part : budget.parts)
-    text += fmt::format("  {:<52} {:<20} {}\n", named(part.key), value(part.key, part.size),
-                        value(part.key, share * part.size));
+  const auto row = [&](const std::string& key, double size) {
+    text +=
+        fmt::format("  {:<52} {:<20} {}\n", named(key), value(key, size), value(key, share * size));
+  };
+  for (const ErrorPart& part : budget.parts) {
+    row(part.key, part.size);
+    if (part.key != "length.temperature_coefficient") continue;
+    // What the temperature does is proportional to the rod and its compensation together.
+    for (const Requirement& one : needed)
+      if (one.key == "length.compensation") row(one.key, one.present);
+  }
   return text;
 }
 
