@@ -64,8 +64,9 @@ double by_cycle(double centre, double width) {
 Figure place_figure() {
   Figure figure{"optdriv_place",
                 "Escapement error against the place of the push",
-                "Lines: eqs. 9 and 10; dots: limit cycles of the full equation less their "
-                "circular error. Widths from 0.002 to 0.04 rad make nearly one line: it is the "
+                "Lines: eqs. 9 and 10; dots: limit cycles of the full equation less a free "
+                "swing as fast at the vertical. Widths from 0.002 to 0.04 rad make nearly one "
+                "line: it is the "
                 "place that counts.",
                 {"middle of the push", "rad"},
                 {"escapement error over ε", ""},

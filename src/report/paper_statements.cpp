@@ -34,7 +34,8 @@ void add_harmonics(std::vector<PaperNumber>& numbers) {
   const auto add = [&](const char* shape, int n, bool sine) {
     numbers.push_back({fmt::format("what a torque of {} adds to the rate", shape), "Sec. VII",
                        "nothing", 0.0, with_harmonic(n, sine).rate - plain, "",
-                       "its moments are 0; second order is left, (μ/λ)² = 9e-8"});
+                       n == 0 ? "it shifts the middle of the swing: of order μ² = 2e-10"
+                              : "its moments are 0; second order is left, (μ/λ)² = 9e-8"});
   };
   add("μ all the time, n = 0,", 0, false);
   add("μ cos 2ψ", 2, false);
@@ -66,8 +67,8 @@ void add_pushes(std::vector<PaperNumber>& numbers) {
          fmt::format("~ δψ, here {:.2g}", width / lambda),
          escapement_error(c.epsilon, lambda, centre, width) / c.epsilon,
          escapement_error_of(push(centre, width)) / c.epsilon, "",
-         "ours is a limit cycle less its circular error: second order. The place "
-         "counts, not the width"});
+         "ours is a limit cycle less a free swing as fast at the vertical: second "
+         "order. The place counts, not the width"});
   };
   add("with their middle at the vertical", 0.0, 0.002);
   add("with their middle at the vertical", 0.0, 0.01);
@@ -88,7 +89,7 @@ void add_statements(std::vector<PaperNumber>& numbers) {
   const ClockParameters c = point_c();
   ClockParameters stronger = c;
   stronger.mu *= 1.3;
-  numbers.push_back({"change of the rate by 30 % more torque, over ε", "Sec. IV B",
+  numbers.push_back({"change of the rate at C by 30 % more torque, over ε", "Sec. IV B",
                      "at most about 1",
                      (first_order_rate(stronger) - first_order_rate(c)) / c.epsilon,
                      (exact_rate(stronger) - exact_rate(c)) / c.epsilon, "", "second order"});

@@ -4,6 +4,7 @@
 
 #include "goingrate/dynamics/moments.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
+#include "goingrate/dynamics/swing_loss.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -98,7 +99,9 @@ ClockParameters push(double centre, double width) {
 
 double escapement_error_of(const ClockParameters& clock) {
   const auto cycle = limit_cycle(clock);
-  return cycle ? cycle->rate_excess - circular_error(cycle->velocity) : unknown;
+  if (!cycle) return unknown;
+  const double free = 1.0 / circular_period_ratio(2.0 * std::asin(0.5 * cycle->velocity)) - 1.0;
+  return cycle->rate_excess - free;
 }
 
 ClockParameters same_moments(double width) {

@@ -30,7 +30,8 @@ ClockParameters single_impulse(double energy, double angle);
 /// A push both ways, `width` wide, its middle `centre` beyond the vertical, of constant torque and
 /// of C's work at C's amplitude: its friction and gravity are C's too.
 ClockParameters push(double centre, double width);
-/// The rate that such a push makes: the limit cycle's, less the circular error of its amplitude.
+/// The rate that such a push makes: the limit cycle's, less that of a free swing as fast at the
+/// vertical.
 double escapement_error_of(const ClockParameters& clock);
 
 /// The clock that has C's two moments at C's amplitude: a push this wide, or for 0 an impulse.
