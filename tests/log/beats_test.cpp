@@ -176,6 +176,19 @@ TEST(BeatsTest, AlternatingIntervalsAreBothDirections) {
   }
 }
 
+// A pendulum pushed off the vertical in every second swing: the period that is told is believed.
+TEST(BeatsTest, WholePeriodsThatAlternateAreOneDirection) {
+  std::vector<double> times;
+  for (int i = 0; i < 400; ++i)
+    times.push_back(2.0 * i + (i % 2) * 1e-4);
+  ClockLog log = log_of(times);
+  EXPECT_FALSE(label_alternate_edges(log, false, 2.0));
+  ASSERT_EQ(log.assumptions.size(), 1U);
+  EXPECT_NE(log.assumptions.front().text.find("every event is taken as a crossing in the same"),
+            std::string::npos);
+  EXPECT_TRUE(label_alternate_edges(log, false));
+}
+
 TEST(BeatsTest, OneDirectionWithJitterIsNotTakenForTwo) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     RandomStream random(seed, StreamPurpose::jitter);
