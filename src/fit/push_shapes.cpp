@@ -224,4 +224,13 @@ std::optional<Coefficients> irregular_coefficients(const Grid& values,
                       });
 }
 
+ImpulseCycle::Estimate kick_alone(const ImpulseCycle& pushes) {
+  const double tooth = pushes.kick.value;
+  const double hump = std::max(0.0, pushes.lateness.value / height_of_hump(pushes.periods));
+  // Of a period, from the vertical to the push: 0.6 rad of phase, within which clocks are pushed. A
+  // crossing that is off by itself leaves the period open.
+  const double share = pushes.middle.value != 0.0 ? 1.0 : 0.1;
+  return {tooth - std::clamp(tooth, -hump, 0.0), std::hypot(pushes.kick.sigma, share * hump)};
+}
+
 } // namespace goingrate::push_shapes

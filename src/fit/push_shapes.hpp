@@ -90,4 +90,14 @@ std::optional<Coefficients> irregular_coefficients(const Grid& values,
                                                    const std::vector<double>& pushes, std::size_t n,
                                                    Sought sought);
 
+/// How much later the clock is after a push for the push itself, s: the step of the tooth less what
+/// the push does through the circular error in the rest of the period in which it comes, for which
+/// the tooth, begun with that period, has no place.
+///
+/// A push sets the clock back when it comes beyond the vertical, soon after that period has begun,
+/// and ahead when it comes before, near its end; a tooth between the two is that of a push through
+/// the vertical. Two swings have no hump that would tell it: their kick contains up to half of
+/// that. ImpulseCycleTest.APushByItselfIsToldFromItsCircularError
+ImpulseCycle::Estimate kick_alone(const ImpulseCycle& pushes);
+
 } // namespace goingrate::push_shapes

@@ -1,5 +1,7 @@
 #include "impulse_words.hpp"
 
+#include "fit/push_shapes.hpp"
+
 #include "goingrate/report/tables.hpp"
 
 #include <cmath>
@@ -32,11 +34,15 @@ std::string impulse_text(const ImpulseCycle& pushes, const DisplayUnit& angle) {
   const auto microseconds = [](const ImpulseCycle::Estimate& e) {
     return with_sigma(1e6 * std::abs(e.value), 1e6 * e.sigma);
   };
-  text +=
-      fmt::format("  half-way between two pushes the clock is {} µs {} by the circular error; each "
-                  "push by itself sets it {} µs {}\n",
-                  microseconds(pushes.lateness), pushes.lateness.value < 0.0 ? "ahead" : "late",
-                  microseconds(pushes.kick), pushes.kick.value < 0.0 ? "ahead" : "back");
+  const ImpulseCycle::Estimate kick = push_shapes::kick_alone(pushes);
+  const std::string set =
+      fmt::format("sets it {} µs {}\n", microseconds(kick), kick.value < 0.0 ? "ahead" : "back");
+  text += pushes.periods > 2.0
+              ? fmt::format("  half-way between two pushes the clock is {} µs {} by the circular "
+                            "error; each push by itself {}",
+                            microseconds(pushes.lateness),
+                            pushes.lateness.value < 0.0 ? "ahead" : "late", set)
+              : fmt::format("  each push, with what it does to the circular error, {}", set);
   constexpr double seen = 4.0; // sigma
   if (std::abs(pushes.middle.value) > seen * pushes.middle.sigma)
     text += fmt::format("  the crossing in the midst of a push comes {} µs {}\n",

@@ -1,6 +1,7 @@
 #include "goingrate/report/json.hpp"
 
 #include "base/scaled_time.hpp"
+#include "fit/push_shapes.hpp"
 #include "goingrate/report/tables.hpp"
 #include "json_parts.hpp"
 #include "wording.hpp"
@@ -134,7 +135,7 @@ Json impulse_object(const ImpulseCycle& pushes) {
           {"amplitude_step_rad",
            pushes.amplitude_step ? estimate(*pushes.amplitude_step) : Json(nullptr)},
           {"lateness_between_s", estimate(pushes.lateness)},
-          {"later_by_push_s", estimate(pushes.kick)},
+          {"later_by_push_s", estimate(push_shapes::kick_alone(pushes))},
           {"crossing_in_push_late_s", estimate(pushes.middle)},
           {"epsilon_if_all_drive", pushes.epsilon ? estimate(*pushes.epsilon) : Json(nullptr)}};
 }

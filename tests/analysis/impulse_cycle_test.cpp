@@ -1,5 +1,6 @@
 #include "goingrate/fit/impulse_cycle.hpp"
 
+#include "fit/push_shapes.hpp"
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/simulated_logs.hpp"
 #include "goingrate/dynamics/intermittent.hpp"
@@ -75,6 +76,27 @@ TEST(ImpulseCycleTest, TimesAloneShowThemToo) {
   // s L T0 N / (16 x 8), L = 4 pi eps N lambda^2, lambda^2 = J / (2 pi eps N).
   const double peak = 2.0 * 2.8e-7 * 30.0 * 2.0 * 30.0 / 128.0;
   EXPECT_NEAR(data.impulses->lateness.value, peak, 4.0 * data.impulses->lateness.sigma);
+}
+
+// The phase psi = atan(phi/phi') before a push less that after it, for a swing that has fallen by
+// exp(-4 pi epsilon N) since the last; through the circular error the push does 1.05 us a period.
+TEST(ImpulseCycleTest, APushByItselfIsToldFromItsCircularError) {
+  for (const double angle : {-0.015, -0.005, 0.0, 0.005, 0.015}) {
+    Scenario scenario = clock_with_rests(15, 0.0);
+    scenario.clock.impulse_angle = angle;
+    scenario.sensor.jitter_rms_s = 1e-8;
+    const TimingData data = times_of(scenario, 4);
+    ASSERT_TRUE(data.impulses) << angle;
+    const double rise = 2.0 * scenario.clock.impulse;
+    const double kept = std::exp(-4.0 * std::numbers::pi * scenario.clock.epsilon * 15.0);
+    const double low2 = rise * kept / (1.0 - kept) - angle * angle; // phi'^2 at the angle
+    const double truth =
+        (std::atan2(angle, std::sqrt(low2)) - std::atan2(angle, std::sqrt(low2 + rise))) /
+        std::numbers::pi;
+    const auto kick = push_shapes::kick_alone(*data.impulses);
+    EXPECT_NEAR(kick.value, truth, 3.0 * kick.sigma) << angle;
+    EXPECT_LT(kick.sigma, 0.11e-6) << angle; // a tenth of what it does through the circular error
+  }
 }
 
 // Half of a cycle that is longer than those sought explains much of what is seen, and is not it.
