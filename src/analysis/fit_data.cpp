@@ -1,6 +1,7 @@
 // What a fit is given from a log: times, amplitudes, and what outside the clock may drive its rate.
 #include "goingrate/analysis/analyse.hpp"
 
+#include "causes/reading_errors.hpp"
 #include "fit/fit_setup.hpp"
 #include "goingrate/causes/covariates.hpp"
 #include "goingrate/log/tides.hpp"
@@ -102,8 +103,17 @@ void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
 // The terms of the weather that the log has columns of.
 void add_weather(const NumberedLog& loaded, TimingData& data) {
   const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
-    if (!column.empty())
-      data.terms.push_back(rate_term(name, unit, data, at_good_beats(column, loaded)));
+    if (column.empty()) return;
+    const std::vector<double> values = at_good_beats(column, loaded);
+    const std::vector<JoinedWeather>& joined = loaded.log.weather;
+    const bool between_readings =
+        std::any_of(joined.begin(), joined.end(), [&](const JoinedWeather& weather) {
+          return weather.quantity == name || std::string_view(name) == "density";
+        });
+    if (between_readings)
+      data.terms.push_back(rate_term(name, unit, data, values));
+    else
+      timing_model::add_readings(name, unit, values, data);
   };
   const EventColumns& columns = loaded.log.columns;
   add("temperature", "1/K", columns.temperature_c);
@@ -155,12 +165,8 @@ FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded) {
   if (!has_weather || timing_model::names(options, "density")) return options;
   TimingData data = timing_data(loaded.good);
   add_weather(loaded, data);
-  for (const WeatherPart& part : weather_parts(data)) {
-    constexpr double least_significance = 3.0; // sigma: one in 400 by chance
-    const bool shows = std::abs(part.coefficient) > least_significance * part.sigma;
-    if ((shows || data.has_amplitude()) && !timing_model::names(options, part.name))
-      options.freed.push_back(part.name);
-  }
+  for (const WeatherPart& part : weather_parts(data))
+    if (!timing_model::names(options, part.name)) options.freed.push_back(part.name);
   return options;
 }
 

@@ -98,7 +98,7 @@ std::optional<CovariateEffect> effect_of(const RateTerm& term, const AnswerBlock
   }
   effect.without_s = std::sqrt(0.5 * (first.without2 + second.without2));
   effect.with_s = std::sqrt(0.5 * (first.with2 + second.with2));
-  effect.interpolation_sigma = term.sigma;
+  effect.interpolation_sigma = term.step_s > 0.0 ? term.sigma : 0.0;
   effect.step_s = term.step_s;
   effect.known_share = blocks.known_share;
   return effect;

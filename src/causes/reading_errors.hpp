@@ -1,7 +1,10 @@
-// What of a covariate's readings is the covariate. Private to the causes room.
+// What of a covariate's readings is the covariate. Private to the library.
 #pragma once
 
+#include "goingrate/fit/timing_data.hpp"
+
 #include <span>
+#include <string>
 #include <vector>
 
 namespace goingrate::timing_model {
@@ -17,5 +20,12 @@ namespace goingrate::timing_model {
 /// out of E, S is 0.
 /// CovariateTest.ErrorsOfAThermometerTellNothing
 std::vector<double> signal_shares(std::span<const double> cosines);
+
+/// Adds the term of a covariate that was read at each beat (NaN where unknown) without the errors
+/// of its readings: each cosine times its share. As it was read where that explains the rate
+/// better, as of a series that was made up, which the clock follows to the last digit; and where
+/// there are fewer than 256. ReadingErrorsTest.SmoothWeatherIsFoundInNoisyReadings
+void add_readings(std::string name, std::string unit, std::span<const double> readings,
+                  TimingData& data);
 
 } // namespace goingrate::timing_model

@@ -2,11 +2,13 @@
 
 #include "change_moments.hpp"
 #include "contradictions.hpp"
+#include "covariate_errors.hpp"
 #include "experiments.hpp"
 #include "listed_twins.hpp"
 #include "model_choice.hpp"
 #include "possible_changes.hpp"
 #include "profile.hpp"
+#include "push_friction.hpp"
 #include "reference_run.hpp"
 #include "ring_down.hpp"
 
@@ -186,6 +188,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
            FitSummary& summary) {
   const Widening& widening = fitted.widening;
   Certainty known = fitted.known;
+  widen_by_readings(fitted, known);
   distrust_by_rivals(fitted.rivals, fitted.minimum.x, known);
   distrust_by_laws(search.settled().equal, fitted, known);
   for (const auto& laws : search.settled().equal)
@@ -413,6 +416,18 @@ void note_displacements(const TimingData& data, FitSummary& summary) {
                      readable(data.elapsed_s[at.beat], 5), readable_signed(1e3 * at.late_s, 3))});
 }
 
+std::string why_no_start(const TimingData& data) {
+  std::string text = "no start lies in the domain of the model (amplitude above phi0)";
+  constexpr double widest_rad = 1.0; // of a clock that gravity brings back
+  const double swing_rad =
+      data.has_amplitude() ? push_shapes::mean_of_known(data.amplitude_rad) : 0.0;
+  if (swing_rad > widest_rad)
+    text += fmt::format("; {:.3g} rad are the swing of a balance or a torsion pendulum, which a "
+                        "spring brings back: the share of gravity is then 0 (gravity_share)",
+                        swing_rad);
+  return text;
+}
+
 } // namespace
 
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options) {
@@ -430,7 +445,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   const Fitted& fitted = *end.fitted;
   if (!fitted.minimum.usable) {
     summary.status = FitStatus::no_valid_model;
-    summary.termination = "no start lies in the domain of the model (amplitude above phi0)";
+    summary.termination = why_no_start(data);
     return summary;
   }
   state_quality(fitted, data, summary);

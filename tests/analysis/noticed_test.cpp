@@ -284,7 +284,7 @@ TEST(NoticedTest, ATemperatureThatTheRateDoesNotFollow) {
   scenario.erase(scenario.find("amplitude_rms")); // times alone
   const Analysis times = analysed(scenario + "temperature_rms = 0.05", 20261129);
   EXPECT_FALSE(times.log.columns.temperature_c.empty());
-  EXPECT_EQ(times.fit.find("temperature"), nullptr);
+  expect_value(times.fit, "temperature", 0.0);
 }
 
 // The rate alone shows the temperature at one sigma, under a drive that wanders slowly; a fit that

@@ -1,5 +1,10 @@
 #include "support/scratch_folder.hpp"
+#include "support/simulated.hpp"
 #include "support/weathered_logs.hpp"
+
+#include "goingrate/analysis/fit_request.hpp"
+
+#include <cmath>
 
 namespace goingrate {
 namespace {
@@ -28,6 +33,37 @@ TEST_F(WeatherStudy, TenMinutesTellWhatEveryBeatTells) {
     score.add(log, path("w.csv"));
   }
   EXPECT_LT(score.worst_shift, 0.2); // sigma
+}
+
+// A clock whose amplitudes tell its drive, so that the errors of its thermometer, 0.1 K in each
+// reading, are the greatest there are: without them in the sigmas the squares of misses are ten
+// times too large.
+TEST(WeatherTest, TheErrorsOfAThermometerAreInTheSigmas) {
+  Scenario scenario = test::at_point_b(10000);
+  scenario.drive.fast_rms = 0.02;
+  scenario.length.temperature_coefficient = 1.15e-5;
+  scenario.temperature.sines = {{1.5, 86400.0}};
+  scenario.sensor.jitter_rms_s = 2e-5;
+  scenario.sensor.amplitude_rms = 2e-5;
+  scenario.sensor.temperature_rms = 0.1;
+  double z2_temperature = 0.0, z2_phi0 = 0.0, stated = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const NumberedLog loaded = load_events(test::simulated_log(scenario, seed), {});
+    FitRequest request;
+    request.escapement = "constant-torque";
+    request.events = {"none"};
+    const FitSummary fit =
+        fit_clock(fit_data(loaded), loaded.nominal_period_s, fit_options(request, loaded));
+    const FittedParameter *warmth = fit.find("temperature"), *phi0 = fit.find("phi0");
+    ASSERT_TRUE(warmth != nullptr && phi0 != nullptr);
+    if (!std::isfinite(warmth->sigma) || !std::isfinite(phi0->sigma)) continue;
+    ++stated;
+    z2_temperature += std::pow((warmth->value + 0.575e-5) / warmth->sigma, 2);
+    z2_phi0 += std::pow((phi0->value - 0.03) / phi0->sigma, 2);
+  }
+  EXPECT_GE(stated, 6.0);                  // of 8: in some the errors leave the clock open
+  EXPECT_LT(z2_temperature / stated, 3.0); // 1, and four standard deviations of a mean of eight
+  EXPECT_LT(z2_phi0 / stated, 3.0);
 }
 
 } // namespace

@@ -1,3 +1,4 @@
+#include "causes/reading_errors.hpp"
 #include "goingrate/causes/covariates.hpp"
 
 #include "goingrate/base/random.hpp"
@@ -97,6 +98,41 @@ TEST(CovariateTest, ErrorsOfAThermometerTellNothing) {
     z2 += std::pow((effect.coefficient - rod - compensation) / effect.sigma, 2) / logs;
   }
   EXPECT_LT(z2, 2.8); // 1, and four standard deviations of a mean of ten squares; 400 otherwise
+}
+
+// A daily wave read with errors, freed of them to what few frequencies leave; and a series that no
+// weather is, which the clock follows all the same: that is taken as it is.
+TEST(ReadingErrorsTest, SmoothWeatherIsFoundInNoisyReadings) {
+  constexpr double error_k = 0.3;
+  TimingData data = made({.coefficient = -6e-6, .by_the_day = true}, 5);
+  const RateTerm truth = data.terms.back();
+  RandomStream error(5, StreamPurpose::amplitude_noise);
+  std::vector<double> readings;
+  for (const double t : data.elapsed_s)
+    readings.push_back(3.0 * std::sin(2.0 * std::numbers::pi * t / 20000.0) + error_k * error.normal());
+  timing_model::add_readings("temperature", "1/K", readings, data);
+  const RateTerm& found = data.terms.back();
+  EXPECT_NEAR(found.sigma, error_k, 0.03 * error_k); // a median of 20,000 squares: three times 1 %
+  double misses2 = 0.0;
+  constexpr std::size_t block = 25; // beats of which the truth is known, from the advance
+  for (std::size_t i = block; i < data.size(); i += block) {
+    const auto mean = [&](const RateTerm& term) {
+      return (term.advance_s[i] - term.advance_s[i - block]) / (2.0 * block);
+    };
+    misses2 += std::pow(mean(found) - mean(truth), 2);
+  }
+  const double blocks = static_cast<double>(data.size()) / block;
+  EXPECT_LT(std::sqrt(misses2 / blocks), 0.5 * error_k / std::sqrt(block)); // half of what means leave
+
+  std::vector<double> rough;
+  double late = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    rough.push_back(error.normal());
+    data.lateness_s[i] = late;
+    late -= 2.0 * 1e-5 * rough.back();
+  }
+  timing_model::add_readings("pressure", "1/mbar", rough, data);
+  EXPECT_EQ(data.terms.back().sigma, 0.0);
 }
 
 // Air that carries the bob slows the clock by 1e-8 a mbar; air that brakes it lowers the amplitude

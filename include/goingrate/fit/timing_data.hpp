@@ -21,7 +21,7 @@ struct RateTerm {
   std::vector<double> advance_s; ///< one per beat: integral of the value over the time so far, so
                                  ///< that the clock is ahead by coefficient * advance
   std::vector<std::uint8_t> is_known{}; ///< 1 or 0 for each beat; empty: all are
-  double sigma = 0.0;                   ///< of a value that was interpolated between readings
+  double sigma = 0.0;                   ///< of the error of a reading, or of a value between two
   double step_s = 0.0;                  ///< between those readings; 0: there is one at each beat
 };
 
