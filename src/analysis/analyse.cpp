@@ -306,15 +306,30 @@ std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const 
   return lines;
 }
 
+// The beats as they would be if each swing got its share of a push: otherwise the saw-tooth of the
+// pushes would pass for changes.
+std::vector<Beat> levelled_beats(std::span<const Beat> good, const TimingData& levelled) {
+  const TimingData raw = timing_data(good);
+  std::vector<Beat> beats(good.begin(), good.end());
+  for (std::size_t i = 0; i < beats.size(); ++i) {
+    beats[i].time = beats[i].time + (levelled.lateness_s[i] - raw.lateness_s[i]);
+    if (levelled.has_amplitude()) beats[i].amplitude_rad = levelled.amplitude_rad[i];
+  }
+  return beats;
+}
+
 } // namespace
 
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   if (rounding_explains(times)) return {};
-  Diary diary = keep_diary(loaded.good, loaded.nominal_period_s);
+  const std::vector<Beat> even =
+      times.impulses ? levelled_beats(loaded.good, times) : std::vector<Beat>{};
+  const std::span<const Beat> good = times.impulses ? std::span<const Beat>(even) : loaded.good;
+  Diary diary = keep_diary(good, loaded.nominal_period_s);
   std::optional<TimingData> levelled; // no copy of a long log in which nothing is to be levelled
   if (!diary.interruptions.empty()) level_interruptions(diary, levelled.emplace(times));
   const TimingData& seen = levelled ? *levelled : times;
-  add_small_changes(diagnosis_input(seen, loaded, diary, {}, {}), loaded.good, diary);
+  add_small_changes(diagnosis_input(seen, loaded, diary, {}, {}), good, diary);
   return diary;
 }
 

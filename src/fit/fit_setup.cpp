@@ -287,6 +287,10 @@ void check_names(const FitOptions& options, const TimingData& data) {
   for (const std::string& name : options.freed)
     check_known("free", name, known);
   for (const Prior& prior : options.priors) {
+    // The angle that pushes tell stays with the options when a torque is tried.
+    const bool is_told_by_pushes = prior.name == "impulse_angle" && data.impulses;
+    if (is_told_by_pushes && std::find(known.begin(), known.end(), prior.name) == known.end())
+      continue;
     check_known("prior", prior.name, known);
     if (options.fixed.contains(prior.name))
       throw ArgumentError("prior", prior.name, "a parameter that is not fixed");

@@ -2,6 +2,7 @@
 
 #include "change_moments.hpp"
 #include "date_search.hpp"
+#include "push_angle.hpp"
 #include "reference_run.hpp"
 #include "thinning.hpp"
 
@@ -89,6 +90,7 @@ ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
     : all_(data), options_(options), guess_(guess_noise(data)) {
   check_names(options, data);
   include_named_noise(options_);
+  include_angle_of_pushes();
   const std::size_t asked = make_parameters(options_, data, first_model()).free_count;
   if (asked > most_parameters)
     throw ArgumentError("parameters", static_cast<double>(asked),
@@ -107,6 +109,15 @@ ModelChoice ModelSearch::first_model() const {
   model.amplitude_scale = names(options_, "amplitude_scale");
   model.walk = names(options_, "walk_rms") || (options_.noise != FitNoise::jitter && guess_.walks);
   return model;
+}
+
+// Each push displaces the crossings after it by what tells where it comes: the mean drive that is
+// fitted, its saw-tooth being taken off, has the same angle and does not show it.
+void ModelSearch::include_angle_of_pushes() {
+  if (first_model().escapement != Escapement::single_impulse || names(options_, "impulse_angle"))
+    return;
+  if (const auto angle = push_shapes::angle_of_pushes(all_))
+    options_.priors.push_back({"impulse_angle", angle->value, angle->sigma});
 }
 
 namespace {

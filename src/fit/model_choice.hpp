@@ -73,6 +73,7 @@ public:
 private:
   void thin_if_long();
   [[nodiscard]] ModelChoice first_model() const;
+  void include_angle_of_pushes();
   [[nodiscard]] bool explains(const Fitted& fitted) const;
   [[nodiscard]] Fitted roughly_fitted(const FitOptions& options, const ModelChoice& model,
                                       TimingData& thin) const;

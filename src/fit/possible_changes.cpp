@@ -164,6 +164,18 @@ std::optional<FitOptions> without_needless_change(const Fitted& fitted, const Fi
   constexpr std::size_t beats_looked_at = 3000;
   const TimingData& data = *fitted.problem.data;
   const double date = std::log(static_cast<double>(data.size())); // BIC counts sizes only
+  const auto without_event = [&](std::size_t event) {
+    FitOptions fewer = options;
+    fewer.events.erase(fewer.events.begin() + static_cast<std::ptrdiff_t>(event));
+    return fewer;
+  };
+  // A date that the search has moved onto another, or to the end, is no change of its own.
+  for (std::size_t event = 0; event < options.events.size(); ++event) {
+    const FitEvent& change = options.events[event];
+    const bool is_on_another = event > 0 && change.cycle <= options.events[event - 1].cycle;
+    const bool is_at_end = static_cast<double>(change.cycle) >= data.cycle.back();
+    if (change.movable && (is_on_another || is_at_end)) return without_event(event);
+  }
   std::optional<Fitted> beside; // the fit on the beats that are looked at
   FewBeats few;
   for (std::size_t event = 0; event < options.events.size(); ++event) {
@@ -178,8 +190,7 @@ std::optional<FitOptions> without_needless_change(const Fitted& fitted, const Fi
       beside = few.data.size() < data.size() ? on_few_beats(fitted, few) : fitted;
     }
     if (!beside->minimum.usable) return {};
-    FitOptions fewer = options;
-    fewer.events.erase(fewer.events.begin() + static_cast<std::ptrdiff_t>(event));
+    FitOptions fewer = without_event(event);
     const Fitted without = fitted_without(*beside, event + 1, fewer);
     if (without.minimum.usable && without.bic < beside->bic + date) return fewer;
   }

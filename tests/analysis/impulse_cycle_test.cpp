@@ -99,6 +99,19 @@ TEST(ImpulseCycleTest, APushByItselfIsToldFromItsCircularError) {
   }
 }
 
+// The mean drive of a clock at rest does not tell its angle while T0 is free; the pushes do.
+TEST(ImpulseCycleTest, APushTellsItsAngle) {
+  for (const double angle : {-0.006, 0.012}) {
+    Scenario scenario = clock_with_rests(15, 5e-6);
+    scenario.clock.impulse_angle = angle;
+    const FitSummary fit = fit_clock(times_of(scenario, 17), 2.0, {});
+    const FittedParameter* found = fit.find("impulse_angle");
+    ASSERT_NE(found, nullptr);
+    EXPECT_NEAR(found->value, angle, 3.0 * found->sigma);
+    EXPECT_LT(found->sigma, 1e-4);
+  }
+}
+
 // Half of a cycle that is longer than those sought explains much of what is seen, and is not it.
 TEST(ImpulseCycleTest, CyclesLongerThanThoseSoughtAreUndetermined) {
   for (const std::int64_t every : {62, 90, 100, 150})
