@@ -190,6 +190,18 @@ private:
     return account;
   }
 
+  // Whether a change is known from none in something that it does. A step may gain much by making
+  // what wanders look quiet, and yet be no more than that.
+  static bool stands_out(const Sizes& sizes) {
+    constexpr double sigmas = 3.0;
+    const auto any = [](const std::vector<double>& values, const std::vector<double>& errors) {
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (std::abs(values[i]) > sigmas * errors[i]) return true;
+      return false;
+    };
+    return any(sizes.rate, sizes.rate_sigma) || any(sizes.amplitude, sizes.amplitude_sigma);
+  }
+
   // Faults whose gain over all the others is large enough.
   [[nodiscard]] std::vector<Candidate> faults() {
     std::vector<Candidate> all;
@@ -201,6 +213,7 @@ private:
       Candidate found = is_step(taken.cause) ? looked_at_closely(taken) : taken;
       found.gain = gain;
       found.sizes = sizes_of(found);
+      if (is_step(found.cause) && !stands_out(found.sizes)) continue;
       all.push_back(std::move(found));
     }
     return all;
