@@ -251,8 +251,13 @@ try {
 } catch (error) {
   check(false, error.message);
 } finally {
+  const gone = new Promise((done) => browser.once("exit", done));
   browser.kill();
-  await pause(300);
-  rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+  await gone;
+  try {
+    rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+  } catch {
+    // A helper of the browser may still write to it: what is left in the folder for temporary files is no fault.
+  }
 }
 process.exit(faults > 0 ? 1 : 0);

@@ -127,9 +127,14 @@ export class Browser {
   }
 
   async close() {
+    const gone = new Promise((done) => this.process.once("exit", done));
     this.process.kill();
-    await pause(300);
-    rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
+    await gone;
+    try {
+      rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
+    } catch {
+      // A helper of the browser may still write to it: what is left in the folder for temporary files is no fault.
+    }
   }
 }
 
