@@ -308,8 +308,10 @@ std::vector<SpectralLine> without_pushes(std::vector<SpectralLine> lines, const 
 
 // The beats as they would be if each swing got its share of a push: otherwise the saw-tooth of the
 // pushes would pass for changes.
-std::vector<Beat> levelled_beats(std::span<const Beat> good, const TimingData& levelled) {
+std::vector<Beat> levelled_beats(std::span<const Beat> good, const ImpulseCycle& pushes) {
   const TimingData raw = timing_data(good);
+  TimingData levelled = raw;
+  level_impulses(pushes, levelled);
   std::vector<Beat> beats(good.begin(), good.end());
   for (std::size_t i = 0; i < beats.size(); ++i) {
     beats[i].time = beats[i].time + (levelled.lateness_s[i] - raw.lateness_s[i]);
@@ -323,7 +325,7 @@ std::vector<Beat> levelled_beats(std::span<const Beat> good, const TimingData& l
 Diary diary_of(const NumberedLog& loaded, const TimingData& times) {
   if (rounding_explains(times)) return {};
   const std::vector<Beat> even =
-      times.impulses ? levelled_beats(loaded.good, times) : std::vector<Beat>{};
+      times.impulses ? levelled_beats(loaded.good, *times.impulses) : std::vector<Beat>{};
   const std::span<const Beat> good = times.impulses ? std::span<const Beat>(even) : loaded.good;
   Diary diary = keep_diary(good, loaded.nominal_period_s);
   std::optional<TimingData> levelled; // no copy of a long log in which nothing is to be levelled

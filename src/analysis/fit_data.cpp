@@ -71,7 +71,7 @@ double mean_of_known(const std::vector<double>& values, double otherwise) {
 double density_sigma(const EventColumns& columns, const std::vector<RateTerm>& terms) {
   const auto sigma_of = [&](std::string_view name) {
     const RateTerm* term = find(terms, name);
-    return term != nullptr ? term->sigma : 0.0;
+    return term != nullptr && term->step_s > 0.0 ? term->sigma : 0.0;
   };
   const double t = mean_of_known(columns.temperature_c, 20.0);
   const double p = mean_of_known(columns.pressure_mbar, 1013.25);

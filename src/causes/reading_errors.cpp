@@ -117,7 +117,11 @@ void add_readings(std::string name, std::string unit, std::span<const double> re
   if (readings.size() >= least_beats && is_known) {
     const FreedReadings freed = without_errors(readings);
     RateTerm smooth = rate_term(std::move(name), std::move(unit), data, freed.values);
-    smooth.sigma = freed.sigma;
+    // As if there were one reading a period: as many errors in a time have the same effect.
+    const auto count = static_cast<double>(
+        std::count_if(readings.begin(), readings.end(), [](double v) { return std::isfinite(v); }));
+    const double interval_s = data.elapsed_s.back() / (count - 1.0);
+    smooth.sigma = freed.sigma * std::sqrt(interval_s / data.reference_period_s);
     if (!is_likelier(term, smooth, data)) term = std::move(smooth);
   }
   data.terms.push_back(std::move(term));

@@ -422,8 +422,8 @@ std::string why_no_start(const TimingData& data) {
   const double swing_rad =
       data.has_amplitude() ? push_shapes::mean_of_known(data.amplitude_rad) : 0.0;
   if (swing_rad > widest_rad)
-    text += fmt::format("; {:.3g} rad are the swing of a balance or a torsion pendulum, which a "
-                        "spring brings back: the share of gravity is then 0 (gravity_share)",
+    text += fmt::format("; a mean amplitude of {:.3g} rad is that of a balance or a torsion "
+                        "pendulum: for one, hold the share of gravity (gravity_share) at 0",
                         swing_rad);
   return text;
 }

@@ -288,7 +288,8 @@ void check_names(const FitOptions& options, const TimingData& data) {
     check_known("free", name, known);
   for (const Prior& prior : options.priors) {
     // The angle that pushes tell stays with the options when a torque is tried.
-    const bool is_told_by_pushes = prior.name == "impulse_angle" && data.impulses;
+    const bool is_told_by_pushes =
+        prior.name == "impulse_angle" && data.impulses && prior.sigma > 0.0;
     if (is_told_by_pushes && std::find(known.begin(), known.end(), prior.name) == known.end())
       continue;
     check_known("prior", prior.name, known);

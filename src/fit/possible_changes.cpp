@@ -170,11 +170,15 @@ std::optional<FitOptions> without_needless_change(const Fitted& fitted, const Fi
     return fewer;
   };
   // A date that the search has moved onto another, or to the end, is no change of its own.
-  for (std::size_t event = 0; event < options.events.size(); ++event) {
-    const FitEvent& change = options.events[event];
-    const bool is_on_another = event > 0 && change.cycle <= options.events[event - 1].cycle;
+  const std::vector<FitEvent>& events = options.events;
+  for (std::size_t event = 0; event < events.size(); ++event) {
+    const FitEvent& change = events[event];
+    const bool is_on_another =
+        (event > 0 && change.cycle <= events[event - 1].cycle) ||
+        (event + 1 < events.size() && change.cycle >= events[event + 1].cycle);
     const bool is_at_end = static_cast<double>(change.cycle) >= data.cycle.back();
-    if (change.movable && (is_on_another || is_at_end)) return without_event(event);
+    if (change.movable && !change.planned && (is_on_another || is_at_end))
+      return without_event(event);
   }
   std::optional<Fitted> beside; // the fit on the beats that are looked at
   FewBeats few;

@@ -10,7 +10,10 @@
 namespace goingrate::push_shapes {
 
 std::optional<ImpulseCycle::Estimate> angle_of_pushes(const TimingData& data) {
-  if (!data.impulses || !data.impulses->is_regular || !data.impulses->amplitude_step) return {};
+  constexpr double fewest = 3.0; // swings: of two, the kick contains what the swing's size does
+  if (!data.impulses || !data.impulses->is_regular || data.impulses->periods < fewest ||
+      !data.impulses->amplitude_step)
+    return {};
   const ImpulseCycle::Estimate kick = kick_alone(*data.impulses),
                                step = *data.impulses->amplitude_step;
   const double mean = mean_of_known(data.amplitude_rad);
@@ -24,7 +27,8 @@ std::optional<ImpulseCycle::Estimate> angle_of_pushes(const TimingData& data) {
   };
   constexpr double widest = 0.95; // of the swing: beyond, an impulse is hardly one
   const double end = widest * std::sqrt(low2);
-  if (!(low2 > 0.0 && high2 > low2) || std::abs(kick.value) > later(end)) return {};
+  const bool is_possible = low2 > 0.0 && high2 > low2 && std::abs(kick.value) <= later(end);
+  if (!is_possible || !(kick.sigma > 0.0)) return {};
   const auto off = [&](double angle) { return later(angle) - kick.value; };
   std::uintmax_t rounds = 60;
   const auto [left, right] = boost::math::tools::bisect(

@@ -1,6 +1,6 @@
 // The shapes that pushes leave in times and amplitudes: a saw-tooth, a hump, and the crossing in
 // the midst of a push (impulse_cycle.hpp); how much of each there is, by the scatter from cycle to
-// cycle. Private to the fit room.
+// cycle. Private to the library.
 #pragma once
 
 #include "goingrate/fit/impulse_cycle.hpp"

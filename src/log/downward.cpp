@@ -222,11 +222,13 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
       given ? *given : 0.5 * median(steps.pairs); // the beat error cancels in a pair
   const bool known = certain || given;
   if (!(half > 0.0) || !(known || intervals_alternate(steps.single, half))) return false;
-  if (!known && nominal_period_s && std::round(half / *nominal_period_s) >= 1.0) {
+  constexpr double least_whole = 0.75; // of a period: nearer to one than to the half
+  if (!known && nominal_period_s && half > least_whole * *nominal_period_s) {
     // As under an impulse every second swing, which displaces the crossings after it.
     log.assumptions.push_back(
-        {"the intervals alternate, but each is a nominal period: every event is taken as a crossing "
-         "in the same direction; if they are in both, the period is twice that"});
+        {"the intervals alternate, but each is about a whole number of nominal periods, so every "
+         "event is taken as a crossing in the same direction; if both directions are in the log, "
+         "the nominal period is twice as long"});
     return false;
   }
   std::int64_t beat = 0;

@@ -27,9 +27,9 @@ std::string value(const std::string& key, double size) {
 std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requirement>& needed,
                               double most_s) {
   const double all = budget.all_s();
-  std::string text = fmt::format(
-      "The error of this clock within {:.3g} days, once regulated (rms, sines at worst)\n",
-      budget.after_s / seconds_per_day);
+  std::string text =
+      fmt::format("The error of this clock within {:.3g} days, once regulated, rms\n",
+                  budget.after_s / seconds_per_day);
   for (const ErrorPart& part : budget.parts)
     text += fmt::format("  {:<34} {:.3g} s\n", part.cause, part.rms_s);
   text += fmt::format("  {:<34} {:.3g} s\n", "all together", all);

@@ -189,6 +189,17 @@ TEST(BeatsTest, WholePeriodsThatAlternateAreOneDirection) {
   EXPECT_TRUE(label_alternate_edges(log, false));
 }
 
+// Far out of beat, and slow: half the period that is told and a little more is no whole period.
+TEST(BeatsTest, ASlowClockFarOutOfBeatIsBothDirections) {
+  for (const double period_s : {1.9996, 2.0004}) {
+    std::vector<double> times;
+    for (int i = 0; i < 400; ++i)
+      times.push_back(period_s * (0.5 * i + (i % 2) * 0.15));
+    ClockLog log = log_of(times);
+    EXPECT_TRUE(label_alternate_edges(log, false, 2.0)) << period_s;
+  }
+}
+
 TEST(BeatsTest, OneDirectionWithJitterIsNotTakenForTwo) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     RandomStream random(seed, StreamPurpose::jitter);

@@ -65,9 +65,9 @@ FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
 /// The options with temperature, pressure and humidity free, as far as the log has them
 /// (weather_parts()) and the options do not mention them, nor density: the fit would take a rate
-/// that the weather moves for the drive's, or for a swing that settles. This holds for weather that
-/// the rate alone does not show as well: it may be hidden by the drive, which a fit knows, and what
-/// settles shows no more.
+/// that the weather moves for the drive's, or for that of a swing that settles. Weather that the
+/// rate alone does not show is freed too: the drive, or a swing that settles, may hide it. None is
+/// freed of fewer than 256 beats, or that is constant or follows a straight line.
 FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded);
 
 /// The evidence on which causes are judged. It points to `times`. From the fit it has only the size

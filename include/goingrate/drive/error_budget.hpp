@@ -29,8 +29,8 @@ struct ErrorBudget {
   double after_s = 0.0;
   std::vector<ErrorPart> parts;
   [[nodiscard]] double all_s() const; ///< root of squares
-  /// The share of its size that each part may have, all alike, for the error to stay below
-  /// `most_s`; above 1 where it does already.
+  /// The share of its size that each part may have, all alike (the rod with its compensation), for
+  /// the error to stay below `most_s`; above 1 where it does already.
   [[nodiscard]] double share_below(double most_s) const { return most_s / all_s(); }
 };
 

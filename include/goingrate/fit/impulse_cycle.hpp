@@ -32,7 +32,7 @@ struct ImpulseCycle {
   std::optional<Estimate> amplitude_step{}; ///< how much a push raises the amplitude, rad
   Estimate lateness{0.0,
                     0.0};    ///< of the clock half-way between two pushes, by the circular error, s
-  Estimate kick{0.0, 0.0};   ///< how much later the clock is after a push for the push itself, s
+  Estimate kick{0.0, 0.0};   ///< step of the tooth, with what the push does to its own period, s
   Estimate middle{0.0, 0.0}; ///< how late the crossing is in whose midst the push comes, s
   double amplitude_middle = 0.0; ///< how much the amplitude is above its low there, rad
   /// The friction if these pushes alone drive the clock: fall/(2 pi N A (1 + 11 A^2/96)); of pushes

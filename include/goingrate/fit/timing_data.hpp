@@ -21,8 +21,8 @@ struct RateTerm {
   std::vector<double> advance_s; ///< one per beat: integral of the value over the time so far, so
                                  ///< that the clock is ahead by coefficient * advance
   std::vector<std::uint8_t> is_known{}; ///< 1 or 0 for each beat; empty: all are
-  double sigma = 0.0;                   ///< of the error of a reading, or of a value between two
-  double step_s = 0.0;                  ///< between those readings; 0: there is one at each beat
+  double sigma = 0.0;                   ///< of the error of a value, independent after step_s
+  double step_s = 0.0;                  ///< between readings; 0: one at each beat, a period apart
 };
 
 /// All times from one beat on are late by the same amount, and the rate stays as it was: a sensor

@@ -62,7 +62,7 @@ double mark_bounces(ClockLog& log, std::optional<double> dead_time_s = {});
 
 /// Labels every other event of a log without edge labels, bounces apart, as a downward crossing:
 /// all events if `certain`, else only where the intervals alternate between two lengths (out of
-/// beat) and are not whole nominal periods, or where most are half of `nominal_period_s`. Says
+/// beat) and are not about whole nominal periods, or where most are half of `nominal_period_s`. Says
 /// so in `log.assumptions`; returns whether it did.
 bool label_alternate_edges(ClockLog& log, bool certain,
                            std::optional<double> nominal_period_s = {});
