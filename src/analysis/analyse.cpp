@@ -439,6 +439,10 @@ static std::vector<Suspicion> suspicions_of(TimingData times, const NumberedLog&
   if (hidden.empty()) return suspicions;
   take_off(hidden, unexplained);
   suspicions = diagnosed();
+  std::erase_if(suspicions, [&](const Suspicion& again) {
+    return std::any_of(hidden.begin(), hidden.end(),
+                       [&](const Suspicion& known) { return known.cause == again.cause; });
+  });
   suspicions.insert(suspicions.end(), hidden.begin(), hidden.end());
   const auto gains_more = [](const Suspicion& a, const Suspicion& b) { return a.gain > b.gain; };
   std::stable_sort(suspicions.begin(), suspicions.end(), gains_more);

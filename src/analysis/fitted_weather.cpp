@@ -21,9 +21,11 @@ struct Kind {
 constexpr std::array kinds{Kind{Cause::temperature, "temperature", "K"},
                            Kind{Cause::pressure, "pressure", "mbar"}};
 
-bool is_named(Cause cause, std::span<const Suspicion> named) {
-  return std::any_of(named.begin(), named.end(),
-                     [&](const Suspicion& suspicion) { return suspicion.cause == cause; });
+// Whether the cause is named with a coefficient that is known better than to `sigma`.
+bool is_known_better(Cause cause, double sigma, std::span<const Suspicion> named) {
+  return std::any_of(named.begin(), named.end(), [&](const Suspicion& suspicion) {
+    return suspicion.cause == cause && suspicion.numbers.sigma < sigma;
+  });
 }
 
 } // namespace
@@ -34,7 +36,8 @@ std::vector<Suspicion> weather_seen_by_fit(const FitSummary& fit,
   if (fit.status != FitStatus::converged) return seen;
   for (const Kind& kind : kinds) {
     const FittedParameter* found = fit.find(kind.term);
-    if (found == nullptr || found->status != ParameterStatus::free || is_named(kind.cause, named))
+    if (found == nullptr || found->status != ParameterStatus::free ||
+        is_known_better(kind.cause, found->sigma, named))
       continue;
     const double price =
         std::log(static_cast<double>(fit.residual_s.size())); // Schwarz's, of one number

@@ -2,6 +2,7 @@
 #include "support/simulated.hpp"
 #include "support/weathered_logs.hpp"
 
+#include "analysis/fitted_weather.hpp"
 #include "goingrate/analysis/fit_request.hpp"
 
 #include <cmath>
@@ -64,6 +65,28 @@ TEST(WeatherTest, TheErrorsOfAThermometerAreInTheSigmas) {
   EXPECT_GE(stated, 6.0);                  // of 8: in some the errors leave the clock open
   EXPECT_LT(z2_temperature / stated, 3.0); // 1, and four standard deviations of a mean of eight
   EXPECT_LT(z2_phi0 / stated, 3.0);
+}
+
+// Beside a step the rate alone gives the temperature's answer a wrong sign and a wide σ; the fit,
+// which knows the step, knows better. What is known better without it stays.
+TEST(WeatherTest, WhatTheFitKnowsBetterIsTold) {
+  FitSummary fit;
+  fit.residual_s.assign(1000, 0.0);
+  FittedParameter warmth;
+  warmth.name = "temperature";
+  warmth.value = -8e-6;
+  warmth.sigma = 1e-7;
+  warmth.status = ParameterStatus::free;
+  fit.parameters.push_back(warmth);
+  std::vector<Suspicion> named(1);
+  named.front().cause = Cause::temperature;
+  named.front().numbers.size = 7e-6;
+  named.front().numbers.sigma = 1.5e-5;
+  const auto seen = weather_seen_by_fit(fit, named);
+  ASSERT_EQ(seen.size(), 1U);
+  EXPECT_EQ(seen.front().numbers.size, -8e-6);
+  named.front().numbers.sigma = 1e-8;
+  EXPECT_TRUE(weather_seen_by_fit(fit, named).empty());
 }
 
 } // namespace
