@@ -91,12 +91,20 @@ bool is_far_beyond(const Fitted& first_order, const FitProblem& corrected) {
 }
 
 // Whether the innovations show that the place explains nothing.
-bool is_lost(const Fitted& fitted) {
+bool is_lost(const Residuals& seen) {
   constexpr double beyond_chance = 1e-6;
   const auto coloured = [&](const std::vector<double>& innovations) {
     return innovations.size() >= 8 && whiteness_p(innovations) < beyond_chance;
   };
-  return coloured(fitted.seen.white_time) || coloured(fitted.seen.white_amplitude);
+  return coloured(seen.white_time) || coloured(seen.white_amplitude);
+}
+
+// Whether noise of every kind leaves the misfit what it is: the last digits are worth nothing then.
+bool is_lost_for_good(const Fitted& fitted) {
+  const auto seen = fitted.model.drive || fitted.model.slow
+                        ? residuals(fitted.problem, fitted.minimum.x)
+                        : std::nullopt;
+  return seen && is_lost(*seen);
 }
 
 } // namespace
@@ -138,6 +146,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     // At a bound a step keeps promising a gain that it cannot have.
     const bool stands = std::abs(before - *here) < least_gain;
     if ((round > 1 && (step->gain < least_gain || stands)) || (round > 0 && is_far)) break;
+    if (round > 1 && is_lost_for_good(refined)) break;
     before = *here;
     std::vector<double> moved = refined.minimum.x;
     constexpr double longest_step = 0.3; // along a flat ridge a step of scoring may lead anywhere
@@ -158,7 +167,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   for (Rival& rival : refined.rivals)
     rival.x = moved_along(rival.x, fitted.minimum.x, refined.minimum.x);
   finish(refined);
-  if (!refined.minimum.usable || (!is_lost(fitted) && is_lost(refined))) return false;
+  if (!refined.minimum.usable || (!is_lost(fitted.seen) && is_lost(refined.seen))) return false;
   fitted = std::move(refined);
   return true;
 }
