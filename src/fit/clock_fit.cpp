@@ -329,7 +329,9 @@ Searched searched(const TimingData& data, const FitOptions& options) {
   const auto open = std::count_if(events.begin(), events.end(),
                                   [](const FitEvent& event) { return !event.has_known_moment(); });
   constexpr double worth_a_search = 6.0; // of two leaps: one log in twenty by chance
+  // What no clock explains anywhere is not mended at its changes.
   if (open == 0 || !plain.fitted->minimum.usable ||
+      plain.fitted->widening.largest() >= largest_widening ||
       !leaps_at_changes(*plain.fitted, plain.search->options(), worth_a_search))
     return plain;
   Searched within = run_search(data, plain.search->settled());
