@@ -3,6 +3,7 @@
 #include "goingrate/analysis/analyse.hpp"
 
 #include "base/scaled_time.hpp"
+#include "causes/rate_step.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -193,9 +194,9 @@ private:
         change = &known;
     if (change == nullptr || !Span(entry, found.at_s).holds(change->at_s)) return;
     if (entry.what == LogbookWord::rate) {
-      found.found = seconds_per_day * (change->rate_after - change->rate_before);
-      found.found_sigma =
-          seconds_per_day * std::hypot(change->rate_before_sigma, change->rate_after_sigma);
+      const RateStep step = step_of(*change);
+      found.found = seconds_per_day * step.rate;
+      found.found_sigma = seconds_per_day * step.sigma;
     } else {
       take_ratio(entry, *change, found);
     }
@@ -240,9 +241,8 @@ private:
 LogbookEntry entry_of(const Change& change, const Analysis& data) {
   LogbookEntry entry;
   entry.time = data.beats.front().time + change.at_s;
-  const double rate = seconds_per_day * (change.rate_after - change.rate_before);
-  const double sigma =
-      seconds_per_day * std::hypot(change.rate_before_sigma, change.rate_after_sigma);
+  const RateStep step = step_of(change);
+  const double rate = seconds_per_day * step.rate, sigma = seconds_per_day * step.sigma;
   switch (change.kind) {
   case ChangeKind::regulation:
     entry.what = LogbookWord::rate;

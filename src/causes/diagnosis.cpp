@@ -4,6 +4,7 @@
 #include "change_kinds.hpp"
 #include "evidence.hpp"
 #include "facts.hpp"
+#include "rate_step.hpp"
 #include "step_search.hpp"
 
 #include "goingrate/base/pulse.hpp"
@@ -298,12 +299,13 @@ private:
 Suspicion suspicion_of(const Change& change) {
   CauseNumbers numbers;
   numbers.at_s = change.at_s;
-  numbers.size = change.rate_after - change.rate_before;
-  numbers.sigma = std::hypot(change.rate_before_sigma, change.rate_after_sigma);
+  const RateStep step = step_of(change);
+  numbers.size = step.rate;
+  numbers.sigma = step.sigma;
   return {cause_of(change.kind),
           change.gain,
           fmt::format("{} after the start the rate changes by {}, as the model says",
-                      time_words(change.at_s, 4), daily(change.rate_after - change.rate_before)),
+                      time_words(change.at_s, 4), daily(step.rate)),
           same_course_as(change.kind),
           "What was done to the clock then?",
           numbers};

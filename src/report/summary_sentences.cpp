@@ -230,8 +230,10 @@ std::string Sentences::changes() const {
   if (changes_.size() == 1 && data_.stretches.size() == 2) {
     const RateSummary& before = data_.stretches[0].rate;
     const RateSummary& after = data_.stretches[1].rate;
-    const double by = after.rate_excess - before.rate_excess;
-    const double sigma = std::hypot(own_rate_sigma(before), own_rate_sigma(after));
+    const bool is_jump = std::isfinite(first.rate_change_sigma);
+    const double by = is_jump ? first.rate_change : after.rate_excess - before.rate_excess;
+    const double sigma = is_jump ? first.rate_change_sigma
+                                 : std::hypot(own_rate_sigma(before), own_rate_sigma(after));
     // In both means weather may hide a change that shows between neighbouring beats.
     constexpr double least_told = 2.0; // sigma
     // If the time base leaves the rate open, its changes may still be known.

@@ -1,3 +1,4 @@
+#include "causes/rate_step.hpp"
 #include "goingrate/log/writing.hpp"
 #include "support/sick_clocks.hpp"
 
@@ -59,9 +60,10 @@ TEST(DiagnosisTest, WithAmplitudesNobodyIsToldToLookAtThem) {
       EXPECT_EQ(suspicion.advice.find("amplitude"), std::string::npos) << suspicion.advice;
 }
 
-// A log of times in which beats are lost and the regulation changes.
-std::string regulated(double period_s, double ppm, double jitter_s, double lost,
-                      std::uint64_t seed) {
+// A log of times in which beats are lost and the regulation changes; `swing` of the rate either way
+// comes and goes as weather does.
+std::string regulated(double period_s, double ppm, double jitter_s, double lost, std::uint64_t seed,
+                      double swing = 0.0) {
   RandomStream jitter(seed, StreamPurpose::jitter), missed(seed, StreamPurpose::amplitude_noise);
   constexpr int beats = 3000, changed = 1800;
   std::string lines;
@@ -69,7 +71,8 @@ std::string regulated(double period_s, double ppm, double jitter_s, double lost,
   for (int i = 0; i < beats; ++i) {
     if (!(missed.uniform() < lost))
       lines += fmt::format("{:.5f}\n", t + jitter_s * jitter.normal());
-    t += period_s * (i < changed ? 1.0 : 1.0 - 1e-6 * ppm);
+    const double weather = swing * std::sin(1.0 * i / beats + static_cast<double>(seed));
+    t += period_s * (1.0 - weather - (i < changed ? 0.0 : 1e-6 * ppm));
   }
   return lines;
 }
@@ -91,6 +94,28 @@ TEST(DiagnosisTest, DiaryAndCausesJudgeAChangeOnce) {
     EXPECT_EQ(data.suspicions[0].cause, Cause::length_step) << seed;
     EXPECT_EQ(data.suspicions[1].cause, Cause::missed_beats) << seed;
   }
+}
+
+// The mean rates before and after have the weather's part in them; the jump, known where it is one
+// of the regulation, has not.
+TEST(DiagnosisTest, AJumpIsToldWithoutTheWeathersPart) {
+  double known = 0.0, off2 = 0.0, of_means2 = 0.0;
+  for (const std::uint64_t seed : {51U, 52U, 53U, 54U, 55U, 56U}) {
+    LoadRequest request;
+    request.path = "regulated.txt";
+    const NumberedLog log = load_text(regulated(1.3, 140.0, 3e-5, 0.0, seed, 3e-5), request);
+    const Diary diary = diary_of(log, fit_data(log));
+    ASSERT_EQ(diary.changes.size(), 1U) << seed;
+    const Change& change = diary.changes[0];
+    if (change.kind != ChangeKind::regulation) continue;
+    const RateStep step = step_of(change);
+    ++known;
+    off2 += std::pow((step.rate - 140e-6) / step.sigma, 2);
+    of_means2 += std::pow((change.rate_after - change.rate_before - 140e-6) / step.sigma, 2);
+  }
+  ASSERT_GE(known, 4.0);
+  EXPECT_LT(off2 / known, 3.3);       // one in a hundred by chance, of four
+  EXPECT_GT(of_means2 / known, 10.0); // or the scene would tell nothing
 }
 
 // Thirty beats on either side of it do not show it, the course of the whole log does.
