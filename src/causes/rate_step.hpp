@@ -14,7 +14,7 @@ struct RateStep {
 /// The jump itself, where its sigma is known; otherwise the difference of the mean rates before and
 /// after, to which weather and wandering add their parts.
 inline RateStep step_of(const Change& change) {
-  if (std::isfinite(change.rate_change_sigma))
+  if (change.rate_change_sigma > 0.0) // 0: not judged
     return {change.rate_change, change.rate_change_sigma};
   return {change.rate_after - change.rate_before,
           std::hypot(change.rate_before_sigma, change.rate_after_sigma)};

@@ -230,7 +230,7 @@ std::string Sentences::changes() const {
   if (changes_.size() == 1 && data_.stretches.size() == 2) {
     const RateSummary& before = data_.stretches[0].rate;
     const RateSummary& after = data_.stretches[1].rate;
-    const bool is_jump = std::isfinite(first.rate_change_sigma);
+    const bool is_jump = first.rate_change_sigma > 0.0;
     const double by = is_jump ? first.rate_change : after.rate_excess - before.rate_excess;
     const double sigma = is_jump ? first.rate_change_sigma
                                  : std::hypot(own_rate_sigma(before), own_rate_sigma(after));
