@@ -4,6 +4,7 @@
 #include "goingrate/causes/diary.hpp"
 
 #include <cmath>
+#include <optional>
 
 namespace goingrate {
 
@@ -11,13 +12,17 @@ struct RateStep {
   double rate = 0.0, sigma = 0.0; ///< rate excess after minus before; NaN where it is not known
 };
 
-/// The jump itself, where its sigma is known; otherwise the difference of the mean rates before and
-/// after, to which weather and wandering add their parts.
+/// The jump itself, if its sigma is known: in it weather and wandering have no part.
+inline std::optional<RateStep> known_jump(const Change& change) {
+  if (!(change.rate_change_sigma > 0.0)) return {}; // 0: not judged
+  return RateStep{change.rate_change, change.rate_change_sigma};
+}
+
+/// That, or else the difference of the mean rates before and after.
 inline RateStep step_of(const Change& change) {
-  if (change.rate_change_sigma > 0.0) // 0: not judged
-    return {change.rate_change, change.rate_change_sigma};
-  return {change.rate_after - change.rate_before,
-          std::hypot(change.rate_before_sigma, change.rate_after_sigma)};
+  return known_jump(change).value_or(
+      RateStep{change.rate_after - change.rate_before,
+               std::hypot(change.rate_before_sigma, change.rate_after_sigma)});
 }
 
 } // namespace goingrate

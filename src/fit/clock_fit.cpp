@@ -329,9 +329,12 @@ Searched searched(const TimingData& data, const FitOptions& options) {
   const auto open = std::count_if(events.begin(), events.end(),
                                   [](const FitEvent& event) { return !event.has_known_moment(); });
   constexpr double worth_a_search = 6.0; // of two leaps: one log in twenty by chance
-  // What no clock explains anywhere is not mended at its changes.
-  if (open == 0 || !plain.fitted->minimum.usable ||
-      plain.fitted->widening.largest() >= largest_widening ||
+  // What no drive explains elsewhere is not mended at the changes. Without noise of the drive a
+  // leap at one colours all that follows.
+  const ModelChoice& model = plain.fitted->model;
+  const bool is_misfit =
+      (model.drive || model.slow) && plain.fitted->widening.largest() >= largest_widening;
+  if (open == 0 || !plain.fitted->minimum.usable || is_misfit ||
       !leaps_at_changes(*plain.fitted, plain.search->options(), worth_a_search))
     return plain;
   Searched within = run_search(data, plain.search->settled());

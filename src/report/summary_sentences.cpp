@@ -8,6 +8,7 @@
 #include "part_words.hpp"
 #include "wording.hpp"
 
+#include "causes/rate_step.hpp"
 #include "log/usual_step.hpp"
 
 #include "goingrate/report/tables.hpp"
@@ -230,16 +231,17 @@ std::string Sentences::changes() const {
   if (changes_.size() == 1 && data_.stretches.size() == 2) {
     const RateSummary& before = data_.stretches[0].rate;
     const RateSummary& after = data_.stretches[1].rate;
-    const bool is_jump = first.rate_change_sigma > 0.0;
-    const double by = is_jump ? first.rate_change : after.rate_excess - before.rate_excess;
-    const double sigma = is_jump ? first.rate_change_sigma
-                                 : std::hypot(own_rate_sigma(before), own_rate_sigma(after));
+    const RateStep step = known_jump(first).value_or(
+        RateStep{after.rate_excess - before.rate_excess,
+                 std::hypot(own_rate_sigma(before), own_rate_sigma(after))});
     // In both means weather may hide a change that shows between neighbouring beats.
     constexpr double least_told = 2.0; // sigma
     // If the time base leaves the rate open, its changes may still be known.
     if (!data_.rate.nominal_is_known || data_.rate.time_base_sigma > 0.0)
       return "The rate changed " + when_it_changed() +
-             (std::abs(by) < least_told * sigma ? "" : ", by " + words_.rate(by, sigma));
+             (std::abs(step.rate) < least_told * step.sigma
+                  ? ""
+                  : ", by " + words_.rate(step.rate, step.sigma));
     return fmt::format(
         "The rate changed {}, from {} before to {}{} after{}", words_.moment(first.at_s),
         words_.rate(before.rate_excess, before.rate_excess_sigma), moves_on() ? "a mean of " : "",
