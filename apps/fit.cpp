@@ -71,8 +71,8 @@ void run(const FitCommand& options, const GlobalOptions& global) {
   const FitOptions asked = fit_options(searching(request), loaded);
   const TimingData data = fit_data(loaded);
   FitSummary fit = [&] {
-    const StepLine now(global.quiet, "fitting the model");
-    return fit_clock(data, loaded.nominal_period_s, asked);
+    StepLine now(global.quiet, "fitting the model");
+    return fit_clock(data, loaded.nominal_period_s, asked, std::ref(now));
   }();
   if (finds_events(request)) tell_events(fit.events, loaded.good, global);
   if (!fit.has_result()) throw NumericsError("no fit: " + fit.termination);

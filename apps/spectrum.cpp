@@ -132,7 +132,7 @@ void run(const SpectrumCommand& options, const GlobalOptions& global) {
   FitSummary fit;
   const DriveAnalysis drive = [&] {
     StepLine now(global.quiet, "fitting the model");
-    fit = fit_clock(times, loaded.nominal_period_s, asked);
+    fit = fit_clock(times, loaded.nominal_period_s, asked, std::ref(now));
     now("spectrum of the rate, fast and slow drive");
     const auto moved_back = without_displacements(loaded.good, times);
     return analyse_drive(moved_back ? std::span<const Beat>(*moved_back) : loaded.good,

@@ -451,8 +451,13 @@ static std::vector<Suspicion> suspicions_of(TimingData times, const NumberedLog&
 
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   constexpr int steps = 6;
-  auto tell = [&, step = 0](std::string_view what) mutable {
-    if (request.now) request.now(fmt::format("{} of {}: {}", ++step, steps, what));
+  int step = 0;
+  const auto tell_more = [&](std::string_view what) {
+    if (request.now) request.now(fmt::format("{} of {}: {}", step, steps, what));
+  };
+  const auto tell = [&](std::string_view what) {
+    ++step;
+    tell_more(what);
   };
   Analysis data;
   data.rate = mean_rate(loaded);
@@ -470,9 +475,10 @@ Analysis analyse(NumberedLog loaded, const AnalysisRequest& request) {
   tell("fitting the model");
   const bool has_plans = logbook && knows_a_plan(asked);
   const FitSummary alone =
-      has_plans ? fit_clock(times, loaded.nominal_period_s, without_plans(asked)) : FitSummary{};
+      has_plans ? fit_clock(times, loaded.nominal_period_s, without_plans(asked), tell_more)
+                : FitSummary{};
   if (has_plans) asked = without_what_is_excluded(std::move(asked), alone);
-  data.fit = fit_clock(times, loaded.nominal_period_s, asked);
+  data.fit = fit_clock(times, loaded.nominal_period_s, asked, tell_more);
   if (request.finds_events) {
     drop_what_the_swing_explains(data.fit, loaded.good.front().cycle, data.diary);
     drop_what_the_fit_dropped(asked, data.fit, loaded, data.diary);

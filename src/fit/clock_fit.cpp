@@ -315,16 +315,19 @@ struct Searched {
   const Fitted* fitted = nullptr;
 };
 
-template <class Given> Searched run_search(const TimingData& data, const Given& given) {
+template <class Given>
+Searched run_search(const TimingData& data, const Given& given, std::string_view what,
+                    const FitStage& now) {
   Searched end{std::make_unique<ModelSearch>(data, given), nullptr};
-  end.fitted = &end.search->run();
+  end.fitted = &end.search->run(what, now);
   return end;
 }
 
 // The search with every change at a crossing or, where the times leap at one, at the moment that
 // explains them better.
-Searched searched(const TimingData& data, const FitOptions& options) {
-  Searched plain = run_search(data, options);
+Searched searched(const TimingData& data, const FitOptions& options, std::string_view what,
+                  const FitStage& now) {
+  Searched plain = run_search(data, options, what, now);
   const std::vector<FitEvent>& events = plain.search->options().events;
   const auto open = std::count_if(events.begin(), events.end(),
                                   [](const FitEvent& event) { return !event.has_known_moment(); });
@@ -337,7 +340,7 @@ Searched searched(const TimingData& data, const FitOptions& options) {
   if (open == 0 || !plain.fitted->minimum.usable || is_misfit ||
       !leaps_at_changes(*plain.fitted, plain.search->options(), worth_a_search))
     return plain;
-  Searched within = run_search(data, plain.search->settled());
+  Searched within = run_search(data, plain.search->settled(), "fitting dates of changes", now);
   if (!within.fitted->minimum.usable) return plain;
   const Fitted beside = on_few_beats(*plain.fitted, {*within.fitted->problem.data, 1.0});
   constexpr double two_sigma = 4.0; // of 2 log L for each moment
@@ -347,15 +350,16 @@ Searched searched(const TimingData& data, const FitOptions& options) {
 }
 
 // The search without the possible changes, or with them where the log calls for them.
-Searched searched_with_changes(const TimingData& data, const FitOptions& options) {
-  Searched plain = searched(data, options);
+Searched searched_with_changes(const TimingData& data, const FitOptions& options,
+                               const FitStage& now) {
+  Searched plain = searched(data, options, "fitting the model", now);
   if (options.possible_events.empty() || !plain.fitted->minimum.usable) return plain;
   FitOptions wider = options;
   wider.events = joined(plain.search->options().events, options.possible_events);
   const auto added = static_cast<double>(wider.events.size() - options.events.size());
   const double dates = added * std::log(static_cast<double>(data.size())); // BIC counts sizes only
   if (promised_gain(*plain.fitted, wider) < dates) return plain;
-  Searched changed = searched(data, wider);
+  Searched changed = searched(data, wider, "fitting further changes", now);
   if (!changed.fitted->minimum.usable) return plain;
   const Fitted beside = on_few_beats(*plain.fitted, {*changed.fitted->problem.data, 1.0});
   const bool better = beside.minimum.usable && changed.fitted->bic + dates < beside.bic;
@@ -363,12 +367,12 @@ Searched searched_with_changes(const TimingData& data, const FitOptions& options
 }
 
 // The fit without the changes that the log does not demand.
-Searched without_needless_changes(const TimingData& data, Searched found) {
+Searched without_needless_changes(const TimingData& data, Searched found, const FitStage& now) {
   const double date = std::log(static_cast<double>(data.size()));
   while (found.fitted->minimum.usable) {
     const auto fewer = without_needless_change(*found.fitted, found.search->options());
     if (!fewer) break;
-    Searched without = searched(data, *fewer);
+    Searched without = searched(data, *fewer, "fitting fewer changes", now);
     if (!without.fitted->minimum.usable) break;
     const Fitted beside = on_few_beats(*without.fitted, {*found.fitted->problem.data, 1.0});
     if (!beside.minimum.usable || !(beside.bic < found.fitted->bic + date)) break;
@@ -435,7 +439,8 @@ std::string why_no_start(const TimingData& data) {
 
 } // namespace
 
-FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options) {
+FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options,
+                     const FitStage& now) {
   if (!(nominal_period_s > 0.0))
     throw ArgumentError("nominal_period", nominal_period_s, "a positive number of seconds");
   check(data);
@@ -446,13 +451,14 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
     summary.status = FitStatus::no_valid_model;
     return summary;
   }
-  const Searched end = without_needless_changes(data, searched_with_changes(data, options));
+  const Searched end = without_needless_changes(data, searched_with_changes(data, options, now), now);
   const Fitted& fitted = *end.fitted;
   if (!fitted.minimum.usable) {
     summary.status = FitStatus::no_valid_model;
     summary.termination = why_no_start(data);
     return summary;
   }
+  if (now) now("fitting the model: intervals");
   state_quality(fitted, data, summary);
   state(fitted, *end.search, nominal_period_s, summary);
   if (summary.status != FitStatus::contradicts_log)

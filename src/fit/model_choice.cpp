@@ -419,7 +419,12 @@ void ModelSearch::settle_laws() {
   settled_ = {{options_, best_.model}, equal_laws(found), alternatives_, notes_};
 }
 
-const Fitted& ModelSearch::run() {
+const Fitted& ModelSearch::run(std::string_view what, const FitStage& now) {
+  const auto tell = [&](int step, std::string_view doing) {
+    constexpr int steps = 5;
+    if (now) now(fmt::format("{}, step {} of {}: {}", what, step, steps, doing));
+  };
+  tell(1, "where to begin");
   thin_if_long();
   if (moments_)
     best_ = fit_from_scratch(working_.data, options_, settled_.laws.model, guess_);
@@ -429,21 +434,26 @@ const Fitted& ModelSearch::run() {
   if (moments_) find_moments();
   const bool noise_first = best_.model.walk || strays_by_noise();
   if (noise_first) {
+    tell(2, "noise");
     choose_on_few_beats([&] {
       choose_noise();
       if (best_.dynamics != FitDynamics::averaged1)
         choose_dynamics(); // on few beats, which is cheaper than on those added below
     });
   } else {
+    tell(2, "equations and noise");
     choose_dynamics();
     if (best_.dynamics != FitDynamics::averaged1)
       move_dates(best_, options_); // again, now that the parameters are better known
     choose_friction();
     choose_on_few_beats([&] { choose_noise(); });
   }
+  tell(3, "the beats that tell most");
   thin_by_information();
   const bool has_new_noise = noise_first || working_.data.size() < all_.size();
+  tell(4, "equations");
   if (has_new_noise && best_.dynamics != FitDynamics::map) choose_dynamics();
+  tell(5, "slow drive");
   add_other_noise();
   tried(best_, "chosen");
   const bool dated = std::all_of(options_.events.begin(), options_.events.end(),

@@ -57,8 +57,9 @@ public:
   /// they are not said to come at a crossing.
   ModelSearch(const TimingData& data, const Settled& settled);
 
-  /// Runs the search. The result points into this object.
-  const Fitted& run();
+  /// Runs the search, which is told as what it does: "fitting the model". The result points into
+  /// this object.
+  const Fitted& run(std::string_view what, const FitStage& now);
   [[nodiscard]] const Thinning& thinning() const { return working_.thinning; }
   [[nodiscard]] const std::string& chosen_by() const { return chosen_by_; }
   [[nodiscard]] const std::vector<FitAlternative>& alternatives() const { return alternatives_; }

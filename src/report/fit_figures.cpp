@@ -32,7 +32,7 @@ bool has_intervals(const FittedParameter& p) {
 // interpolated linearly, so that a parabola is drawn as one.
 Series profile_curve(const FittedParameter& p, int colour) {
   constexpr int steps = 8; // between two points
-  Series curve{Series::Style::line, symbol_of(p.name), {}, {}, {}, {}, colour};
+  Series curve{Series::Style::line, label_of(p.name), {}, {}, {}, {}, colour};
   const auto root_of = [&](const ProfilePoint& point) {
     return std::copysign(std::sqrt(point.fall), point.value - p.value);
   };
@@ -89,7 +89,7 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
     figure.x.names.push_back(fmt::format("{}", i + 1));
     const std::size_t from_foot = count - 1 - i; // the first row on top, as a matrix is written
     figure.y.names.push_back(
-        fmt::format("{} {}", symbol_of(fit.correlated[shown[from_foot]]), from_foot + 1));
+        fmt::format("{} {}", label_of(fit.correlated[shown[from_foot]]), from_foot + 1));
     for (std::size_t k = 0; k < count; ++k) {
       const auto& row = fit.correlation[shown[i]];
       cells.x.push_back(static_cast<double>(k));
@@ -126,7 +126,7 @@ std::optional<Figure> interval_figure(const FitSummary& fit) {
     constexpr double side_step = 0.08; // places, so that both bars are seen
     add(narrow, at - side_step, p, p.low68, p.high68);
     if (p.low95 < p.high95) add(wide, at + side_step, p, p.low95, p.high95);
-    figure.x.names.push_back(symbol_of(p.name));
+    figure.x.names.push_back(label_of(p.name));
   }
   if (figure.x.names.empty()) return std::nullopt;
   figure.series = {std::move(narrow), std::move(wide)};

@@ -96,6 +96,12 @@ std::string symbol_of(std::string_view name) {
   return word_in_symbols(base) + std::string(name.substr(base.size()));
 }
 
+std::string label_of(std::string_view name) {
+  std::string label = symbol_of(name);
+  std::replace(label.begin(), label.end(), '_', ' ');
+  return label;
+}
+
 std::string symbol_and_name(std::string_view name) {
   std::string symbol = symbol_of(name);
   return symbol == name ? symbol : symbol + " (" + std::string(name) + ")";

@@ -9,6 +9,9 @@ namespace goingrate {
 /// "ε" for "epsilon", "μ@1" for "mu@1"; a name without a symbol as it is.
 std::string symbol_of(std::string_view name);
 
+/// As symbol_of(), with a name without a symbol in words: "dry friction", "jitter rms".
+std::string label_of(std::string_view name);
+
 /// "ε (epsilon)": the symbol, and the name by which options and files know the parameter.
 std::string symbol_and_name(std::string_view name);
 

@@ -51,8 +51,8 @@ Fitted fit(const SharedLog& log, const py::dict& asked, bool profiles, const py:
   fitted.asked = fit_options(searching(request), *log);
   fitted.asked.profiles = profiles;
   fitted.data = fit_data(*log);
-  waiting.tell("fitting the model");
-  fitted.summary = fit_clock(fitted.data, log->nominal_period_s, fitted.asked);
+  fitted.summary = fit_clock(fitted.data, log->nominal_period_s, fitted.asked,
+                             [&](std::string_view stage) { waiting.tell(stage); });
   fitted.first_cycle = log->good.front().cycle;
   fitted.nominal_period_s = log->nominal_period_s;
   return fitted;

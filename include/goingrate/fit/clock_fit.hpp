@@ -32,9 +32,11 @@
 #include "goingrate/fit/timing_data.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -258,16 +260,20 @@ struct FitSummary {
   [[nodiscard]] const DerivedQuantity* combination(std::string_view name) const;
 };
 
+/// Told what a fit does from now on: "fitting the model, step 2 of 5: equations and noise".
+using FitStage = std::function<void(std::string_view)>;
+
 /// Fits `data`. `nominal_period_s` only serves to state the derived rate in s a day. The work is
 /// shared among all processors; their number changes no bit of the result
-/// (ClockFitTest.TheNumberOfThreadsChangesNothing).
+/// (ClockFitTest.TheNumberOfThreadsChangesNothing). `now` is called by the caller's own thread.
 ///
 /// Accuracy: truth lies in the 68 % and 95 % intervals as often as it should, and sigma is that of
 /// the full simulator's Cramer-Rao bound (tests/studies/coverage.txt; HonestSigma in the tests is
 /// its short form). Throws ArgumentError for data of fewer than three beats or of unequal lengths,
 /// for names, values or events that make no sense, a start of some parameters only, or more than 20
 /// free parameters.
-FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options);
+FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options,
+                     const FitStage& now = {});
 
 /// The clock as it goes after the last event; nothing if one of its parameters is not known to a
 /// tenth or there is no escapement of constant torque.
