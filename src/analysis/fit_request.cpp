@@ -12,14 +12,16 @@ namespace goingrate {
 
 namespace {
 
-// "NAME=REST"
-std::pair<std::string, std::string> named(const std::string& option, const std::string& text) {
+// Splits "NAME=REST"; `form` is what messages say the text must be.
+std::pair<std::string, std::string> named(const char* option, const std::string& text,
+                                          const char* form) {
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) throw ArgumentError(option, text, "NAME=VALUE");
+  if (equals == std::string::npos || equals == 0) throw ArgumentError(option, text, form);
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-// "300s:mu" is an event by time; otherwise the cycle is the one `rate` prints.
+// "300s:mu" is an event by time. Otherwise the text gives a cycle as `rate` prints it, and the
+// result counts cycles from the first good beat.
 FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos || colon == 0 || text[colon - 1] != 's') {
@@ -28,12 +30,14 @@ FitEvent event_in(const std::string& text, const NumberedLog& loaded) {
     return event;
   }
   FitEvent event = parse_fit_event(std::string("0").append(text, colon));
-  event.cycle = cycle_at(loaded.good, number_in("event", text.substr(0, colon - 1)));
-  event.movable = true; // a time means the beat nearest to it, before or after
+  const auto time_s = parse_instant(std::string_view(text).substr(0, colon - 1));
+  if (!time_s) throw ArgumentError("event", text, "a time in seconds, such as 300s:mu");
+  event.cycle = cycle_at(loaded.good, time_s->to_double());
+  event.movable = true; // a time need not be exact to the beat: the fit may shift the event
   return event;
 }
 
-// What the log lacks for this parameter; nothing if it has all.
+// What the log lacks for this parameter; empty if it lacks nothing.
 std::string missing_for(const std::string& parameter, const ClockLog& log) {
   const EventColumns& columns = log.columns;
   const bool needs_both = parameter == "density";
@@ -43,7 +47,7 @@ std::string missing_for(const std::string& parameter, const ClockLog& log) {
     return "pressure column";
   if (parameter == "humidity" && columns.humidity_percent.empty()) return "humidity column";
   if (parameter == "tide" && log.origin == TimeOrigin::none) return "date";
-  if (parameter == "tide" && !log.site) return "place of its clock";
+  if (parameter == "tide" && !log.site) return "location of the clock";
   return {};
 }
 
@@ -61,7 +65,7 @@ void check_terms(const FitRequest& request, const ClockLog& log) {
     check_for("prior", prior.name, log);
 }
 
-// If a file asks for what this log cannot give, the message names the place in the file.
+// Throws where a file asks for what this log cannot give; the message gives the file's line.
 void check_against(const ParFile& file, const NumberedLog& loaded) {
   const std::int64_t first = loaded.good.front().cycle, last = loaded.good.back().cycle;
   for (std::size_t k = 0; k < file.event_places.size(); ++k) {
@@ -85,18 +89,18 @@ FitOptions options_of_file(const std::string& path, const NumberedLog& loaded) {
   return std::move(file.options);
 }
 
-// Puts in the events that are named, or those that are found, and drops what a file says of its
-// own.
+// Replaces the events of a parameter file, and everything it says of them, by those that the
+// request names or the diary finds. Without events in the request, those of the file stay.
 void put_events(const FitRequest& request, const NumberedLog& loaded, FitOptions& result) {
   if (request.events.empty()) return;
   const auto asks_for = [&](const char* word) {
     return request.events == std::vector<std::string>{word};
   };
-  const auto of_event = [](const auto& entry) {
+  const auto is_of_event = [](const auto& entry) {
     return entry.first.find('@') != std::string::npos;
   };
-  std::erase_if(result.fixed, of_event);
-  std::erase_if(result.start, of_event);
+  std::erase_if(result.fixed, is_of_event);
+  std::erase_if(result.start, is_of_event);
   std::erase_if(result.priors,
                 [](const Prior& prior) { return prior.name.find('@') != std::string::npos; });
   result.events.clear();
@@ -113,7 +117,7 @@ void drop_prior(FitOptions& options, const std::string& name) {
   std::erase_if(options.priors, [&](const Prior& prior) { return prior.name == name; });
 }
 
-// Frees a parameter; the search starts where it was held.
+// Frees a parameter that is held; the search starts at the held value.
 void set_free(FitOptions& options, const std::string& name) {
   if (const auto held = options.fixed.extract(name))
     options.start.insert_or_assign(name, held.mapped());
@@ -141,8 +145,8 @@ void put_freed(const FitRequest& request, FitOptions& result) {
   }
 }
 
-// Called after parameters were fixed, so that the fit refuses a prior on them; a prior on what the
-// file holds frees it.
+// A prior frees a parameter that the file holds, but not one that the request fixes: the fit
+// refuses that pair. Must run after put_fixed().
 void put_priors(const FitRequest& request, FitOptions& result) {
   for (const Prior& prior : request.priors) {
     if (!is_fixed(request, prior.name)) set_free(result, prior.name);
@@ -151,15 +155,17 @@ void put_priors(const FitRequest& request, FitOptions& result) {
   result.priors.insert(result.priors.end(), request.priors.begin(), request.priors.end());
 }
 
-// The fit holds what the log was read with, unless it is asked for something else.
+// Holds gravity_share at the value the log was read with, unless the request or the file names it.
 void put_gravity_share(const NumberedLog& loaded, FitOptions& result) {
   const std::string name = "gravity_share";
-  const bool said = result.fixed.contains(name) || result.start.contains(name) ||
-                    std::find(result.freed.begin(), result.freed.end(), name) != result.freed.end();
-  if (!said && loaded.sensor.gravity_share != 1.0) result.fixed[name] = loaded.sensor.gravity_share;
+  const auto& freed = result.freed;
+  const bool is_named = result.fixed.contains(name) || result.start.contains(name) ||
+                        std::find(freed.begin(), freed.end(), name) != freed.end();
+  if (!is_named && loaded.sensor.gravity_share != 1.0)
+    result.fixed[name] = loaded.sensor.gravity_share;
 }
 
-// Sets the word of an option; throws if the option does not know it.
+// Sets an option that takes one of a few words; throws if `word` is none of them.
 void put_word(const char* name, const std::string& word, const char* legal,
               bool (*set)(FitOptions&, std::string_view), FitOptions& result) {
   if (!word.empty() && !set(result, word)) throw ArgumentError(name, word, legal);
@@ -168,8 +174,8 @@ void put_word(const char* name, const std::string& word, const char* legal,
 } // namespace
 
 bool finds_events(const FitRequest& request) {
-  const bool names_none = request.events.empty() && request.from.empty();
-  return names_none || request.events == std::vector<std::string>{"auto"};
+  const bool none_given = request.events.empty() && request.from.empty();
+  return none_given || request.events == std::vector<std::string>{"auto"};
 }
 
 FitRequest searching(FitRequest request) {
@@ -194,21 +200,22 @@ FitOptions fit_options(const FitRequest& request, const NumberedLog& loaded) {
 }
 
 std::pair<std::string, double> parse_fixed(const std::string& text) {
-  const auto [name, value] = named("fix", text);
+  const auto [name, value] = named("fix", text, "NAME=VALUE");
   return {name, number_in("fix", value)};
 }
 
 Prior parse_prior(const std::string& text) {
-  const auto [name, rest] = named("prior", text);
+  constexpr const char* form = "NAME=VALUE+-SIGMA";
+  const auto [name, rest] = named("prior", text, form);
   for (const std::string_view sign : {"+-", "±"})
     if (const std::size_t at = rest.find(sign); at != std::string::npos)
       return {name, number_in("prior", rest.substr(0, at)),
               number_in("prior", rest.substr(at + sign.size()))};
-  throw ArgumentError("prior", text, "NAME=VALUE+-SIGMA");
+  throw ArgumentError("prior", text, form);
 }
 
 double number_in(std::string_view name, std::string_view text) {
-  const auto value = parse_instant(text); // the one reader of decimal text; nothing is left over
+  const auto value = parse_instant(text); // takes the whole text or fails
   if (!value) throw ArgumentError(name, text, "a number");
   return value->to_double();
 }

@@ -19,7 +19,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr double largest_rate_excess = 0.05; // no pendulum clock is off by an hour a day
+constexpr double largest_rate_excess = 0.05; // 72 min a day: no pendulum clock is so far off
 
 class Loading {
 public:
@@ -44,8 +44,8 @@ public:
     say_if_every_second_is_missing();
     if (loaded_.good.size() < 3)
       throw NumericsError(fmt::format(
-          "{}: no run of three beats that could be numbered together, of {} events about "
-          "{} s apart",
+          "{}: no three consecutive beats could be numbered, although the log has {} events, "
+          "typically {} s apart: check the unit of its times and the nominal period",
           request_.path, loaded_.beats.beats.size(), readable(loaded_.beats.typical_period_s, 4)));
     return std::move(loaded_);
   }
@@ -55,31 +55,31 @@ private:
     loaded_.log.assumptions.push_back({std::move(text), setting});
   }
 
-  // Whole swings of the pendulum between two values of a grid.
+  // The number of whole swings between two values that are `tau0_s` apart.
   static std::int64_t swings_in(double tau0_s, double period_s) {
     const double swings = std::round(tau0_s / period_s);
     constexpr double rounding = 1e-9;
     if (!(swings >= 1.0 && std::abs(tau0_s - swings * period_s) <= rounding * tau0_s))
       throw ArgumentError(
           "nominal_period", period_s,
-          fmt::format("a whole part of the interval of the values, {:.6g} s", tau0_s));
+          fmt::format("the sampling interval, {:.6g} s, divided by a whole number", tau0_s));
     return static_cast<std::int64_t>(swings);
   }
 
-  // The places of grid data are given: there is nothing to number.
+  // The cycle of each value follows from its position on the grid: there is nothing to number.
   void take_grid() {
     const GridData& grid = *loaded_.log.grid;
     loaded_.nominal_period_s = grid.tau0_s;
     if (request_.phases_will_do) return;
     refuse_phases_of_no_clock(grid);
-    loaded_.log.nominal_period_s = request_.reading.nominal_period_s; // of the swing, if stated
+    loaded_.log.nominal_period_s = request_.reading.nominal_period_s; // of a swing, not of the grid
     loaded_.nominal_period_s = loaded_.log.nominal_period_s.value_or(grid.tau0_s);
     loaded_.beats = beats_on_grid(std::move(loaded_.log.events), loaded_.log.source);
     count_swings(swings_in(grid.tau0_s, loaded_.nominal_period_s), loaded_.beats);
     loaded_.log.events.clear();
   }
 
-  // Periods from one good upward crossing to the next; unknown where one is missing.
+  // Periods from one good upward crossing to the next; NaN where a crossing is missing.
   static std::vector<double> periods_of(std::span<const Beat> beats) {
     std::vector<double> periods;
     const Beat* before = nullptr;
@@ -94,9 +94,9 @@ private:
     return periods;
   }
 
-  // The mean period of the numbered beats must be about the typical interval between events. If
-  // most events are false ones, it is not, and the count is not that of a clock. The period of a
-  // wide swing that dies away changes, but smoothly.
+  // Refuses beats whose mean period differs from the typical interval between events: most events
+  // are then false, and their numbers mean nothing. The two may also differ for wide free swings
+  // that die away; their period changes smoothly, and they are accepted.
   void refuse_if_numbered_wrong() const {
     if (loaded_.log.grid || loaded_.good.size() < 3) return;
     const double cycles =
@@ -107,12 +107,13 @@ private:
     if (have_a_course(periods_of(loaded_.good))) return;
     throw ImpossibleReading(
         loaded_.log.place(loaded_.good.front().line),
-        fmt::format("events about {:.6g} s apart that make beats {:.6g} s apart", typical, mean),
-        "the beats of one clock", readings_for_period(mean, typical));
+        fmt::format("events typically {:.6g} s apart but numbered beats {:.6g} s apart on average",
+                    typical, mean),
+        "nearly equal intervals, as from one clock", readings_for_period(mean, typical));
   }
 
-  // Reports a logger's steps that hide more than a second a day from one beat to the next, and make
-  // most of the beats' scatter.
+  // Reports times that the logger rounded, if a step exceeds 1e-5 of a period and rounding explains
+  // most of the scatter of the beats.
   void say_if_times_are_coarse() {
     if (loaded_.log.grid || loaded_.good.size() < 3) return;
     const std::span<const Beat> good = loaded_.good;
@@ -123,33 +124,35 @@ private:
     if (!(grain_s > coarse_share * period_s &&
           2.0 * rounding_sigma(grain_s) > loaded_.beats.scatter_s))
       return;
-    assume(fmt::format("the times are whole multiples of {:.6g} s: each is rounded by {:.2g} s rms",
+    assume(fmt::format("the times are whole multiples of {:.6g} s: rounding gives each time an "
+                       "error of {:.2g} s rms",
                        grain_s, rounding_sigma(grain_s)));
   }
 
   void say_if_every_second_is_missing() {
     if (loaded_.log.grid || usual_step(loaded_.good) != 2) return;
-    assume(fmt::format("every second beat is missing: a period is there and back, tick and tock; "
-                       "if that takes {:.6g} s, that is the nominal period",
+    assume(fmt::format("every second beat is missing; a period is one full swing (tick and tock): "
+                       "if a full swing takes {:.6g} s, set the nominal period to that",
                        2.0 * loaded_.nominal_period_s),
            Setting::nominal_period);
   }
 
-  // What was guessed, not given, must be possible.
+  // Phases that were recognised as such, not declared, must be possible as the error of a clock.
   void refuse_phases_of_no_clock(const GridData& grid) const {
     if (request_.reading.format || loaded_.log.format != LogFormat::phase) return;
-    std::size_t far = 0, all = 0;
+    std::size_t large_steps = 0, known_steps = 0;
     for (std::size_t i = 1; i < grid.phase_s.size(); ++i) {
       const double step = std::abs(grid.phase_s[i] - grid.phase_s[i - 1]);
       if (std::isnan(step)) continue;
-      ++all;
-      far += step > largest_rate_excess * grid.tau0_s ? 1 : 0;
+      ++known_steps;
+      large_steps += step > largest_rate_excess * grid.tau0_s ? 1 : 0;
     }
-    if (2 * far <= all) return;
-    throw ImpossibleReading(loaded_.log.place(loaded_.log.events.front().line),
-                            fmt::format("phases that move by more than {:.0f} % of the interval",
-                                        100.0 * largest_rate_excess),
-                            "those of a clock", readings_for_phases(grid));
+    if (2 * large_steps <= known_steps) return;
+    throw ImpossibleReading(
+        loaded_.log.place(loaded_.log.events.front().line),
+        fmt::format("{} of {} steps between phases larger than {:.0f} % of the sampling interval",
+                    large_steps, known_steps, 100.0 * largest_rate_excess),
+        "smaller steps, as in the error of a clock", readings_for_phases(grid));
   }
 
   void number_events() {
@@ -165,17 +168,19 @@ private:
     use_sensor_offset();
   }
 
-  // How many swings a wheel that closes a contact takes from one contact to the next, as once a
-  // minute: too many to count as missed beats, which are counted one by one.
+  // The number of swings from one event to the next where a wheel closes a contact, say once a
+  // minute; 1 for a sensor that sees the swings themselves. Up to 8 swings count as missed beats,
+  // which the numbering finds by itself.
   [[nodiscard]] std::int64_t swings_between_contacts() const {
     const ClockLog& log = loaded_.log;
     if (!log.nominal_period_s) return 1;
-    constexpr double most_missed = 8.0, whole_within = 0.1;
-    constexpr double most_swings = 128.0; // in a minute, of half a second; more is a wrong unit
+    constexpr double max_missed_swings = 8.0, whole_tolerance_swings = 0.1;
+    // A little more than the half-second swings of a minute; a larger number is a wrong unit.
+    constexpr double max_swings_per_contact = 128.0;
     const double swings = typical_period(log.events, log.source, {}).mean_s / *log.nominal_period_s;
     const double whole = std::round(swings);
-    const bool is_wheel =
-        whole > most_missed && whole <= most_swings && std::abs(swings - whole) < whole_within;
+    const bool is_wheel = whole > max_missed_swings && whole <= max_swings_per_contact &&
+                          std::abs(swings - whole) < whole_tolerance_swings;
     return is_wheel ? static_cast<std::int64_t>(whole) : 1;
   }
 
@@ -194,11 +199,11 @@ private:
     if (request_.dead_time_s && *request_.dead_time_s > 0.5 * typical)
       throw ArgumentError(
           "dead-time", *request_.dead_time_s,
-          fmt::format("at most half of what is then the period, {} s", readable(typical, 4)));
+          fmt::format("at most half of the period found with it, {} s", readable(typical, 4)));
     loaded_.nominal_period_s = nominal_period(log, loaded_.beats, log.assumptions);
     loaded_.nominal_is_known = log.nominal_period_s || loaded_.nominal_period_s != typical ||
                                rounded_period(typical) == std::round(typical * 4.0) / 4.0;
-    // A period that is given is believed; one that the log states must be that of its beats.
+    // A period given in the request is believed; one that the log states must match its beats.
     const bool possible = std::abs(typical / loaded_.nominal_period_s - 1.0) <= largest_rate_excess;
     if (possible || request_.reading.nominal_period_s) return;
     if (may_be_wide_swings(typical, loaded_.nominal_period_s) &&
@@ -210,8 +215,7 @@ private:
         readings_for_period(typical, loaded_.nominal_period_s));
   }
 
-  // Corrections change times and amplitudes of numbered events; these are numbered again only if
-  // the times moved.
+  // Applies a correction that moves the times of numbered events, and numbers them again.
   void with_events(const std::function<void(ClockLog&)>& change) {
     loaded_.log.events = std::move(loaded_.beats.beats);
     change(loaded_.log);
@@ -223,7 +227,7 @@ private:
     const double width = request_.flag_width_rad.value_or(log.flag_width_rad.value_or(0.0));
     const bool widths = !log.columns.width_s.empty();
     if (widths && width == 0.0)
-      assume("the widths give no amplitude: the flag's own width is not known",
+      assume("the widths in the log give no amplitudes: the width of the flag itself is not known",
              Setting::flag_width);
     if (widths && width > 0.0) {
       log.events = std::move(loaded_.beats.beats);
@@ -235,8 +239,8 @@ private:
       correct_widths_for_friction(log, width, period_s);
       loaded_.beats.beats = std::move(log.events);
     } else if (width > 0.0 && !log.has_amplitude) {
-      assume("the times are those of a flag's leading edge, and without amplitudes cannot be moved "
-             "to the vertical: where the amplitude changes, the rate is biased");
+      assume("the times are those of the flag's leading edge; without amplitudes they cannot be "
+             "moved to the vertical, and a change of the amplitude biases the rate");
     } else if (width > 0.0) {
       with_events([&](ClockLog& moved) {
         move_to_vertical(moved, -0.5 * width, 0.5 * width, loaded_.nominal_period_s);
@@ -248,17 +252,18 @@ private:
     auto& found = loaded_.sensor.offset_rad;
     found = sensor_offset(loaded_.beats.beats, loaded_.nominal_period_s);
     if (found) {
-      assume(fmt::format("the sensor stands at {:.4g} ± {:.2g} mrad, estimated from the log",
+      assume(fmt::format("the sensor is {:.4g} ± {:.2g} mrad off the vertical, estimated from the "
+                         "log",
                          found->value * 1e3, found->sigma * 1e3));
       return found->value;
     }
     if (!loaded_.sensor.beat_error_s)
-      throw NumericsError(
-          request_.path +
-          ": the log does not tell where the sensor stands: it needs amplitudes and "
-          "either both directions or 30 beats");
-    assume("without amplitudes the beat error does not tell where the sensor stands: times stay "
-           "those of the sensor, whose place is a parameter of the fit");
+      throw NumericsError(request_.path +
+                          ": cannot find the sensor's offset from the vertical: the log needs "
+                          "amplitudes, and either crossings in both directions or at least 30 "
+                          "beats whose amplitudes scatter");
+    assume("without amplitudes the beat error does not give the sensor's offset: the times are "
+           "left uncorrected, and the fit treats the offset as a parameter");
     return {};
   }
 
@@ -272,9 +277,9 @@ private:
           2.0 * std::hypot(0.5 * loaded_.sensor.beat_error_s->sigma, log.sound->tick.rise_s,
                            log.sound->tock.rise_s);
     if (!request_.find_sensor_offset && !request_.sensor_offset_rad) return;
-    const auto place = request_.find_sensor_offset ? found_offset() : request_.sensor_offset_rad;
-    if (!place) return;
-    const double offset = *place;
+    const auto known = request_.find_sensor_offset ? found_offset() : request_.sensor_offset_rad;
+    if (!known) return;
+    const double offset = *known;
     if (!log.has_amplitude) {
       set_amplitudes_from_halves(beats, offset, loaded_.nominal_period_s);
       log.has_amplitude = std::any_of(beats.begin(), beats.end(), [](const Beat& beat) {
@@ -287,7 +292,7 @@ private:
     loaded_.sensor.at_vertical = true;
   }
 
-  // The longest segment; no second copy of a log in which every event is good.
+  // Selects the good beats of the longest segment, without a copy where every event is good.
   void choose_good() {
     const auto& beats = loaded_.beats.beats;
     const bool all = loaded_.beats.segments == 1 &&
@@ -314,13 +319,14 @@ NumberedLog load_text(std::string_view text, const LoadRequest& request) {
 }
 
 NumberedLog load_events(ClockLog log, const LoadRequest& request) {
-  constexpr std::size_t fewest_events = 3; // two periods: the least from which a rate has a scatter
+  constexpr std::size_t fewest_events = 3; // two periods, the fewest that show a scatter
   if (log.events.size() < fewest_events)
     throw InputError({log.source, 0, 0}, fmt::format("{} events", log.events.size()),
                      fmt::format("at least {}", fewest_events));
   if (!log.nominal_period_s) log.nominal_period_s = request.reading.nominal_period_s;
-  constexpr double years_s = 1e8; // three years: a larger time counts from 1970, not from a start
-  if (log.origin == TimeOrigin::none && log.events.front().time.to_double() > years_s)
+  // Three years. A log whose times begin later counts from 1970, not from its own start.
+  constexpr double longest_first_time_s = 1e8;
+  if (log.origin == TimeOrigin::none && log.events.front().time.to_double() > longest_first_time_s)
     log.origin = TimeOrigin::epoch;
   LoadRequest named = request;
   named.path = log.source;

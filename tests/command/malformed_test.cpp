@@ -184,7 +184,7 @@ std::vector<Malformed> options() {
       {"WordForOffset", rate("--sensor-offset left"), good, 2,
        "sensor-offset = 'left': must be a number"},
       {"OffsetThatCannotBeTold", rate("--sensor-offset auto"), good, 4,
-       "the log does not tell where the sensor stands"},
+       "cannot find the sensor's offset from the vertical"},
       {"RestAngleBeyondPi", rate("--rest-angle 7"), good, 2, "rest-angle = 7: must be between"},
       {"StrictReading", rate("--strict"), beats(3) + "x\n" + beats(5).substr(33), 3,
        "bad.log:4:1: found 'x', expected a time in seconds (where faults are mended: line left "
@@ -199,7 +199,7 @@ std::vector<Malformed> options() {
       {"EventBeyondTheEnd", fit("--event 99999:mu"), good, 2, "99999"},
       {"EventWithoutName", fit("--event 10:"), good, 2, "event"},
       {"EventWithoutCycle", fit("--event mu"), good, 2, "event = 'mu'"},
-      {"EventAtNoTime", fit("--event soons:mu"), good, 2, "event = 'soon': must be a number"},
+      {"EventAtNoTime", fit("--event soons:mu"), good, 2, "event = 'soons:mu': must be a time in seconds"},
       {"UnknownModel", fit("--model guess"), good, 2, "found guess, expected one of averaged1"},
       {"TauThatIsNoMultiple", "stability bad.log --taus 3 -o out.csv", good, 2, "3"},
       {"TauThatIsNoNumber", "stability bad.log --taus long -o out.csv", good, 2,
