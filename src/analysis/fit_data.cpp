@@ -1,4 +1,4 @@
-// What a fit is given from a log: times, amplitudes, and what outside the clock may drive its rate.
+// The data of a fit, from a log: times, amplitudes, and the covariates that may drive the rate.
 #include "goingrate/analysis/analyse.hpp"
 
 #include "causes/reading_errors.hpp"
@@ -15,7 +15,7 @@ namespace goingrate {
 
 namespace {
 
-// The values of a column at the good beats, which keep the order of the events.
+// The values of a column, which has one for each event, at the good beats.
 std::vector<double> at_good_beats(const std::vector<double>& column, const NumberedLog& loaded) {
   std::vector<double> values;
   values.reserve(loaded.good.size());
@@ -26,15 +26,16 @@ std::vector<double> at_good_beats(const std::vector<double>& column, const Numbe
   return values;
 }
 
-// The standard deviation of amplitudes that come from a flag's dark time, which jitters alike at
-// every beat, in units of that jitter: of the median amplitude of neighbours, for noise must not
-// weigh itself.
+// The standard deviations of amplitudes found from a flag's dark times, in units of the jitter of a
+// dark time, which is the same at every beat. Each is the median over the neighbours of the beat,
+// so that a beat's own noise does not set its weight.
 std::vector<double> width_noise(const TimingData& data, const std::vector<double>& width_s) {
-  constexpr std::size_t reach = 10; // beats either way
+  constexpr std::size_t beats_each_side = 10;
   std::vector<double> sigmas;
   for (std::size_t i = 0; i < data.size(); ++i) {
     std::vector<double> near;
-    for (std::size_t k = i > reach ? i - reach : 0; k < std::min(data.size(), i + reach + 1); ++k) {
+    const std::size_t first = i > beats_each_side ? i - beats_each_side : 0;
+    for (std::size_t k = first; k < std::min(data.size(), i + beats_each_side + 1); ++k) {
       const double sigma = amplitude_sigma_from_width(width_s[k], 1.0, data.amplitude_rad[k],
                                                       data.reference_period_s);
       if (std::isfinite(sigma)) near.push_back(sigma);
@@ -56,33 +57,37 @@ const RateTerm* find(const std::vector<RateTerm>& terms, std::string_view name) 
   return term == terms.end() ? nullptr : &*term;
 }
 
-double mean_of_known(const std::vector<double>& values, double otherwise) {
+double mean_of_known(const std::vector<double>& values, double fallback) {
   double sum = 0.0, count = 0.0;
   for (const double v : values) {
     if (std::isnan(v)) continue;
     sum += v;
     ++count;
   }
-  return count > 0.0 ? sum / count : otherwise;
+  return count > 0.0 ? sum / count : fallback;
 }
 
-// The standard deviation of the density in the mean weather, from those of temperature, pressure
-// and humidity.
+// The standard deviation of an interpolated air density, from those of temperature, pressure and
+// humidity: first order about the mean weather.
 double density_sigma(const EventColumns& columns, const std::vector<RateTerm>& terms) {
+  // Used where no value is known. The derivatives of the density hardly depend on them.
+  constexpr double usual_temperature_c = 20.0, usual_pressure_mbar = 1013.25;
+  constexpr double usual_humidity_percent = 50.0;
   const auto sigma_of = [&](std::string_view name) {
     const RateTerm* term = find(terms, name);
     return term != nullptr && term->step_s > 0.0 ? term->sigma : 0.0;
   };
-  const double t = mean_of_known(columns.temperature_c, 20.0);
-  const double p = mean_of_known(columns.pressure_mbar, 1013.25);
-  const double h = mean_of_known(columns.humidity_percent, 50.0);
+  const double t = mean_of_known(columns.temperature_c, usual_temperature_c);
+  const double p = mean_of_known(columns.pressure_mbar, usual_pressure_mbar);
+  const double h = mean_of_known(columns.humidity_percent, usual_humidity_percent);
   const double dt = sigma_of("temperature"), dp = sigma_of("pressure"), dh = sigma_of("humidity");
   const std::vector<double> rho = air_density(
       std::vector{t, t + dt, t, t}, std::vector{p, p, p + dp, p}, std::vector{h, h, h, h + dh});
   return std::hypot(rho[1] - rho[0], rho[2] - rho[0], rho[3] - rho[0]);
 }
 
-// Notes how the values of the terms were interpolated, if they were.
+// Gives the terms of weather that was read from files of its own the error of an interpolated value
+// and the time between two readings.
 void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
   double longest_step_s = 0.0;
   for (const JoinedWeather& weather : log.weather) {
@@ -100,7 +105,7 @@ void put_interpolation(const ClockLog& log, std::vector<RateTerm>& terms) {
     }
 }
 
-// The terms of the weather that the log has columns of.
+// Adds a term for each quantity of the weather that the log has a column of.
 void add_weather(const NumberedLog& loaded, TimingData& data) {
   const auto add = [&](const char* name, const char* unit, const std::vector<double>& column) {
     if (column.empty()) return;
@@ -125,7 +130,7 @@ void add_weather(const NumberedLog& loaded, TimingData& data) {
   put_interpolation(loaded.log, data.terms);
 }
 
-// The tide's term, for a clock whose place and dates are known.
+// The term of the tide; nothing if the clock's location or the dates are not known.
 std::optional<RateTerm> tide_term(const NumberedLog& loaded, const TimingData& data) {
   const ClockLog& log = loaded.log;
   if (!log.site || log.origin == TimeOrigin::none || loaded.good.empty()) return {};
@@ -141,8 +146,8 @@ TimingData fit_data(const NumberedLog& loaded) {
   data.time_base_sigma = loaded.log.time_base_sigma;
   if (loaded.log.grid && !loaded.log.nominal_period_s)
     data.no_swings =
-        "the log holds the clock's error at equal intervals, and does not say how long "
-        "its pendulum swings: that would be the nominal period";
+        "the log holds the clock's error at equal intervals but not the period of its pendulum; "
+        "give the nominal period";
   const EventColumns& columns = loaded.log.columns;
   if (!columns.sigma_s.empty())
     data.time_noise = relative_noise(at_good_beats(columns.sigma_s, loaded));

@@ -26,7 +26,7 @@ using timing_model::RateComponents;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// The interval widened by a relative error in addition to that of the likelihood.
+// The estimate with its interval widened by a further, independent, relative error.
 RmsEstimate widened(const RmsEstimate& estimate, double relative) {
   const bool is_limit = estimate.low68 == 0.0;
   const double more = relative * (is_limit ? estimate.high68 : estimate.rms);
@@ -38,8 +38,8 @@ RmsEstimate widened(const RmsEstimate& estimate, double relative) {
 
 using Ends = std::array<RateComponents, 2>;
 
-// The sizes of the parts of the drive, from the rates. At each end of an interval the other parts
-// have the values that fit best there.
+// The fitted parts of the drive, and the ends of their intervals. An end holds all parts: the one
+// whose interval it is at that end, and the others at the values that then fit best.
 struct Parts {
   ComponentFit fit;
   Ends fast, slow;
@@ -52,7 +52,7 @@ struct Parts {
   }
 };
 
-// The rms of a part; drive_at converts from rate to drive.
+// The rms of a part; drive_at() converts the sizes found in the rate to those of the drive.
 template <class DriveAt>
 RmsEstimate rms_of(const ComponentFit& fit, const Ends& ends, Component which,
                    const DriveAt& drive_at) {
@@ -64,12 +64,13 @@ RmsEstimate rms_of(const ComponentFit& fit, const Ends& ends, Component which,
   return estimate;
 }
 
-// The share of the variance of a part of the drive that lies below a frequency.
+// The share of a part's variance that lies below split_hz: of the slow part, or of the fast one.
 double share_below(const RateComponents& c, bool slow, double split_hz, double period_s) {
   const double nyquist = 0.5 / period_s;
   if (!slow) return std::min(1.0, split_hz / nyquist);
   const DriveResponse flat{1.0, 1.0, 1.0};
-  constexpr int steps = 4000; // logarithmic, from far below any corner; accurate to a thousandth
+  // Sums on a logarithmic grid from far below the corner; the share is accurate to a thousandth.
+  constexpr int steps = 4000;
   double below = 0.0, all = 0.0;
   const double first = std::min(split_hz, 1.0 / c.memory_s) * 1e-4;
   const double ratio = std::pow(nyquist / first, 1.0 / steps);
@@ -82,6 +83,7 @@ double share_below(const RateComponents& c, bool slow, double split_hz, double p
   return all > 0.0 ? below / all : 0.0;
 }
 
+// The rms of the sum of two independent parts, each with a share of its variance.
 RmsEstimate sum_of(const RmsEstimate& a, double share_a, const RmsEstimate& b, double share_b) {
   const auto square = [](double x) { return x * x; };
   const double middle = share_a * square(a.rms) + share_b * square(b.rms);
@@ -92,6 +94,7 @@ RmsEstimate sum_of(const RmsEstimate& a, double share_a, const RmsEstimate& b, d
   return {std::sqrt(middle), std::sqrt(std::max(0.0, middle - down)), std::sqrt(middle + up)};
 }
 
+// The rms time error that a part makes after t seconds.
 double cost_of(const RateComponents& c, Component which, double t, double period_s,
                const DriveResponse& response) {
   const double variance = variance_of(c, which);
@@ -128,7 +131,7 @@ std::vector<DriveCost> costs_of(const Parts& parts, double period_s,
 
 RateComponents as_found(const RateComponents& found) { return found; }
 
-// Sizes of the drive, from rates that respond to it linearly.
+// Sets the sizes of the drive from rates that were corrected to respond to it linearly.
 void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
                        double mean_drive_rms) {
   const RateComponents& best = parts.fit.best();
@@ -138,8 +141,8 @@ void take_linear_sizes(DriveSplit& result, const Parts& parts, const DriveRespon
   result.slow_time_s = best.slow2 > 0.0 ? best.memory_s : unknown;
 }
 
-// Sizes of the drive from uncorrected rates, with gains averaged over the amplitudes that the slow
-// drive causes.
+// Sets the sizes of the drive from uncorrected rates, with gains averaged over the amplitudes that
+// the slow drive causes.
 void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResponse& response,
                          double length_s) {
   const auto drive_at = [&](const RateComponents& found) {
@@ -148,7 +151,8 @@ void take_averaged_sizes(DriveSplit& result, const Parts& parts, const DriveResp
   const RateComponents& best = parts.fit.best();
   const double shift = timing_model::mean_shift(drive_at(best), response, length_s);
   const auto doubt = timing_model::gain_doubt(response, shift, best.memory_s);
-  // The size of the slow drive determines by how much the gain of the fast drive is raised.
+  // The spread of amplitudes changes the gain of the fast drive, so the uncertainty of the slow
+  // drive's size adds to that of the fast one.
   const auto raised = [&](const RateComponents& at) {
     return at.fast2 > 0.0 ? drive_at(at).fast2 / at.fast2 : 1.0;
   };
@@ -165,34 +169,38 @@ bool is_constant(std::span<const double> rates) {
   return std::adjacent_find(rates.begin(), rates.end(), std::not_equal_to<>()) == rates.end();
 }
 
-// The reason why the slow drive's size is only approximate, if the rates could not be linearised.
-std::string why_rough(const RateComponents& found, const DriveResponse& response) {
+// Why the slow drive's size is only approximate where the rates could not be linearised; empty if
+// it is not.
+std::string reason_for_approximation(const RateComponents& found, const DriveResponse& response) {
   const double spread = timing_model::amplitude_spread(found, response);
   const double phi2 = std::pow(response.switching_angle, 2);
-  // With a larger spread, the variation of the gains exceeds the uncertainty of a slow drive.
+  // Above this spread, the variation of the gains exceeds the uncertainty of the slow drive's size.
   constexpr double largest_gain_spread = 0.05;
-  // Standard deviations to a stall: once in several thousand memory times.
+  // How many standard deviations the squared amplitude is above a stall. With this many, a clock
+  // stalls once in several thousand memory times.
   constexpr double stall_distance_sigma = 3.5;
   if (spread > largest_gain_spread && !timing_model::forgets_its_start(response))
     return "the rate hardly responds to slow changes of the drive, and not in proportion: the slow "
            "rms is approximate";
   if (spread > (1.0 - phi2 / response.amplitude2) / stall_distance_sigma)
     return "a slow drive of this size takes the clock near a stall, where the rate does not "
-           "respond "
-           "in proportion: its rms is approximate";
+           "respond in proportion: its rms is approximate";
   return {};
 }
 
-std::string what_is_hidden(const DriveSplit& split, double memory_s, double length_s,
-                           const std::string& rough) {
+// What the reader of the sizes must know; `approximation` is from reason_for_approximation().
+std::string note_on(const DriveSplit& split, double memory_s, double length_s,
+                    const std::string& approximation) {
+  constexpr double max_memory_share = 0.3; // of the length of the log
   std::vector<std::string> notes;
   if (split.fast.low68 == 0.0)
     notes.emplace_back("the sensor's jitter hides the fast drive: its rms is an upper limit");
-  if (split.slow.low68 > 0.0 && memory_s > 0.3 * length_s)
-    notes.push_back(fmt::format(
-        "the slow drive wanders as long as the log, {:.3g} s: its rms holds for so long only",
-        length_s));
-  if (!rough.empty()) notes.push_back(rough);
+  if (split.slow.low68 > 0.0 && memory_s > max_memory_share * length_s)
+    notes.push_back(
+        fmt::format("the slow drive's memory is comparable with the length of the log, {:.3g} s: "
+                    "its rms describes only a stretch of that length",
+                    length_s));
+  if (!approximation.empty()) notes.push_back(approximation);
   return fmt::format("{}", fmt::join(notes, "; "));
 }
 
@@ -216,10 +224,11 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
                        std::span<const double> frequency_hz) {
   if (!(period_s > 0.0)) throw ArgumentError("period", period_s, "a positive number of seconds");
   if (rates.size() < 64)
-    throw ArgumentError("rates", static_cast<double>(rates.size()), "at least 64 values");
-  for (const double rate : rates)
-    if (!std::isfinite(rate)) throw ArgumentError("rates", rate, "finite");
-  if (is_constant(rates)) throw ArgumentError("rates", rates.front(), "not the same at all places");
+    throw ArgumentError("number of rates", static_cast<double>(rates.size()), "at least 64");
+  for (std::size_t i = 0; i < rates.size(); ++i)
+    if (!std::isfinite(rates[i]))
+      throw ArgumentError(fmt::format("rates[{}]", i), rates[i], "finite");
+  if (is_constant(rates)) throw ArgumentError("rates", "all equal", "a series that varies");
   const Parts parts(ComponentFit(rates, period_s, response));
   const RateComponents& best = parts.fit.best();
   const double length_s = static_cast<double>(rates.size()) * period_s;
@@ -228,11 +237,11 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
   result.split_hz = result.at_frequency ? split_hz : response.corner_hz;
   const RateComponents drive = timing_model::with_gains_averaged(best, response);
   const auto linear = timing_model::linear_rates(rates, period_s, response, drive);
-  RateComponents found = best; // from which the sizes come
+  RateComponents found = best; // the components behind the sizes
   if (linear) {
-    const Parts freed(ComponentFit(linear->rates, period_s, response));
-    take_linear_sizes(result, freed, response, linear->mean_drive_rms);
-    found = freed.fit.best();
+    const Parts linear_parts(ComponentFit(linear->rates, period_s, response));
+    take_linear_sizes(result, linear_parts, response, linear->mean_drive_rms);
+    found = linear_parts.fit.best();
   } else {
     take_averaged_sizes(result, parts, response, length_s);
   }
@@ -248,8 +257,8 @@ DriveSplit split_drive(std::span<const double> rates, double period_s,
     result.fast_density.push_back(best.fast_density(f, period_s, response));
     result.slow_density.push_back(best.slow_density(f, period_s, response));
   }
-  result.note = what_is_hidden(result, found.memory_s, length_s,
-                               linear ? std::string{} : why_rough(best, response));
+  result.note = note_on(result, found.memory_s, length_s,
+                        linear ? std::string{} : reason_for_approximation(best, response));
   if (!result.at_frequency) return result;
   const double white = share_below(found, false, split_hz, period_s);
   const double wander = share_below(found, true, split_hz, period_s);
@@ -265,32 +274,34 @@ double drive_of(const SpectralLine& line, const DriveResponse& response) {
 
 namespace {
 
-// The cycle from which the gains hold: after the last change has settled, if the log is long
-// enough.
+// The cycle from which the gains hold: five relaxation times after the last change, or halfway from
+// it to the end of the log if that is earlier.
 std::size_t settled_since(const FitSummary& fit, const ClockParameters& clock, std::size_t cycles) {
-  constexpr double relaxations = 5.0; // of the squared amplitude, in units of T0/(4 pi epsilon)
+  // Relaxation times of the squared amplitude, of T0/(4 pi epsilon) each.
+  constexpr double settling_relaxations = 5.0;
   if (fit.events.empty()) return 0;
   const auto change = std::min(
       static_cast<std::size_t>(std::max<std::int64_t>(0, fit.events.back().cycle)), cycles);
-  const auto settling = static_cast<std::size_t>(relaxations / (2.0 * two_pi * clock.epsilon));
+  const auto settling =
+      static_cast<std::size_t>(settling_relaxations / (2.0 * two_pi * clock.epsilon));
   return change + std::min(settling, (cycles - change) / 2);
 }
 
-// The clock with the mean drive from `since` on. The logged amplitudes give that better than the
-// fit, in which a slow drive may absorb part of it.
-ClockParameters as_it_went(ClockParameters clock, std::span<const Beat> beats,
-                           const FitSummary& fit, std::size_t since) {
+// The clock with its mean drive from cycle `since` on, as the logged amplitudes show it. In the fit
+// a slow drive may absorb part of the mean.
+ClockParameters with_logged_drive(ClockParameters clock, std::span<const Beat> beats,
+                                  const FitSummary& fit, std::size_t since) {
   if (fit.amplitude_residual_rad.size() != beats.size()) return clock;
-  double modelled = 0.0, more = 0.0;
+  double modelled = 0.0, excess = 0.0;
   for (std::size_t i = 0; i < beats.size(); ++i) {
     const double residual = fit.amplitude_residual_rad[i];
     if (std::isnan(residual) || beats[i].cycle - beats[0].cycle < static_cast<std::int64_t>(since))
       continue;
     modelled += beats[i].amplitude_rad - residual;
-    more += residual;
+    excess += residual;
   }
   if (modelled > 0.0)
-    clock.mu *= std::pow(1.0 + more / modelled, 2); // lambda^2 = 2 mu phi0/(pi eps)
+    clock.mu *= std::pow(1.0 + excess / modelled, 2); // lambda^2 = 2 mu phi0/(pi eps)
   return clock;
 }
 
@@ -305,14 +316,14 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   drive.rates = rate_about_fit(beats, nominal_period_s, fit);
   const auto& rates = drive.rates;
   if (rates.size() < 8) return drive;
-  // One segment reaches the lowest frequency. A trend is a slow variation too, so it is not
-  // removed.
+  // A single segment reaches the lowest frequencies. A trend is not removed: it too is a slow
+  // variation of the drive.
   drive.rate_spectrum =
       welch_spectrum(rates, nominal_period_s, {.segment = rates.size(), .detrend_linear = false});
   auto clock = fitted_clock(fit);
   const std::size_t since = clock ? settled_since(fit, *clock, rates.size()) : 0;
   if (clock) {
-    clock = as_it_went(*clock, beats, fit, since);
+    clock = with_logged_drive(*clock, beats, fit, since);
     drive.response = drive_response(*clock);
   }
   constexpr std::size_t fewest_rates = 64;
@@ -320,22 +331,22 @@ DriveAnalysis analyse_drive(std::span<const Beat> beats, double nominal_period_s
   drive.lines = find_lines(rates, nominal_period_s);
   if (!drive.response || is_constant(rates)) return drive;
   if (rates.size() - since < fewest_rates) return drive;
-  const std::vector<double> without = without_lines(rates, nominal_period_s, drive.lines);
-  drive.split = split_drive(std::span(without).subspan(since), nominal_period_s, *drive.response,
+  const std::vector<double> lineless = without_lines(rates, nominal_period_s, drive.lines);
+  drive.split = split_drive(std::span(lineless).subspan(since), nominal_period_s, *drive.response,
                             split_hz, drive.rate_spectrum->frequency_hz);
-  // The gains come from a fit; their uncertainty adds to that of the sizes.
+  // The gains come from a fit, and their uncertainty adds to that of the sizes.
   DriveSplit& split = *drive.split;
   const double nyquist_hz = 0.5 / nominal_period_s;
   const double fast_hz = std::sqrt(drive.response->corner_hz * nyquist_hz);
   const double slow_hz =
       split.slow_time_s > 0.0 ? 1.0 / (two_pi * split.slow_time_s) : drive.response->corner_hz;
-  const double of_fast = relative_gain_sigma(fit, *clock, fast_hz);
-  const double of_slow = relative_gain_sigma(fit, *clock, slow_hz);
-  // A gain that is consistent with zero gives no size.
-  if (!(std::max(of_fast, of_slow) < 1.0)) drive.split.reset();
+  const double fast_gain_sigma = relative_gain_sigma(fit, *clock, fast_hz);
+  const double slow_gain_sigma = relative_gain_sigma(fit, *clock, slow_hz);
+  // The drive is the rate divided by the gain: a gain that may be zero does not give its size.
+  if (!(std::max(fast_gain_sigma, slow_gain_sigma) < 1.0)) drive.split.reset();
   if (!drive.split) return drive;
-  split.fast = widened(split.fast, of_fast);
-  split.slow = widened(split.slow, of_slow);
+  split.fast = widened(split.fast, fast_gain_sigma);
+  split.slow = widened(split.slow, slow_gain_sigma);
   return drive;
 }
 
