@@ -39,8 +39,8 @@ std::vector<Suspicion> weather_seen_by_fit(const FitSummary& fit,
     if (found == nullptr || found->status != ParameterStatus::free ||
         is_known_better(kind.cause, found->sigma, named))
       continue;
-    const double price =
-        std::log(static_cast<double>(fit.residual_s.size())); // Schwarz's, of one number
+    // The penalty of the BIC for one more parameter.
+    const double price = std::log(static_cast<double>(fit.residual_s.size()));
     const double gain = std::pow(found->value / found->sigma, 2) - price;
     if (!(gain > timing_model::convincing_gain)) continue;
     Suspicion suspicion{kind.cause, gain, {}};

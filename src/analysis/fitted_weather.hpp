@@ -1,4 +1,4 @@
-// Weather that the rate alone hides and the fit sees. Private to the analysis room.
+// Effects of the weather that only the fit shows. Private to the analysis room.
 #pragma once
 
 #include "goingrate/causes/diagnosis.hpp"
@@ -9,12 +9,12 @@
 
 namespace goingrate {
 
-/// Temperature and pressure as causes, by the fit's own coefficients, as far as these gain as much
-/// as diagnose() asks of a cause and it is not `named` with a coefficient that is known better. A
-/// drive that varies, or a step, hides them in the rate; a fit knows what these do.
+/// Temperature and pressure as causes, with the fit's coefficients: each whose gain in likelihood
+/// is as large as diagnose() demands of a cause, unless `named` holds it with a smaller sigma. In
+/// the rate they may be hidden by a varying drive or a step, which the fit accounts for.
 std::vector<Suspicion> weather_seen_by_fit(const FitSummary& fit, std::span<const Suspicion> named);
 
-/// The times without what those suspicions do.
+/// Removes the effects of these suspicions from the times.
 void take_off(std::span<const Suspicion> weather, TimingData& times);
 
 } // namespace goingrate

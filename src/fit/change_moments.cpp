@@ -14,8 +14,12 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// The minima of a row that lie below both neighbours.
-std::vector<Minimum> lowest_of_each_dip(const std::vector<Minimum>& row) {
+// Peaks are compared by L: a hundredth is accurate enough.
+constexpr SearchLimits scan_limits{.iterations = 20, .least_gain = 1e-2};
+constexpr SearchLimits peak_limits{.iterations = 60, .least_gain = 1e-2};
+
+// The usable entries of a row that lie below both neighbours.
+std::vector<Minimum> local_minima(const std::vector<Minimum>& row) {
   std::vector<Minimum> dips;
   for (std::size_t i = 0; i < row.size(); ++i) {
     const bool below_last = i == 0 || !by_value(row[i - 1], row[i]);
@@ -25,29 +29,33 @@ std::vector<Minimum> lowest_of_each_dip(const std::vector<Minimum>& row) {
   return dips;
 }
 
-// Places with every moment of one event and the clock that is best with each; those that are better
-// than their neighbours, the best first. The noise is held, for a misfit would pass for it.
+// Scans the moment of one event: on a grid of moments, L is minimised over the clock. Returns the
+// local minima along the grid, the best first. `held` holds the noise, because otherwise a misfit
+// would be taken for noise. `found`: the event comes from a search.
 std::vector<Minimum> dips_of_moment(const FitProblem& held, const Slot& moment, bool found,
                                     const std::vector<double>& x) {
-  constexpr double spacing_cycles = 0.125; // a leap goes to and fro in half a cycle
-  // A given date is the crossing next to the change; one that was found may be a neighbouring one.
+  // The effect of a change on the phase reverses within half a cycle of the swing.
+  constexpr double spacing_cycles = 0.125;
+  // A date that was given is that of the crossing nearest to the change; one from a search may be
+  // off by a cycle.
   const int to_each_side = found ? 12 : 4;
   std::vector<Minimum> row(static_cast<std::size_t>(2 * to_each_side) + 1);
   std::vector<double> others = x;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(moment.index));
   share(row.size(), [&](std::size_t i) {
     const double at = spacing_cycles * (static_cast<double>(i) - to_each_side);
-    row[i] = minimise(with_held(held, moment.index, at), others, {20, 1e-2});
+    row[i] = minimise(with_held(held, moment.index, at), others, scan_limits);
     row[i].x.insert(row[i].x.begin() + static_cast<std::ptrdiff_t>(moment.index), at);
   });
-  std::vector<Minimum> dips = lowest_of_each_dip(row);
+  std::vector<Minimum> dips = local_minima(row);
   std::sort(dips.begin(), dips.end(), by_value);
   return dips;
 }
 
-// The best moments of one event after another: where a swing is pushed in its middle its amplitude
-// and phase leap to and fro, so the likelihood has several peaks. All peaks of the last are
-// returned.
+// Scans the moments of one event after another, each with the earlier ones at their best. The
+// amplitude and phase that a change of the push leaves behind depend on where in the swing it came,
+// so the likelihood has several peaks. Returns the peaks along the moment of the last event, at
+// most four.
 std::vector<std::vector<double>> scanned_moments(const FitProblem& problem,
                                                  const FitOptions& options,
                                                  const std::vector<double>& x) {
@@ -71,8 +79,8 @@ std::vector<std::vector<double>> scanned_moments(const FitProblem& problem,
   return places;
 }
 
-// Every place where a search came to rest, in the coordinates of the problem.
-std::vector<std::vector<double>> places_in(const Fitted& fitted, const FitProblem& problem) {
+// Every point at which the searches behind a fit ended, in the coordinates of the problem.
+std::vector<std::vector<double>> end_points(const Fitted& fitted, const FitProblem& problem) {
   std::vector<std::vector<double>> places;
   if (!fitted.minimum.usable) return places;
   places.push_back(fitted.minimum.x);
@@ -84,21 +92,21 @@ std::vector<std::vector<double>> places_in(const Fitted& fitted, const FitProble
   for (std::vector<double>& place : places) {
     place = carried_over(fitted.problem.parameters, place, parameters,
                          std::vector<double>(parameters.free_count, 0.0));
-    if (jitter->free) // the leap has distorted it
+    if (jitter->free) // those searches took the leap at the change for jitter
       place[jitter->index] = jitter->coordinate_of(guess_noise(*fitted.problem.data).jitter_s);
   }
   return places;
 }
 
-// The peaks of the likelihood about every place where a search came to rest, the best first.
+// The peaks of the likelihood near every point at which a search ended, the best first.
 std::vector<Minimum> peaks_of_moments(const Fitted& fitted, const Fitted& other,
                                       FitProblem& problem, const FitOptions& options) {
   constexpr std::size_t scanned_beats = 400; // enough to tell peaks apart
-  const TimingData few = thinned(*problem.data, problem.parameters, scanned_beats);
-  FitProblem scanned = problem.on(few);
+  const TimingData scanned_data = thinned(*problem.data, problem.parameters, scanned_beats);
+  FitProblem scanned = problem.on(scanned_data);
   std::vector<std::vector<double>> starts;
   for (const Fitted* search : {&fitted, &other})
-    for (const std::vector<double>& place : places_in(*search, problem)) {
+    for (const std::vector<double>& place : end_points(*search, problem)) {
       scanned.priors = make_priors(options, problem.parameters, place);
       for (auto& peak : scanned_moments(scanned, options, place))
         starts.push_back(std::move(peak));
@@ -108,7 +116,7 @@ std::vector<Minimum> peaks_of_moments(const Fitted& fitted, const Fitted& other,
     FitProblem own = problem;
     own.priors = make_priors(options, own.parameters, starts[i]);
     peaks[i].x = starts[i];
-    settle(own, peaks[i], {60, 1e-2});
+    settle(own, peaks[i], peak_limits);
   });
   std::erase_if(peaks, [](const Minimum& m) { return !m.usable; });
   std::sort(peaks.begin(), peaks.end(), by_value);
@@ -120,28 +128,28 @@ std::vector<Minimum> peaks_of_moments(const Fitted& fitted, const Fitted& other,
 } // namespace
 
 void scan_moments(Fitted& fitted, const Fitted& other, const FitOptions& options) {
-  constexpr std::size_t trial_beats = 3000; // those about the dates are kept
+  constexpr std::size_t trial_beats = 3000; // thinned() keeps the beats just after the changes
   const TimingData& data = *fitted.problem.data;
-  const TimingData some = thinned(data, fitted.problem.parameters, trial_beats);
+  const TimingData trial_data = thinned(data, fitted.problem.parameters, trial_beats);
   Fitted start;
   start.model = fitted.model;
   start.model.moments = ModelChoice::Moments::fitted;
-  start.problem = make_problem(some, options, start.model);
+  start.problem = make_problem(trial_data, options, start.model);
   if (start.problem.parameters.free_count > most_parameters) return;
   const std::vector<Minimum> peaks = peaks_of_moments(fitted, other, start.problem, options);
   if (peaks.empty()) return;
   start.minimum = peaks.front();
-  Fitted there = fit_from(start, options, start.model, &data);
-  if (!there.minimum.usable) return;
+  Fitted best = fit_from(start, options, start.model, &data);
+  if (!best.minimum.usable) return;
   constexpr double largest_deficit = 4.5;             // of L: three sigma
   constexpr double largest_first_order_error = 100.0; // of L, as in find_rivals()
   for (const Minimum& peak : peaks) {
     const double behind = peak.value - peaks.front().value;
-    auto place = moved_along(peak.x, peaks.front().x, there.minimum.x);
-    if (&peak != &peaks.front() && behind < largest_first_order_error) there.ends.push_back(place);
-    if (behind < largest_deficit) there.rivals.push_back({std::move(place), behind});
+    auto place = moved_along(peak.x, peaks.front().x, best.minimum.x);
+    if (&peak != &peaks.front() && behind < largest_first_order_error) best.ends.push_back(place);
+    if (behind < largest_deficit) best.rivals.push_back({std::move(place), behind});
   }
-  fitted = std::move(there);
+  fitted = std::move(best);
 }
 
 bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double beyond_chance) {
@@ -154,7 +162,7 @@ bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double be
   FitProblem problem = make_problem(*fitted.problem.data, open, model);
   if (problem.parameters.free_count > most_parameters) return false;
   problem.parameters.start_ratio = fitted.problem.parameters.start_ratio;
-  problem.correction = on_every_beat(fitted.problem).correction; // of the same data
+  problem.correction = on_every_beat(fitted.problem).correction; // both use every beat of the data
   const std::vector<double> none(problem.parameters.free_count, 0.0);
   const auto x =
       carried_over(fitted.problem.parameters, fitted.minimum.x, problem.parameters, none);

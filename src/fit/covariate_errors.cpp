@@ -11,14 +11,15 @@ namespace {
 
 using std::numbers::pi;
 
-// Of a course without its mean and its line, along the times of its beats.
+// The component size * cos(pi k t/T) of a covariate over the length T of the log.
 struct Cosine {
   int k;
-  double size; // of cos(pi k t/T)
+  double size;
 };
 
+// The cosines k = 1 to `most` of a covariate, less its mean and its linear trend.
 std::vector<Cosine> cosines_of(const RateTerm& term, const std::vector<double>& t, int most) {
-  // Each between two beats, with its middle.
+  // The mean value between two beats, the middle of that interval, and its width.
   std::vector<double> value, middle, width;
   double mean = 0.0, tilt = 0.0;
   const double length = t.back();
@@ -55,21 +56,21 @@ void widen_by_readings(const Fitted& fitted, Certainty& known) {
     if (!(term.sigma > 0.0)) continue;
     const double step_s = term.step_s > 0.0 ? term.step_s : data.reference_period_s;
     const double sigma = term.sigma * std::sqrt(2.0 * step_s / length); // of a cosine
-    constexpr int tried = 64;
-    constexpr std::size_t most = 16;
-    std::vector<Cosine> cosines = cosines_of(term, data.elapsed_s, tried);
+    constexpr int cosines_computed = 64;
+    constexpr std::size_t cosines_used = 16;
+    std::vector<Cosine> cosines = cosines_of(term, data.elapsed_s, cosines_computed);
     std::sort(cosines.begin(), cosines.end(),
               [](const Cosine& a, const Cosine& b) { return std::abs(a.size) > std::abs(b.size); });
-    cosines.resize(most);
+    cosines.resize(cosines_used);
     for (const Cosine& cosine : cosines) {
       if (std::abs(cosine.size) < sigma) break;
-      Correction wrong = problem.correction;
+      Correction shifted = problem.correction;
       const std::vector<double>& t = problem.asked().elapsed_s;
-      wrong.late_s.resize(t.size());
+      shifted.late_s.resize(t.size());
       for (std::size_t i = 0; i < t.size(); ++i)
-        wrong.late_s[i] -= slot.value(std::span<const double>(x)) * sigma * length /
-                           (pi * cosine.k) * std::sin(pi * cosine.k * t[i] / length);
-      shifts.push_back(shift_by(problem, x, wrong) - shift_by(problem, x, problem.correction));
+        shifted.late_s[i] -= slot.value(std::span<const double>(x)) * sigma * length /
+                             (pi * cosine.k) * std::sin(pi * cosine.k * t[i] / length);
+      shifts.push_back(shift_by(problem, x, shifted) - shift_by(problem, x, problem.correction));
     }
   }
   const auto own = known.factor.cols();

@@ -92,8 +92,8 @@ Eigen::VectorXd shift_by(const FitProblem& problem, std::span<const double> x,
 /// Ends of a parameter's intervals, as coordinates.
 struct Interval {
   double low68, high68, low95, high95;
-  /// The root of twice the rise of L over z, the distance in sigmas of the curvature, on one side:
-  /// the parabola's is 1. Its places z and values, the first at 0; a line through two.
+  /// sqrt(2 rise of L)/|z| at points z on one side, the first at 0; 1 for a parabola. z is the
+  /// distance from the minimum in sigmas of the curvature. Two points stand for a straight line.
   struct Root {
     std::vector<double> z{0.0, 1.0}, over_z{1.0, 1.0};
   };

@@ -1,19 +1,21 @@
-// A first idea of a log's noise, from its times and amplitudes alone.
+// A first estimate of a log's noise, from its times and amplitudes alone.
 #pragma once
 
 #include "goingrate/fit/timing_data.hpp"
 
 namespace goingrate::timing_model {
 
-/// The smallest jitter that means anything for these data: what rounding does to a long log, in its
-/// doubles and in the steps of its times.
+/// The lower bound of the jitter, s: the larger of the rounding of doubles in a log of this length
+/// and half the rms error that the steps of its times cause. A smaller jitter means nothing.
 double least_jitter(const TimingData& data);
 
-/// A first idea of the noise, from the data alone.
+/// The rms of the jitter, of the step per cycle of a random walk of the times, and of the error of
+/// the amplitudes.
 struct NoiseGuess {
   double jitter_s = 0.0, walk_s = 0.0, amplitude_rad = 0.0;
-  bool walks = false; ///< the walk stands out of what jitter alone would show
+  bool walks = false; ///< there is a walk: jitter alone would not vary as much over eight beats
 };
+/// The noise as third differences of the data show it.
 NoiseGuess guess_noise(const TimingData& data);
 
 } // namespace goingrate::timing_model

@@ -20,8 +20,8 @@ constexpr double z68 = 1.0;
 // curvature.
 class Profile {
 public:
-  /// `widening`: the stated sigma over the curvature's. `search`: where the likelihood is not a
-  /// parabola, follow the ridge to the ends of the interval; without it they stay open.
+  /// `widening`: the stated sigma over the curvature's. `search`: follow the ridge to the ends of
+  /// the interval where the likelihood is not nearly a parabola.
   Profile(const ProfiledPlace& place, std::size_t k, double widening, bool search)
       : ridge_(place, k, widening), least_(place.minimum.value), widening_(widening),
         search_(search) {}
@@ -33,8 +33,8 @@ public:
     return {low68, high68, low95, high95, low, high};
   }
 
-  /// The fall of 2 log L at z, in the units of FittedParameter; nothing where the model does not
-  /// hold. To be called at growing distances on one side, then on the other.
+  /// The fall of 2 log L at z, over the square of the widening; nothing where the ridge is lost. To
+  /// be called at growing distances on one side, then on the other.
   std::optional<double> fall(double z) {
     if (ridge_.last().z * z < 0.0) ridge_.restart();
     if (!ridge_.walk_to(z)) return {};
@@ -48,9 +48,9 @@ private:
   };
   static Ends open_ends(double side) { return {side * infinite, side * infinite, {{}, {}}}; }
 
-  // The rise at q sigma along the tangent, after one step of scoring, over the parabola's; 0 where
-  // that step gains so much that it may not be believed.
-  [[nodiscard]] double look(double q) const {
+  // The rise of L at q stated sigma along the tangent of the ridge, after one step of scoring,
+  // divided by the parabola's; 0 where the step gains so much that it cannot be trusted.
+  [[nodiscard]] double relative_rise(double q) const {
     constexpr double largest_gain = 3.0; // parabolas
     const double z = q * widening_, parabola = 0.5 * z * z;
     const auto there = ridge_.look(z);
@@ -58,23 +58,24 @@ private:
     return (there->value - least_) / parabola;
   }
 
-  // Where the profile has risen by q^2/2. One look tells whether the parabola holds.
+  // The ends on one side, by the rules of intervals().
   Ends ends_on(double side) {
-    constexpr double straight = 0.1; // of the rise: a twentieth of the interval
-    constexpr double least_straight = 0.65, largest_straight = 1.5; // the root is nearly linear
-    const double shape = look(side * z95);
-    // The root of twice the rise is z (1 + b z), with b from the look at 1.96 sigma.
+    constexpr double parabola_tolerance = 0.1; // of the rise: a twentieth of the interval
+    constexpr double least_shape = 0.65, largest_shape = 1.5; // for which the quadratic serves
+    const double shape = relative_rise(side * z95);
+    // The root of twice the rise is |z| (1 + b z), with b from the rise at 1.96 sigma.
     const double b = (std::sqrt(shape) - 1.0) / (side * z95 * widening_);
     const Interval::Root line{{0.0, 1.0}, {1.0, 1.0 + b}};
-    if (std::abs(shape - 1.0) < straight)
+    if (std::abs(shape - 1.0) < parabola_tolerance)
       return {side * z68 * widening_, side * z95 * widening_, line};
     const auto by_root = [&]() -> Ends {
-      if (!(shape > least_straight && shape < largest_straight)) return open_ends(side);
+      if (!(shape > least_shape && shape < largest_shape)) return open_ends(side);
       const auto root = [&](double z) { return (std::sqrt(1.0 + 4.0 * b * z) - 1.0) / (2.0 * b); };
       return {root(side * z68 * widening_), root(side * z95 * widening_), line};
     };
-    if (!search_ || (shape > 1.0 && shape < largest_straight)) return by_root();
-    // An end beyond the look is believed only where the ridge is lost.
+    if (!search_ || (shape > 1.0 && shape < largest_shape)) return by_root();
+    // Where L rises slowly the ends lie beyond 1.96 sigma, where L was not evaluated: the ridge is
+    // better than the quadratic, as far as it can be followed.
     ridge_.restart();
     feet_ = {{0.0}, {1.0}};
     const double at68 = walk_to_root(z68 * widening_, side);
@@ -85,9 +86,9 @@ private:
 
   static double root_of(const Foot& foot) { return std::sqrt(2.0 * std::max(0.0, foot.rise)); }
 
-  // Follows the ridge until the root of twice the rise is `target`, and says where that is. Where
-  // the ridge is lost on the second half of the way the root is continued as a line; infinite where
-  // it is lost before.
+  // The z at which the root of twice the rise reaches `target` along the ridge. Where the ridge is
+  // lost after half of the target, the root is extrapolated linearly; infinite where it is lost
+  // earlier.
   double walk_to_root(double target, double side) {
     constexpr double farthest = 30.0;  // sigma
     constexpr double tolerance = 0.02; // of the root
@@ -99,7 +100,7 @@ private:
       feet_.z.push_back(ridge_.last().z);
       feet_.over_z.push_back(root_of(ridge_.last()) / std::abs(ridge_.last().z));
     }
-    // The root is nearly linear between the two.
+    // The root is nearly linear between these two points: a few secant steps find the target.
     const Foot &within = ridge_.before(), &beyond = ridge_.last();
     double inside = within.z, root_inside = root_of(within);
     double outside = beyond.z, root_outside = root_of(beyond);
@@ -120,29 +121,30 @@ private:
   double least_; // L at the minimum
   double widening_;
   bool search_;
-  Interval::Root feet_{}; // of the side that is walked
+  Interval::Root feet_{}; // points of the ridge found so far on the present side
 };
 
 // If every relative sigma is below this, the likelihood counts as a parabola: the two sides of an
 // interval then differ by about the same small fraction.
 constexpr double small_relative_sigma = 0.015;
 
-// The data for profiles: few beats, if they determine every coordinate as well as all beats do, or
-// so well that the profile is a parabola.
-const ProfiledPlace& seen_for(const ProfiledPlace& all, const ProfiledPlace* few) {
-  constexpr double largest_lopsidedness = 0.2; // of sigma
+// The fit whose L the profiles evaluate: that on few beats if it determines every coordinate as
+// well as all beats do, or so well that the profile is a parabola.
+const ProfiledPlace& place_to_evaluate(const ProfiledPlace& all, const ProfiledPlace* few) {
+  constexpr double largest_sigma_change = 0.2; // relative
   constexpr double tight_sigma = 0.05; // of a logarithm: asymmetry of a twentieth of the interval
   if (few == nullptr) return all;
   for (std::size_t k = 0; k < all.minimum.x.size(); ++k) {
     const double sigma = few->known.curvature_sigma(k);
     const double ratio = sigma / all.known.curvature_sigma(k);
-    if (!(std::abs(ratio - 1.0) < largest_lopsidedness) && !(sigma < tight_sigma && ratio > 1.0))
+    if (!(std::abs(ratio - 1.0) < largest_sigma_change) && !(sigma < tight_sigma && ratio > 1.0))
       return all;
   }
   return *few;
 }
 
-// On the parabola through the three places nearest to z, or the line through two.
+// The root of twice the rise at z, interpolated: sqrt(2 rise)/|z| is a parabola through the three
+// stored points about z, or a line if there are only two.
 double root_at(const Interval::Root& root, double z) {
   const std::size_t count = std::min<std::size_t>(3, root.z.size());
   const auto beyond = std::find_if(root.z.begin(), root.z.end(),
@@ -160,7 +162,8 @@ double root_at(const Interval::Root& root, double z) {
   return std::abs(z) * over_z;
 }
 
-// The root at `points` places up to `reach`; empty where it is unknown or does not grow.
+// The root of twice the rise at `points` equal steps up to z = `reach`; empty where it is unknown
+// or does not increase.
 std::vector<double> rising(const Interval::Root& root, double reach, int points) {
   std::vector<double> values;
   if (root.z.size() < 2) return values;
@@ -196,12 +199,12 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
       result[k] = {x - sigma, x + sigma, x - z95 * sigma, x + z95 * sigma};
       return;
     }
-    // A parameter known this poorly, or a model that does not hold, is not worth a search for the
-    // ends of a likelihood that is not a parabola.
+    // Following the ridge takes long. It is not worth that where the model does not hold or the
+    // parameter is known poorly, to more than this share of a tolerable sigma.
     constexpr double searched_share = 0.4;
     const bool search = model_holds && (lopsided || sigma <= searched_share * tolerable);
     const double unit = known.curvature_sigma(k);
-    const Interval z = Profile(seen_for(all, few), k, sigma / unit, search).ends();
+    const Interval z = Profile(place_to_evaluate(all, few), k, sigma / unit, search).ends();
     const double least = !problem.bounds.empty() && problem.bounds[k][0] == 0.0 ? 0.0 : -infinite;
     const auto at = [&](double end) { return std::max(least, x + end * unit); };
     result[k] = {at(z.low68), at(z.high68), at(z.low95), at(z.high95), z.low, z.high};
@@ -215,7 +218,7 @@ std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const Profile
   constexpr double reach_factor = 1.15, open_reach = 3.0; // of the interval; sigma
   const std::size_t k = slot.index;
   const double unit = all.known.curvature_sigma(k), widening = all.known.sigma(k) / unit;
-  Profile profile(seen_for(all, few), k, widening, true);
+  Profile profile(place_to_evaluate(all, few), k, widening, true);
   std::vector<double> x = all.minimum.x;
   std::vector<ProfilePoint> found{{slot.value(std::span<const double>(x)), 0.0}};
   for (const double end : {interval.low95, interval.high95}) {
@@ -243,11 +246,12 @@ std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const Profile
 
 void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x, Stated& stated) {
   constexpr double largest_rise = 4.5; // of L: three sigma
-  constexpr double folded = 1.5;       // times as far as the interval would have it
+  // A point this many times as far out as the interval allows counts as a fold of the ridge.
+  constexpr double folded_ratio = 1.5;
   Certainty& known = stated.known;
   known.reach.assign(x.size(), 1.0);
   const std::vector<Interval> before = stated.ends;
-  std::vector<double> widening; // of sigma beyond what curvature says
+  std::vector<double> widening; // the stated sigma over that of the curvature
   double widest = 1.0;
   for (std::size_t k = 0; k < x.size(); ++k) {
     widening.push_back(known.sigma(k) / known.curvature_sigma(k));
@@ -258,7 +262,7 @@ void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x
     const double sigmas = std::max(z68, std::sqrt(2.0 * std::max(0.0, foot.rise)) / widening[k]);
     const double end68 = way < 0.0 ? x[k] - before[k].low68 : before[k].high68 - x[k];
     const double end95 = way < 0.0 ? x[k] - before[k].low95 : before[k].high95 - x[k];
-    if (!(distance > folded * std::max(end68, end95 * sigmas / z95))) return;
+    if (!(distance > folded_ratio * std::max(end68, end95 * sigmas / z95))) return;
     const double sigma = std::max(known.sigma(k), distance / sigmas);
     known.reach[k] *= sigma / known.sigma(k);
     Interval& ends = stated.ends[k];

@@ -5,35 +5,41 @@
 
 namespace goingrate::timing_model {
 
-/// Where L, minimised over all other coordinates, has risen by q^2/2 (q = 1 and 1.96, times the
-/// widening) on either side of the minimum. One look at 1.96 sigma, corrected by a scoring step in
-/// the other coordinates, tells whether the parabola holds: then, within a tenth, it is taken;
-/// where it rises faster the root of the rise is taken for one, where it rises more slowly or much
-/// faster the ridge is followed (or, if the model does not hold or the parameter is hardly
-/// determined, the root is taken for a parabola, and the ends are open where it is none).
-/// Infinite where L does not rise far enough within thirty sigma. Coordinates that are not
-/// determined anyway get infinite ends. `few`, if given, is the same fit on beats that stand for
-/// all: looks and ridges are those there, in units of sigma, if every sigma is the same there
-/// within a fifth, or small.
+/// The 68 % and 95 % interval of each coordinate, from the profile: L minimised over all other
+/// coordinates. An interval ends where the profile has risen by (q w)^2/2, with q = 1 and 1.96 and
+/// w the widening (stated sigma over the curvature's). On each side, L is first evaluated at 1.96
+/// stated sigma, after one scoring step in the other coordinates, and compared with the parabola:
+/// - within a tenth of it, the ends are those of the parabola;
+/// - up to 1.5 times as high, sqrt(2 rise) is taken as quadratic in the distance, through that
+///   value;
+/// - lower or higher, the ridge (ridge.hpp) is followed to the ends.
+/// Where the ridge is not followed (the model does not hold, or the coordinate is hardly
+/// determined) or is lost on the way, the quadratic serves for rises of 0.65 to 1.5 times the
+/// parabola's, and other ends are infinite. An end is also infinite where the ridge does not rise
+/// far enough within thirty sigma, and for a coordinate that the log does not determine.
+///
+/// `few` is the same fit on fewer beats, or null. It is evaluated instead of `all`, to save time,
+/// if it gives every coordinate the same sigma of curvature within a fifth, or one below 0.05.
 std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* few,
                                 bool model_holds);
 
-/// Points of the profile of one parameter between its interval's ends and a little beyond, or three
-/// sigma where an end is open: on the root that told the ends, so that they cost no look at the
-/// log, and along the ridge where an end is open
-/// (ClockFitTest.AProfileIsThatOfFitsWithTheParameterHeld). `few` as for intervals().
+/// Points of the profile of one parameter from below its 95 % interval to above it: 15 % beyond an
+/// end, or to three sigma where the end is open. They are interpolated between the values that
+/// intervals() left in `interval` and cost no evaluation of L; where it left none, the ridge is
+/// followed. ClockFitTest.AProfileIsThatOfFitsWithTheParameterHeld. `few` as for intervals().
 std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
                                          const Slot& slot, const Interval& interval);
 
-/// What is stated of the coordinates.
+/// What the fit states of the coordinates: their sigmas and intervals.
 struct Stated {
   Certainty known;
   std::vector<Interval> ends;
 };
 
-/// Widens sigmas and intervals to where the ridge of the most open coordinate leads. Where it
-/// folds, the other coordinates turn back on the way, so that the curvature gives them a sigma that
-/// is far too small. A foot of the ridge at a rise of L by r belongs within sqrt(2 r) sigma.
+/// Widens the sigmas and intervals of all coordinates to contain the ridge of the one that the log
+/// determines least: a point of the ridge where L has risen by r must lie within sqrt(2 r) sigma.
+/// Where the ridge folds, the other coordinates turn back along it, and their curvature at the
+/// minimum gives a sigma that is far too small.
 void reach_along_the_ridge(const ProfiledPlace& place, std::span<const double> x, Stated& stated);
 
 } // namespace goingrate::timing_model
