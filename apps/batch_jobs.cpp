@@ -13,9 +13,9 @@ namespace goingrate::apps {
 
 namespace {
 
-constexpr std::string_view log_mark = "{.}"; // in a setting: the log's name without its ending
+constexpr std::string_view log_mark = "{.}"; // stands for the log's path without its extension
 
-// Whatever goes wrong becomes the outcome of the job.
+// Runs `work`; an exception becomes the outcome of the job, with its message and exit code.
 template <class Work> JobOutcome outcome_of(const Work& work) {
   const auto start = std::chrono::steady_clock::now();
   JobOutcome outcome;
@@ -42,10 +42,10 @@ JobOutcome result_of(const Job& job, NumberedLog loaded) {
 } // namespace
 
 JobSettings::JobSettings(const JobKind& kind, Words words) : kind_(kind), words_(std::move(words)) {
-  own_ = std::any_of(words_.begin(), words_.end(), [](const std::string& word) {
+  depend_on_log_ = std::any_of(words_.begin(), words_.end(), [](const std::string& word) {
     return word.find(log_mark) != std::string::npos;
   });
-  if (!own_) all_ = parsed("");
+  if (!depend_on_log_) job_for_all_ = parsed("");
 }
 
 Job JobSettings::parsed(const std::string& log) const {

@@ -1,4 +1,4 @@
-// The jobs of goingrate batch: what each does with a log or a realisation, and the settings of it.
+// The jobs of goingrate batch: their settings, and the work on one log or one realisation.
 #pragma once
 
 #include "job.hpp"
@@ -25,12 +25,15 @@ inline constexpr std::array job_kinds{JobKind{"fit", add_fit_job}, JobKind{"rate
                                       JobKind{"report", add_report_job},
                                       JobKind{"stability", add_stability_job}};
 
-/// The settings of a job, one of which may depend on the log.
+/// The settings of a job. They are the same for all logs unless they contain "{.}", which stands
+/// for the path of the log without its extension.
 class JobSettings {
 public:
   JobSettings(const JobKind& kind, Words words);
 
-  [[nodiscard]] Job of(const std::string& log) const { return own_ ? parsed(log) : *all_; }
+  [[nodiscard]] Job of(const std::string& log) const {
+    return depend_on_log_ ? parsed(log) : *job_for_all_;
+  }
   [[nodiscard]] const Words& words() const { return words_; }
 
 private:
@@ -38,14 +41,15 @@ private:
 
   const JobKind& kind_;
   Words words_;
-  bool own_ = false;
-  std::optional<Job> all_;
+  bool depend_on_log_ = false;
+  std::optional<Job> job_for_all_; // unless they depend on the log
 };
 
-/// Does the jobs of logs; both must outlive it.
+/// A worker that does the job on logs by their index; `logs` and `settings` must outlive it.
 BatchWorker log_worker(const Words& logs, const JobSettings& settings);
 
-/// One realisation after another, each in one thread's own simulator.
+/// Simulates realisations and does the job on each. All seeds of one call are simulated together.
+/// Each thread has its own copy, and with it its own simulator.
 class RealisationWorker {
 public:
   RealisationWorker(const SimulatedLogs& logs, std::uint64_t seed, Job job)

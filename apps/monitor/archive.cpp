@@ -33,7 +33,7 @@ constexpr std::string_view origin_words = "# the source's second 0: ";
 [[noreturn]] void fail(const std::string& path) { throw OutputError(path, std::strerror(errno)); }
 
 // Cuts a file after its last whole line: a power failure may leave part of a line, or zeros, at the
-// end. Whatever else is wrong in it stays, for a person to see.
+// end. Any other fault stays for a person to see.
 void cut_torn_line(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -43,7 +43,7 @@ void cut_torn_line(const std::string& path) {
   if (whole < text.size() && ::truncate(path.c_str(), static_cast<off_t>(whole)) != 0) fail(path);
 }
 
-// A new file is only safe when its folder knows it.
+// A new file survives a power failure only once its entry in the folder is on disk.
 void sync_folder(const std::string& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) fail(folder);
@@ -52,7 +52,7 @@ void sync_folder(const std::string& folder) {
   if (!done) fail(folder);
 }
 
-// Over years the pieces that glibc keeps for later add up to half of what is in use.
+// Without this, the free memory that glibc holds back grows over years to half of that in use.
 void give_back_free_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
@@ -101,7 +101,7 @@ Archive::Archive(std::string folder) : folder_(std::move(folder)) {
   if (lock_ < 0) fail(folder_);
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     ::close(lock_);
-    throw OutputError(folder_, "another process keeps this archive");
+    throw OutputError(folder_, "another process is writing to this archive");
   }
   read_last_day();
 }
@@ -191,7 +191,7 @@ void Archive::describe(const NativeColumns& columns) {
 }
 
 void Archive::open_day(const std::string& day) {
-  sync(); // of the day before: a failure is reported, and tried again
+  sync(); // the day before; if this fails, the day stays open and the next event tries again
   close_day();
   give_back_free_memory();
   const std::string path = path_of(day);
@@ -215,13 +215,13 @@ void Archive::open_day(const std::string& day) {
   }
   try {
     sync_folder(folder_);
-  } catch (const OutputError&) { // an event is not safe in a file that may be gone
+  } catch (const OutputError&) { // the file itself may be lost, and the events in it
     close_day();
     throw;
   }
 }
 
-// A file must not hold a line without its header.
+// Closes the day if its header cannot be written: no line may stand in a file without a header.
 void Archive::write_or_close(const std::string& header) {
   try {
     write(header);
@@ -231,8 +231,7 @@ void Archive::write_or_close(const std::string& header) {
   }
 }
 
-// One call per text, so that the file holds whole lines; what cannot be written whole is taken
-// back.
+// Writes whole lines by one call. If only a part can be written, the file is cut back to before it.
 void Archive::write(const std::string& text) {
   struct stat before {};
   if (::fstat(file_, &before) != 0) fail(path_of(day_));
@@ -240,9 +239,10 @@ void Archive::write(const std::string& text) {
     close_day();
     throw OutputError(path_of(day_), "the file was removed");
   }
-  constexpr std::size_t most_unsafe_bytes = 4 << 20; // of lines: a day and a half
-  if (sync_failed_ && unsynced_.size() + text.size() > most_unsafe_bytes)
-    throw OutputError(path_of(day_), "what was written before is not safe yet, and it is much");
+  constexpr std::size_t max_unsynced_bytes = 4 << 20; // the lines of a day and a half
+  if (sync_failed_ && unsynced_.size() + text.size() > max_unsynced_bytes)
+    throw OutputError(path_of(day_),
+                      "4 MB of earlier lines could not be saved to disk: no more are kept");
   is_synced_ = false;
   const auto written = ::write(file_, text.data(), text.size());
   if (written == static_cast<ssize_t>(text.size())) {
@@ -250,7 +250,7 @@ void Archive::write(const std::string& text) {
     return;
   }
   const int error = written < 0 ? errno : ENOSPC;
-  if (::ftruncate(file_, before.st_size) != 0) { // what is torn is cut off when it is opened again
+  if (::ftruncate(file_, before.st_size) != 0) { // opening the day again cuts off the torn line
     close_day();
   }
   throw OutputError(path_of(day_), std::strerror(error));
@@ -332,8 +332,8 @@ void Archive::sync() {
   is_synced_ = true;
 }
 
-// After a failure the system takes its pages for clean, and would report success without having
-// written them: the same text in the same place makes them dirty again.
+// After a failed sync the system regards its pages as clean, so the next sync would report success
+// without having written them. Writing the same text to the same place makes them dirty again.
 void Archive::write_unsynced_again() const {
   const std::string path = path_of(day_);
   const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC); // file_ can only append

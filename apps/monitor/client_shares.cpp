@@ -8,11 +8,12 @@ namespace goingrate::apps {
 
 namespace {
 
-// Twenty pages that are opened at once ask for five things each; open ones ask for one a second.
+// A page asks for five things when it is opened and for one a second from then on. The limits allow
+// twenty pages to be opened at the same moment.
 constexpr double requests_a_second = 50.0, requests_at_once = 100.0;
 
-// The part of an address that counts: for IPv6 the first half, the network.
-std::string counted_part(const std::string& address) {
+// The part of an address that identifies a client: of an IPv6 address the network, its first half.
+std::string client_of(const std::string& address) {
   std::array<char, sizeof(in6_addr)> binary{};
   if (::inet_pton(AF_INET6, address.c_str(), binary.data()) != 1) return address;
   const in6_addr* six = reinterpret_cast<const in6_addr*>(binary.data());
@@ -28,9 +29,9 @@ double seconds(ClientShares::Time::duration time) {
 
 bool ClientShares::enter(const std::string& address, Time now) {
   const std::lock_guard lock(mutex_);
-  constexpr std::size_t most_clients = 1024; // remembered at most: 100 kB
-  if (clients_.size() >= most_clients) forget_idle(now);
-  const auto [found, is_new] = clients_.try_emplace(counted_part(address));
+  constexpr std::size_t many_clients = 1024; // take 100 kB
+  if (clients_.size() >= many_clients) forget_idle(now);
+  const auto [found, is_new] = clients_.try_emplace(client_of(address));
   Client& client = found->second;
   const double since_s = is_new ? 0.0 : seconds(now - client.counted_at);
   client.requests_left =
@@ -45,11 +46,11 @@ bool ClientShares::enter(const std::string& address, Time now) {
 
 void ClientShares::leave(const std::string& address) {
   const std::lock_guard lock(mutex_);
-  if (const auto found = clients_.find(counted_part(address)); found != clients_.end())
+  if (const auto found = clients_.find(client_of(address)); found != clients_.end())
     --found->second.connections;
 }
 
-// Forgets clients that would be treated like new ones.
+// Forgets clients without a connection whose allowance is full again: new ones are treated alike.
 void ClientShares::forget_idle(Time now) {
   constexpr double full_again_s = requests_at_once / requests_a_second;
   std::erase_if(clients_, [&](const auto& entry) {

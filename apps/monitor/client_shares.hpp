@@ -1,4 +1,4 @@
-// How much of a server each client may have.
+// Limits on the connections and requests of each client of the server.
 #pragma once
 
 #include <chrono>
@@ -9,17 +9,18 @@
 
 namespace goingrate::apps {
 
-/// Counts the connections and the requests of every address, so that no client keeps others from
-/// being answered. Of an IPv6 address the network counts, since a client may use any
-/// address of its network.
+/// Counts connections and requests by client, so that none can keep the others from being answered.
+/// A client is an IPv4 address or an IPv6 network (64 bits), since a client may use any address of
+/// its network.
 class ClientShares {
 public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// One address may have `most_connections` at a time.
+  /// A client may have `most_connections` at a time.
   explicit ClientShares(int most_connections) : most_connections_(most_connections) {}
 
-  /// Whether a connection of the address may be answered now; then leave() must follow.
+  /// Counts a new connection and returns true if it may be answered now. Then leave() must be
+  /// called when it ends.
   bool enter(const std::string& address, Time now);
   void leave(const std::string& address);
 
@@ -27,7 +28,7 @@ private:
   struct Client {
     int connections = 0;
     double requests_left = 0.0;
-    Time counted_at;
+    Time counted_at; // when requests_left was last updated
   };
   void forget_idle(Time now);
 

@@ -1,5 +1,6 @@
-// Includes every public header. A log becomes beats and these an Analysis; a scenario becomes
-// crossings and a log. apps/examples has complete programs.
+// Includes every public header. load() turns a log into numbered beats, and analyse() turns these
+// into an Analysis; ClockRun turns a scenario into crossings. Complete programs are in
+// apps/examples.
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"

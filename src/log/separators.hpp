@@ -10,8 +10,8 @@ namespace goingrate {
 
 std::size_t count_fields(std::string_view line, char separator);
 
-/// Finds separator and decimal point from `lines` and sets them in `head`. With `decimal_comma` the
-/// comma is known to be the decimal point (Formats.ReadsInTheWild).
+/// Finds the field separator and the decimal point from `lines` and sets them in `head`. With
+/// `decimal_comma`, the decimal point is known to be a comma (Formats.ReadsInTheWild).
 void settle_separators(LogHead& head, const std::vector<HeadLine>& lines, bool decimal_comma);
 
 } // namespace goingrate

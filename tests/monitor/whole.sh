@@ -257,5 +257,5 @@ check "once" test "$(rows rotated)" = 300
 beats 300 400 >> growing.log
 check "one keeps it" within 20 has_rows rotated 400
 "$goingrate" monitor - --archive rotated < growing.log 2> refused && fault=1
-check "another process is told so" grep -q "another process keeps this archive" refused
+check "another process is told so" grep -q "another process is writing to this archive" refused
 exit $fault

@@ -18,7 +18,7 @@ struct RateSummary {
   std::int64_t periods = 0;   ///< cycles from the first to the last of them
   double duration_s = 0.0;
   double nominal_period_s = 0.0;
-  bool nominal_is_known = true; ///< false: it is the mean period for want of a better one
+  bool nominal_is_known = true; ///< false: the mean period stands in for it
   double mean_period_s = 0.0;
   double mean_period_sigma_s = 0.0;
   double last_period_s = 0.0;
@@ -39,19 +39,20 @@ double nominal_period(const ClockLog& log, const Beats& beats,
 
 /// Mean rate of a run of good beats (at least three), and its standard deviation.
 ///
-/// The rate is that from end to end: the time gained over the time passed, which is what the hands
-/// show, and the best estimate while the clock wanders more than its sensor jitters. Its sigma is
-/// that of the jitter at both ends and s / sqrt(k), where s is what the rates of k equal blocks
-/// scatter beyond the jitter, the largest for k = 4 to 64: for white noise of rate and for jitter
-/// it covers as it should or a little more, for slower wander it grows with it
-/// (RatesTest.MeanRateSigmaCovers, RatesTest.JitterTellsOnTheEndsAlone).
+/// The rate is that from end to end: the time gained over the time passed. That is what the hands
+/// show, and the best estimate if the clock wanders by more than the jitter of its sensor. Its
+/// sigma combines the jitter at both ends with s / sqrt(k), where s is the scatter of the rates of
+/// k equal blocks in excess of the jitter, and k is the one of 4 to 64 that makes this largest. An
+/// interval of one sigma holds the rate in 68 % of logs or somewhat more if the noise is jitter or
+/// white noise of the rate; slower wander makes the sigma larger (RatesTest.MeanRateSigmaCovers,
+/// RatesTest.JitterTellsOnTheEndsAlone).
 RateSummary summarise_rates(std::span<const Beat> beats, double nominal_period_s);
 
 /// Adds the standard deviation of the time base's rate to the sigmas of rate and period.
 void add_time_base(RateSummary& summary, double time_base_sigma);
 
-/// The sigma of a rate without that of the time base, which differences of rates of one log do not
-/// have.
+/// The sigma of a rate without the part of the time base, which cancels in differences of rates of
+/// one log.
 double own_rate_sigma(const RateSummary& summary);
 
 /// The rate of a part of a log.
@@ -59,13 +60,13 @@ struct PartRate {
   std::uint32_t segment = 0;
   std::int64_t from_cycle = 0, to_cycle = 0;
   Instant start;    ///< of the first of its beats
-  RateSummary rate; ///< sigma NaN with fewer than 5 beats, which show no scatter
+  RateSummary rate; ///< its sigmas are NaN with fewer than 5 beats, which show no scatter
   double amplitude_rad = std::numeric_limits<double>::quiet_NaN(); ///< mean; NaN without any
 };
 
 /// Rates of blocks of `block_s` seconds, counted from the first beat of each segment; the last
-/// block of a segment is what is left. Blocks of fewer than 3 good beats are left out. `beats` are
-/// all of a log. Throws ArgumentError if `block_s` is not positive.
+/// block of a segment may be shorter. Blocks of fewer than 3 good beats are left out. `beats` are
+/// all beats of a log. Throws ArgumentError if `block_s` is not positive.
 std::vector<PartRate> block_rates(std::span<const Beat> beats, double nominal_period_s,
                                   double block_s);
 
@@ -87,12 +88,12 @@ std::vector<double> rate_per_period(std::span<const Beat> beats, double nominal_
 /// The clock's error x_i = n_i T0 - (t_i - t_0), s, positive when fast; one value for each beat.
 std::vector<double> clock_error(std::span<const Beat> beats, double nominal_period_s);
 
-/// Rate excess of every cycle between the first and the last beat; the cycles of a gap carry the
-/// mean rate over the gap, so that the sum of the rates stays what the clock did.
+/// Rate excess of every cycle between the first and the last beat. The cycles of a gap have the
+/// mean rate over the gap, so that the series adds up to the time that the clock gained.
 std::vector<double> rate_on_every_cycle(std::span<const Beat> beats, double nominal_period_s);
 
 /// A series with one value for each cycle from the first beat to the last; NaN where a beat is
-/// missing. `values` are one for each beat.
+/// missing. `values` has one value for each beat.
 std::vector<double> on_every_cycle(std::span<const Beat> beats, std::span<const double> values);
 
 } // namespace goingrate
