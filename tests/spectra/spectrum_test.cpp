@@ -1,4 +1,4 @@
-// Fourier transforms against the defining sum; Welch spectra against levels known beforehand.
+// Fourier transforms compared with the defining sum; Welch spectra with levels known beforehand.
 #include "goingrate/spectra/spectrum.hpp"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::vector<double> white_noise(std::size_t points, std::uint64_t seed) {
 std::complex<long double> defining_sum(const std::vector<double>& x, std::size_t k) {
   std::complex<long double> sum = 0;
   const auto n = static_cast<long double>(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) { // k i is reduced first: small angles keep all digits
+  for (std::size_t i = 0; i < x.size(); ++i) { // k i modulo n: no digits are lost in large angles
     const auto turns = static_cast<long double>(k * i % x.size()) / n;
     sum += static_cast<long double>(x[i]) *
            std::polar(1.0L, -2 * std::numbers::pi_v<long double> * turns);
@@ -47,15 +47,16 @@ TEST(Transform, EqualsTheDefiningSum) {
     for (std::size_t k = 0; k < transform.size(); ++k) {
       const std::complex<long double> difference =
           std::complex<long double>(transform[k]) - defining_sum(x, k);
-      // rounding grows as eps sqrt(N log N); 1e-13 leaves some fifty of them
+      // Rounding errors grow as eps sqrt(n log n); the tolerance is about fifty times as large.
       EXPECT_LT(std::abs(difference), 1e-13L * std::sqrt(static_cast<long double>(n)))
           << "n " << n << " k " << k;
     }
   }
 }
 
-TEST(Transform, OfCosinesEqualsTheDefiningSum) {
-  for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 97u, 384u, 8u}) { // 8 again: lengths may alternate
+TEST(Transform, CosineTransformEqualsTheDefiningSum) {
+  // 8 comes twice: a plan for another length must not spoil that of an earlier one.
+  for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 97u, 384u, 8u}) {
     const std::vector<double> x = white_noise(n, n);
     const auto transform = cosine_transform(x);
     ASSERT_EQ(transform.size(), n);
@@ -66,14 +67,14 @@ TEST(Transform, OfCosinesEqualsTheDefiningSum) {
         sum += static_cast<long double>(x[i]) *
                std::cos(std::numbers::pi_v<long double> *
                         static_cast<long double>(k * (2 * i + 1) % (4 * n)) / (2 * count));
-      // rounding grows as eps sqrt(log N)
+      // Rounding errors grow as eps sqrt(log n).
       EXPECT_NEAR(transform[k], static_cast<double>(sum * std::sqrt(2 / count)), 1e-13)
           << "n " << n << " k " << k;
     }
   }
 }
 
-TEST(Transform, SquaresAreThoseOfThePaddedSeries) {
+TEST(Transform, SquaredTransformEqualsThatOfThePaddedSeries) {
   const std::vector<double> series{0.3, -1.0, 2.5, 0.7, -0.2};
   for (const std::size_t length : {5U, 8U, 10U}) {
     std::vector<double> padded = series;
@@ -81,23 +82,23 @@ TEST(Transform, SquaresAreThoseOfThePaddedSeries) {
     const auto transform = real_transform(padded);
     const auto squares = squared_transform(series, length);
     ASSERT_EQ(squares.size(), transform.size());
-    for (std::size_t k = 0; k < squares.size(); ++k) // the same sums, up to their rounding
+    for (std::size_t k = 0; k < squares.size(); ++k) // both are the same sum, apart from rounding
       EXPECT_NEAR(squares[k], std::norm(transform[k]), 1e-13);
   }
   EXPECT_THROW((void)squared_transform(series, 4), ArgumentError);
 }
 
-TEST(Transform, RoundTripIsTheIdentity) {
+TEST(Transform, InverseRestoresTheSeries) {
   for (std::size_t n : {1u, 2u, 3u, 8u, 9u, 97u, 1000u, 4099u}) {
     const std::vector<double> x = white_noise(n, 2 * n);
     const std::vector<double> back = inverse_real_transform(real_transform(x), n);
     ASSERT_EQ(back.size(), n);
     for (std::size_t i = 0; i < n; ++i)
-      EXPECT_NEAR(back[i], x[i], 5e-15) << n; // 1e-14 of the largest value, which is above 1/2
+      EXPECT_NEAR(back[i], x[i], 5e-15) << n; // 1e-14 of the largest value, which exceeds 1/2
   }
 }
 
-TEST(Transform, KeepsTheSumOfSquares) {
+TEST(Transform, ObeysParsevalsTheorem) {
   for (std::size_t n : {500u, 501u, 503u}) {
     const std::vector<double> x = white_noise(n, n);
     const auto transform = real_transform(x);
@@ -106,7 +107,7 @@ TEST(Transform, KeepsTheSumOfSquares) {
       squares += v * v;
     for (std::size_t k = 0; k < transform.size(); ++k)
       power += (k == 0 || 2 * k == n ? 1.0 : 2.0) * std::norm(transform[k]);
-    EXPECT_NEAR(power / static_cast<double>(n), squares, 1e-12 * squares); // Parseval; roundings
+    EXPECT_NEAR(power / static_cast<double>(n), squares, 1e-12 * squares); // equal up to rounding
   }
 }
 
@@ -116,10 +117,10 @@ TEST(Transform, InverseIgnoresImaginaryPartsWithoutARealCounterpart) {
   transform[0].imag(0.0);
   transform[2].imag(0.0);
   EXPECT_EQ(x, inverse_real_transform(transform, 4));
-  EXPECT_NEAR(x[0], (3.0 + 2.0 + 4.0) / 4.0, 1e-15); // one rounding
+  EXPECT_NEAR(x[0], (3.0 + 2.0 + 4.0) / 4.0, 1e-15); // a rounding error of one operation
 }
 
-TEST(Transform, RefusesWhatItCannotTransform) {
+TEST(Transform, RefusesEmptyOrInfiniteSeriesAndWrongLengths) {
   EXPECT_THROW((void)real_transform({}), ArgumentError);
   EXPECT_THROW((void)cosine_transform({}), ArgumentError);
   EXPECT_THROW((void)cosine_transform(std::vector<double>{1.0, nan}), ArgumentError);
@@ -132,9 +133,9 @@ TEST(Transform, RefusesWhatItCannotTransform) {
   EXPECT_THROW((void)inverse_real_transform(broken, 4), ArgumentError);
 }
 
-TEST(Transform, MayBeUsedFromSeveralThreads) {
+TEST(Transform, IsSafeInSeveralThreads) {
   const std::vector<double> x = white_noise(300, 4);
-  const auto all_lengths = [&] { // many plans of different shapes, made at the same time
+  const auto all_lengths = [&] { // each length needs a plan, and all threads make plans at once
     std::vector<std::complex<double>> firsts;
     for (std::size_t n = 2; n <= x.size(); ++n)
       firsts.push_back(real_transform(std::span(x).first(n))[1]);
@@ -160,7 +161,8 @@ double integral(const Spectrum& spectrum) {
   return sum;
 }
 
-// The series less its least-squares line, weighed with the Hann window; by the normal equations.
+// The variance of a series less its least-squares line, weighted by the Hann window. The line comes
+// from the normal equations, not from the code under test.
 double windowed_variance(const std::vector<double>& x) {
   long double st = 0, stt = 0, sx = 0, stx = 0, squares = 0, weight = 0;
   const auto n = static_cast<long double>(x.size());
@@ -189,14 +191,14 @@ TEST(Spectrum, IntegratesToTheWindowedVariance) {
     options.segment = n;
     const Spectrum spectrum = welch_spectrum(x, 0.5, options);
     const double variance = windowed_variance(x);
-    EXPECT_NEAR(integral(spectrum), variance, 1e-12 * variance); // Parseval; roundings only
-    EXPECT_NEAR(variance, 1.0,
-                0.2); // the noise put in: a windowed variance of 1000 values, 4 sigma
+    EXPECT_NEAR(integral(spectrum), variance, 1e-12 * variance); // Parseval, up to rounding
+    // The noise has variance 1; that of 1000 windowed values scatters by about 0.05.
+    EXPECT_NEAR(variance, 1.0, 0.2);
     EXPECT_EQ(spectrum.segments, 1u);
   }
 }
 
-TEST(Spectrum, HasItsFrequenciesWhereTheyBelong) {
+TEST(Spectrum, FrequenciesRunFromZeroToTheNyquistFrequency) {
   const Spectrum even = welch_spectrum(white_noise(100, 1), 2.0);
   ASSERT_EQ(even.frequency_hz.size(), 51u);
   ASSERT_EQ(even.density.size(), 51u);
@@ -209,9 +211,9 @@ TEST(Spectrum, HasItsFrequenciesWhereTheyBelong) {
   EXPECT_DOUBLE_EQ(odd.frequency_hz[50], 50.0 / 202.0);
 }
 
-TEST(Spectrum, HoldsThePowerOfASinusoid) {
+TEST(Spectrum, ContainsThePowerOfASinusoid) {
   const double amplitude = 3.0, interval = 0.25;
-  for (double bins : {40.0, 40.3, 40.5}) { // on a frequency of the spectrum and between two
+  for (double bins : {40.0, 40.3, 40.5}) { // at a frequency of the spectrum, and between two
     std::vector<double> x(1000);
     for (std::size_t i = 0; i < x.size(); ++i)
       x[i] = amplitude *
@@ -222,13 +224,15 @@ TEST(Spectrum, HoldsThePowerOfASinusoid) {
     double near = 0.0;
     for (std::size_t k = 37; k <= 44; ++k)
       near += spectrum.density[k] * spectrum.resolution_hz;
-    // the side lobes of a Hann window four bins away and more hold less than 1e-4 of the power
+    // Side lobes of the Hann window four or more bins away contain less than 1e-4 of the power.
     EXPECT_NEAR(near, amplitude * amplitude / 2.0, 1e-3) << bins;
     const auto peak = std::max_element(spectrum.density.begin(), spectrum.density.end());
     const double at = static_cast<double>(peak - spectrum.density.begin());
-    EXPECT_LE(std::abs(at - bins), 0.5); // the nearest frequency, or either when halfway
-    if (bins == 40.0) { // on a bin the peak is the power over the noise bandwidth, 1.5 resolutions
-      EXPECT_NEAR(*peak, 4.5 / (1.5 * spectrum.resolution_hz), 1e-6 * *peak); // fit of the trend
+    EXPECT_LE(std::abs(at - bins), 0.5); // the nearest frequency; either of two if halfway
+    // At a frequency of the spectrum the peak is the power over the window's noise bandwidth of 1.5
+    // resolutions. The tolerance allows for the trend that is fitted and removed.
+    if (bins == 40.0) {
+      EXPECT_NEAR(*peak, 4.5 / (1.5 * spectrum.resolution_hz), 1e-6 * *peak);
     }
   }
 }
@@ -246,26 +250,27 @@ TEST(Spectrum, HasTheLevelOfWhiteNoise) {
   for (std::size_t k = 2; k + 1 < spectrum.density.size(); ++k)
     mean += spectrum.density[k];
   mean /= static_cast<double>(spectrum.density.size() - 3);
-  EXPECT_NEAR(mean, level, 0.02 * level); // 1e5 values: sqrt(2/1e5) is 0.45 %, four of them
+  EXPECT_NEAR(mean, level, 0.02 * level); // four sigma: sqrt(2/1e5) = 0.45 % for 1e5 values
   EXPECT_NEAR(integral(spectrum), sigma * sigma, 0.02 * sigma * sigma);
 }
 
-TEST(Spectrum, IsAffectedByTheTrendOnlyAtTheLowestFrequencies) {
+TEST(Spectrum, RemovingTheTrendChangesOnlyTheLowestFrequencies) {
   SpectrumOptions options;
   options.segment = 64;
   options.overlap = 0.0;
   const Spectrum spectrum = welch_spectrum(white_noise(64 * 4000, 17), 1.0, options);
-  const std::vector<double> expected = {1.0 / 3.0, 0.719, 0.994}; // of the flat level; see header
-  // an average of 4000 independent ordinates errs by 1.6 %, at k = 0 and 32 by 2.2 %: four of them
-  EXPECT_NEAR(spectrum.density[0], expected[0], 0.088 * expected[0]); // k = 0 is not doubled
+  const std::vector<double> expected = {1.0 / 3.0, 0.719, 0.994}; // of the flat level; spectrum.hpp
+  // The tolerances are four sigma: an average of 4000 independent ordinates has a sigma of 1.6 %,
+  // at k = 0 and 32 of 2.2 %. The density there is not doubled.
+  EXPECT_NEAR(spectrum.density[0], expected[0], 0.088 * expected[0]);
   for (std::size_t k = 1; k < 3; ++k)
-    EXPECT_NEAR(spectrum.density[k] / 2.0, expected[k], 0.064 * expected[k]) << k; // likewise
+    EXPECT_NEAR(spectrum.density[k] / 2.0, expected[k], 0.064 * expected[k]) << k;
   for (std::size_t k = 3; k < 32; ++k)
-    EXPECT_NEAR(spectrum.density[k] / 2.0, 1.0, 0.064) << k; // likewise
-  EXPECT_NEAR(spectrum.density[32], 1.0, 0.088);             // nor is L/2
+    EXPECT_NEAR(spectrum.density[k] / 2.0, 1.0, 0.064) << k;
+  EXPECT_NEAR(spectrum.density[32], 1.0, 0.088);
 }
 
-TEST(Spectrum, DoesNotSeeAStraightLine) {
+TEST(Spectrum, IsIndependentOfAStraightLine) {
   const std::vector<double> plain = white_noise(1000, 18);
   std::vector<double> tilted = plain;
   for (std::size_t i = 0; i < tilted.size(); ++i)
@@ -273,7 +278,7 @@ TEST(Spectrum, DoesNotSeeAStraightLine) {
   const Spectrum a = welch_spectrum(plain, 1.0);
   const Spectrum b = welch_spectrum(tilted, 1.0);
   for (std::size_t k = 0; k < a.density.size(); ++k)
-    EXPECT_NEAR(b.density[k], a.density[k], 1e-10) << k; // 3000 added to 1 costs 4 of 16 digits
+    EXPECT_NEAR(b.density[k], a.density[k], 1e-10) << k; // the line's 3000 takes 4 of 16 digits
   SpectrumOptions mean_only;
   mean_only.detrend_linear = false;
   EXPECT_GT(welch_spectrum(tilted, 1.0, mean_only).density[1], 1e3 * a.density[1]);
@@ -290,27 +295,28 @@ TEST(Spectrum, DegreesOfFreedomMatchTheScatterOfManyRealisations) {
       const auto series = white_noise(320, static_cast<std::uint64_t>(run + 1));
       const Spectrum spectrum = welch_spectrum(series, 1.0, options);
       claimed = spectrum.degrees_of_freedom;
-      for (std::size_t k : {8u, 16u, 24u}) { // far apart, so nearly independent: 6000 draws
+      for (std::size_t k : {8u, 16u, 24u}) { // far apart, so nearly independent: 6000 draws in all
         mean += spectrum.density[k] / (3.0 * runs);
         square += spectrum.density[k] * spectrum.density[k] / (3.0 * runs);
       }
     }
     const double found = 2.0 * mean * mean / (square - mean * mean);
-    // scatter of a variance from 6000 draws of a chi-squared with 10 to 18 degrees: 2.4 %, times 3
+    // Three sigma: a variance estimated from 6000 draws of a chi-squared variable with 10 to 18
+    // degrees of freedom scatters by 2.4 %.
     EXPECT_NEAR(found / claimed, 1.0, 0.075) << overlap << ": " << found << " against " << claimed;
   }
 }
 
-TEST(Spectrum, CountsIndependentSegmentsTwice) {
+TEST(Spectrum, AnIndependentSegmentGivesTwoDegreesOfFreedom) {
   SpectrumOptions options;
   options.segment = 100;
   options.overlap = 0.0;
   const Spectrum spectrum = welch_spectrum(white_noise(1050, 2), 1.0, options);
   EXPECT_EQ(spectrum.segments, 10u);
-  EXPECT_DOUBLE_EQ(spectrum.degrees_of_freedom, 20.0); // real and imaginary part of each
+  EXPECT_DOUBLE_EQ(spectrum.degrees_of_freedom, 20.0); // a real and an imaginary part for each
 }
 
-TEST(Spectrum, LeavesOutSegmentsWithGapsAndSaysHowMany) {
+TEST(Spectrum, SkipsAndCountsSegmentsWithGaps) {
   std::vector<double> series = white_noise(1000, 6);
   SpectrumOptions options;
   options.segment = 100;
@@ -322,15 +328,16 @@ TEST(Spectrum, LeavesOutSegmentsWithGapsAndSaysHowMany) {
   EXPECT_EQ(spectrum.segments_skipped, 2u);
   for (double density : spectrum.density)
     EXPECT_TRUE(std::isfinite(density));
-  // hole in the middle: two unbroken runs of 9 and 8 segments, neighbours correlated by 1/36
+  // The gap leaves two runs of 9 and 8 segments, with 15 pairs of neighbours correlated by 1/36 (in
+  // the limit of long segments).
   const double expected = 2.0 * 17.0 * 17.0 / (17.0 + 2.0 * 15.0 / 36.0);
-  EXPECT_NEAR(spectrum.degrees_of_freedom, expected, 1e-3 * expected); // 1/36 holds for L infinite
+  EXPECT_NEAR(spectrum.degrees_of_freedom, expected, 1e-3 * expected);
 }
 
-TEST(Spectrum, LosesNoDigitsToALargeOffset) {
+TEST(Spectrum, IsAccurateDespiteALargeOffset) {
   std::vector<double> plain = white_noise(512, 9);
   for (double& v : plain)
-    v = std::ldexp(std::round(std::ldexp(v, 20)), -20); // exact under 1e9
+    v = std::ldexp(std::round(std::ldexp(v, 20)), -20); // so that adding 1e9 is exact
   std::vector<double> raised = plain;
   for (double& v : raised)
     v += 1e9;
@@ -340,7 +347,7 @@ TEST(Spectrum, LosesNoDigitsToALargeOffset) {
     const Spectrum a = welch_spectrum(plain, 1.0, options);
     const Spectrum b = welch_spectrum(raised, 1.0, options);
     for (std::size_t k = 0; k < a.density.size(); ++k)
-      EXPECT_NEAR(b.density[k], a.density[k], 1e-12) << k; // densities of order 1, roundings
+      EXPECT_NEAR(b.density[k], a.density[k], 1e-12) << k; // rounding of densities of order 1
   }
 }
 

@@ -1,11 +1,10 @@
-// Lines: strictly periodic parts of a series, as a wheel with a bad tooth makes them.
+// Lines: strictly periodic parts of a series, such as a wheel with a bad tooth causes.
 //
-// A sinusoid of amplitude A in N values stands out of the periodogram by A^2 N / (4 sigma^2) of its
-// surroundings, however broad those are. Noise of a density known from a median over n ordinates
-// exceeds R times it at one frequency with probability (1 + R/nu)^-nu, nu = n (ln 2)^2 / 2, which
-// tends to exp(-R). Where it means little: below three turns in the whole series, where a slow
-// wander looks like a line, and for a period that itself wanders by more than one turn in the
-// series.
+// A sinusoid of amplitude A in N values of noise of variance sigma^2 rises above the periodogram of
+// the noise by a factor A^2 N / (4 sigma^2). Noise exceeds R times its density, as estimated from a
+// median over n ordinates, at one frequency with probability (1 + R/nu)^-nu, nu = n (ln 2)^2 / 2,
+// which tends to exp(-R). A line means little below three periods in the whole series, where slow
+// wander looks like one, and if its period wanders by more than one cycle over the series.
 #pragma once
 
 #include <cstddef>
@@ -24,36 +23,36 @@ struct SpectralLine {
   double phase_rad;       ///< at the first value of the series, -pi to pi
   double ratio;           ///< periodogram over the density around it
   double false_alarm;     ///< probability that noise shows such a ratio anywhere in the search
-  /// Place in the list of the line it belongs to, if it is a sideband.
+  /// For a sideband: the index, in the list, of the line it belongs to.
   std::optional<std::size_t> sideband_of{};
 };
 
-/// How lines are looked for.
+/// Settings of the search for lines.
 struct LineSearch {
-  double false_alarm = 0.01; ///< what a line must stay below
-  double from_hz = 0.0;      ///< lowest frequency; at least three turns in the series in any case
-  std::size_t most = 20;     ///< lines at most
-  std::size_t around = 128;  ///< resolutions that tell the density around a line
+  double false_alarm = 0.01; ///< the largest SpectralLine::false_alarm of a line
+  double from_hz = 0.0;      ///< lowest frequency; never below three periods in the series
+  std::size_t most = 20;     ///< the largest number of lines
+  std::size_t around = 128;  ///< width, in resolutions, over which the density is estimated
 };
 
-/// Finds the lines of a series, the strongest first, each taken out before the next is looked for.
+/// Finds the lines of a series, the strongest first; each is removed before the next is searched.
 ///
-/// The periodogram on frequencies half a resolution apart is compared with the density around it:
-/// medians over blocks of up to `around` resolutions (at low frequencies half the frequency, so
-/// that a slope is not a line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N values (twice
-/// the independent frequencies: the finer grid gives noise more chances). Frequency, amplitude and
-/// phase are then those of least squares.
+/// The periodogram on frequencies half a resolution apart is compared with the density around each:
+/// medians over blocks of up to `around` resolutions (at low frequencies over half the frequency,
+/// so that a slope does not count as a line), divided by ln 2. false_alarm = 1 - (1 - p)^N with N
+/// values (twice the independent frequencies: the finer grid gives noise more chances). Frequency,
+/// amplitude and phase are then found by least squares.
 ///
-/// A periodic part whose size or pace changes within the series is one line with sidebands close to
-/// it. A line within four resolutions of one that is stronger by half or more is named its
-/// sideband: it may as well be a weak line of its own, which only a longer series would tell
-/// (LinesTest.ALineThatSwellsIsOneWithSidebands).
+/// A periodic part whose amplitude or frequency changes within the series appears as one line with
+/// sidebands close to it. A line within four resolutions of one that is stronger by half or more is
+/// marked as its sideband. It may also be a weak line of its own, which only a longer series would
+/// show (LinesTest.ALineThatSwellsIsOneWithSidebands).
 ///
 /// `series`: 64 or more finite values; `interval_s` above 0. Throws ArgumentError otherwise.
-/// Accuracy: white and red noise show a line no oftener than it says
+/// Accuracy: white and red noise show a line no more often than false_alarm says
 /// (LinesTest.NoiseShowsALineNoOftenerThanItSays, LinesTest.ARedContinuumHasNoLines); frequency and
-/// amplitude to their Cramer-Rao bounds (LinesTest.FindsALineToItsBound). Cost: one transform of 2
-/// N values per line.
+/// amplitude are as accurate as their Cramer-Rao bounds (LinesTest.FindsALineToItsBound). Cost: one
+/// transform of 2 N values per line.
 [[nodiscard]] std::vector<SpectralLine>
 find_lines(std::span<const double> series, double interval_s, const LineSearch& search = {});
 
@@ -61,7 +60,7 @@ find_lines(std::span<const double> series, double interval_s, const LineSearch& 
 [[nodiscard]] std::vector<double> without_lines(std::span<const double> series, double interval_s,
                                                 std::span<const SpectralLine> lines);
 
-/// The mean course of a series over one turn of something periodic.
+/// The mean of a series as a function of the phase of a period.
 struct FoldedProfile {
   std::vector<double> phase; ///< middle of each bin, turns from 0 to 1
   std::vector<double> mean;  ///< unit of the series, less the mean of the whole
@@ -78,20 +77,20 @@ struct FoldedProfile {
 struct ExpectedPeriod {
   double period_s;
   std::string_view kind; ///< "arbor", "mesh", "day" ...
-  std::size_t place = 0; ///< which arbor, from the slowest as 1; of a mesh, the driving one
+  std::size_t place = 0; ///< number of the arbor, the slowest being 1; of a mesh, the driving one
 };
 
 /// Periods of a going train: teeth of wheels and leaves of pinions from the slowest arbor to the
-/// escape wheel, as 60, 8, 64, 8, 30: a wheel of 60 drives a pinion of 8 that carries a wheel of
-/// 64, and so on; 30 teeth of the escape wheel pass one each period of the pendulum. The escape
-/// wheel turns in 30 periods; each arbor before it slower by wheel over pinion. A mesh repeats with
-/// every tooth: the time of a turn over the teeth. Slowest first. Throws ArgumentError unless there
-/// is an odd count of numbers, each 2 or more.
+/// escape wheel. In 60, 8, 64, 8, 30, a wheel of 60 drives a pinion of 8 on the arbor of a wheel of
+/// 64, and so on; one of the 30 teeth of the escape wheel passes in each period of the pendulum.
+/// The escape wheel turns in 30 periods, and each arbor before it is slower by wheel over pinion. A
+/// mesh repeats with every tooth: the time of a turn divided by the number of teeth. Slowest first.
+/// Throws ArgumentError unless there is an odd count of numbers, each 2 or more.
 [[nodiscard]] std::vector<ExpectedPeriod> train_periods(std::span<const int> train,
                                                         double period_s);
 
-/// The solar day and its half, and the tides M2 and O1 (12.4206 h and 25.8193 h): what long logs of
-/// clocks show of temperature, traffic and gravity.
+/// The solar day and half of it, and the tides M2 and O1 (12.4206 h and 25.8193 h): the periods at
+/// which temperature, traffic and gravity show in long logs of clocks.
 [[nodiscard]] std::vector<ExpectedPeriod> natural_periods();
 
 } // namespace goingrate

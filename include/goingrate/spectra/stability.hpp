@@ -2,11 +2,11 @@
 // relatives.
 //
 // A deviation at tau = m tau0 is the root mean square of second (Hadamard: third) differences of
-// the time error over tau; it does not see a constant offset or a constant rate of the clock (nor,
-// for Hadamard, a steady drift). It means little when only a handful of differences are left (look
-// at n, low, high), and the second differences measure drift rather than noise where the clock's
-// rate drifts steadily. MTIE and the rms time error see the rate too: they say what the clock
-// shows, not how steady it is.
+// the time error over tau; a constant offset or a constant rate of the clock does not change it
+// (nor, for Hadamard, a steady drift). It means little when only a handful of differences are left
+// (see n, low, high), and the second differences measure drift rather than noise where the clock's
+// rate drifts steadily. MTIE and the rms time error include the rate: they describe the error of
+// the clock, not how steady it is.
 //
 // Conventions: x is the time error in seconds, y = dx/dt the fractional frequency; N phase values
 // span N - 1 intervals tau0, T = (N-1) tau0; a NaN is a gap. All equations but PDEV's are those of
@@ -81,7 +81,7 @@ struct DeviationRow {
                     ///< alpha is below what the variance converges for, or there is no value, or
                     ///< the deviation has no interval (mtie, tierms)
   double bias =
-      1.0; ///< the variance was divided by this: its expectation over that of the unbiased
+      1.0; ///< the variance was divided by this: its expectation over that of an unbiased one
 };
 
 /// A stability table: one row for each requested factor, in the same order.
@@ -96,8 +96,8 @@ struct DeviationTable {
 /// What may be chosen about a stability table.
 struct DeviationOptions {
   std::optional<int> alpha = {}; ///< noise at every tau, -4 to 2; nothing: it is identified at each
-  bool remove_bias = true;       ///< false: the total variances and Theo1 as they come
-  std::size_t threads = 0;       ///< to share the factors among; 0: as many as the work is worth
+  bool remove_bias = true;       ///< false: the total variances and Theo1 without correction
+  std::size_t threads = 0;       ///< among which the factors are shared; 0: chosen by the work
 };
 
 /// Computes deviations of phase data, with the kind of noise and a confidence interval.
