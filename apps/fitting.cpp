@@ -1,4 +1,4 @@
-// From the command line's words to what is asked of a fit.
+// The options that describe a fit, and their translation into a FitRequest.
 #include "common.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -22,22 +22,23 @@ void add_parameter_options(CLI::App& command, ModelOptions& options) {
   auto* free =
       command
           .add_option("--free", options.freed,
-                      "fit these too: NAME[,NAME] of quadratic_drag, dry_friction, gravity_share, "
-                      "offset (of the sensor, rad), drift (of the rate, 1/day), and, where the "
-                      "log has such columns, temperature (1/K), pressure (1/mbar), humidity (1/%) "
-                      "[where the rate answers by 5 sigma], and with the first two density (of "
-                      "air, m^3/kg), with dates and --site tide (share of theory); or what a "
-                      "--from file holds")
+                      "fit these as well: NAME[,NAME]. For any log: quadratic_drag, dry_friction, "
+                      "gravity_share, offset (of the sensor, rad), drift (of the rate, 1/day). "
+                      "Where the log has the columns: temperature (1/K), pressure (1/mbar), "
+                      "humidity (1/%), all fitted anyway where the rate responds by 5 sigma, and "
+                      "from temperature and pressure density (of air, m^3/kg). With dates and "
+                      "--site: tide (share of theory). Also any parameter that a --from file "
+                      "holds")
           ->delimiter(',');
   offers(free, optional_parameter_names())->allow_extra_args(false);
   auto* prior =
-      command.add_option("--prior", options.priors, "knowledge from elsewhere: NAME=VALUE+-SIGMA");
+      command.add_option("--prior", options.priors, "a value known from elsewhere: NAME=VALUE+-SIGMA");
   offers(prior, names)->allow_extra_args(false);
   auto* event = command.add_option(
       "--event", options.events,
-      "parameters that change: CYCLE:NAME[,NAME], the names of mu, epsilon, phi0, T0, at that "
-      "crossing; ~CYCLE:NAME at some moment of the swings about it; or by time 300s:mu; or auto "
-      "to search, or none; the k-th gives mu@k [auto, or those of --from]");
+      "a change of mu, epsilon, phi0 or T0. CYCLE:NAME[,NAME]: at that crossing. ~CYCLE:NAME: at "
+      "some moment of the swings around it. 300s:mu: at that time. auto: search for changes. none: "
+      "no changes. The k-th event gives mu@k [auto, or those of --from]");
   offers(event, {"auto", "none"})->allow_extra_args(false);
 }
 
@@ -52,9 +53,9 @@ void add_model_options(CLI::App& command, ModelOptions& options) {
       ->check(one_of({"averaged1", "averaged2", "map", "auto"}));
   command
       .add_option("--noise", options.noise,
-                  "jitter of the sensor; drive: noise of the drive and exact times; both; slow: "
-                  "these two and a drive that wanders; auto: jitter, and more if BIC asks for it "
-                  "[auto]")
+                  "jitter: sensor jitter only; drive: drive noise only, times exact; both; slow: "
+                  "both plus a slowly wandering drive; auto: jitter, plus more where the BIC "
+                  "favours it [auto]")
       ->check(one_of({"jitter", "drive", "both", "slow", "auto"}));
   command
       .add_option("--escapement", options.escapement,
@@ -63,8 +64,8 @@ void add_model_options(CLI::App& command, ModelOptions& options) {
                   "[auto]")
       ->check(one_of({"constant-torque", "single-impulse", "none", "auto"}));
   command.add_option("--from", options.from,
-                     "parameters as `fit --par` writes them: what is held, where the search "
-                     "starts, events, priors, model; other options win over the file");
+                     "parameter file written by `fit --par`: held values, start values, events, "
+                     "priors, model; options given here override it");
 }
 
 void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
@@ -73,7 +74,8 @@ void tell_events(std::span<const FitEvent> events, std::span<const Beat> good,
     const auto at = std::find_if(good.begin(), good.end(), [&](const Beat& beat) {
       return beat.cycle - good.front().cycle >= event.cycle;
     });
-    say(global, fmt::format("found a change at cycle {} ({:.6g} s): {} may change there",
+    say(global, fmt::format("change found at cycle {}, {:.6g} s after the first beat: the fit lets "
+                            "{} change there",
                             event.cycle + good.front().cycle, at->time - good.front().time,
                             event.names.front()));
   }

@@ -278,7 +278,7 @@ TEST_F(CommandTest, OnATerminalItSaysWhatItIsDoingAndWipesThat) {
   const std::size_t wiped = loud.rfind("\r\x1b[K"); // before what was found is told
   ASSERT_NE(wiped, std::string::npos) << loud;
   EXPECT_GT(wiped, loud.rfind("fitting the model"));
-  EXPECT_NE(loud.find("found a change", wiped), std::string::npos) << loud;
+  EXPECT_NE(loud.find("change found", wiped), std::string::npos) << loud;
   std::istringstream notes(loud);
   for (std::string note; std::getline(notes, note, '\n');) {
     if (note.find("\x1b") != std::string::npos) continue;

@@ -49,8 +49,8 @@ struct Spectrum {
 ///
 /// `series`: N values, 8 or more, any unit, NaN = gap. `interval_s`: s, above 0. Any N and L, prime
 /// or not, is transformed in O(L log L).
-/// Accuracy: the sum rule holds to 1e-12 (Spectrum.IntegratesToTheWindowedVariance). Tests check the
-/// level of white noise and the power of a sinusoid (Spectrum.HasTheLevelOfWhiteNoise,
+/// Accuracy: the sum rule holds to 1e-12 (Spectrum.IntegratesToTheWindowedVariance). Tests check
+/// the level of white noise and the power of a sinusoid (Spectrum.HasTheLevelOfWhiteNoise,
 /// Spectrum.ContainsThePowerOfASinusoid), the first frequencies
 /// (Spectrum.RemovingTheTrendChangesOnlyTheLowestFrequencies), and the degrees of freedom against
 /// the scatter of 2000 realisations (Spectrum.DegreesOfFreedomMatchTheScatterOfManyRealisations).
