@@ -48,15 +48,18 @@ void add_batch_options(CLI::App& command, BatchOptions& options) {
                      "the jobs are realisations of this scenario, not logs");
   command
       .add_option("--realisations", options.realisations,
-                  "so many; number i, from 0, is what simulate gives with --seed SEED+i")
+                  "number of realisations; number i, from 0, is what simulate gives with --seed "
+                  "SEED+i")
       ->check(CLI::Range(1, 1000000000));
-  command.add_option("--seed", options.seed, "of realisation 0")->check(seed_range());
+  command.add_option("--seed", options.seed, "seed of realisation 0")->check(seed_range());
   add_override_option(command, options.scenario);
   command.add_option("--share", options.share,
                      "k/n: do every n-th job, from the k-th on, for batch merge");
   command.add_flag("--resume", options.resume,
-                   "do what is missing of an interrupted batch, and nothing if all is there");
-  command.add_option("--threads", options.threads, "0: one a core; changes nothing but the time")
+                   "do only the jobs that an interrupted batch left undone");
+  command
+      .add_option("--threads", options.threads,
+                  "number of threads; 0: one per core. The results are the same")
       ->check(not_negative());
   add_quiet_flag(command, options);
   const auto all = command.get_options();
@@ -177,23 +180,23 @@ void run_logs(const Words& given, const JobSettings& settings, BatchRequest requ
   run_jobs(std::move(request), global);
 }
 
-// ---- the parsers of what stands behind the name of a job
+// ---- the parsers of the words after the name of a job
 
 void add_kind(CLI::App& command, const JobKind& kind, Job& job, Words& logs,
               BatchOptions& options) {
   job = kind.add(command);
-  command.add_option("log", logs, "the logs, one job each; of a folder all files in it");
+  command.add_option("log", logs, "the logs, one job each; a folder stands for all files in it");
   add_batch_options(command, options);
 }
 
 void add_merge(CLI::App& command, Words& shares, BatchOptions& options) {
   command.add_option("share", shares, "the files of all shares, in any order")->required();
-  add_output_option(command, options, "the whole; standard output if not given");
+  add_output_option(command, options, "the whole batch; standard output if not given");
   add_quiet_flag(command, options);
 }
 
 void add_summary(CLI::App& command, std::string& file, std::string& json, BatchOptions& options) {
-  command.add_option("file", file, "what batch wrote, or batch merge")->required();
+  command.add_option("file", file, "the file that batch or batch merge wrote")->required();
   add_output_option(command, options, "the text; standard output if not given");
   add_json_option(command, json);
   add_quiet_flag(command, options);
@@ -243,14 +246,14 @@ void run_kind(const JobKind& kind, BatchOptions options, const Words& words, Glo
   request.output = options.output;
   request.resume = options.resume;
   if (options.resume && options.output == "-")
-    throw UsageError("--resume needs the file that was begun: -o FILE");
+    throw UsageError("--resume needs the file of the interrupted batch: -o FILE");
   request.threads = options.threads;
   simulates ? run_realisations(options, settings, std::move(request), global)
             : run_logs(given, settings, std::move(request), global);
 }
 
 void run_merge(BatchOptions options, const Words& words) {
-  CLI::App command{"shares become the whole batch", "goingrate batch merge"};
+  CLI::App command{"join the shares of a batch into the whole", "goingrate batch merge"};
   narrow_help(command);
   Words shares;
   add_merge(command, shares, options);
@@ -258,7 +261,7 @@ void run_merge(BatchOptions options, const Words& words) {
 }
 
 void run_summary(BatchOptions options, const Words& words) {
-  CLI::App command{"what a whole batch says", "goingrate batch summary"};
+  CLI::App command{"summarise a whole batch", "goingrate batch summary"};
   narrow_help(command);
   std::string file, json;
   options.output.clear();

@@ -76,26 +76,27 @@ void add_log_options(CLI::App& command, LogOptions& options) {
 namespace {
 
 void add_weather_options(CLI::App& command, WeatherRequest& weather, std::string& site) {
-  constexpr const char* group = "What surrounds the clock";
+  constexpr const char* group = "The surroundings of the clock";
   auto* files =
       command
           .add_option("--weather", weather.files,
-                      "a table with a header that names a time, and a temperature, a pressure or a "
-                      "humidity, at another cadence: interpolated to the beats")
+                      "table with a header, with columns for the time and for temperature, "
+                      "pressure or humidity; its readings are interpolated to the beats")
           ->allow_extra_args(false)
           ->group(group);
   command
       .add_option("--weather-zone", weather.zone,
-                  "zone of its dates, where they name none and the log's are in another: +01:00")
+                  "time zone of the table's dates, such as +01:00, if they name none and the "
+                  "log's dates are in another zone")
       ->needs(files)
       ->group(group);
-  command.add_option("--weather-offset", weather.offset_s, "s to add to its times")
+  command.add_option("--weather-offset", weather.offset_s, "s to add to the table's times")
       ->needs(files)
       ->group(group);
   command
       .add_option("--site", site,
-                  "LATITUDE,LONGITUDE of the clock, degrees, north and east positive: what Moon and "
-                  "Sun do to a dated log becomes known")
+                  "LATITUDE,LONGITUDE of the clock, degrees, north and east positive: gives the "
+                  "effect of Moon and Sun on the rate of a dated log")
       ->group(group);
 }
 
@@ -108,25 +109,25 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
       ->check(positive());
   command.add_flag(
       "--both-edges", options.both_edges,
-      "the log holds both directions without labels; found by itself if the clock is out "
-      "of beat");
+      "the log holds crossings in both directions, without labels; recognised without this "
+      "option if the clock is out of beat");
   command
       .add_option("--flag-width", options.flag_width_rad,
                   "angle (rad) of a centred flag as seen from the pivot. With a column of widths "
-                  "it gives the amplitudes; without, the times are those of its leading edge and "
-                  "are moved to the vertical with each beat's amplitude")
+                  "it gives the amplitudes. Without one, the times are those of the flag's leading "
+                  "edge and are moved to the vertical with each beat's amplitude")
       ->check(CLI::Range(0.0, 1.0) & not_negative());
   command
       .add_option("--gravity-share", options.gravity_share,
-                  "share of gravity in the restoring torque, the rest being a spring's: 1 a "
-                  "pendulum, 0 torsion. The circular error, amplitudes from --flag-width and the "
-                  "fit follow it")
+                  "share of gravity in the restoring torque; the rest is a spring's. 1: a "
+                  "pendulum, 0: torsion. Used for the circular error, for amplitudes from "
+                  "--flag-width and in the fit")
       ->check(CLI::Range(-10.0, 1.5))
       ->capture_default_str();
   auto* place = command.add_option(
       "--sensor-offset", options.sensor_offset,
-      "angle (rad) at which the sensor stands: times are moved to the vertical, and amplitudes had "
-      "from the two half-periods; auto: estimated from the log");
+      "angle (rad) of the sensor from the vertical: the times are moved to the vertical, and the "
+      "two half-periods give amplitudes; auto: estimated from the log");
   offers(place, {"auto"});
   command
       .add_option("--gap-probability", options.gap_probability,
@@ -136,15 +137,15 @@ void add_log_settings(CLI::App& command, LogOptions& options) {
   command
       .add_option(
           "--dead-time", options.dead_time_s,
-          "a contact bounces: events within so many s after an edge are part of it; 0: none "
-          "are; found by itself if not given")
+          "for a contact that bounces: events within this many s after an edge are bounces; 0: "
+          "there are none; estimated from the log if not given")
       ->check(not_negative());
   add_reading_options(command, options);
   add_weather_options(command, options.weather, options.site);
 }
 
 void add_reading_options(CLI::App& command, LogOptions& options) {
-  constexpr const char* group = "How the log is read (found out and said if not given)";
+  constexpr const char* group = "How the log is read (recognised and reported if not given)";
   std::vector<std::string> formats = format_names();
   formats.insert(formats.end(), {"labx", "zip"}); // recognised without the option
   command.add_option("--format", options.format, "what kind of log it is")
@@ -164,8 +165,8 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       ->group(group);
   command
       .add_option("--wrap", options.wrap_s,
-                  "the times begin again every so many s; 0: they never do. With --nominal-period "
-                  "also for counters that overflow more than once a beat")
+                  "the times start again after this many s; 0: they never do. With "
+                  "--nominal-period also for counters that overflow more than once a beat")
       ->check(not_negative())
       ->group(group);
   command.add_option("--tau0", options.tau0_s, "s between values of phase, frequency or intervals")
@@ -173,7 +174,7 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       ->group(group);
   command
       .add_option("--counter-hz", options.counter_hz,
-                  "of a log in cycles of a counter: how many it counts in a second")
+                  "for a log in cycles of a counter: cycles in a second")
       ->check(positive() & CLI::Range(1.0, 1e12))
       ->group(group);
   command.add_flag("--decimal-comma", options.decimal_comma, "12,5 is twelve and a half")
@@ -185,26 +186,28 @@ void add_reading_options(CLI::App& command, LogOptions& options) {
       ->group(group);
   auto* channel = command.add_option(
       "--channel", options.channels,
-      "of a TICC: chA, chB; of a recording: beat=1, or 1 alone, for the one in which "
-      "the clock is heard, pps=2 for a reference that clicks once a second");
+      "for a TICC: chA or chB; for a recording: beat=1, or just 1, is the channel in which the "
+      "clock is heard, and pps=2 that of a reference that clicks once a second");
   offers(channel, {"chA", "chB", "beat=", "pps="})->allow_extra_args(false)->group(group);
   command
       .add_option("--clock-ppm", options.clock_ppm,
-                  "of a recording: the standard deviation of the sampling rate, parts in a million")
+                  "for a recording: standard deviation of the sampling rate, parts in a million")
       ->check(not_negative() & CLI::Range(0.0, 1e5))
       ->capture_default_str()
       ->group(group);
   command
       .add_option("--rest-angle", options.rest_angle_rad,
-                  "of angle samples: the angle (rad) at which the pendulum hangs")
+                  "for angle samples: the angle (rad) at which the pendulum hangs at rest")
       ->group(group);
   command
       .add_option("--unpacked-limit", options.unpacked_limit_gib,
-                  "GiB that a packed log may have unpacked")
+                  "largest size of a packed log after unpacking, GiB")
       ->check(positive() & CLI::Range(0.0, 1e9))
       ->capture_default_str()
       ->group(group);
-  command.add_flag("--strict", options.strict, "the first line at fault is an error")->group(group);
+  command
+      .add_flag("--strict", options.strict, "stop with an error at the first faulty line")
+      ->group(group);
 }
 
 namespace {
@@ -273,16 +276,16 @@ std::string split_text(const Gap& gap) {
   if (gap.kind == GapKind::restart)
     return place + "the time goes back there, and a new segment begins; the longest part is used";
   if (gap.kind == GapKind::gap && gap.probability >= 0.99)
-    return place + fmt::format("about {} beats are missing, more than could be counted without "
-                               "doubt; the longest part is used",
+    return place + fmt::format("about {} beats are missing, too many to be sure of their number; "
+                               "the longest part is used",
                                gap.length);
   if (gap.kind == GapKind::step)
-    return place + "the events go on displaced, as if the reference had been set; the longest part "
-                   "is used";
+    return place + "later times are displaced, as if the reference clock had been set; the longest "
+                   "part is used";
   if (gap.probability == 0.0 && gap.kind == GapKind::gap)
     return place +
-           fmt::format("about {} beats are missing, more than this log lets count (ten times "
-                       "its longest run at most); the longest part is used",
+           fmt::format("about {} beats are missing, more than ten times the log's longest run, "
+                       "which is the most that can be counted; the longest part is used",
                        gap.length);
   constexpr double least_shown = 1e-3;
   const std::string probability =
@@ -308,12 +311,12 @@ void tell_about(const NumberedLog& loaded, const GlobalOptions& global) {
   for (const Gap& gap : loaded.beats.gaps)
     if (!gap.bridged && ++splits <= issues_shown) say(global, split_text(gap));
   if (splits > issues_shown)
-    say(global, fmt::format("... and at {} more places", splits - issues_shown));
+    say(global, fmt::format("... and {} more splits", splits - issues_shown));
   constexpr double largest_swing_rad = 1.0; // rad: no clock swings so far
   if (loaded.sensor.amplitude && loaded.sensor.amplitude->mean_rad > largest_swing_rad)
     say(global,
-        fmt::format("warning: the amplitudes, {:.3g} in the mean, were taken for radians; if "
-                    "they are not, say so: --column amplitude=NAME:deg (or mrad)",
+        fmt::format("warning: the amplitudes, with a mean of {:.3g}, were taken for radians; if "
+                    "they are not, give their unit: --column amplitude=NAME:deg (or mrad)",
                     loaded.sensor.amplitude->mean_rad));
 }
 

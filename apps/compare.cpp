@@ -44,20 +44,20 @@ void run(const CompareCommand& options, const GlobalOptions& global) {
 
 void add_compare(CLI::App& program, const GlobalOptions& global) {
   auto* command = program.add_subcommand(
-      "compare", "several clocks: their rates, deviations of each, of differences, and alone");
+      "compare", "several clocks: rates, and deviations of each, of differences and of each alone");
   auto options = std::make_shared<CompareCommand>();
   command
       ->add_option(
           "logs", options->paths,
-          "the logs of two clocks or more, one of each, in the same time; a folder or a ZIP "
-          "is the log of one clock")
+          "the logs of two or more clocks over the same time, one log for each clock; a folder "
+          "or a ZIP is one log")
       ->required();
   add_log_settings(*command, options->log);
   command->add_option("-o,--output", options->output, "the tables; standard output if not given");
   command->add_option("--rates", options->rates, "write the rates on one time axis as CSV");
   add_json_option(*command, options->json);
   add_plot_option(*command, options->plot, "rates and deviations");
-  command->footer("Three clocks or more tell what each does alone (three-cornered hat).\n"
+  command->footer("Three or more clocks give the deviation of each alone (three-cornered hat).\n"
                   "Example:\n  goingrate compare data/logs/jump.csv data/logs/interruption.csv");
   command->callback([options, &global] { run(*options, global); });
 }

@@ -51,21 +51,21 @@ These override what was recognised: --format, --unit, --column time=2,
 frequency and intervals), --rest-angle (rad, at which a pendulum recorded as
 angle samples hangs). A compressed log may unpack to 4 GiB at most;
 --unpacked-limit changes that. A recording's sampling rate is taken to be right
-to 50 parts in a million; --clock-ppm says otherwise. --weather FILE brings
-temperature, pressure and humidity from a table with a header, at another
-cadence.
---dead-time (s): events that follow an edge within it are bounces of a contact;
+to 50 parts in a million; --clock-ppm sets another value. --weather FILE adds
+temperature, pressure and humidity from a table with a header; its readings
+are interpolated to the beats.
+--dead-time (s): events within this time after an edge are bounces of a contact;
 without the option the dead time is estimated from the log. Where times go back,
 a new segment begins.
-With --strict the first faulty line is an error; otherwise faults are mended or
-left out, and rate --json lists each with its line and column.
+With --strict the first faulty line is an error; otherwise faulty lines are
+mended or left out, and rate --json lists each with its line and column.
 An amplitude is in rad unless the header or --column amplitude=NAME:mrad (rad,
 mrad, deg) says otherwise; the third column of a clock-error log is in mrad.
 About the sensor: with --flag-width (rad: the width of the flag divided by its
 distance from the pivot) the passage times of the flag give amplitudes, or the
 times of its leading edge are moved to the vertical. --sensor-offset (rad, or
-auto) is the angle at which the sensor stands: times are moved to the vertical,
-and the lengths of the two half swings give amplitudes.
+auto) is the angle of the sensor from the vertical: times are moved to the
+vertical, and the lengths of the two half swings give amplitudes.
 )"},
     Topic{"scenario", "keys of a scenario for simulate",
           R"([clock]   nominal_period (s), epsilon, mu, phi0 (rad),
@@ -86,7 +86,7 @@ and the lengths of the two half swings give amplitudes.
 [length]  relative changes: drift_per_day,
           sine = [{amplitude = 1e-6, period = 86400.0}],
           temperature_coefficient (per K, of the temperature below);
-          compensation (per K, takes off again), compensation_lag (s)
+          compensation (per K, subtracted), compensation_lag (s)
 [temperature]
           mean (degrees C), drift_per_day (K),
           sine = [{amplitude = 2.0, period = 86400.0}] (K, s)
@@ -102,16 +102,16 @@ column.
             next: a late crossing makes one period longer and the next one
             shorter; the deviation falls as 1/τ
 fast drive  drive that varies independently from one period to the next: the
-            rate answers at once with one gain, and with another once the
+            rate responds at once with one gain, and with another once the
             amplitude has settled; the clock's error is a random walk, and the
             deviation falls as 1/√τ
 slow drive  drive that stays high or low for minutes to hours: its effects add
-            up, and the clock gains or loses for as long
-fit --noise jitter|drive|both|slow|auto says which of them a fit reckons with;
-auto takes a further one only where the log is much likelier with it (by the
-BIC, which sets a price on every parameter). spectrum finds the size of all
-three from the spectrum of the rate and says what each costs in a day, a week
-and a year.
+            up, and the clock gains or loses all that time
+fit --noise jitter|drive|both|slow|auto selects which of them the fit includes;
+auto adds one only where it makes the log much more likely (by the BIC, which
+penalises every further parameter). spectrum finds the sizes of all three from
+the spectrum of the rate, and the time error that each part of the drive causes
+in a day, a week and a year.
 stability names the noise at every averaging time.
 )"},
     Topic{"diary", "what the keeper of a clock wrote down, checked by report",
@@ -128,23 +128,23 @@ what   rate    regulated: value is the change of the rate, s/day, + faster
        clean   cleaned or oiled: the relative change of the friction
        set     the hands set: by how many s, + forward
        wind, stop, start, note: no value
-value, sigma   as it was planned, and how surely; both may be empty
-The report tells planned against found, which entries the log does not show, and
-what the log shows that is not written down. A note may be a quarter of an hour
-off. Entries of rate, weight and clean are events of the fit; a sigma makes the
-value knowledge that the fit reckons with. --diary-out FILE writes what the log
-shows in the same format.
+value, sigma   the planned value and its standard deviation; both may be empty
+The report compares planned and found values, and lists entries that the log
+does not show and changes that nobody wrote down. The time of an entry may be a
+quarter of an hour off. Entries of rate, weight and clean are events of the fit;
+a value with a sigma is prior knowledge in the fit. --diary-out FILE writes the
+changes that the log shows, in the same format.
 )"},
     Topic{"identifiability", "what a log can and cannot tell",
           R"(A log of a steady clock tells the mean rate and nothing about ε, μ and φ0: they
 are 'undetermined'. A change tells more: a change of the driving weight, a start
 from rest, a ring-down, or logged amplitudes. With T0 known (--fix T0=2) the
 mean rate gives the ratio of drive to friction. A log of a steady clock with a
-noisy drive shows how the rate answers slow and fast changes of the drive; two
-clocks fit it, whose slow answers have opposite signs, and one reading of the
-amplitude (--prior lambda0=0.05+-0.005) tells which of them it is. fit names the
-combinations of parameters that are determined, and the experiment that would
-tell more, with the σ it would reach.
+noisy drive shows how the rate responds to slow and fast changes of the drive.
+Two clocks fit such a log, whose responses to slow changes have opposite signs;
+one reading of the amplitude (--prior lambda0=0.05+-0.005) tells which of them
+it is. fit names the combinations of parameters that are determined, and the
+experiment that would tell more, with the σ it would reach.
 )"},
     Topic{"exit-codes", "exit codes, and where results and messages go",
           R"(0  done; also if the reader of standard output closes it early, as head does

@@ -110,7 +110,7 @@ std::string usage_words(const CLI::ParseError& error) {
     }
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
     if (const std::size_t at = what.find(": 1 required "); at != std::string::npos)
-      return what.substr(0, at) + ": expected a value behind it";
+      return what.substr(0, at) + ": expected a value after it";
   return what;
 }
 

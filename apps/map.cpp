@@ -88,20 +88,21 @@ void solve(const MapCommand& options) {
   const auto points =
       operating_points(known_pair(options.solve), options.phi0,
                        options.first_order ? Equations::first_order : Equations::exact);
-  if (points.empty()) throw NumericsError("no clock of this escapement angle runs like that");
+  if (points.empty())
+    throw NumericsError("no clock with this escapement angle has such an operating point");
   write_whole_files(
       {{options.json, operating_points_json(points, options.phi0)},
        {options.plot, plot_of(options, points)},
        {table_output(options.output, options.json), operating_points_text(points, options.phi0)}});
 }
 
-// The limit in "error=2", s: what must a clock be to lose or gain less? Nothing if not asked.
+// The limit in "error=2", s, that the clock's time error must stay below; nothing without it.
 std::optional<double> asked_error(const std::vector<std::string>& words) {
   constexpr std::string_view name = "error=";
   const bool asked = std::any_of(words.begin(), words.end(),
                                  [&](const std::string& word) { return word.starts_with(name); });
   if (!asked) return {};
-  if (words.size() != 1) throw UsageError("--solve error=: give it alone");
+  if (words.size() != 1) throw UsageError("--solve error=: takes no second condition");
   const auto numbers = numbers_in("solve", words.front().substr(name.size()));
   if (numbers.size() != 1) throw UsageError("--solve error=: give one number of seconds");
   return numbers.front();
@@ -110,7 +111,7 @@ std::optional<double> asked_error(const std::vector<std::string>& words) {
 void solve_error(const MapCommand& options, double most_s) {
   if (options.under.path.empty())
     throw UsageError("--solve error=: give the conditions with --under SCENARIO");
-  if (!options.plot.empty()) throw UsageError("--plot: not with --solve error=");
+  if (!options.plot.empty()) throw UsageError("--plot cannot be used with --solve error=");
   const Scenario scenario = read_scenario(options.under).scenario;
   const double after_s = options.after_days * 86400.0;
   const ErrorBudget budget = error_budget(scenario, after_s);
@@ -124,7 +125,7 @@ void run(const MapCommand& options) {
   check_ranges(options);
   check_writable({options.json, options.plot, options.output});
   if (const auto most_s = asked_error(options.solve)) return solve_error(options, *most_s);
-  if (!options.under.path.empty()) throw UsageError("--under: it goes with --solve error=SECONDS");
+  if (!options.under.path.empty()) throw UsageError("--under needs --solve error=SECONDS");
   if (options.solve.size() == 1)
     throw UsageError("--solve: two of epsilon=, mu=, amplitude=, rate=, rate_excess=, or error=");
   if (!options.solve.empty()) return solve(options);
@@ -148,17 +149,20 @@ void add_map(CLI::App& program, const GlobalOptions& global) {
       ->check(CLI::Range(2, 2000))
       ->capture_default_str();
   command->add_flag("--first-order", options->first_order,
-                    "the paper's averaged equations instead of the full one");
+                    "use the paper's averaged equations instead of the full equation of motion");
   auto* solve = command->add_option(
       "--solve", options->solve,
-      "an operating point from two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
-      "rate_excess=; or error= (s): what the clock of --under must be to stay below it");
+      "the operating point given by two of epsilon=, mu=, amplitude= (rad), rate= (s/day), "
+      "rate_excess=; or error= (s): what the clock of --under needs for its time error to stay "
+      "below this");
   offers(solve, {"epsilon=", "mu=", "amplitude=", "rate=", "rate_excess=", "error="})
       ->expected(1, 2);
   command->add_option("--under", options->under.path,
                       "scenario: the clock and the conditions of --solve error=");
   add_override_option(*command, options->under);
-  command->add_option("--after", options->after_days, "days in which that error builds up")
+  command
+      ->add_option("--after", options->after_days,
+                   "days after which the error of --solve error= counts")
       ->check(CLI::Range(1e-3, 1e5))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "CSV; standard output if not given");

@@ -47,14 +47,14 @@ void run(const PaperCommand& options, const GlobalOptions& global) {
   write_whole_files(files);
   if (in_folder &&
       !print_page(inside(options.folder, "paper.html"), inside(options.folder, "paper.pdf")))
-    say(global, "paper.pdf is not made: there is no Chromium or Chrome that prints paper.html");
+    say(global, "paper.pdf was not made: no Chromium or Chrome was found to print paper.html");
 }
 
 } // namespace
 
 void add_paper(CLI::App& program, const GlobalOptions& global) {
   auto* command =
-      program.add_subcommand("paper", "the paper's figures and numbers, its method beside ours");
+      program.add_subcommand("paper", "the paper's figures and numbers, by its method and by ours");
   auto options = std::make_shared<PaperCommand>();
   auto* folder = command->add_option(
       "-o,--output", options->folder,
@@ -62,14 +62,15 @@ void add_paper(CLI::App& program, const GlobalOptions& global) {
       "installed), paper.md, and the figures (SVG, PDF, PNG, gnuplot, CSV)");
   auto* figure = command->add_option(
       "--figure", options->figure,
-      "only those whose names begin so: amplitude_phase, modesc, rate, jump_zoom, jump, "
-      "quasistat, noise, impulse, optdriv, moments, harmonics, length");
+      "only the figures whose names begin with this: amplitude_phase, modesc, rate, jump_zoom, "
+      "jump, quasistat, noise, impulse, optdriv, moments, harmonics, length");
   offers(figure, {"amplitude_phase", "modesc", "rate", "jump_zoom", "jump", "quasistat", "noise",
                   "impulse", "optdriv", "moments", "harmonics", "length"})
       ->needs(folder);
   command->add_option("--periods", options->paper.periods,
                       "length of the noisy run, at least 10000; the paper's is 4774648");
-  command->add_option("--seed", options->paper.seed, "of the driving noise")->check(seed_range());
+  command->add_option("--seed", options->paper.seed, "seed of the driving noise")
+      ->check(seed_range());
   add_json_option(*command, options->json);
   command->footer("Example:\n  goingrate paper -o paper --figure jump");
   command->callback([options, &global] { run(*options, global); });

@@ -112,11 +112,11 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
                       "the table (CSV); standard output if not given");
   add_json_option(*command, options->json);
   auto* plot = add_plot_option(*command, options->plot, "rate, and amplitude, against time");
-  command->add_option("--block", options->block_s, "rates of blocks of so many seconds instead")
+  command->add_option("--block", options->block_s, "rates of blocks of this many seconds instead")
       ->check(positive());
   command
       ->add_option("--running", options->running_cycles,
-                   "add a column with the rate over the last so many cycles")
+                   "add a column with the rate over the last N cycles")
       ->check(CLI::Range(1, 1000000000));
   constexpr const char* group = "Files for other programs";
   command->add_option("--native", options->native, "the log itself, as goingrate writes logs")
@@ -132,8 +132,8 @@ void add_rate(CLI::App& program, const GlobalOptions& global) {
   following->excludes(command->get_option("--weather"));
   command
       ->add_option("--alarm", options->alarm_s,
-                   "with --follow: say when no beat has come for so many seconds; five periods if "
-                   "not given")
+                   "with --follow: report when no beat has come for this many seconds; five "
+                   "periods if not given")
       ->check(positive())
       ->needs(following);
   command->footer("Example:\n  goingrate rate data/logs/jump.csv -o jump-rate.csv");

@@ -128,12 +128,13 @@ void add_settings(CLI::App& command, ReportCommand& options) {
                      "diary");
   auto* pitch = command
                     .add_option("--nut-pitch", options.nut_pitch_mm,
-                                "mm that a turn of the rating nut moves the bob: says how many "
-                                "turns bring the rate to zero")
+                                "mm by which a turn of the rating nut moves the bob: the report "
+                                "says how many turns bring the rate to zero")
                     ->check(positive());
   command
       .add_option("--pendulum-length", options.pendulum_length_m,
-                  "m, for the nut; that of a mathematical pendulum if not given")
+                  "length of the pendulum, m, for --nut-pitch; that of a mathematical pendulum of "
+                  "the same period if not given")
       ->check(positive())
       ->needs(pitch);
 }
@@ -150,7 +151,7 @@ Job add_report_job(CLI::App& command) {
 
 void add_report(CLI::App& program, const GlobalOptions& global) {
   auto* command =
-      program.add_subcommand("report", "all of it on one log: a summary and an HTML page");
+      program.add_subcommand("report", "every analysis of one log: a summary and an HTML page");
   auto options = std::make_shared<ReportCommand>();
   add_log_options(*command, options->log);
   add_settings(*command, *options);
@@ -159,14 +160,13 @@ void add_report(CLI::App& program, const GlobalOptions& global) {
   add_plot_option(*command, options->plot,
                   "rate, amplitude, residuals, spectrum and deviation in one figure");
   command->add_option("--figures", options->figures,
-                      "folder for every figure as SVG, PDF, PNG, a script for gnuplot, and CSV");
+                      "folder for every figure as SVG, PDF, PNG, gnuplot script and CSV");
   command->add_option("--tables", options->tables,
                       "folder for rates, parameters (CSV, LaTeX), spectrum, deviation, drive");
   add_json_option(*command, options->json);
   command->add_option("--diary-out", options->diary_output,
-                      "write what the log shows in the format of --diary");
-  command->footer("If the fit alone has no result, the report says so in its place and exits 0\n"
-                  "(`fit` exits 4).\n"
+                      "write the changes that the log shows, in the format of --diary");
+  command->footer("If only the fit has no result, the report says so and exits 0 (`fit` exits 4).\n"
                   "Example:\n  goingrate report data/logs/jump.csv -o jump.html");
   command->callback([options, &global] { run(*options, global); });
 }

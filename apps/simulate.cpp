@@ -107,8 +107,8 @@ void check_can_be_numbered(const std::string& option, const std::string& path) {
 void check_going(SwingStatus status, const Period& last) {
   if (status != SwingStatus::crossed)
     throw NumericsError(
-        fmt::format("{} after {} periods; nothing was written (--set run.periods={} "
-                    "ends before)",
+        fmt::format("{} after {} periods; nothing was written (--set run.periods={} ends the run "
+                    "before that)",
                     words_for(status), last.cycle, last.cycle));
 }
 
@@ -215,7 +215,7 @@ void run(const SimulateOptions& options, const GlobalOptions& global) {
 } // namespace
 
 void add_simulate(CLI::App& program, const GlobalOptions& global) {
-  auto* command = program.add_subcommand("simulate", "a scenario becomes a log of crossings");
+  auto* command = program.add_subcommand("simulate", "make a log of crossings from a scenario");
   auto options = std::make_shared<SimulateOptions>();
   command->add_option("scenario", options->scenario.path, "scenario in TOML; '-' is standard input")
       ->required();
@@ -223,19 +223,21 @@ void add_simulate(CLI::App& program, const GlobalOptions& global) {
                       "the log to write; standard output if not given");
   command->add_option("--truth", options->truth, "also write the true state, one row per period");
   auto* plot = add_plot_option(*command, options->plot, "the true rate and amplitude");
-  command->add_option("--seed", options->seed, "of the random streams")
+  command->add_option("--seed", options->seed, "seed of the random streams")
       ->check(seed_range())
       ->capture_default_str();
   auto* many =
       command
           ->add_option(
               "--realisations", options->realisations,
-              "so many logs: -o log.csv becomes log-0.csv, log-1.csv and on (log-00.csv of more "
-              "than ten), --truth likewise; number k is what --seed SEED+k gives alone")
+              "number of logs: -o log.csv becomes log-0.csv, log-1.csv and so on (log-00.csv for "
+              "more than ten), --truth likewise; log k is the one that --seed SEED+k gives alone")
           ->check(CLI::Range(1, 10000000))
           ->capture_default_str();
   plot->excludes(many);
-  command->add_option("--threads", options->threads, "0: one a core; changes nothing but the time")
+  command
+      ->add_option("--threads", options->threads,
+                   "number of threads; 0: one per core. The results are the same")
       ->check(not_negative())
       ->capture_default_str();
   add_override_option(*command, options->scenario);

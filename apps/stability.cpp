@@ -109,10 +109,11 @@ void add_settings(CLI::App& command, StabilityCommand& options) {
   offers(taus, {"octave", "decade", "all"});
   command
       .add_option("--alpha", options.alpha,
-                  "noise assumed at every averaging time, 2 (jitter) to -4; else it is identified")
+                  "noise assumed at every averaging time, 2 (jitter) to -4; identified if not "
+                  "given")
       ->check(CLI::Range(-4, 2));
   command.add_flag("--no-bias", options.keep_bias,
-                   "leave the bias of the total deviations and of theo1 in");
+                   "do not remove the bias of the total deviations and of theo1");
 }
 
 } // namespace
@@ -131,7 +132,7 @@ Job add_stability_job(CLI::App& command) {
 
 void add_stability(CLI::App& program, const GlobalOptions& global) {
   auto* command = program.add_subcommand(
-      "stability", "Allan deviations and their relatives, of a log or of phase data");
+      "stability", "Allan deviations and related ones, of a log or of phase data");
   auto options = std::make_shared<StabilityCommand>();
   add_log_options(*command, options->log);
   add_settings(*command, *options);

@@ -218,14 +218,14 @@ void add_monitor(CLI::App& program, const GlobalOptions& global) {
                            "--sensor-offset", "--clock-ppm", "--rest-angle"})
     command->remove_option(command->get_option(name));
   command->get_option("--both-edges")
-      ->description("the log holds both directions without labels")
+      ->description("the log holds crossings in both directions, without labels")
       ->needs(command->get_option("--nominal-period"));
   command->get_option("--flag-width")
       ->description("angle (rad) of a centred flag as seen from the pivot: gives the amplitudes, "
                     "with a column of widths");
   command->get_option("--gravity-share")
-      ->description("share of gravity in the restoring torque, the rest being a spring's: 1 a "
-                    "pendulum, 0 torsion. Amplitudes from --flag-width follow it");
+      ->description("share of gravity in the restoring torque; the rest is a spring's. 1: a "
+                    "pendulum, 0: torsion. Used for amplitudes from --flag-width");
   command->footer("Example:\n  goingrate monitor - --archive clock < my.log");
   command->callback([options, &global] { run(*options, global); });
 }

@@ -161,7 +161,7 @@ def operating_point(
     Raises
     ------
     NumericsError
-        No clock runs like that.
+        No clock has such an operating point.
     """
     if rate is not None:
         if rate_excess is not None:
@@ -173,7 +173,7 @@ def operating_point(
         raise ValueError(f"expected two of epsilon, mu, amplitude and rate; found {len(known)}")
     points = _core.operating_points(known, phi0, first_order)
     if not points:
-        raise NumericsError("no clock of this escapement angle runs like that")
+        raise NumericsError("no clock with this escapement angle has such an operating point")
     return [OperatingPoint(*point) for point in points]
 
 
