@@ -45,7 +45,7 @@ std::vector<Suspicion> weather_seen_by_fit(const FitSummary& fit,
     if (!(gain > timing_model::convincing_gain)) continue;
     Suspicion suspicion{kind.cause, gain, {}};
     suspicion.evidence =
-        fmt::format("by the fitted pendulum the rate answers by {:+.3g} ± {:.2g} s/day per {}",
+        fmt::format("in the fitted model the rate changes by {:+.3g} ± {:.2g} s/day per {}",
                     found->value * seconds_per_day, found->sigma * seconds_per_day, kind.unit);
     suspicion.numbers.size = found->value;
     suspicion.numbers.sigma = found->sigma;

@@ -1,12 +1,12 @@
-// What explains the course of a clock's rate and amplitude, one cause after the other. Private to
-// the causes room.
+// Explains a clock's rate and amplitude by adding up causes. Private to the causes room.
 //
-// In a rate r and an amplitude a, given in n blocks, each cause makes courses c_i(t), whose sizes
-// are found by generalised least squares in noise that is sized along with them:
+// The rate r and the amplitude a are given in n blocks. A cause has courses (functions of time) c_i
+// and d_i, whose sizes b_i and e_i are found by generalised least squares, together with the sizes
+// of the noise:
 //   r = sum of b_i c_i + noise,   a = sum of e_i d_i + noise.
-// The gain of a further cause is by how much it raises 2 log L of both series, less log n for each
-// size and time constant (Schwarz) and 2 log n for each date, which n blocks tell n times as finely
-// and not sqrt(n) times (Zhang and Siegmund 2007). That is one scale for all causes.
+// The gain of a further cause is the increase of 2 log L of both series less its price: log n for
+// each size and time constant (Schwarz) and 2 log n for each date, which is determined to 1/n and
+// not to 1/sqrt(n) of the log (Zhang and Siegmund 2007). Gains of all causes are thus comparable.
 #pragma once
 
 #include "rate_blocks.hpp"
@@ -26,16 +26,16 @@ struct Courses {
   int dates = 0, times = 0; ///< dates and time constants that were searched for
 };
 
-/// Where something begins, dies away, or drifts. Places are in blocks from the first one's
-/// beginning; a block that something begins in holds its mean, part of it being as before.
+/// Makes courses: steps, decays, drifts, waves. `place` is a time in blocks from the beginning of
+/// the log. A value is the mean over its block, also where a change falls within the block.
 class CourseMaker {
 public:
   explicit CourseMaker(const RateBlocks& blocks)
       : count_(blocks.rate.size()), length_s_(blocks.length_s) {}
   [[nodiscard]] std::vector<double> step(double place) const;
-  /// 1 at the place, and dies away from there with a time constant.
+  /// 0 before the place, 1 at it, and an exponential decay after it.
   [[nodiscard]] std::vector<double> dying(double place, double time_s) const;
-  /// The step less what dies away: an approach to a new level.
+  /// The step less the decay: an exponential approach to a new level.
   [[nodiscard]] std::vector<double> approach(double place, double time_s) const;
   /// Powers of the time from the middle, in days.
   [[nodiscard]] std::vector<double> power(int exponent) const;
@@ -51,17 +51,17 @@ struct Sizes {
   std::vector<double> rate, rate_sigma, amplitude, amplitude_sigma;
 };
 
-/// A series in units of the spread of each cosine, less what some courses explain of it.
+/// The cosine coefficients of a series, each divided by its standard deviation in the noise, less
+/// the part that some courses explain.
 class WhitenedSeries {
 public:
   using Series = std::vector<std::vector<double>>;
-  /// From the cosine transforms of the series and of the courses taken so far, and the fitted
-  /// noise.
+  /// `series` and `taken`: cosine transforms of the series and of the courses to subtract.
   WhitenedSeries(const std::vector<double>& series, const Series& taken, const RateNoise& noise);
   [[nodiscard]] const Eigen::VectorXd& rest() const { return rest_; }
-  /// Further courses, one per column, likewise less what those taken explain of them.
+  /// Further courses, one per column, less the part that those in `taken` explain.
   [[nodiscard]] Eigen::MatrixXd without_taken(const Series& courses) const;
-  /// By how much further courses raise 2 log L.
+  /// The increase of 2 log L by further courses.
   [[nodiscard]] double gain_of(const Series& courses) const;
 
 private:
@@ -72,7 +72,7 @@ private:
   Eigen::VectorXd rest_;
 };
 
-/// Gains in noise that stays as it is, by which places and times are compared.
+/// Gains with the noise held fixed, which is fast enough to compare many dates and time constants.
 struct FixedNoiseAccount {
   WhitenedSeries rate;
   std::optional<WhitenedSeries> amplitude;
@@ -81,24 +81,24 @@ struct FixedNoiseAccount {
   [[nodiscard]] double gain_of(const Courses& courses) const;
 };
 
-/// What has been found so far, and by how much more would explain the log better.
+/// The causes found so far (the courses "taken"), and the gain of further ones.
 class Account {
 public:
-  /// `rate_noise` is that of a healthy clock; the amplitude's may always wander, since a drive that
-  /// is white makes it.
+  /// `rate_noise` is that of a healthy clock. The noise of the amplitude may always wander: a white
+  /// drive already causes that.
   Account(const RateBlocks& blocks, const NoiseKinds& rate_noise);
 
-  /// 2 log L gained by the courses besides those taken, less their price.
+  /// The gain of courses in addition to those taken: the increase of 2 log L less the price.
   [[nodiscard]] double gain_of(const Courses& courses) const;
-  /// What the courses of the amplitude alone gain; 0 without amplitudes.
+  /// The gain by the courses of the amplitude alone; 0 without amplitudes.
   [[nodiscard]] double amplitude_gain_of(const Courses& courses) const;
-  /// As gain_of, for noise of the rate of other kinds that bring `numbers` more sizes.
+  /// The gain of other kinds of noise of the rate, which have `numbers` more sizes.
   [[nodiscard]] double gain_of(const NoiseKinds& kinds, int numbers) const;
-  /// Sizes of the courses besides those taken.
+  /// Sizes of courses in addition to those taken.
   [[nodiscard]] Sizes sizes_of(const Courses& courses) const;
   void take(const Courses& courses);
   void take(const NoiseKinds& kinds);
-  /// The account with its noise fixed as it is, or as it is with some courses taken.
+  /// The account with its noise held fixed, as fitted with `courses` in addition to those taken.
   [[nodiscard]] FixedNoiseAccount in_noise_beside(const Courses& courses = {}) const;
   [[nodiscard]] bool sees_amplitude() const { return !amplitude_.empty(); }
 

@@ -11,7 +11,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double price = 8.0; // of 2 log L: for one more parameter, looked for on a grid
+constexpr double price = 8.0; // in 2 log L, of one more parameter that is searched on a grid
 
 // Whether a block is known, by the share of its beats that are.
 bool is_known(double share) { return share > 0.5; }
@@ -53,7 +53,8 @@ AnswerBlocks answer_blocks(const RateBlocks& blocks, const std::vector<double>& 
 }
 
 AnswerBlocks without_start(AnswerBlocks blocks) {
-  constexpr double start_share = 0.02; // of the log: some relaxation times of most clocks in a week
+  // Of the log: in a week, this is some relaxation times of most clocks.
+  constexpr double start_share = 0.02;
   const auto start =
       static_cast<std::ptrdiff_t>(start_share * static_cast<double>(blocks.series.size()));
   for (std::vector<double>* part : {&blocks.series, &blocks.value})
@@ -110,8 +111,8 @@ Answer::Candidate Answer::likeliest() {
   return best;
 }
 
-// What lags in part acts at once in part, so far as the log does not tell otherwise: otherwise two
-// numbers that a daily wave tells, its size and its lateness, would pass for the whole.
+// A lagged response is fitted with an immediate part unless the log excludes one. A daily wave
+// determines only two numbers, its size and its delay, and a lag alone would seem to explain both.
 void Answer::settle_whole(Action action) {
   action.also_at_once = action.lag_s > 0.0;
   if (action.lag_s > 0.0)
@@ -122,7 +123,7 @@ void Answer::settle_whole(Action action) {
   settle(action);
 }
 
-// b (c through the lag) + b_at_once (c - c through the lag): b is what remains when c holds.
+// b (lagged c) + b_at_once (c - lagged c): b is the response once c has been constant for long.
 std::vector<std::vector<double>> Answer::courses_of(std::span<const double> value) const {
   std::vector<std::vector<double>> courses{lagged(value, block_s_, action_.lag_s)};
   if (!action_.also_at_once) return courses;
@@ -133,12 +134,13 @@ std::vector<std::vector<double>> Answer::courses_of(std::span<const double> valu
   return courses;
 }
 
-// σ with the lag free: its course is one more cause, which at the best lag adds nothing.
+// σ with the lag free: the derivative with respect to the lag is fitted as one more course, whose
+// size at the best lag is zero.
 void Answer::find_sigmas() {
   std::vector<std::vector<double>> causes = cosines_of(courses_of(value_));
   const std::size_t own = causes.size();
   if (action_.lag_s > 0.0) {
-    constexpr double step = 0.02; // relative: the course bends little over it
+    constexpr double step = 0.02; // relative: the course is nearly linear in the lag over it
     std::vector<double> by_lag = lagged(value_, block_s_, action_.lag_s * (1.0 + step));
     const auto less = lagged(value_, block_s_, action_.lag_s * (1.0 - step));
     for (std::size_t i = 0; i < by_lag.size(); ++i)
@@ -150,9 +152,9 @@ void Answer::find_sigmas() {
   std::copy_n(with_lag.sigmas.begin(), own, found_.sigmas.begin());
 }
 
-// σ where the log tells little of the lag, by which the coefficients go along a bent ridge: so wide
-// that those of each lag lie within as many σ as the likelihood has that lag off, and those of a
-// lag within one σ with their own σ.
+// σ where the log hardly determines the lag, so that the likelihood has a curved ridge over lag and
+// coefficients. It is so wide that the coefficients at each lag lie within as many σ as the
+// likelihood puts that lag from the best, and those at a lag within one σ with their own σ added.
 void Answer::widen_by_lags(const std::vector<RateRegression>& with_two_ways) {
   constexpr double three_sigma = 9.0; // of 2 log L
   for (const RateRegression& other : with_two_ways) {

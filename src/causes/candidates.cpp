@@ -24,7 +24,7 @@ std::vector<Cause> same_course_as(ChangeKind kind) {
 
 Candidate step_candidate(ChangeKind kind, double place, const Account& account,
                          const RateBlocks& blocks) {
-  constexpr double doubt_blocks = 3.0; // a change of friction shows late, as a bend
+  constexpr double doubt_blocks = 3.0; // a change of friction shows late, as a gradual bend
   FittedStep found = StepSearch(account, blocks, place, doubt_blocks).best(kind);
   return {cause_of(kind),
           std::move(found.courses),
@@ -80,9 +80,8 @@ private:
              best);
   }
 
-  // Temperature through a lag, and what the lag remembers of the time before the log; where it
-  // also acts at once, as on a rod before its compensation, the first course is what it does in the
-  // end.
+  // Lagged temperature, and the memory of the time before the log. With an immediate part, as of a
+  // rod before its compensation, the first course is the response in the end.
   [[nodiscard]] Candidate lagging(const std::vector<double>& values, double lag_s,
                                   bool also_at_once) const {
     std::vector<std::vector<double>> courses{lagged(values, blocks_.length_s, lag_s)};
@@ -112,7 +111,7 @@ private:
     }
   }
 
-  // The places, in blocks, where a step would explain most, and those of dated changes.
+  // The times, in blocks, at which a step would explain most, and those of dated changes.
   [[nodiscard]] std::vector<double> places(const StepScan& scan) const {
     constexpr std::size_t most_places = 3, blocks_apart = 4;
     std::vector<double> places;

@@ -1,4 +1,4 @@
-// The causes that may explain what is left of a rate: what is tried next. Private to the causes
+// The causes that are tried next on a rate whose largest causes are known. Private to the causes
 // room.
 #pragma once
 
@@ -8,17 +8,17 @@
 
 namespace goingrate::timing_model {
 
-/// The cause that a change of this kind is.
+/// The cause named for a change of this kind.
 Cause cause_of(ChangeKind kind);
-/// Other causes with the same course of the rate.
+/// Other causes that have the same effect on the rate over time.
 std::vector<Cause> same_course_as(ChangeKind kind);
 
-/// A change of a kind near a place in blocks, besides what the account has taken.
+/// A change of a kind near `place` (in blocks), in addition to the causes the account has taken.
 Candidate step_candidate(ChangeKind kind, double place, const Account& account,
                          const RateBlocks& blocks);
 
-/// The cause of the greatest gain besides what the account has taken: weather, a step, a temporary
-/// disturbance, a drift, or how a clock settles. `taken`: the causes found before it.
+/// The cause with the greatest gain in addition to those the account has taken: weather, a step, a
+/// temporary disturbance, a drift, or the settling of a clock. `taken`: the causes found before it.
 Candidate best_candidate(const DiagnosisInput& input, const RateBlocks& blocks,
                          const Account& account, std::span<const Candidate> taken);
 

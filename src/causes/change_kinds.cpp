@@ -19,7 +19,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 constexpr double most_blocks = 96.0, fewest_blocks = 8.0; // a side
 
-// Blocks of equal time about a place; nothing if a side has too few.
+// Blocks of equal time around a change; nothing if a side has too few.
 std::optional<RateBlocks> blocks_about(const TimingData& data, const Stretch& stretch, double at_s,
                                        double length_s) {
   const auto count = [&](double span_s) {
@@ -33,7 +33,7 @@ std::optional<RateBlocks> blocks_about(const TimingData& data, const Stretch& st
 
 constexpr std::array kinds{ChangeKind::regulation, ChangeKind::drive, ChangeKind::friction};
 
-// Each kind at its best in blocks of one length.
+// The best fit of each kind of change in blocks of one length.
 struct Look {
   RateBlocks blocks;
   std::array<FittedStep, kinds.size()> steps;
@@ -45,15 +45,15 @@ struct Look {
   }
 };
 
-// The settling that goes on since the change before is not a further change. The squared amplitude
-// settles exponentially; rate and amplitude, not being linear functions of it, also with its
-// powers.
+// Takes the settling after the previous change into account, which is not a further change. The
+// squared amplitude settles exponentially; rate and amplitude are nonlinear functions of it and
+// contain powers of that exponential.
 void take_settling(const RateBlocks& blocks, Account& account) {
   const CourseMaker make(blocks);
   Courses best;
   double most = 0.0;
   const double longest_s = blocks.length_s * static_cast<double>(blocks.rate.size());
-  constexpr double time_ratio = 1.5; // of one time constant to the next
+  constexpr double time_ratio = 1.5; // of successive time constants
   for (double time_s = blocks.length_s; time_s < longest_s; time_s *= time_ratio) {
     Courses settling{.rate = {}, .amplitude = {}, .times = 1};
     for (const double power : {1.0, 2.0, 3.0}) {
@@ -79,7 +79,7 @@ Look look_at(RateBlocks blocks, const Stretch& stretch, double at_s, double doub
   return look;
 }
 
-// By how much the rate changes, as most of the log sees it: at once; for friction, in the end.
+// Sets the change of the rate: at the change; for friction, in the end.
 void put_jump(ChangeKind kind, const FittedStep& step, const RateBlocks& blocks,
               Judgement& judgement) {
   const Account account(blocks, {.wanders = true});
@@ -114,9 +114,9 @@ void put_date(std::span<const Beat> beats, double at_s, Change& change) {
   change.cycle = beats.front().cycle + cycle_at(beats, at_s);
 }
 
-// The distance within which the places of all kinds lie, to about a block.
+// The uncertainty of a date: the largest distance to the date found for any kind, plus 1.5 blocks.
 double doubt_of_place(const Look& look, double at_s) {
-  constexpr double block_edges = 1.5; // blocks: the place is good to about one
+  constexpr double block_edges = 1.5; // blocks: a date is accurate to about one
   double doubt_s = 0.0;
   for (const FittedStep& step : look.steps)
     doubt_s =
@@ -137,7 +137,7 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
   }
   Judgement told{.at_s = at_s};
   if (looks.empty()) return told;
-  std::array<std::pair<double, std::size_t>, kinds.size()> gains{}; // means over the looks
+  std::array<std::pair<double, std::size_t>, kinds.size()> gains{}; // means over block lengths
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     gains[k].second = k;
     for (const Look& look : looks)
@@ -153,7 +153,7 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
         return a.steps[kind].gain < b.steps[kind].gain;
       });
   told.gain = strongest.steps[kind].gain;
-  // Finer blocks date it better, as long as they see it as well.
+  // Finer blocks give a better date, as long as the change shows in them as well.
   constexpr double least_share = 0.5; // of the gain: z is then within 30 %
   const Look& sharpest = *std::find_if(looks.begin(), looks.end(), [&](const Look& look) {
     return look.steps[kind].gain >= least_share * told.gain;
@@ -168,7 +168,7 @@ Judgement judged_about(const TimingData& data, const Stretch& stretch, double at
 
 Judgement judge_kind(const TimingData& data, const Stretch& stretch, double at_s, double doubt_s) {
   Judgement told = judged_about(data, stretch, at_s, doubt_s);
-  constexpr int most_rounds = 6; // blocks reach as far to both sides of where it is found
+  constexpr int most_rounds = 6; // each centres the blocks on the date found before
   constexpr double finest_block_beats = 4.0; // beats: the finest block
   constexpr double least_narrowing = 0.5;    // of the doubt: less allows no finer blocks
   for (int round = 0; round < most_rounds && told.kind != ChangeKind::unclear; ++round) {
@@ -196,13 +196,13 @@ Stretch stretch_about(double at_s, const TimingData& data, const std::vector<Cha
   return stretch;
 }
 
-constexpr double doubt_of_bend = 60.0; // beats
+constexpr double doubt_of_bend_beats = 60.0;
 
 } // namespace
 
 bool has_kind(const TimingData& data, double at_s, const std::vector<Change>& others) {
   return judge_kind(data, stretch_about(at_s, data, others), at_s,
-                    doubt_of_bend * data.reference_period_s)
+                    doubt_of_bend_beats * data.reference_period_s)
              .kind != ChangeKind::unclear;
 }
 
@@ -211,9 +211,9 @@ void judge_changes(std::span<const Beat> beats, const TimingData& data,
   const std::vector<Change> dated = changes;
   for (Change& change : changes) {
     const Judgement found = judge_kind(data, stretch_about(change.at_s, data, dated), change.at_s,
-                                       doubt_of_bend * data.reference_period_s);
+                                       doubt_of_bend_beats * data.reference_period_s);
     put_judgement(found, change);
-    // A bend is dated better by what follows it.
+    // A gradual bend is dated better by the beats that follow it.
     constexpr double sharp_beats = 15.0; // beats: for a jump, the beats next to it tell more
     const bool is_sharp =
         std::abs(found.at_s - change.at_s) < sharp_beats * data.reference_period_s;

@@ -1,4 +1,4 @@
-// A covariate in a sentence.
+// Sentences about covariates.
 #include "goingrate/causes/covariates.hpp"
 
 #include "base/readable.hpp"
@@ -20,12 +20,12 @@ std::string daily(double rate, double sigma) {
   return fmt::format("{:.3g} ± {:.2g} s/day", seconds_per_day * rate, seconds_per_day * sigma);
 }
 
-// For Moon and Sun: what they do is known, and the clock shows it or does not.
+// The effect of Moon and Sun is known from theory: the clock shows a share of it, or does not.
 std::string tide_text(const CovariateEffect& effect) {
-  const std::string share = fmt::format("tide: the rate follows Moon and Sun by {:.3g} ± {:.2g} of "
-                                        "what theory says",
+  const std::string share = fmt::format("tide: the rate responds to Moon and Sun with {:.3g} ± "
+                                        "{:.2g} of the theoretical effect",
                                         effect.coefficient, effect.sigma);
-  return effect.significant() ? share : share + ": nothing that stands out of the noise";
+  return effect.significant() ? share : share + ": not distinguishable from the noise";
 }
 
 std::string parts_text(const CovariateEffect& effect) {
@@ -36,7 +36,7 @@ std::string parts_text(const CovariateEffect& effect) {
   if (effect.part(EffectWay::at_once) != nullptr)
     text += fmt::format("; the rest follows with a lag of {} s", readable(effect.lag_s, 3));
   if (std::isfinite(effect.amplitude) && std::abs(effect.amplitude) > 3.0 * effect.amplitude_sigma)
-    text += fmt::format(" (the amplitude answers by {:.3g} ± {:.2g} mrad)", 1e3 * effect.amplitude,
+    text += fmt::format(" (the amplitude changes by {:.3g} ± {:.2g} mrad)", 1e3 * effect.amplitude,
                         1e3 * effect.amplitude_sigma);
   return text;
 }
@@ -61,14 +61,14 @@ std::string_view words_of(EffectWay way) {
 
 std::string covariate_text(const CovariateEffect& effect) {
   if (effect.name == "tide") return tide_text(effect);
-  std::string text = fmt::format("{}: the rate answers by {} per {}", effect.name,
+  std::string text = fmt::format("{}: the rate changes by {} per {}", effect.name,
                                  daily(effect.coefficient, effect.sigma), unit_below(effect));
   if (effect.known_share < 1.0)
     text += fmt::format(", from {:.0f} % of the log", 100.0 * effect.known_share);
-  if (!effect.significant()) return text + ": nothing that stands out of the noise";
+  if (!effect.significant()) return text + ": not distinguishable from the noise";
   return text + parts_text(effect) +
-         fmt::format("; over the half of the log it was not found in, compensating for it {} the "
-                     "time error from {:.3g} s to {:.3g} s (rms)",
+         fmt::format("; in the half of the log from which it was not found, compensating for it {} "
+                     "the time error from {:.3g} s to {:.3g} s (rms)",
                      effect.helps() ? "lowers" : "raises", effect.without_s, effect.with_s);
 }
 

@@ -72,7 +72,7 @@ public:
 
 private:
   void take_causes() {
-    constexpr std::size_t most_causes = 4; // a log that needs more is not understood
+    constexpr std::size_t most_causes = 4; // a log that seems to need more is not understood
     while (taken_.size() < most_causes) {
       pulse();
       Candidate best = best_candidate(input_, blocks_, account_, taken_);
@@ -191,8 +191,8 @@ private:
     return account;
   }
 
-  // Whether a change is known from none in something that it does. A step may gain much by making
-  // what wanders look quiet, and yet be no more than that.
+  // Whether a change is significant in at least one of its effects. A step may gain much likelihood
+  // merely because it makes wander look smaller.
   static bool stands_out(const Sizes& sizes) {
     constexpr double sigmas = 3.0;
     const auto any = [](const std::vector<double>& values, const std::vector<double>& errors) {
@@ -241,7 +241,7 @@ private:
     return speed;
   }
 
-  // Two faults at once are rare; three mean that none of the known causes explains the course.
+  // Two faults at once are rare. Three causes mean that none of the known ones explains the course.
   void add_if_not_understood(std::vector<Suspicion>& all) const {
     constexpr std::size_t implausible_causes = 3;
     if (all.size() < implausible_causes) return;
@@ -254,9 +254,9 @@ private:
     all.push_back(
         {Cause::unknown,
          gain,
-         "no one or two causes make the course of this rate",
+         "no one or two known causes explain the course of this rate",
          {Cause::unlogged_weather, Cause::slow_drive, Cause::length_drift, Cause::log_clock},
-         "A longer log, and a note of what was done to the clock, would tell."});
+         "A longer log, and a note of what was done to the clock, would show more."});
   }
 
   [[nodiscard]] bool knows_weather() const {
@@ -268,12 +268,12 @@ private:
   }
 
   [[nodiscard]] Suspicion wander(double gain) const {
-    const char* what = "the rate wanders more than white noise would";
+    const char* what = "the rate wanders more than white noise explains";
     std::vector<Cause> outside{Cause::length_drift, Cause::log_clock};
     if (!knows_weather()) outside.insert(outside.begin(), Cause::unlogged_weather);
     if (!account_.sees_amplitude())
       return {Cause::slow_drive, gain, what, outside,
-              "Log the amplitude: it tells a drive that wanders from all other causes."};
+              "Log the amplitude: it distinguishes a wandering drive from all other causes."};
     if (wanders_with_amplitude())
       return {Cause::slow_drive,
               gain,
@@ -304,7 +304,7 @@ Suspicion suspicion_of(const Change& change) {
   numbers.sigma = step.sigma;
   return {cause_of(change.kind),
           change.gain,
-          fmt::format("{} after the start the rate changes by {}, as the model says",
+          fmt::format("{} after the start the rate changes by {}, as in the fitted model",
                       time_words(change.at_s, 4), daily(step.rate)),
           same_course_as(change.kind),
           "What was done to the clock then?",
@@ -316,7 +316,7 @@ bool is_long_enough(const DiagnosisInput& input) {
   return input.data != nullptr && input.data->size() >= least_diagnosed_beats;
 }
 
-// Causes from the course of the rate, and those that show without it.
+// Causes that explain the course of the rate, and those found without a model of the rate.
 void add_suspicions_of_log(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   if (!is_long_enough(input)) return;
   const Undisplaced times(*input.data);

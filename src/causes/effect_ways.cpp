@@ -1,4 +1,4 @@
-// How a covariate acts on the rate: through the amplitude, or otherwise.
+// The effect of a covariate on the rate, split into that through the amplitude and the rest.
 #include "goingrate/causes/covariates.hpp"
 
 #include "answer.hpp"
@@ -21,10 +21,11 @@ struct Measured {
   double value = 0.0, sigma = 0.0;
 };
 
-// d(rate)/d(amplitude) in stationary operation as the friction changes and nothing else does.
+// d(rate)/d(amplitude) in stationary operation when only the friction changes.
 std::optional<double> slope_under_friction(const ClockParameters& clock) {
-  constexpr double step = 1e-3;               // relative, of the friction: the curve is smooth
-  ClockParameters less = clock, more = clock; // any law will do: only the amplitude counts
+  constexpr double step = 1e-3; // relative, of the friction: the curve is smooth
+  // The law of friction does not matter: only the amplitude does.
+  ClockParameters less = clock, more = clock;
   less.epsilon *= 1.0 - step;
   more.epsilon *= 1.0 + step;
   const auto wide = stationary_amplitude(less), narrow = stationary_amplitude(more);
@@ -34,7 +35,8 @@ std::optional<double> slope_under_friction(const ClockParameters& clock) {
   return (*rate_wide - *rate_narrow) / (*wide - *narrow);
 }
 
-// The slope, with a bound on its standard deviation that holds whatever the fit's correlations.
+// The slope, with an upper bound on its standard deviation that holds for any correlations of the
+// fit.
 std::optional<Measured> slope_of(const FitSummary& fit) {
   const auto clock = fit.has_result() ? fitted_clock(fit) : std::nullopt;
   const auto slope = clock ? slope_under_friction(*clock) : std::nullopt;
@@ -52,7 +54,7 @@ std::optional<Measured> slope_of(const FitSummary& fit) {
   return result;
 }
 
-// What the amplitude does for one unit of the covariate, once it has followed.
+// The change of the amplitude per unit of the covariate, once it has settled.
 Measured answer_of_amplitude(const RateBlocks& blocks, std::size_t term) {
   const AnswerBlocks of_swing = without_start(answer_blocks(blocks, blocks.amplitude_rad, term));
   const Answer found(of_swing.series, of_swing.value, of_swing.block_s, true);

@@ -25,14 +25,15 @@ std::string swing(const Sizes& sizes, const char* per) {
                      1e3 * sizes.amplitude_sigma[0], per);
 }
 
-// For an answer that lags only the lag is stated: its size is stated by the covariate's own fit,
-// which allows for the doubt about the lag.
-std::string answer_to_temperature(const Candidate& found) {
-  if (!(found.time_s > 0.0)) return fmt::format("the rate answers by {} per K", size(found.sizes));
-  const bool also_at_once = found.sizes.rate.size() > 2; // the last is of the time before the log
+// If the response lags, only the lag is stated here. Its size is left to covariate_effects(), which
+// allows for the uncertainty of the lag.
+std::string response_to_temperature(const Candidate& found) {
+  if (!(found.time_s > 0.0)) return fmt::format("the rate changes by {} per K", size(found.sizes));
+  // The last course is the memory of the time before the log.
+  const bool also_at_once = found.sizes.rate.size() > 2;
   return fmt::format("the rate follows the temperature with a lag of {}{}",
                      time_words(found.time_s, 2),
-                     also_at_once ? ", and answers by another amount at once" : "");
+                     also_at_once ? "; another part of its response is immediate" : "");
 }
 
 } // namespace
@@ -71,26 +72,26 @@ std::string evidence_of(const Candidate& found, bool sees_amplitude) {
   const Sizes& sizes = found.sizes;
   switch (found.cause) {
   case Cause::temperature:
-    return answer_to_temperature(found);
+    return response_to_temperature(found);
   case Cause::pressure:
-    return fmt::format("the rate answers by {} per mbar", size(sizes));
+    return fmt::format("the rate changes by {} per mbar", size(sizes));
   case Cause::unlogged_weather:
     return fmt::format("the rate swings by {:.3g} s/day with the time of day",
                        seconds_per_day * std::hypot(sizes.rate[0], sizes.rate[1]));
   case Cause::length_step:
     return fmt::format("{} the rate changes by {} and stays{}", when(found), size(sizes),
-                       sees_amplitude ? "; the amplitude does not follow" : "");
+                       sees_amplitude ? "; the amplitude stays the same" : "");
   case Cause::magnet:
-    return fmt::format("from {} to {:.3g} h the rate is different by {}", when(found),
+    return fmt::format("from {} to {:.3g} h the rate differs by {}", when(found),
                        found.time_s / 3600.0, size(sizes));
   case Cause::drive_step:
-    return fmt::format("{} the rate jumps, and differs by {} when the clock has followed{}",
+    return fmt::format("{} the rate jumps, and once the amplitude has settled it differs by {}{}",
                        when(found), size(sizes), swing(sizes, ""));
   case Cause::friction_step:
-    return fmt::format("{} the rate begins to change, by {} in the end, without a jump{}",
+    return fmt::format("{} the rate begins to change, without a jump and by {} in the end{}",
                        when(found), size(sizes), swing(sizes, ""));
   default: {
-    const char* steady = sees_amplitude ? "; the amplitude stays" : "";
+    const char* steady = sees_amplitude ? "; the amplitude stays the same" : "";
     return fmt::format("the rate drifts by {} each day{}", size(sizes),
                        found.courses.amplitude.empty() ? steady : swing(sizes, " each day"));
   }
@@ -103,7 +104,7 @@ std::string advice_on(Cause cause, bool sees_amplitude) {
     return "Heating also changes the oil and the air: compare two seasons before compensating.";
   case Cause::length_step:
     return sees_amplitude ? "What was done to the clock then?"
-                          : "What was done to the clock then? A log of the amplitude would tell "
+                          : "What was done to the clock then? A log of the amplitude would show "
                             "whether the drive changed instead.";
   case Cause::drive_step:
   case Cause::friction_step:

@@ -22,7 +22,7 @@ namespace {
 std::string by_chance(double probability) {
   constexpr double least_probability = 1e-9; // smaller probabilities rest on the noise model alone
   return probability < least_probability
-             ? std::string("which chance does not do")
+             ? std::string("practically never by chance")
              : fmt::format("by chance once in {:.1g} logs", 1.0 / probability);
 }
 
@@ -38,8 +38,7 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
   for (const Displacement& d : found)
     gain += d.gain;
   std::string evidence = fmt::format(
-      "{} after the start the times are displaced by {} ms, and the clock "
-      "goes on as before",
+      "{} after the start all later times are displaced by {} ms, while the rate stays the same",
       time_words(input.data->elapsed_s[first.beat]), readable_signed(1e3 * first.late_s, 3));
   CauseNumbers numbers;
   numbers.at_s = input.data->elapsed_s[first.beat];
@@ -49,16 +48,17 @@ void look_at_displacements(const DiagnosisInput& input, const std::vector<Displa
     std::vector<Cause> alternatives{Cause::knock};
     if (is_hole(*input.data, first.beat)) alternatives.push_back(Cause::stop);
     all.push_back({Cause::sensor_shift, gain, std::move(evidence), std::move(alternatives),
-                   "If it was, the beats of the other direction come displaced the other way.",
+                   "If the sensor was moved, beats of the other direction are displaced the "
+                   "opposite way.",
                    numbers});
     return;
   }
-  evidence += fmt::format("; {} more such places", found.size() - 1);
+  evidence += fmt::format("; {} more such displacements", found.size() - 1);
   all.push_back({Cause::knock,
                  gain,
                  std::move(evidence),
                  {Cause::sensor_shift},
-                 "See whether doors, traffic or people come at those hours.",
+                 "Check whether doors, traffic or people coincide with those times.",
                  numbers});
 }
 
@@ -71,7 +71,8 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
     missed += is_hole(*input.data, i) ? 1.0 : 0.0;
   const double beats = missed + static_cast<double>(input.data->size());
   const double share = missed / beats;
-  // Above it hardly any neighbours are logged, as losses at random leave them: every n-th beat is.
+  // Random losses leave many pairs of neighbours. Above this share there are hardly any: the log
+  // then holds every n-th beat only.
   constexpr double largest_random_share = 0.45;
   if (share <= usual_missed_share || share > largest_random_share) return;
   const double gain =
@@ -85,14 +86,15 @@ void look_at_missed(const DiagnosisInput& input, std::vector<Suspicion>& all) {
     all.push_back(
         {Cause::missed_beats,
          gain,
-         fmt::format("beats are missing in {:.0f} places, {:.2g} % of all", missed, 100.0 * share),
+         fmt::format("beats are missing at {:.0f} points of the log, {:.2g} % of all beats", missed,
+                     100.0 * share),
          {},
          "Clean and aim the sensor; the clock itself may be well.",
          numbers});
 }
 
-// The gain of a line is -2 log p, p being the probability of a false alarm anywhere in the
-// spectrum; the price of having searched is part of p.
+// The gain of a line is -2 log p, where p is the probability of a false alarm anywhere in the
+// spectrum; p thus includes the price of the search.
 void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   for (const SpectralLine& line : input.lines) {
     const double period_s = 1.0 / line.frequency_hz;
@@ -110,7 +112,7 @@ void look_for_wheel(const DiagnosisInput& input, std::vector<Suspicion>& all) {
          fmt::format("the rate swings by {:+.3g} s/day every {:.5g} s, {}",
                      line.amplitude * seconds_per_day, period_s, by_chance(line.false_alarm)),
          {},
-         "The numbers of teeth in the train tell which.",
+         "The numbers of teeth in the train show which wheel it is.",
          numbers});
     return;
   }
@@ -139,13 +141,14 @@ void look_at_roughness(const DiagnosisInput& input, std::vector<Suspicion>& all)
                  gain,
                  fmt::format("the drive varies by {}", size),
                  {},
-                 "Look for a loose suspension or a worn escapement; a hand on the case tells."});
+                 "Look for a loose suspension or a worn escapement; a hand on the case may feel "
+                 "it."});
 }
 
 void look_at_stop(const DiagnosisInput& input, std::vector<Suspicion>& all) {
   if (!input.stopped_s) return;
-  // A clock that went on unseen would resume within its jitter of a beat; one that resumes anywhere
-  // in a period was stopped. Jitter is about a thousandth of a period.
+  // A clock that went on while nothing was logged resumes where a beat is due, within its jitter of
+  // about a thousandth of a period. One that resumes anywhere else in a period was stopped.
   constexpr double odds = 1e3;
   CauseNumbers numbers;
   numbers.at_s = *input.stopped_s;

@@ -9,8 +9,8 @@
 
 namespace goingrate::timing_model {
 
-/// The data without displacements of their times, less certain ones among them, eight at most. Data
-/// without any are not copied, and must outlive it.
+/// The data with displacements of their times removed, at most eight, also less certain ones. Data
+/// without displacements are not copied, and must outlive this object.
 class Undisplaced {
 public:
   explicit Undisplaced(const TimingData& data);
@@ -24,7 +24,7 @@ private:
   std::optional<TimingData> corrected_;
 };
 
-/// The suspicions that follow from these, each with a gain above `believed`.
+/// The suspicions of these causes, each with a gain of convincing_gain or more.
 std::vector<Suspicion> suspicions_of_facts(const DiagnosisInput& input,
                                            const std::vector<Displacement>& displaced);
 

@@ -44,7 +44,7 @@ std::optional<Relaxation> relax(const Track& track, std::size_t from, std::size_
           .first;
   const Eigen::VectorXd residual = misfit(rate);
   if (rate < 0.011 / span || rate > 90.0 / span || linear.size() == 0)
-    return {}; // at an end of the scan: no visible curve
+    return {}; // at an end of the scan: no curvature shows
   Eigen::MatrixXd jacobian(n, design.cols() + 1);
   jacobian.leftCols(design.cols()) = design;
   jacobian.col(design.cols()) = -linear[0] * time.array() * design.col(0).array();

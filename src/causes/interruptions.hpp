@@ -8,8 +8,8 @@
 
 namespace goingrate::timing_model {
 
-/// The interruptions that pairs of changes make; `knots` are the places of the changes in the track
-/// of the amplitude.
+/// The interruptions among the changes: a loss of drive and its return. `knots` are the indices of
+/// the changes in the track of the amplitude.
 std::vector<Interruption> interruptions_among(const std::vector<Change>& changes,
                                               const std::vector<std::size_t>& knots,
                                               const Track& amplitude, const DiaryOptions& options);

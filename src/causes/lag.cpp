@@ -9,7 +9,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-constexpr double lag_step = 1.3; // between lags to try: a course changes little over it
+constexpr double lag_step = 1.3; // ratio of successive lags: a response changes little over it
 
 // The cubic through four neighbours (Catmull and Rom), `part` of the way from the second to the
 // third; at the ends the outermost is repeated.
@@ -25,7 +25,7 @@ double between(std::span<const double> x, std::size_t i, double part) {
 
 std::vector<double> lagged(std::span<const double> value, double block_s, double lag_s) {
   if (lag_s == 0.0) return {value.begin(), value.end()};
-  constexpr int parts = 8; // of a block, in which the course is taken for straight
+  constexpr int parts = 8; // of a block, in each of which the series is taken as linear
   const double step_s = block_s / parts, kept = std::exp(-step_s / lag_s);
   std::vector<double> result{value.front()};
   double state = value.front(), from = value.front();
@@ -57,7 +57,7 @@ std::vector<double> lags_to_try(std::size_t blocks, double block_s) {
 }
 
 double refined_lag(double coarse_s, const std::function<double(double)>& deviance) {
-  constexpr int bits = 12; // of the logarithm: far within its σ
+  constexpr int bits = 12; // of the logarithm: far more accurate than its σ
   const auto of_log = [&](double log_lag) { return deviance(std::exp(log_lag)); };
   const double at = std::log(coarse_s), step = std::log(lag_step);
   std::uintmax_t most_steps = 20;

@@ -1,4 +1,4 @@
-// What a course becomes through a lag of first order. Private to the causes room.
+// First-order lags of a series. Private to the causes room.
 #pragma once
 
 #include <cstddef>
@@ -8,20 +8,19 @@
 
 namespace goingrate::timing_model {
 
-/// A course of block means through a first-order lag, from centre to centre of the blocks, which
-/// had settled at the first of them; the course itself for a lag of 0. That the values are means
-/// over blocks does no harm: the rate is a mean as well, and the lag of a mean is the mean of the
-/// lag.
+/// A series of block means after a first-order lag, settled at the first value; unchanged for a lag
+/// of 0. Values are taken at the centres of the blocks. Means may be lagged like values, since the
+/// lag of a mean is the mean of the lag, and the rate is given in means as well.
 std::vector<double> lagged(std::span<const double> value, double block_s, double lag_s);
 
-/// What a lag still remembers of the time before the log, which nobody knows.
+/// The decay with which unknown values before the log still act through a lag.
 std::vector<double> memory(std::size_t blocks, double block_s, double lag_s);
 
-/// The lags to try, each a factor above the last: from one block to three tenths of the log, beyond
-/// which a lag cannot be told from a drift.
+/// The lags to try, in a geometric series from one block to three tenths of the log. A longer lag
+/// cannot be distinguished from a drift.
 std::vector<double> lags_to_try(std::size_t blocks, double block_s);
 
-/// The lag nearest to one of lags_to_try() at which a deviance is least, to a few thousandths.
+/// The lag near `coarse_s` that minimises the deviance, to a few thousandths.
 double refined_lag(double coarse_s, const std::function<double(double)>& deviance);
 
 } // namespace goingrate::timing_model

@@ -156,8 +156,8 @@ void RateNoise::fit(std::span<const double> residual, const Eigen::ArrayXd& leve
   const double least_share = is_fitted() ? 1e-3 : 1.0;
   const double mean_share = least_share * squares.sum() / static_cast<double>(sizes_.size());
   sizes_ = sizes_.cwiseMax((mean_share / shapes.colwise().sum().array()).matrix().transpose());
-  constexpr double least_power = 1e-32; // rates of 1e-16 are rounding; of exact beats all are
-  constexpr int rounds = 60;            // the log likelihood then changes by less than 0.1
+  constexpr double least_power = 1e-32; // rates of 1e-16: rounding, and all there is of exact beats
+  constexpr int rounds = 60;            // after which log L changes by less than 0.1
   constexpr double largest_move = 1e-3; // of each size, relative
   constexpr double most_bent = 30.0;
   double moved = 1.0;
@@ -218,7 +218,7 @@ RateRegression regress(const std::vector<double>& rate,
     Eigen::Map<Eigen::VectorXd>(rest.data(), static_cast<Eigen::Index>(rest.size()))
         .tail(courses.rows()) -= courses * b;
     Eigen::ArrayXd leverage;
-    constexpr double most_leverage = 0.9; // beyond, a coefficient says nothing of the noise
+    constexpr double most_leverage = 0.9; // above it, a coefficient hardly depends on the noise
     if (size == NoiseSize::unbiased)
       leverage = (weighted.array() * (courses * covariance).array())
                      .rowwise()

@@ -45,8 +45,8 @@ struct NoiseKinds {
 class RateNoise {
 public:
   RateNoise(std::size_t first, const NoiseKinds& kinds) : first_(first), kinds_(kinds) {}
-  /// `leverage`: what share of the variance of each coefficient, from `first` on, a regression took
-  /// out of the residual; empty to leave that out of account.
+  /// `leverage`: the share of the variance of each coefficient, from `first` on, that a regression
+  /// removed from the residual; empty to ignore this.
   void fit(std::span<const double> residual, const Eigen::ArrayXd& leverage = {});
   /// Expected power of coefficient k, at least `first`.
   [[nodiscard]] double level(std::size_t k) const {
@@ -77,11 +77,11 @@ struct RateRegression {
   RateNoise noise{1, {}}; ///< of the residual
   double deviance = 0.0;  ///< to within 0.1
 };
-/// How the sizes of the noise are found. A choice between sets of causes needs the likeliest, which
-/// are too small, since causes that vary as slowly as the noise take some of it with them: sigmas
-/// by up to a tenth. Those of the restricted likelihood are without that bias.
+/// How the sizes of the noise are found. A choice between sets of causes needs the most likely
+/// sizes. These are too small, and sigmas with them by up to a tenth, since causes that vary as
+/// slowly as the noise absorb part of it. The restricted likelihood gives sizes without that bias.
 enum class NoiseSize : std::uint8_t { likeliest, unbiased };
-/// `noise` has the starting sizes: those fitted without the last of the causes, or none yet.
+/// `noise` has the starting sizes: those fitted without the last cause, or none.
 RateRegression regress(const std::vector<double>& rate_cosines,
                        const std::vector<std::vector<double>>& cause_cosines, RateNoise noise,
                        NoiseSize size = NoiseSize::likeliest);

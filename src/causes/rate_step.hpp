@@ -1,4 +1,4 @@
-// By how much a dated change moved the rate for good. Private to the library.
+// The lasting effect of a dated change on the rate. Private to the library.
 #pragma once
 
 #include "goingrate/causes/diary.hpp"
@@ -12,13 +12,14 @@ struct RateStep {
   double rate = 0.0, sigma = 0.0; ///< rate excess after minus before; NaN where it is not known
 };
 
-/// The jump itself, if its sigma is known: in it weather and wandering have no part.
+/// The jump at the change, if its sigma is known. Weather and wander do not affect it.
 inline std::optional<RateStep> known_jump(const Change& change) {
   if (!(change.rate_change_sigma > 0.0)) return {}; // 0: not judged
   return RateStep{change.rate_change, change.rate_change_sigma};
 }
 
-/// That, or else the difference of the mean rates before and after.
+/// The known jump, or else the difference of the mean rates before and after, which may include
+/// weather and wander.
 inline RateStep step_of(const Change& change) {
   return known_jump(change).value_or(
       RateStep{change.rate_after - change.rate_before,

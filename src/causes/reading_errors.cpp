@@ -16,7 +16,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Mean power of the upper half of a spectrum, by its median: a line in it is no error.
+// Mean power of the upper half of a spectrum, from its median, so that a line does not count.
 double level_of_errors(std::span<const double> cosines) {
   std::vector<double> upper;
   for (const double c : cosines.last(cosines.size() / 2))
@@ -32,12 +32,12 @@ double level_of_errors(std::span<const double> cosines) {
 std::vector<double> signal_shares(std::span<const double> cosines) {
   const std::size_t n = cosines.size();
   const double errors = level_of_errors(cosines);
-  std::vector<double> sums(n + 1, 0.0); // of the powers before each
+  std::vector<double> sums(n + 1, 0.0); // of all powers before each index
   for (std::size_t k = 0; k < n; ++k)
     sums[k + 1] = sums[k] + cosines[k] * cosines[k];
   constexpr double relative_reach = 0.1; // of a frequency, to either side
   constexpr std::size_t least_reach = 2;
-  constexpr double sigmas = 3.0; // by which a mean power stands out of the errors
+  constexpr double sigmas = 3.0; // by which a mean power must exceed that of the errors
   std::vector<double> shares(n, 0.0);
   for (std::size_t k = 0; k < n; ++k) {
     const auto reach =
@@ -53,7 +53,8 @@ std::vector<double> signal_shares(std::span<const double> cosines) {
 
 namespace {
 
-// The series that has these cosines: half of that of twice the length which is even about its ends.
+// The series with these cosine coefficients: the first half of a series of twice the length that
+// is even about its ends.
 std::vector<double> series_of_cosines(std::span<const double> cosines) {
   const std::size_t n = cosines.size();
   const auto doubled = 2.0 * static_cast<double>(n);
@@ -68,8 +69,8 @@ std::vector<double> series_of_cosines(std::span<const double> cosines) {
 }
 
 struct FreedReadings {
-  std::vector<double> values; // unknown ones staying so
-  double sigma;               // of the error of one
+  std::vector<double> values; // unknown ones stay unknown
+  double sigma;               // of the error of one reading
 };
 
 FreedReadings without_errors(std::span<const double> readings) {
@@ -93,7 +94,7 @@ FreedReadings without_errors(std::span<const double> readings) {
 // Whether the first of two terms explains the rate better than the second by more than a price.
 bool is_likelier(const RateTerm& one, const RateTerm& other, TimingData& data) {
   constexpr std::size_t most_blocks = 1024, first = 2; // the mean and the line
-  constexpr double price = 8.0;                        // of 2 log L: the other is what is expected
+  constexpr double price = 8.0; // in 2 log L: the second term is the one to be expected
   const std::size_t at = data.terms.size();
   data.terms.push_back(one);
   data.terms.push_back(other);
@@ -117,7 +118,7 @@ void add_readings(std::string name, std::string unit, std::span<const double> re
   if (readings.size() >= least_beats && is_known) {
     const FreedReadings freed = without_errors(readings);
     RateTerm smooth = rate_term(std::move(name), std::move(unit), data, freed.values);
-    // As if there were one reading a period: as many errors in a time have the same effect.
+    // Scaled to one reading per period, which has the same effect on the times.
     const auto count = static_cast<double>(
         std::count_if(readings.begin(), readings.end(), [](double v) { return std::isfinite(v); }));
     const double interval_s = data.elapsed_s.back() / (count - 1.0);

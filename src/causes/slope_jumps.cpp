@@ -68,7 +68,7 @@ double slope_of(const Track& track, std::size_t from, std::size_t to) {
 
 Jumps slope_jumps(const Track& track, std::size_t window, double least_scatter) {
   const std::size_t n = track.time.size();
-  std::vector<double> after(n, 0.0); // of the window that begins at each point
+  std::vector<double> after(n, 0.0); // slope over the window that begins at each point
   for (std::size_t i = 0; i + window < n; ++i)
     after[i] = slope_of(track, i, i + window);
   Jumps jumps;
@@ -80,7 +80,7 @@ Jumps slope_jumps(const Track& track, std::size_t window, double least_scatter) 
     jumps.jump[i] = without_bend(plain, i, window);
   jumps.scatter = robust_scatter({plain.begin() + static_cast<std::ptrdiff_t>(window),
                                   plain.end() - static_cast<std::ptrdiff_t>(window)});
-  // Smaller changes are not reported; otherwise a log without noise would be full of them.
+  // Without a lower bound, rounding errors would count as changes in a log without noise.
   jumps.scatter = std::max(jumps.scatter, least_scatter);
   return jumps;
 }

@@ -1,4 +1,4 @@
-// Where the slope of a series jumps. Private to the causes room.
+// Jumps of the slope of a series. Private to the causes room.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ struct Track {
 };
 
 /// Least-squares slope of the points [from, to). Cost: O(to - from). Sums are taken from the middle
-/// of the stretch: in prefix sums over a year a window of a minute would be lost to rounding
+/// of the stretch; prefix sums over a year would lose a window of a minute to rounding
 /// (SlopeJumpsTest.ACenturyIsAsGoodAsAnHour).
 double slope_of(const Track& track, std::size_t from, std::size_t to);
 
@@ -25,8 +25,8 @@ struct Jumps {
   [[nodiscard]] double score(std::size_t i) const { return std::abs(jump[i]) / scatter; }
 };
 
-/// The jumps of a track between the `window` points before and after each one, with what a smooth
-/// bend makes taken off. Their scatter is at least `least_scatter`.
+/// The jump of the slope at each point: that of the `window` points after it less that of those
+/// before it, less the part that a smooth bend explains. The scatter is at least `least_scatter`.
 Jumps slope_jumps(const Track& track, std::size_t window, double least_scatter);
 
 } // namespace goingrate::timing_model

@@ -9,8 +9,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Where the gain is greatest within `reach` on either side of `x` and between two bounds. What is
-// varied is the distance from x, so that the search is finest there.
+// The point of greatest gain within `reach` of `x` and between two bounds. The search varies the
+// distance from x, so that it is finest there.
 template <class Gain>
 double best_near(double x, double reach, double low, double high, const Gain& gain) {
   constexpr int bits = 8;
@@ -112,9 +112,9 @@ StepSearch::StepSearch(const Account& account, const RateBlocks& blocks, double 
       first_log_time_(std::log(0.3 * block_s_)),
       last_log_time_(std::log(block_s_ * (static_cast<double>(blocks.rate.size()) - place))) {}
 
-// Places and times are compared in fixed noise: first in the noise without the change, then in that
-// with the best so far. The likelihood may have a peak for each number of powers, at time
-// constants that differ by a factor of two.
+// Times and time constants are compared in fixed noise: first in that without the change, then in
+// that with the best change so far. The likelihood may have a peak for each number of powers, at
+// time constants that differ by a factor of two.
 FittedStep StepSearch::best(ChangeKind kind) const {
   const FixedNoiseAccount fixed = account_.in_noise_beside();
   std::vector<FittedStep> starts; // one for each time constant
@@ -193,7 +193,8 @@ FittedStep StepSearch::at(ChangeKind kind, double place, double log_time,
     Courses courses = courses_of(kind, place, log_time, powers);
     const double gain = gains.gain_of(courses);
     if (gain <= step.gain) break;
-    // A logged amplitude that does not follow rules the change out, whatever the rate does.
+    // If the logged amplitude does not follow, this kind of change is ruled out, whatever the rate
+    // does.
     if constexpr (std::is_same_v<Gains, Account>)
       if (relaxes && gains.sees_amplitude() && gains.amplitude_gain_of(courses) < 0.0) break;
     step.gain = gain;

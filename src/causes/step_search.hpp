@@ -19,31 +19,33 @@
 
 namespace goingrate::timing_model {
 
-/// A change: its place in blocks, the time constant of the relaxation after it, and the gain.
+/// A change: its time in blocks, the time constant of the relaxation after it, and the gain.
 struct FittedStep {
   double place = 0.0, time_s = 0.0;
   double gain = -std::numeric_limits<double>::infinity();
-  Courses courses; ///< the size of the first is the lasting change
+  Courses courses; ///< the first one's size is the lasting change
 };
 
-/// Fits a change near a place that may be off by some blocks, besides what an account has taken.
+/// Fits a change near `place`, a time uncertain by `doubt` (both in blocks), in addition to the
+/// causes an account has taken.
 class StepSearch {
 public:
   StepSearch(const Account& account, const RateBlocks& blocks, double place, double doubt);
-  /// The place and the time constant that fit best for a kind.
+  /// The best time and time constant for a kind.
   [[nodiscard]] FittedStep best(ChangeKind kind) const;
   /// The sizes of a step's courses. Their sigmas include those of its place and time constant.
   [[nodiscard]] Sizes sizes_of(ChangeKind kind, const FittedStep& step) const;
 
 private:
-  // How far Brent looks to both sides, of the logarithm of the time constant.
+  // Half the width of Brent's search, in the logarithm of the time constant.
   static constexpr double log_time_reach = 0.35;
-  // Blocks from one place that is tried to the next.
+  // Blocks between successive times that are tried.
   [[nodiscard]] double stride() const { return std::max(0.5, doubt_ / 4.0); }
   [[nodiscard]] FittedStep best_place(ChangeKind kind, double log_time,
                                       const FixedNoiseAccount& fixed) const;
   [[nodiscard]] FittedStep polished(ChangeKind kind, FittedStep step) const;
-  // The step with as many powers as gain more, by an Account or a FixedNoiseAccount.
+  // The step with as many powers of its relaxation as raise the gain. `gains`: an Account or a
+  // FixedNoiseAccount.
   template <class Gains>
   [[nodiscard]] FittedStep at(ChangeKind kind, double place, double log_time,
                               const Gains& gains) const;
@@ -55,14 +57,14 @@ private:
   double block_s_, place_, doubt_, first_log_time_, last_log_time_;
 };
 
-/// What a step at each block, or a different rate from one block to another, would explain besides
-/// what an account has taken, in its present noise: the score of all places at once.
+/// Scores of a step at every block, and of a temporary change between any two, in addition to the
+/// causes an account has taken and in its present noise. All scores are found together.
 class StepScan {
 public:
   StepScan(const Account& account, const RateBlocks& blocks);
   /// Blocks at which a step explains most, at least `apart` from each other.
   [[nodiscard]] std::vector<std::size_t> best_steps(std::size_t most, std::size_t apart) const;
-  /// The blocks between which a different rate explains most.
+  /// The blocks between which a temporary change of the rate explains most.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_visit() const;
 
 private:
