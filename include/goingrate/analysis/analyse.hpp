@@ -28,7 +28,7 @@ struct Analysis {
   std::vector<Beat> beats;         ///< the segment that was analysed
   RateSummary rate;                ///< of all of `beats`
   std::vector<PartRate> stretches; ///< of these, from one dated change to the next
-  PartRate now; ///< how it goes at the end: the last stretch, or its last quarter if that differs
+  PartRate now; ///< at the end of the log: the last stretch, or its last quarter if that differs
   Diary diary;
   FitSummary fit;
   DriveAnalysis drive;
@@ -37,14 +37,14 @@ struct Analysis {
   std::optional<Isochronism> isochronism{}; ///< rate against amplitude, if the log has amplitudes
   DeviationTable deviation{};              ///< overlapping Allan deviation of the clock's error
   std::optional<DriveHistory> history{};   ///< of the drive, where the fit allows one
-  std::optional<NutTurns> nut{};           ///< to bring the rate as it is now to zero
+  std::optional<NutTurns> nut{};           ///< turns that bring the rate `now` to zero
   std::optional<LogbookCheck> logbook{};   ///< the keeper's, if it was given
-  SensorFindings sensor{};                 ///< beat error, and where the sensor stands
+  SensorFindings sensor{};                 ///< beat error, and the sensor's offset
 };
 
 /// The data of a fit: times and amplitudes of the good beats, with temperature, pressure and air
 /// density where the log has them. If the log shows the pushes of an escapement that rests, their
-/// saw-tooth is taken off.
+/// saw-tooth is subtracted.
 TimingData fit_data(const NumberedLog& loaded);
 
 /// The changes that stand out from neighbouring beats, and those that show only in the rate of the
@@ -52,26 +52,27 @@ TimingData fit_data(const NumberedLog& loaded);
 Diary diary_of(const NumberedLog& loaded, const TimingData& times);
 
 /// Turns the changes of a diary into events of a fit, whose dates the fit may move. An event
-/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). What becomes
-/// an event: of the changes that the keeper noted, at most four that stand out and four others
-/// whose size was planned; of the rest, at most four that stand out. At most four others of each
-/// become possible events, which the fit takes if they pay.
+/// changes T0 (regulation), epsilon (friction) or mu (drive; not of a free pendulum). These become
+/// events: of the changes that the keeper noted, at most four that stand out and four others whose
+/// size was planned; of the rest, at most four that stand out. At most four further ones of each
+/// group become possible events, which the fit includes if the likelihood gains enough by them.
 void ask_for_changes(const Diary& diary, std::int64_t first_cycle, FitOptions& options);
 
-/// The options with the sensor's place (`offset`) free, where the beat error shows that the sensor
-/// is off the vertical and the options do not mention the offset. Where the log has amplitudes and
-/// both directions, `offset` gets the place that they give as its prior.
+/// The options with the sensor's `offset` free, if the beat error shows that the sensor is off the
+/// vertical and the options do not mention the offset. If the log has amplitudes and both
+/// directions, the offset that they give becomes its prior.
 FitOptions with_seen_offset(FitOptions options, const NumberedLog& loaded);
 
 /// The options with temperature, pressure and humidity free, as far as the log has them
-/// (weather_parts()) and the options do not mention them, nor density: the fit would take a rate
-/// that the weather moves for the drive's, or for that of a swing that settles. Weather that the
-/// rate alone does not show is freed too: the drive, or a swing that settles, may hide it. None is
-/// freed of fewer than 256 beats, or that is constant or follows a straight line.
+/// (weather_parts()). Without this, the fit would take their effect for one of the drive or of an
+/// amplitude that settles. They are freed even if the rate alone does not show them, since the
+/// drive or a settling amplitude may hide them. Not freed: those that the options mention, all if
+/// the options mention density, weather that is constant or a straight line, and any in a log of
+/// fewer than 256 beats.
 FitOptions with_seen_weather(FitOptions options, const NumberedLog& loaded);
 
-/// The evidence on which causes are judged. It points to `times`. From the fit it has only the size
-/// of the fast drive.
+/// The evidence by which causes are judged. It points to `times`, which must outlive it. The only
+/// part that comes from the fit is the size of the fast drive.
 DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loaded,
                                const Diary& diary, const DriveAnalysis& drive,
                                const FitSummary& fit);
@@ -79,16 +80,16 @@ DiagnosisInput diagnosis_input(const TimingData& times, const NumberedLog& loade
 /// Options of analyse(); what is left empty is found from the log.
 struct AnalysisRequest {
   FitOptions fit{};
-  bool finds_events = true;    ///< where `fit` names none: those of the diary
+  bool finds_events = true;    ///< if `fit` names no events, use those of the diary
   std::optional<Logbook> logbook{}; ///< what the keeper of the clock wrote down
-  bool traces_profiles = true; ///< for the figures; takes up to half as long again as all the rest
+  bool traces_profiles = true; ///< for the figures; adds up to half of the time of all the rest
   std::optional<double> nut_pitch_m{};  ///< of the rating nut; if given, `nut` has the turns
   std::optional<double> rod_length_m{}; ///< of the equivalent simple pendulum; else from the period
   std::function<void(std::string_view)> now{}; ///< "2 of 6: what is being done"
 };
 
-/// Everything a report shows about a log, from one fit. Throws ArgumentError for options that make
-/// no sense, as fit_clock does.
+/// Everything a report shows about a log, from one fit. Throws ArgumentError for invalid options,
+/// as fit_clock() does.
 Analysis analyse(NumberedLog loaded, const AnalysisRequest& request = {});
 
 } // namespace goingrate

@@ -10,14 +10,14 @@
 
 namespace goingrate {
 
-/// How one parameter of a fit fared over the jobs that determine it. Shares of intervals, pulls and
-/// errors are against the truth, and NaN without one.
+/// The results for one parameter of a fit, over the jobs that determine it. Shares of intervals,
+/// pulls and errors refer to the true value, and are NaN without one.
 struct ParameterScore {
   std::string name;
   double truth = 0.0;                    ///< NaN if not known
   std::size_t determined = 0;            ///< jobs that state it, neither fixed nor undetermined
-  std::size_t undetermined = 0;          ///< jobs that have it and cannot tell
-  double within68 = 0.0, within95 = 0.0; ///< shares of the intervals that hold the truth
+  std::size_t undetermined = 0;          ///< jobs in which it is undetermined
+  double within68 = 0.0, within95 = 0.0; ///< shares of the intervals that hold the true value
   double mean_pull = 0.0, sd_pull = 0.0; ///< of (value - truth)/sigma: 0 and 1 for honest sigmas
   double median = 0.0;                   ///< of the values
   double median_sigma = 0.0;             ///< of the sigmas that were stated
@@ -37,17 +37,17 @@ struct JobRow {
   std::size_t job = 0;
   std::string subject; ///< the log, or the seed
   int exit_code = 0;
-  std::string words;                        ///< status of the fit or what went wrong
+  std::string words;                        ///< status of the fit, or the error
   double rate_s_per_day = 0.0, sigma = 0.0; ///< NaN where there is none
 };
 
 /// What batch_summary() finds.
 struct BatchSummary {
-  std::string batch, command; ///< what names it; the command and its settings
+  std::string batch, command; ///< the id of the batch; the command and its settings
   std::string scenario;       ///< its hash; empty for logs
   std::uint64_t first_seed = 0;
   std::size_t jobs = 0;
-  std::map<int, std::size_t> exits;            ///< how often each exit code came
+  std::map<int, std::size_t> exits;            ///< number of jobs with each exit code
   std::map<std::string, std::size_t> statuses; ///< of fits
   std::map<std::string, std::size_t> models;   ///< of fits: dynamics and noise
   std::vector<JobRow> rows;                    ///< one per job
@@ -55,9 +55,9 @@ struct BatchSummary {
   std::vector<DeviationScore> deviations;      ///< in order of averaging time
 };
 
-/// Reads a whole batch, share 1/1; one line is held at a time, and some numbers of each. A change
-/// at the k-th event (mu\@k) is compared with the truth only where the fit has as many events as
-/// the scenario. Throws InputError if the file cannot be read or is a share of several.
+/// Reads a whole batch, share 1/1; only one line, and some numbers of each job, are in memory. A
+/// change at the k-th event (mu\@k) is compared with the true value only if the fit has as many
+/// events as the scenario. Throws InputError if the file cannot be read or is a share of several.
 /// (BatchSummaryTest.CountsAgainstTheTruth)
 BatchSummary batch_summary(const std::string& path);
 

@@ -19,13 +19,13 @@ struct ComparedClock {
   std::string source;
   RateSummary rate;                  ///< of the common hours
   std::vector<double> error_s;       ///< of the hands, from 0 on; NaN where it is not known
-  std::vector<WeatherPart> weather;  ///< what the weather does, all parts found together
+  std::vector<WeatherPart> weather;  ///< effects of the weather, all parts found together
   std::vector<double> own_error_s;   ///< without these parts; empty if there are none
   DeviationTable deviation{};        ///< overlapping Allan, against the loggers' time
   DeviationTable own_deviation{};    ///< of own_error_s
 };
 
-/// The difference of two clocks, in which the loggers' time and what the clocks have in common
+/// The difference of two clocks, in which the loggers' time and all effects common to the clocks
 /// cancel.
 struct ClockPair {
   std::size_t first = 0, second = 0; ///< of the clocks
@@ -39,8 +39,8 @@ struct ClockPair {
 struct HatEstimate {
   double variance = 0.0;
   double sigma = 0.0;
-  double upper_limit = 0.0; ///< below which the deviation (not its square) lies in 95 of 100 cases
-  /// Whether the variance is above two sigma; else only the limit says something.
+  double upper_limit = 0.0; ///< 95 % limit of the deviation (not of its square)
+  /// Whether the variance is above two sigma; if not, only the limit is meaningful.
   [[nodiscard]] bool is_resolved() const { return variance > 2.0 * sigma; }
 };
 
@@ -61,15 +61,15 @@ struct Comparison {
   std::size_t blocks = 0;      ///< of equal length, for rates on one axis
 };
 
-/// Compares the clocks of two logs or more. Errors between beats are those on the straight line,
-/// also over one missing beat; where more are missing they are unknown.
+/// Compares the clocks of two logs or more. Errors between beats are interpolated linearly, also
+/// over one missing beat; where more are missing they are unknown.
 ///
 /// For n >= 3 clocks with independent noises, the variances follow from those of the
 /// differences, s_ij = v_i + v_j, by least squares: v_i = (S_i - T)/(n - 2), S_i = sum_j s_ij,
 /// T = sum s_ij/(n - 1); for n = 3 the three-cornered hat (Gray and Allan, 1974). Sigma is the
-/// scatter that these estimates have at the EDF of each row, with the covariance of two differences
-/// by the clock they share. The upper limit is the variance with which an estimate as low as this
-/// one would come in 5 of 100 cases. (CompareTest.TheHatCoversAsOftenAsItSays)
+/// scatter of these estimates at the EDF of each row, including the covariance of two differences
+/// that share a clock. The upper limit belongs to the variance at which 5 % of estimates would be
+/// as low as this one. (CompareTest.TheHatCoversAsOftenAsItSays)
 ///
 /// Throws InputError if the logs have fewer than 64 common times, one has fewer than 64 beats
 /// there, or some have dates and others not; ArgumentError for fewer than two logs.

@@ -1,4 +1,4 @@
-// From a file to numbered beats: the first half of what is done with every log.
+// From a file to numbered beats: the first half of every analysis.
 #pragma once
 
 #include "goingrate/log/amplitude.hpp"
@@ -14,13 +14,13 @@
 
 namespace goingrate {
 
-/// What load() is to do; it finds out what is left empty.
+/// Options of load(); what is left empty is found from the log.
 struct LoadRequest {
   std::string path; ///< a file, gzip or not, a folder of files, or "-" for standard input
   std::vector<std::string> more{}; ///< files and folders of the same clock, see read_log_files()
   ReadingOptions reading{};
   WeatherRequest weather{};
-  std::optional<Site> site{}; ///< of the clock; none: what the log's header says, if it does
+  std::optional<Site> site{}; ///< of the clock; if not given, that of the log's header, if any
   bool both_edges = false;                ///< the log holds both directions without labels
   std::optional<double> dead_time_s{};    ///< of a contact that bounces; 0: none
   std::optional<double> flag_width_rad{}; ///< as seen from the pivot
@@ -29,7 +29,8 @@ struct LoadRequest {
   double gravity_share = 1.0; ///< of the restoring torque, see clock/restoring.hpp; -10 to 1.5
   double gap_probability = NumberingOptions{}.least_probability;
   bool phases_will_do =
-      false; ///< data on a grid may be those of anything: no beats are made of them
+      false; ///< data on a grid are accepted as they are, also if they are not a clock's, and no
+             ///< beats are made from them
 };
 
 /// A log read, corrected and numbered.
@@ -42,7 +43,7 @@ struct NumberedLog {
 
   ClockLog log; ///< its events are in `beats`
   Beats beats;
-  std::vector<Beat> chosen;   ///< where `good` lives if it is not all of `beats`
+  std::vector<Beat> chosen;   ///< owns the beats of `good` if these are not all of `beats`
   std::span<const Beat> good; ///< the good beats of the longest segment
   double nominal_period_s = 0.0;
   bool nominal_is_known = true;
@@ -50,28 +51,30 @@ struct NumberedLog {
 };
 
 /// Reads the log and its weather, marks bounces, labels directions, numbers the beats, settles the
-/// nominal period, finds amplitudes and the sensor's place, and numbers again where that moved the
-/// times. Data on a grid are not numbered: their places are given. What was assumed is in
-/// `log.assumptions`.
+/// nominal period, finds amplitudes and the sensor's offset, and numbers again if that moved the
+/// times. Data on a grid are not searched for beats: their cycles follow from the grid. All
+/// assumptions are listed in `log.assumptions`.
 ///
-/// A nominal period that is given is believed. Throws InputError if the log cannot be read,
-/// ImpossibleReading if it was read but no clock is so far off, NumericsError if no three beats
-/// could be numbered together or the sensor's place is asked for and cannot be told.
+/// A nominal period given in the request is believed. Throws InputError if the log cannot be read,
+/// ImpossibleReading if the times or periods that were read cannot be those of a clock,
+/// NumericsError if no three consecutive beats could be numbered or the sensor's offset is asked
+/// for and cannot be found.
 NumberedLog load(const LoadRequest& request);
 
 /// The same for a text in memory; `path` names it in messages.
 NumberedLog load_text(std::string_view text, const LoadRequest& request);
 
-/// The same for events from elsewhere; `log.source` names them in messages. From the request's
-/// reading, only the nominal period counts, and not even that if the log states one. Throws
-/// InputError as well for fewer than three events.
+/// The same for events from elsewhere; `log.source` names them in messages. Of request.reading only
+/// the nominal period is used, and only if the log states none. Also throws InputError for fewer
+/// than three events.
 NumberedLog load_events(ClockLog log, const LoadRequest& request);
 
 /// The log's rate from end to end, with what is known of the nominal period and the time base.
 RateSummary mean_rate(const NumberedLog& loaded);
 
 /// The clock's error at equal intervals, s, positive: fast; NaN where a beat is missing. Data on a
-/// grid are as they were read, even if they are no clock's; otherwise it is the longest segment's.
+/// grid are returned as they were read, even if they are not a clock's; of other logs, it is the
+/// error in the longest segment.
 struct PhaseSeries {
   std::vector<double> phase_s;
   double tau0_s = 1.0;

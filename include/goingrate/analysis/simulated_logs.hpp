@@ -20,13 +20,13 @@ struct SimulatedLog {
   std::int64_t periods = 0;                  ///< completed
 };
 
-/// Makes logs; each thread has its copy.
+/// Makes logs. Not thread-safe: each thread needs its own copy.
 class SimulatedLogs {
 public:
   /// Throws as ClockRun does.
   explicit SimulatedLogs(const Scenario& scenario) : scenario_(scenario), clocks_(scenario) {}
 
-  /// One log a seed: what `simulate` gives with this seed, to the byte.
+  /// One log per seed, byte for byte that of `simulate` with this seed.
   std::vector<SimulatedLog> make(std::span<const std::uint64_t> seeds);
 
 private:
@@ -39,8 +39,9 @@ private:
 /// gravity_share, lambda0 (phi' at the first upward crossing, by direct integration), offset (rad);
 /// what changes at the k-th event as mu\@k and the like; jitter_rms (s) and amplitude_rms (rad)
 /// where times are not rounded, drive_rms, slow_rms, slow_time (s) where the drive is random alone.
-/// Left out are zeros, except gravity_share, and what no single number tells. For an escapement
-/// that rests (intermittent.hpp), the drive is its mean, and lambda0 the mean course's.
+/// Zeros (except gravity_share) are left out, and so are properties that are not a single number.
+/// For an escapement that rests (intermittent.hpp), the drive is its mean over time, and lambda0 is
+/// that of the mean course of the amplitude.
 /// Throws as ClockRun does.
 std::map<std::string, double> true_parameters(const Scenario& scenario);
 

@@ -19,7 +19,7 @@ void write_whole_file(const std::string& path, std::string_view text);
 /// is written again.
 void discard_drafts() noexcept;
 
-/// Protects an input: from now on no output of this process may replace it. Writing to it under
+/// Protects an input: from now on no output of this process can replace it. Writing to it under
 /// any name throws ArgumentError("output", ...). "-" is standard input, if that is a file. No
 /// effect for pipes and files that do not exist. (AtomicFileTest.WhatIsReadIsNotReplaced)
 void keep_input(const std::string& path);
@@ -27,7 +27,7 @@ void keep_input(const std::string& path);
 /// From now on every file that this library reads is protected as by keep_input().
 void keep_all_inputs();
 
-/// Called by functions that read a file for the user, for the sake of keep_all_inputs().
+/// Must be called by functions that read a file for the user, so that keep_all_inputs() works.
 void note_input(const std::string& path);
 
 /// Several outputs of one command, (path, text): all are on disk before the first old file is
@@ -37,15 +37,15 @@ void note_input(const std::string& path);
 void write_whole_files(const std::vector<std::pair<std::string, std::string>>& outputs);
 
 /// Throws now what write_whole_files() would throw if one of these files cannot be written, so that
-/// nobody waits for a result that has no place. Nothing is changed; streams are not looked at.
+/// nobody waits for a result that cannot be saved. Changes nothing, and does not check streams.
 /// (AtomicFileTest.WhatCannotBeWrittenIsKnownBeforehand)
 void check_writable(const std::vector<std::string>& paths);
 
 /// An output that is too long to be held in memory: written piece by piece, in constant memory, to
 /// a file beside the target (or straight to standard output or a pipe), and renamed over the target
-/// by commit_all(). Without that the old file stays and nothing is left behind. Where the reader of
-/// standard output goes away, the files that are being written are written all the same; without
-/// any, ClosedPipe is thrown.
+/// by commit_all(). Without that the old file stays and nothing is left behind. If the reader of
+/// standard output goes away, other files are still completed; if there are none, ClosedPipe is
+/// thrown.
 class StreamedFile {
 public:
   /// "-" is standard output; an empty path means that nothing is to be written. Throws OutputError,
@@ -56,9 +56,9 @@ public:
 
   /// Whether it is standard output, a pipe or a device.
   [[nodiscard]] bool is_stream() const;
-  /// Writes what is in text(), then this.
+  /// Writes the contents of text(), then this text.
   void write(std::string_view text);
-  /// Whether what is written gets anywhere: false without a path, and for the null device.
+  /// Whether the output is kept: false without a path, and for the null device.
   [[nodiscard]] bool wanted() const;
   /// Text to append to; hand it over with flush_if_large() now and then.
   [[nodiscard]] std::string& text() { return text_; }

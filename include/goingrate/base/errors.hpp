@@ -1,4 +1,4 @@
-// The ways goingrate can refuse an answer.
+// The exceptions of goingrate.
 //
 // Bad arguments throw ArgumentError, unusable input throws InputError, an output that cannot be
 // written throws OutputError. Numerical outcomes (stalled, not converged) are not exceptions: they
@@ -38,16 +38,16 @@ struct TextPlace {
 /// An input (log or scenario) cannot be used. what() reads "file:line:column: found X, expected Y".
 class InputError : public std::runtime_error {
 public:
-  /// `found` and `expected` in words; the place names the file at least.
+  /// `found` and `expected` in words; `place` names at least the file.
   InputError(TextPlace place, std::string_view found, std::string_view expected);
-  /// Where it was found.
+  /// Where the fault was found.
   [[nodiscard]] const TextPlace& place() const noexcept { return place_; }
 
 private:
   TextPlace place_;
 };
 
-/// An input was read, and the numbers did not work out.
+/// An input was read, but no numerical result could be found from it.
 class NumericsError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -59,7 +59,7 @@ public:
   OutputError(std::string_view path, std::string_view reason);
 };
 
-/// The reader of a pipe has gone, as `head` does: nobody is left to be told.
+/// The reader of a pipe has closed it, as `head` does: no message is needed.
 class ClosedPipe : public OutputError {
 public:
   using OutputError::OutputError;

@@ -1,7 +1,8 @@
 // Random streams that are the same on every compiler and machine.
 //
-// std::normal_distribution is unspecified, Boost's is not. A stream is named by the user's seed and
-// a purpose, so that adding one kind of noise never changes the draws of another.
+// The standard does not specify the algorithm of std::normal_distribution; that of Boost is fixed. A
+// stream is identified by the user's seed and a purpose, so that adding one kind of noise never
+// changes the draws of another.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Processor time, to measure methods on machines that do other things as well.
+// Processor time, to measure methods on a machine with other load.
 #pragma once
 
 #include <chrono>
@@ -6,8 +6,8 @@
 
 namespace goingrate {
 
-/// The time that the calling thread has spent on a processor: what other threads and programs do
-/// meanwhile does not count.
+/// The time that the calling thread has spent on a processor; other threads and programs do not
+/// count.
 struct ThreadClock {
   using duration = std::chrono::nanoseconds;
   using rep = duration::rep;

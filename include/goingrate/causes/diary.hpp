@@ -1,4 +1,4 @@
-// Dated changes of a clock's going, found in its log.
+// Dated changes of a clock's rate and amplitude, found in its log.
 #pragma once
 
 #include "goingrate/fit/fit_event.hpp"
@@ -15,9 +15,9 @@ namespace goingrate {
 /// What changed.
 enum class ChangeKind {
   unclear,
-  regulation, ///< the rate changes and stays, the amplitude does not follow: length, or a weight
-  drive,      ///< the rate jumps, and goes on as the amplitude follows
-  friction,   ///< the rate does not jump, it goes as the amplitude goes
+  regulation, ///< a lasting change of the rate, the amplitude unchanged: length, or a weight
+  drive,      ///< the rate jumps, and changes further as the amplitude settles
+  friction,   ///< no jump: the rate changes with the amplitude
 };
 std::string_view name_of(ChangeKind kind);
 
@@ -37,16 +37,17 @@ struct Change {
   bool stands_out = true; ///< from neighbouring beats; false where add_small_changes() found it
   ChangeKind kind = ChangeKind::unclear;
   ChangeKind next_kind = ChangeKind::unclear; ///< second best explanation
-  double gain = 0.0;      ///< in 2 log L, over no change, less the price of the parameters
-  double kind_gain = 0.0; ///< in 2 log L, of `kind` over `next_kind`, less the prices
+  double gain = 0.0;      ///< in 2 log L over no change, less the price of the parameters
+  double kind_gain = 0.0; ///< in 2 log L of `kind` over `next_kind`, less the prices
   /// Mean rate from the change before (or the first beat) to this one, and from this one to the
   /// next (or the last beat). NaN with fewer than three beats between; sigma is NaN with fewer than
   /// five.
   double rate_before = 0.0, rate_before_sigma = 0.0;
   double rate_after = 0.0, rate_after_sigma = 0.0;
-  bool noted = false;                    ///< the keeper of the clock wrote it down, with its kind
-  std::optional<PlannedRatio> planned{}; ///< of the parameter of that kind, if that was noted too
-  /// Whether the keeper says that it happened, and the search found nothing there.
+  bool noted = false; ///< the keeper of the clock wrote it down, with its kind
+  /// The change of the parameter that belongs to the kind, as planned, if the keeper noted it.
+  std::optional<PlannedRatio> planned{};
+  /// Whether it was written down but not found by the search.
   [[nodiscard]] bool is_only_noted() const { return noted && significance == 0.0; }
 };
 
@@ -63,7 +64,7 @@ struct Relaxation {
                                  ///< depends on the window. NaN where that fit failed
 };
 
-/// A stretch without drive, or with less: the rate jumps at its start and back at its end, the
+/// A stretch with no drive or less of it: the rate jumps at its start and back at its end; the
 /// amplitude decays in between and recovers afterwards.
 struct Interruption {
   Change begin;
@@ -75,7 +76,7 @@ struct Interruption {
   std::optional<Relaxation> recovery;
 };
 
-/// What happened to the clock.
+/// All changes found in a log.
 struct Diary {
   std::vector<Change> changes; ///< in order of time
   std::vector<Interruption> interruptions;
@@ -104,15 +105,15 @@ struct DiaryOptions {
 Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
 
-/// The beats without the displacements that were taken off their data, which are no change of the
-/// rate; nothing where there are none. (DiaryTest.ADisplacementIsNoRate)
+/// The beats with the displacements of `data` removed, since these are not changes of the rate;
+/// nothing if there are none. (DiaryTest.ADisplacementIsNoRate)
 std::optional<std::vector<Beat>> without_displacements(std::span<const Beat> beats,
                                                        const TimingData& data);
 
-/// Fills in the rates before and after each change again, after dates were moved.
+/// Recomputes the rates before and after each change; needed after dates were moved.
 void put_rates(std::span<const Beat> beats, double nominal_period_s, Diary& diary);
 
-/// The `most` most significant changes of those that stand out, or of the others, in order of time.
+/// The `most` most significant changes, of those that stand out or of the others, in order of time.
 std::vector<Change> strongest_changes(const Diary& diary, std::size_t most, bool stand_out);
 
 } // namespace goingrate

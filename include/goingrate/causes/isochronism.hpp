@@ -1,8 +1,8 @@
-// How the rate of a clock depends on its amplitude.
+// The dependence of a clock's rate on its amplitude.
 //
 // A pendulum is not isochronous: wide swings take longer (circular error), and the escapement
-// hurries or delays by an amount that depends on the amplitude too (escapement error). As its drive
-// wanders, a clock passes through a range of amplitudes and shows the sum of the two.
+// advances or delays the clock by an amount that also depends on the amplitude (escapement error).
+// As its drive wanders, a clock passes through a range of amplitudes and shows the sum of the two.
 #pragma once
 
 #include "goingrate/fit/clock_fit.hpp"
@@ -36,15 +36,15 @@ struct Isochronism {
 /// constant of the pendulum. To first order
 ///   rate = (static slope) A + (lag) dA/dt + noise,
 /// whatever the course of the drive; both coefficients are fitted, in noise of the rate that is
-/// white, flicker and random walk. What the errors of the amplitudes, as neighbouring beats scatter,
-/// add to the squares is taken off. The relation is of first order in the friction: half a percent
-/// of the slope is in sigma for it.
+/// white, flicker and random walk. Errors of the amplitudes, estimated from the scatter of
+/// neighbouring beats, inflate the sums of squares; this is subtracted. Since the relation holds to
+/// first order in the friction, sigma includes half a percent of the slope.
 ///
 /// The 95 % interval holds the slope of the simulated clock as often as it should
-/// (IsochronismStudy.ShortForm, tests/studies/isochronism.txt). Limit: what else goes with the
-/// amplitude, as a temperature that thins the oil and lengthens the rod, is in the slope.
-/// Nothing without amplitudes, with fewer than 256 beats, for a pendulum that swings freely, or if
-/// the amplitude does not vary beyond its errors.
+/// (IsochronismStudy.ShortForm, tests/studies/isochronism.txt). Limit: the slope includes any other
+/// effect that varies with the amplitude, such as a temperature that thins the oil and lengthens
+/// the rod. Nothing without amplitudes, with fewer than 256 beats, for a free pendulum, or if the
+/// amplitude does not vary by more than its errors.
 std::optional<Isochronism> isochronism(const TimingData& data, const FitSummary& fit);
 
 } // namespace goingrate

@@ -24,7 +24,7 @@ struct DriveVariability {
   };
   std::vector<Sine> sines{};
 
-  /// One factor a period, instead of 1 and the random parts; sines are added to it.
+  /// One factor per period, in place of 1 and the random parts; sines are added to it.
   std::shared_ptr<const std::vector<double>> series{};
 
   /// Whether the factor is 1 in every period.

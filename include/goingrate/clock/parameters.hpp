@@ -44,8 +44,8 @@ struct ClockParameters {
   double impulse = 0.0;        ///< e of a single impulse: phi'^2/2 grows by it; 0 <= impulse < 1
   double impulse_angle = 0.0;  ///< where, rad; between -pi/2 and pi/2
   TorqueTable rising{}, falling{}; ///< a profile's torque while phi rises and while it falls
-  double gravity_share = 1.0;      ///< s: 1 gravity alone, 0 torsion; a suspension spring or a
-                                   ///< balance's makes it smaller, cheeks too; -10 to 1.5
+  double gravity_share = 1.0;      ///< s: 1 gravity alone, 0 torsion; made smaller by springs (of a
+                                   ///< suspension or a balance) and by cheeks; -10 to 1.5
   std::int64_t every = 1; ///< the escapement acts in every N-th period (Synchronome: 15), beginning
                           ///< with the first of a run; this N, 1 to 1e4
   double below = 0.0; ///< rad; above 0, it acts only in periods that begin with a smaller turning

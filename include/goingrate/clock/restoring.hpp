@@ -1,11 +1,10 @@
-// What brings the pendulum back to the vertical: gravity, a spring, or both.
+// The torque that returns the pendulum to the vertical: of gravity, a spring, or both.
 //
 // The torque is (1 - s) phi + s sin phi with s = gravity_share, so that T0 is the period of small
-// swings whatever s, and the potential (1 - s) phi^2/2 + s (1 - cos phi) rises from 0 to pi for
-// every s <= 1; with s above 1 it has its top before pi. A suspension spring of stiffness k adds k
-// phi to gravity's m g l sin phi: s = m g l / (m g l + k). Cheeks that shorten the pendulum as it
-// swings out take away from the cubic term of the sine and may make s 0 or negative. A torsion
-// clock has s = 0.
+// swings for any s. The potential (1 - s) phi^2/2 + s (1 - cos phi) rises up to pi for every s <= 1;
+// for s above 1 its maximum, the top, is below pi. A suspension spring of stiffness k adds k phi to
+// gravity's m g l sin phi: s = m g l / (m g l + k). Cheeks that shorten the pendulum as it swings
+// out reduce the cubic term of the sine and may make s 0 or negative. A torsion clock has s = 0.
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"
@@ -23,8 +22,8 @@ double velocity_of_turning_angle(double gravity_share, double angle);
 /// gravity. NaN beyond top_velocity.
 double turning_angle_of_velocity(double gravity_share, double velocity);
 
-/// The velocity that reaches the top, or pi where there is none before: 2 under gravity, pi for
-/// torsion.
+/// The velocity with which the pendulum just reaches the top, or pi if there is none before it: 2
+/// under gravity, pi for torsion.
 double top_velocity(double gravity_share);
 
 /// Throws ArgumentError naming `name` for a velocity that is not above 0 and below top_velocity.

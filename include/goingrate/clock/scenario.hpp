@@ -1,4 +1,4 @@
-// A scenario: a clock, how it starts and runs, what happens to it, and the sensor that watches.
+// A scenario: a clock, its start and run, the changes during the run, and the sensor.
 #pragma once
 
 #include "goingrate/clock/drive.hpp"
@@ -25,19 +25,19 @@ struct ClockEvent {
   [[nodiscard]] ClockParameters applied_to(ClockParameters clock) const;
 };
 
-/// How the motion is found (see dynamics/clock_run.hpp).
+/// The method by which the motion is computed (see dynamics/clock_run.hpp).
 enum class Method { automatic, direct, map, averaged1, averaged2, rk4 };
 
-/// When the paper's RK4 decides the sign of the torque (see dynamics/rk4.hpp).
+/// The points at which the paper's RK4 decides the sign of the torque (see dynamics/rk4.hpp).
 enum class Rk4Torque { per_step, per_stage, at_switches };
 
-/// The method and what it needs to know.
+/// The method and its settings.
 struct MethodSettings {
   Method method = Method::automatic;
   double dt = 0.03; ///< step of rk4, scaled; 1e-6 to 1
   Rk4Torque rk4_torque = Rk4Torque::per_stage;
-  /// What automatic must keep crossing times within, s; none: a tenth of the sensor's jitter or
-  /// resolution, or, without either, to rounding.
+  /// For `automatic`: the largest error of crossing times, s. If not given, a tenth of the sensor's
+  /// jitter or resolution; without either, rounding errors only.
   std::optional<double> tolerance_s;
 };
 
@@ -52,8 +52,8 @@ struct LengthChanges {
   };
   std::vector<Sine> sines{};
   double temperature_coefficient = 0.0; ///< for each K from the mean; -0.01 to 0.01
-  /// What a compensation, such as a jar of mercury, takes off again for each K; -0.01 to 0.01. It
-  /// has the temperature of the air through a first-order lag.
+  /// The relative shortening per K by a compensation, such as a jar of mercury; -0.01 to 0.01. Its
+  /// temperature follows that of the air with a first-order lag.
   double compensation = 0.0;
   double compensation_lag_s = 0.0; ///< its time constant, not below 0
   /// Whether the length never changes.
@@ -65,8 +65,8 @@ struct LengthChanges {
   [[nodiscard]] double at(double time_s) const;
 };
 
-/// The temperature around the clock: what a simulated thermometer shows, and what the pendulum's
-/// length follows.
+/// The temperature around the clock, which a simulated thermometer shows and the pendulum's length
+/// follows.
 struct Temperature {
   double mean_c = 20.0;       ///< -100 to 100
   double drift_per_day = 0.0; ///< K, -100 to 100
@@ -78,19 +78,19 @@ struct Temperature {
   std::vector<Sine> sines{};
   /// Degrees Celsius at a time.
   [[nodiscard]] double at(double time_s) const;
-  /// The same through a first-order lag with this time constant, as after a long time.
+  /// The same after a first-order lag with this time constant, in the settled state.
   [[nodiscard]] double lagged_at(double time_s, double lag_s) const;
 };
 
-/// What the simulated sensor reports of each passage: the upward ones, both directions, both with
-/// the time the flag took, or both with the two edges of the flag.
+/// The events that the simulated sensor reports: upward crossings only; both directions; both, each
+/// with the dark time of the flag; or both, with the two edges of the flag.
 enum class SensorEdges { up, both, gate, four };
 
-/// The simulated sensor (see log/sensor.hpp for what each does).
+/// The simulated sensor (see log/sensor.hpp for the effect of each setting).
 struct SensorSettings {
   SensorEdges edges = SensorEdges::up;
   double jitter_rms_s = 0.0;
-  double offset_rad = 0.0;               ///< where the beam stands, -1 to 1
+  double offset_rad = 0.0;               ///< of the beam from the vertical, -1 to 1
   double flag_width_rad = 0.0;           ///< 0 to 1; 0 with one event a passage
   double resolution_s = 0.0;             ///< times are rounded to multiples of this; 0: not rounded
   double missed = 0.0;                   ///< probability that a crossing is not reported
@@ -122,9 +122,9 @@ void check(const Scenario& scenario);
 /// The names scenarios use.
 std::string_view name_of(Method method);
 
-/// Reads a scenario from TOML text; `file` names it in messages and is where the path of a
-/// drive.series starts from, `overrides` are "key=value" with dotted keys ("clock.epsilon=1e-3"),
-/// applied over the text. Throws InputError with line and column for text that is not TOML, for
+/// Reads a scenario from TOML text. `file` names it in messages; the path of a drive.series is
+/// relative to its folder. `overrides` are "key=value" with dotted keys ("clock.epsilon=1e-3"),
+/// which replace those of the text. Throws InputError with line and column for text that is not TOML, for
 /// unknown keys, for values of a wrong type and for values out of range.
 Scenario parse_scenario(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides = {});

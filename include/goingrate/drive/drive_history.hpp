@@ -1,4 +1,4 @@
-// The course of the drive: mu(t)/mu0 from amplitudes, from the rate, or from both.
+// The drive as a function of time: mu(t)/mu0 from amplitudes, from the rate, or from both.
 //
 // In blocks short compared with the relaxation, the deviation x = lambda^2/X - 1 from the
 // stationary amplitude and the relative drive d follow (Hoyng, eq. dotl4)
@@ -20,7 +20,7 @@
 
 namespace goingrate {
 
-/// What must be known about the clock.
+/// The properties of the clock that are needed.
 struct DriveModel {
   double T0_s = 0.0;
   double epsilon = 0.0;
@@ -36,7 +36,7 @@ struct DrivePoint {
   double sigma = 0.0;    ///< of `relative`; the model's parameters count as exact
 };
 
-/// The course of the drive.
+/// The drive as a function of time.
 struct DriveHistory {
   std::vector<DrivePoint> points;
   double step_rms = 0.0; ///< q
@@ -52,8 +52,8 @@ std::optional<DriveHistory> drive_history(const TimingData& data, const DriveMod
                                           double block_s = 0.0);
 
 /// The model from a fit; nothing unless its epsilon is above 0 and determined or fixed, and either
-/// it has the gains or `data` has amplitudes. Where the fit has no stationary amplitude, the mean
-/// of the log is taken.
+/// it has the gains or `data` has amplitudes. If the fit has no stationary amplitude, the mean of
+/// the log is used.
 std::optional<DriveModel> drive_model(const FitSummary& fit, const TimingData& data);
 
 } // namespace goingrate

@@ -1,4 +1,4 @@
-// What a ring-down tells: how the swing of a free pendulum dies away.
+// The decay of a free pendulum, from a ring-down.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace goingrate {
 
-/// A value with the ends of its intervals; a high end is infinite where the log sets none. NaN
-/// throughout where the log does not determine it: sigma would be above a third of the value.
+/// A value with the ends of its intervals; a high end is infinite where the log sets none. All NaN
+/// where the log does not determine the value: sigma would be above a third of it.
 struct DecayEstimate {
   double value = 0.0;
   double sigma = 0.0; ///< half the 68 % interval
@@ -20,37 +20,36 @@ struct QAtAmplitude {
   DecayEstimate q{};
 };
 
-/// A law of friction and how well it explains the log.
+/// A law of friction, and its BIC for the log.
 struct FrictionLaw {
   std::string friction; ///< "linear", "quadratic + dry" ...
   double bic = 0.0;
   double behind = 0.0; ///< its BIC less that of the best; 0 for the best
-  /// The other parameters if this is the law; NaN where they are not sought: held, or the law is
-  /// not open.
+  /// The other parameters under this law; NaN if they are held or the law is not open.
   double T0_s = 0.0, T0_sigma_s = 0.0, lambda0 = 0.0, lambda0_sigma = 0.0;
 
-  /// Odds of 20 to 1.
+  /// The difference of BIC that excludes a law: odds of 20 to 1.
   static constexpr double decisive = 6.0;
   [[nodiscard]] bool is_open() const { return behind < decisive; }
 };
 
 /// The decay of a free swing.
 ///
-/// Q(A) = 2 pi times the energy over what a period takes of it (dynamics/swing_loss.hpp):
+/// Q(A) = 2 pi times the energy over its loss in a period (dynamics/swing_loss.hpp):
 ///   1/Q = 2 epsilon + (8/3 pi) k A + (4/pi) c/A   for small swings,
-/// with linear friction epsilon, quadratic drag k and dry friction c, none below 0. It supposes
-/// none of the laws: all three terms are fitted, and the intervals are those of the likelihood with
-/// the terms left free on their side of 0, so what a term takes from another does not narrow them.
-/// The 95 % intervals of Q hold the truth in 95 % of simulated logs (156 of 166 of samples of an
-/// angle and photogates; tests/studies/ring_down.txt, RingDownStudy.ShortForm).
+/// with linear friction epsilon, quadratic drag k and dry friction c, none below 0. No law is
+/// assumed: all three terms are fitted, each free to be 0 or above, and the intervals are those of
+/// the likelihood. They include the uncertainty of how the friction divides among the terms. The
+/// 95 % intervals of Q hold the true value in 95 % of simulated logs (in 156 of 166 logs of angle
+/// samples and photogates; tests/studies/ring_down.txt, RingDownStudy.ShortForm).
 struct Decay {
-  double amplitude_rad = 0.0; ///< the geometric mean of the first and the last, where `q` holds
+  double amplitude_rad = 0.0; ///< geometric mean of the first and the last; `q` belongs to it
   DecayEstimate q{};
   DecayEstimate time_s{};                     ///< A/(-dA/dt) at that amplitude
   std::vector<QAtAmplitude> q_at_amplitude{}; ///< from the last amplitude of the log to the first
   std::vector<FrictionLaw> laws{};            ///< those that were tried, the best first
 
-  /// Whether a second law explains the log about as well.
+  /// Whether a second law explains the log nearly as well.
   [[nodiscard]] bool law_is_open() const;
 };
 

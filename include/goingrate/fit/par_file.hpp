@@ -25,7 +25,7 @@
 
 namespace goingrate {
 
-/// What a file asks for, and where it says so, as only a log can show some of it to be wrong.
+/// The options in a file, and their lines, since some errors show only when a log is known.
 struct ParFile {
   FitOptions
       options; ///< its events at the cycles of the file, not yet counted from the data's first
@@ -33,27 +33,27 @@ struct ParFile {
   std::vector<TextPlace> event_places;
 };
 
-/// The text that repeats `fit`: what was chosen automatically is named, with 17 digits each value.
-/// A noise that has no name of its own (a random walk) stays `auto`. `first_cycle` is added to the
-/// cycles of the events.
+/// The text that makes another run repeat `fit`: automatic choices are written by name, and values
+/// with 17 digits. A noise without a name of its own (a random walk) stays `auto`. `first_cycle` is
+/// added to the cycles of the events.
 std::string par_text(const FitSummary& fit, const FitOptions& options, std::int64_t first_cycle);
 
 /// Reads such a text; `file` names it in messages. Throws InputError with line and column for
 /// whatever is not an item, is given twice, is out of range or changes at no event.
 ParFile parse_par(std::string_view text, const std::string& file);
 
-/// A start serves only if it has a value for every parameter of the clock that is not fixed; one
-/// that has not is dropped, and the search then begins as without it. Sizes of the noise, and what
-/// may be zero, are guessed from the log where they are missing.
+/// Drops start values that do not cover every parameter of the clock that is not fixed; the search
+/// then begins as without them. Missing sizes of the noise, and of parameters that may be zero, are
+/// guessed from the log.
 void drop_partial_start(FitOptions& options);
 
 /// The names of all parameters. A value after the k-th event has the event's number after the
 /// name, as in "mu\@1".
 std::vector<std::string> parameter_names();
-/// The names of those that are fitted only where they are named.
+/// The names of the parameters that are fitted only on request.
 std::vector<std::string> optional_parameter_names();
 
-/// Set the option by the word for it, `auto` included; false for any other word.
+/// Set an option by its word, including `auto`; false for any other word.
 bool set_dynamics(FitOptions& options, std::string_view word);
 bool set_noise(FitOptions& options, std::string_view word);
 bool set_escapement(FitOptions& options, std::string_view word);

@@ -12,7 +12,7 @@
 
 namespace goingrate {
 
-/// A cause outside the clock to which the rate answers in proportion: rate excess = coefficient *
+/// A cause outside the clock to which the rate responds in proportion: rate excess = coefficient *
 /// value. Names: "temperature" (C from the mean), "pressure" (mbar from the mean), "drift" (days
 /// since the middle of the log).
 struct RateTerm {
@@ -21,16 +21,16 @@ struct RateTerm {
   std::vector<double> advance_s; ///< one per beat: integral of the value over the time so far, so
                                  ///< that the clock is ahead by coefficient * advance
   std::vector<std::uint8_t> is_known{}; ///< 1 or 0 for each beat; empty: all are
-  double sigma = 0.0;                   ///< of the error of a value, independent after step_s
-  double step_s = 0.0;                  ///< between readings; 0: one at each beat, a period apart
+  double sigma = 0.0;  ///< of the errors of values; errors `step_s` apart are independent
+  double step_s = 0.0; ///< time between readings; 0: one at each beat, a period apart
 };
 
-/// All times from one beat on are late by the same amount, and the rate stays as it was: a sensor
-/// that was moved, a knock.
+/// All times from one beat on are late by the same amount while the rate is unchanged: the sensor
+/// was moved, or the clock was knocked.
 struct Displacement {
   std::size_t beat = 0; ///< the first that is late
   double late_s = 0.0;
-  double gain = 0.0; ///< of 2 log L, less the price of looking at every beat
+  double gain = 0.0; ///< of 2 log L, less the price of the search over all beats
 };
 
 /// Times and amplitudes of a run of good beats; all vectors have one entry per beat.
@@ -40,15 +40,15 @@ struct TimingData {
   std::vector<double> elapsed_s;     ///< t_i - t_0
   std::vector<double> lateness_s;    ///< t_i - t_0 - n_i * reference period, no digits lost
   std::vector<double> amplitude_rad; ///< NaN where unknown; empty if the log has none
-  std::vector<RateTerm> terms;       ///< what the fitted rate may follow
-  /// Standard deviations of times and of amplitudes, one per beat, over the rms of all; empty
-  /// where all are alike. A fit with noise of the drive takes those of the times as equal.
+  std::vector<RateTerm> terms;       ///< causes to which the fitted rate may respond
+  /// Standard deviations of times and of amplitudes, one per beat, divided by the rms of all; empty
+  /// if all are equal. A fit with noise of the drive treats those of the times as equal.
   std::vector<double> time_noise{}, amplitude_noise{};
   std::string no_swings{}; ///< why these are not a pendulum's swings; empty if they are
-  /// Pushes of an escapement that rests, whose saw-tooth was taken off times and amplitudes.
+  /// Pushes of an escapement that rests; their saw-tooth was subtracted from times and amplitudes.
   std::optional<ImpulseCycle> impulses{};
-  std::vector<Displacement> displaced{}; ///< taken off the times, the greatest gain first
-  double time_base_sigma = 0.0; ///< relative, of the clock that took the times, and so of T0
+  std::vector<Displacement> displaced{}; ///< subtracted from the times, the greatest gain first
+  double time_base_sigma = 0.0; ///< relative, of the clock that took the times, and thus of T0
 
   /// Number of beats.
   [[nodiscard]] std::size_t size() const { return cycle.size(); }
@@ -59,10 +59,11 @@ struct TimingData {
 /// No pendulum swings more slowly: that of 20 s is 99 m long.
 inline constexpr double longest_swing_s = 20.0;
 
-/// Takes displacements off the times and notes them, each before the next is searched for: up to
-/// eight that stand out of all others (2 log L of each above 100, of any other below 25); where
-/// there are more, they are a noise of the clock, and none is taken off. No pendulum makes them, so
-/// a fit is better off without. (FitDisplacedTest.AMovedSensorLeavesTheClock,
+/// Finds displacements one after the other, subtracts each from the times and records it in
+/// `displaced`: up to eight that are clearly larger than all others (2 log L of each above 100, of
+/// any other below 25). If there are more, they are a noise of the clock, and none is subtracted.
+/// No pendulum causes displacements, so they would only distort a fit.
+/// (FitDisplacedTest.AMovedSensorLeavesTheClock,
 /// FitDisplacedTest.KicksThatFollowEachOtherAreANoise)
 void level_displacements(TimingData& data);
 
@@ -75,9 +76,9 @@ TimingData timing_data(std::span<const Beat> beats);
 RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
                    std::span<const double> values);
 
-/// Standard deviations as TimingData has them: divided by the rms of the known ones. An unknown one
-/// counts as the rms. Empty if none is known or all lie within a tenth of the rms, where nothing
-/// would be gained.
+/// Standard deviations divided by the rms of the known ones, as in TimingData. An unknown one
+/// counts as the rms. Empty if none is known, or if all lie within a tenth of the rms, since
+/// weights would then gain nothing.
 std::vector<double> relative_noise(std::span<const double> sigmas);
 
 /// The beats with the given indices (increasing). What belongs to the log as a whole (no_swings,
