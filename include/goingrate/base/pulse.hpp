@@ -20,8 +20,8 @@ private:
   const std::function<void()>* outer_;
 };
 
-/// Called by the library between the pieces of long work: the steps of a search, the items of shared
-/// work. An exception of the scope's function ends that work and reaches its caller
+/// Called by the library between the pieces of long work: the steps of a search, the items of
+/// shared work. An exception of the scope's function ends that work and reaches its caller
 /// (PulseTest.EndsAFit, PulseTest.EndsSharedWork). Costs 1 ns without a scope.
 void pulse();
 

@@ -1,7 +1,7 @@
 // Random streams that are the same on every compiler and machine.
 //
-// The standard does not specify the algorithm of std::normal_distribution; that of Boost is fixed. A
-// stream is identified by the user's seed and a purpose, so that adding one kind of noise never
+// The standard does not specify the algorithm of std::normal_distribution; that of Boost is fixed.
+// A stream is identified by the user's seed and a purpose, so that adding one kind of noise never
 // changes the draws of another.
 #pragma once
 

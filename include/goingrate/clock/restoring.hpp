@@ -1,8 +1,8 @@
 // The torque that returns the pendulum to the vertical: of gravity, a spring, or both.
 //
 // The torque is (1 - s) phi + s sin phi with s = gravity_share, so that T0 is the period of small
-// swings for any s. The potential (1 - s) phi^2/2 + s (1 - cos phi) rises up to pi for every s <= 1;
-// for s above 1 its maximum, the top, is below pi. A suspension spring of stiffness k adds k phi to
+// swings for any s. The potential (1 - s) phi^2/2 + s (1 - cos phi) rises up to pi for s <= 1; for
+// s above 1 its maximum, the top, is below pi. A suspension spring of stiffness k adds k phi to
 // gravity's m g l sin phi: s = m g l / (m g l + k). Cheeks that shorten the pendulum as it swings
 // out reduce the cubic term of the sine and may make s 0 or negative. A torsion clock has s = 0.
 #pragma once

@@ -124,8 +124,8 @@ std::string_view name_of(Method method);
 
 /// Reads a scenario from TOML text. `file` names it in messages; the path of a drive.series is
 /// relative to its folder. `overrides` are "key=value" with dotted keys ("clock.epsilon=1e-3"),
-/// which replace those of the text. Throws InputError with line and column for text that is not TOML, for
-/// unknown keys, for values of a wrong type and for values out of range.
+/// which replace those of the text. Throws InputError with line and column for text that is not
+/// TOML, for unknown keys, for values of a wrong type and for values out of range.
 Scenario parse_scenario(std::string_view text, const std::string& file,
                         const std::vector<std::string>& overrides = {});
 

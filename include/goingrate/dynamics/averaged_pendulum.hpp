@@ -9,7 +9,7 @@
 
 namespace goingrate {
 
-/// Which averaged equations.
+/// The averaged equations to use.
 enum class AveragedOrder {
   first,         ///< dotl3, dotpsi3, circular error -lambda^2/16 (Hoyng)
   first_in_full, ///< the same with the circular error to all orders, J1(lambda)/lambda - 1/2 (ce3)
@@ -31,8 +31,8 @@ bool knows_second_order(const ClockParameters& clock);
 ///
 /// In first order the velocity is lambda, the cycle average of the amplitude; in second order it is
 /// phi' at the upward crossing. The downward crossing is put in the middle of the period, where it
-/// is to first order for symmetric escapements. What the equations lack against the full pendulum
-/// is listed in averaged.hpp and averaged2.hpp; 20 to 50 ns per period.
+/// is to first order for symmetric escapements. The errors of the equations, compared with the full
+/// pendulum, are listed in averaged.hpp and averaged2.hpp. Takes 20 to 50 ns per period.
 class AveragedPendulum {
 public:
   /// Starts at an upward crossing. Throws ArgumentError as check_velocity does, for clock

@@ -1,4 +1,4 @@
-// Speed against accuracy, measured here and now.
+// Speed against accuracy of the methods, measured when called, on this machine.
 //
 // Every method runs the same scenes; its crossing times are compared with an oracle, the equation
 // of motion integrated in Wide: on x86 64 bits, good to 1e-18 per period, elsewhere a double. All
@@ -32,7 +32,7 @@ struct ChartScene {
 /// phi0), "large amplitude" (1.2 rad, epsilon 1e-3).
 std::vector<ChartScene> chart_scenes(std::size_t periods);
 
-/// What one method did on one scene: the time of each upward crossing minus 2 pi a period.
+/// The result of one method on one scene: the time of each upward crossing minus 2 pi per period.
 struct ChartRun {
   SwingStatus status = SwingStatus::crossed;
   std::vector<double> lateness;
@@ -40,7 +40,7 @@ struct ChartRun {
   double running_s = 0.0; ///< all periods, without the setup
 };
 
-/// A method under a name and a setting ("dt=0.03"); `run` does a scene once.
+/// A method with its name and setting ("dt=0.03"); `run` computes a scene once.
 struct ChartMethod {
   std::string name, setting;
   std::function<ChartRun(const ChartScene&)> run;
@@ -65,7 +65,7 @@ struct ChartRow {
   double max_error = 0.0; ///< largest error of a crossing time, scaled, as far as the oracle goes
 };
 
-/// Measures; `repetitions` >= 1 runs each, medians.
+/// Measures all methods on all scenes: medians of `repetitions` >= 1 runs each.
 std::vector<ChartRow> measure_chart(const std::vector<ChartScene>& scenes,
                                     const std::vector<ChartMethod>& methods, int repetitions);
 
@@ -76,7 +76,7 @@ std::vector<ChartRow> chart_frontier(const std::vector<ChartRow>& rows, const st
 struct LimitRow {
   double epsilon, ratio, amplitude; ///< ratio = lambda / phi0; amplitude lambda, rad
   SwingStatus exact;                ///< how the full equation ends within the run
-  /// What one method makes of the point.
+  /// The result of one method at the point.
   struct Error {
     std::string method;
     SwingStatus status;

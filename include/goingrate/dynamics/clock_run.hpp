@@ -23,7 +23,7 @@ struct Period {
   TwoPart<double> time_s; ///< when it ends, s after the start
   TwoPart<double> down_s; ///< the downward crossing within it, s after the start
   double period_s = 0.0;  ///< its length, s
-  double nominal_period_s = 0.0; ///< T0 with the length as it was, s
+  double nominal_period_s = 0.0; ///< T0 for the length in this period, s
   double velocity = 0.0;         ///< phi' at its end, scaled units (averaged1: lambda)
   double amplitude_rad = 0.0;    ///< at its end: turning angle of a free pendulum of this velocity
   double mu = 0.0;               ///< the torque (or the impulse, or a profile's factor) that acted
@@ -53,11 +53,11 @@ public:
 
   /// phi' at the start, scaled; for a stationary start, the value found.
   [[nodiscard]] double start_velocity() const { return start_velocity_; }
-  /// crossed while all is well, otherwise why the clock stopped.
+  /// `crossed` while the clock goes, otherwise the reason why it stopped.
   [[nodiscard]] SwingStatus status() const { return status_; }
   /// The period completed last; cycle 0 before the first.
   [[nodiscard]] const Period& last() const { return now_; }
-  /// The method and why it was taken.
+  /// The method, and the reason for it.
   [[nodiscard]] const MethodChoice& method() const { return choice_; }
   /// Periods the map left to the direct integrator.
   [[nodiscard]] std::int64_t fallbacks() const;
@@ -83,11 +83,11 @@ private:
   SwingStatus status_ = SwingStatus::crossed;
 };
 
-/// The factors that a drive will take most of the time: 1 within seven standard deviations of its
-/// random parts and the whole of its sines and series.
+/// The range of factors of a drive: 1 plus and minus seven standard deviations of its random parts,
+/// and the full range of its sines and series.
 FactorRange factor_range(const DriveVariability& drive);
 
-/// What a factor of the drive multiplies: mu, or the impulse, or 1 for a profile.
+/// The quantity that a factor of the drive multiplies: mu, or the impulse, or 1 for a profile.
 double drive_strength(const ClockParameters& clock);
 
 } // namespace goingrate

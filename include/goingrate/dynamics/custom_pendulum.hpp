@@ -1,10 +1,10 @@
-// A pendulum under any torque and any friction that a user writes down.
+// A pendulum under any torque and friction that a user defines.
 //
 //   phi'' + sin phi = torque(phi, phi') - friction(phi, phi')      (Hoyng, end of sec. KBR)
 //
 // Integrated by Boost.odeint's Fehlberg 7(8) with error control; crossings and the angles at which
 // the laws jump are found by Newton steps. The laws are black boxes, so this is slower and less
-// exact than DirectPendulum, which knows the inside of its laws. The averaged equations of the same
+// exact than DirectPendulum, which uses the form of its laws. The averaged equations of the same
 // laws: drive_moments(ForceLaw) in moments.hpp.
 #pragma once
 

@@ -1,9 +1,9 @@
 // Many realisations of one clock, in SIMD lanes and on all cores.
 //
-// Realisation k is what ClockRun gives alone with seed + k, bit for bit, so that a batch system can
-// share realisations out; the number of threads changes nothing. Where the return map serves, eight
-// realisations advance side by side in the lanes of the processor; a lane whose state leaves the
-// patch of the others, or its domain, goes the way of a single run for that period.
+// Realisation k equals that of ClockRun with seed + k, bit for bit, so that a batch system can
+// distribute realisations; the number of threads changes nothing. If the return map can be used,
+// eight realisations advance side by side in the SIMD lanes. A lane whose state leaves the patch of
+// the others, or the domain of the map, is computed like a single run for that period.
 #pragma once
 
 #include "goingrate/clock/scenario.hpp"
@@ -17,7 +17,7 @@
 
 namespace goingrate {
 
-/// How many runs of one scenario.
+/// The number of realisations of one scenario, and their seeds.
 struct EnsembleOptions {
   std::uint64_t seed = 1; ///< of realisation 0
   std::size_t realisations = 1;
@@ -28,9 +28,9 @@ struct EnsembleOptions {
 /// threads at once, but never for one realisation from two.
 using PeriodSink = std::function<void(std::size_t realisation, const Period&)>;
 
-/// Realisations of any seeds, some at a time, for a caller with threads of its own: each thread has
-/// its copy, whose return maps grow as they are used. What a seed gives does not depend on what
-/// runs beside it (EnsembleTest.AnySeedsInAnyCompany).
+/// Realisations of any seeds, some at a time, for a caller with threads of its own. Each thread
+/// needs its own copy, whose return maps grow with use. The result of a seed does not depend on the
+/// seeds that are run with it (EnsembleTest.AnySeedsInAnyCompany).
 class Realisations {
 public:
   /// Checks the scenario and chooses the method once. Throws as ClockRun does.
@@ -41,8 +41,8 @@ public:
 
   /// The start of every realisation, cycle 0.
   [[nodiscard]] const Period& start() const;
-  /// Runs one realisation a seed, `sink` as of run_ensemble with the seed's place in `seeds`;
-  /// eight at a time are the cheapest. Returns the status of each.
+  /// Runs one realisation per seed; `sink` as for run_ensemble, with the index of the seed in
+  /// `seeds`. Eight at a time are the cheapest. Returns the status of each.
   std::vector<SwingStatus> run(std::span<const std::uint64_t> seeds, const PeriodSink& sink);
 
 private:

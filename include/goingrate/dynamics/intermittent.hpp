@@ -18,10 +18,10 @@
 
 namespace goingrate {
 
-/// Whether the escapement is let in at upward crossing `cycle` (0 is the first), where phi' =
-/// `velocity`: in cycles that `every` divides, or when the turning angle of that velocity is less
-/// than `below`. `under_way`: what an earlier crossing let in is not at its end; a limit of
-/// amplitude lets nothing in before it is.
+/// Whether the escapement begins an action at upward crossing `cycle` (0 is the first), where phi'
+/// = `velocity`: in cycles that `every` divides, or if the turning angle of that velocity is less
+/// than `below`. `under_way`: an earlier action has not ended; with a limit of amplitude, none
+/// begins before it has.
 ///
 /// It then acts from this crossing to the next. A profile whose push runs through the vertical
 /// while phi rises (action_parts) acts as a whole from the turning point on the left that follows
@@ -29,8 +29,8 @@ namespace goingrate {
 bool escapement_acts(const ClockParameters& clock, std::int64_t cycle, double velocity,
                      bool under_way = false);
 
-/// An action that upward crossings cut in two, each part as a clock that acts in every period: what
-/// is done while phi rises to the vertical, and all that follows.
+/// An action that an upward crossing divides into two parts: that while phi rises to the vertical,
+/// and the rest. Each is given as a clock that acts in every period.
 struct ActionParts {
   ClockParameters before, after;
 };
@@ -38,28 +38,28 @@ struct ActionParts {
 /// vertical while phi rises; nothing for others, which act between two upward crossings.
 std::optional<ActionParts> action_parts(const ClockParameters& clock);
 
-/// The periods from one action to the next at least: 2 where one ends in the period after it began
-/// (action_parts) and keeps the next out, else 1.
+/// The least number of periods from one action to the next: 2 if an action ends in the period after
+/// it began (action_parts) and prevents the next, else 1.
 std::int64_t fewest_periods_between_actions(const ClockParameters& clock);
 
-/// Whether the escapement is one with a limit of amplitude, and an action at the limit lifts the
-/// swing by more than friction takes until there may be the next, first order: it then rests in
-/// between. Else it acts whenever it may and the swing stays below the limit.
+/// Whether the escapement has a limit of amplitude and rests between actions, in first order: an
+/// action at the limit raises the amplitude by more than friction lowers it until the next is
+/// possible. Otherwise it acts as often as possible, and the amplitude stays below the limit.
 bool waits_for_amplitude(const ClockParameters& clock);
 
-/// The clock that gives in every period one `periods`-th of what this one gives in one of them.
+/// The clock that acts in every period, with one `periods`-th of the action of this one.
 ClockParameters with_drive_divided(ClockParameters clock, double periods);
 
 /// The energy that one driven period at amplitude lambda adds, of phi'^2/2, first order: 2 pi
 /// lambda a(lambda) (moments.hpp); 4 mu phi0 for constant torque, e for a single impulse.
 double energy_of_period(const ClockParameters& clock, double lambda);
 
-/// What an escapement that rests does to a clock in equilibrium, first order.
+/// The effect of an escapement that rests on a clock in equilibrium, first order.
 struct SawTooth {
   double periods;         ///< between impulses, in the mean
   double low2, high2;     ///< lambda^2 just before and just after an impulse, rad^2
   double mean2;           ///< <lambda^2>, rad^2
-  double peak_lateness_s; ///< how far the circular error makes the clock late between two impulses,
+  double peak_lateness_s; ///< largest lateness between two impulses by the circular error,
                           ///< s: s ((high2 - mean2) - mean2 ln(high2/mean2)) / (32 eps) T0/(2 pi)
 };
 
@@ -71,20 +71,20 @@ struct SawTooth {
 /// IntermittentTest.SawToothAgreesWithTheEquationOfMotion shows how it compares.
 std::optional<SawTooth> saw_tooth(const ClockParameters& clock);
 
-/// The swings of an escapement that waits for the amplitude to fall, in the mean over the orbit
-/// they settle on: by the full equation of motion, impulse after impulse.
+/// The swings of a clock whose escapement waits for the amplitude to fall: means over the orbit on
+/// which they settle, by the full equation of motion, impulse after impulse.
 ///
-/// What an impulse and the periods after it make of v^2 is a map of the stretch below the limit
-/// into itself that keeps the order but for one jump, and shrinks. Its orbit therefore has one mean
-/// whatever the start; most often it closes after some impulses.
+/// An impulse and the periods after it map v^2, from the interval below the limit into itself. The
+/// map contracts and preserves the order except at one jump. Its orbit therefore has the same mean
+/// from any start; in most cases it closes after some impulses.
 struct WaitingOrbit {
   double velocity = 0.0;      ///< phi' at an upward crossing that lets the escapement in
   double periods = 0.0;       ///< between impulses, in the mean
   double mean_square = 0.0;   ///< of phi' at the upward crossings
   double period_excess = 0.0; ///< T - 2 pi, scaled, in the mean
   std::int64_t impulses = 0;  ///< over which the means are taken
-  /// Error bound of the rate: 1e-14 where the orbit closes; otherwise what the ends of the stretch
-  /// may miss (Denjoy and Koksma's inequality): twice the range of T over the stretch's time.
+  /// Error bound of the rate: 1e-14 if the orbit closes; otherwise that of the inequality of Denjoy
+  /// and Koksma for a finite stretch: twice the range of T over the time of the stretch.
   double rate_within = 0.0;
 };
 

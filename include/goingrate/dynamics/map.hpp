@@ -30,14 +30,14 @@ struct FactorRange {
   [[nodiscard]] bool contains(double factor) const { return factor >= low && factor <= high; }
 };
 
-/// What the periods of a map are integrated with: most digits, or those of a double, whose rounding
+/// The arithmetic for the periods of a map: with the most digits, or in doubles, whose rounding
 /// (some 1e-15 of T - 2 pi) is the same period after period and so adds up in the time.
 enum class MapDigits { wide, of_a_double };
 
 /// One patch: polynomials in x and factor, both mapped to [-1, 1].
 class MapPatch {
 public:
-  /// What one period does.
+  /// The result of one period.
   struct Values {
     double speed2_change, excess;
   };

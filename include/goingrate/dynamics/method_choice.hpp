@@ -1,4 +1,4 @@
-// The cheapest method that is good enough for a scene.
+// The cheapest method that is accurate enough for a scene.
 #pragma once
 
 #include "goingrate/clock/scenario.hpp"
@@ -8,15 +8,15 @@
 
 namespace goingrate {
 
-/// A method, what it is expected to do, and why it was taken.
+/// A method, its expected error, and the reason for choosing it.
 struct MethodChoice {
   Method method = Method::direct;
   double error_bound_s = 0.0; ///< largest error of a crossing time over the run; 0: to rounding
-  double tolerance_s = 0.0;   ///< what was asked for; 0: to rounding only
+  double tolerance_s = 0.0;   ///< the tolerance asked for; 0: to rounding only
   std::string reason;         ///< in words
 };
 
-/// What one method would cost and how far off it would be over the scene.
+/// The expected cost and error of one method over the scene.
 struct MethodEstimate {
   Method method;
   double error_bound_s;
@@ -29,8 +29,9 @@ struct MethodEstimate {
 /// runs through and at the drive's extremes its change of lambda^2 and its T - 2 pi are compared
 /// with direct integration. The bound over the run is
 ///   N max|dT| + N (pi/8 + slope) min(N, 1/(4 pi eps)) max|d lambda^2|,
-/// the second term being what errors of the amplitude, collected over a relaxation time, do to the
-/// period; both times a safety factor of 2. Exact methods have the bound of their rounding.
+/// where the second term is the effect on the period of errors of the amplitude collected over a
+/// relaxation time; both are multiplied by a safety factor of 2. The bound of exact methods is that
+/// of rounding.
 std::vector<MethodEstimate> estimate_methods(const Scenario& scenario);
 
 /// The scenario's own method, or for automatic the cheapest whose bound is below the tolerance:

@@ -1,4 +1,4 @@
-// The averages over a swing that the averaged equations are made of.
+// The averages over a swing that appear in the averaged equations.
 //
 //   lambda' = -(friction) + a,                 a = (1/2pi) int m cos psi dpsi   (Hoyng, dotl3, ca1)
 //   psi' - 1 = (circular error) - b / lambda,  b = (1/2pi) int m sin psi dpsi   (dotpsi3, cb1)
@@ -16,8 +16,8 @@ namespace goingrate {
 
 /// The two moments of a torque, scaled as mu.
 struct DriveMoments {
-  double a = 0.0; ///< along phi': what drives the amplitude
-  double b = 0.0; ///< along phi: what shifts the phase
+  double a = 0.0; ///< along phi': drives the amplitude
+  double b = 0.0; ///< along phi: shifts the phase
 };
 
 /// The moments of a clock's escapement at amplitude lambda (rad, > 0), in closed form: eqs. ca2 and

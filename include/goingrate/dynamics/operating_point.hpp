@@ -1,4 +1,4 @@
-// Where a clock operates: stall line, nominal-rate line, and the operating point from any two of
+// The operation of a clock: stall line, nominal-rate line, and the operating point from any two of
 // friction, torque, amplitude and rate (Hoyng, sec. statop, fig. rate); the optimal drive.
 //
 // Notation: epsilon friction and mu torque (scaled, 0 to 1), phi0 switching angle (rad, 0 to pi),
@@ -13,7 +13,7 @@
 
 namespace goingrate {
 
-/// Which equations an answer is to obey.
+/// The equations by which an answer is found.
 enum class Equations {
   first_order, ///< the averaged ones, eqs. statam and statrate; amplitude is the cycle average
   exact,       ///< the limit cycle of eq. ddt1; amplitude is phi' at the upward crossing, v*
@@ -95,8 +95,9 @@ std::vector<OperatingPoint> operating_points(const KnownPair& known, double phi0
 /// estimate eps by the factor dpsi: centred (centre = 0) the error is zero for every width, however
 /// large; off centre by its own half width (psi1 = 0) it is -eps tan(dpsi/2), which is the claim up
 /// to a factor of two; and off by more it is -eps centre/lambda to leading order, whatever the
-/// width (EscapementErrorTest.PlaceMattersNotWidth). It is the place that counts; narrowness helps
-/// only because a narrow impulse near the vertical cannot be far off centre.
+/// width (EscapementErrorTest.PlaceMattersNotWidth). So the error depends on the position of the
+/// impulse. A small width helps only because a narrow impulse near the vertical cannot be far off
+/// centre.
 double escapement_error(double epsilon, double lambda, double centre, double width);
 
 } // namespace goingrate

@@ -1,4 +1,4 @@
-// What one period did: the common language of all methods.
+// The result of one period, in the form that all methods return.
 #pragma once
 
 #include "goingrate/dynamics/swing_status.hpp"

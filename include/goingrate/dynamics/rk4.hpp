@@ -34,9 +34,9 @@
 
 namespace goingrate {
 
-/// When a step of Rk4Pendulum decides the sign of the torque: once, from quadrant and angle at the
-/// start of the step; in each of the four stages, from quadrant and angle there; or it remembers
-/// the sign, and a step that passes the switching angle is cut there.
+/// The way in which a step of Rk4Pendulum decides the sign of the torque: once, from quadrant and
+/// angle at the start of the step; in each of the four stages, from quadrant and angle there; or
+/// the sign is remembered, and a step that passes the switching angle is cut there.
 using TorqueTiming = Rk4Torque;
 
 /// The pendulum on the paper's grid, period by period, in scaled time.
@@ -53,7 +53,7 @@ public:
   /// 1e-6 only add rounding. Throws ArgumentError naming velocity or dt.
   Rk4Pendulum(double velocity, double dt, TorqueTiming timing);
 
-  /// What one period did. The times are 0 unless the status is crossed.
+  /// The result of one period. The times are 0 unless the status is crossed.
   struct Step {
     SwingStatus status = SwingStatus::crossed;
     double down = 0.0; ///< from the last upward crossing to the downward one

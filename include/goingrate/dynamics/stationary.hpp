@@ -43,7 +43,7 @@ struct LimitCycle {
 /// WaitingOrbit::rate_within. Nothing where the clock stalls or turns over.
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock);
 
-/// How the rate answers a small relative change of the drive, mu -> mu (1 + d).
+/// The response of the rate to a small relative change of the drive, mu -> mu (1 + d).
 struct DriveResponse {
   double fast_gain = 0.0; ///< d(rate)/d(d) with the amplitude frozen: 2 mu cos(psi0) / (pi lambda)
   double slow_gain = 0.0; ///< with the amplitude settled: -lambda^2/16 + eps q^2/(2 sqrt(q^2 - 1)),
@@ -58,9 +58,9 @@ struct DriveResponse {
   }
 };
 
-/// phi' at an upward crossing from which the clock goes on as it will: that of its limit cycle; of
-/// an escapement that waits for the amplitude to fall, the limit it waits for. `averaged`: by the
-/// averaged equations of first order, where it is lambda. Nothing where there is no such swing.
+/// phi' at an upward crossing in stationary operation: that of the limit cycle; for an escapement
+/// that waits for the amplitude to fall, the limit that it waits for. `averaged`: by the averaged
+/// equations of first order, where it is lambda. Nothing if there is no stationary operation.
 std::optional<double> stationary_start(const ClockParameters& clock, bool averaged);
 
 /// The response in stationary operation, by eqs. dotl4 and dotpsi4. At A, B, C within 1e-3 of that

@@ -1,4 +1,4 @@
-// Amplitudes from what sensors tell of a passage, and what a sensor off the vertical does to times.
+// Amplitudes from the passage of a flag, and the effect of a sensor off the vertical on times.
 //
 // Notation: a sensor at the angle alpha sees a pendulum of amplitude lambda late by
 // asin(alpha/lambda) T0 / 2 pi while it rises and early by as much while it falls.
@@ -15,24 +15,24 @@ namespace goingrate {
 /// flag, `flag_width_rad` wide as seen from the pivot, in `width_s`. For small swings it is
 /// (w/2) / sin(tau/2), tau = 2 pi width / T0; here free_passage_time (restoring.hpp) = tau is
 /// solved for lambda, to 1e-12 (AmplitudeTest.WidthsGiveTheAmplitudeOfTheFullEquation). Friction
-/// and drive shift it by their part in the motion, 1e-4 of lambda and less. NaN if no swing takes
-/// so long or so little.
+/// and drive change it by 1e-4 of lambda at most. NaN if no swing has such a width.
 double amplitude_from_width(double width_s, double flag_width_rad, double period_s,
                             double gravity_share = 1.0);
 
 /// Period of small swings, s: the median over neighbouring good beats of their period less its
-/// circular error, with amplitudes from the widths; `period_s`, near it, where no beat tells. The
-/// mean period of a ring-down from 1 rad is 5 % longer, and so would the amplitudes be.
+/// circular error, with amplitudes from the widths; `period_s`, an estimate, if no beat has both.
+/// The mean period of a ring-down from 1 rad is 5 % longer, and would make the amplitudes as much
+/// too large.
 double small_swing_period(const ClockLog& log, double flag_width_rad, double period_s,
                           double gravity_share = 1.0);
 
 /// Accounts for friction between the edges of a flag, in times that are the middle of its dark time
 /// and in amplitudes from its width: a pendulum that is slowed down takes longer over the second
 /// half. With phi = lambda exp(-epsilon psi) sin psi and epsilon = -(d log lambda/d cycle)/2 pi of
-/// the amplitudes about, an edge at w/2 is passed at -tau/2 + m and at tau/2 + m with
+/// neighbouring amplitudes, an edge at w/2 is passed at -tau/2 + m and at tau/2 + m with
 ///   tan m = tanh(epsilon tau/2) tan(tau/2),
 ///   lambda = (w/2) exp(epsilon (tau/2 + m)) / sin(tau/2 + m).
-/// For dry friction and quadratic drag m is right to a fifth.
+/// For dry friction and quadratic drag m is accurate to 20 %.
 void correct_widths_for_friction(ClockLog& log, double flag_width_rad, double period_s);
 
 /// Standard deviation of that amplitude for a width known to `sigma_s`:
@@ -40,7 +40,7 @@ void correct_widths_for_friction(ClockLog& log, double flag_width_rad, double pe
 double amplitude_sigma_from_width(double width_s, double sigma_s, double amplitude_rad,
                                   double period_s);
 
-/// Fills the amplitudes of a log from its widths; events whose width fits no swing are issues.
+/// Fills the amplitudes of a log from its widths; events whose width fits no swing become issues.
 void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double period_s,
                                 double gravity_share = 1.0);
 
@@ -51,12 +51,12 @@ void set_amplitudes_from_halves(std::span<Beat> beats, double offset_rad, double
 /// The amplitudes of a run of good beats.
 struct AmplitudeSummary {
   double mean_rad = 0.0;
-  double rms_rad = 0.0;   ///< which the circular error follows
-  double sigma_rad = 0.0; ///< of a single one: its scatter from beat to beat, jitter and all
+  double rms_rad = 0.0;   ///< determines the circular error
+  double sigma_rad = 0.0; ///< of a single amplitude: the scatter from beat to beat, with jitter
 };
 
 /// Mean of the amplitudes that are known, and their scatter: the robust size of second differences
-/// of consecutive ones over sqrt(6), which a slow course of the amplitude does not enter. Nothing
+/// of consecutive ones over sqrt(6), to which slow changes do not contribute. Nothing
 /// with fewer than five amplitudes (AmplitudeTest.TheScatterOfAmplitudesIsThatOfTheSensor).
 std::optional<AmplitudeSummary> summarise_amplitudes(std::span<const Beat> good);
 
@@ -66,12 +66,12 @@ struct SensorEstimate {
   double sigma = 0.0;
 };
 
-/// What the log tells besides the rate, as far as it can.
+/// Findings about the sensor and the swing, as far as the log shows them.
 struct SensorFindings {
   std::optional<SensorEstimate> beat_error_s{};
-  bool sides_are_unknown = false; ///< ticks were heard, and nothing says which side each is on
+  bool sides_are_unknown = false; ///< ticks were heard, and it is not known which are on which side
   std::optional<SensorEstimate> offset_rad{};
-  bool at_vertical = false; ///< the times were moved there
+  bool at_vertical = false; ///< the times were moved to the vertical
   std::optional<AmplitudeSummary> amplitude{};
   double gravity_share = 1.0; ///< of the restoring torque (clock/restoring.hpp), as given
 };
@@ -81,13 +81,14 @@ struct SensorFindings {
 /// gives sigma. Nothing without 3 whole swings.
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats);
 
-/// The angle (rad) at which the sensor stands, of numbered beats with amplitudes. With both
-/// directions from the beat error of each swing; else from the correlation of times and amplitudes:
-/// the alpha that makes second differences of t - asin(alpha/lambda) T0 / 2 pi smallest, by
-/// Gauss-Newton steps with outliers beyond five robust standard deviations left out. Noise in the
-/// amplitudes draws the latter towards zero. The latter needs amplitudes that scatter from beat to
-/// beat: where they wander with the drive, the rate changes with them by itself and would pass for
-/// an offset. Nothing where neither can be had (AmplitudeTest.OffsetFromBothDirections,
+/// The angle (rad) of the sensor from the vertical, from numbered beats with amplitudes. With
+/// crossings in both directions it follows from the beat error of each swing. Otherwise it follows
+/// from the correlation of times and amplitudes: the alpha that minimises the second differences of
+/// t - asin(alpha/lambda) T0 / 2 pi, by Gauss-Newton steps without outliers beyond five robust
+/// standard deviations. Noise in the amplitudes biases this estimate towards zero. It also needs
+/// amplitudes that scatter from beat to beat: if they wander with the drive, the rate changes with
+/// them, which would look like an offset. Nothing if neither way works, or with fewer than 30 beats
+/// for the second (AmplitudeTest.OffsetFromBothDirections,
 /// AmplitudeTest.OffsetFromTheCorrelation, AmplitudeTest.ADriveThatVariesIsNoOffset).
 std::optional<SensorEstimate> sensor_offset(std::span<const Beat> beats, double period_s);
 

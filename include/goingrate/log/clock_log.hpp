@@ -1,4 +1,4 @@
-// A log as it was read: events in time, and all that was assumed or found wrong on the way.
+// A log as it was read: its events, the assumptions made, and the faults found.
 #pragma once
 
 #include "goingrate/base/errors.hpp"
@@ -18,26 +18,26 @@
 
 namespace goingrate {
 
-/// Which way the pendulum went.
+/// The direction of the pendulum.
 enum class Edge : std::uint8_t { up, down };
 
-/// What an event turned out to be when the beats were numbered.
+/// The kind of an event, as found when the beats were numbered.
 enum class BeatFlag : std::uint8_t {
   good,     ///< an upward crossing with its cycle number (or not numbered yet)
   spurious, ///< no crossing of its own: a double trigger or a false one
   down,     ///< a downward crossing, numbered with the upward crossing before it
-  rival,    ///< another event that fits this cycle as well; which was the crossing cannot be told
-  bounce,   ///< follows an edge so closely that it is part of it: a contact that bounces
+  rival,    ///< another event that fits the cycle as well: either may be the crossing
+  bounce,   ///< follows an edge so closely that it is a bounce of the contact
 };
 
-/// One event of a log: as it was read and, once numbered, with its place in the going of the clock.
-/// 40 bytes, so that a year of seconds fits in memory.
+/// One event of a log: as it was read and, once numbered, with its cycle. 40 bytes, so that a year
+/// of seconds fits in memory.
 struct Beat {
   Instant time;
   std::int64_t cycle = 0; ///< 0 for the first good beat; of a spurious event: the beat before it
   double amplitude_rad = std::numeric_limits<double>::quiet_NaN(); ///< NaN where the log has none
   std::uint32_t line = 0;                                          ///< line of the file, from 1
-  std::uint16_t segment = 0; ///< beats of one segment are numbered without doubt
+  std::uint16_t segment = 0; ///< within one segment the count of cycles is certain
   BeatFlag flag = BeatFlag::good;
   Edge edge = Edge::up;
 };
@@ -49,13 +49,13 @@ inline Beat event_at(const Instant& time, Edge edge = Edge::up, std::uint32_t li
   return {time, 0, amplitude_rad, line, 0, BeatFlag::good, edge};
 }
 
-/// What can be wrong with a line.
+/// The kinds of faults of a line.
 enum class IssueKind : std::uint8_t {
-  unreadable,   ///< a field that is not what it should be
+  unreadable,   ///< a field that cannot be read as what its column holds
   missing,      ///< an empty field, too few or too many fields
   no_value,     ///< NaN, or all nines, in a place that needs a number
-  out_of_range, ///< a number that cannot be meant
-  binary,       ///< bytes that no text has
+  out_of_range, ///< an impossible number
+  binary,       ///< bytes that do not occur in text
   truncated,    ///< a last line that was cut short
   out_of_order, ///< a time before the one before
   label_jitter, ///< a label written a step early or late
@@ -66,9 +66,9 @@ enum class IssueKind : std::uint8_t {
 };
 std::string_view name_of(IssueKind kind);
 
-/// Something wrong with one line, or with a run of lines in the same way, and what was done about
-/// it. Where more than one line in 25 is at fault (and more than 500 are), those of one kind are
-/// taken together, good lines between them or not: the list must not outgrow the log.
+/// A fault of one line, or the same fault of a run of lines, and what was done about it. If more
+/// than one line in 25 (and more than 500) are faulty, those of one kind become one entry, even
+/// with good lines between them: the list must not outgrow the log.
 struct LineIssue {
   std::size_t line = 0;
   std::size_t column = 0;
@@ -80,9 +80,9 @@ struct LineIssue {
   bool scattered = false;    ///< there are good lines between the first and the last of the run
 };
 
-/// What else the log says of its events: each empty, or one value per event, NaN where unknown.
+/// Further columns of the log: each is empty, or has one value per event, NaN where unknown.
 struct EventColumns {
-  std::vector<double> width_s{};       ///< how long the flag was seen
+  std::vector<double> width_s{};       ///< dark time of the flag
   std::vector<double> sigma_s{};       ///< standard deviation of the time
   std::vector<double> temperature_c{}; ///< degrees Celsius
   std::vector<double> pressure_mbar{};
@@ -94,13 +94,13 @@ struct EventColumns {
   }
 };
 
-/// Data on a grid: no beats, but how far the clock was off at equal intervals.
+/// Data on a grid: no beats, but the error of the clock at equal intervals.
 struct GridData {
   double tau0_s = 1.0;         ///< the interval
   std::vector<double> phase_s; ///< the clock's error, positive: fast; NaN where there is none
 };
 
-/// What a reader is told, or finds out, about a log.
+/// Properties of a log that the reader is told or finds out.
 enum class Setting : std::uint8_t {
   none,
   format,
@@ -123,11 +123,11 @@ enum class Setting : std::uint8_t {
   site,
 };
 
-/// Something taken for granted.
+/// An assumption made in reading a log.
 struct Assumption {
   std::string text;                ///< a plain sentence
-  Setting setting = Setting::none; ///< what says otherwise, if anything does
-  std::string value{};             ///< as that setting takes it, "period=N"; empty: any
+  Setting setting = Setting::none; ///< the setting that overrides it, if there is one
+  std::string value{};             ///< the form of that setting, "period=N"; empty: any
 };
 
 /// One of several files that make one log.
@@ -137,9 +137,9 @@ struct LogFile {
   std::size_t events_before = 0;  ///< as they were read, before anything was put in order
 };
 
-/// What the times of a log count from.
+/// The moment from which the times of a log count.
 enum class TimeOrigin : std::uint8_t {
-  none, ///< something of the log's own
+  none, ///< unknown, or the start of the log
   epoch, ///< 1970-01-01 UTC: dates, and counters of that kind
   mjd,  ///< 1858-11-17
 };
@@ -149,23 +149,23 @@ std::int64_t seconds_before_1970(TimeOrigin origin);
 /// "dates" or "times without a date".
 std::string_view times_of(TimeOrigin origin);
 
-/// A quantity of the weather that stood in files of its own, at the events.
+/// A quantity of the weather that was read from files of its own and interpolated to the events.
 struct JoinedWeather {
   std::string quantity; ///< temperature, pressure, humidity
   std::string source;   ///< the file, or words for several
   std::size_t readings = 0;
   double step_s = 0.0;               ///< the usual time between two readings
   double sigma = 0.0;                ///< of an interpolated value, °C, mbar or %
-  std::size_t events_without = 0; ///< in holes, and beyond the first or last reading
+  std::size_t events_without = 0; ///< events without a value: in gaps, or outside the readings
 };
 
-/// What a recording of sound was found to be.
+/// The findings about a recording of sound.
 struct SoundFindings {
   double rate_hz = 0.0;
   double duration_s = 0.0;
-  std::int64_t drowned = 0; ///< beats expected that do not stand out of the noise
+  std::int64_t drowned = 0; ///< expected beats that cannot be heard in the noise
   bool has_tocks = false;
-  bool has_pps = false; ///< a second channel tells the seconds
+  bool has_pps = false; ///< a second channel has the clicks of a reference, one a second
   MeanBeat tick, tock;
 };
 
@@ -178,15 +178,15 @@ struct ClockLog {
   std::optional<GridData> grid;
   EventColumns columns;
   TimeOrigin origin = TimeOrigin::none;
-  std::optional<Site> site;     ///< where the clock stands, if that is known
+  std::optional<Site> site;     ///< location of the clock, if known
   std::optional<double> zone_s; ///< of the dates, east of Greenwich: the first one named
   std::vector<JoinedWeather> weather; ///< for those of `columns` that were interpolated
   std::optional<SoundFindings> sound; ///< if it is a recording
-  /// Standard deviation of the rate of the clock that all times were taken with, where it is known:
-  /// it is that of the log's rate as well, whatever its length.
+  /// Standard deviation of the rate of the reference clock, if known. The rate of a log of any
+  /// length is at least as uncertain.
   double time_base_sigma = 0.0;
   bool has_amplitude = false;
-  bool directions_are_open = false; ///< times of crossings, and nothing says of which direction
+  bool directions_are_open = false; ///< the log does not say in which direction its crossings are
   std::optional<double> nominal_period_s; ///< if the log states one
   std::optional<double> flag_width_rad;   ///< the same
   std::vector<Assumption> assumptions;

@@ -1,4 +1,4 @@
-// How the text of a log is laid out: its separators, and what each of its columns means.
+// The layout of the text of a log: its separators, and the meaning of its columns.
 #pragma once
 
 #include "goingrate/base/instant.hpp"
@@ -24,11 +24,11 @@ enum class LogFormat {
   table,         ///< columns with names
   angle,         ///< samples of the angle; crossings are found by local fits
   ticktock,      ///< an oscillation a line: four intervals between a light gate's edges
-  xy,            ///< samples of the bob's place: time, x, y; read as angles about the centre
+  xy,            ///< samples of the bob's position: time, x, y; read as angles about the centre
   sound,         ///< a recording: WAV, FLAC, OGG; ticks are found by find_ticks
 };
 
-/// What a column holds.
+/// The meaning of a column.
 enum class ColumnRole : std::uint8_t {
   ignored,
   time,        ///< of the event or sample
@@ -42,7 +42,7 @@ enum class ColumnRole : std::uint8_t {
   angle,
   position,     ///< sideways displacement; its unit does not matter
   height,       ///< with it, in the same unit: both give the angle about the centre of the arc
-  width,        ///< how long the flag was seen, s
+  width,        ///< dark time of the flag, s
   tick_dark,    ///< cycles of a counter: the flag in the gate on its way up,
   tick_light,   ///< then out of it until it returns,
   tock_dark,    ///< in it on its way down,
@@ -55,12 +55,12 @@ enum class ColumnRole : std::uint8_t {
   channel, ///< chA, chB, TI(A->B)
 };
 
-/// What one column holds.
+/// One column.
 struct LogColumn {
   ColumnRole role = ColumnRole::ignored;
   TimeUnit unit{};    ///< of a time
-  double scale = 1.0; ///< what other numbers are multiplied by to get rad, s, degrees C, mbar or %
-  double offset = 0.0; ///< added after that: degrees have several zeros
+  double scale = 1.0; ///< factor that turns other numbers into rad, s, degrees C, mbar or %
+  double offset = 0.0; ///< added after that, for degrees of temperature
   std::string name{};
 };
 
@@ -73,10 +73,10 @@ struct Layout {
   std::vector<LogColumn> columns;
   bool calendar = false;        ///< times are dates or times of day
   bool month_first = false;     ///< in dates such as 03/04/2013
-  std::optional<double> wrap_s; ///< at which times begin again from nothing
+  std::optional<double> wrap_s; ///< after which times start again from 0
   double tau0_s = 1.0;          ///< of phase, frequency and intervals
-  double counter_hz = 0.0;      ///< rate of a counter, where no column tells it
-  std::string channel;          ///< of the TICC that is read; others are left out
+  double counter_hz = 0.0;      ///< rate of a counter, if no column has it
+  std::string channel;          ///< the channel of a TICC that is read; others are left out
   bool newest_first = false;
   /// Where periods are added up: a column of coarser times, which shows pauses.
   std::optional<std::size_t> coarse_time;

@@ -1,4 +1,4 @@
-// What the keeper of a clock wrote down: when it was regulated, wound, stopped, cleaned.
+// The logbook of a clock's keeper: when the clock was regulated, wound, stopped, cleaned.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -10,15 +10,15 @@
 
 namespace goingrate {
 
-/// What was done to a clock, and what the value of the entry says.
+/// What was done to a clock, and the meaning of the entry's value.
 enum class LogbookWord : std::uint8_t {
   rate,   ///< regulated, by the nut or on the tray: the change of the rate, s/day, positive: faster
   weight, ///< another driving weight: the relative change of the drive
   clean,  ///< cleaned or oiled: the relative change of the friction
-  set,    ///< the hands set: by how much, s, positive: forward
+  set,    ///< the hands were set: by this many s, positive: forward
   wind,   ///< wound: no value
-  stop,   ///< the clock stands still from here
-  start,  ///< and goes again
+  stop,   ///< the clock stopped
+  start,  ///< the clock was started again
   note,   ///< anything else
 };
 std::string_view name_of(LogbookWord word);
@@ -30,7 +30,7 @@ struct LogbookEntry {
   bool has_zone = false;  ///< the date names its zone; else it is that of the log's dates
   LogbookWord what = LogbookWord::note;
   double value = std::numeric_limits<double>::quiet_NaN(); ///< as planned; NaN: none
-  double sigma = 0.0;                                       ///< of what was planned
+  double sigma = 0.0;                                       ///< of the planned value
   std::string note;
   std::uint32_t line = 0;
 };
@@ -45,8 +45,8 @@ struct Logbook {
 /// Reads a table with the columns time, what, value, sigma and note in any order, separated by
 /// commas, semicolons or tabs; only time and what are needed, fields may be quoted, '#' begins a
 /// comment. Times are dates (with the time of day or alone), or seconds as in a log without
-/// dates. Throws InputError (file, line, column) for anything else: it was written by hand, and
-/// nothing of it is left out.
+/// dates. Throws InputError (file, line, column) for anything else: the table was written by hand,
+/// and no part of it is skipped silently.
 Logbook read_logbook(const std::string& path);
 
 /// The same from a text.

@@ -1,4 +1,4 @@
-// The simulated sensor: from true crossings to the events a log would hold.
+// The simulated sensor: turns true crossings into the events of a log.
 #pragma once
 
 #include "goingrate/base/random.hpp"
@@ -14,7 +14,7 @@ namespace goingrate {
 
 /// One row of the log that the sensor writes.
 struct SensedEvent {
-  /// Which part of the passage the row tells.
+  /// The part of the passage that the row reports.
   enum class Part : std::uint8_t {
     whole, ///< the passage, or its leading edge
     in,    ///< with four edges: the flag enters the beam
@@ -26,7 +26,7 @@ struct SensedEvent {
   Part part = Part::whole;
 };
 
-/// Watches the pendulum and writes down what it sees, with its own faults.
+/// Reports the passages of the pendulum, with the faults of a real sensor.
 ///
 /// The beam stands at the angle `offset`. Without a flag its crossing is the event. A flag of width
 /// w makes two edges of each passage: the beam is met at offset - w/2 and left at offset + w/2 (the
@@ -40,14 +40,14 @@ struct SensedEvent {
 /// the seed.
 class Sensor {
 public:
-  /// The sensor of a scenario whose values are in range; equal seeds see the same faults.
+  /// The sensor of a scenario whose values are in range; equal seeds give the same faults.
   Sensor(const Scenario& scenario, std::uint64_t seed);
 
-  /// Sees the crossings of one period; the start of a run is a period of length 0.
+  /// Takes the crossings of one period; the start of a run is a period of length 0.
   void see(const Period& period);
 
-  /// Hands over, in order of time, the events that nothing seen later can precede (or all, at the
-  /// end of the run): for logs that are written as they grow.
+  /// Returns, in order of time, the events that no later one can precede (or all, at the end of the
+  /// run): for logs that are written as they grow.
   std::vector<SensedEvent> take(bool at_end);
 
   /// All events, at the end of the run, as the log that a reader makes of them. Throws
@@ -85,7 +85,7 @@ private:
   double latest_crossing_s_ = 0.0;
 };
 
-/// Decimals that lose nothing of what the sensor can tell: three digits below its noise, 6 to 15.
+/// Decimals that keep the accuracy of the sensor: three digits below its noise, 6 to 15.
 int decimals_for(const SensorSettings& settings);
 
 } // namespace goingrate

@@ -1,4 +1,4 @@
-// Weather that was logged beside a clock: read from files of its own and brought to the beats.
+// Weather from files of its own, interpolated to the beats of a log.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -10,26 +10,27 @@
 
 namespace goingrate {
 
-/// Files with temperature, pressure or humidity, and how their times compare with those of a log.
+/// Files with temperature, pressure or humidity, and the relation of their times to those of a log.
 struct WeatherRequest {
   std::vector<std::string> files{};
-  std::string zone{};    ///< of dates that name none, as +01:00; empty: what the log's dates name, or UTC
+  /// Time zone of dates that name none, such as +01:00; empty: that of the log's dates, or UTC.
+  std::string zone{};
   double offset_s = 0.0; ///< added to all times of the weather, s
 };
 
-/// Brings what `request` names to the events of `log`: `log.columns` gets a temperature, a pressure
-/// and a humidity at each event, `log.weather` says how they were found.
+/// Interpolates the quantities in the files of `request` to the events of `log`. `log.columns` gets
+/// the values at each event, and `log.weather` the details of the interpolation.
 ///
 /// A file is a table with a header: a time (seconds, another unit, dates, MJD) and at least one of
 /// temperature (°C, °F, K), pressure (mbar, Pa, kPa, inHg, mmHg) and humidity (%). Columns and
 /// units are known by their names; a unit that is not named is settled by the size of the values.
 /// Several files of one quantity are joined in order of time. Between two readings the value is
 /// interpolated, unless they are more than three usual intervals of their file apart: there, and
-/// outside the readings, it is NaN. The curve is the straight line, or a cubic spline where cubics
-/// through four neighbours predict a reading better than lines: in smooth courses, not in rough or
-/// noisy ones. The standard deviation of an interpolated value is 2/3 of the rms by which readings
-/// left out differ from the curve: that of readings with independent errors, at most 1.16 times
-/// that of a random walk, and more than that of anything smoother
+/// outside the readings, it is NaN. The curve is a straight line, or a cubic spline if cubics
+/// through four neighbours predict a reading better than lines do, as in smooth data. The standard
+/// deviation of an interpolated value is taken as 2/3 of the rms by which omitted readings differ
+/// from the curve. This is correct for readings with independent errors, at most 1.16 times too
+/// large for a random walk, and too large for anything smoother
 /// (WeatherTest.InterpolatesWithItsSigma, WeatherTest.SmoothCoursesAreFollowedByASpline).
 ///
 /// Throws InputError if a file cannot be read, names none of the three, has dates where the log has

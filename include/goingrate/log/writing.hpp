@@ -13,7 +13,7 @@
 
 namespace goingrate {
 
-/// The columns of a native log besides time_s, and what its header states.
+/// The columns of a native log besides time_s, and the values in its header.
 struct NativeColumns {
   bool edge = false, width = false, amplitude = false, temperature = false, pressure = false,
        humidity = false;
@@ -36,7 +36,7 @@ std::string native_log_text(const ClockLog& log, int decimals);
 /// The same, piece by piece, for logs that are written as they grow.
 std::string native_log_header(const NativeColumns& columns);
 void append_native_line(std::string& text, const SensedEvent& event, const NativeColumns& columns);
-/// For an event as a reader gives it: where it has a width, its time is the middle of the flag.
+/// For an event as a reader returns it: if it has a width, its time is that of the flag's middle.
 void append_native_line(std::string& text, const Beat& event, const EventValues& values,
                         const NativeColumns& columns);
 

@@ -2,9 +2,9 @@
 //
 // A figure is described by plain structs; nothing here knows what is plotted. A long series is
 // thinned to the columns of the drawing (one unit of its width) so that its extremes stay: a line
-// keeps the lowest and highest point of each column, a cloud of more than 1000 points keeps those as
-// dots and the middle 80 % of the column as a stroke. A value that is not finite, or cannot be shown
-// on its axis (zero or negative on a logarithmic one), is left out and breaks a line.
+// keeps the lowest and highest point of each column, a cloud of more than 1000 points keeps those
+// as dots and the middle 80 % of the column as a stroke. A value that is not finite, or cannot be
+// shown on its axis (zero or negative on a logarithmic one), is left out and breaks a line.
 #pragma once
 
 #include <string>

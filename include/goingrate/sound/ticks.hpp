@@ -1,9 +1,10 @@
-// Ticks and tocks in a recording of a clock: when each began, and how well that is known.
+// Ticks and tocks in a recording of a clock: the times of their beginnings, with uncertainties.
 //
-// Model: whitened by linear prediction, the background is noise of slowly varying power f(t); a
-// tick adds power a g(t - t_i), where g, the mean beat, is learnt from the recording, of ticks and
-// of tocks each. Power in short bins is then f + a g within the scatter of chi-square, and of the
-// beats themselves; times are where the logarithms of both fit best.
+// Model: the recording is whitened by linear prediction, so that the background is noise of slowly
+// varying power f(t). A tick adds power a g(t - t_i), where g is the mean beat, learnt from the
+// recording for ticks and tocks separately. Power in short bins then scatters about f + a g as
+// chi-square, and by the variation of the beats themselves. The time t_i is that of the best fit to
+// the logarithm of the power.
 #pragma once
 
 #include <cstdint>
@@ -40,22 +41,22 @@ struct MeanBeat {
   std::vector<double> power; ///< over that of the background in the middle of the recording
 };
 
-/// What a recording holds.
+/// The beats found in a recording.
 struct TickTrain {
   std::vector<Tick> ticks;  ///< in order of time
-  double period = 0.0;      ///< of the oscillation, tick and tock, in samples: about
+  double period = 0.0;      ///< approximate period of the oscillation (tick and tock), in samples
   bool has_tocks = false;   ///< false: one sound a period
   bool is_even = false;     ///< the sounds come at equal intervals: each may be a period as well
-  std::int64_t drowned = 0; ///< beats expected that do not stand out of the noise
+  std::int64_t drowned = 0; ///< expected beats that cannot be heard in the noise
   MeanBeat tick, tock;
 };
 
 /// Finds the beats of one clock. The period of the oscillation, 0.15 to 3.6 s, is that of the
 /// loudness; a nominal period is believed to 3 %. Where beats come at equal intervals every one is
-/// half a period, tick or tock. They are followed through noise and gaps by the likeliest course of
-/// their phase (Viterbi's algorithm), so that louder sounds do not take their place.
+/// half a period, tick or tock. They are followed through noise and gaps by the most likely
+/// sequence of phases (Viterbi's algorithm), so that louder sounds are not mistaken for them.
 ///
-/// Returns no ticks where nothing periodic stands out. Accuracy and coverage of sigma:
+/// Returns no ticks if nothing periodic can be heard. Accuracy and coverage of sigma:
 /// TicksTest.TimesAreRightWithinTheirSigma; noises, rates and faults: tests/studies/sound.txt. Cost
 /// O(N), some 30 ns per sample; memory 13 bytes per millisecond. The samples must be finite. Throws
 /// ArgumentError for a sampling rate outside 4 kHz to 400 kHz, or a nominal period outside 0.15
