@@ -152,7 +152,7 @@ TEST(DiagnosisTest, ACompensationThatLagsIsTemperature) {
     const auto found = test::suspected_in(native_log_text(test::simulated_log(scenario, seed), 6));
     ASSERT_EQ(found.size(), 1U) << seed;
     EXPECT_EQ(found[0].cause, Cause::temperature) << seed << ": " << found[0].evidence;
-    EXPECT_NE(found[0].evidence.find("at once"), std::string::npos) << found[0].evidence;
+    EXPECT_NE(found[0].evidence.find("is immediate"), std::string::npos) << found[0].evidence;
   }
 }
 
