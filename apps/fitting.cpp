@@ -31,8 +31,8 @@ void add_parameter_options(CLI::App& command, ModelOptions& options) {
                       "holds")
           ->delimiter(',');
   offers(free, optional_parameter_names())->allow_extra_args(false);
-  auto* prior =
-      command.add_option("--prior", options.priors, "a value known from elsewhere: NAME=VALUE+-SIGMA");
+  auto* prior = command.add_option("--prior", options.priors,
+                                   "a value known from elsewhere: NAME=VALUE+-SIGMA");
   offers(prior, names)->allow_extra_args(false);
   auto* event = command.add_option(
       "--event", options.events,

@@ -25,7 +25,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Where the lines of a share go as they are made.
+// The destination of the lines of a share while they are made.
 class Lines {
 public:
   Lines() = default;
@@ -38,7 +38,7 @@ public:
   virtual void finish() = 0;
 };
 
-// A stream has no place for lines that come too early: they are kept until their turn.
+// A stream takes lines only in order: those that are finished too early are kept until their turn.
 class StreamLines : public Lines {
 public:
   StreamLines(const std::string& path, const std::string& header) : file_(path) {
@@ -63,7 +63,7 @@ private:
 
 std::string partial_name(const std::string& output) { return output + ".part"; }
 
-// Throws InputError unless what was begun is this share of this batch.
+// Throws InputError unless the partial file belongs to this share of this batch.
 void expect_own(const BatchHeader& found, const std::string& file, const BatchHeader& own) {
   expect_same(found, file, own);
   if (found.share.k != own.share.k)
@@ -71,7 +71,8 @@ void expect_own(const BatchHeader& found, const std::string& file, const BatchHe
                      fmt::format("share {}", own.share.k));
 }
 
-// A file: the lines are appended to another beside it, which becomes the share when all are there.
+// A file: the lines are appended to a partial file beside it, which becomes the share when
+// complete.
 class FileLines : public Lines {
 public:
   FileLines(const BatchRequest& request, const std::string& header)
@@ -142,7 +143,7 @@ std::unique_ptr<Lines> lines_for(const BatchRequest& request, const std::string&
   return std::make_unique<FileLines>(request, header);
 }
 
-// Whether the share is there already, whole; throws if another batch is in its place.
+// Whether the complete share exists already; throws if the file belongs to another batch.
 bool is_done(const BatchRequest& request, const std::string& header) {
   if (!request.resume || is_stream(request.output) || !std::filesystem::exists(request.output))
     return false;
@@ -152,7 +153,7 @@ bool is_done(const BatchRequest& request, const std::string& header) {
   return true;
 }
 
-// Hands out the jobs that are missing and takes the outcomes.
+// Distributes the jobs that are missing and collects the outcomes.
 class Running {
 public:
   Running(const BatchRequest& request, Lines& lines, BatchOutcome& outcome)
@@ -180,8 +181,8 @@ public:
   }
 
 private:
-  // The next jobs, as many as a worker does best together, and fewer towards the end, so that
-  // nobody waits for the last.
+  // The next jobs: as many as a worker does best together, but fewer towards the end, so that all
+  // threads finish at about the same time.
   std::span<const std::size_t> next() {
     const std::lock_guard lock(mutex_);
     const std::size_t left = missing_.size() - begun_;
@@ -238,7 +239,7 @@ BatchShare parse_share(const std::string& text) {
     if (second.ec == std::errc() && second.ptr == end && share.k >= 1 && share.k <= share.n)
       return share;
   }
-  throw ArgumentError("share", text, "k/n with k from 1 to n, as 3/20");
+  throw ArgumentError("share", text, "k/n with k from 1 to n, such as 3/20");
 }
 
 BatchOutcome run_batch(const BatchRequest& request) {

@@ -18,10 +18,10 @@ std::string header_line(const BatchDescription& batch, const BatchShare& share);
 /// The line of a job, without its end.
 std::string job_line(const BatchDescription& batch, std::size_t job, const JobOutcome& outcome);
 
-/// The job that a line tells of; nothing if it is not such a line.
+/// The job of a line; nothing if it is not the line of a job.
 std::optional<std::size_t> job_of_line(std::string_view line);
 
-/// What a first line says.
+/// The contents of a first line.
 struct BatchHeader {
   std::string batch; ///< what names it
   BatchShare share;
@@ -32,7 +32,7 @@ struct BatchHeader {
 /// Throws InputError if `line` is not the first line of a file of this name.
 BatchHeader parse_header(const std::string& line, const std::string& file);
 
-/// Throws InputError unless both are shares of one batch, cut into equally many.
+/// Throws InputError unless both are shares of one batch, with the same number of shares.
 void expect_same(const BatchHeader& found, const std::string& file, const BatchHeader& expected);
 
 /// A file of a batch, line by line.

@@ -18,8 +18,8 @@ constexpr std::size_t fewest_common = 64, most_blocks = 240;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// A series with one value per beat, on the straight line between; NaN where more than one beat
-/// is missing. Times must be asked for in rising order.
+/// Interpolates a series with one value per beat linearly; NaN where more than one beat is missing.
+/// Times must be asked for in rising order.
 class Between {
 public:
   Between(std::span<const Beat> beats, std::vector<double> values)
@@ -40,7 +40,7 @@ private:
   std::size_t i_ = 0;
 };
 
-/// The times at which all clocks are looked at.
+/// The common times at which all clocks are sampled.
 struct CommonTimes {
   Instant start;
   double step_s = 0.0;
@@ -56,7 +56,7 @@ void refuse_mixed_times(std::span<const NumberedLog> logs) {
                        fmt::format("{}, as in {}", times_of(first.origin), first.source));
 }
 
-// A time of this log in the common count, which is that of 1970 where there are dates.
+// A time of this log in the common count, which is from 1970 if the logs have dates.
 Instant in_common(const NumberedLog& one, Instant time) {
   time.seconds -= seconds_before_1970(one.log.origin);
   return time;
@@ -140,7 +140,7 @@ ComparedClock compared(const NumberedLog& one, const CommonTimes& times,
   return clock;
 }
 
-// The correlation over the blocks in which both are known.
+// The correlation over the blocks in which both rates are known.
 double correlation(std::span<const double> a, std::span<const double> b) {
   double mean_a = 0.0, mean_b = 0.0, count = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -178,7 +178,7 @@ double edf_of(const DeviationRow& row) {
   return std::max(fewest_degrees, 2.0 / (relative * relative));
 }
 
-/// The variances of clocks from those of their differences, and how they scatter.
+/// Estimates the variances of clocks from those of their differences, with standard deviations.
 class Hat {
 public:
   Hat(std::size_t clocks, double edf) : clocks_(static_cast<Eigen::Index>(clocks)), edf_(edf) {
@@ -217,7 +217,7 @@ private:
     double sum = 0.0;
     for (Eigen::Index k = 0; k < weights_.cols(); ++k)
       for (Eigen::Index l = 0; l < weights_.cols(); ++l) {
-        double shared = 0.0; // what both differences have
+        double shared = 0.0; // the covariance of both differences
         for (Eigen::Index clock = 0; clock < clocks_; ++clock)
           if (has(k, clock) && has(l, clock)) shared += variance[clock];
         sum += weights_(c, k) * weights_(c, l) * 2.0 * shared * shared / edf_;
@@ -237,7 +237,7 @@ private:
     constexpr int doublings = 40, halvings = 50;
     for (int i = 0; i < doublings && is_too_small(high); ++i)
       high *= 2.0;
-    if (is_too_small(high)) return std::numeric_limits<double>::infinity(); // of too few degrees
+    if (is_too_small(high)) return std::numeric_limits<double>::infinity(); // too few degrees
     for (int i = 0; i < halvings; ++i) {
       const double middle = 0.5 * (low + high);
       (is_too_small(middle) ? low : high) = middle;

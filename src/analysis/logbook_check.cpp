@@ -42,7 +42,7 @@ std::optional<PlannedRatio> planned_by(const LogbookEntry& entry) {
   return PlannedRatio{1.0 + entry.value, entry.sigma};
 }
 
-/// When something noted at `at_s` may have happened, s after the first beat.
+/// The times, s after the first beat, at which something noted at `at_s` may have happened.
 struct Span {
   double from_s, to_s;
   explicit Span(const LogbookEntry& entry, double at_s)
@@ -79,7 +79,7 @@ Change change_at(double at_s, std::span<const Beat> beats) {
   return change;
 }
 
-// Things done within a minute of each other count as one change, that of the first of them.
+// Entries within a minute of each other count as one change, with the time of the first.
 void take_entry(const LogbookEntry& entry, std::span<const Beat> beats, Diary& diary) {
   constexpr double same_moment_s = 60.0;
   const double at_s = entry.time - beats.front().time;
@@ -101,7 +101,7 @@ void take_entry(const LogbookEntry& entry, std::span<const Beat> beats, Diary& d
   change->planned = planned_by(entry);
 }
 
-/// Matches what the log shows with what was written down.
+/// Matches the findings of the log with the entries.
 class Check {
 public:
   Check(const Analysis& data, const FitSummary& fit)
@@ -140,7 +140,7 @@ private:
     return found;
   }
 
-  // What changes the rate is seen in the part that was analysed, a stop in the whole log.
+  // Changes of the rate are searched in the part that was analysed, stops in the whole log.
   [[nodiscard]] bool is_outside(const LogbookEntry& entry, double at_s) const {
     const double to_s = at_s + (entry.whole_day ? seconds_per_day : 0.0);
     const bool of_rate = kind_of(entry.what).has_value();
@@ -149,7 +149,7 @@ private:
     return to_s < begin_s || at_s > end_s;
   }
 
-  // Beats tell how far a clock was set, except for whole periods: these are taken from the plan.
+  // Beats show by how much a clock was set only up to whole periods; these are taken from the plan.
   void take_setting(const LogbookEntry& entry, const LogbookEntry& seen,
                     EntryFinding& found) const {
     found.found = seen.value;
@@ -159,7 +159,7 @@ private:
                                                  data_.numbered.typical_period_s);
   }
 
-  // Beats that go on displaced may be those of a clock that stood still for a while.
+  // Displaced beats may also be those of a clock that stood still for a while.
   static bool may_be(LogbookWord entry, LogbookWord seen) {
     const bool stood = entry == LogbookWord::stop || entry == LogbookWord::start;
     const bool was_wound = entry == LogbookWord::wind && seen == LogbookWord::note;
@@ -231,7 +231,7 @@ private:
   }
 
   const Analysis& data_;
-  const FitSummary& fit_; // without what was planned
+  const FitSummary& fit_; // a fit that did not use the plans
   Instant first_;
   double last_s_;
   std::vector<LogbookEntry> findings_;
@@ -275,7 +275,7 @@ void add_interruptions(const Analysis& data, std::vector<LogbookEntry>& entries)
   }
 }
 
-// A stop of the clock, or a setting of what its times are compared with, between two beats.
+// A stop of the clock, or a setting of the reference clock, between two beats.
 void add_break(const Gap& gap, const Beat& before, const Beat& after, const Beats& numbered,
                std::vector<LogbookEntry>& entries) {
   LogbookEntry entry;
@@ -292,13 +292,12 @@ void add_break(const Gap& gap, const Beat& before, const Beat& after, const Beat
     const double passed = after.time - before.time;
     entry.value = -std::remainder(passed, numbered.typical_period_s); // forward: beats come early
     entry.sigma = numbered.scatter_s;
-    entry.note = "displaced by so much, or whole periods more: set, or the clock stood still";
+    entry.note = "displaced by this much, or by whole periods more: set, or the clock stood still";
     entries.push_back(entry);
   }
 }
 
-// Adds the breaks between parts of the log; the gap after the last beat of a part tells why it
-// ends.
+// Adds the breaks between parts of the log; the gap after the last beat of a part gives the reason.
 void add_breaks(const Analysis& data, std::vector<LogbookEntry>& entries) {
   const Beat* before = nullptr;
   for (const Beat& beat : data.numbered.beats) {
@@ -336,7 +335,7 @@ std::string_view name_of(EntryVerdict verdict) {
 }
 
 void take_entries(const Logbook& logbook, std::span<const Beat> beats, Diary& diary) {
-  for (const bool whole_day : {false, true}) // those with a time of day choose first
+  for (const bool whole_day : {false, true}) // entries with a time of day are matched first
     for (const LogbookEntry& entry : logbook.entries)
       if (entry.whole_day == whole_day && kind_of(entry.what)) take_entry(entry, beats, diary);
 }

@@ -39,7 +39,7 @@ bool rounding_explains(const TimingData& times) {
     least = std::min(least, rest);
     most = std::max(most, rest);
   }
-  constexpr double allowed_steps = 1.05; // steps: least squares do not find the very best line
+  constexpr double allowed_steps = 1.05; // more than 1: the least-squares line is not the best one
   return most - least <= allowed_steps * grain_of(times);
 }
 
@@ -50,11 +50,11 @@ std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
   const double cycles = std::max(1.0, times.cycle.back());
   std::erase_if(lines, [&](const SpectralLine& line) {
     if (line.amplitude > grain_s / period_s) return false;
-    constexpr int multiples = 20; // further ones lie too close together to tell one from a wheel's
+    constexpr int multiples = 20; // higher ones are too dense to distinguish from lines of a wheel
     for (int k = 1; k <= multiples; ++k) {
       const double turns = std::abs(std::remainder(k * period_s / grain_s, 1.0));
       const double off = std::abs(line.frequency_hz * period_s - turns);
-      if (off * cycles < 1.0 + 0.5 * k) return true; // the period is known to a part of a step
+      if (off * cycles < 1.0 + 0.5 * k) return true; // the period is known to a fraction of a step
     }
     return false;
   });

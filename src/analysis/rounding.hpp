@@ -1,4 +1,5 @@
-// What a logger that rounds its times makes of a steady clock. Private to the analysis room.
+// The effect of a logger that rounds its times on the log of a steady clock. Private to the
+// analysis room.
 #pragma once
 
 #include "goingrate/fit/timing_data.hpp"
@@ -8,14 +9,14 @@
 
 namespace goingrate {
 
-/// Whether one steady rate explains all times to within the steps of the logger: then the
-/// log shows no change, no line and no noise, whatever pattern the rounding makes
+/// Whether one steady rate explains all times to within the steps of the logger. The log then shows
+/// no change, no line and no noise, whatever pattern the rounding causes
 /// (AnalyseTest.ACoarseLoggerShowsNoChange).
 bool rounding_explains(const TimingData& times);
 
-/// The lines less those that rounding can make. Its pattern comes round with the fraction by which
-/// a period differs from whole steps, and with multiples of it; none of them moves the rate by
-/// more than a step in a period.
+/// The lines without those that rounding can cause. The pattern of rounding repeats at the
+/// frequency given by the fraction of a step by which a period differs from whole steps, and at its
+/// multiples; none of these lines changes the rate by more than one step per period.
 std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
                                            const TimingData& times);
 

@@ -49,8 +49,8 @@ void add_clock(const ClockParameters& clock, Truth& truth) {
   }
 }
 
-// Periods for each one in which the escapement acts; if it waits for the amplitude, they are an
-// outcome of the motion. Nothing where no single number tells it.
+// The number of periods for each one in which the escapement acts; if it waits for the amplitude,
+// this follows from the motion. Nothing if it is not a single number.
 std::optional<double> periods_to_an_action(const ClockParameters& clock) {
   if (const auto tooth = saw_tooth(clock)) return tooth->periods;
   if (clock.below > 0.0) return {};
@@ -117,7 +117,7 @@ std::map<std::string, double> true_parameters(const Scenario& scenario) {
   const auto rests = periods_to_an_action(clock);
   add_clock(with_drive_divided(clock, rests.value_or(1.0)), truth);
   if (!rests)
-    for (const char* drive : {"mu", "impulse"}) // no single number tells its mean
+    for (const char* drive : {"mu", "impulse"}) // the mean is not a single number
       truth.leave_out(drive);
   Scenario exact = scenario;
   exact.method.method = Method::direct;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// What the log shows in one block.
+// The observations in one block.
 struct Block {
   double at_s = 0.0, cycles = 0.0;
   double x = unknown, x_sigma = 0.0; // from its amplitudes

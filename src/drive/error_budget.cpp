@@ -36,8 +36,8 @@ struct Answer {
 };
 
 // An escapement that waits for the amplitude to fall begins each wait at its limit, whatever the
-// impulse before it was: what an impulse does to the clock's time is done when the limit is
-// reached, and the rate answers at once and for good.
+// previous impulse was. So the whole effect of an impulse on the clock's time has come when the
+// limit is reached, and the rate responds to the drive at once.
 Answer answer_of_waiting(const ClockParameters& clock, double lambda) {
   constexpr double step = 1e-3; // of a central difference: 1e-6 of itself
   const auto rate = [&](double factor) {
@@ -105,7 +105,8 @@ void add_drive(const Scenario& scenario, double after_s, std::vector<ErrorPart>&
   const DriveVariability& drive = scenario.drive;
   if (drive.series)
     throw ArgumentError("drive.series", "a series",
-                        "rms values and sines: what a series will do next nobody knows");
+                        "given by rms values and sines: a series does not say how the drive "
+                        "continues");
   const auto [response, rests] = answer_of(scenario.clock);
   timing_model::RateComponents components;
   components.fast2 = drive.fast_rms * drive.fast_rms * rests;
@@ -114,17 +115,17 @@ void add_drive(const Scenario& scenario, double after_s, std::vector<ErrorPart>&
   const double period_s = scenario.clock.nominal_period_s;
   const auto error = [&](auto density) { return time_error(density, after_s, period_s); };
   if (drive.fast_rms > 0.0)
-    parts.push_back({"the drive from swing to swing", "drive.fast_rms", drive.fast_rms,
+    parts.push_back({"the drive, from swing to swing", "drive.fast_rms", drive.fast_rms,
                      error([&, &response = response](double f) {
                        return components.fast_density(f, period_s, response);
                      })});
   if (drive.slow_rms > 0.0)
-    parts.push_back({"the drive as it wanders", "drive.slow_rms", drive.slow_rms,
+    parts.push_back({"the drive, slow wander", "drive.slow_rms", drive.slow_rms,
                      error([&, &response = response](double f) {
                        return components.slow_density(f, period_s, response);
                      })});
   add_sines(
-      drive.sines, "the drive as it comes round", "drive.sine", after_s,
+      drive.sines, "the drive, periodic part", "drive.sine", after_s,
       [&, &response = response](const auto& sine) {
         return sine.amplitude * std::abs(response.at(1.0 / sine.period_s));
       },
@@ -147,7 +148,7 @@ double sum_of_squares(const std::vector<ErrorPart>& parts) {
 
 void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>& parts) {
   const LengthChanges& length = scenario.length;
-  // What the compensation leaves of a course with this period.
+  // The relative rate per K that the compensation leaves, at this period of the temperature.
   const auto per_kelvin = [&](double period_s) {
     const std::complex<double> lag(1.0, two_pi * length.compensation_lag_s / period_s);
     return 0.5 * std::abs(length.temperature_coefficient - length.compensation / lag);
@@ -163,9 +164,9 @@ void add_length(const Scenario& scenario, double after_s, std::vector<ErrorPart>
     parts.push_back({"the temperature, by the length", "length.temperature_coefficient",
                      std::abs(length.temperature_coefficient), std::sqrt(error2)});
   add_sines(
-      length.sines, "the length as it comes round", "length.sine", after_s,
+      length.sines, "the length, periodic part", "length.sine", after_s,
       [](const auto& sine) { return 0.5 * sine.amplitude; }, parts);
-  add_drift(length.drift_per_day, 0.5, "the length as it drifts", "length.drift_per_day",
+  add_drift(length.drift_per_day, 0.5, "the length, steady drift", "length.drift_per_day",
             std::abs(length.drift_per_day), after_s, parts);
 }
 
@@ -207,7 +208,7 @@ ErrorBudget error_budget(const Scenario& scenario, double after_s) {
     throw ArgumentError("after", after_s, "a positive number of seconds");
   if (!scenario.events.empty())
     throw ArgumentError("event", static_cast<double>(scenario.events.size()),
-                        "none: what a clock loses by a change of itself is no matter of chance");
+                        "none: the error by a planned change of the clock is not random");
   ErrorBudget budget{after_s, {}};
   add_drive(scenario, after_s, budget.parts);
   add_length(scenario, after_s, budget.parts);
@@ -235,7 +236,8 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
   const double swing = *stationary_amplitude(clock), friction = friction_moment(clock, swing);
   std::vector<Requirement> all;
   if (clock.epsilon > 0.0) {
-    // A drive that makes up for the friction keeps the swing; a limit of amplitude does by itself.
+    // The drive is adjusted to the friction to keep the amplitude; a limit of amplitude keeps it
+    // without that.
     const auto kept = [&](double epsilon) {
       const double more = waits ? 1.0 : 1.0 + (epsilon - clock.epsilon) * swing / friction;
       ClockParameters other = driven(clock, more);
@@ -263,7 +265,7 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
       !std::isfinite(error_of(wider(*limit2 * (*limit2 < 1.0 ? 1.0 - margin : 1.0 + margin))));
   all.push_back({waits ? "clock.below" : "amplitude", *size(clock),
                  limit2 ? size(wider(*limit2)) : std::nullopt, stops});
-  // A compensation takes off what the rod does: each is asked for with the other as it is.
+  // A compensation opposes the rod: the limit of each is found with the other unchanged.
   const auto of_length2 = [&](const LengthChanges& length) {
     Scenario other = scenario;
     other.length = length;
@@ -293,7 +295,7 @@ std::vector<Requirement> requirements(const Scenario& scenario, double most_s, d
     if (compensates && part.key == "length.temperature_coefficient") continue;
     const double others2 = all2 - part.rms_s * part.rms_s, room2 = most_s * most_s - others2;
     const double limit = part.size * std::sqrt(std::max(0.0, room2)) / part.rms_s;
-    // A drive that varies by more than itself drives nothing.
+    // A drive that varies by more than 100 % is not a drive.
     const double largest =
         part.key.starts_with("drive.") ? 1.0 : std::numeric_limits<double>::infinity();
     const bool is_limit = room2 > 0.0 && limit <= largest;

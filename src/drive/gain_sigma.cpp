@@ -1,4 +1,4 @@
-// How uncertain the gains of a clock are, by the fit that its parameters come from.
+// The uncertainty of a clock's gains, from the fit that gave its parameters.
 #include "goingrate/drive/drive_split.hpp"
 
 #include <algorithm>

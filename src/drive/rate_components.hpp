@@ -1,5 +1,5 @@
-// What the rate of a clock is made of, by the likelihood of its periodogram. Private to the
-// drive room.
+// The components of a clock's rate, by the likelihood of its periodogram. Private to the drive
+// room.
 //
 // The rate of period n is that of a white drive and a slow one through the clock's response H, and
 // the sensor's jitter. With T the period, d, s, j the rms of fast drive, slow drive and jitter, and
@@ -7,8 +7,8 @@
 //   S(f) = |H|^2 2 T [d^2 + s^2 (1 - r^2)/(1 - 2 r cos(2 pi f T) + r^2)] + 8 (j^2/T) sin^2(pi f T).
 // Whittle's likelihood of the periodogram I is -log L = sum over f of log E + I/E, where E is what
 // the model expects the periodogram to be: S smeared by the finite length (A. M. Sykulski et al.,
-// Biometrika 106 (2019) 251), so that a steep spectrum does not leak unseen. Neighbouring
-// frequencies are taken together where S is smooth.
+// Biometrika 106 (2019) 251), which accounts for the leakage of a steep spectrum. Neighbouring
+// frequencies are combined where S is smooth.
 #pragma once
 
 #include "goingrate/dynamics/stationary.hpp"
@@ -40,23 +40,24 @@ double variance_of(const RateComponents& components, Component which);
 /// The likelihood of one series and its maximum.
 class ComponentFit {
 public:
-  /// `rates`: one per period, finite, 64 or more; the mean is taken off.
+  /// `rates`: one per period, finite, 64 or more; the mean is subtracted.
   ComponentFit(std::span<const double> rates, double period_s, const DriveResponse& response);
 
   [[nodiscard]] const RateComponents& best() const { return best_; }
-  /// The same without the parts that the log does not show, but for `which`: a size that cannot
-  /// fall below 0 is 0 or too large on average, and what it takes is missing elsewhere.
+  /// The best fit with insignificant components set to 0, except `which`. A size that cannot be
+  /// negative is too large on average if the true one is 0, at the expense of the other sizes.
   [[nodiscard]] RateComponents best_for(Component which) const;
-  /// The gain in log L from which on a slow drive is believed: noise alone gains as much in one log
-  /// of eight.
+  /// The gain in log L above which a slow drive is accepted; noise alone reaches it in one log of
+  /// eight.
   static constexpr double least_evidence = 2.0;
 
-  /// By how much -log L falls short of that without a slow drive.
+  /// The increase of log L by a slow drive.
   [[nodiscard]] double gain_of_slow() const { return without_slow_ - best_value_; }
 
-  /// Where one variance (d^2, s^2 or j^2) has -log L, lowest over the rest, 1/2 above its minimum:
-  /// the ends of the 68 % profile interval, with the rest as it is there. Low is 0 where L does not
-  /// rise that far; high is infinite where nothing bounds it.
+  /// The ends of the 68 % profile interval of one variance (d^2, s^2 or j^2), where -log L,
+  /// minimised over the other components, is 1/2 above its minimum; each with the other components
+  /// that are best there. The low end is 0 if -log L does not rise that far; the high end is
+  /// infinite if nothing bounds it.
   [[nodiscard]] std::array<RateComponents, 2> interval68(Component which) const;
 
 private:

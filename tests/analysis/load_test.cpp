@@ -134,7 +134,8 @@ TEST(LoadTest, AGivenPeriodIsBelieved) {
   const NumberedLog every_other = loaded(seconds(1000, 2.0), 1.0);
   EXPECT_EQ(every_other.beats.missed, 999);
   EXPECT_NEAR(every_other.beats.typical_period_s, 1.0, 1e-6);
-  EXPECT_NE(every_other.log.assumptions.back().text.find("if a full swing takes 2 s"), std::string::npos)
+  EXPECT_NE(every_other.log.assumptions.back().text.find("if a full swing takes 2 s"),
+            std::string::npos)
       << every_other.log.assumptions.back().text; // perhaps half the period was given
   try {                                           // neither half nor twice: no reading at all
     (void)loaded(seconds(1000, 1.6), 2.0);
