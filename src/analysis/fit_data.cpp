@@ -139,6 +139,32 @@ std::optional<RateTerm> tide_term(const NumberedLog& loaded, const TimingData& d
   return RateTerm{"tide", "", tidal_advance(data.elapsed_s, begin, *log.site)};
 }
 
+// Whether the largest wave of times or amplitudes comes round several times from push to push, and
+// gains more than the pushes do. Of a saw-tooth the fundamental is the largest.
+bool is_a_wheels(const ImpulseCycle& pushes, const TimingData& data) {
+  constexpr double fewest_turns = 2.5; // more than the second harmonic of the pushes
+  for (double Wheel::*size : {&Wheel::late_s, &Wheel::amplitude_rad}) {
+    const auto largest =
+        std::max_element(data.wheels.begin(), data.wheels.end(),
+                         [&](const Wheel& a, const Wheel& b) { return a.*size < b.*size; });
+    if (largest != data.wheels.end() && (*largest).*size > 0.0 && largest->gain > pushes.gain &&
+        fewest_turns * largest->turn_s < pushes.periods * data.reference_period_s)
+      return true;
+  }
+  return false;
+}
+
+// Pushes once in N swings, or else wheels of the train, which are subtracted. What a wheel does may
+// pass for pushes once in many of its turns.
+void find_what_recurs(TimingData& data) {
+  data.impulses = find_impulse_cycle(data);
+  TimingData without = data;
+  level_wheels(without);
+  if (data.impulses && !is_a_wheels(*data.impulses, without)) return;
+  data = std::move(without);
+  if (!data.wheels.empty()) data.impulses = find_impulse_cycle(data);
+}
+
 } // namespace
 
 TimingData fit_data(const NumberedLog& loaded) {
@@ -157,7 +183,7 @@ TimingData fit_data(const NumberedLog& loaded) {
   add_weather(loaded, data);
   if (const auto tide = tide_term(loaded, data)) data.terms.push_back(*tide);
   const bool swings = data.no_swings.empty() && data.reference_period_s <= longest_swing_s;
-  if (swings) data.impulses = find_impulse_cycle(data);
+  if (swings) find_what_recurs(data);
   if (data.impulses) level_impulses(*data.impulses, data);
   level_displacements(data);
   return data;

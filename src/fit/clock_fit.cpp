@@ -425,6 +425,41 @@ void note_displacements(const TimingData& data, FitSummary& summary) {
                      readable(data.elapsed_s[at.beat], 5), readable_signed(1e3 * at.late_s, 3))});
 }
 
+// The residuals are those of the log as it is.
+void put_wheels_back(const TimingData& data, FitSummary& summary) {
+  const auto add = [](const std::vector<double>& taken, std::vector<double>& residual) {
+    for (std::size_t i = 0; i < std::min(taken.size(), residual.size()); ++i)
+      residual[i] += taken[i];
+  };
+  add(data.wheel_late_s, summary.residual_s);
+  add(data.wheel_amplitude_rad, summary.amplitude_residual_rad);
+}
+
+// One note for each period: the lines beside a strong one are of the same wheel, whose pace
+// changes.
+void note_wheels(const TimingData& data, FitSummary& summary) {
+  constexpr double same_period = 0.01; // relative
+  constexpr std::size_t most_told = 4; // the strongest
+  std::vector<const Wheel*> told;
+  for (const Wheel& wheel : data.wheels) {
+    const auto is_told = [&](const Wheel* other) {
+      return (other->late_s > 0.0) == (wheel.late_s > 0.0) &&
+             std::abs(other->turn_s - wheel.turn_s) < same_period * wheel.turn_s;
+    };
+    if (told.size() == most_told) return;
+    if (std::any_of(told.begin(), told.end(), is_told)) continue;
+    told.push_back(&wheel);
+    const std::string what =
+        wheel.late_s > 0.0
+            ? fmt::format("times swing by ±{} ms", readable(1e3 * wheel.late_s, 3))
+            : fmt::format("amplitudes swing by ±{} mrad", readable(1e3 * wheel.amplitude_rad, 3));
+    summary.notes.push_back(
+        {NoteKind::wheel, fmt::format("the {} every {} s, as a turning wheel makes them: this was "
+                                      "subtracted before the fit",
+                                      what, readable(wheel.turn_s, 5))});
+  }
+}
+
 std::string why_no_start(const TimingData& data) {
   std::string text = "no start lies in the domain of the model (amplitude above phi0)";
   constexpr double widest_rad = 1.0; // of a clock that gravity brings back
@@ -451,7 +486,8 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
     summary.status = FitStatus::no_valid_model;
     return summary;
   }
-  const Searched end = without_needless_changes(data, searched_with_changes(data, options, now), now);
+  const Searched end =
+      without_needless_changes(data, searched_with_changes(data, options, now), now);
   const Fitted& fitted = *end.fitted;
   if (!fitted.minimum.usable) {
     summary.status = FitStatus::no_valid_model;
@@ -464,6 +500,8 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
   if (summary.status != FitStatus::contradicts_log)
     if (const auto decay = decay_of(fitted, end.search->options())) state_decay(*decay, summary);
   note_displacements(data, summary);
+  put_wheels_back(data, summary);
+  note_wheels(data, summary);
   if (data.time_base_sigma > 0.0) widen_by_time_base(data.time_base_sigma, summary);
   if (something_is_undetermined(summary))
     summary.experiments = suggest_experiments(fitted, end.search->options());

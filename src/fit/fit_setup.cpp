@@ -315,10 +315,6 @@ bool names(const FitOptions& options, const std::string& parameter) {
 void include_named_noise(FitOptions& options) {
   const bool slow = names(options, "slow_rms") || names(options, "slow_time");
   const bool drive = slow || names(options, "drive_rms");
-  const bool walk = names(options, "walk_rms");
-  if (drive && walk)
-    throw ArgumentError("walk_rms", "named beside noise of the drive",
-                        "one or the other: the drive's noise is what makes the times walk");
   if (!drive) return;
   if (options.escapement == Escapement::none)
     throw ArgumentError("escapement", "none", "one, since noise of its drive is named");

@@ -32,11 +32,29 @@ std::vector<double> place_among(const Parameters& to, std::span<const double> at
 
 // Whether more than jitter is to be tried: as the options ask, or as the residuals do.
 bool ModelSearch::noise_is_asked_for() const {
-  if (options_.noise == FitNoise::jitter || names(options_, "walk_rms")) return false;
+  const bool walk_is_all = options_.noise == FitNoise::automatic && names(options_, "walk_rms");
+  if (options_.noise == FitNoise::jitter || walk_is_all) return false;
   if (options_.noise != FitNoise::automatic || best_.model.drive || best_.model.walk) return true;
   // Single amplitudes are noisy, but they show the drive directly.
   return estimate_noise(working_.data.cycle, best_.seen.late_s).walk_s > 0.0 ||
          !white_in_amplitude(best_);
+}
+
+// A push that comes early or late moves the times and hardly the swing. Beside amplitudes, which
+// tell what the drive does, such a walk of the times shows by itself: takes it where the log calls
+// for it. Under noise of the drive first order is off by what looks like a walk, so second order
+// judges.
+void ModelSearch::let_times_walk(Driven& drive, FitDynamics dynamics) const {
+  if (!all_.has_amplitude() || drive.laws.model.walk || white(drive.fitted)) return;
+  const FitDynamics judge = std::max(dynamics, FitDynamics::averaged2);
+  if (!refine(drive.fitted, judge) || white(drive.fitted)) return;
+  Driven both = drive;
+  both.laws.model.walk = true;
+  both.fitted = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, both.laws.options,
+                             both.laws.model);
+  if (both.fitted.minimum.usable && refine(both.fitted, judge) &&
+      both.fitted.bic < drive.fitted.bic)
+    drive = std::move(both);
 }
 
 // The fit of these laws with a drive that varies slowly too, where the log calls for it.
@@ -56,7 +74,14 @@ Fitted ModelSearch::with_slow_drive(Driven& drive, FitDynamics dynamics) const {
   // A fit without slow drive may have ended far from the solution: both fits serve as starts.
   Fitted slow = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, options, model);
   if (slow.minimum.usable) refine(slow, dynamics);
-  return slow;
+  if (!slow.minimum.usable || !model.walk || names(options, "walk_rms")) return slow;
+  // What walked beside the fast drive alone may have been the slow one.
+  ModelChoice still = model;
+  still.walk = false;
+  Fitted without = fit_from(slow, options, still);
+  const bool is_better = without.minimum.usable && refine(without, slow.dynamics) &&
+                         without.dynamics == slow.dynamics && without.bic < slow.bic;
+  return is_better ? std::move(without) : std::move(slow);
 }
 
 void ModelSearch::choose_noise() {
@@ -87,13 +112,14 @@ void ModelSearch::choose_noise() {
   }
   if (!driven) return;
   laws.model = best_.model;
-  laws.model.walk = false;
+  laws.model.walk = names(options_, "walk_rms");
   laws.model.drive = true;
   laws.model.jitter = wanted != FitNoise::drive;
   Driven drive{laws, fit_with(laws)};
   if (!drive.fitted.minimum.usable) return;
   // Without such a drive, changes were dated to explain what it did.
   move_dates(drive.fitted, drive.laws.options);
+  if (automatic) let_times_walk(drive, dynamics);
   auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
   const bool are_other = other.has_value();
   if (are_other) drive = std::move(*other);
@@ -138,7 +164,11 @@ void ModelSearch::choose_slow_drive(Fitted&& slow) {
   }
   constexpr double one_in_twenty = 6.0, one_in_a_hundred = 9.2; // of 2 log L, two parameters
   constexpr double three_sigma = 9.0;                           // of 2 log L
-  const double price = 2.0 * std::log(static_cast<double>(best_.problem.data->size()));
+  const auto count = [](const Fitted& fitted) {
+    return static_cast<double>(fitted.problem.parameters.free_count);
+  };
+  const double price =
+      (count(slow) - count(best_)) * std::log(static_cast<double>(best_.problem.data->size()));
   const double gain = best_.bic - slow.bic + price;
   if (gain > one_in_a_hundred) {
     tried(best_, fmt::format("2 log L less by {}: the drive varies slowly too", readable(gain, 3)));

@@ -11,17 +11,6 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Cycles from beat to beat in most places: more than one in a log that was thinned.
-double usual_spacing(const TimingData& data) {
-  constexpr std::size_t most_beats = 1001;
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < std::min(most_beats, data.size()); ++i)
-    steps.push_back(data.cycle[i] - data.cycle[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
-
 // Robust mean square of the third differences at a stride of usual spacings: of jitter j and a walk
 // w a spacing it is 20 j^2 + 6 stride w^2, of anything smooth over three strides nearly nothing.
 // `relative`: the noise of each value over that of all, or nothing.
@@ -46,6 +35,16 @@ double third_differences(const TimingData& data, std::span<const double> series,
 }
 
 } // namespace
+
+double usual_spacing(const TimingData& data) {
+  constexpr std::size_t most_beats = 1001;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < std::min(most_beats, data.size()); ++i)
+    steps.push_back(data.cycle[i] - data.cycle[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
 
 double least_jitter(const TimingData& data) {
   const double of_doubles = 1e-12 * data.reference_period_s + 4e-16 * data.elapsed_s.back();

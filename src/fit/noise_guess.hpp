@@ -18,4 +18,8 @@ struct NoiseGuess {
 /// The noise as third differences of the data show it.
 NoiseGuess guess_noise(const TimingData& data);
 
+/// Cycles between neighbouring beats, the median of the first thousand: 1 or, with both directions,
+/// 1/2; more in a log that was thinned.
+double usual_spacing(const TimingData& data);
+
 } // namespace goingrate::timing_model

@@ -91,8 +91,9 @@ public:
 
   [[nodiscard]] Level at(std::size_t k) const {
     const double place = std::log(static_cast<double>(k));
-    const auto after = std::find_if(knots_.begin(), knots_.end(),
-                                    [&](const Knot& knot) { return knot.place > place; });
+    const auto after =
+        std::upper_bound(knots_.begin(), knots_.end(), place,
+                         [](double at, const Knot& knot) { return at < knot.place; });
     const Knot& right = after == knots_.end() ? knots_.back() : *after;
     const Knot& left = after == knots_.begin() ? right : *(after - 1);
     const double share = &left == &right || after == knots_.end()

@@ -59,6 +59,10 @@ TEST(MeasuredLogs, ADayWhoseDriveWasInterrupted) {
   // The squared amplitude comes back at twice the rate at which the amplitude falls.
   EXPECT_NEAR(told.recovery->time_constant_s, 0.5 * told.decay->time_constant_s,
               0.2 * told.decay->time_constant_s);
+  // The leg that acts every 9 s is a wheel's, and no push once in many swings.
+  EXPECT_FALSE(day->fit.impulses);
+  ASSERT_FALSE(day->drive.lines.empty());
+  EXPECT_NEAR(1.0 / day->drive.lines.front().frequency_hz, 9.0, 1e-3);
   for (const char* name : {"T0", "mu", "phi0"}) // nothing is made of an interruption
     EXPECT_FALSE(is_determined(day->fit, name)) << name;
   EXPECT_FALSE(day->drive.split);

@@ -48,8 +48,10 @@ GOINGRATE_MEMBERS(ImpulseCycle::Estimate, value, sigma)
 GOINGRATE_MEMBERS(ImpulseCycle, periods, is_regular, gain, first, cycles, amplitude_step, lateness,
                   kick, middle, amplitude_middle, epsilon)
 GOINGRATE_MEMBERS(Displacement, beat, late_s, gain)
+GOINGRATE_MEMBERS(Wheel, turn_s, late_s, amplitude_rad, gain)
 GOINGRATE_MEMBERS(TimingData, reference_period_s, cycle, elapsed_s, lateness_s, amplitude_rad,
-                  terms, time_noise, amplitude_noise, no_swings, impulses, displaced, time_base_sigma)
+                  terms, time_noise, amplitude_noise, no_swings, impulses, displaced,
+                  wheels, wheel_late_s, wheel_amplitude_rad, time_base_sigma)
 GOINGRATE_MEMBERS(PlannedRatio, ratio, sigma)
 GOINGRATE_MEMBERS(FitEvent, cycle, names, movable, planned, at_crossing)
 GOINGRATE_MEMBERS(Prior, name, value, sigma)

@@ -201,6 +201,7 @@ enum class NoteKind {
   misfit,        ///< the times stray from the best place by more than they scatter
   change,        ///< another change at the same date explains the log as well
   displacement,  ///< of the times from a beat on, taken off before the fit
+  wheel,         ///< its turns in the times or the amplitudes, taken off before the fit
 };
 
 /// Something that must be said besides the numbers.

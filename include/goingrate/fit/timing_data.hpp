@@ -33,6 +33,14 @@ struct Displacement {
   double gain = 0.0; ///< of 2 log L, less the price of the search over all beats
 };
 
+/// The effect of a turning wheel of the train: a sinusoid in the times or in the amplitudes.
+struct Wheel {
+  double turn_s = 0.0;        ///< its period
+  double late_s = 0.0;        ///< amplitude of the lateness; 0 where it was found in the amplitudes
+  double amplitude_rad = 0.0; ///< of the amplitudes; 0 where it was found in the lateness
+  double gain = 0.0;          ///< of 2 log L, about
+};
+
 /// Times and amplitudes of a run of good beats; all vectors have one entry per beat.
 struct TimingData {
   double reference_period_s = 0.0;   ///< the mean period: makes the lateness small
@@ -48,6 +56,10 @@ struct TimingData {
   /// Pushes of an escapement that rests; their saw-tooth was subtracted from times and amplitudes.
   std::optional<ImpulseCycle> impulses{};
   std::vector<Displacement> displaced{}; ///< subtracted from the times, the greatest gain first
+  /// Subtracted: of the times, then of the amplitudes, each the strongest first.
+  std::vector<Wheel> wheels{};
+  /// What all of them do to each time and each amplitude; empty if there are none.
+  std::vector<double> wheel_late_s{}, wheel_amplitude_rad{};
   double time_base_sigma = 0.0; ///< relative, of the clock that took the times, and thus of T0
 
   /// Number of beats.
@@ -67,6 +79,13 @@ inline constexpr double longest_swing_s = 20.0;
 /// FitDisplacedTest.KicksThatFollowEachOtherAreANoise)
 void level_displacements(TimingData& data);
 
+/// Subtracts the strictly periodic parts (spectra/lines.hpp) with periods of up to ten minutes from
+/// times and amplitudes, at most 20 from each, and notes them. A turning wheel of the train causes
+/// them, not the pendulum; a fit would take them for noise of the drive. A log of more than 131,072
+/// beats is treated block by block.
+/// (WheelsTest.AWheelLeavesTheClock, WheelsTest.ALogWithoutOneStaysAsItIs)
+void level_wheels(TimingData& data);
+
 /// Throws ArgumentError for fewer than three beats. The data have the term "drift".
 TimingData timing_data(std::span<const Beat> beats);
 
@@ -82,7 +101,7 @@ RateTerm rate_term(std::string name, std::string unit, const TimingData& data,
 std::vector<double> relative_noise(std::span<const double> sigmas);
 
 /// The beats with the given indices (increasing). What belongs to the log as a whole (no_swings,
-/// impulses, displaced, time_base_sigma) is not copied.
+/// impulses, displaced, wheels and what they do, time_base_sigma) is not copied.
 TimingData subset(const TimingData& data, std::span<const std::size_t> chosen);
 
 } // namespace goingrate
