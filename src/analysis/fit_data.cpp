@@ -139,19 +139,19 @@ std::optional<RateTerm> tide_term(const NumberedLog& loaded, const TimingData& d
   return RateTerm{"tide", "", tidal_advance(data.elapsed_s, begin, *log.site)};
 }
 
-// Whether the largest wave of times or amplitudes comes round several times from push to push, and
-// gains more than the pushes do. Of a saw-tooth the fundamental is the largest.
+// Whether a wheel passes for pushes: a wave gains more than they do, and none comes round with the
+// pushes or twice from push to push, as the first two harmonics of a saw-tooth do.
 bool is_a_wheels(const ImpulseCycle& pushes, const TimingData& data) {
-  constexpr double fewest_turns = 2.5; // more than the second harmonic of the pushes
-  for (double Wheel::*size : {&Wheel::late_s, &Wheel::amplitude_rad}) {
-    const auto largest =
-        std::max_element(data.wheels.begin(), data.wheels.end(),
-                         [&](const Wheel& a, const Wheel& b) { return a.*size < b.*size; });
-    if (largest != data.wheels.end() && (*largest).*size > 0.0 && largest->gain > pushes.gain &&
-        fewest_turns * largest->turn_s < pushes.periods * data.reference_period_s)
-      return true;
-  }
-  return false;
+  if (!pushes.is_regular) return false;
+  const double from_push_to_push_s = pushes.periods * data.reference_period_s;
+  const auto goes_with_pushes = [&](const Wheel& wheel) {
+    constexpr double period_tolerance = 0.01; // relative
+    return std::abs(wheel.turn_s / from_push_to_push_s - 1.0) < period_tolerance ||
+           std::abs(2.0 * wheel.turn_s / from_push_to_push_s - 1.0) < period_tolerance;
+  };
+  return std::any_of(data.wheels.begin(), data.wheels.end(),
+                     [&](const Wheel& wheel) { return wheel.gain > pushes.gain; }) &&
+         std::none_of(data.wheels.begin(), data.wheels.end(), goes_with_pushes);
 }
 
 // Pushes once in N swings, or else wheels of the train, which are subtracted. What a wheel does may
