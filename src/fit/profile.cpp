@@ -61,7 +61,7 @@ private:
   // The ends on one side, by the rules of intervals().
   Ends ends_on(double side) {
     constexpr double parabola_tolerance = 0.1; // of the rise: a twentieth of the interval
-    constexpr double least_shape = 0.65, largest_shape = 1.5; // for which the parabola serves
+    constexpr double least_shape = 0.65, largest_shape = 1.5; // for which the polynomial serves
     const double shape = relative_rise(side * z95);
     // The root of twice the rise is |z| (1 + b z), with b from the rise at 1.96 sigma.
     const double b = (std::sqrt(shape) - 1.0) / (side * z95 * widening_);
@@ -75,7 +75,7 @@ private:
     };
     if (!search_ || (shape > 1.0 && shape < largest_shape)) return by_root();
     // Where L rises slowly the ends lie beyond 1.96 sigma, where L was not evaluated: the ridge is
-    // better than the parabola, as far as it can be followed.
+    // better than the polynomial, as far as it can be followed.
     ridge_.restart();
     feet_ = {{0.0}, {1.0}};
     const double at68 = walk_to_root(z68 * widening_, side);

@@ -10,11 +10,11 @@ namespace goingrate::timing_model {
 /// w the widening (stated sigma over the curvature's). On each side, L is first evaluated at 1.96
 /// stated sigma, after one scoring step in the other coordinates, and compared with the parabola:
 /// - within a tenth of it, the ends are those of the parabola;
-/// - up to 1.5 times as high, sqrt(2 rise) is taken as a parabola in the distance, through that
-///   value;
+/// - up to 1.5 times as high, sqrt(2 rise) is taken as a second-order polynomial of the
+///   distance, through that value;
 /// - lower or higher, the ridge (ridge.hpp) is followed to the ends.
 /// Where the ridge is not followed (the model does not hold, or the coordinate is hardly
-/// determined) or is lost on the way, the parabola serves for rises of 0.65 to 1.5 times the
+/// determined) or is lost on the way, that polynomial serves for rises of 0.65 to 1.5 times the
 /// parabola's, and other ends are infinite. An end is also infinite where the ridge does not rise
 /// far enough within thirty sigma, and for a coordinate that the log does not determine.
 ///
