@@ -247,7 +247,9 @@ struct FitSummary {
   std::optional<ImpulseCycle> impulses{}; ///< of an escapement that rests: those of the data
   std::vector<FitEvent> events;           ///< as they were fitted
   std::vector<FitNote> notes;
-  std::vector<double> residual_s;             ///< one per beat, mean removed; positive: late
+  /// One per beat, mean removed; positive: late. They and the amplitude residuals contain what was
+  /// subtracted for wheels of the train, unlike the rms values of `quality`.
+  std::vector<double> residual_s;
   std::vector<double> model_amplitude_rad;    ///< one per beat: the turning angle
   std::vector<double> amplitude_residual_rad; ///< empty without amplitudes
 
