@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace goingrate {
 
 namespace {
+
+using std::numbers::pi;
 
 double grain_of(const TimingData& times) {
   return time_grain(std::min(times.size(), times_for_grain), times.reference_period_s,
@@ -29,9 +32,8 @@ double slope_of(const TimingData& times) {
   return both / square;
 }
 
-} // namespace
-
-bool rounding_explains(const TimingData& times) {
+// By how much the latenesses spread about a straight line, s.
+double spread_about_line(const TimingData& times) {
   const double slope = slope_of(times);
   double least = times.lateness_s[0], most = least;
   for (std::size_t i = 0; i < times.size(); ++i) {
@@ -39,8 +41,14 @@ bool rounding_explains(const TimingData& times) {
     least = std::min(least, rest);
     most = std::max(most, rest);
   }
+  return most - least;
+}
+
+} // namespace
+
+bool rounding_explains(const TimingData& times) {
   constexpr double allowed_steps = 1.05; // more than 1: the least-squares line is not the best one
-  return most - least <= allowed_steps * grain_of(times);
+  return spread_about_line(times) <= allowed_steps * grain_of(times);
 }
 
 std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
@@ -48,13 +56,19 @@ std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
   const double grain_s = grain_of(times), period_s = times.reference_period_s;
   if (grain_s == 0.0) return lines;
   const double cycles = std::max(1.0, times.cycle.back());
+  // A step by which the times stray from a steady rate turns the pattern once.
+  const double strayed_turns = spread_about_line(times) / grain_s;
   std::erase_if(lines, [&](const SpectralLine& line) {
-    if (line.amplitude > grain_s / period_s) return false;
+    const double steps_late = line.amplitude * period_s / grain_s /
+                              (2.0 * std::abs(std::sin(pi * line.frequency_hz * period_s)));
     constexpr int multiples = 20; // higher ones are too dense to distinguish from lines of a wheel
     for (int k = 1; k <= multiples; ++k) {
+      // A saw-tooth of one step has waves of 1/πk; turned over and over, it is a noise as large.
+      constexpr double noise_share = 1.5; // of the amplitude of a wave that stands in noise
+      if (steps_late > noise_share / (pi * k) / std::sqrt(std::max(1.0, k * strayed_turns))) break;
       const double turns = std::abs(std::remainder(k * period_s / grain_s, 1.0));
       const double off = std::abs(line.frequency_hz * period_s - turns);
-      if (off * cycles < 1.0 + 0.5 * k) return true; // the period is known to a fraction of a step
+      if (off * cycles < 1.0 + k * std::max(0.5, strayed_turns)) return true;
     }
     return false;
   });

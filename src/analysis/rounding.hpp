@@ -16,7 +16,8 @@ bool rounding_explains(const TimingData& times);
 
 /// The lines without those that rounding can cause. The pattern of rounding repeats at the
 /// frequency given by the fraction of a step by which a period differs from whole steps, and at its
-/// multiples; none of these lines changes the rate by more than one step per period.
+/// multiples k, as a wave of the times of 1/πk steps; where the rate varies, the pattern spreads
+/// about these frequencies and its waves are smaller (AnalyseTest.ACoarseLoggerShowsNoWheel).
 std::vector<SpectralLine> without_rounding(std::vector<SpectralLine> lines,
                                            const TimingData& times);
 

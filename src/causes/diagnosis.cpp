@@ -39,10 +39,12 @@ public:
   std::vector<Suspicion> suspicions() {
     take_causes();
     std::vector<Suspicion> all;
-    for (const Candidate& fault : faults())
+    for (const Candidate& fault : faults()) {
+      const CauseNumbers numbers = numbers_of(fault);
       all.push_back({fault.cause, fault.gain, evidence_of(fault, account_.sees_amplitude()),
-                     fault.alternatives, advice_on(fault.cause, account_.sees_amplitude()),
-                     numbers_of(fault)});
+                     fault.alternatives, advice_on(fault.cause, account_.sees_amplitude(), numbers),
+                     numbers});
+    }
     add_if_not_understood(all);
     if (!wanders_) return all;
     account_ = without(nullptr, healthy_);

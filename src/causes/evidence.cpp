@@ -98,7 +98,7 @@ std::string evidence_of(const Candidate& found, bool sees_amplitude) {
   }
 }
 
-std::string advice_on(Cause cause, bool sees_amplitude) {
+std::string advice_on(Cause cause, bool sees_amplitude, const CauseNumbers& numbers) {
   switch (cause) {
   case Cause::temperature:
     return "Heating also changes the oil and the air: compare two seasons before compensating.";
@@ -112,6 +112,7 @@ std::string advice_on(Cause cause, bool sees_amplitude) {
                           : "Was the clock wound, oiled or touched then? A log of the amplitude "
                             "would show whether the swing followed.";
   case Cause::growing_friction:
+    if (numbers.amplitude_rad > 0.0) return {}; // it swings more freely
     return sees_amplitude ? "Clean and oil the clock, or look for what weakens its drive."
                           : "Log the amplitude: growing friction lowers it, a change of the "
                             "pendulum's length does not.";

@@ -37,6 +37,14 @@ bool swing_grows(const TimingData& data, double noise_rad) {
   return false;
 }
 
+// Whether a pendulum under linear friction can go on swinging this freely. A clock whose swing falls by a tenth in a day,
+// because its weight nears the floor or its oil thickens, looks like a free one of Q 500 000.
+bool may_swing_freely(const Fitted& fitted) {
+  constexpr double largest_q = 2e5; // the best of pendulums in vacuum come near it
+  const Slot* epsilon = fitted.problem.parameters.find(Quantity::epsilon);
+  return epsilon->value(std::span<const double>(fitted.minimum.x)) > 0.5 / largest_q;
+}
+
 } // namespace
 
 bool ModelSearch::explains(const Fitted& fitted) const {
@@ -255,7 +263,8 @@ bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& 
   free.escapement = Escapement::none;
   TimingData thin;
   Fitted without = roughly_fitted(plain, free, thin);
-  if (!without.minimum.usable || !determines_friction(without)) return false;
+  if (!without.minimum.usable || !determines_friction(without) || !may_swing_freely(without))
+    return false;
   explain_roughly(without); // nonlinear friction may explain what looks like a drive
   const std::string name =
       fmt::format("no escapement, friction {} ({} beats)", without.model.friction(), thin.size());

@@ -236,12 +236,27 @@ void ModelSearch::choose_dynamics() {
 }
 
 // Adds terms one at a time, the best first, while BIC improves and the innovations are not white.
+// What walked before its friction was known may walk no more.
+void ModelSearch::add_terms(Fitted& fitted) {
+  while (add_best_term(fitted)) {
+  }
+  const bool may_stand_still =
+      fitted.model.walk && options_.noise == FitNoise::automatic && !names(options_, "walk_rms");
+  if (!may_stand_still) return;
+  ModelChoice still = fitted.model;
+  still.walk = false;
+  Fitted without = fit_from(fitted, options_, still);
+  if (without.minimum.usable && refine(without, fitted.dynamics) && without.bic < fitted.bic)
+    fitted = std::move(without);
+}
+
+// Adds the term of most use, if one is of any.
 // For a free pendulum, friction is tried even if they are white, since whiteness is a weaker test
 // than BIC and its T0 depends on the friction law. The terms are nonlinear friction, a factor on
 // the amplitude column, and drive noise (or a random walk of the times). In a long log, noise is
 // taken at once if it suffices: it is the most frequent term, and trying each of the others takes
 // long.
-void ModelSearch::add_terms(Fitted& fitted) {
+bool ModelSearch::add_best_term(Fitted& fitted) {
   constexpr int terms = 4;
   const auto with = [](ModelChoice model, int term) {
     const bool driven = model.escapement != Escapement::none;
@@ -254,37 +269,36 @@ void ModelSearch::add_terms(Fitted& fitted) {
   };
   constexpr std::size_t long_log_beats = 3000;
   const TimingData& data = *fitted.problem.data;
-  for (;;) {
-    const bool is_white = white(fitted);
-    if (is_white && fitted.model.escapement != Escapement::none) return;
-    std::vector<ModelChoice> models;
-    for (int term = 0; term < terms; ++term) {
-      const bool is_friction = term == 1 || term == 2;
-      if (is_white && !is_friction) continue;
-      const ModelChoice model = with(fitted.model, term);
-      if (model.name() == fitted.model.name()) continue;
-      if (term == 0 && options_.noise != FitNoise::automatic) continue;
-      if (term == 3 && !data.has_amplitude()) continue;
-      models.push_back(model);
-    }
-    std::vector<Fitted> ends(models.size());
-    const auto fit = [&](std::size_t i) {
-      ends[i] = fit_from(fitted, options_, models[i]);
-      if (!ends[i].minimum.usable || !refine(ends[i], fitted.dynamics))
-        ends[i].bic = std::numeric_limits<double>::infinity();
-    };
-    const bool noise_first = data.size() > long_log_beats && !models.empty() &&
-                             models.front().noise() != fitted.model.noise();
-    const std::size_t begun = noise_first ? 1 : 0;
-    if (noise_first) fit(0);
-    if (!noise_first || !white(ends.front()) || ends.front().bic >= fitted.bic)
-      share(models.size() - begun, [&](std::size_t i) { fit(begun + i); });
-    const auto best = std::min_element(ends.begin(), ends.end(), by_bic);
-    if (best == ends.end() || best->bic >= fitted.bic) return;
-    tried(fitted, fmt::format("BIC worse by {} than the next{}",
-                              readable(fitted.bic - best->bic, 3), moved_by(fitted, *best)));
-    fitted = std::move(*best);
+  const bool is_white = white(fitted);
+  if (is_white && fitted.model.escapement != Escapement::none) return false;
+  std::vector<ModelChoice> models;
+  for (int term = 0; term < terms; ++term) {
+    const bool is_friction = term == 1 || term == 2;
+    if (is_white && !is_friction) continue;
+    const ModelChoice model = with(fitted.model, term);
+    if (model.name() == fitted.model.name()) continue;
+    if (term == 0 && options_.noise != FitNoise::automatic) continue;
+    if (term == 3 && !data.has_amplitude()) continue;
+    models.push_back(model);
   }
+  std::vector<Fitted> ends(models.size());
+  const auto fit = [&](std::size_t i) {
+    ends[i] = fit_from(fitted, options_, models[i]);
+    if (!ends[i].minimum.usable || !refine(ends[i], fitted.dynamics))
+      ends[i].bic = std::numeric_limits<double>::infinity();
+  };
+  const bool noise_first = data.size() > long_log_beats && !models.empty() &&
+                           models.front().noise() != fitted.model.noise();
+  const std::size_t begun = noise_first ? 1 : 0;
+  if (noise_first) fit(0);
+  if (!noise_first || !white(ends.front()) || ends.front().bic >= fitted.bic)
+    share(models.size() - begun, [&](std::size_t i) { fit(begun + i); });
+  const auto best = std::min_element(ends.begin(), ends.end(), by_bic);
+  if (best == ends.end() || best->bic >= fitted.bic) return false;
+  tried(fitted, fmt::format("BIC worse by {} than the next{}", readable(fitted.bic - best->bic, 3),
+                            moved_by(fitted, *best)));
+  fitted = std::move(*best);
+  return true;
 }
 
 // Further terms are tried only where linear friction is fixed or determined by the log.

@@ -99,6 +99,7 @@ private:
   void find_moments();
   void choose_dynamics();
   void add_terms(Fitted& fitted);
+  bool add_best_term(Fitted& fitted);
   void explain_roughly(Fitted& rough);
   void choose_friction();
   [[nodiscard]] double straying(const Fitted& fitted) const;

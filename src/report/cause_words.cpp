@@ -44,9 +44,10 @@ private:
     case Cause::unknown:
       return wander();
     case Cause::growing_friction:
-      return fmt::format("the rate {} by {} each day{}: most likely friction grows, or the "
-                         "drive fades",
-                         falls_or_rises(), size(), swing(" each day"));
+      return fmt::format("the rate {} by {} each day{}: most likely {}", falls_or_rises(), size(),
+                         swing(" each day"),
+                         numbers_.amplitude_rad > 0.0 ? "friction lessens, or the drive grows"
+                                                      : "friction grows, or the drive fades");
     case Cause::length_drift:
       return fmt::format("the rate {} by {} each day{}: most likely the pendulum's length "
                          "drifts, as it does while a suspension stretches or a rod dries",
@@ -147,8 +148,9 @@ private:
 
   [[nodiscard]] std::string swing(const char* per) const {
     if (!std::isfinite(numbers_.amplitude_rad)) return {};
-    return fmt::format(", the swing by {}{}",
-                       words_.angle(numbers_.amplitude_rad, numbers_.amplitude_sigma_rad), per);
+    return fmt::format(", the swing {} by {}{}", numbers_.amplitude_rad < 0.0 ? "falls" : "rises",
+                       words_.angle(std::abs(numbers_.amplitude_rad), numbers_.amplitude_sigma_rad),
+                       per);
   }
 
   const Suspicion& suspicion_;

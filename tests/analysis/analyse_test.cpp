@@ -1,10 +1,13 @@
 #include "goingrate/analysis/analyse.hpp"
 
+#include "goingrate/base/random.hpp"
 #include "support/changed_in_a_swing.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <numbers>
 
 namespace goingrate {
 namespace {
@@ -74,6 +77,31 @@ TEST(AnalyseTest, ACoarseLoggerShowsNoChange) {
     // Both ends are rounded, a step at most each; a uniform error has a twelfth of its square.
     EXPECT_GE(data.rate.rate_excess_sigma, 0.9 * step_s * std::sqrt(2.0 / 12.0) / 5000.0);
   }
+}
+
+// A clock whose times walk, seen by a logger of whole milliseconds: the pattern of the rounding
+// drifts with the rate. A wheel that moves the times by a step and a half is told all the same.
+TEST(AnalyseTest, ACoarseLoggerShowsNoWheel) {
+  for (const double wheel_s : {0.0, 1.5e-3})
+    for (const std::uint64_t seed : {31, 32, 33, 34, 35, 36}) {
+      RandomStream random(seed, StreamPurpose::temperature_noise);
+      const double period_s = 1.7 * (1.0 - 1e-5 * static_cast<double>(seed));
+      std::string text;
+      double late = 0.0;
+      for (int n = 0; n < 4000; ++n) {
+        late += 1.4e-5 * random.normal();
+        const double turn = wheel_s * std::sin(2.0 * std::numbers::pi * n / 36.0);
+        text += fmt::format("{:.3f}\n", n * period_s + late + turn);
+      }
+      LoadRequest request;
+      request.path = "coarse";
+      request.reading.nominal_period_s = 1.7;
+      const Analysis data = analyse(load_text(text, request));
+      const bool is_told = std::any_of(
+          data.suspicions.begin(), data.suspicions.end(),
+          [](const Suspicion& suspicion) { return suspicion.cause == Cause::wheel; });
+      EXPECT_EQ(is_told, wheel_s > 0.0) << seed;
+    }
 }
 
 TEST(AnalyseTest, TheNutIsForTheRateOfTheEndOfTheLog) {

@@ -384,6 +384,21 @@ TEST(SummaryTest, ASizeBelowItsSigmaHasNone) {
   EXPECT_EQ(all_of(report_sentences(data)).find("86400000"), std::string::npos);
 }
 
+TEST(SummaryTest, ASwingThatGrowsIsNotBlamedOnFriction) {
+  Analysis data = quiet_report();
+  Suspicion drift{Cause::growing_friction, 50.0, "evidence"};
+  drift.numbers.size = -5e-5;
+  drift.numbers.amplitude_rad = 1e-2;
+  data.suspicions = {drift};
+  const std::string grows = all_of(report_sentences(data));
+  EXPECT_NE(grows.find("the swing rises by 10"), std::string::npos) << grows;
+  EXPECT_NE(grows.find("friction lessens"), std::string::npos) << grows;
+  data.suspicions.front().numbers.amplitude_rad = -1e-2;
+  const std::string falls = all_of(report_sentences(data));
+  EXPECT_NE(falls.find("the swing falls by 10"), std::string::npos) << falls;
+  EXPECT_NE(falls.find("friction grows"), std::string::npos) << falls;
+}
+
 TEST(SummaryTest, EveryCauseHasASentenceWithoutNaN) {
   Analysis data = quiet_report();
   for (int i = 0; i <= static_cast<int>(Cause::unknown); ++i) {
