@@ -19,7 +19,7 @@ constexpr int vermilion = 1;
 constexpr int green = 2;
 constexpr int purple = 3;
 
-// Means over stretches of beats: in single periods the jitter hides what is looked for.
+// Means over stretches of beats, because in single periods the jitter hides the dependence.
 Series stretch_means(const Analysis& data, const Wording& words) {
   constexpr std::size_t wanted_points = 300;
   constexpr std::size_t fewest_beats = 10; // beats

@@ -29,12 +29,12 @@ std::string interval(double low, double high, double value) {
   return fmt::format("{} {}", end(low), end(high));
 }
 
-// Whether the parameter may be zero: only how large it may be is known.
+// Whether the parameter may be zero, so that only an upper limit is known.
 bool is_at_lower_bound(const FittedParameter& p) {
   return p.at_bound && p.low95 >= p.value && std::isfinite(p.high95);
 }
 
-// A value with its unit; the name before it and the remarks behind it stand in columns.
+// A line with a parameter's name, its value with the unit, and remarks, in columns.
 std::string value_text(const FittedParameter& p) {
   if (p.status == ParameterStatus::undetermined) return "undetermined by this log";
   const std::string unit = p.unit.empty() ? "" : " " + p.unit;
@@ -116,7 +116,7 @@ bool has_value(const FitSummary& fit, const std::string& name) {
   return found && std::isfinite(found->value);
 }
 
-// Only parameters that have a value: without one, the correlation would be that of the prior.
+// Only parameters that have a value: without one, the correlation would be the prior's.
 std::string correlation_lines(const FitSummary& fit) {
   std::string text;
   for (std::size_t i = 0; i < fit.correlated.size(); ++i)

@@ -45,7 +45,7 @@ std::string impulse_text(const ImpulseCycle& pushes, const DisplayUnit& angle) {
               : fmt::format(
                     "  each push, with what it does through the circular error, sets the clock {}",
                     set);
-  constexpr double seen = 4.0; // sigma
+  constexpr double seen = 4.0; // sigma: more is taken as real
   if (std::abs(pushes.middle.value) > seen * pushes.middle.sigma)
     text += fmt::format("  the crossing in the midst of a push comes {} µs {}\n",
                         microseconds(pushes.middle), pushes.middle.value < 0.0 ? "early" : "late");

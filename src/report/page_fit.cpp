@@ -77,7 +77,7 @@ bool is_undetermined(const FitSummary& fit, const std::string& name) {
   return found && !has_value(*found);
 }
 
-// Only parameters that have a value: without one, the correlation would be that of the prior.
+// Only parameters that have a value: without one, the correlation would be the prior's.
 std::string correlation_table(const FitSummary& fit) {
   constexpr double least_correlation = 0.1; // smaller ones change no conclusion
   Table table("Correlations above 0.1 in size", {"parameter", "with", "correlation"});
@@ -181,7 +181,7 @@ std::string line_table(const DriveAnalysis& drive) {
   return table.empty() ? "" : table.html();
 }
 
-// A line for what a covariate does, and one for each of its ways.
+// A row for the effect of a covariate, and one for each of the ways in which it acts.
 std::string ways_text(const CovariateEffect& effect, const Wording& words) {
   const std::string per = fmt::format("/{}", unit_of_covariate(effect));
   std::string text = typeset(words.rate(effect.coefficient, effect.sigma)) + per;
@@ -191,7 +191,8 @@ std::string ways_text(const CovariateEffect& effect, const Wording& words) {
   return text;
 }
 
-// What temperature and pressure do, judged on the half of the log that was not used to find it.
+// The effects of temperature and pressure, judged on the half of the log that was not used to find
+// them.
 std::string covariate_table(const Analysis& data) {
   const Wording words(data);
   Table table("What surrounds the clock",

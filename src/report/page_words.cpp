@@ -1,4 +1,4 @@
-// The page's glossary, for those who do not use its words every day.
+// The page's glossary, for readers who do not use its words every day.
 #include "page.hpp"
 
 #include "markup.hpp"
