@@ -12,7 +12,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Whether the clock is at the edge of where the equations hold: the log is another's.
+// Whether the clock is at the limit of the equations' validity: the log comes from something else.
 bool leaves_the_domain(const Fitted& fitted) {
   constexpr double bound_margin = 1e-6; // of a logarithm
   const Parameters& parameters = fitted.problem.parameters;
@@ -22,7 +22,7 @@ bool leaves_the_domain(const Fitted& fitted) {
   });
 }
 
-// A stretch whose innovations are far larger than elsewhere, by medians over blocks.
+// Finds a stretch whose innovations are far larger than elsewhere, by medians over blocks.
 struct RoughStretch {
   double from_s, to_s, times; ///< how much larger
 };
@@ -52,9 +52,9 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
   return rough;
 }
 
-// Between two pushes the swing is free, and its friction shows whatever the pushes give. A drive
-// that waits for the swing to fall holds the amplitude, and the fit of a mean drive then takes the
-// memory of that for friction.
+// Between two pushes the swing is free and shows its friction, whatever the pushes give. A drive
+// that waits for the swing to fall regulates the amplitude, and a fit with a mean drive mistakes
+// the memory of that regulation for friction.
 std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted) {
   const auto& pushes = fitted.problem.data->impulses;
   const Slot& slot = *fitted.problem.parameters.find(Quantity::epsilon);
