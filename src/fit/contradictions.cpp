@@ -93,8 +93,8 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
   constexpr double least_p_value = 1e-6;
   if (found.empty() && quality.p_value < least_p_value)
     found.push_back({NoteKind::misfit,
-                     fmt::format("the times stray from the best fit by {} times what "
-                                 "neighbouring beats scatter by: no clock of this model explains "
+                     fmt::format("the times stray from the best fit by {} times the "
+                                 "scatter of neighbouring beats: no clock of this model explains "
                                  "this log",
                                  readable(std::sqrt(quality.chi2 / quality.dof), 3))});
   return found;

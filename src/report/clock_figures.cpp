@@ -147,7 +147,7 @@ std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, doubl
                        : history.from_amplitude                    ? "amplitude"
                                                                    : "rate";
   return Figure{"drive-history",
-                "The drive as it went",
+                "History of the drive",
                 fmt::format("The torque relative to that of the fit, found from {} by undoing the "
                             "pendulum's slow answer, with one σ either way; 1.01 is a drive "
                             "stronger by 1 %.",

@@ -206,7 +206,7 @@ std::optional<Figure> q_figure(const FitSummary& fit) {
   return Figure{
       "q-amplitude",
       "Quality factor against amplitude",
-      "2π times the energy of the swing over what a period takes of it, with its 68 % and "
+      "2π times the energy of the swing over the energy lost in a period, with its 68 % and "
       "95 % intervals, whichever law the friction has. Level: linear friction. Falling to "
       "the right: drag that grows with the square of the speed. Falling to the left: dry "
       "friction.",

@@ -151,9 +151,9 @@ std::string statistics_lines(const FitSummary& fit) {
   if (fit.thinning.beats > 0) {
     text += fmt::format("  {} of the beats were used", fit.thinning.beats);
     text += std::isfinite(fit.thinning.information_lost)
-                ? fmt::format("; what that loses of the information: {:.2g} %\n",
+                ? fmt::format("; the loss of information by that is {:.2g} %\n",
                               100.0 * fit.thinning.information_lost)
-                : std::string("; what the others would add is not known\n");
+                : std::string("; how much the others would add is not known\n");
   }
   return text;
 }
@@ -168,7 +168,7 @@ std::string test_lines(const FitSummary& fit) {
   const double widest = std::max(fit.time_widening, fit.amplitude_widening);
   if (widest > 1.05)
     text += fmt::format(
-        "  σ is widened up to {:.3g}-fold, for what still correlates in the residuals\n", widest);
+        "  σ is widened up to {:.3g}-fold, because the residuals are still correlated\n", widest);
   if (fit.quality.whiteness_p < 1e-3)
     text += "  they are not white: the model misses something, take the values with care "
             "(`spectrum` finds lines)\n";

@@ -38,7 +38,7 @@ std::string status_text(ParameterStatus status) {
   case ParameterStatus::undetermined:
     break;
   }
-  return "this log does not tell it";
+  return "this log does not determine it";
 }
 
 std::string parameter_table(const FitSummary& fit, const DisplayUnit& angle) {
@@ -128,11 +128,12 @@ std::string quality_table(const FitSummary& fit) {
                  ? "below 0.01: the times hold more than the model and the jitter"
                  : "below 0.01: the times hold more than the model and the jitter, which itself is "
                    "known to some per cent only; that is allowed for"});
-  table.row({"whiteness of the residuals", probability(q.whiteness_p),
-             q.of_innovations
-                 ? "of what is left of each beat when those before it are known; below 0.001: that "
-                   "has a shape, read the values as rough"
-                 : "below 0.001: the residuals have a shape, read the values as rough"});
+  table.row(
+      {"whiteness of the residuals", probability(q.whiteness_p),
+       q.of_innovations
+           ? "of the part of each beat that the earlier beats do not predict; below 0.001: it "
+             "has a shape, read the values as rough"
+           : "below 0.001: the residuals have a shape, read the values as rough"});
   table.row({"residual of the times, rms", short_time(q.rms_s, 0.0),
              q.of_innovations ? "includes the wander of the drive or the rate" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
@@ -201,12 +202,12 @@ std::string covariate_table(const Analysis& data) {
   for (const CovariateEffect& effect : data.covariates)
     table.row(
         {effect.name,
-         effect.name == "tide"
-             ? typeset(with_sigma(effect.coefficient, effect.sigma, 3)) + " of what theory says"
-             : ways_text(effect, words),
+         effect.name == "tide" ? typeset(with_sigma(effect.coefficient, effect.sigma, 3)) +
+                                     " of the theoretical effect"
+                               : ways_text(effect, words),
          effect.lag_s > 0.0 ? plain_number(effect.lag_s) + " s" : "none",
          fmt::format("{} and {} s", plain_number(effect.without_s), plain_number(effect.with_s)),
-         !effect.significant() ? "do nothing that stands out of the noise"
+         !effect.significant() ? "have no effect that stands out from the noise"
          : effect.helps()      ? "have helped"
                                : "not have helped"});
   return table.empty() ? "" : table.html();

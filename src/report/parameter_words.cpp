@@ -30,7 +30,7 @@ constexpr std::array<ParameterWords, 25> words{{
     {"gravity_share", "", "share of gravity in the restoring torque"},
     {"quadratic_drag", "", "friction that grows as the square of the speed"},
     {"dry_friction", "", "friction that does not depend on the speed"},
-    {"offset", "", "how far the sensor stands from the vertical"},
+    {"offset", "", "angle of the sensor from the vertical"},
     {"amplitude_scale", "", "factor of the amplitude column"},
     {"jitter_rms", "", "scatter of the sensor's times, rms"},
     {"walk_rms", "", "random walk of the times per period, rms"},
@@ -38,12 +38,12 @@ constexpr std::array<ParameterWords, 25> words{{
     {"slow_rms", "", "slow variation of the drive, rms"},
     {"slow_time", "", "memory of the slow variation"},
     {"amplitude_rms", "", "scatter of the amplitudes, rms"},
-    {"drift", "", "change of the rate a day"},
+    {"drift", "", "change of the rate per day"},
     {"temperature", "", "change of the rate per kelvin"},
     {"pressure", "", "change of the rate per millibar"},
     {"humidity", "", "change of the rate per percent of relative humidity"},
     {"density", "", "change of the rate with the density of the air"},
-    {"tide", "", "answer to Moon and Sun, as a share of what theory says"},
+    {"tide", "", "response to Moon and Sun, as a share of the theoretical one"},
     {"pi", "π", ""},
 }};
 

@@ -195,7 +195,7 @@ Figure TimeFigures::time_residual() const {
                   "beat came late): {}",
                   wanders ? "here the model's drive or rate wanders as well, so that a wave or a "
                             "bend may be that wander."
-                          : "a cloud without shape means the model tells the whole story, a wave "
+                          : "a cloud without shape means that the model explains the log, a wave "
                             "or a bend that it does not."),
       time_axis(),
       {"residual of time", unit.name},
@@ -267,7 +267,7 @@ Figure spectrum_figure(const Analysis& data) {
   if (data.drive.response) {
     figure.markers.push_back({data.drive.response->corner_hz, "corner"});
     figure.caption += " Left of the corner the amplitude follows the drive, right of it the "
-                      "amplitude stands still.";
+                      "amplitude does not change.";
   }
   return figure;
 }
@@ -332,7 +332,8 @@ Figure deviation_figure(const Analysis& data) {
   if (usual && data.fit.has_result() && data.fit.jitter_s > 0.0) {
     figure.series.push_back(without_depths(jitter_floor(figure.series.front(), data.fit.jitter_s),
                                            figure.series.front()));
-    figure.caption += " The line is what the fitted jitter √3 j/τ leaves of a perfect clock.";
+    figure.caption +=
+        " The line is the deviation √3 j/τ of a perfect clock with the fitted jitter.";
   }
   return figure;
 }

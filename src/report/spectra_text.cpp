@@ -31,10 +31,10 @@ std::string time_in_words(double seconds) {
 }
 
 const char* what_noise_means(int alpha) {
-  if (alpha >= 2) return "the jitter of the readings rules; a longer average tells the rate better";
+  if (alpha >= 2) return "jitter of the readings dominates; a longer average gives a better rate";
   if (alpha == 1) return "the readings err slowly, or the clock returns to its course";
   if (alpha == 0) return "the rate is random from one moment to the next: averaging helps as 1/√τ";
-  if (alpha == -1) return "averaging longer does not tell the rate any better";
+  if (alpha == -1) return "a longer average does not give a better rate";
   if (alpha == -2)
     return "the clock wanders like a random walk of rate: look for slow causes such as temperature";
   return "the rate drifts: look for a steady cause before reading anything else";

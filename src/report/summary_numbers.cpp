@@ -235,7 +235,7 @@ void Numbers::add_drive() {
 
 void Numbers::add_covariate(const CovariateEffect& effect) {
   if (effect.name == "tide")
-    return add("answer to Moon and Sun, as a share of what theory says",
+    return add("response to Moon and Sun, share of the theoretical",
                with_sigma(effect.coefficient, effect.sigma, 3));
   const std::string per = unit_of_covariate(effect);
   add(fmt::format("rate per {} of {}", per, effect.name),
@@ -252,7 +252,7 @@ void Numbers::add_covariate(const CovariateEffect& effect) {
     add("  the rest follows with a lag of", fmt::format("{} s", number(effect.lag_s)));
   add(fmt::format("  time error, rms, with {} left in", effect.name),
       number(effect.without_s) + " s");
-  add("    taken off, by what the other half tells", number(effect.with_s) + " s");
+  add("    subtracted, by the result of the other half", number(effect.with_s) + " s");
 }
 
 void Numbers::add_isochronism() {

@@ -266,7 +266,7 @@ std::string Sentences::out_of_beat() const {
   if (!error || std::abs(error->value) < least_share * data_.rate.mean_period_s) return {};
   return fmt::format("Tick and tock differ by {}: the clock is out of beat{}.",
                      short_time(std::abs(error->value), error->sigma),
-                     data_.log.sound ? "" : ", or the sensor stands beside the vertical");
+                     data_.log.sound ? "" : ", or the sensor is off the vertical");
 }
 
 // Trends are judged only in logs that are long enough.
@@ -353,7 +353,7 @@ std::string Sentences::pushes() const {
 
 std::string Sentences::what_to_do() const {
   if (!data_.rate.nominal_is_known)
-    return "Say what period the clock should have, and this report tells its rate.";
+    return "State the period that the clock should have, and this report will give its rate.";
   if (const std::string nut = zero_rate(); !nut.empty()) {
     const bool settles = moves_on() && changes_.size() == 1; // a wandering rate never settles
     return settles ? "Once the rate has come to rest, " + nut : capitalised(nut);
