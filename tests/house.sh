@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The rules of the house: each room includes only itself and those below it, what is installed is what
-# users call, Ceres and FFTW stay out of it, the library does not know the command, constants are named by
+# Checks the rules of the house: each room includes only itself and those below it, only headers that users
+# need are installed, without Ceres and FFTW, the library does not know the command, constants are named by
 # nouns, and every test that a docstring names exists. Argument: the folder of the project.
 set -euo pipefail
 cd "$1"

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Sets up, builds and runs all tests; ends with ctest's summary. Arguments go to ctest.
-# With --sanitize first: the suite under AddressSanitizer and UndefinedBehaviorSanitizer, then what
-# starts threads, and the fits, under ThreadSanitizer. Takes about two hours on two cores. Left out are tests
-# that build a package of their own and programs from outside (notebooks, Slurm).
-# With --fuzz [SECONDS]: the reader, scenario files and recordings of sound are fuzzed, a minute if not given; ten
-# minutes more go into clang's build with sanitizers of what that needs.
-# With --cluster: batches in shares on a Slurm of one node, under GNU parallel and under Snakemake, one share
-# being killed at work, against one process. Takes two minutes.
-# With --notebooks first: those of data/course/notebooks alone, executed; their pages come to
+# With --sanitize first: the suite under AddressSanitizer and UndefinedBehaviorSanitizer, then the tests that
+# start threads, and the fits, under ThreadSanitizer. Takes about two hours on two cores. Tests that build a
+# package of their own, or use outside programs (notebooks, Slurm), are left out.
+# With --fuzz [SECONDS]: fuzzes the reader, scenario files and recordings of sound, for a minute if not given; another
+# ten minutes go into building the parts needed by clang with sanitizers.
+# With --cluster: batches in shares on a Slurm of one node, under GNU parallel and under Snakemake, with one share
+# killed at work, compared with one process. Takes two minutes.
+# With --notebooks first: only executes the notebooks of data/course/notebooks, and puts their pages into
 # build/release/notebooks.
-# With --web: the page that runs in a browser is built, its numbers are held against the command's on logs of all
-# formats, and it is used in headless Chromium. Takes half an hour on two cores.
+# With --web: builds the page that runs in a browser, compares its numbers with the command's on logs of all
+# formats, and uses it in headless Chromium. Takes half an hour on two cores.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . apps/setup.sh

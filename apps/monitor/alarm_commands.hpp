@@ -9,8 +9,8 @@
 
 namespace goingrate::apps {
 
-/// Runs a command of the shell for every alarm, with nothing to read, and does not wait for it;
-/// after a minute it is ended (AlarmCommandsTest).
+/// Runs a shell command for every alarm, with empty input, and does not wait for it; after a minute
+/// it is ended (AlarmCommandsTest).
 class AlarmCommands {
 public:
   explicit AlarmCommands(std::string command) : command_(std::move(command)) {}

@@ -32,7 +32,7 @@ std::optional<AlarmRecord> record_of(const std::string& note) {
   return record;
 }
 
-// As it will be read back from its comment, so that the index has it only once.
+// The alarm as it will be read back from its comment, so that the index has it only once.
 AlarmRecord record_of(const AlarmChange& change) { return *record_of(note_of(change)); }
 
 } // namespace

@@ -1,4 +1,4 @@
-// The alarms of a watched clock as its archive remembers them.
+// The alarms of a watched clock, stored in its archive.
 #pragma once
 
 #include "alarms.hpp"
@@ -12,9 +12,9 @@
 
 namespace goingrate::apps {
 
-/// Notes every alarm that begins or ends in the day's file and in the index. What cannot be written
-/// because the disk is full is written later; what the index does not take now, it gets from the
-/// comments at the next start.
+/// Notes every alarm that begins or ends in the day's file and in the index. Notes that cannot be
+/// written because the disk is full are written later; entries that the index cannot take now are
+/// restored from the comments at the next start.
 class AlarmDiary {
 public:
   AlarmDiary(Archive& archive, ArchiveIndex& index) : archive_(archive), index_(index) {}

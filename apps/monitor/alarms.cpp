@@ -25,7 +25,8 @@ struct LastMinutes {
   [[nodiscard]] double faulty_share() const {
     return events > 0 ? static_cast<double>(faults) / static_cast<double>(events) : 0.0;
   }
-  // Whether a good sensor, whose faults come one by one, has so many less than once in five years.
+  // Whether a good sensor, whose faults come one by one, has this many less than once in five
+  // years.
   [[nodiscard]] bool tells_of_failure() const {
     constexpr double false_alarms_a_year = 0.2;
     constexpr double tests_a_year = 525960.0 / static_cast<double>(looked_back_minutes);
@@ -46,7 +47,8 @@ LastMinutes last_minutes(const GoingBlocks& minutes, bool with_last,
     sum.beats += all[i].beats;
     sum.missed += all[i].missed;
     sum.spurious += all[i].spurious;
-    // Directions count only from a sensor that tells nearly every event, and hardly any other.
+    // Directions count only from a sensor that reports nearly every event, and hardly any false
+    // one.
     const auto faults = static_cast<double>(all[i].missed + all[i].spurious);
     if (faults > tolerated_share * (static_cast<double>(all[i].beats) + faults)) continue;
     sum.beat_error_sum += all[i].beat_error_sum;
@@ -121,7 +123,7 @@ void Alarms::heard(const Going& going, double nominal_period_s, bool is_replay) 
   if (!is_replay) look_at_minutes(going, nominal_period_s);
 }
 
-// The clock counts as going again once it has gone for as long as it may be silent.
+// The clock counts as running again once it has run for as long as it may be silent.
 void Alarms::goes(const Instant& at, const Going& going, double period_s) {
   if (!is_raised(AlarmKind::stopped)) return;
   if (!goes_since_) goes_since_ = at;
@@ -131,7 +133,7 @@ void Alarms::goes(const Instant& at, const Going& going, double period_s) {
   }
 }
 
-// Five periods, or more where beats are missed so often that as many in a row would be missed by
+// Five periods, or more if beats are missed so often that as many in a row would be missed by
 // chance more than once in five years.
 double Alarms::patience_of(const Going& going, double period_s) const {
   constexpr double fewest_periods = 5.0, false_alarms_a_year = 0.2, seconds_a_year = 31557600.0;
@@ -146,7 +148,7 @@ void Alarms::look_for_steps(const Going& going, double nominal_period_s, bool is
   const std::size_t complete = minutes.all().size() - 2;
   const Instant at = going.last()->time;
   const std::int64_t minute = minutes.all()[complete].start_s / 60;
-  // Where the sensor fails, what it tells is not what the clock does.
+  // If the sensor fails, its events do not show the behaviour of the clock.
   const LastMinutes last = last_minutes(minutes, false), alone = last_minutes(minutes, false, 1);
   is_faulty_ = last.tells_of_failure() || alone.tells_of_failure() ||
                (is_faulty_ && last.faulty_share() >= faulty_clears);
@@ -201,7 +203,7 @@ void Alarms::take_learnt(std::vector<double> numbers) {
 
 void Alarms::look_at_minutes(const Going& going, double nominal_period_s) {
   const Instant at = going.last()->time;
-  // Shares of the period to raise and to clear an alarm at.
+  // Shares of the period at which an alarm is raised and cleared.
   constexpr double uneven_raises = 0.02, uneven_clears = 0.01;
   const LastMinutes last = last_minutes(going.minutes(), false); // the last one is not complete
   tell_faults(last, at);

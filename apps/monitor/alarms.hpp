@@ -33,12 +33,13 @@ struct AlarmChange {
   AlarmKind kind = AlarmKind::stopped;
   bool is_raised = false;
   Instant at;
-  std::string text; ///< what a person is told
+  std::string text; ///< the message for people
 };
 
 struct LastMinutes;
 
-/// Raises and clears alarms. Each has a limit to be raised at and a lower one to be cleared at.
+/// Raises and clears alarms. Each has a limit at which it is raised and a lower one at which it is
+/// cleared.
 class Alarms {
 public:
   /// `patience_s`: silence after which the clock has stopped; 0: five periods. `lateness_s`: how
@@ -46,23 +47,23 @@ public:
   explicit Alarms(double patience_s, double lateness_s = 0.0)
       : patience_s_(patience_s), lateness_s_(lateness_s) {}
 
-  /// After a beat: looks at the minute that is complete, if a new one began. With `replay` the past
-  /// is learnt from and nothing is raised.
+  /// After a beat: looks at the last complete minute, if a new one has begun. With `replay` the
+  /// past is only learnt from, and no alarm is raised.
   void heard(const Going& going, double nominal_period_s, bool is_replay);
-  /// Goes on from what an earlier run recorded, in order of time.
+  /// Continues from the records of an earlier run, in order of time.
   void restore(const std::vector<AlarmRecord>& records);
-  /// What was learnt about the clock so far, as numbers; take_learnt() goes on from them.
+  /// What was learnt about the clock so far, as numbers; take_learnt() continues from them.
   [[nodiscard]] std::vector<double> learnt() const;
   void take_learnt(std::vector<double> numbers);
-  /// No good beat was heard for `silence_s`: checks whether the clock goes, and whether what was
-  /// heard instead comes from a sensor that fails.
+  /// No good beat was heard for `silence_s`: checks whether the clock is running, and whether the
+  /// events heard instead come from a failing sensor.
   void silent(double silence_s, double period_s, const Going& going, const Moment& now);
-  /// The source told a date that is `error_s` from the computer's.
+  /// The source stated a date that is `error_s` from the computer's.
   void misdated(double error_s, const Moment& now);
   /// Many events were heard that are not the beats of one clock.
   void no_beats(const std::string& why, const Moment& now);
   void archive_fails(const Moment& now, const std::string& why);
-  /// All is on disk. The alarm ends when that has been so for a minute.
+  /// Everything is on disk. The alarm ends when that has been so for a minute.
   void archive_works(const Moment& now);
 
   /// What changed since the last call.
@@ -82,9 +83,9 @@ private:
   double patience_s_, lateness_s_;
   std::optional<Instant> goes_since_; // while `stopped` is raised
   std::optional<double> archive_failed_s_; // by the steady clock
-  // All that is learnt of a clock.
+  // Everything that is learnt about a clock.
   struct Habits {
-    static constexpr double usual_winding = 10e-6; // what winding changes the rate by at most
+    static constexpr double usual_winding = 10e-6; // largest usual change of the rate by winding
     DailyWave rate_wave;
     StepAlarm rate{usual_winding};
     AmplitudeFall amplitude;

@@ -17,8 +17,8 @@ constexpr std::size_t fewest_changes = 3; // for a scatter worth the name
 constexpr std::int64_t held_days = 32;    // then the level is the usual one
 constexpr double season_a_day = 0.002;    // of the amplitude: 0.1 · 2π in 365 days, rounded up
 
-// Changes from one mean to the next, of days or of weeks: a week has the sag of a clock that is
-// wound once a week in it.
+// Changes from one mean to the next, of days or of weeks: a week contains the whole sag of a clock
+// that is wound once a week.
 struct Span {
   std::size_t changes, days;
 };
@@ -33,7 +33,7 @@ double falling_limit(double changes) {
   return boost::math::quantile(boost::math::complement(t, probability));
 }
 
-// A step of the logarithm as one of the amplitude.
+// Turns a step of the logarithm into a step of the amplitude.
 FoundStep without_logarithm(const FoundStep& step) {
   const double level = std::exp(step.level);
   return {level * std::expm1(step.size), level * step.sigma, level, step.minutes};
@@ -101,7 +101,7 @@ std::optional<AmplitudeFall::Found> AmplitudeFall::end_day() {
 
 std::optional<AmplitudeFall::Found> AmplitudeFall::fall_of_days() const {
   if (days_.size() < fewest_changes + 1) return {};
-  // No winding takes half of the amplitude: a fall that would is not watched for that long.
+  // No sag between windings halves the amplitude, so a fall that would do so is reported earlier.
   const std::size_t known = days_.size() - 1;
   const double would_be_gone = (days_.front() - days_.back()) / static_cast<double>(known) *
                                static_cast<double>(winding_days);
@@ -133,7 +133,7 @@ std::optional<AmplitudeFall::Found> AmplitudeFall::fall_over(std::size_t changes
                minutes_a_day * static_cast<std::int64_t>((changes + 1) * days - 1)};
 }
 
-// A fall that goes on is the same one.
+// A fall that continues counts as the same fall.
 std::optional<AmplitudeFall::Found> AmplitudeFall::fell(const Found& found, double old_level,
                                                         double level) {
   days_without_fall_ = 0;

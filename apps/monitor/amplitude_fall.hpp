@@ -1,4 +1,4 @@
-// Whether the amplitude of a clock falls.
+// Detects a falling amplitude of a clock.
 #pragma once
 
 #include "daily_wave.hpp"
@@ -12,21 +12,21 @@ namespace goingrate::apps {
 
 /// Finds two kinds of fall. A sudden one is a step of the amplitude's logarithm, for which
 /// StepAlarm looks. A slow one is found from the changes between daily means (8 to 32 of them) or
-/// weekly means (4 or 8): it is a fall if these changes are further below what a season takes than
-/// those of a random walk would be (Student's t; limit: 0.2 false alarms a year). A season takes at
-/// most 2 ‰ of the amplitude a day, which is ± 10 % in a year. Each fall is reported once: it is
-/// over when more than half of it has been regained, or when the amplitude has not fallen for a
-/// month (AmplitudeFallTest).
+/// weekly means (4 or 8): it is a fall if these changes exceed the fall due to a season by more
+/// than those of a random walk would (Student's t; limit: 0.2 false alarms per year). A season
+/// changes the amplitude by at most 2 ‰ per day, which is ± 10 % in a year. Each fall is reported
+/// once: it is over when more than half of it has been regained, or when the amplitude has not
+/// fallen for a month (AmplitudeFallTest).
 class AmplitudeFall {
 public:
   struct Found {
     double size = 0.0, sigma = 0.0; ///< how far it fell: positive
-    std::int64_t minutes = 0;       ///< the longest that the fall can have taken
+    std::int64_t minutes = 0;       ///< the longest possible duration of the fall
   };
 
   /// The mean of the minute that begins `minute` minutes after 1970; nothing if it is not known.
   std::optional<Found> add(std::int64_t minute, std::optional<double> mean);
-  /// Whether a fall was found that is not over.
+  /// Whether a fall has been found and is not over.
   [[nodiscard]] bool is_raised() const { return old_level_.has_value(); }
   void pass(Learnt& learnt);
 
@@ -41,7 +41,7 @@ private:
   DailyWave wave_;
   static constexpr double usual_fall = 0.1; // as in minutes of winding without maintaining power
   StepAlarm steps_{usual_fall};             // of the logarithm
-  std::int64_t day_ = 0;                    // the one that goes on now
+  std::int64_t day_ = 0;                    // the present one
   double day_sum_ = 0.0;
   std::int64_t day_minutes_ = 0;
   bool day_has_fall_ = false;

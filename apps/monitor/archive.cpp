@@ -33,7 +33,7 @@ constexpr std::string_view origin_words = "# the source's second 0: ";
 [[noreturn]] void fail(const std::string& path) { throw OutputError(path, std::strerror(errno)); }
 
 // Cuts a file after its last whole line: a power failure may leave part of a line, or zeros, at the
-// end. Any other fault stays for a person to see.
+// end. Any other fault is left for a person to see.
 void cut_torn_line(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -221,7 +221,7 @@ void Archive::open_day(const std::string& day) {
   }
 }
 
-// Closes the day if its header cannot be written: no line may stand in a file without a header.
+// Closes the day if its header cannot be written: no line may be in a file without a header.
 void Archive::write_or_close(const std::string& header) {
   try {
     write(header);

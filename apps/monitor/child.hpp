@@ -1,4 +1,4 @@
-// Processes of a monitor.
+// Child processes of a monitor.
 #pragma once
 
 namespace goingrate::apps {

@@ -25,7 +25,7 @@ ClockWatch::ClockWatch(WatchOptions options)
       alarms_(options_.patience_s, options_.lateness_s), diary_(archive_, index_) {
   goes_on_from_unread_ = !unread_.text().empty();
   log_.source = options_.folder;
-  // Stored events are numbered before the source says anything.
+  // Stored events are numbered before anything is read from the source.
   log_.nominal_period_s = options_.log.nominal_period_s > 0.0
                               ? std::optional(options_.log.nominal_period_s)
                               : archive_.nominal_period_s();
@@ -33,7 +33,7 @@ ClockWatch::ClockWatch(WatchOptions options)
 }
 
 void ClockWatch::hold(std::string_view text, const Moment& now) {
-  // Up to so many lines may be beats of a log that is not recognised yet; more are not.
+  // Up to this many lines may be beats of a log that is not recognised yet; more are not.
   constexpr std::ptrdiff_t most_lines = 30;
   is_holding_ = true;
   const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -45,12 +45,12 @@ void ClockWatch::hold(std::string_view text, const Moment& now) {
   }
 }
 
-// What was heard now is not judged yet: it may be a beat.
+// The latest event is not judged yet: it may be a beat.
 void ClockWatch::may_beat(const Moment& now) {
   last_good_s_ = std::max(last_good_s_.value_or(now.steady_s), now.steady_s);
 }
 
-// A quantity that the source has told once keeps its column.
+// A quantity that the source has given once keeps its column.
 void ClockWatch::describe(const HeardEvent& event, const ClockLog& log) {
   if (!log_.nominal_period_s) log_.nominal_period_s = log.nominal_period_s;
   const auto tells = [](bool& column, const std::vector<double>& of_log, double value) {
@@ -86,7 +86,7 @@ void ClockWatch::add(const HeardEvent& event, const ClockLog& log, const Moment&
   sync(now);
 }
 
-// The first event of a run may go on from what is stored.
+// The first event of a run may continue from the stored events.
 void ClockWatch::meet(const HeardEvent& event, const ClockLog& log, const Moment& now) {
   if (!std::exchange(is_first_, false)) return;
   const bool may_be_read_again = !options_.place.source_is_live || goes_on_from_unread_;
@@ -99,8 +99,8 @@ void ClockWatch::meet(const HeardEvent& event, const ClockLog& log, const Moment
   }
 }
 
-// Adds what the options tell and the line does not: the direction, which turns with every half
-// period, and the amplitude.
+// Adds what follows from the options and is not in the line: the direction, which alternates every
+// half period, and the amplitude.
 HeardEvent ClockWatch::completed(HeardEvent event, const ClockLog& log) {
   const LogOptions& asked = options_.log;
   if (asked.both_edges) {
@@ -151,7 +151,7 @@ void ClockWatch::note_left_out(const std::vector<HeardEvent>& events, const Mome
     note(left_out_note(event), now);
 }
 
-// What was heard gets its place in time and waits to be stored.
+// The events heard get their places in time and wait to be stored.
 void ClockWatch::place(const ClockLog& log, const Moment& now) {
   if (places_.is_empty()) return;
   const auto placed = places_.take(log, last_heard_->wall, numbers_.period_s());
@@ -160,7 +160,7 @@ void ClockWatch::place(const ClockLog& log, const Moment& now) {
   store_pending(now);
 }
 
-// Events are stored first, then used. What cannot be stored waits.
+// Events are stored first, then used. Events that cannot be stored wait.
 void ClockWatch::store_pending(const Moment& now) {
   try {
     while (!pending_.empty()) {
@@ -178,7 +178,7 @@ void ClockWatch::store_pending(const Moment& now) {
   tell_lost(now);
 }
 
-// Notes a loss where it happened, behind the last event that could be kept.
+// Notes a loss where it happened, after the last event that could be kept.
 void ClockWatch::tell_lost(const Moment& now) {
   const auto fresh = lost_ - std::exchange(told_lost_, lost_);
   if (fresh > 0)
@@ -279,7 +279,7 @@ void ClockWatch::idle(const ClockLog& log, const Moment& now) {
     unread_.clear();
   if (archive_.is_synced() && pending_.empty()) alarms_.archive_works(now);
   if (!last_good_s_) last_good_s_ = now.steady_s; // a clock that stopped before this began
-  // What is not judged yet may be beats.
+  // Events that are not judged yet may be beats.
   const bool may_be_beats = numbers_.is_settling() || !places_.is_empty() || !pending_.empty();
   if (may_be_beats && last_heard_) may_beat(*last_heard_);
   if (!numbers_.failure().empty()) alarms_.no_beats(numbers_.failure(), now);

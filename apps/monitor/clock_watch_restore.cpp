@@ -1,4 +1,4 @@
-// How a watch goes on where an earlier one stopped.
+// Continues a watch where an earlier one stopped.
 #include "clock_watch.hpp"
 #include "held_notes.hpp"
 

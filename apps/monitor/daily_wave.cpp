@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::int64_t minutes_a_day = 1440;
 constexpr double memory_minutes = 20.0 * minutes_a_day;
-// How strongly the wave is held at zero, in minutes of data: a few hours do not tell it from a
-// drift.
+// How strongly the wave is held at zero, in minutes of data: within a few hours it cannot be told
+// from a drift.
 constexpr double held_minutes = 144.0;
 
 } // namespace

@@ -9,14 +9,14 @@
 
 namespace goingrate::apps {
 
-/// Learns the wave that temperature makes every day: a level and harmonics of 24 and 12 hours, by
-/// least squares whose weights fade within weeks (DailyWaveTest).
+/// Learns the daily wave due to temperature: a level and harmonics of 24 and 12 hours, by least
+/// squares with weights that fade within weeks (DailyWaveTest).
 class DailyWave {
 public:
-  /// The mean of the minute that begins `minute` minutes after 1970, less the wave learnt before
-  /// it; nothing if it is not known.
+  /// The mean of the minute that begins `minute` minutes after 1970, minus the wave learnt before
+  /// it; nullopt if it is not known.
   std::optional<double> without(std::int64_t minute, std::optional<double> mean);
-  /// The level has changed by `size`: what was learnt is moved along with it.
+  /// The level has changed by `size`: the learnt level is changed by the same.
   void stepped(double size);
   void pass(Learnt& learnt);
 

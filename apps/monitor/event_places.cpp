@@ -66,8 +66,8 @@ bool EventPlaces::was_set(const Moment& now) {
 }
 
 void EventPlaces::add(const Arrival& arrival, const ClockLog& log, const Moment& now) {
-  // No source drifts by an hour: either it began again while nobody listened, or the computer's
-  // calendar was set right.
+  // No source drifts by an hour: either it was restarted while no monitor ran, or the computer's
+  // calendar was corrected.
   constexpr double longest_drift_s = 3600.0;
   const bool was = was_set(now), is_placed = !has_dates(log) && origin_holds_;
   const bool is_unsure =
@@ -103,7 +103,7 @@ EventPlaces::Placed EventPlaces::take(const ClockLog& log, const Instant& heard_
   Placed placed;
   if (waiting_.empty()) return placed;
   if (!has_dates(log) && !origin_holds_) {
-    // If the source began again in between, nobody can tell when the events before that were.
+    // If the source was restarted in between, the times of the events before that cannot be known.
     const auto anew = std::find_if(waiting_.rbegin(), waiting_.rend(),
                                    [](const Arrival& arrival) { return arrival.begins_anew; });
     if (anew != waiting_.rend()) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t head_bytes = 4096; // a hundred lines, which no other log begins with
 
-// FNV-1a of the first `bytes` of a file; nothing if it has fewer.
+// FNV-1a of the first `bytes` of a file; nullopt if it has fewer.
 std::optional<std::uint64_t> hash_of_head(int file, std::size_t bytes) {
   std::string head(bytes, '\0');
   if (::pread(file, head.data(), bytes, 0) != static_cast<ssize_t>(bytes)) return {};
@@ -72,7 +72,7 @@ void FilePosition::took(const std::string& path, std::uint32_t line) {
   lines_ = line;
 }
 
-// Not synced: what is lost of it is found again by the times that are stored.
+// Not synced: a lost position is found again by the stored times.
 void FilePosition::save() {
   struct stat found {};
   if (file_ < 0 || ::fstat(file_, &found) != 0) return;

@@ -1,4 +1,4 @@
-// Up to where a log file, perhaps rotated since, was read.
+// The position up to which a log file, perhaps rotated since, was read.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace goingrate::apps {
 /// lines are in the archive (FilePositionTest).
 class FilePosition {
 public:
-  /// Reads what an earlier run left.
+  /// Reads the position stored by an earlier run.
   explicit FilePosition(const std::string& folder);
   ~FilePosition();
   FilePosition(const FilePosition&) = delete;
@@ -29,7 +29,7 @@ public:
 
   /// Notes that `line` of `path` was read. A number below the last means that another file is read.
   void took(const std::string& path, std::uint32_t line);
-  /// Called when all that was taken is safe: writes the position if it is new.
+  /// Called when all events taken are safe: writes the position if it is new.
   void save();
 
 private:

@@ -1,4 +1,4 @@
-// How a watched clock goes, in blocks of a minute, an hour and a day.
+// The course of a watched clock in blocks of a minute, an hour and a day.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -17,13 +17,13 @@ struct GoingBlock {
   double amplitude_sum = 0.0, beat_error_sum = 0.0;
   std::int64_t amplitudes = 0, beat_errors = 0;
   std::int64_t last_cycle = 0; ///< of the last good beat, if there is one
-  Instant mark_time;           ///< of the mark near the end that rates are told from (ClockMarks)
+  Instant mark_time; ///< of the mark near the end, from which rates are taken (ClockMarks)
   std::int64_t mark_cycle = 0;
   /// Number of the run, within which the count is certain.
   std::int64_t run = 0;
 
   [[nodiscard]] std::optional<double> amplitude_rad() const;
-  [[nodiscard]] std::optional<double> beat_error_s() const; ///< tick less tock
+  [[nodiscard]] std::optional<double> beat_error_s() const; ///< tick minus tock
 };
 
 /// A clock's count, and when it reached it.
@@ -32,12 +32,13 @@ struct ClockMark {
   std::int64_t cycle = 0;
 };
 
-/// Where a clock stood a few beats ago, by its last seven: on the line of the repeated median of
-/// their slopes (Siegel, Biometrika 69, 1982) and of the mean of what that leaves, without the two
-/// largest and the two least, at the middle cycle. Two beats with wrong times, such as false events
-/// in place of missed beats, do not draw it away from the others (ClockMarksTest.TwoWrongBeats). If
-/// beats scatter by Gauss's law, so does the mark, by 0.44 of what one beat does
-/// (ClockMarksTest.ScatterIsGaussian): the limits of StepAlarm ask for tails that are no heavier.
+/// The state of a clock a few beats ago, from its last seven beats: at the middle cycle, on the
+/// line with the repeated median of their slopes (Siegel, Biometrika 69, 1982) and the mean of the
+/// residuals without the two largest and the two smallest. Two beats with wrong times, such as
+/// false events in place of missed beats, do not draw it away from the others
+/// (ClockMarksTest.TwoWrongBeats). If the scatter of beats is normal, so is that of the mark, 0.44
+/// times as large (ClockMarksTest.ScatterIsGaussian): the limits of StepAlarm assume that tails are
+/// no heavier.
 class ClockMarks {
 public:
   void begin_anew() { beats_.clear(); }
@@ -54,24 +55,24 @@ struct Measured {
   std::size_t blocks = 0; ///< in the mean
 };
 
-/// Blocks of one length, the oldest forgotten: constant memory.
+/// Blocks of one length in constant memory: the oldest are forgotten.
 class GoingBlocks {
 public:
   GoingBlocks(std::int64_t length_s, std::size_t most) : length_s_(length_s), most_(most) {}
 
-  /// Goes on to the block that holds `time`; returns whether it is a new one. A time in the block
-  /// before the last stays in the last; with an earlier one the source's dates fell back, and later
-  /// blocks are forgotten.
+  /// Moves on to the block that holds `time`; returns whether it is a new one. A time in the block
+  /// before the last is counted in the last; an earlier one means that the source's dates went
+  /// back, and later blocks are forgotten.
   bool open(const Instant& time);
   [[nodiscard]] GoingBlock& last() { return blocks_.back(); }
   [[nodiscard]] const std::deque<GoingBlock>& all() const { return blocks_; }
   [[nodiscard]] std::int64_t length_s() const { return length_s_; }
-  /// Rate of a block against the end of the block before it; nothing across a break.
+  /// Rate of a block from the end of the block before it; nullopt across a break.
   [[nodiscard]] std::optional<double> rate_of(std::size_t i, double nominal_period_s) const;
   /// Rate over the complete blocks of the current run within the last `count` block lengths before
-  /// now, `silence_s` after the last beat. Its sigma is the largest of those of a mean of the
-  /// blocks' rates, of pairs of them, of fours …, so that slow wander counts. Nothing for fewer
-  /// than four rates.
+  /// now, `silence_s` after the last beat. Its sigma is the largest sigma of the mean from the
+  /// blocks' rates, from pairs of them, from fours …, so that slow wander is included. nullopt for
+  /// fewer than four rates.
   [[nodiscard]] std::optional<Measured> rate_over(std::size_t count, double nominal_period_s,
                                                   double silence_s = 0.0) const;
   /// Adds a block of an earlier time, or of a shorter length, to the one that holds its start.
@@ -89,7 +90,7 @@ public:
   void add(const Beat& beat, std::int64_t missed_before);
   /// An event that is not a beat.
   void add_spurious();
-  /// From here on, the count does not go on from before with certainty.
+  /// From here on, the count no longer continues with certainty.
   void break_count() { ++run_; }
   /// Adopts the hours of an earlier time, in order, and the first beat of their last run.
   void restore(const std::vector<GoingBlock>& hours, const std::optional<Beat>& first_of_run);

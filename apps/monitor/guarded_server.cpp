@@ -43,8 +43,8 @@ std::string address_of(socket_t socket) {
   return name.data();
 }
 
-// All up to the empty line; nothing for a client that is too slow or has gone. A request that is
-// too long is cut at the limit, without an empty line.
+// The request up to the empty line; nullopt for a client that is too slow or has gone. A request
+// that is too long is cut at the limit, without an empty line.
 std::optional<std::string> read_head(socket_t socket) {
   const auto end = Clock::now() + request_time;
   std::string head;
@@ -177,14 +177,14 @@ void GuardedServer::answer(socket_t socket) {
   process_request(exchange, true, is_closed, nullptr);
 }
 
-// Whether the connection may be answered: not once the server ends.
+// Whether the connection may be answered: false once the server is ending.
 bool GuardedServer::take_in(socket_t socket) {
   const std::lock_guard lock(mutex_);
   if (!ends_) connections_.insert(socket);
   return !ends_;
 }
 
-// Called before it is closed, after which another connection may have its number.
+// Called before the connection is closed, after which another may get its number.
 void GuardedServer::let_go(socket_t socket) {
   const std::lock_guard lock(mutex_);
   connections_.erase(socket);

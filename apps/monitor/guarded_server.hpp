@@ -1,4 +1,4 @@
-// An HTTP server of which no client can have more than its share of memory, time and threads.
+// An HTTP server in which no client can use more than its share of memory, time and threads.
 #pragma once
 
 #include "client_shares.hpp"
@@ -10,7 +10,7 @@
 
 namespace goingrate::apps {
 
-/// Answers GET and HEAD, one request a connection. It reads the request itself: 8 KiB at most, in
+/// Answers GET and HEAD, one request per connection. It reads the request itself: 8 KiB at most, in
 /// five seconds at most, without a body. The library behind it sees only the path and the host: no
 /// ranges, no encodings (MonitorServerTest).
 class GuardedServer : public httplib::Server {

@@ -1,4 +1,4 @@
-// Comments on events that are not events of the archive, or not yet.
+// Comments on events that do not belong to the archive, or not yet.
 #pragma once
 
 #include "arrivals.hpp"
@@ -8,16 +8,17 @@
 
 namespace goingrate::apps {
 
-/// Note on an event behind a gap, which waits until others go on from it.
+/// Note on an event after a gap, which waits until others follow on from it.
 std::string waiting_note(const HeardEvent& event);
-/// Note on an event that is not believed, as nothing goes on from it: nothing waits any more then.
+/// Note on an event that is not accepted, because no other follows on from it; after it no event
+/// waits any longer.
 std::string left_out_note(const HeardEvent& event);
 /// Note on an event whose date is `error_s` seconds from the computer's.
 std::string misdated_note(const HeardEvent& event, double error_s);
-/// Values other than the time as NAME=VALUE, each after a blank; only those that are known.
+/// The known values other than the time as NAME=VALUE, each after a blank.
 std::string words_of(const EventValues& values);
-/// The events that still waited at the end of a day, by its comments behind the last event. Their
-/// times are the source's own.
+/// The events that were still waiting at the end of a day, from its comments after the last event.
+/// Their times are the source's own.
 std::vector<HeardEvent> still_waiting(const std::vector<std::string>& notes);
 
 } // namespace goingrate::apps

@@ -47,7 +47,7 @@ struct ArchiveIndex::Database {
 
   ~Database() { sqlite3_close(handle); }
 
-  // SQLITE_OK, or why it cannot be used.
+  // SQLITE_OK, or the reason why the index cannot be used.
   [[nodiscard]] int open() {
     constexpr int patience_ms = 100; // while another program reads: beats must not wait longer
     int code = sqlite3_open(path.c_str(), &handle);

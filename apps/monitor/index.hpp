@@ -1,4 +1,5 @@
-// The index of an archive: what its days came to. It is made again from them where it is missing.
+// The index of an archive: a summary of its days. It is made again from their files if it is
+// missing.
 #pragma once
 
 #include "going.hpp"
@@ -9,24 +10,24 @@
 
 namespace goingrate::apps {
 
-/// A place where the count was carried over beats that were not heard.
+/// A break over which the count was carried, because its beats were not heard.
 struct CountBreak {
   Instant at; ///< of the beat after it
   std::int64_t after_cycle = 0, missing = 0;
   double probability = 1.0; ///< that `missing` is right
 };
 
-/// An alarm as it is remembered.
+/// A stored alarm.
 struct AlarmRecord {
   double at_s = 0.0; ///< since 1970
   std::string kind, text;
   bool is_raised = false;
 };
 
-/// DIR/.index.sqlite, hidden so that the folder is a log. A change throws OutputError where it
+/// DIR/.index.sqlite, hidden so that the folder is a log. A change throws OutputError if it
 /// cannot be written. A file that is not such an index, or is damaged, is replaced
 /// (MonitorArchiveTest.TheIndexIsMadeAgainFromNothing, .AnIndexThatIsDamagedIsMadeAgain); one that
-/// cannot be opened for another reason stays, and what is put is kept in memory.
+/// cannot be opened for another reason is kept, and new entries are kept in memory.
 class ArchiveIndex {
 public:
   explicit ArchiveIndex(const std::string& folder);
@@ -37,19 +38,19 @@ public:
   [[nodiscard]] std::vector<GoingBlock> hours() const;
   [[nodiscard]] std::vector<CountBreak> breaks() const;
   [[nodiscard]] std::vector<AlarmRecord> alarms() const;
-  /// The first beat of the run that went on at the end of a day.
+  /// The first beat of the run that was under way at the end of a day.
   [[nodiscard]] std::optional<Beat> first_of_run(const std::string& day) const;
-  /// What alarms had learnt when a day ended; empty if it is not known. It is known for the last
-  /// thirty days.
+  /// What the alarms had learnt at the end of a day; empty if that is not stored. It is stored for
+  /// the last thirty days.
   [[nodiscard]] std::vector<double> learnt(const std::string& day) const;
-  /// Whether the files of its days are as long and as old as they were when these were put.
+  /// Whether the files of its days have the same size and date as when the days were put.
   [[nodiscard]] bool is_of_the_files() const;
   void put_day(const std::string& day, const std::vector<GoingBlock>& hours,
                const std::optional<Beat>& first_of_run);
   void put_learnt(const std::string& day, const std::vector<double>& numbers);
   void put_break(const CountBreak& gap);
   void put_alarm(const AlarmRecord& alarm);
-  /// Everything is forgotten.
+  /// Removes everything.
   void clear();
 
 private:

@@ -1,4 +1,4 @@
-// When something is heard.
+// The moment at which something is heard.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -6,12 +6,12 @@
 namespace goingrate::apps {
 
 /// A moment by two clocks: the computer's calendar, which may be set, and one that only runs on.
-/// Durations are told by the second.
+/// Durations are measured by the second.
 struct Moment {
   Instant wall;          ///< since 1970
   double steady_s = 0.0; ///< since any time
 
-  /// By a calendar that nobody sets.
+  /// The moment by a calendar that cannot be set.
   Moment(const Instant& at) : wall(at), steady_s(at.to_double()) {}
   Moment(const Instant& at, double steady) : wall(at), steady_s(steady) {}
 

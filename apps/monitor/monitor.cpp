@@ -213,7 +213,7 @@ void add_monitor(CLI::App& program, const GlobalOptions& global) {
                       "when a source without dates counts from, in seconds since 1970; from its "
                       "first event if not given");
   add_log_settings(*command, options->log);
-  // What belongs to a log as a whole, or to a recording, is not for one that comes line by line.
+  // Options for a log as a whole, or for a recording, do not apply to one that comes line by line.
   for (const char* name : {"--weather-zone", "--weather-offset", "--weather", "--site",
                            "--sensor-offset", "--clock-ppm", "--rest-angle"})
     command->remove_option(command->get_option(name));

@@ -192,7 +192,7 @@ MonitorServer::MonitorServer(const ListenAddress& address) : parts_(std::make_un
     parts_->server.listen_after_bind();
     ended.set_value();
   });
-  // What does not run yet cannot be stopped.
+  // A server that does not run yet cannot be stopped.
   while (!parts_->server.is_running() &&
          end.wait_for(std::chrono::milliseconds(1)) == std::future_status::timeout) {
   }

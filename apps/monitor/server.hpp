@@ -1,4 +1,4 @@
-// What a monitor shows on the network: read only.
+// The read-only web server of a monitor.
 #pragma once
 
 #include "watch_json.hpp"
@@ -18,18 +18,18 @@ struct ListenAddress {
 ListenAddress parse_address(const std::string& text);
 
 /// Serves the page, /api/…, /metrics and /events (server-sent events) from 64 threads of its own,
-/// of which one address has half at most; as many connections wait for one. What a request may cost
-/// is bounded (GuardedServer). At most sixteen listen to events, others are told to come again.
-/// Where it listens to this computer alone, a request for another name than localhost or an address
-/// is refused, so that no page of the web reads it through a name of its own.
+/// of which one address has at most half; as many connections may wait for a thread. The cost of a
+/// request is bounded (GuardedServer). At most sixteen clients listen to events, others are asked
+/// to come again. If it listens to this computer alone, a request for a name other than localhost
+/// or an address is refused, so that no page of the web can read it through a name of its own.
 class MonitorServer {
 public:
   /// Listens at once. Throws OutputError if the address cannot be used.
   explicit MonitorServer(const ListenAddress& address);
-  /// Breaks off what is still answered.
+  /// Breaks off answers that are not finished.
   ~MonitorServer();
 
-  /// The answers from now on.
+  /// Sets the answers from now on.
   void publish(const WatchAnswers& answers);
   /// The port, also where 0 asked for any.
   [[nodiscard]] int port() const;

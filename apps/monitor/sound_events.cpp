@@ -50,8 +50,8 @@ SoundSamples samples_of(const std::vector<float>& window) {
 // Hears one window after the other as one clock.
 class Listener {
 public:
-  // Lines of the beats up to three quarters of a window that begins at sample `first`: those behind
-  // are heard again, from both sides, in the next one.
+  // Lines of the beats in the first three quarters of a window that begins at sample `first`; the
+  // later ones are heard again, with sound on both sides, in the next window.
   std::string lines_of(const std::vector<float>& window, std::int64_t first) {
     TickTrain train = find_ticks(samples_of(window), period_s_);
     if (train.ticks.empty()) return {};

@@ -35,7 +35,7 @@ constexpr std::array speeds{Speed{1200, B1200},     Speed{2400, B2400},     Spee
                             Speed{57600, B57600},   Speed{115200, B115200}, Speed{230400, B230400},
                             Speed{460800, B460800}, Speed{921600, B921600}};
 
-// DEVICE:SPEED; nothing for other sources.
+// The two parts of DEVICE:SPEED; both empty for other sources.
 std::pair<std::string, std::string> serial_parts(const std::string& source) {
   const std::size_t colon = source.rfind(':');
   if (!source.starts_with("/dev/") || colon == source.npos) return {};

@@ -1,4 +1,4 @@
-// Where the events of a watched clock come from.
+// The source of the events of a watched clock.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace goingrate::apps {
 
 /// Whether the source is a file, whose events may be old when they are read.
 bool is_file(const std::string& source);
-/// Seconds at most from a beat to its line.
+/// The longest time from a beat to its line, s.
 double lateness_of(const std::string& source);
 /// Throws ArgumentError for a serial line with a speed that does not exist.
 void check_source(const std::string& source);

@@ -97,7 +97,7 @@ Json now_json(const ClockWatch& watch, const std::string& name, const Instant& n
           {"lost", watch.lost()}};
 }
 
-// One metric in Prometheus' text format; nothing where it is not known.
+// Appends one metric in Prometheus' text format; nothing if its value is not known.
 void put(std::string& text, const char* name, const char* kind, const char* help, const Json& value,
          const std::string& labels = "") {
   if (value.is_null()) return;

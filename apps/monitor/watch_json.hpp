@@ -1,4 +1,4 @@
-// What a monitor answers with.
+// The answers of a monitor to requests.
 #pragma once
 
 #include "clock_watch.hpp"
@@ -16,8 +16,8 @@ struct WatchAnswers {
   std::string metrics;                                   ///< for Prometheus
 };
 
-/// Makes them. Rates in s/day, amplitudes in rad, times in seconds since 1970; what is not known is
-/// null.
+/// Makes the answers. Rates are in s/day, amplitudes in rad, times in seconds since 1970; an
+/// unknown value is null.
 class WatchAnswering {
 public:
   /// `name`: of the clock.

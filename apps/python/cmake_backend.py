@@ -1,8 +1,8 @@
 """Builds the wheel of goingrate with CMake, for `pip install ./apps/python` (PEP 517).
 
-Nothing is fetched. What the library is built with (README, apps/setup.sh) and pybind11 must be
-there. The build is kept in `build/wheel-<version of Python>` of the source; another place, counted
-from the source's root: ``--config-settings build-dir=DIR``.
+Nothing is fetched: what the library is built with (README, apps/setup.sh) and pybind11 must be
+installed. The build is kept in `build/wheel-<version of Python>` of the source tree;
+``--config-settings build-dir=DIR`` names another folder, relative to the source's root.
 """
 
 import base64
@@ -48,7 +48,7 @@ def metadata() -> str:
 
 
 def built(config_settings) -> Path:
-    """The package, installed below a folder that is returned."""
+    """Builds and installs the package; returns the folder it is in."""
     usual = ROOT / "build" / f"wheel-{sys.version_info.major}.{sys.version_info.minor}"
     build = (ROOT / (config_settings or {}).get("build-dir", usual)).resolve()
     place = Path(tempfile.mkdtemp(prefix="goingrate-"))
@@ -65,7 +65,7 @@ def built(config_settings) -> Path:
 
 
 def files_of(config_settings) -> dict:
-    """Content by place in the wheel."""
+    """The content of each file of the wheel, by its place there."""
     packages = built(config_settings)
     files = {
         path.relative_to(packages).as_posix(): path.read_bytes()
@@ -89,7 +89,7 @@ def digest(content: bytes) -> str:
 
 
 def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
-    """Without it pip would build twice, the first time for the name alone."""
+    """Writes the metadata alone: without this hook pip would build twice, first for the name."""
     info = Path(metadata_directory) / f"goingrate-{version()}.dist-info"
     info.mkdir()
     (info / "METADATA").write_text(metadata(), encoding="utf-8")

@@ -1,5 +1,5 @@
-// assemble.mjs PROJECT FOLDER: puts FOLDER/goingrate.html together, from the page's sources in apps/web/page and
-// the command in FOLDER/wasm. Needs nothing but node.
+// assemble.mjs PROJECT FOLDER: puts FOLDER/goingrate.html together from the page's sources in apps/web/page and
+// the command in FOLDER/wasm. Needs only node.
 import { createHash } from "node:crypto";
 import { existsSync, readFileSync, readdirSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -11,7 +11,7 @@ const read = (path) => readFileSync(path, "utf8");
 const source = (name) => read(join(sources, name));
 const megabyte = 1e6, most = 8 * megabyte;
 
-// ---- one script of the page's modules: each after those that it imports
+// ---- one script from the page's modules, each after the modules that it imports
 
 function moduleOrder(name, order = []) {
   if (order.includes(name)) return order;
@@ -42,7 +42,7 @@ function filesOf(path, ending) {
     .sort().map((name) => `${path}/${name}`);
 }
 
-// What the page is made of, with the terms of each, as Debian has them.
+// The licence of each part of the page, from Debian's copyright files.
 function licences() {
   const installed = ["libeigen3-dev", "libfmt-dev", "libboost-dev", "nlohmann-json3-dev", "libcli11-dev",
     "libtomlplusplus-dev", "libfast-float-dev", "emscripten"].map((name) => [name, `/usr/share/doc/${name}/copyright`]);
@@ -60,7 +60,7 @@ function contents() {
   return JSON.stringify({ ...files, "licences.txt": licences() });
 }
 
-// ---- what may run: this page's script and those of the report's page, each by its hash
+// ---- the scripts that may run: this page's and those of the report's page, each by its hash
 
 const hashOf = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
@@ -68,14 +68,14 @@ function policyFor(main) {
   const report = ["wasm/src/plotly-basic.min.js"].map((name) => join(folder, name))
     .concat(["page_series.js", "page.js"].map((name) => join(project, "src/report", name)));
   const scripts = [main, ...report.map(read)].map(hashOf);
-  // blob: is the worker and the report, which this page makes itself; plotly.js and the report have styles of
-  // their own.
+  // blob: is for the worker and the report, which this page makes itself; the inline styles are for plotly.js and
+  // the report.
   return ["default-src 'none'", `script-src ${scripts.join(" ")} 'wasm-unsafe-eval'`, "worker-src blob:",
     "frame-src blob:", "style-src 'unsafe-inline'", "img-src data: blob:", "base-uri 'none'", "form-action 'none'"].join("; ");
 }
 
 function checked(text, what) {
-  if (/<\/script|<!--/i.test(text)) throw new Error(`${what} holds what ends a script`);
+  if (/<\/script|<!--/i.test(text)) throw new Error(`${what} contains text that would end a script`);
   return text;
 }
 
@@ -88,7 +88,7 @@ const parts = {
   style: source("style.css"),
   policy: policyFor(main),
   version: read(join(project, "CMakeLists.txt")).match(/project\(goingrate VERSION ([0-9.]+)/)[1],
-  limit: "some ten million", // beats: eight million take 2.6 GB of its 4, a million 31 s
+  limit: "some ten million", // beats: eight million take 2.6 of the 4 GB; a million take 31 s
 };
 const page = source("page.html").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
 const target = join(folder, "goingrate.html");

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # build.sh [FLAGS]: makes build/web/goingrate.html, the page that runs goingrate in a browser. Installs what is
-# missing (Debian), compiles the libraries (once) and goingrate to WebAssembly, and puts all into one file.
-# FLAGS are for the compiler, "-O2" if not given; what was compiled with others is compiled anew.
+# missing (Debian), compiles the libraries (once) and goingrate to WebAssembly, and puts everything into one file.
+# FLAGS are for the compiler, "-O2" if not given; code compiled with other flags is compiled again.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 . apps/setup.sh

@@ -1,7 +1,7 @@
-# environment.sh: to be sourced; what the compiler of this folder needs (see `compiler`).
-# Debian's acorn, which Emscripten's linker needs, is where Debian's node looks but no other.
+# environment.sh: to be sourced; sets what the compiler of this folder needs (see `compiler`).
+# Emscripten's linker needs acorn, which Debian installs where only Debian's own node looks for it.
 export NODE_PATH=/usr/share/nodejs${NODE_PATH:+:$NODE_PATH}
-# The clang that Emscripten would call, and with which flags; ccache saves a second compiling where it is there.
+# The clang that Emscripten would call, and its flags; ccache, if installed, saves compiling a second time.
 GOINGRATE_WEB_FLAGS=$(em++ -fexceptions --cflags)
 GOINGRATE_WEB_CLANG=$(em-config LLVM_ROOT)/clang GOINGRATE_WEB_VERSION=-$(em-config CLANG_ADD_VERSION)
 GOINGRATE_WEB_LAUNCHER=$(command -v ccache || true)

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# libraries.sh FOLDER [headers]: compiles to WebAssembly what goingrate is built from and Debian has as source, and
-# leaves it in FOLDER/prefix: zlib, libzip, libsndfile, ERFA, FFTW, Ceres. Headers that need no compiling are
-# linked there from /usr/include, whose other headers are those of another system. A library that is
-# there is not built again. The system's own list of sources stays as it is. With "headers" nothing is compiled.
+# libraries.sh FOLDER [headers]: compiles goingrate's libraries from Debian's sources to WebAssembly, into
+# FOLDER/prefix: zlib, libzip, libsndfile, ERFA, FFTW, Ceres. Header-only libraries are linked there from
+# /usr/include one by one, because its other headers are for another system. A library that is already there is
+# not built again. The system's own list of package sources is not changed. With "headers" nothing is compiled.
 set -euo pipefail
 form=${2:-whole}
 here=$(realpath "$(dirname "$0")")
@@ -39,7 +39,7 @@ once() {
   shift
   [ ! -e "$stamp" ] && [ ! -e "${stamp%.*}.whole" ] || return 0
   echo "  $name" >&2
-  "$@" > "$folder/$name.log" 2>&1 & # by itself, for within a condition bash does not stop at a failure
+  "$@" > "$folder/$name.log" 2>&1 & # in the background: inside a condition, bash would not stop at a failure
   wait $! || { tail -n 30 "$folder/$name.log" >&2; return 1; }
   touch "$stamp"
 }
@@ -51,8 +51,8 @@ for size in OFF_T=8 SIZE_T=4 SSIZE_T=4 PTRDIFF_T=4 WCHAR_T=4 INT=4 LONG=4 LONG_L
   sizes+=("-DSIZEOF_$size" "-DHAVE_SIZEOF_${size%=*}=ON")
 done
 
-# Checks for headers and functions only compile, as linking takes Emscripten a second; so what does not exist
-# here has to be named in the options.
+# Checks for headers and functions only compile, because linking takes Emscripten a second. They therefore find
+# functions that do not exist here; the options have to name these.
 by_cmake() { # PACKAGE OPTION ...
   local package=$1
   shift
@@ -63,7 +63,7 @@ by_cmake() { # PACKAGE OPTION ...
   [ "$form" = headers ] || cmake --build "$package" -j "$(nproc)"
 }
 
-# Where the compiler found it, or nothing where no compiling was asked for.
+# Keeps a library that was compiled; does nothing with "headers".
 keep() { # LIBRARY
   [ "$form" = headers ] || cp "$1" "$prefix/lib"
 }
@@ -93,7 +93,7 @@ libzip() {
   cp sources/libzip/lib/zip.h libzip/zipconf.h "$prefix/include"
 }
 
-# Without FLAC, Ogg Vorbis, Opus and MPEG, which are libraries of their own.
+# Without FLAC, Ogg Vorbis, Opus and MPEG, which need further libraries.
 libsndfile() {
   by_cmake libsndfile -DHAVE_LSEEK64=OFF -DHAVE_IMMINTRIN_H=OFF -DCPU_CLIPS_POSITIVE=OFF -DCPU_CLIPS_NEGATIVE=OFF \
     -DENABLE_EXTERNAL_LIBS=OFF -DENABLE_MPEG=OFF -DBUILD_PROGRAMS=OFF -DBUILD_EXAMPLES=OFF -DBUILD_TESTING=OFF \
@@ -102,7 +102,7 @@ libsndfile() {
   cp sources/libsndfile/include/sndfile.h "$prefix/include"
 }
 
-# Its sources need no configuring but for a version, which nobody asks for.
+# ERFA's sources need no configuring except for a version number, which goingrate does not use.
 erfa() {
   cp sources/erfa/src/*.h "$prefix/include"
   [ "$form" = whole ] || return 0

@@ -1,5 +1,5 @@
-// What the system that WebAssembly runs on lacks: special functions of the standard library, and
-// other programs to start.
+// Stands in for what the system that WebAssembly runs on lacks: special functions of the standard
+// library, and the means to start other programs.
 #include "missing_parts.hpp"
 
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -14,7 +14,7 @@ double std::comp_ellint_2(double k) { return boost::math::ellint_2(k); }
 
 extern "C" {
 
-// No gnuplot: its figures are left out, as where it is not installed.
+// gnuplot cannot be started, so its figures are left out, as on a computer without gnuplot.
 int posix_spawnp(pid_t*, const char*, const posix_spawn_file_actions_t*, const posix_spawnattr_t*, char* const[],
                  char* const[]) {
   return ENOSYS;

@@ -1,5 +1,5 @@
-// What C++20 has and the standard library of Emscripten 3.1 still lacks. Every source of the
-// library is compiled with this before it, so that the sources need not know.
+// Parts of C++20 that the standard library of Emscripten 3.1 still lacks. Every source of the
+// library is compiled with this header before it, so that no source has to include it.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-# Stands in for find_package: the targets that it would define, from the folder that libraries.sh fills.
+# Stands in for find_package: defines the targets that it would, from the folder that libraries.sh fills.
 add_compile_options("SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/missing_parts.hpp")
 include_directories(SYSTEM ${GOINGRATE_WEB_PREFIX}/include)
 foreach(name Boost::headers fmt::fmt FastFloat::fast_float tomlplusplus::tomlplusplus
@@ -20,10 +20,10 @@ add_static(PkgConfig::ZIP libzip.a)
 target_link_libraries(PkgConfig::ZIP INTERFACE ZLIB::ZLIB)
 add_static(Ceres::ceres libceres.a)
 target_link_libraries(Ceres::ceres INTERFACE Eigen3::Eigen)
-# Its headers log through its own small stand-in for glog.
+# Ceres's headers log through its own small stand-in for glog.
 target_include_directories(Ceres::ceres SYSTEM INTERFACE ${GOINGRATE_WEB_PREFIX}/include/ceres/internal/miniglog)
 
-# The versions that the result of a batch names as its makers: those of the headers.
+# The versions of the libraries, which the result of a batch names; read from the headers.
 function(read_version variable file expression)
   file(STRINGS ${file} lines REGEX "define ${expression} ")
   list(TRANSFORM lines REPLACE ".* ([0-9]+)$" "\\1")

@@ -1,5 +1,5 @@
-// Progress in a page: in place of apps/progress.cpp, what is being done goes to whoever started the command, by
-// `onStage(words, share)` of its module; the share is negative where nobody knows how much is left.
+// Progress in a page, in place of apps/progress.cpp: the step under way is passed to the page that started the
+// command, by `onStage(words, share)` of its module; the share is negative if it is not known how much is left.
 #include "progress.hpp"
 
 #include <emscripten.h>

@@ -1,4 +1,4 @@
-# CMake's view of Emscripten, with the compiler of this folder (see `compiler`) and the libraries that
+# CMake's toolchain file for Emscripten, with the compiler of this folder (see `compiler`) and the libraries that
 # libraries.sh leaves in GOINGRATE_WEB_PREFIX.
 include(/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake)
 set(CMAKE_C_COMPILER ${CMAKE_CURRENT_LIST_DIR}/cc)

@@ -34,7 +34,7 @@ bool is_special_file(const std::string& path) {
          !std::filesystem::is_directory(status);
 }
 
-// Standard output, a pipe, a device: what has no old content to keep.
+// Standard output, a pipe or a device, which has no old content to keep.
 class Stream {
 public:
   explicit Stream(const std::string& path) : path_(path) {
@@ -78,7 +78,7 @@ public:
 private:
   [[nodiscard]] bool is_standard() const { return file_ == STDOUT_FILENO; }
 
-  // The files that were asked for as well are written all the same.
+  // Other files that were asked for are written all the same.
   void lose_reader() {
     reader_has_gone_ = true;
     if (Draft::alive() == 0) throw ClosedPipe("standard output", std::strerror(EPIPE));
@@ -104,7 +104,7 @@ void write_whole_files(const std::vector<std::pair<std::string, std::string>>& o
   std::vector<StreamedFile> files;
   for (const auto& output : outputs)
     files.emplace_back(output.first);
-  for (const bool to_streams : {false, true}) // what reaches a stream cannot be taken back
+  for (const bool to_streams : {false, true}) // streams last: output to them cannot be taken back
     for (std::size_t i = 0; i < files.size(); ++i)
       if (files[i].is_stream() == to_streams) files[i].write(outputs[i].second);
   commit_all(files);
@@ -151,7 +151,7 @@ void StreamedFile::put(std::string_view text) {
   if (target_->stream) target_->stream->write(text);
 }
 
-// Keeps the memory for what comes next.
+// Keeps the memory for the next piece.
 void StreamedFile::flush() {
   if (!text_.empty()) put(text_);
   text_.clear();

@@ -45,7 +45,7 @@ struct Significant {
   int exponent;
 };
 
-// Rounded to `count` digits; nothing where that takes more than scaled() can do.
+// Rounded to `count` digits; nullopt if that is more than scaled() can do.
 std::optional<Significant> significant(double size, int count) {
   if (count > most_digits) return {};
   if (size == 0.0) return Significant{0, 0};

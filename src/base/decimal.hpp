@@ -30,18 +30,18 @@ private:
 /// Appends a whole number, as "%lld" of printf.
 void append_integer(DecimalText& text, std::int64_t value);
 
-/// Appends a whole number with zeros in front up to `digits` digits (at most 19), of which it has
-/// no more.
+/// Appends a whole number of at most `digits` digits, with zeros in front to make `digits` (at most
+/// 19).
 void append_digits(DecimalText& text, std::uint64_t value, int digits);
 
 /// Appends a number as "%.{decimals}f" of printf; as with printf, any double is legal
 /// (DecimalTest.IsWhatPrintfWrites).
 void append_fixed(DecimalText& text, double value, int decimals);
 
-/// The same for "%.{decimals}e".
+/// Appends a number as "%.{decimals}e" of printf.
 void append_scientific(DecimalText& text, double value, int decimals);
 
-/// The same for "%.{digits}g", `digits` from 1.
+/// Appends a number as "%.{digits}g" of printf, `digits` from 1.
 void append_general(DecimalText& text, double value, int digits);
 
 /// Appends what format_instant() returns.
@@ -58,7 +58,7 @@ inline constexpr std::array<std::uint64_t, 20> whole_powers_of_ten = [] {
   return powers;
 }();
 
-/// Eight bytes as they stand in a text, of which the first digits make a number.
+/// Eight bytes of a text that begin with the digits of a number.
 struct EightBytes {
   std::uint64_t value = 0;
   int digits = 0; ///< before the first byte that is not one
@@ -69,7 +69,7 @@ struct EightBytes {
     std::memcpy(&bytes, c, sizeof bytes);
     if constexpr (std::endian::native == std::endian::big) bytes = __builtin_bswap64(bytes);
     bytes ^= 0x3030303030303030; // a digit is now its value, any other byte more than 9
-    // A carry reaches only bytes behind the first that is not a digit.
+    // A carry reaches only bytes after the first that is not a digit.
     const std::uint64_t others = (bytes | (bytes + 0x7676767676767676)) & 0x8080808080808080;
     const int digits = others == 0 ? 8 : std::countr_zero(others) / 8;
     if (digits == 0) return {};
@@ -95,9 +95,9 @@ inline std::uint64_t take_digits(const char*& c, const char* end) {
   return value;
 }
 
-/// Reads seconds with digits on both sides of the point and no more than a double's worth behind
-/// it, what nearly every line of every log is; one division rounds once. `c` moves past them.
-/// False, `c` being anywhere, where there is something else.
+/// Reads seconds with digits on both sides of the point, and no more after it than a double holds,
+/// as in nearly every line of every log; a single division rounds once. `c` moves past them. False
+/// for any other text, with `c` at any place.
 inline bool take_plain_seconds(const char*& c, const char* end, char point, Instant& time) {
   constexpr std::ptrdiff_t most_whole = 18, most_decimals = 15;
   const char* const begin = c;

@@ -33,17 +33,17 @@ namespace fs = std::filesystem;
 using Slot = std::atomic<const char*>;
 static_assert(Slot::is_always_lock_free); // a signal handler reads them
 
-// Slots that hold the name of a draft or nothing; more are added, none is ever taken away.
+// Slots that hold the name of a draft or nothing; slots are added but never removed.
 struct Slots {
   std::array<Slot, 256> names{};
   std::atomic<Slots*> next{nullptr};
 };
 constinit Slots first_slots{};
 
-// Whether files are being replaced: who ends the program waits until that is over.
+// Whether files are being replaced; whatever ends the program waits until that is over.
 constinit std::atomic<int> commits{0};
 
-// What no signal handler touches.
+// Members that no signal handler uses.
 struct Register {
   std::mutex mutex;
   std::vector<Slot*> free;
@@ -103,8 +103,8 @@ void close_file(int& file) {
   if (file >= 0) ::close(std::exchange(file, -1));
 }
 
-// Half of the files that may be open stay free for others. A draft beyond is closed once it is
-// finished, and is then not locked.
+// Half of the files that may be open stay free for others. A further draft is closed once it is
+// finished, and is then no longer locked.
 bool too_many_are_open(int file) {
   rlimit limit{};
   return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
@@ -137,7 +137,7 @@ std::string followed(const std::string& path) {
 
 // ---- one draft
 
-// Also removes what dead processes left of it.
+// Also removes what dead processes left of the same target.
 Draft::Claim::Claim(const std::string& path) : target(followed(path)) {
   refuse_input(path);
   std::error_code not_there;
@@ -171,7 +171,7 @@ Draft::~Draft() {
 void Draft::open() {
   const std::string pattern = draft_prefix(claim_.target) + "XXXXXX";
   name_ = pattern;
-  remembered_ = remember(name_); // before it is there: no signal may come in between
+  remembered_ = remember(name_); // before the file exists, so that no signal comes in between
   do {
     close_file(file_);
     name_.replace(0, name_.size(), pattern);

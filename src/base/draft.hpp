@@ -1,4 +1,4 @@
-// A file in the making, beside the file it is to replace.
+// A file that is being written beside the file it is to replace.
 #pragma once
 
 #include <atomic>
@@ -9,9 +9,9 @@
 
 namespace goingrate {
 
-/// Owns a temporary file beside its target until it is committed by a rename. While it lives its
-/// file is locked, so that another process can tell it from what a dead one left behind, which is
-/// removed when the next draft of the same target is opened.
+/// Owns a temporary file beside its target until it is committed by a rename. As long as it lives
+/// its file is locked, so that other processes can tell it from the leftovers of a dead process,
+/// which are removed when the next draft of the same target is opened.
 class Draft {
 public:
   /// Throws OutputError if no such file can be made, or a folder stands in its place; and
@@ -22,14 +22,14 @@ public:
   ~Draft();
 
   void write(std::string_view text);
-  /// Everything is put on disk.
+  /// Writes everything to disk.
   void finish();
 
   /// Each finished draft takes the place of its target; if one cannot, all targets are as they
   /// were, and OutputError is thrown. Signals wait until it is over.
   static void commit(std::span<Draft* const> drafts);
 
-  /// How many there are in this process.
+  /// The number of drafts in this process.
   static std::size_t alive();
 
 private:
@@ -53,7 +53,7 @@ private:
   std::string path_; // as the user wrote it, for messages
   Claim claim_;
   std::string name_; // of the draft; never moves, since a signal handler may read it
-  std::string old_;  // where the target's old file is kept for the time of a commit
+  std::string old_;  // name of the target's old file during a commit
   std::atomic<const char*>* remembered_ = nullptr;
   int file_ = -1;
   int old_file_ = -1; // locked as the draft is

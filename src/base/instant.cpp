@@ -28,7 +28,7 @@ __extension__ typedef unsigned __int128 Wide; // 53 bits times 10^15 need 103
 
 constexpr int most_digits = 19; // of a number that a 64-bit integer always holds
 
-// A decimal number as it stands: digits * 10^exponent. Zeros in front are not counted.
+// A decimal number as it is written: digits * 10^exponent. Zeros in front are not counted.
 struct Decimal {
   std::uint64_t digits = 0;
   int count = 0; // of digits held
@@ -47,7 +47,7 @@ struct Decimal {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Reads "[eE][+-]digits" wholly; nothing if it is something else.
+// Reads "[eE][+-]digits" up to the end; nullopt if it is anything else.
 std::optional<int> parse_exponent(std::string_view text) {
   if (text.size() < 2 || (text.front() != 'e' && text.front() != 'E')) return {};
   text.remove_prefix(1);
@@ -62,7 +62,7 @@ std::optional<int> parse_exponent(std::string_view text) {
   return negative ? -exponent : exponent;
 }
 
-// An unsigned decimal number, wholly.
+// An unsigned decimal number that is the whole text.
 std::optional<Decimal> parse_decimal(std::string_view text, char point) {
   Decimal number;
   bool after_point = false, any = false;
@@ -182,7 +182,7 @@ std::uint64_t fraction_digits(double fraction, std::uint64_t power) {
   return digits + (rest > half || (rest == half && digits % 2 == 1) ? 1 : 0);
 }
 
-// The usual case, fast: logs are written by the hundred million.
+// The usual case, which must be fast: logs have up to a hundred million lines.
 void append_positive(DecimalText& text, const Instant& t, int decimals) {
   const std::uint64_t power = whole_powers_of_ten[static_cast<std::size_t>(decimals)];
   const std::uint64_t digits = fraction_digits(t.fraction, power);

@@ -1,4 +1,4 @@
-// Functions whose loops over lanes are compiled for each width of SIMD registers there is.
+// Functions whose loops over lanes are compiled for each width of SIMD registers.
 #pragma once
 
 // The choice is made once, when the program is loaded. The sanitizers are not ready by then.

@@ -11,7 +11,7 @@
 namespace goingrate {
 
 /// Reserves room for `count` entries and asks the system to back it with large pages, since each
-/// new small page costs a fault. A system that ignores the request costs nothing but speed.
+/// new small page costs a fault. If the system ignores the request, only speed is lost.
 template <class T> void reserve_large(std::vector<T>& entries, std::size_t count) {
   entries.reserve(count);
 #ifdef MADV_HUGEPAGE

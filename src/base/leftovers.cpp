@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// No other program names its files so: what is removed is certainly ours.
+// No other program names its files like this, so that only our own files are removed.
 constexpr std::string_view mark = ".part-goingrate-";
 constexpr std::size_t letters = 6; // as mkostemp makes them
 

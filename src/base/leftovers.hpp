@@ -1,11 +1,11 @@
-// Drafts that a process which is dead, by `kill -9` or a power cut, left behind.
+// Drafts left behind by a process that was killed (`kill -9`) or lost its power.
 #pragma once
 
 #include <string>
 
 namespace goingrate {
 
-/// What the name of a draft of `target` begins with; six letters follow.
+/// The beginning of the name of a draft of `target`; six letters follow.
 std::string draft_prefix(const std::string& target);
 
 /// Suffix of the name of a draft under which the target's old file is kept for a moment.
@@ -15,7 +15,7 @@ inline constexpr const char* old_suffix = "-old";
 /// through once until forget_folders() is called.
 void sweep(const std::string& target);
 
-/// The folders that were looked through may have changed.
+/// Makes the folders be looked through again, because they may have changed.
 void forget_folders();
 
 } // namespace goingrate

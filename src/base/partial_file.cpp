@@ -19,7 +19,7 @@ PartialFile::PartialFile(std::string path)
   try {
     if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) throw OutputError(path_, "another process is writing it");
-      // A file system without locks: nobody is kept away, as with other files there.
+      // A file system without locks: other processes are not kept out, as with any file there.
     }
     find_lines();
   } catch (...) {

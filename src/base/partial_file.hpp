@@ -1,4 +1,4 @@
-// The lines of a file in the making that outlive the process.
+// A file whose lines survive the end of the process that writes it.
 #pragma once
 
 #include <chrono>
@@ -9,18 +9,18 @@
 
 namespace goingrate {
 
-/// A text file to which whole lines are appended: whatever ends the process, the lines it has are
-/// whole, but perhaps the last, which is cut off when the file is opened again. While it is open it
-/// is locked against other processes.
+/// A text file to which whole lines are appended. Whatever ends the process, at most the last line
+/// is incomplete; it is cut off when the file is opened again. While it is open the file is locked
+/// against other processes.
 class PartialFile {
 public:
-  /// Where a line is, without its end.
+  /// The place of a line in the file, without its end.
   struct Line {
     std::int64_t offset;
     std::size_t size;
   };
 
-  /// Opens it, or makes it. Throws OutputError, also where another process has it open.
+  /// Opens the file, or creates it. Throws OutputError, also if another process has it open.
   explicit PartialFile(std::string path);
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
@@ -29,7 +29,8 @@ public:
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const std::vector<Line>& lines() const { return lines_; }
   [[nodiscard]] std::string read(const Line& line) const;
-  /// Appends a line and its end. From time to time all is put on disk. Throws OutputError.
+  /// Appends a line and its end. From time to time everything is written to disk. Throws
+  /// OutputError.
   void append(std::string_view line);
   /// Removes the file.
   void discard();

@@ -9,7 +9,7 @@ namespace {
 
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
-// What shows nothing itself but changes how the rest is shown.
+// Whether a character is invisible itself but changes how others are shown.
 bool steers(std::string_view character) {
   if (character.size() == 1) return character[0] < 0x20 || character[0] == 0x7F;
   const bool control = character[0] == '\xC2' && character[1] < '\xA0'; // U+0080 to U+009F

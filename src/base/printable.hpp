@@ -1,4 +1,4 @@
-// Text from outside that is to be shown: on a terminal, in a message.
+// Makes text from outside safe to show on a terminal or in a message.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace goingrate {
 
-/// Length of the well-formed UTF-8 character that `text` begins with; 0 if it begins with none.
+/// Length of the well-formed UTF-8 character at the beginning of `text`; 0 if there is none.
 std::size_t character_length(std::string_view text);
 
-/// The text on one line, with nothing in it that steers a terminal: control characters, characters
-/// that turn the direction of writing, and bytes that are not UTF-8 become \\x1b and the like.
+/// The text on one line, with nothing that controls a terminal: control characters, characters that
+/// change the direction of writing, and bytes that are not UTF-8 become \\x1b and the like.
 std::string printable(std::string_view text);
 
 } // namespace goingrate

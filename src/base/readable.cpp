@@ -8,7 +8,7 @@
 namespace goingrate {
 
 std::string readable(double value, int digits) {
-  constexpr double first_with_commas = 1e4, longest = 1e9; // what is longer nobody reads
+  constexpr double first_with_commas = 1e4, longest = 1e9; // longer numbers are hard to read
   std::string text = fmt::format("{:.{}g}", value, digits);
   const double size = std::abs(std::strtod(text.c_str(), nullptr)); // rounded
   if (!(size < longest)) return text;

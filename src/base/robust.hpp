@@ -1,4 +1,4 @@
-// Statistics that outliers do not move.
+// Statistics on which outliers have little effect.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// The one place where seconds become the paper's scaled time and back.
+// Conversion between seconds and the paper's scaled time; nothing else converts them.
 //
 // The paper scales time so that the nominal small-amplitude period T0 is 2 pi:
 // t_scaled = 2 pi t / T0 (Hoyng, below eq. ddt1). A rate excess psi' - 1 has no unit.
@@ -24,7 +24,7 @@ public:
   [[nodiscard]] constexpr double seconds(double scaled) const {
     return nominal_period_s_ == two_pi ? scaled : scaled * (nominal_period_s_ / two_pi);
   }
-  /// The way back, exact in the same case.
+  /// The inverse conversion, exact in the same case.
   [[nodiscard]] constexpr double scaled(double seconds) const {
     return nominal_period_s_ == two_pi ? seconds : seconds * (two_pi / nominal_period_s_);
   }

@@ -7,8 +7,8 @@ namespace goingrate {
 
 namespace {
 
-// The least count of slips that turn one word into the other: Levenshtein's distance with an
-// exchange of neighbours as one slip.
+// The smallest number of errors that turn one word into the other: Levenshtein's distance, in which
+// an exchange of neighbours counts as one error.
 std::size_t slips_between(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j)

@@ -1,4 +1,4 @@
-// The steps in which a logger tells its times, and what that hides.
+// The steps in which a logger states its times, and the error that they cause.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace goingrate {
 
-/// How many times are searched for a grain: enough that chance makes none.
+/// How many times are searched for a grain: so many that none appears by chance.
 inline constexpr std::size_t times_for_grain = 4096;
 
 /// The greatest step of which the first `count` times are whole multiples after the first of them,
@@ -43,8 +43,8 @@ double time_grain(std::size_t count, double period_s, const Elapsed& elapsed_s) 
   return static_cast<double>(decimal) * unit_s;
 }
 
-/// Standard deviation of what rounding to `grain_s` hides: errors are even over a step,
-/// whose variance is a twelfth of its square.
+/// Standard deviation of the error of rounding to `grain_s`: it is uniform over a step, with a
+/// variance of a twelfth of the step's square.
 inline double rounding_sigma(double grain_s) { return grain_s / std::sqrt(12.0); }
 
 } // namespace goingrate

@@ -1,4 +1,4 @@
-// Which versions made a result.
+// The versions of the software that made a result.
 #pragma once
 
 #include <span>

@@ -15,7 +15,7 @@ namespace {
 
 thread_local bool is_part_of_shared_work = false;
 
-// While it lives, what this thread does is not shared again.
+// While it lives, the work of this thread is not shared among further threads.
 class Part {
 public:
   Part() : was_(std::exchange(is_part_of_shared_work, true)) {}
@@ -27,8 +27,8 @@ private:
   bool was_;
 };
 
-// Where memory is limited, the stacks of many threads would leave none for what they do. For each
-// thread this much is set aside until all are started: more than one of these threads needs.
+// If memory is limited, the stacks of many threads would leave none for their work. For each thread
+// this much is set aside until all have started; it is more than a thread needs.
 constexpr std::size_t room_a_thread = std::size_t{8} << 20;
 using Room = std::unique_ptr<char[]>;
 Room put_aside() { return Room(new (std::nothrow) char[room_a_thread]); }

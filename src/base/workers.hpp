@@ -1,4 +1,4 @@
-// Work that is shared among threads: as many as can be started, at least the caller's own.
+// Shares work among threads: as many as can be started, at least the caller's own.
 #pragma once
 
 #include "goingrate/base/pulse.hpp"
@@ -10,16 +10,16 @@
 
 namespace goingrate {
 
-/// A thread that does `work`; one that is not joinable, and does nothing, if none can be started.
+/// A thread that does `work`; if none can be started, one that is not joinable and does nothing.
 std::thread thread_if_possible(std::function<void()> work);
 
 /// `wanted` threads, or one per processor if that is 0.
 std::size_t threads_or_usual(std::size_t wanted);
 
 /// Calls `work` from `threads` threads at a time, the caller's among them, and returns when all are
-/// done. Where fewer can be started, by a limit on threads or on memory, there are fewer; what the
-/// work itself shares out runs in its one thread. The first exception of any of
-/// them is thrown here, after `give_up`.
+/// done. There are fewer threads if a limit on threads or memory does not allow more. Work that is
+/// shared again inside `work` runs in its one thread. The first exception of any thread is thrown
+/// here, after `give_up`.
 void run_together(std::size_t threads, const std::function<void()>& work,
                   const std::function<void()>& give_up);
 
@@ -43,7 +43,7 @@ template <class Work> void share(std::size_t count, std::size_t threads, const W
   share_out(count, threads, [&] { return [&](std::size_t i) { work(i); }; });
 }
 
-/// The same by a thread a processor.
+/// The same with one thread per processor.
 template <class Work> void share(std::size_t count, const Work& work) {
   share(count, threads_or_usual(0), work);
 }

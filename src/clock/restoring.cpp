@@ -20,7 +20,8 @@ namespace {
 // sin x / x.
 double sinc(double x) { return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x; }
 
-// Where the pull towards the vertical ends: pi, or, with s above 1, sin x/x = (s - 1)/s.
+// The angle at which the pull towards the vertical ends: pi, or, with s above 1, sin x/x = (s -
+// 1)/s.
 double top_angle(double gravity_share) {
   if (gravity_share <= 1.0) return pi;
   const double target = (gravity_share - 1.0) / gravity_share;

@@ -20,7 +20,7 @@ namespace goingrate {
 
 namespace {
 
-// What was expected where `found` is none of the `known`.
+// The words for what was expected if `found` is none of `known`.
 std::string one_of(std::string_view found, const std::vector<std::string>& known) {
   return fmt::format("one of {}{}", fmt::join(known, ", "), meant_instead(found, known));
 }
@@ -209,7 +209,7 @@ ClockEvent read_event(Section section) {
   return event;
 }
 
-// One factor a line; '#' comments and one row of names are skipped.
+// One factor per line; '#' comments and one row of names are skipped.
 std::vector<double> read_series(const std::string& path) {
   std::error_code unknown;                              // a path that cannot be read is not a file
   if (!std::filesystem::is_regular_file(path, unknown)) // a device or a pipe might never end

@@ -41,7 +41,7 @@ void refuse_deep_keys(std::string_view text, const std::string& source) {
   }
 }
 
-// `has_lines`: the text is that of a file; messages may cite its lines.
+// `has_lines`: the text comes from a file, so that messages may cite its lines.
 toml::table parsed(std::string_view text, const std::string& source, bool has_lines) {
   refuse_deep_keys(text, source);
   try {

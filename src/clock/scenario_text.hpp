@@ -1,4 +1,4 @@
-// The TOML of a scenario: the file, what options put over it, and where each value stands.
+// The TOML of a scenario: the file, the options that override it, and the place of each value.
 #pragma once
 
 #include "goingrate/base/errors.hpp"
@@ -10,12 +10,12 @@
 
 namespace goingrate {
 
-/// Parses `text` and puts the overrides ("key=value" with dotted keys) over it. A value that is a
+/// Parses `text` and applies the overrides ("key=value" with dotted keys). A value that is a
 /// bare word (run.method=map) is text. Throws InputError if it is not TOML.
 toml::table scenario_tree(std::string_view text, const std::string& file,
                           const std::vector<std::string>& overrides);
 
-/// Where a node of the tree stands: file, line and column, or the option "--set KEY=VALUE".
+/// The place of a node of the tree: file, line and column, or the option "--set KEY=VALUE".
 TextPlace place_of(const toml::source_region& source, const std::string& file);
 
 /// The complaint of a check about a value, with the place of that value in the tree.

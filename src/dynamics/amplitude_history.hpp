@@ -10,9 +10,9 @@
 namespace goingrate {
 
 /// lambda^2(t) = (4 phi0/pi) int_0^inf exp(-2 eps tau) mu(t - tau) dtau (eq. lamanal), for any
-/// torque history mu(t') that is bounded; all transients are over.
+/// bounded torque history mu(t'), after all transients.
 ///
-/// `jumps`: times at which mu jumps, so that the quadrature stops there. epsilon > 0. Against
+/// `jumps`: times at which mu jumps, where the quadrature is divided. epsilon > 0. Agrees with
 /// eq. l2jump to 1e-12 (AmplitudeHistoryTest.AnyHistoryContainsTheJump).
 double amplitude2_at(double t, const std::function<double(double)>& mu, double epsilon, double phi0,
                      const std::vector<double>& jumps = {});

@@ -124,7 +124,7 @@ PeriodStep AveragedPendulum::second_order(double factor) {
         amplitude2_ + 4.0 * (mu * clock_.phi0 - 0.5 * pi * clock_.epsilon * amplitude2_);
     const double phi02 = clock_.phi0 * clock_.phi0;
     if (mu != 0.0 && !(std::fmin(mean, amplitude2_) > phi02)) return {SwingStatus::stalled};
-    // Without torque any switching angle will do that the formula is regular at.
+    // Without torque any switching angle will do at which the formula is regular.
     const double phi0 = mu == 0.0 ? 0.5 * velocity() : clock_.phi0;
     period = second_order_period(clock_.epsilon, mu, phi0, amplitude2_);
   }

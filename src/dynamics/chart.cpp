@@ -217,7 +217,7 @@ LimitRow limits_at(const LimitScene& at, const std::vector<ChartMethod>& methods
     double error = unknown;
     if (run.status == SwingStatus::crossed && row.exact == SwingStatus::crossed) {
       const std::size_t last = run.lateness.size() - 1;
-      // The oracle stops where the escapement misses a switch: then `direct` is the reference.
+      // The oracle stops if the escapement misses a switch; `direct` is then the reference.
       const Wide truth = exact.size() > last ? exact[last] : direct.lateness[last];
       error = static_cast<double>(std::abs(run.lateness[last] - truth)) /
               (two_pi * static_cast<double>(last + 1));

@@ -19,7 +19,7 @@ CustomPendulum::CustomPendulum(CustomLaws laws, double velocity)
 
 double CustomPendulum::acceleration(const State& state) const {
   const double phi = state[0];
-  // Up to the apex the laws are those of the direction before it, also in stages just beyond.
+  // Up to the apex the laws for the direction of approach hold, also in stages just beyond it.
   constexpr double smallest_speed = 1e-300;
   const double w = !laws_.jumps_with_direction ? state[1]
                    : rightwards_               ? std::max(state[1], smallest_speed)
@@ -29,7 +29,7 @@ double CustomPendulum::acceleration(const State& state) const {
   return laws_.torque(at, w) - laws_.friction(at, w) - std::sin(phi);
 }
 
-// The stretch between two jumps that the pendulum is in, or enters.
+// The stretch between two jumps in which the pendulum is, or which it enters.
 void CustomPendulum::enter_stretch(bool rightwards) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   low_ = -infinite;
@@ -97,7 +97,7 @@ SwingStatus CustomPendulum::to_vertical(bool upward, double& excess) {
     };
     if (!turned && laws_.jumps_with_direction && state_[1] * ahead[1] < 0.0) {
       ends_at(0.0, 1);
-      ahead = step(state_, t); // a jump may lie before the apex and not before the step's end
+      ahead = step(state_, t); // a jump may lie before the apex even if none lies before the end
     }
     for (const double jump : laws_.jumps)
       if (jump != 0.0 && passes(jump)) ends_at(jump, 0);

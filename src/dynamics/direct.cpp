@@ -61,7 +61,8 @@ PeriodStep DirectPendulum::advance(double factor) {
     step.status = swing.status;
     if (swing.status != SwingStatus::crossed) return step;
     v2_ += swing.speed2_change;
-    // The torque that helped and did not switch, or that switched, is seen mirrored from here on.
+    // The next half swing sees the torque mirrored: a torque that has switched helps, and one that
+    // has not changes from helping to hindering or back.
     helping_ = swing.switched || !helping_;
     step.excess += swing.excess;
     if (right) step.half_excess = step.excess;

@@ -55,7 +55,7 @@ void add_period(LaneSums& time, const TwoPart<double>& nominal, const Lane& exce
   }
 }
 
-// Only what every lane does at the same period can be done in lanes.
+// Lanes can be used only for what all of them do at the same period.
 bool fits_lanes(const Scenario& scenario, Method method) {
   const bool by_period =
       std::all_of(scenario.events.begin(), scenario.events.end(), [](const ClockEvent& event) {
@@ -94,7 +94,7 @@ public:
             std::span<const std::uint64_t> seeds)
       : scenario_(scenario), stages_(stages), count_(seeds.size()) {
     for (std::size_t k = 0; k < lanes; ++k) {
-      // Lanes beyond the last realisation run a copy that nobody looks at.
+      // Lanes beyond the last realisation run a copy whose result is ignored.
       drives_.emplace_back(scenario.drive, scenario.clock.nominal_period_s,
                            seeds[std::min(k, count_ - 1)]);
       direct_.emplace_back(scenario.clock, velocity);
@@ -129,7 +129,7 @@ public:
     period.time_s = time_.at(k);
     period.nominal_period_s = clock().nominal_period_s;
     period.period_s = scale.nominal().hi + scale.seconds(last_excess_[k]);
-    period.down_s = time_.at(k); // not looked for; half a period before, to first order
+    period.down_s = time_.at(k); // not computed; half a period before, to first order
     period.down_s += -0.5 * period.period_s;
     period.rate_excess = rate_excess_of(last_excess_[k]);
     period.velocity = std::sqrt(speed2_.at(k).value());
@@ -211,7 +211,7 @@ private:
   std::vector<Stage>& stages_;
   std::size_t count_, stage_ = 0, going_ = lanes;
   std::vector<DriveSequence> drives_;
-  std::vector<DirectPendulum> direct_; // for periods off the map, and what memory they have
+  std::vector<DirectPendulum> direct_; // for periods off the map, with the memory they need
   LaneSums speed2_, time_;
   Lane last_factor_{}, last_excess_{};
   std::array<SwingStatus, lanes> status_{};
@@ -221,7 +221,7 @@ private:
   bool irregular_ = false;
 };
 
-// Neighbouring seeds, as realisations have them.
+// The realisations have successive seeds.
 std::vector<std::uint64_t> seeds_from(std::uint64_t first, std::size_t count) {
   std::vector<std::uint64_t> seeds(count);
   std::iota(seeds.begin(), seeds.end(), first);

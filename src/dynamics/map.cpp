@@ -118,8 +118,8 @@ Wide largest(const Table& values) {
   return most;
 }
 
-// How many coefficients each row needs so that all beyond are below `allowed`; no row needs more
-// than the one before it, as powers of x take up those of higher Chebyshev rows.
+// How many coefficients each row needs so that all others are below `allowed`. No row may have more
+// than the one before it, because the powers of x collect those of higher Chebyshev rows.
 std::vector<std::size_t> extent_of(const Table& chebyshev, Wide allowed) {
   std::vector<std::size_t> counts(chebyshev.size(), 0);
   std::size_t needed = 0;
@@ -162,7 +162,7 @@ template <class Number, class Coefficients>
 typedef double Two __attribute__((vector_size(16)));
 typedef double Lanes __attribute__((vector_size(8 * MapPatch::lanes)));
 
-// Every other coefficient: one of the two quantities that stand side by side.
+// Every second coefficient: one of the two quantities that are stored alternately.
 struct Strided {
   const double* first;
   double operator[](std::size_t i) const { return first[2 * i]; }
@@ -203,12 +203,12 @@ MapPatch::MapPatch(const ClockParameters& clock, double low, double high,
   change = chebyshev_of(std::move(change));
   excess = chebyshev_of(std::move(excess));
   half = chebyshev_of(std::move(half));
-  // A steady error of the excess shows undiminished in the rate; one of v^2 is collected over a
+  // A steady error of the excess shows in full in the rate; a steady error of v^2 adds up over a
   // relaxation time 1/(4 pi eps) and shows through dT/dx = pi/8.
   const Wide rounding = wide ? std::numeric_limits<Wide>::epsilon() // 1e-19 of 64 bits
                              : std::numeric_limits<double>::epsilon();
   const Wide allowed_excess = 4 * rounding;
-  // No coefficient is known better than the rounding of the change itself, which shows where
+  // No coefficient is known better than the rounding of the change itself, which matters if
   // friction or swing are large.
   const Wide allowed_change =
       std::max(32 * std::max<Wide>(clock.epsilon, 1e-8) * allowed_excess + 1e-4 * rounding * high,
@@ -268,7 +268,7 @@ void MapPatch::at(const std::array<double, lanes>& x, const std::array<double, l
 
 ReturnMap::ReturnMap(const ClockParameters& clock, const FactorRange& factors, MapDigits digits)
     : clock_(clock), factors_(factors), digits_(digits) {
-  // Swings that do not repeat range from a limit upwards (and their mean is sought with a map).
+  // Swings that do not repeat range upwards from a limit (and their mean is found with a map).
   const auto cycle = clock.below > 0.0 ? std::nullopt : limit_cycle(clock);
   anchor_ = cycle ? cycle->velocity * cycle->velocity : 1.0;
   if (clock.below > 0.0)
@@ -310,8 +310,8 @@ void MapPendulum::set_clock(const ClockParameters& clock) {
   }
 }
 
-// The map of a period in which an action begins (or is all there is) with this factor; nothing
-// where one ends and the next begins.
+// The map of a period that contains the beginning, or the whole, of an action with this factor;
+// null if one action ends in it and the next begins.
 MapPendulum::Served* MapPendulum::served_for(double factor) {
   if (direct_.begun() != 0.0) return factor == 0.0 ? &after_ : nullptr;
   if (factor == 0.0 && resting_.map) return &resting_;

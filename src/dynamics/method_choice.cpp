@@ -49,13 +49,13 @@ Scene scene_of(const Scenario& scenario) {
     if (const auto tooth = saw_tooth(clock)) speeds.push_back(std::sqrt(tooth->high2));
     if (const auto start = stationary_start(clock, false))
       speeds.push_back(*start);
-    else if (scenario.start_amplitude) // it runs down: at most by all the friction there is
+    else if (scenario.start_amplitude) // it runs down, at most by its whole friction
       speeds.push_back(*scenario.start_amplitude *
                        std::exp(-std::min(50.0, 2.0 * pi * clock.epsilon * scene.periods)));
   }
   if (speeds.empty()) return scene;
   const auto [low, high] = std::minmax_element(speeds.begin(), speeds.end());
-  // The swing follows the drive's variations with the square root of a relaxation time.
+  // Variations of the drive change the swing in proportion to the square root of a relaxation time.
   const double spread = std::min(0.5, (scene.factors.high - scene.factors.low) *
                                           std::sqrt(2.0 * pi * scenario.clock.epsilon));
   scene.low2 = *low * *low * (1.0 - spread);
@@ -90,7 +90,8 @@ OnePeriod exact_period(const ClockParameters& clock, double x, double factor) {
   return {regular, pendulum.speed2().hi - x, step.excess};
 }
 
-// The clocks of the periods in which something acts: each part of an action that crossings cut.
+// The clocks of the periods in which a push acts: one for each part of an action that crossings
+// cut.
 std::vector<ClockParameters> acting_clocks(const std::vector<ClockParameters>& clocks) {
   std::vector<ClockParameters> acting;
   for (const ClockParameters& clock : clocks) {
@@ -102,7 +103,7 @@ std::vector<ClockParameters> acting_clocks(const std::vector<ClockParameters>& c
   return acting;
 }
 
-// The error bound that the header gives for an averaged method, s.
+// The error bound that the header states for an averaged method, s.
 double averaged_bound(const Scene& scene, AveragedOrder order) {
   if (!(scene.low2 > 0.0)) return no_bound;
   double worst_excess = 0.0, worst_amplitude = 0.0;

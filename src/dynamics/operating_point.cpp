@@ -177,8 +177,8 @@ std::vector<OperatingPoint> points_on(const Curve& curve, double phi0) {
     if ((a.miss < 0.0) == (b.miss < 0.0)) continue;
     const double x =
         zero_between([&](double z) { return curve.miss(z); }, a.x, b.x, a.miss, b.miss);
-    // Where a limit cycle was not found on the way, the search cannot be trusted: no answer is
-    // better then.
+    // If a limit cycle was not found on the way, the search cannot be trusted, and no answer is
+    // better than a wrong one.
     const double allowed = 1e-6 * (std::abs(a.miss) + std::abs(b.miss)) + 1e-13;
     if (!(std::abs(curve.miss(x)) <= allowed)) continue;
     if (const auto point = curve.at(x)) points.push_back(*point);
@@ -196,8 +196,8 @@ public:
         base_(stall_ratio(phi0, equations)) {}
 
   // Starts from first order with the circular error and the friction of the free swing, which is
-  // right to the second order in epsilon, or above it where that is too close to stall; steps are
-  // shortened where they leave the clock standing, and end when rounding makes them.
+  // right to the second order in epsilon, or above that if it is too close to stall. Steps are
+  // shortened if the clock would stall, and end when they are only rounding.
   [[nodiscard]] std::optional<OperatingPoint> solve() const {
     const bool exact = equations_ == Equations::exact;
     const double k = 0.5 * amplitude_;

@@ -1,5 +1,5 @@
-// How long the pendulum takes from the vertical to a small angle: what a sensor off the vertical,
-// or the edges of a flag, see.
+// The time that the pendulum takes from the vertical to a small angle, as seen by a sensor off the
+// vertical or by the edges of a flag.
 #pragma once
 
 #include "goingrate/clock/parameters.hpp"

@@ -12,7 +12,8 @@ namespace goingrate {
 
 namespace {
 
-// With less, nothing shows in the lifetime of a clock; with more, the pendulum does not swing.
+// Smaller values have no visible effect in the lifetime of a clock; with larger ones the pendulum
+// does not swing.
 void check_axis(const char* name, const std::vector<double>& values) {
   for (const double value : values)
     if (!(value >= 1e-15 && value <= 1.0)) throw ArgumentError(name, value, "from 1e-15 to 1");

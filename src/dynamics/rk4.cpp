@@ -31,7 +31,7 @@ Rk4Pendulum::Rk4Pendulum(double velocity, double dt, TorqueTiming timing)
   if (!(dt >= shortest_step && dt <= longest_step)) throw ArgumentError("dt", dt, "1e-6 to 1");
 }
 
-// One classical step; `torque` is a function of angle and speed, asked in each of the four stages.
+// One classical step; `torque` is a function of angle and speed, called in each of the four stages.
 template <class Torque>
 Rk4Pendulum::State Rk4Pendulum::runge_kutta(const State& from, double h, double epsilon,
                                             Torque torque) {
@@ -83,7 +83,7 @@ double Rk4Pendulum::step_on(const Forces& f) {
   }
   if (timing_ == TorqueTiming::per_step)
     direction_ = quadrant_direction(now_.angle, now_.speed, f.phi0);
-  else if (direction_ * now_.angle >= f.phi0) // a phi0 that was lowered below where we are
+  else if (direction_ * now_.angle >= f.phi0) // phi0 was lowered below the present angle
     direction_ = -direction_;
   const double torque = direction_ * f.mu;
   const State next = runge_kutta(now_, dt_, f.epsilon, [&](double, double) { return torque; });

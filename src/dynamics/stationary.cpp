@@ -29,7 +29,7 @@ std::optional<double> balanced_amplitude(const ClockParameters& clock) {
   const auto gain = [&](double lambda) {
     return drive_moments(clock, lambda).a - friction_moment(clock, lambda);
   };
-  constexpr double shrink = 0.97; // finer than any feature of a profile that a clock could feel
+  constexpr double shrink = 0.97; // finer than any feature of a profile that matters to a clock
   double high = top_velocity(clock.gravity_share);
   if (!(gain(high) <= 0.0)) return {}; // the drive wins up to the top: no swing to rest in
   while (high > 1e-6 && gain(high * shrink) <= 0.0)
@@ -41,7 +41,7 @@ std::optional<double> balanced_amplitude(const ClockParameters& clock) {
   return 0.5 * (low + top);
 }
 
-// The clock of one that does not come to wait.
+// The same clock with an escapement that never waits.
 ClockParameters acting_always(ClockParameters clock) {
   clock.every = fewest_periods_between_actions(clock);
   clock.below = 0.0;
@@ -134,7 +134,7 @@ std::optional<LimitCycle> plain_limit_cycle(const ClockParameters& clock, double
   return polished(clock, v2.value(), Wide(2) * slope);
 }
 
-// What a cycle of `every` periods, the escapement let in at its beginning, does to x = v^2.
+// The change of x = v^2 in a cycle of `every` periods that begins with the escapement's action.
 template <class Period>
 RegularPeriod<Wide> cycle_from(const ClockParameters& clock, Wide x, Period period_at) {
   RegularPeriod<Wide> cycle;
@@ -154,7 +154,7 @@ template <class Period>
 std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, double start,
                                               Wide rounding_of_period, Period period_at) {
   Wide x = static_cast<Wide>(start) * start, x_before = Wide(0), change_before = Wide(0);
-  Wide slope = Wide(-1e-2); // a cautious first step; the second knows better
+  Wide slope = Wide(-1e-2); // a cautious first step; the second has a measured slope
   if (clock.epsilon > 0.0)
     slope = std::expm1(Wide(-4) * pi * clock.epsilon * static_cast<Wide>(clock.every));
   for (int i = 0; i < 100; ++i) {
@@ -164,7 +164,7 @@ std::optional<LimitCycle> general_limit_cycle(const ClockParameters& clock, doub
     if (!(slope < Wide(0))) return {}; // not a cycle that attracts
     x_before = x;
     change_before = period.speed2_change;
-    // At most a tenth at a time: a profile's balance may be far from what its average says.
+    // At most a tenth at a time: a profile's balance may be far from that of its average.
     const Wide step = std::clamp(-period.speed2_change / slope, Wide(-0.1) * x, Wide(0.1) * x);
     if (std::abs(step) <= 100 * rounding_of_period * x)
       return limit_cycle_of(x, static_cast<double>(period.excess));
@@ -196,7 +196,7 @@ std::optional<LimitCycle> limit_cycle(const ClockParameters& clock) {
     if (!orbit) return {};
     return limit_cycle_of(Wide(orbit->velocity) * orbit->velocity, orbit->period_excess);
   }
-  // Beyond the top, first order starts the search over it.
+  // No limit cycle is looked for if first order would start the search above the top.
   if (!clock.is_plain() || clock.every > 1) {
     const auto start = stationary_amplitude(clock);
     if (!start || !(*start < top_velocity(clock.gravity_share))) return {};

@@ -12,7 +12,7 @@ namespace goingrate {
 
 namespace {
 
-// What has gone by at an upward crossing that lets the escapement in.
+// Totals up to an upward crossing at which the escapement acts.
 struct Impulse {
   double speed2 = 0.0;
   std::int64_t cycle = 0;
@@ -29,8 +29,8 @@ public:
     now_.speed2 = pendulum_.speed2().value();
   }
 
-  // On to the next crossing that lets the escapement in after one that did not; nothing if the
-  // clock stops or `last_cycle` comes first.
+  // Goes on to the next crossing at which the escapement acts after one at which it did not;
+  // nullopt if the clock stops or `last_cycle` comes first.
   std::optional<Impulse> next(std::int64_t last_cycle) {
     while (now_.cycle < last_cycle) {
       const bool acts =
@@ -95,17 +95,17 @@ std::optional<WaitingOrbit> waiting_orbit(const ClockParameters& clock) {
   Going going(clock);
   std::optional<WaitingOrbit> best;
   bool closes = false;
-  double nearest = 1.0; // how far the orbit missed itself since the mark, of v^2
+  double nearest = 1.0; // smallest distance of the orbit from the mark since then, in v^2
   std::optional<Impulse> mark;
-  // Brent's way to find a cycle: the mark moves on to the impulse at every power of two, so that
-  // what comes before the orbit is left behind.
+  // Brent's method to find a cycle: at every power of two the mark moves on to the present impulse,
+  // so that the transient before the orbit is left behind.
   for (std::int64_t i = 0, marked = 0; !closes; ++i) {
     const auto here = going.next(most_periods);
     if (!here) break;
     if (mark) {
       const double miss = std::abs(here->speed2 / mark->speed2 - 1.0);
       closes = miss <= closed;
-      // A near return, as the inequality wants it; of those the longest.
+      // A near return that satisfies the inequality; the longest of these counts.
       if (miss <= nearest && (closes || !best || i - marked >= best->impulses))
         best = between(*mark, *here, i - marked);
       nearest = std::min(nearest, miss);

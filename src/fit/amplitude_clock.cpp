@@ -15,7 +15,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Beats next to one another as one: their mean amplitude, and the times at their ends.
+// A block of neighbouring beats: their mean amplitude, and the times at both ends.
 struct Block {
   double cycles = 0.0;
   double amplitude2 = 0.0;        // mean of lambda^2
@@ -25,7 +25,7 @@ struct Block {
 
 double square_of(double turning_angle) { return std::pow(2.0 * std::sin(turning_angle / 2.0), 2); }
 
-// The amplitudes squared; where one was missed, that of the beat before.
+// The amplitudes squared; a missing one is replaced by that of the beat before.
 std::vector<double> squares(const TimingData& data) {
   std::vector<double> all;
   std::size_t missed = 0;
@@ -47,8 +47,8 @@ double mean_about(const std::vector<double>& x, std::size_t middle, std::size_t 
   return std::accumulate(first, first + count, 0.0) / static_cast<double>(count);
 }
 
-// The amplitudes at the ends are means over a block: noise would look like a push, which is
-// greatest near the escapement.
+// The amplitudes at the ends are means over a block, because noise would look like a push, which is
+// largest near the escapement.
 std::vector<Block> blocks_of(const TimingData& data, const std::vector<double>& x) {
   constexpr std::size_t most_blocks = 400; // blocks
   const std::size_t length = 1 + x.size() / most_blocks;
@@ -75,7 +75,7 @@ struct Line {
   double misfit = std::numeric_limits<double>::infinity();
 };
 
-// The best T0 and epsilon for one phi0; those that are given are held.
+// The best T0 and epsilon for one phi0; given values are held.
 Line line_for(const std::vector<Block>& blocks, double reference_s, double phi0,
               std::optional<double> stretch, std::optional<double> epsilon) {
   const auto steep = [&](double x) { return std::sqrt(std::max(0.0, x / (phi0 * phi0) - 1.0)); };

@@ -92,7 +92,7 @@ std::vector<std::vector<double>> end_points(const Fitted& fitted, const FitProbl
   for (std::vector<double>& place : places) {
     place = carried_over(fitted.problem.parameters, place, parameters,
                          std::vector<double>(parameters.free_count, 0.0));
-    if (jitter->free) // those searches took the leap at the change for jitter
+    if (jitter->free) // the earlier searches took the leap at the change for jitter
       place[jitter->index] = jitter->coordinate_of(guess_noise(*fitted.problem.data).jitter_s);
   }
   return places;

@@ -1,4 +1,4 @@
-// The moment within a swing at which a change came. Private to the fit room.
+// Finds the moment within a swing at which a change came. Private to the fit room.
 #pragma once
 
 #include "fitted.hpp"
@@ -11,8 +11,9 @@ namespace goingrate::timing_model {
 /// usable fit is found.
 void scan_moments(Fitted& fitted, const Fitted& other, const FitOptions& options);
 
-/// Whether the times leap at changes that the fit puts at a crossing, where there is no leap: a
-/// scoring step with the leaps free promises more than `beyond_chance` of 2 log L for each change.
+/// Whether the times leap at changes that the fit puts at a crossing, where a change causes no
+/// leap: true if a scoring step with the leaps free promises more than `beyond_chance` of 2 log L
+/// for each change.
 bool leaps_at_changes(const Fitted& fitted, const FitOptions& options, double beyond_chance);
 
 } // namespace goingrate::timing_model

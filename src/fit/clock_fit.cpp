@@ -53,9 +53,9 @@ void state_amplitudes(const TimingData& data, FitSummary& summary) {
   summary.quality.amplitude_rms_rad = seen > 0.0 ? std::sqrt(sum / seen) : unknown;
 }
 
-// Chi-squared. With jitter alone it is of the residuals, whose sum of squares is `sum`, against
-// the robust scatter of neighbouring beats, which a change in between does not touch. Where the
-// times walk, the residuals tell nothing, but the innovations do.
+// Chi-squared. With no noise but jitter it compares the residuals, whose sum of squares is `sum`,
+// with the robust scatter of neighbouring beats, which a change does not affect. If the times walk,
+// the innovations are used instead of the residuals, which then say nothing.
 void judge_size(const Fitted& fitted, const TimingData& data, double sum, FitQuality& quality) {
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
   quality.of_innovations = fitted.model.walk || fitted.model.drive;
@@ -94,7 +94,7 @@ void state_quality(const Fitted& fitted, const TimingData& data, FitSummary& sum
   }
   quality.rms_s = std::sqrt(sum / n);
   judge_size(fitted, data, weighed, quality);
-  // What rounding leaves is not noise, and may look like anything.
+  // Residuals of rounding are not noise, and may look like anything.
   quality.whiteness_p = is_rounding(fitted) ? unknown : whiteness_p(fitted.seen.white_time);
   quality.bic = fitted.bic;
   const auto free = static_cast<double>(fitted.problem.parameters.free_count);
@@ -137,8 +137,8 @@ void attach_profiles(const ProfiledPlace& all, const ProfiledPlace* few,
   });
 }
 
-// The fit on few beats of a long log, so that its profile is soon searched; not usable if the log
-// has no more.
+// The fit on few beats of a long log, so that its profile can be computed quickly; not usable if
+// the log has no more beats than that.
 Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
   constexpr std::size_t compared_beats = 3000;
   if (fitted.problem.condensed != nullptr || fitted.problem.data->size() < 3 * compared_beats)
@@ -147,7 +147,7 @@ Fitted on_beats_to_profile(const Fitted& fitted, FewBeats& some) {
   return on_few_beats(fitted, some);
 }
 
-// With T0 held, a later T0 is known as well as its ratio to it.
+// If T0 is held, a T0 after a change is known as well as its ratio to the first.
 void take_from_ratio_to_T0(FitSummary& summary) {
   const FittedParameter* first = summary.find("T0");
   if (first == nullptr || first->status != ParameterStatus::fixed) return;
@@ -167,7 +167,7 @@ void take_from_ratio_to_T0(FitSummary& summary) {
   }
 }
 
-// What is not the same by other laws that explain the log as well is not known.
+// A parameter that differs under other laws that explain the log as well is not known.
 void distrust_by_laws(const std::vector<ModelSearch::EqualLaws>& equal, const Fitted& fitted,
                       Certainty& known) {
   constexpr double three_sigma = 3.0;
@@ -183,7 +183,7 @@ void distrust_by_laws(const std::vector<ModelSearch::EqualLaws>& equal, const Fi
     }
 }
 
-// Everything that follows from the chosen fit.
+// States everything that follows from the chosen fit.
 void state(const Fitted& fitted, const ModelSearch& search, double nominal_period_s,
            FitSummary& summary) {
   const Widening& widening = fitted.widening;
@@ -197,7 +197,7 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
                                        "the one that is stated",
                                        laws.changed)});
   summary.termination = fitted.minimum.termination;
-  if (!fitted.minimum.converged) { // it crept along a valley to the end of its patience
+  if (!fitted.minimum.converged) { // it crept along a valley until its steps ran out
     known.distrusted.assign(known.distrusted.size(), true);
     summary.status = FitStatus::stopped_early;
     summary.termination = "stopped on a flat ridge: the log does not determine the parameters";
@@ -239,13 +239,13 @@ void state(const Fitted& fitted, const ModelSearch& search, double nominal_perio
   summary.amplitude_noise_rad = value_of(summary, "amplitude_rms");
   summary.notes.insert(summary.notes.end(), search.notes().begin(), search.notes().end());
   state_contradictions(fitted, summary);
-  constexpr double beyond_chance = 1e-6; // whiteness of a log that a clock explains
+  constexpr double beyond_chance = 1e-6; // probability of residuals as white as a clock's
   if (holds && summary.status != FitStatus::contradicts_log &&
       whiteness_p(fitted.seen.white_time) > beyond_chance)
     list_twins(fitted, summary);
 }
 
-// T0 of the best law, where the terms of friction that the fit has leave it open.
+// T0 under the best law of friction, if the friction terms of the fit leave it open.
 void take_from_best_law(const Decay& decay, FittedParameter& T0) {
   if (decay.laws.empty() || !std::isfinite(decay.laws.front().T0_sigma_s)) return;
   const FrictionLaw& best = decay.laws.front();
@@ -254,7 +254,7 @@ void take_from_best_law(const Decay& decay, FittedParameter& T0) {
   T0.sigma = T0.sigma_by_law = best.T0_sigma_s;
 }
 
-// The intervals reach to the ends of those under every other law of friction that the log allows.
+// Extends the intervals to contain those under every other law of friction that the log allows.
 void widen_by_laws(const Decay& decay, const std::string& own, double FrictionLaw::*value,
                    double FrictionLaw::*sigma, FittedParameter& p) {
   for (const FrictionLaw& law : decay.laws) {
@@ -267,8 +267,8 @@ void widen_by_laws(const Decay& decay, const std::string& own, double FrictionLa
   p.sigma = std::max(p.sigma, 0.5 * (p.high68 - p.low68));
 }
 
-// A free pendulum has one Q and one decay time: those that suppose no law of friction. T0 and
-// lambda0 are stated for all laws that are open.
+// The Q and the decay time stated for a free pendulum assume no law of friction. T0 and lambda0 are
+// stated for all laws that remain open.
 void state_decay(const Decay& decay, FitSummary& summary) {
   const std::string own = summary.model.friction();
   for (FittedParameter& p : summary.parameters) {
@@ -288,7 +288,7 @@ void state_decay(const Decay& decay, FitSummary& summary) {
   summary.decay = decay;
 }
 
-// A period in seconds is only as right as the clock that took the times.
+// A period in seconds is only as accurate as the clock that measured the times.
 void widen_by_time_base(double time_base_sigma, FitSummary& summary) {
   for (FittedParameter& p : summary.parameters) {
     const bool is_T0 = p.name.substr(0, p.name.find('@')) == "T0";
@@ -309,7 +309,7 @@ void widen_by_time_base(double time_base_sigma, FitSummary& summary) {
   rate.sigma = std::hypot(rate.sigma, seconds_gained_per_day(time_base_sigma));
 }
 
-// A search and where it came to rest, which lies in it.
+// A search, and its result, which is a part of the search.
 struct Searched {
   std::unique_ptr<ModelSearch> search;
   const Fitted* fitted = nullptr;
@@ -323,7 +323,7 @@ Searched run_search(const TimingData& data, const Given& given, std::string_view
   return end;
 }
 
-// The search with every change at a crossing or, where the times leap at one, at the moment that
+// The search with every change at a crossing; if the times leap at a change, with the moment that
 // explains them better.
 Searched searched(const TimingData& data, const FitOptions& options, std::string_view what,
                   const FitStage& now) {
@@ -332,8 +332,8 @@ Searched searched(const TimingData& data, const FitOptions& options, std::string
   const auto open = std::count_if(events.begin(), events.end(),
                                   [](const FitEvent& event) { return !event.has_known_moment(); });
   constexpr double worth_a_search = 6.0; // of two leaps: one log in twenty by chance
-  // What no drive explains elsewhere is not mended at the changes. Without noise of the drive a
-  // leap at one colours all that follows.
+  // A misfit elsewhere that no drive explains is not removed at the changes. Without noise of the
+  // drive, a leap at one change affects everything after it.
   const ModelChoice& model = plain.fitted->model;
   const bool is_misfit =
       (model.drive || model.slow) && plain.fitted->widening.largest() >= largest_widening;
@@ -349,7 +349,7 @@ Searched searched(const TimingData& data, const FitOptions& options, std::string
   return better ? std::move(within) : std::move(plain);
 }
 
-// The search without the possible changes, or with them where the log calls for them.
+// The search without the possible changes, or with them if the log needs them.
 Searched searched_with_changes(const TimingData& data, const FitOptions& options,
                                const FitStage& now) {
   Searched plain = searched(data, options, "fitting the model", now);
@@ -425,7 +425,7 @@ void note_displacements(const TimingData& data, FitSummary& summary) {
                      readable(data.elapsed_s[at.beat], 5), readable_signed(1e3 * at.late_s, 3))});
 }
 
-// The residuals are those of the log as it is.
+// The residuals are stated for the log as it is, before anything was subtracted.
 void put_wheels_back(const TimingData& data, FitSummary& summary) {
   const auto add = [](const std::vector<double>& taken, std::vector<double>& residual) {
     for (std::size_t i = 0; i < std::min(taken.size(), residual.size()); ++i)
@@ -435,7 +435,7 @@ void put_wheels_back(const TimingData& data, FitSummary& summary) {
   add(data.wheel_amplitude_rad, summary.amplitude_residual_rad);
 }
 
-// One note for each period: the lines beside a strong one are of the same wheel, whose pace
+// One note for each period: the lines beside a strong one come from the same wheel, whose speed
 // changes.
 void note_wheels(const TimingData& data, FitSummary& summary) {
   constexpr double same_period = 0.01; // relative
@@ -511,7 +511,7 @@ FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitO
 std::optional<ClockParameters> fitted_clock(const FitSummary& fit) {
   if (!fit.has_result() || fit.model.escapement != Escapement::constant_torque) return {};
   constexpr double largest_relative_sigma =
-      0.1;                            // what hangs on the clock is then good to a tenth or so
+      0.1; // quantities that depend on the clock are then good to a tenth
   std::map<std::string, double> last; // later events overwrite earlier ones
   for (const FittedParameter& parameter : fit.parameters) {
     const std::string name = parameter.name.substr(0, parameter.name.find('@'));

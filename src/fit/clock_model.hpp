@@ -1,5 +1,5 @@
-// The averaged clock as a function of its parameters: when it should have crossed, and how large it
-// swung. Private to the fit room.
+// The averaged clock as a function of its parameters: the times at which it should have crossed,
+// and its amplitude there. Private to the fit room.
 #pragma once
 
 #include "course.hpp"
@@ -21,13 +21,13 @@ namespace goingrate::timing_model {
 
 inline constexpr double untouchable_angle = 1e-9; ///< of a pendulum without an escapement
 
-/// The parameters that hold at present, and where the clock stood when they began to.
+/// The parameters now in force, and the state of the clock when they came into force.
 template <class T> struct Going {
   T T0{};
   AveragedLaws<T> laws{};
   T amplitude2_start{};
-  T cycle{};  ///< at which they began to hold, not always a whole one,
-  T late_s{}; ///< when the clock came to it, less cycle * reference period
+  T cycle{};  ///< at which they came into force, not always a whole number
+  T late_s{}; ///< time at which the clock reached it, minus cycle * reference period
 };
 
 template <class T>
@@ -66,22 +66,22 @@ void apply_changes(const Parameters& parameters, std::span<const T> x, std::size
       break;
     }
     default:
-      break; // not of the clock
+      break; // not a parameter of the clock
     }
   }
 }
 
-/// What the model says of one beat.
+/// The model's prediction for one beat.
 template <class T> struct Sight {
-  T late_s{};     ///< t_i less the model's time: (psi(t_i) - 2 pi n_i) T0 / (2 pi psi')
+  T late_s{};     ///< t_i minus the model's time: (psi(t_i) - 2 pi n_i) T0 / (2 pi psi')
   T amplitude2{}; ///< x
   T T0{};
   const AveragedLaws<T>* laws = nullptr;
   bool settled = false;
 };
 
-/// Follows the clock along `data` and calls see(i, sight) at every beat; false where the model does
-/// not hold (the amplitude comes down to the escapement, or is not finite).
+/// Follows the clock along `data` and calls see(i, sight) at every beat; false if the model does
+/// not hold (the amplitude falls to the escapement angle, or is not finite).
 template <class T> class Follower {
 public:
   Follower(const Parameters& parameters, std::span<const T> x, const TimingData& data)
@@ -123,8 +123,8 @@ private:
     T coefficient;
   };
 
-  // What is late in phase is late in time by the rate: without the division a model that runs
-  // slow would shrink the noise, and be preferred for it.
+  // A lateness in phase becomes one in time on division by the rate. Without the division a model
+  // that runs slow would shrink the noise, and be preferred for it.
   T late(std::size_t i, const typename Course<T>::State& state) const {
     using std::asin, std::sqrt;
     const T longer = going_.T0 - data_.reference_period_s;
@@ -137,7 +137,7 @@ private:
     return value;
   }
 
-  // The parameter that the moment of an event adds; 0 where the event came at a crossing.
+  // The parameter for the moment of an event; 0 if the event came at a crossing.
   [[nodiscard]] T at_event(Quantity quantity, std::size_t event) const {
     const Slot* slot = parameters_.find(quantity, event);
     return slot == nullptr ? T(0.0) : slot->value(x_);
@@ -171,7 +171,8 @@ private:
     return begin(before, sqrt_of(state->amplitude2) * leap, moment, course);
   }
 
-  // Begins a course with the laws that hold now, where the clock stands with `amplitude`.
+  // Begins a course with the laws now in force, from the present place of the clock and
+  // `amplitude`.
   bool begin(const Going<T>& before, const T& amplitude, const T& moment, Course<T>& course) {
     const Leap<T> leap =
         leap_between(before.laws, going_.laws, amplitude, moment, T(going_.T0 / before.T0));

@@ -11,7 +11,7 @@ std::shared_ptr<const CondensedLog> CondensedLog::of(const TimingData& data,
                                                      const std::vector<double>& event_cycles,
                                                      double relaxation_cycles) {
   constexpr std::size_t least_block_beats =
-      3 * nodes_a_block; // beats a block for which it is worth while
+      3 * nodes_a_block; // beats per block that make it worthwhile
   const double longest = 0.7 * relaxation_cycles;
   if (!(longest >= static_cast<double>(least_block_beats))) return nullptr;
   auto log = std::make_shared<CondensedLog>();
@@ -90,7 +90,7 @@ std::size_t CondensedLog::pattern_of(std::span<const double> cycle) {
   Pattern pattern;
   pattern.nodes = chebyshev_places(relative.size());
   const Eigen::MatrixXd polynomials = lagrange(relative, pattern.nodes);
-  constexpr double largest_coefficient = 5.0; // 2.3 if the beats are even
+  constexpr double largest_coefficient = 5.0; // 2.3 if the beats are evenly spaced
   pattern.swings = !(polynomials.cwiseAbs().maxCoeff() < largest_coefficient);
   pattern.qr.compute(polynomials);
   pattern.triangle.triangularView<Eigen::Upper>() = pattern.qr.matrixQR().topRows<nodes_a_block>();

@@ -12,7 +12,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// Whether the clock is at the edge of where the equations hold: the log is another's.
+// Whether the clock is at the limit of the equations' validity: the log comes from something else.
 bool leaves_the_domain(const Fitted& fitted) {
   constexpr double bound_margin = 1e-6; // of a logarithm
   const Parameters& parameters = fitted.problem.parameters;
@@ -22,7 +22,7 @@ bool leaves_the_domain(const Fitted& fitted) {
   });
 }
 
-// A stretch whose innovations are far larger than elsewhere, by medians over blocks.
+// Finds a stretch whose innovations are far larger than elsewhere, by medians over blocks.
 struct RoughStretch {
   double from_s, to_s, times; ///< how much larger
 };
@@ -52,9 +52,9 @@ std::optional<RoughStretch> rough_stretch(const Fitted& fitted) {
   return rough;
 }
 
-// Between two pushes the swing is free, and its friction shows whatever the pushes give. A drive
-// that waits for the swing to fall holds the amplitude, and the fit of a mean drive then takes the
-// memory of that for friction.
+// Between two pushes the swing is free and shows its friction, whatever the pushes give. A drive
+// that waits for the swing to fall regulates the amplitude, and a fit with a mean drive mistakes
+// the memory of that regulation for friction.
 std::optional<FitNote> other_friction_between_pushes(const Fitted& fitted) {
   const auto& pushes = fitted.problem.data->impulses;
   const Slot& slot = *fitted.problem.parameters.find(Quantity::epsilon);
@@ -93,8 +93,8 @@ std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& qual
   constexpr double least_p_value = 1e-6;
   if (found.empty() && quality.p_value < least_p_value)
     found.push_back({NoteKind::misfit,
-                     fmt::format("the times stray from the best fit by {} times what "
-                                 "neighbouring beats scatter by: no clock of this model explains "
+                     fmt::format("the times stray from the best fit by {} times the "
+                                 "scatter of neighbouring beats: no clock of this model explains "
                                  "this log",
                                  readable(std::sqrt(quality.chi2 / quality.dof), 3))});
   return found;

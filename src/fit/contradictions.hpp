@@ -1,4 +1,4 @@
-// What a log contradicts in its fit: the model itself, or a prior. Private to the fit room.
+// Finds what a log contradicts in its fit: the model itself, or a prior. Private to the fit room.
 #pragma once
 
 #include "fitted.hpp"
@@ -7,7 +7,8 @@
 
 namespace goingrate::timing_model {
 
-/// Notes on what shows that the log is not of the clock that fits it best; empty if nothing does.
+/// Notes on the evidence that the log does not come from the clock that fits it best; empty if
+/// there is none.
 std::vector<FitNote> contradictions(const Fitted& fitted, const FitQuality& quality);
 
 /// Notes the priors from which the log has pulled its parameters far away.

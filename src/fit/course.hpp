@@ -29,9 +29,9 @@ template <class T> double plain(const T& value) { return value.a; }
 /// The laws of a clock while its parameters are constant, as right sides of the averaged equations.
 template <class T> struct AveragedLaws {
   Escapement escapement = Escapement::constant_torque;
-  bool linear = true; ///< friction has no other term, not even one that is 0 at present
+  bool linear = true; ///< friction has no term but the linear one, not even one that is now 0
   T epsilon{}, mu{}, phi0{}, quadratic{}, dry{};
-  T circular{1.0 / 16.0}; ///< s/16: what the rate loses for each unit of x
+  T circular{1.0 / 16.0}; ///< s/16: the loss of rate per unit of x
 
   friend bool operator==(const AveragedLaws&, const AveragedLaws&) = default;
 
@@ -85,8 +85,9 @@ template <class T> struct AveragedLaws {
     return mu / (x * y) * (T(0.5) - y2 / x) * (2.0 / std::numbers::pi);
   }
   [[nodiscard]] T rate(const T& x) const { return push(x) - x * circular; }
-  /// Whether the swing passes the escapement and falls short of the top, whose x is that of half a
-  /// turn, (1 - s) pi^2 + 4 s; with s above 1, where the top comes earlier, to 1 % up to s = 1.1.
+  /// Whether the swing passes the escapement and does not reach the top, whose x is that of half a
+  /// turn, (1 - s) pi^2 + 4 s. With s above 1 the top is reached earlier; up to s = 1.1 that x is
+  /// right to 1 %.
   [[nodiscard]] bool reaches(const T& x) const {
     constexpr double half_turn2 = std::numbers::pi * std::numbers::pi;
     return plain(x) > plain(phi0) * plain(phi0) &&
@@ -102,11 +103,11 @@ template <class T> struct AveragedLaws {
   static bool averages(const T& rate) { return std::abs(plain(rate)) < 0.5; }
 };
 
-/// Amplitude and phase about one time, as power series of what has passed since.
+/// Amplitude and phase about one time, as power series in the time since then.
 ///
-/// With v = 1/lambda, a = 1 - phi0^2 v^2 and r = a^(1/2), of the impulse a^(-1/2):
+/// With v = 1/lambda, a = 1 - phi0^2 v^2 and r = a^(1/2), or a^(-1/2) for the impulse:
 ///   lambda' = (D v - 2 eps lambda - (8/3pi) k lambda^2 - (4/pi) c) / 2,
-///   push    = (2 mu/pi) v r,  of the impulse -(e phi1/2pi) v^3 r,
+///   push    = (2 mu/pi) v r,  or -(e phi1/2pi) v^3 r for the impulse,
 /// and the coefficients of v and r follow from v lambda = 1 and a r' = +-1/2 a' r.
 template <class T> class CourseSeries {
 public:
@@ -121,9 +122,10 @@ public:
   [[nodiscard]] T amplitude(const T& since) const { return sum(amplitude_, since); }
   [[nodiscard]] T phase_excess(const T& since) const { return sum(phase_, since); }
 
-  /// How far the series hold to rounding, `decay` e-foldings of the way to rest being over. What
-  /// the amplitude no longer shows its derivatives may, so the relaxation limits a step too; near
-  /// rest less so, for its part in them has died away as well.
+  /// How far the series are exact to rounding, after `decay` e-foldings of the approach to rest.
+  /// The derivatives may still show a relaxation that the amplitude no longer shows, so the
+  /// relaxation limits a step too; near rest it limits it less, because its part in the derivatives
+  /// has died away as well.
   [[nodiscard]] double reach(double decay) const {
     constexpr double rounding = 1e-15, relaxations = 0.7; // 0.7^14/14! = 8e-14
     const double slope = std::abs(plain(laws_.growth_slope(amplitude_[0] * amplitude_[0])));
@@ -216,15 +218,15 @@ public:
     if (!laws.closed()) go_on_from(0.0, sqrt(amplitude2), T(0.0));
   }
 
-  /// The state at t; nothing where the model does not hold. Cost where there is no closed form: the
-  /// sums of two series, and an expansion for each step from where it was asked last, about 25 from
-  /// any start to rest.
+  /// The state at t; nullopt if the model does not hold. Cost without a closed form: the sums of
+  /// two series, and an expansion for each step from the last time asked for, about 25 from any
+  /// start to rest.
   std::optional<State> at(const T& t) {
     if (settled()) return settled_at(t);
     if (laws_.closed()) return in_closed_form(t);
     return series_ ? by_series(t) : std::nullopt;
   }
-  /// Whether amplitude and rate stand still: what is left of the way to rest is below the rounding
+  /// Whether amplitude and rate are constant: the remaining approach to rest is below the rounding
   /// of a double.
   [[nodiscard]] bool settled() const { return decay_ > 45.0; }
   [[nodiscard]] const AveragedLaws<T>& laws() const { return laws_; }
@@ -252,8 +254,8 @@ private:
   }
 
   std::optional<State> by_series(const T& t) {
-    // To rest it takes some 25, down to the escapement some 100; where a clock rests at the very
-    // edge of it, or runs away from where it might rest, there would be no end of them.
+    // Some 25 steps lead to rest, some 100 down to the escapement. A clock that rests at the very
+    // edge of the escapement, or runs away from a possible rest, would need ever more.
     constexpr int most_steps = 200;
     for (;;) {
       const double left = plain(t) - from_;
@@ -273,7 +275,7 @@ private:
     }
   }
 
-  // Not where the model does not hold; the steps of a clock that turns too fast would never end.
+  // Only where the model holds: the steps of a clock that turns too fast would never end.
   bool go_on_from(double t, const T& amplitude, const T& phase) {
     const T x = amplitude * amplitude, rate = laws_.rate(x);
     if (!laws_.reaches(x) || !laws_.averages(rate)) return false;
@@ -291,8 +293,8 @@ private:
   double from_ = 0.0, reach_ = 0.0;       // and how far they hold
   T phase_{};
   int steps_ = 0;      // taken so far
-  double decay_ = 0.0; // e-foldings of the way to rest that are over
-  T settled_{};        // when
+  double decay_ = 0.0; // e-foldings of the approach to rest so far
+  T settled_{};        // the time at which amplitude and rate became constant
   State rest_{};
 };
 

@@ -17,7 +17,7 @@ struct Cosine {
   double size;
 };
 
-// The cosines k = 1 to `most` of a covariate, less its mean and its linear trend.
+// The cosines k = 1 to `most` of a covariate, without its mean and its linear trend.
 std::vector<Cosine> cosines_of(const RateTerm& term, const std::vector<double>& t, int most) {
   // The mean value between two beats, the middle of that interval, and its width.
   std::vector<double> value, middle, width;

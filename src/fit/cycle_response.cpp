@@ -7,7 +7,7 @@ namespace goingrate::timing_model {
 namespace {
 
 struct Next {
-  double amplitude2 = 0.0; // more than before
+  double amplitude2 = 0.0; // increase
   double late = 0.0;       // of the crossing, in scaled time
 };
 
@@ -79,7 +79,7 @@ CycleResponses::Numbers CycleResponses::as_numbers(const CycleResponse<double>& 
       r.late.uu};
 }
 
-// Nothing where the clock, or one close to it, has no response.
+// nullopt if the clock, or one close to it, has no response.
 std::optional<CycleResponses::Node> CycleResponses::node_at(const ClockParameters& clock,
                                                             const AveragedLaws<double>& laws,
                                                             std::span<const Law> by, double speed2,
@@ -112,7 +112,7 @@ CycleResponses::CycleResponses(const ClockParameters& clock, const AveragedLaws<
   using Laws = AveragedLaws<double>;
   for (const Law law : {&Laws::epsilon, &Laws::mu, &Laws::phi0, &Laws::quadratic, &Laws::dry})
     if (laws.*law != 0.0) by_.push_back(law);
-  // Between neighbouring nodes the factors of the gains are straight to 3e-5, except close to the
+  // Between neighbouring nodes the factors of the gains are linear to 3e-5, except close to the
   // escapement (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap).
   constexpr double ratio = 1.05;
   double at = least_speed2;

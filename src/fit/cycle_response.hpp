@@ -1,5 +1,5 @@
-// What one cycle makes of a disturbance: by the averaged equations, and what the full equation adds
-// to that. Private to the fit room.
+// The response of one cycle to a disturbance: by the averaged equations, and the correction from
+// the full equation. Private to the fit room.
 //
 // With w the departure of lambda^2 from its course at an upward crossing, u the relative departure
 // of the drive and t the lateness, to first order
@@ -9,8 +9,8 @@
 //   kept = exp a,  raised = 2 pi D M,  follow = -T0 g_x M,
 //   kick = -T0 [push + 2 pi g_x D (M - 1)/a].
 // A log obeys the return map at the crossings, whose derivatives differ from these by parts of
-// epsilon and of mu/lambda. Where they pass for an error of phi0 or T0, they have to be known, and
-// at every amplitude that the drive's noise leads the clock to.
+// order epsilon and mu/lambda. Since such differences look like an error of phi0 or T0, they have
+// to be known, at every amplitude to which the drive's noise takes the clock.
 #pragma once
 
 #include "course.hpp"
@@ -33,7 +33,7 @@ template <class T> struct CycleGains {
   T raised{};          ///< rad^2
   T follow{};          ///< s per rad^2
   T kick{};            ///< s
-  T follow_by_drive{}; ///< of follow, s per rad^2 and relative drive
+  T follow_by_drive{}; ///< change of follow with the drive, s per rad^2 and relative drive
 };
 
 /// The gains by the averaged equations; amplitude2 is lambda^2.
@@ -52,12 +52,12 @@ CycleGains<T> averaged_cycle(const AveragedLaws<T>& laws, const T& amplitude2, c
 /// Half the second derivatives by w and by u, and the one by both.
 template <class T> struct CycleBend {
   T ww{}, wu{}, uu{};
-  /// What is of second order, for departures of these mean squares and products.
+  /// The mean of the second-order terms, for departures with these mean squares and products.
   [[nodiscard]] T of(const T& w2, const T& product, const T& u2) const {
     return w2 * ww + product * wu + u2 * uu;
   }
-  /// The covariance of that and of `other`'s for normal departures: ½ tr(H P H' P) with their
-  /// matrices of second derivatives.
+  /// The covariance of the second-order terms with `other`'s, for normal departures: ½ tr(H P H' P)
+  /// with their matrices of second derivatives.
   [[nodiscard]] T covariance(const CycleBend& other, const T& w2, const T& product,
                              const T& u2) const {
     const auto rows = [&](const CycleBend& bend) {
@@ -72,14 +72,14 @@ template <class T> struct CycleBend {
 
 /// The full equation compared with the averaged one, where a clock crosses at one speed.
 template <class T> struct CycleResponse {
-  /// Factors of the gains; for follow and follow_by_drive, which may be 0, what is to be added.
+  /// Factors for the gains; for follow and follow_by_drive, which may be 0, terms to add.
   CycleGains<T> beside{T(1.0), T(1.0), T(0.0), T(1.0), T(0.0)};
   CycleBend<T> amplitude2; ///< rad^2
   CycleBend<T> late;       ///< s
 };
 
 /// The response of a clock that crosses with phi'^2 = `speed2` when its averaged amplitude squared
-/// is `amplitude2`, by differences of its return map; nothing where the map is not regular or the
+/// is `amplitude2`, by differences of its return map; nullopt if the map is not regular or the
 /// averaged swing does not pass the escapement. Gains to 3e-5
 /// (CycleResponseTest.GainsAreTheDerivativesOfTheReturnMap). Cost: nine periods.
 std::optional<CycleResponse<double>> cycle_response(const ClockParameters& clock, double speed2,
@@ -89,8 +89,8 @@ std::optional<CycleResponse<double>> cycle_response(const ClockParameters& clock
 /// The responses of one clock at all speeds it may cross with, and how they change with its laws.
 class CycleResponses {
 public:
-  /// For phi'^2 between these; beyond, those of the nearer end. `offset` is by how much the
-  /// averaged amplitude squared is greater than phi'^2.
+  /// Covers phi'^2 between these two; beyond them the response of the nearer end is used. `offset`
+  /// is the averaged amplitude squared minus phi'^2.
   CycleResponses(const ClockParameters& clock, const AveragedLaws<double>& laws,
                  double least_speed2, double greatest_speed2, double offset);
 
@@ -113,8 +113,8 @@ public:
     return from_numbers(values);
   }
 
-  /// The integrals of the factor of gone and of what is added to follow, over departures of phi'^2
-  /// from `speed2` to `speed2` + w.
+  /// The integrals of the factor for `gone` and of the term added to `follow`, over departures of
+  /// phi'^2 from `speed2` to `speed2` + w.
   template <class T>
   [[nodiscard]] std::pair<T, T> beside_on_the_way(const T& speed2, const T& w,
                                                   const AveragedLaws<T>& laws) const {
@@ -145,7 +145,7 @@ private:
   static std::optional<Node> node_at(const ClockParameters& clock, const AveragedLaws<double>& laws,
                                      std::span<const Law> by, double speed2, double amplitude2);
 
-  // By how much each of the laws `by_` differs from what the responses are for.
+  // By how much each of the laws `by_` differs from its value in the responses.
   template <class T> [[nodiscard]] Changes<T> changed(const AveragedLaws<T>& laws) const {
     Changes<T> changes;
     for (std::size_t l = 0; l < by_.size(); ++l)

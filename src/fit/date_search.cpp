@@ -11,7 +11,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// The best end of one step of scoring, or where it began.
+// The best result of one step of scoring, or its starting point.
 Minimum after_one_step(const FitProblem& problem, const std::vector<double>& x) {
   Minimum there;
   there.x = x;
@@ -32,7 +32,7 @@ Minimum after_one_step(const FitProblem& problem, const std::vector<double>& x) 
   return there;
 }
 
-// The options with one date moved; nothing if it would leave its place among the others.
+// The options with one date moved; nullopt if that would change the order of the dates.
 std::optional<FitOptions> with_moved_date(const FitOptions& options, std::size_t event,
                                           std::int64_t by, double last_cycle) {
   FitOptions moved = options;
@@ -46,7 +46,7 @@ std::optional<FitOptions> with_moved_date(const FitOptions& options, std::size_t
   return moved;
 }
 
-// Dates in the order of time that are moved by steps while that pays.
+// Moves dates by steps as long as L gains, without a change in their order.
 class DateSearch {
 public:
   using Search = Minimum (*)(const FitProblem&, const std::vector<double>&);
@@ -97,8 +97,8 @@ Minimum after_a_search(const FitProblem& problem, const std::vector<double>& x) 
 
 } // namespace
 
-// One step of scoring tells what a date some beats off would gain, where the clock hardly moves
-// with it; along a valley it moves far, and the last beat takes a search.
+// One step of scoring predicts the gain from moving a date by some beats if the clock hardly
+// changes with it. Along a valley the clock changes much, and the last beat needs a search.
 void move_dates(Fitted& fitted, FitOptions& options) {
   const auto is_movable = [](const FitEvent& event) { return event.movable; };
   if (!fitted.minimum.usable ||

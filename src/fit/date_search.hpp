@@ -5,8 +5,8 @@
 
 namespace goingrate::timing_model {
 
-/// Moves the dates that may move, and the fit with them, while that pays. New dates are looked for
-/// with the averaged clock, and taken where the dynamics of the fit prefer them.
+/// Moves the dates that may move, and the fit with them, as long as the likelihood gains by it. New
+/// dates are looked for with the averaged clock, and taken if the dynamics of the fit prefer them.
 void move_dates(Fitted& fitted, FitOptions& options);
 
 } // namespace goingrate::timing_model

@@ -49,15 +49,16 @@ DerivedQuantity unless_undetermined(DerivedQuantity quantity) {
   return quantity;
 }
 
-// What is not stated by itself is not stated in disguise either: if the friction is undetermined,
-// the linear sigmas of what depends on it are those of one place in a long valley.
+// A quantity that depends on an undetermined parameter is not stated: if the friction is
+// undetermined, linear sigmas of quantities that depend on it hold only at one point of a long
+// valley.
 bool friction_known(const FitSummary& summary) {
   const FittedParameter* friction = summary.find("epsilon");
   return friction == nullptr || friction->status != ParameterStatus::undetermined;
 }
 
-// The variance that noise of the drive adds to the times, s^2 a cycle: by the slow gain if the log
-// is long enough to show it, else by the larger of the two gains.
+// The variance that noise of the drive adds to the times, s^2 per cycle: by the slow gain if the
+// log is long enough to show it, else by the larger of the two gains.
 double walk_per_cycle(const FitProblem& problem, std::span<const double> x, const Certainty& known,
                       const Rivals& rivals) {
   const auto of = [&](Quantity quantity, std::span<const double> at) {
@@ -103,10 +104,10 @@ double scatter_of_parts(const TimingData& data) {
   return std::sqrt(sum2 / (parts - 1));
 }
 
-// Mean period of the log: from end to end of the model under noise that walks, else of a straight
-// line; no flat ridge of the clock's parameters can touch it. Sigma: jitter at both ends of a line
-// of N times, j sqrt(12/N)/n, and the walk. A noise whose size the log does not determine counts
-// for no more than the scatter of the rates of eight parts of the log.
+// Mean period of the log: from end to end of the model if its noise makes the times walk, else the
+// slope of a straight line. No flat ridge of the clock's parameters can affect it. Sigma: that of a
+// line through N times with jitter, j sqrt(12/N)/n, and the walk. Noise whose size the log does not
+// determine contributes no more than the scatter of the rates of eight parts of the log.
 DerivedQuantity mean_period(const FitProblem& problem, std::span<const double> x,
                             const Certainty& known, const Rivals& rivals, double widening) {
   const TimingData& data = *problem.data;
@@ -142,7 +143,7 @@ double least_drive(const FitProblem& problem, std::span<const double> x) {
          (clock.laws.epsilon * std::sqrt(most_ratio * most_ratio - 1.0));
 }
 
-// Quantities at the place of the fit.
+// Quantities at the fitted point.
 class AtPlace {
 public:
   AtPlace(const FitProblem& problem, std::span<const double> x, const Certainty& known,
@@ -220,7 +221,7 @@ void state_combinations(const FitProblem& problem, const AtPlace& place, FitSumm
       add_if_known(quantity);
   const FittedParameter* drive = summary.find("drive_rms");
   const FittedParameter* friction = summary.find("epsilon");
-  const bool at_bound = friction != nullptr && friction->at_bound; // its curvature tells nothing
+  const bool at_bound = friction != nullptr && friction->at_bound; // no curvature there
   if (drive == nullptr || drive->status != ParameterStatus::undetermined ||
       summary.model.escapement != Escapement::constant_torque || at_bound)
     return;

@@ -14,8 +14,8 @@ namespace timing_model {
 
 namespace {
 
-// A jump of the times before a beat, in seconds; `scaled` is less where missing beats raise its
-// scatter, so that places with and without them can be compared.
+// A jump of the times before a beat, in seconds; `scaled` is smaller if missing beats raise its
+// scatter, so that places with and without missing beats can be compared.
 struct Jump {
   double size = 0.0, scaled = 0.0;
 };
@@ -47,8 +47,8 @@ Jump jump_at(const TimingData& data, std::size_t at, std::size_t reach) {
   return {size, size / std::sqrt(std::max(jitter, walk))};
 }
 
-// Residual sum of squares of the times around beat `at`: of two parallel lines with a jump at the
-// beat, or, if `corner` is given, of a broken line with its corner there.
+// Residual sum of squares of the times around beat `at`: about two parallel lines with a jump at
+// the beat, or, if `corner` is given, about a line with a corner there.
 double squares_left(const TimingData& data, std::size_t at, std::size_t reach,
                     std::optional<std::size_t> corner) {
   const auto n = static_cast<Eigen::Index>(4 * reach);
@@ -66,7 +66,7 @@ double squares_left(const TimingData& data, std::size_t at, std::size_t reach,
 }
 
 // A displacement happens between two neighbouring beats. A slow walk of the times, or a change of
-// rate near by, does not count as one.
+// rate nearby, does not count as one.
 bool is_sudden(const TimingData& data, std::size_t at, std::size_t reach, double jump,
                double at_once) {
   const std::size_t seen = std::max<std::size_t>(reach, 8);
@@ -133,8 +133,8 @@ void take_off(const Displacement& displacement, TimingData& data) {
 
 } // namespace timing_model
 
-// Real noise has longer tails than a normal one, and where displacements follow one another down to
-// that noise, they are a part of it: those that are taken off have twice the size of all others.
+// Real noise has longer tails than a normal distribution, and displacements of all sizes down to
+// that noise are a part of it. Those that are subtracted must be twice as large as all others.
 void level_displacements(TimingData& data) {
   constexpr std::size_t most = 8;
   constexpr double least_gain = 100.0, most_gain_of_others = least_gain / 4.0;

@@ -7,10 +7,10 @@
 
 namespace goingrate::timing_model {
 
-/// The displacement that gains most, if one is sudden and stands out of the scatter of the times.
+/// The displacement that gains most, if it is sudden and stands out from the scatter of the times.
 std::optional<Displacement> greatest_displacement(const TimingData& data);
 
-/// Takes it off the times, and notes it.
+/// Subtracts the displacement from the times, and notes it.
 void take_off(const Displacement& displacement, TimingData& data);
 
 } // namespace goingrate::timing_model

@@ -1,5 +1,5 @@
-// Whether a log shows a drive, and which laws of it: a free pendulum, a torque or impulses, and
-// what changes at the dates found.
+// Decides whether a log shows a drive, and with which laws: a free pendulum, a torque or impulses,
+// and which parameters change at the dates found.
 #include "model_choice.hpp"
 
 #include "date_search.hpp"
@@ -19,7 +19,7 @@ namespace {
 
 // Whether the amplitude rises anywhere, which it cannot without a drive.
 bool swing_grows(const TimingData& data, double noise_rad) {
-  constexpr std::size_t beats_a_mean = 16; // short enough not to average a rise away
+  constexpr std::size_t beats_a_mean = 16; // few enough not to average a rise away
   // Even the largest of many rises in pure noise stays below this.
   constexpr double least_rise_sigma = 8.0;
   const double sigma = noise_rad / std::sqrt(static_cast<double>(beats_a_mean));
@@ -145,7 +145,7 @@ void ModelSearch::consider_other_laws(const std::vector<FitEvent>& found) {
 
 namespace {
 
-// What a fit by other laws knows of the clock, and what it holds fixed.
+// The parameters that a fit by other laws determines, and those that it holds fixed.
 ModelSearch::EqualLaws knowledge_of(const Fitted& other, const std::string& changed) {
   ModelSearch::EqualLaws knowledge{changed, {}, {}};
   const std::span<const double> x(other.minimum.x);
@@ -160,13 +160,13 @@ ModelSearch::EqualLaws knowledge_of(const Fitted& other, const std::string& chan
 
 } // namespace
 
-// The best rough fit of laws in which event `changed` is of another kind. Not usable where the log
-// is hopelessly far from it.
+// The best rough fit of laws in which event `changed` is of another kind. Not usable if it is
+// hopelessly far from the log.
 Fitted ModelSearch::roughly_fitted_near(const Laws& laws, std::size_t changed,
                                         TimingData& thin) const {
-  constexpr double hopeless_straying = 10.0; // of the jitter: not the doing of a beat
+  constexpr double hopeless_straying = 10.0; // of the jitter: more than an error of one beat
   Fitted best;
-  for (const std::int64_t beats : {0, -1, 1}) { // a search begun a beat off may not get there
+  for (const std::int64_t beats : {0, -1, 1}) { // a search that starts a beat off may not arrive
     FitOptions dated = laws.options;
     dated.events[changed].cycle += beats;
     Fitted there = roughly_fitted(dated, laws.model, thin);
@@ -176,7 +176,7 @@ Fitted ModelSearch::roughly_fitted_near(const Laws& laws, std::size_t changed,
   return best;
 }
 
-// A rough fit brought to rest on all beats, by the full equation of motion.
+// A rough fit, searched to its minimum on all beats by the full equation of motion.
 Fitted ModelSearch::wholly_fitted(const Fitted& rough, FitOptions options) const {
   for (std::size_t k = 0; k < options.events.size(); ++k)
     options.events[k].cycle = std::llround(rough.problem.parameters.event_cycles[k]);
@@ -221,8 +221,8 @@ ModelSearch::equal_laws(const std::vector<FitEvent>& found) const {
   return equal;
 }
 
-// Other laws under a drive that varies from beat to beat, asked for before a slow drive absorbs
-// what wrong laws leave. A thinned log is enough to rank them.
+// Other laws under a drive that varies from beat to beat, compared before a slow drive absorbs the
+// misfit of wrong laws. A thinned log is enough to rank them.
 std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& driven) const {
   constexpr std::size_t enough_to_rank_laws = 2500; // beats
   const FewBeats few =
@@ -247,10 +247,10 @@ std::optional<ModelSearch::Driven> ModelSearch::laws_that_explain(const Driven& 
   return white(fitted) ? std::optional(std::move(other)) : std::nullopt;
 }
 
-// A free pendulum is the simpler model. It is taken where it explains the log as well as a driven
+// A free pendulum is the simpler model. It is taken if it explains the log as well as a driven
 // clock does and the log determines its friction (a stationary log fits any model and determines
-// none); one that is seen to be pushed is not free. Changes that were noticed only in the log may
-// be due to its decaying swing: where it explains the log without them, they are dropped.
+// none), unless pushes are seen. Changes that were found in the log may be due to the decaying
+// swing: if the free pendulum explains the log without them, they are dropped.
 bool ModelSearch::prefers_no_escapement(const ModelChoice& driven, ModelChoice& chosen) {
   const auto is_noticed = [](const FitEvent& event) { return event.movable; };
   if (options_.escapement || all_.impulses || is_told_of_torque() ||

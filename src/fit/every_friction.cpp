@@ -35,8 +35,8 @@ bool correct(FitProblem& problem, FitDynamics dynamics, std::span<const double> 
 
 namespace {
 
-// The problem with every term of friction as a size from 0 on, in units of what would by itself
-// lose what the fit loses at `amplitude`.
+// The problem with every term of friction as a size from 0 on. The unit of a term is the size that
+// would by itself lose as much as the fit does at `amplitude`.
 FitProblem with_all_friction(const Fitted& fitted, const FitOptions& options, double amplitude) {
   ModelChoice model = fitted.model;
   model.quadratic = model.dry = true;
@@ -83,14 +83,14 @@ FrictionCone cone_of(const Fitted& all, const Evaluation& at) {
 
 namespace {
 
-// What a step to the best place that the curvature promises would gain, of L.
+// The gain of L that the curvature promises for a step to the best point.
 double promised_gain(const Evaluation& at, const Eigen::VectorXd& step) {
   return 0.5 * (at.triangle * step).squaredNorm();
 }
 
-// Goes to the best place with friction on its side of 0 by steps to the best place of the parabola
-// about the last, half as far where L does not fall. A search among bounds stops at a term that is
-// 0 although L falls away from it.
+// Goes to the best point with friction not below 0, by steps to the best point of the parabola
+// about the last point, halved if L does not fall. An ordinary search with bounds stops at a term
+// that is 0 although L falls away from it.
 void step_on_the_cone(Fitted& all) {
   constexpr int most_steps = 20;
   constexpr double least_gain = 1e-3, shortest_part = 0.01; // of L; of a step
@@ -116,7 +116,7 @@ void step_on_the_cone(Fitted& all) {
   }
 }
 
-// Brings a fit to rest by its own dynamics; false if that is not possible.
+// Searches a fit to its minimum by its own dynamics; false if that is not possible.
 bool settle_by_dynamics(Fitted& fitted) {
   if (!correct(fitted.problem, fitted.dynamics, fitted.minimum.x)) return false;
   settle(fitted.problem, fitted.minimum, {100});

@@ -10,9 +10,9 @@ namespace goingrate::timing_model {
 namespace {
 
 constexpr double photogate_amplitude_rms_rad = 1e-4; // from the width of a plain photogate's pulse
-constexpr double least_relative_sigma = 1e-6;        // no real clock is steady enough for less
+constexpr double least_relative_sigma = 1e-6;        // no real clock is steady to less
 
-// Evenly spaced beats that are not late, over the cycles of the log: at most a few thousand.
+// At most a few thousand evenly spaced beats without lateness, over the cycles of the log.
 TimingData regular_data(const Fitted& fitted, bool with_amplitudes) {
   constexpr double most_cycles = 4000.0;
   const TimingData& seen = *fitted.problem.data;

@@ -1,4 +1,4 @@
-// The clock as it goes after the last event, and what can be said of it. Private to the fit room.
+// The clock after the last event, and the quantities that describe it. Private to the fit room.
 #pragma once
 
 #include "clock_model.hpp"
@@ -8,15 +8,15 @@ namespace goingrate::timing_model {
 struct FinalClock {
   double T0 = 0.0;
   AveragedLaws<double> laws;
-  double amplitude2 = 0.0; ///< where it tends, or where it started if that is nothing
+  double amplitude2 = 0.0; ///< at which it comes to rest, or its starting value without such
 
-  /// Rate per relative drive, with the amplitude frozen and with it settled.
+  /// Rate per relative drive, at constant amplitude and after the amplitude has settled.
   [[nodiscard]] double fast_gain() const { return laws.push(amplitude2); }
   [[nodiscard]] double slow_gain() const {
     return fast_gain() - laws.drive() * (laws.push_slope(amplitude2) - laws.circular) /
                              laws.growth_slope(amplitude2);
   }
-  /// Q of small swings of that amplitude (dynamics/swing_loss.hpp): 1/(2 epsilon) under linear
+  /// Q of a small swing with that amplitude (dynamics/swing_loss.hpp): 1/(2 epsilon) under linear
   /// friction.
   [[nodiscard]] double q_factor() const {
     const double lambda = std::sqrt(amplitude2);

@@ -1,4 +1,4 @@
-// Starting values of a search, from the data alone.
+// Estimates starting values of a search from the data alone.
 #include "amplitude_clock.hpp"
 #include "fit_setup.hpp"
 
@@ -38,8 +38,8 @@ double rate_jump(const TimingData& data, const Parameters& parameters, std::size
   return mean_rate(data, at, to + 1) - mean_rate(data, from, at + 1);
 }
 
-// The growth of lambda^2 from just after an event to the end of its stretch, supposing that the
-// rate changes by the circular error alone: a single impulse hardly shifts the phase.
+// The growth of lambda^2 from just after an event to the end of its stretch, on the assumption that
+// only the circular error changes the rate: a single impulse hardly shifts the phase.
 double growth_by_rate(const TimingData& data, const Parameters& parameters, std::size_t event) {
   constexpr std::size_t first = 50; // beats: short compared with the relaxation
   const std::size_t begin = first_beat_at(data, parameters.event_cycles.front());

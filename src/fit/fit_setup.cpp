@@ -41,21 +41,21 @@ namespace timing_model {
 namespace {
 
 constexpr double typical_torque = 1e-5; // scale of a changed torque where the first is zero
-// Cycles. A date that is given means some moment of that swing, all equally likely: 1/sqrt 12. A
-// date that is found is seldom further off than this.
+// Cycles. A given date means any moment of that swing, all equally likely: 1/sqrt 12. A date that
+// was found is seldom further off than this.
 constexpr double told_date_sigma = 0.289, found_date_sigma = 1.0;
-// In units of the leaps' scales: what half a cycle of a drive of 4 mu/lambda = 1 % makes.
+// In units of the leaps' scales: the leap from half a cycle of a drive with 4 mu/lambda = 1 %.
 constexpr double leap_sigma = 2.0;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// A parameter as it is when nothing is said about it.
+// The value of a parameter about which nothing is said.
 struct Kind {
   Quantity quantity;
   Coordinate coordinate;
   double scale;
 };
 
-// Sizes that occur in practice, so that a step of one is a moderate one.
+// Sizes that occur in practice, so that a step of one unit is moderate.
 constexpr Kind drag_kind{Quantity::quadratic_drag, Coordinate::multiple, 1e-3};
 constexpr Kind dry_kind{Quantity::dry_friction, Coordinate::multiple, 1e-6};
 constexpr Kind gravity_kind{Quantity::gravity_share, Coordinate::stretch, 1.0};
@@ -240,8 +240,9 @@ void check_known(std::string_view role, const std::string& name,
                       fmt::format("{}{}", fmt::join(known, ", "), meant_instead(name, known)));
 }
 
-// A T0 that is given must be one from which a swing's mean period can come: not below it by more
-// than an escapement hurries, nor above it by more than the widest swing is slow.
+// A given T0 must be compatible with the mean period: it may not be so far above it that no
+// escapement could speed the swing up to it, or so far below it that not even the widest swing is
+// slow enough.
 void check_period(const FitOptions& options, const TimingData& data) {
   const auto given = options.fixed.find("T0");
   const auto share = options.fixed.find("gravity_share");
@@ -288,7 +289,7 @@ void check_names(const FitOptions& options, const TimingData& data) {
   for (const std::string& name : options.freed)
     check_known("free", name, known);
   for (const Prior& prior : options.priors) {
-    // The angle that pushes tell stays with the options when a torque is tried.
+    // The angle found from the pushes stays in the options when a torque is tried.
     const bool is_told_by_pushes =
         prior.name == "impulse_angle" && data.impulses && prior.sigma > 0.0;
     if (is_told_by_pushes && std::find(known.begin(), known.end(), prior.name) == known.end())
@@ -368,8 +369,8 @@ std::optional<CoordinatePrior> planned_prior(const FitOptions& options,
                          RatioOfSlots{slot, *before, event.planned->ratio}};
 }
 
-// How large the leaps at an event can be: by how much half a cycle of the laws before differs from
-// one of the laws after, relative to the amplitude, or in rad of the phase.
+// The largest possible leaps at an event: the difference between half a cycle under the laws before
+// and under those after it, relative to the amplitude, or in rad of the phase.
 double size_of_leaps(const Parameters& parameters, std::size_t event, std::span<const double> x) {
   Going<double> before;
   for (std::size_t k = 0; k < event; ++k)
@@ -383,7 +384,7 @@ double size_of_leaps(const Parameters& parameters, std::size_t event, std::span<
          2.0 * std::abs(a.epsilon - b.epsilon) + std::abs(after.T0 / before.T0 - 1.0);
 }
 
-// Any moment is equally likely, so the centre is the starting point, where the prior does not pull.
+// All moments are equally likely, so the prior is centred on the starting point and does not pull.
 CoordinatePrior prior_of_moment(const FitOptions& options, const Parameters& parameters,
                                 const Slot& slot, std::span<const double> start) {
   if (slot.quantity == Quantity::moment) {
@@ -429,8 +430,8 @@ std::vector<CoordinatePrior> make_priors(const FitOptions& options, const Parame
 
 namespace {
 
-// A hundredth of what neighbouring beats scatter by adds nothing that could be seen; without a
-// floor the search would follow it down for ever.
+// A hundredth of the scatter of neighbouring beats adds nothing visible; without a lower bound the
+// search would go down for ever.
 double least_visible_jitter(const TimingData& data) {
   constexpr double smallest_jitter_share = 0.01;
   const NoiseGuess noise = guess_noise(data);
@@ -438,14 +439,14 @@ double least_visible_jitter(const TimingData& data) {
                   smallest_jitter_share * std::hypot(noise.jitter_s, noise.walk_s));
 }
 
-// Beyond it no averaged equation holds: Q below 5.
+// With more friction, Q below 5, no averaged equation holds.
 constexpr double largest_epsilon = 0.1;
-// Q of 5 million. Pendulums in vacuum reach some 1e5; and without a bound a misfit that looks like
-// a rate that bends for ever is given to a clock that never settles.
+// Q of 5 million. Pendulums in vacuum reach some 1e5. Without a bound, a misfit that looks like a
+// rate that never stops changing would be attributed to a clock that never settles.
 constexpr double least_epsilon = 1e-7;
 
-// The widest swing that is tried, of those that fall short of the top; any torsion may be where
-// gravity's share is free.
+// The widest swing that is tried, as a part of the swing to the top. If gravity's share is free,
+// torsion pendulums may swing by any angle.
 double largest_lambda(const Parameters& parameters) {
   constexpr double part_of_top = 0.94; // 140 degrees under gravity
   const Slot* share = parameters.find(Quantity::gravity_share);
@@ -471,7 +472,7 @@ std::vector<std::array<double, 2>> make_bounds(const Parameters& parameters,
     if (slot.quantity == Quantity::jitter_rms) low = std::log(least_visible_jitter(data));
     if (slot.quantity == Quantity::amplitude_rms) low = std::log(1e-9); // rad; finer than sensors
     if (slot.quantity == Quantity::drive_rms || slot.quantity == Quantity::slow_rms)
-      high = 0.0; // 1: a drive that turns round drives nothing, and no response is linear there
+      high = 0.0; // 1: at this size the drive changes its sign, and no response is linear
     if (slot.quantity == Quantity::slow_time) {
       low = std::log(2.0 * data.reference_period_s);
       high = std::log(10.0 * data.elapsed_s.back());

@@ -38,7 +38,7 @@ FitProblem with_noise_held(const FitProblem& problem, std::span<const double> st
 
 namespace {
 
-// T0 is nearly linear in the times, so the growth of the residuals sets it at once.
+// The times are nearly linear in T0, so the growth of the residuals gives it in one step.
 void match_mean_rate(const FitProblem& problem, std::vector<double>& x) {
   const Slot& T0 = *problem.parameters.find(Quantity::T0);
   if (!T0.free) return;
@@ -69,7 +69,7 @@ std::vector<Minimum> screened(const FitProblem& problem,
 
 namespace {
 
-// The start that the options give, completed from the log, or else all of the log's own.
+// The start given by the options, completed from the log; without one, all of the log's own starts.
 std::vector<std::vector<double>> starts_of(const FitOptions& options, const Parameters& parameters,
                                            const TimingData& data, const NoiseGuess& noise) {
   auto points = starting_points(parameters, data, noise);
@@ -92,7 +92,7 @@ void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places, do
   const auto at = evaluate(problem, places.front().x);
   if (!at) return;
   Certainty known = certainty(problem, places.front().x, *at, {});
-  known.factor *= std::sqrt(share); // what a sigma is on every beat
+  known.factor *= std::sqrt(share); // the sigma for all beats
   std::vector<Minimum> kept;
   for (const Minimum& place : places)
     if (std::all_of(kept.begin(), kept.end(),

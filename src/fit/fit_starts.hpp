@@ -9,7 +9,7 @@ namespace goingrate::timing_model {
 FitProblem make_problem(const TimingData& data, const FitOptions& options,
                         const ModelChoice& model);
 
-/// The problem with its noise held at what the starting point says.
+/// The problem with its noise held at the values of the starting point.
 FitProblem with_noise_held(const FitProblem& problem, std::span<const double> start);
 
 /// The points that lie in the model's domain with their L, lowest first; a free T0 is set to the
@@ -17,17 +17,18 @@ FitProblem with_noise_held(const FitProblem& problem, std::span<const double> st
 std::vector<Minimum> screened(const FitProblem& problem,
                               const std::vector<std::vector<double>>& points);
 
-/// Drops each place that lies within a sigma of a better one. They are in order of value. Where the
-/// problem's beats are a `share` of those that are to tell places apart, sigma is that of all.
+/// Drops each point that lies within a sigma of a better one; the points are in order of value. If
+/// the problem has only a `share` of the beats that will finally tell points apart, the sigma is
+/// the one for all beats.
 void drop_duplicates(const FitProblem& problem, std::vector<Minimum>& places, double share = 1.0);
 
-/// Where scoring comes to rest on few beats with the noise held, from the best of the log's own
-/// starts and the clocks that a change tells of (or the options' start), all different, lowest
-/// first.
+/// The points at which scoring on few beats, with the noise held, ends: from the best of the log's
+/// own starts and from the clocks inferred from a change, or from the options' start. All differ;
+/// lowest first.
 std::vector<Minimum> finalists(FitProblem problem, const FitOptions& options,
                                const NoiseGuess& noise);
 
-/// Every point with its drive noise at several sizes, and its memory at several lengths.
+/// Every point with drive noise of several sizes and several memories.
 std::vector<std::vector<double>> noise_variants(const std::vector<std::vector<double>>& points,
                                                 const Parameters& parameters,
                                                 const TimingData& data);

@@ -1,4 +1,4 @@
-// What a fit and its choices are called, and where in a summary a name stands.
+// Names of a fit's states and choices, and the lookup of a parameter by name in a summary.
 #include "goingrate/fit/clock_fit.hpp"
 
 #include "goingrate/base/errors.hpp"

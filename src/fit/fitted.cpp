@@ -80,8 +80,8 @@ bool condensed_well(const FitProblem& problem, std::span<const double> x) {
   return few && all && std::abs(*few - *all) < largest_difference;
 }
 
-// Where the misfit is still due to the clock and not to the noise, the clock is fitted first, with
-// the noise held.
+// If the misfit is still due to the clock and not to the noise, the clock is fitted first, with the
+// noise held.
 void settle_clock(const FitProblem& problem, std::vector<double>& x, const SearchLimits& limits) {
   const auto seen = residuals(problem, x);
   if (!seen) return;
@@ -96,7 +96,7 @@ void settle_clock(const FitProblem& problem, std::vector<double>& x, const Searc
   rescale_noise(problem, x);
 }
 
-// Searches a long log by some of its beats first, so that all beats are needed at few places.
+// Searches on some beats of a long log first, so that all beats are needed at few points only.
 void begin_on_few_beats(const FitProblem& problem, std::vector<double>& x,
                         const SearchLimits& limits) {
   constexpr std::size_t enough_beats = 8000;
@@ -125,8 +125,7 @@ void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits) {
   begin_on_few_beats(problem, minimum.x, limits);
   settle_clock(problem, minimum.x, limits);
   minimum = minimise(problem, minimum.x, limits);
-  // Convergence of the first search is relative to its bad start, which may hide what is left to
-  // gain.
+  // The first search judges its convergence relative to its bad start, and may stop too early.
   if (minimum.usable && !minimum.converged) minimum = minimise(problem, minimum.x, limits);
   if (!minimum.usable || problem.condensed == nullptr || condensed_well(problem, minimum.x)) return;
   problem = on_every_beat(problem);
@@ -204,7 +203,7 @@ std::optional<NoiseShape> noise_shape(const Fitted& fitted) {
 
 namespace {
 
-// What these beats tell of the parameters, by the curvature at a place.
+// The information that these beats hold about the parameters, from the curvature at a point.
 std::optional<Certainty> certainty_on(const FitProblem& problem, const TimingData& beats,
                                       std::span<const double> x) {
   const FitProblem there = problem.on(beats);

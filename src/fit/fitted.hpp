@@ -1,5 +1,4 @@
-// A model where its search came to rest, and how a search is brought there. Private to the fit
-// room.
+// A model at the end of its search, and the steps of a search. Private to the fit room.
 #pragma once
 
 #include "inference.hpp"
@@ -8,7 +7,7 @@
 
 namespace goingrate::timing_model {
 
-/// A model, its problem and where the search came to rest.
+/// A model, its problem and the point at which the search ended.
 struct Fitted {
   ModelChoice model;
   FitDynamics dynamics = FitDynamics::averaged1;
@@ -24,28 +23,29 @@ struct Fitted {
   Certainty known;   ///< with that widening
 };
 
-/// Whether the times are met as closely as their digits allow: then there is no noise to speak of.
+/// Whether the times are fitted as closely as their digits allow, so that there is no noise to
+/// estimate.
 bool is_rounding(const Fitted& fitted);
 
-/// L without the weak priors: these are about the start of a search, and ends of searches from
-/// different starts are to be compared.
+/// L without the weak priors, which depend on the start of a search, so that the ends of searches
+/// from different starts can be compared.
 double value_without_weak_priors(const FitProblem& problem, const Minimum& minimum);
 
 /// -2 log likelihood + k log n, without the weak priors.
 double bayes_criterion(const FitProblem& problem, const Minimum& minimum);
 
-/// Brings a search to rest: the clock first where the misfit says nothing of the noise yet, then
-/// all; on every beat if few do not say the same.
+/// Runs a search to its end: first for the clock alone as long as the misfit says nothing about the
+/// noise, then for everything; on every beat if a few beats do not give the same result.
 void settle(FitProblem& problem, Minimum& minimum, const SearchLimits& limits);
 
-/// Fills in what hangs on the place where the search came to rest; not usable if the model does not
-/// hold there.
+/// Fills in the members that depend on the point at which the search ended; not usable if the model
+/// does not hold there.
 void finish(Fitted& fitted);
 
 /// Rescales free noise to the size of the innovations.
 void rescale_noise(const FitProblem& problem, std::vector<double>& x);
 
-/// Lets a few beats stand for all where nothing but jitter disturbs them.
+/// Lets a few beats stand for all if there is no noise but jitter.
 void condense(FitProblem& problem, std::span<const double> x);
 
 /// Whether every free parameter of the clock is known well.
@@ -53,30 +53,32 @@ bool all_but_known(const FitProblem& problem, const Certainty& known, std::span<
 
 /// Whether the innovations of the amplitudes look white, or are too few to tell.
 bool white_in_amplitude(const Fitted& fitted);
-/// Whether both the times' and the amplitudes' do: then nothing calls for a better model.
+/// Whether the innovations of both times and amplitudes look white, so that nothing calls for a
+/// better model.
 bool white(const Fitted& fitted);
 
-/// Whether the fit knows the clock well enough to be the only place to look from.
+/// Whether the fit determines the clock so well that no other starting point is needed.
 bool knows_its_clock(const Fitted& fitted);
 
-/// `place` moved as `from` moved to `to`: thinned beats or other dynamics move neighbours alike.
+/// `place` shifted by the step from `from` to `to`: thinned beats or other dynamics shift
+/// neighbouring points alike.
 std::vector<double> moved_along(std::vector<double> place, std::span<const double> from,
                                 std::span<const double> to);
 
-/// A place with the noise of single beats that blocks of `together` stand for.
+/// A point with the noise of single beats, from one for blocks of `together` beats.
 std::vector<double> with_noise_of_blocks(const Parameters& parameters, std::vector<double> x,
                                          double together);
 
-/// A place with at least the jitter that neighbouring beats show: beats at a stride hide it under
-/// the walk, and a search finds its way back from too little of it only slowly.
+/// A point with at least the jitter that neighbouring beats show: in beats at a stride the walk
+/// hides the jitter, and a search recovers from too small a jitter only slowly.
 std::vector<double> with_jitter_of(const TimingData& data, const Parameters& parameters,
                                    std::vector<double> x);
 
-/// What the fit says of the spectrum, to thin by; nothing if there is no drive noise.
+/// The spectrum according to the fit, for thinning; nullopt if there is no drive noise.
 std::optional<NoiseShape> noise_shape(const Fitted& fitted);
 
-/// The largest relative loss of information (1 - variance with these beats / variance now) on a
-/// parameter of the clock, if the beats of the fit are used and not these.
+/// The largest relative loss of information about a parameter of the clock, 1 - variance with these
+/// beats / variance now, if the beats of the fit are used instead of these.
 double information_lost(const Fitted& fitted, const TimingData& beats);
 
 } // namespace goingrate::timing_model

@@ -67,7 +67,7 @@ Eigen::VectorXd FrictionCone::likeliest_at(const Eigen::VectorXd& h, double v) c
   return lowest(&h, v).f;
 }
 
-// The bounded coordinates by themselves, the others wherever they are likeliest.
+// The bounded coordinates alone, with the others at their likeliest values.
 FrictionCone FrictionCone::of_bounded() const {
   std::vector<Eigen::Index> own, other;
   for (Eigen::Index k = 0; k < centre_.size(); ++k)
@@ -105,7 +105,7 @@ double FrictionCone::reach(const Eigen::VectorXd& h, double z) const {
     if (bounded_[static_cast<std::size_t>(k)]) own[next++] = h[k];
   if (!(own.norm() > 0.0)) return z; // a sum of others alone
   double reach = std::max(z, bounded.reach_about(bounded.likeliest_, own, z));
-  constexpr double farthest_sigma = 3.0; // from what the log says
+  constexpr double farthest_sigma = 3.0; // from the log's estimate
   for (Eigen::Index k = 0; k < own.size(); ++k) {
     if (!(own[k] > 0.0)) continue;
     const Eigen::VectorXd alone =
@@ -122,7 +122,8 @@ std::array<double, 2> FrictionCone::interval(const Eigen::VectorXd& h, double z)
   const double unit = std::sqrt(h.dot(information_.ldlt().solve(h))); // sigma without bounds
   if (!std::isfinite(unit) || !(unit > 0.0)) return {-infinite, infinite};
   const auto excess = [&](double v) { return lowest(&h, v).fall - wanted; };
-  // The fall is convex in v, so an end lies between the best and where it is above.
+  // The fall is convex in v, so an end lies between the best v and one at which the fall is too
+  // large.
   const auto end_towards = [&](double side) {
     constexpr double farthest = 1e3;
     double outside = z;

@@ -1,4 +1,4 @@
-// How well several sizes that cannot be negative are known together. Private to the fit room.
+// Intervals for sums of sizes that cannot be negative. Private to the fit room.
 #pragma once
 
 #include <Eigen/Dense>
@@ -7,41 +7,43 @@
 
 namespace goingrate::timing_model {
 
-/// Coordinates f of which the likelihood is a parabola: its fall of 2 log L at f is
-/// (f - centre)' information (f - centre). Some of them cannot be below 0, and the top of the
-/// parabola may lie where they are.
+/// Coordinates f in which the logarithm of the likelihood is a parabola: 2 log L falls by
+/// (f - centre)' information (f - centre). Some of them cannot be below 0, but the top of the
+/// parabola may be there.
 ///
 /// The interval of a sum h.f holds every value v at which that fall, minimised over the allowed f
 /// with h.f = v, exceeds its minimum over all allowed f by less than reach^2: the likelihood-ratio
-/// interval (Rust and Burrus 1972). Where the true f lie on bounds the ratio is not that of one
-/// degree of freedom: with sizes that are strongly correlated reach = z covers 57 % for 68 %. So
-/// reach is what the ratio reaches by chance as often as z says, in draws about the likeliest f, or
-/// about one of the bounded coordinates alone if the log allows that: the greatest of these
-/// (RingDownTest.IntervalsOnTheBoundsCover).
+/// interval (Rust and Burrus 1972). If the true f lie on bounds, the ratio does not have the
+/// distribution for one degree of freedom: with strongly correlated sizes, reach = z covers 57 %
+/// instead of 68 %. So reach is the value that the ratio exceeds by chance as often as z implies,
+/// in draws about the likeliest f, or about one of the bounded coordinates alone if the log allows
+/// that: the greatest of these (RingDownTest.IntervalsOnTheBoundsCover).
 class FrictionCone {
 public:
   /// `bounded`: which coordinates cannot be below 0; at most three.
   FrictionCone(Eigen::VectorXd centre, Eigen::MatrixXd information, std::vector<bool> bounded);
 
-  /// The likeliest of all allowed f.
+  /// The likeliest f of all that are allowed.
   [[nodiscard]] const Eigen::VectorXd& likeliest() const { return likeliest_; }
-  /// The likeliest with h.f = v.
+  /// The likeliest f with h.f = v.
   [[nodiscard]] Eigen::VectorXd likeliest_at(const Eigen::VectorXd& h, double v) const;
-  /// The root of the ratio's fall that is not exceeded by chance as often as z says; z at least.
+  /// The square root of the fall that the ratio exceeds by chance as often as z implies; at least
+  /// z.
   [[nodiscard]] double reach(const Eigen::VectorXd& h, double z) const;
   /// Ends of the interval of h.f; infinite where nothing bounds it.
   [[nodiscard]] std::array<double, 2> interval(const Eigen::VectorXd& h, double z) const;
 
 private:
   [[nodiscard]] FrictionCone of_bounded() const;
-  /// The same if f were the truth.
+  /// The reach if f were the truth.
   [[nodiscard]] double reach_about(const Eigen::VectorXd& f, const Eigen::VectorXd& h,
                                    double z) const;
   struct Place {
     Eigen::VectorXd f;
     double fall;
   };
-  /// The lowest fall with h.f = v, or of all if there is no h; infinite where no f is allowed.
+  /// The lowest fall with h.f = v, or without a condition if there is no h; infinite if no f is
+  /// allowed.
   [[nodiscard]] Place lowest(const Eigen::VectorXd* h, double v) const;
 
   Eigen::VectorXd centre_;

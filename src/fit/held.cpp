@@ -15,10 +15,10 @@ void hold(Slot& slot, std::size_t index, std::span<const double> x) {
   }
 }
 
-// What the held coordinate changes of the correction is part of it from now on.
+// The change of the correction by the held coordinate becomes a part of the correction.
 void hold(Correction& correction, std::size_t index, double coordinate) {
   Correction::Slopes& slopes = correction.slopes;
-  if (index >= slopes.late_s.size()) return; // none, or of the noise
+  if (index >= slopes.late_s.size()) return; // no slope, as for the noise
   const auto place = static_cast<std::ptrdiff_t>(index);
   const double moved = coordinate - slopes.at[index];
   const auto fold = [&](std::vector<double>& into, std::vector<std::vector<double>>& by) {

@@ -1,4 +1,4 @@
-// A fit with one coordinate less. Private to the fit room.
+// A fit with one coordinate held. Private to the fit room.
 #pragma once
 
 #include "likelihood.hpp"

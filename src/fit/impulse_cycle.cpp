@@ -32,9 +32,9 @@ Grid on_cycles(const TimingData& data, const std::vector<double>& values, std::s
   return grid;
 }
 
-// The data as far as they are known, cycle by cycle.
+// The known data, cycle by cycle.
 struct Sight {
-  Grid late, amplitude;                           // the second empty where the log has none
+  Grid late, amplitude;                           // the second is empty if the log has none
   double late_noise = 0.0, amplitude_noise = 0.0; // of one value
 };
 
@@ -63,8 +63,8 @@ Sight seen(const TimingData& data, std::size_t most) {
   return sight;
 }
 
-// Pushes that may be, and how much of the squares of times and amplitudes they explain, in units of
-// their noise, in the mean of a cycle: what decides between one number of swings and another.
+// Possible pushes, and how much of the squares of times and amplitudes they explain, in units of
+// their noise, per cycle on average, which decides between one number of swings and another.
 struct Candidate {
   ImpulseCycle pushes;
   double squares = 0.0;
@@ -98,7 +98,7 @@ ImpulseCycle described(const std::vector<double>& pushes, double periods, const 
   return found;
 }
 
-// Pushes once in n periods, wherever they begin.
+// Looks for pushes once in n periods, beginning at any place.
 class RegularSearch {
 public:
   RegularSearch(const Sight& sight, std::size_t n, double price)
@@ -106,9 +106,9 @@ public:
         amplitudes_(less_moving_mean(sight.amplitude, n)), late_(folded_means(times_, n)),
         swing_(folded_means(amplitudes_, n)) {}
 
-  // The best place. A tooth begun one swing early or late and a crossing that is off between make
-  // the same pattern: the third shape is asked for only where the pattern is more than a tooth and
-  // a hump, the crossing being that before the push or that after it, or where these show nothing.
+  // The best place. A tooth that begins one swing early or late makes the same pattern as a
+  // crossing that is off. So the third shape, for the crossing before or after the push, is used
+  // only if the pattern is more than a tooth and a hump, or if these two show nothing.
   [[nodiscard]] std::optional<Candidate> best() const {
     const Sought all = most_shapes(n_), few = few_shapes(n_);
     const std::size_t place = best_place(few), next = (place + 1) % n_;
@@ -127,7 +127,7 @@ public:
     return whole;
   }
 
-  // What a sine of n periods explains.
+  // The sum of squares that a sine of n periods explains.
   [[nodiscard]] double sine() const {
     constexpr std::size_t shapeless = 3; // periods: any pattern of so few is a sine
     if (n_ <= shapeless) return 0.0;
@@ -166,8 +166,8 @@ private:
     if (has_swing() && (!swing || !swing->steady)) return {};
     const double middle = late->gain(middle_shape) + (swing ? swing->gain(middle_shape) : 0.0);
     if (is_whole && !(middle > least_gain)) return {};
-    // A push raises the swing, or comes through the vertical and makes that crossing early; a weak
-    // tooth of a wheel does neither.
+    // A push increases the swing, or runs through the vertical and makes that crossing early; a
+    // weak tooth of a wheel does neither.
     const bool early = is_whole && (*late)[middle_shape].value < 0.0;
     const double raised = has_swing()         ? (*swing)[tooth_shape].value
                           : sought.size() > 1 ? (*late)[hump_shape].value
@@ -185,11 +185,11 @@ private:
   const Sight& sight_;
   std::size_t n_;
   double price_;
-  Grid times_, amplitudes_;          // less what wanders
+  Grid times_, amplitudes_;          // without their slow parts
   std::vector<double> late_, swing_; // the same, folded
 };
 
-// Pushes that each stand out of the amplitudes.
+// Looks for pushes each of which stands out from the amplitudes.
 std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   constexpr double least_height = 12.0; // sigma of a difference
   const Grid& a = sight.amplitude;
@@ -219,7 +219,7 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   const bool is_regular = std::all_of(intervals.begin(), intervals.end(), [&](double interval) {
     return std::fmod(interval, usual) == 0.0; // some may not have been seen
   });
-  if (is_regular && usual <= static_cast<double>(longest_cycle)) return {}; // sought as such
+  if (is_regular && usual <= static_cast<double>(longest_cycle)) return {}; // found as regular
   const double mean = (pushes.back() - pushes.front()) / static_cast<double>(intervals.size());
   const double periods = is_regular ? usual : mean;
   constexpr double least_steady = 0.5; // intervals that vary more are knocks or a hand
@@ -239,7 +239,7 @@ std::optional<Candidate> visible_pushes(const Sight& sight, double price) {
   return found;
 }
 
-// Whether what looks like pushes is the overtone of pushes that are rarer than those sought.
+// Whether apparent pushes are an overtone of pushes that are rarer than those looked for.
 bool is_part_of_longer_cycle(const Sight& sight, const Candidate& found, double price) {
   if (!found.pushes.is_regular) return false;
   constexpr std::size_t rarest = 5; // times the longest cycle sought
@@ -247,7 +247,7 @@ bool is_part_of_longer_cycle(const Sight& sight, const Candidate& found, double 
   for (std::size_t longer = 2 * n;
        longer <= rarest * longest_cycle && longer * least_cycles <= sight.late.size();
        longer += n) {
-    if (longer <= longest_cycle) continue; // was sought
+    if (longer <= longest_cycle) continue; // already looked for
     const auto candidate = RegularSearch(sight, longer, price).best();
     if (candidate && candidate->pushes.gain > least_gain && candidate->squares > found.squares)
       return true;
@@ -277,7 +277,7 @@ std::optional<ImpulseCycle> find_impulse_cycle(const TimingData& data) {
   };
   for (std::size_t n = 2; n <= longest_cycle && n * least_cycles <= sight.late.size(); ++n) {
     const RegularSearch search(sight, n, price);
-    sine = std::max(sine, search.sine()); // more than any pushes: something goes round
+    sine = std::max(sine, search.sine()); // if it explains more than pushes do, a wheel turns
     take(search.best());
   }
   if (!sight.amplitude.empty()) take(visible_pushes(sight, price));

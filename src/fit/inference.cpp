@@ -35,7 +35,7 @@ bool has_prior(const FitOptions& options, const std::string& name) {
                      [&](const Prior& prior) { return prior.name == name; });
 }
 
-// The log adds nothing to the weak prior about the start.
+// Whether the log adds nothing to the weak prior about the start.
 bool tells_nothing(const FitProblem& problem, const Slot& slot, double sigma) {
   constexpr double largest_prior_share = 0.5; // of the prior's sigma
   return std::any_of(problem.priors.begin(), problem.priors.end(), [&](const auto& prior) {
@@ -63,7 +63,9 @@ void state_free(const FitProblem& problem, const Slot& slot, std::span<const dou
   }
   const bool open = !std::isfinite(interval.low68) || !std::isfinite(interval.high68) ||
                     !std::isfinite(interval.low95) || !std::isfinite(interval.high95);
-  // Where the profile is wider than its curvature at the best, the curvature would claim too much.
+  // If the profile is wider than the curvature at its minimum implies, the curvature would claim
+  // too
+  // much.
   if (!open && !may_vanish(slot))
     parameter.sigma = std::max({parameter.sigma, 0.5 * (parameter.high68 - parameter.low68),
                                 0.5 * (parameter.high95 - parameter.low95) / z95});
@@ -178,7 +180,7 @@ void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certain
     double added = 0.0; // to the variance: share times distance squared, in units of it
     for (const Rival& rival : rivals) {
       const double distance = std::abs(rival.x[k] - x[k]) / sigma;
-      // A value is known to within that distance, whichever it is.
+      // Whichever clock is right, the value is known to within that distance.
       constexpr double slight_distance = 1e-3; // of the coordinate: a thousandth
       const bool is_slight = std::abs(rival.x[k] - x[k]) < slight_distance;
       if (distance > rivals_apart && is_slight) added = std::max(added, distance * distance);

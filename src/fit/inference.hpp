@@ -1,4 +1,4 @@
-// What a minimum of the search means. Private to the fit room.
+// The statistics of a minimum of the search: sigmas, rivals, intervals. Private to the fit room.
 #pragma once
 
 #include "fit_setup.hpp"
@@ -10,10 +10,11 @@
 
 namespace goingrate::timing_model {
 
-/// Standard deviations from the middle of a normal distribution to either end of its 95 %.
+/// Half the width of a normal distribution's 95 % interval, in standard deviations.
 inline constexpr double z95 = 1.959964;
 
-/// How much wider sigmas are for correlation left in the innovations of times and of amplitudes.
+/// The factors by which sigmas are widened for correlation left in the innovations of times and of
+/// amplitudes.
 struct Widening {
   double time = 1.0;
   double amplitude = 1.0;
@@ -23,17 +24,17 @@ struct Widening {
 /// If sigmas are widened by more than this, the model does not hold.
 inline constexpr double largest_widening = 2.0;
 
-/// What the data say of the search coordinates, priors included (so it always exists).
+/// What the data say about the search coordinates, priors included (so it always exists).
 ///
 /// With the triangle R of all rows the covariance is the sandwich R^-1 M R^-T, where M is the
-/// identity but for the rows that are widened. Kept as a factor F with covariance F F', so that
-/// small variances are not differences of large ones.
+/// identity except for the rows that are widened. It is kept as a factor F with covariance F F', so
+/// that small variances are not differences of large ones.
 struct Certainty {
   Eigen::MatrixXd factor;
-  Eigen::MatrixXd unwidened; ///< R^-1: what the likelihood curves like
+  Eigen::MatrixXd unwidened; ///< R^-1, from the curvature of the likelihood
   std::vector<bool> distrusted;
-  std::vector<double> reach{}; ///< how much farther than the curvature says the likelihood lets a
-                               ///< coordinate go, see reach_along_the_ridge(); empty: no farther
+  std::vector<double> reach{}; ///< factor by which a coordinate may go farther than the curvature
+                               ///< says, see reach_along_the_ridge(); empty: 1
   [[nodiscard]] double sigma(std::size_t i) const {
     return factor.row(static_cast<Eigen::Index>(i)).norm() * (reach.empty() ? 1.0 : reach[i]);
   }
@@ -41,8 +42,8 @@ struct Certainty {
     return unwidened.row(static_cast<Eigen::Index>(i)).norm();
   }
   [[nodiscard]] Eigen::MatrixXd covariance() const { return factor * factor.transpose(); }
-  /// Whether two places differ by more than a sigma in some coordinate: a search that ended early
-  /// may leave as much.
+  /// Whether two points differ by more than a sigma in some coordinate; a search that ended early
+  /// may be off by that much.
   [[nodiscard]] bool tells_apart(std::span<const double> a, std::span<const double> b) const {
     for (std::size_t k = 0; k < a.size(); ++k)
       if (std::abs(a[k] - b[k]) > sigma(k)) return true;
@@ -54,38 +55,38 @@ struct Certainty {
 Certainty certainty(const FitProblem& problem, std::span<const double> x,
                     const Evaluation& at_minimum, const Widening& widening);
 
-/// Another place the search came to rest at, no worse than three sigma from the best.
+/// Another point at which the search ended, no worse than three sigma from the best.
 struct Rival {
   std::vector<double> x;
-  double behind = 0.0; ///< its L less that of the best
+  double behind = 0.0; ///< its L minus that of the best
 
   /// Its probability, if one of the two is right.
   [[nodiscard]] double share() const { return 1.0 / (1.0 + std::exp(std::max(0.0, behind))); }
 };
 using Rivals = std::vector<Rival>;
 
-/// Widens each sigma to the root mean square distance of the truth if it may lie about a rival as
-/// well as about the best. Marks the coordinates in which a rival is more than 3.5 sigma away, and
-/// all that hang together with one so marked (correlation above 0.99 in size); but where that is
-/// less than a thousandth, it widens the sigma to it. What a sigma covers as it is does not widen
-/// it.
+/// Widens each sigma to the root mean square distance of the truth, which may lie about a rival as
+/// well as about the best. If a rival is more than 3.5 sigma away in a coordinate, the coordinate
+/// is marked instead, together with all that are correlated with it (above 0.99 in size); but if
+/// that distance is less than a thousandth, the sigma is widened to it. A rival that a sigma covers
+/// as it is does not widen it.
 void distrust_by_rivals(const Rivals& rivals, std::span<const double> x, Certainty& known);
 
-/// The sigma of a value, relative to it, up to which it is determined: its three-sigma interval
+/// The largest relative sigma with which a value is determined: its three-sigma interval then
 /// excludes zero.
 inline constexpr double largest_relative_sigma = 1.0 / 3.0;
-/// Sigmas from the best: a rival that is further away lies beyond what three sigma of likelihood
-/// allow.
+/// Sigmas from the best: the likelihood would not allow a rival so far away, at three sigma, if it
+/// were a parabola.
 inline constexpr double rivals_apart = 3.5;
 
 /// Whether the parameter may be small or zero, and then has an upper limit rather than no value.
 bool may_vanish(const Slot& slot);
 
-/// How large a sigma makes this parameter undetermined, in units of its coordinate.
+/// The sigma above which this parameter is undetermined, in units of its coordinate.
 double tolerable_sigma(const FitProblem& problem, const Slot& slot, std::span<const double> x);
 
-/// How far the minimum x lies from that with another `correction`: what x is off by if that one is
-/// right, to first order.
+/// The distance of the minimum x from the minimum with another `correction`, to first order: the
+/// error of x if the other correction is right.
 Eigen::VectorXd shift_by(const FitProblem& problem, std::span<const double> x,
                          const Correction& correction);
 
@@ -93,7 +94,7 @@ Eigen::VectorXd shift_by(const FitProblem& problem, std::span<const double> x,
 struct Interval {
   double low68, high68, low95, high95;
   /// sqrt(2 rise of L)/|z| at points z on one side, the first at 0; 1 for a parabola. z is the
-  /// distance from the minimum in sigmas of the curvature. Two points stand for a straight line.
+  /// distance from the minimum in sigmas of the curvature. Two points define a straight line.
   struct Root {
     std::vector<double> z{0.0, 1.0}, over_z{1.0, 1.0};
   };

@@ -29,7 +29,7 @@ template <class T> NoiseSizes<T> noise_sizes(const Parameters& parameters, std::
 }
 
 // The filter for times disturbed only by jitter and a random walk: it has one state, and its gain
-// does not depend on the clock. N is double where its derivatives are not asked for.
+// does not depend on the clock. N is double if its derivatives are not asked for.
 template <class N> class WalkFilter {
 public:
   explicit WalkFilter(const NoiseSizes<N>& noise)
@@ -59,7 +59,7 @@ private:
   N covariance_{};
 };
 
-// What the corrections of beat i leave of a value at x.
+// The corrections for beat i at x.
 template <class T>
 T less_correction(T value, const std::vector<double>& there,
                   const std::vector<std::vector<double>>& slopes, const std::vector<double>& at,
@@ -183,8 +183,8 @@ double prior_cost(const FitProblem& problem, std::span<const double> x) {
   return sum;
 }
 
-// L's two sums, in compensated arithmetic: in a long log the last gains of a search are 1e-12 of
-// them.
+// The two sums in L, in compensated arithmetic: in a long log the last gains of a search are 1e-12
+// of them.
 struct LikelihoodSums {
   TwoPart<double> squares, logs;
   [[nodiscard]] double value() const { return 0.5 * (squares.value() + logs.value()); }
@@ -370,9 +370,9 @@ std::optional<double> minus_log_likelihood(const FitProblem& problem, std::span<
 }
 
 std::optional<Evaluation> evaluate(const FitProblem& problem, std::span<const double> x) {
-  // Noise without derivatives costs less: under jitter alone every variance is a multiple of one
-  // size. The effect of drive noise depends on the clock, so its variances have derivatives even
-  // where its size is held fixed.
+  // Noise without derivatives costs less: with no noise but jitter every variance is a multiple of
+  // one size. The effect of drive noise depends on the clock, so its variances have derivatives
+  // even if its size is held fixed.
   const Parameters& parameters = problem.parameters;
   const bool walks =
       parameters.has(Quantity::walk_rms) &&

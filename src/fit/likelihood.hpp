@@ -6,7 +6,7 @@
 //   sum of J' r and J' J over the rows  r = e/sqrt F,           J = de/sqrt F,
 //                                       r = (1 - e^2/F)/sqrt 2,  J = dF/(sqrt 2 F),
 // and over rows r = (x - c)/s. The rows are not stored: orthogonal steps fold them into a triangle
-// R and Q'r, which preserves the digits that a product J'J would lose.
+// R and Q'r, which keeps the digits that a product J'J would lose.
 #pragma once
 
 #include "condensed.hpp"
@@ -25,31 +25,31 @@
 
 namespace goingrate::timing_model {
 
-/// What other dynamics add to the prediction of the averaged clock; empty if nothing.
+/// The correction that other dynamics make to the prediction of the averaged clock; empty if none.
 struct Correction {
-  std::vector<double> late_s;    ///< their crossing times less those of the averaged clock
-  std::vector<double> amplitude; ///< their turning angles less those of the averaged clock
+  std::vector<double> late_s;    ///< their crossing times minus those of the averaged clock
+  std::vector<double> amplitude; ///< their turning angles minus those of the averaged clock
   /// How both change with the coordinates of the clock, which come before those of the noise; empty
-  /// where the changes of the averaged clock are close enough.
+  /// if the derivatives of the averaged clock are close enough.
   struct Slopes {
-    std::vector<double> at;                             ///< the place of the corrections
+    std::vector<double> at;                             ///< the point of the corrections
     std::vector<std::vector<double>> late_s, amplitude; ///< for each coordinate, by beats
   };
   Slopes slopes;
-  /// Responses to drive noise, if the model has any: those of each clock, and for each beat which
-  /// of these applies.
+  /// Responses to drive noise, if the model has any: one for each clock, and for each beat which of
+  /// them applies.
   std::shared_ptr<const std::deque<CycleResponses>> clocks;
   std::vector<ResponseAt> responses;
 };
 
-/// A parameter after an event as a multiple of what it was before; either may be held.
+/// A parameter after an event as a multiple of its value before; either value may be held.
 struct RatioOfSlots {
   Slot after, before;
   double ratio = 1.0;
 };
 
-/// A prior on one search coordinate, either weak or stated by the user; or on a ratio, of which
-/// sigma is in the unit of the parameter.
+/// A prior on one search coordinate, either weak or stated by the user; or on a ratio, in which
+/// case sigma is in the unit of the parameter.
 struct CoordinatePrior {
   std::size_t index;
   double centre;
@@ -120,8 +120,8 @@ std::optional<Residuals> residuals(const FitProblem& problem, std::span<const do
 
 /// The first and the last beat.
 TimingData ends_of(const TimingData& data);
-/// How much later the last beat comes after the first than the model predicts, s; empty where the
-/// model does not hold. Cost: that of a few beats.
+/// How much later the last beat comes after the first than the model predicts, s; empty if the
+/// model does not hold. Costs as much as a few beats.
 std::optional<double> late_at_end(const Parameters& parameters, const TimingData& ends,
                                   std::span<const double> x);
 

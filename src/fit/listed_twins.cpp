@@ -20,7 +20,7 @@ struct Listed {
   std::vector<double> sigma{}; // of each coordinate
 };
 
-// The place with sigmas from the likelihood's curvature there; NaN where the model does not hold.
+// The point with sigmas from the likelihood's curvature there; NaN if the model does not hold.
 Listed listed(const FitProblem& problem, Rival place, const Widening& widening) {
   std::vector<double> sigma(place.x.size(), unknown);
   const auto there = evaluate(problem, place.x);
@@ -38,8 +38,8 @@ std::size_t coordinate_that_differs_most(const Rival& a, const Rival& b) {
   return most;
 }
 
-// Whether L rises between the two by as much as at a sigma from a minimum: then their intervals
-// of 68 % do not meet.
+// Whether L rises between the two by as much as one sigma from a minimum, so that their 68 %
+// intervals do not overlap.
 bool are_separated(const FitProblem& problem, const Listed& a, const Listed& b) {
   const std::size_t k = coordinate_that_differs_most(a.place, b.place);
   const Valley valley(problem, a.place.x, k);
@@ -54,8 +54,8 @@ bool are_separated(const FitProblem& problem, const Listed& a, const Listed& b) 
   return pass.usable && pass.value - std::max(a.value, b.value) > rise_at_a_sigma;
 }
 
-// Between clocks that are not separated the truth may be anywhere: the sigma of each reaches the
-// other.
+// Between clocks that are not separated the truth may be anywhere, so the sigma of each is made to
+// reach the other.
 void reach_one_another(const FitProblem& problem, std::vector<Listed>& clocks) {
   const std::vector<Listed> before = clocks;
   for (std::size_t i = 0; i < clocks.size(); ++i)
@@ -69,7 +69,7 @@ void reach_one_another(const FitProblem& problem, std::vector<Listed>& clocks) {
     }
 }
 
-// A parameter that is not determined even if it is this clock has no sigma.
+// A parameter that is not determined even if this clock is the right one has no sigma.
 ClockTwin as_twin(const FitProblem& problem, const Listed& clock) {
   ClockTwin twin{{}, {}, 2.0 * clock.place.behind};
   const std::span<const double> x = clock.place.x;
@@ -84,7 +84,8 @@ ClockTwin as_twin(const FitProblem& problem, const Listed& clock) {
   return twin;
 }
 
-// Whether the second lies within the sigma of the first in every coordinate: both are one then.
+// Whether the second lies within the sigmas of the first in every coordinate; then both are one
+// clock.
 bool is_within(const Listed& one, const Listed& other) {
   for (std::size_t k = 0; k < one.sigma.size(); ++k)
     if (!(std::abs(one.place.x[k] - other.place.x[k]) <= one.sigma[k])) return false;

@@ -97,11 +97,11 @@ ModelSearch::ModelSearch(const TimingData& data, const FitOptions& options)
                         fmt::format("at most {} free ones", most_parameters));
 }
 
-// The model of the first fit: the terms that the options name, and a random walk of the times where
+// The model of the first fit: the terms that the options name, and a random walk of the times if
 // neighbouring beats show one.
 ModelChoice ModelSearch::first_model() const {
   ModelChoice model;
-  // An escapement that rests between its pushes gives impulses.
+  // An escapement that rests between its pushes is modelled by impulses.
   if (all_.impulses && !is_told_of_torque()) model.escapement = Escapement::single_impulse;
   if (options_.escapement) model.escapement = *options_.escapement;
   model.quadratic = names(options_, "quadratic_drag");
@@ -111,8 +111,9 @@ ModelChoice ModelSearch::first_model() const {
   return model;
 }
 
-// Each push displaces the crossings after it by what tells where it comes: the mean drive that is
-// fitted, its saw-tooth being taken off, has the same angle and does not show it.
+// Each push displaces the crossings after it by an amount that depends on its angle. The mean drive
+// that is fitted has the same angle but does not show it, because the saw-tooth has been
+// subtracted, so the angle enters as a prior.
 void ModelSearch::include_angle_of_pushes() {
   if (first_model().escapement != Escapement::single_impulse || names(options_, "impulse_angle"))
     return;
@@ -306,9 +307,9 @@ void ModelSearch::choose_friction() {
   if (determines_friction(best_)) add_terms(best_);
 }
 
-// Chooses the noise, and what else `choose` does, on some of the beats of a long log: a drive that
-// varies shows on them as on all. Where they show no noise beyond the jitter, the fit of all beats
-// stands.
+// Runs `choose`, which chooses the noise and more, on some of the beats of a long log: a varying
+// drive shows in them as well as in all. If they show no noise beyond the jitter, the fit of all
+// beats is kept.
 void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
   if (working_.data.size() < all_.size() || !noise_is_asked_for()) return choose();
   const FewBeats few = few_beats(all_, best_.problem.parameters.event_cycles, most_working_beats);
@@ -332,9 +333,9 @@ void ModelSearch::choose_on_few_beats(const std::function<void()>& choose) {
   best_.problem.data = &working_.data;
 }
 
-// The largest stride that keeps the information, as far as the fit knows: of times alone by their
-// spectrum; where amplitudes tell of the clock, that at which twice as many beats would tell little
-// more.
+// The largest stride that keeps the information, according to the fit. For times alone it follows
+// from their spectrum; with amplitudes it is the stride at which twice as many beats would add
+// little.
 std::size_t ModelSearch::longest_stride(std::size_t now) const {
   constexpr double allowed_loss = 0.04;
   if (!all_.has_amplitude()) return timing_model::longest_stride(*noise_shape(best_), allowed_loss);
@@ -373,9 +374,8 @@ void ModelSearch::thin_by_information() {
   }
 }
 
-// Drops a stated prior that the log by itself excludes: a compromise between the two would be a
-// value that neither supports. This is checked only where the fit with the priors does not explain
-// the log.
+// Drops a stated prior that the log alone excludes: a compromise between the two would be a value
+// that neither supports. This is checked only if the fit with the priors does not explain the log.
 void ModelSearch::leave_out_contradicted_priors() {
   if (options_.priors.empty() || best_.model.walk) return;
   if (best_.minimum.usable && (white(best_) || is_as_small_as(guess_.jitter_s, best_))) return;
@@ -411,15 +411,15 @@ void ModelSearch::leave_out_contradicted_priors() {
   best_ = fit_from_scratch(working_.data, options_, best_.model, guess_);
 }
 
-// With every change at a crossing, the search may pass by the right clock, whose times leap; with
-// free leaps there is less to guide it. So both are searched for places to begin at.
+// With every change at a crossing, the search may miss the right clock, whose times leap; with free
+// leaps it has less to guide it. So the ends of both searches are used as starting points.
 void ModelSearch::find_moments() {
   ModelChoice loose = best_.model;
   loose.moments = ModelChoice::Moments::loose;
   scan_moments(best_, fit_from_scratch(working_.data, options_, loose, guess_), options_);
 }
 
-// The escapement and what changes at the dates found.
+// Chooses the escapement, and the parameters that change at the dates found.
 void ModelSearch::settle_laws() {
   ModelChoice model = first_model();
   ModelChoice free;

@@ -1,4 +1,4 @@
-// The choice of the model that a log demands. Private to the fit room.
+// Chooses the model that a log demands. Private to the fit room.
 #pragma once
 
 #include "model_fit.hpp"
@@ -28,8 +28,8 @@ struct Working {
   Thinning thinning;
 };
 
-/// The search for the model: escapement, noise, friction, dynamics and dates of change, each taken
-/// beyond the simplest only where the log demands it. The escapement is chosen in
+/// The search for the model: escapement, noise, friction, dynamics and dates of change, each made
+/// more complex only if the log demands it. The escapement is chosen in
 /// escapement_choice.cpp, the noise in noise_choice.cpp.
 class ModelSearch {
 public:
@@ -38,13 +38,13 @@ public:
     FitOptions options;
     ModelChoice model;
   };
-  /// Laws that explain the log as well as those chosen: what changes, and the parameters that the
-  /// log determines then, by name.
+  /// Laws that explain the log as well as the chosen ones: which parameters change, and the values
+  /// that the log then determines, by name.
   struct EqualLaws {
     std::string changed;
     std::map<std::string, double> values, sigmas;
   };
-  /// What a search settled before it looked at the noise, and what it has to say of that.
+  /// What a search had settled before it looked at the noise, with the notes about that.
   struct Settled {
     Laws laws;
     std::vector<EqualLaws> equal;
@@ -53,12 +53,12 @@ public:
   };
 
   ModelSearch(const TimingData& data, const FitOptions& options);
-  /// By the laws of another search of the same data, with changes that may come at any moment where
-  /// they are not said to come at a crossing.
+  /// Starts from the laws of another search of the same data, with changes that may come at any
+  /// moment unless they were stated to come at a crossing.
   ModelSearch(const TimingData& data, const Settled& settled);
 
-  /// Runs the search, which is told as what it does: "fitting the model". The result points into
-  /// this object.
+  /// Runs the search. `what` names it in messages about its progress: "fitting the model". The
+  /// result points into this object.
   const Fitted& run(std::string_view what, const FitStage& now);
   [[nodiscard]] const Thinning& thinning() const { return working_.thinning; }
   [[nodiscard]] const std::string& chosen_by() const { return chosen_by_; }
@@ -123,8 +123,8 @@ private:
   Working working_;
   TimingData finer_; ///< the beats that thin_by_information() keeps
   Fitted best_;
-  /// The fit with or without slow drive that the log hardly tells from the chosen one, and where
-  /// that one was then.
+  /// The fit with or without slow drive that the log hardly distinguishes from the chosen one, and
+  /// the point at which the chosen one was then.
   struct OtherNoise {
     Rival rival;
     std::vector<double> beside;

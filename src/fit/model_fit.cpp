@@ -25,8 +25,8 @@ bool has_too_many(const FitProblem& problem) {
 constexpr std::size_t enough_to_screen = 2500; // beats, enough to distinguish starts
 constexpr std::size_t enough_to_rank = 1000;   // beats, enough to rank many starts
 
-// A change that is held fixed may block the way from every start to the best minimum. The minimum
-// of the same model with the change free is a start beyond that barrier.
+// A change that is held fixed may separate every start from the best minimum. The minimum of the
+// same model with the change free is a start beyond that barrier.
 std::optional<std::vector<double>>
 start_from_free_changes(const TimingData& data, const FitOptions& options, const ModelChoice& model,
                         const NoiseGuess& noise, const Parameters& parameters,
@@ -46,9 +46,9 @@ bool is_likelier(const FitProblem& problem, std::span<const double> x,
   return there && !(here && *here < *there);
 }
 
-// Times alone show the swing by its circular error, in which gravity's share and the square of the
-// amplitude are one product: the fits with the share held are starts on the ridge that this makes,
-// for periods that grow and that fall as the swing does.
+// Times alone show the swing only by its circular error, which depends on the product of gravity's
+// share and the squared amplitude. The fits with the share held are starts on the resulting ridge,
+// for periods that grow and for periods that fall with the swing.
 std::vector<std::vector<double>>
 starts_at_shares_of_gravity(const TimingData& data, const FitOptions& options,
                             const ModelChoice& model, const NoiseGuess& noise,
@@ -113,8 +113,8 @@ Fitted fit_from_scratch(const TimingData& data, const FitOptions& options, const
 
 namespace {
 
-// The first clock, and those of the others that explain the log best under the guessed noise. Only
-// these are then tried with other noise models.
+// The first clock, and the best of the others under the guessed noise. Only these are then tried
+// with other noise models.
 std::vector<std::vector<double>> likeliest(std::vector<std::vector<double>> clocks,
                                            const FitProblem& problem) {
   constexpr std::size_t most_clocks =
@@ -130,8 +130,8 @@ std::vector<std::vector<double>> likeliest(std::vector<std::vector<double>> cloc
 }
 
 // Starts of a richer model: the minimum of the simpler one and, if that does not determine its
-// clock, every clock that a stationary log could come from. What a clock whose times walk seems to
-// be sure of may be the drive's doing.
+// clock, every clock from which a stationary log could come. If the times walk, what seems to
+// determine the clock may be an effect of the drive.
 std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitProblem& problem,
                                                const ModelChoice& model) {
   const TimingData& data = *problem.data;
@@ -159,8 +159,8 @@ std::vector<std::vector<double>> richer_starts(const Fitted& simpler, const FitP
   return noise_variants(likeliest(std::move(points), problem), parameters, data);
 }
 
-// A slow drive moves the amplitude, and with it the gains. With amplitudes in the log this shows,
-// and first order would attribute it to the wrong clock.
+// A slow drive changes the amplitude, and with it the gains. This shows in a log with amplitudes,
+// and first order would attribute it to a wrong clock.
 bool sees_second_order(const FitProblem& problem, const FitOptions& options) {
   return problem.parameters.has(Quantity::slow_rms) && problem.data->has_amplitude() &&
          options.dynamics != FitDynamics::averaged1;
@@ -175,8 +175,8 @@ std::vector<double> with_likelier_noise(const FitProblem& problem, const std::ve
   return after && before && *after < *before ? rescaled : x;
 }
 
-// How unusual a clock is, in units of 2 log L. Clocks of every friction may explain a log alike
-// whose noise hides the swing's memory; of these the likeliest is one as people have them.
+// How unusual a clock is, in units of 2 log L. If noise hides the swing's memory, clocks of any
+// friction may explain a log equally well; the likeliest of them is one with usual friction.
 double unusualness(const FitProblem& problem, std::span<const double> x) {
   constexpr double usual_epsilon = 3e-4; // Q of 1700
   constexpr double spread = 2.0;         // of its logarithm: Q of 230 to 12000 within one sigma
@@ -230,7 +230,8 @@ Fitted fit_from(const Fitted& simpler, const FitOptions& options, const ModelCho
       if (is_extended) extend(own, tried[i].x);
       tried[i] = minimise(own, with_likelier_noise(own, tried[i].x), {40, 1e-2});
     };
-    // Second order is dear, and starts that differ in their noise mostly lead to one place.
+    // Second order is expensive, and starts that differ in their noise mostly lead to the same
+    // point.
     const std::size_t first = is_extended ? std::min<std::size_t>(2, tried.size()) : tried.size();
     share(first, search);
     constexpr double same_place = 0.5; // of L
@@ -289,7 +290,7 @@ Fitted fit_in_two_steps(std::span<const Fitted* const> simpler, FitOptions& opti
       continue;
     best = value;
     rough = std::move(end);
-    if (white(rough)) break; // nothing calls for a better place
+    if (white(rough)) break; // nothing calls for a better minimum
   }
   if (!rough.minimum.usable) return {};
   move_dates(rough, options); // all beats would explain a wrong date by a slow drive

@@ -1,5 +1,5 @@
-// Which noise a log demands besides the jitter of its sensor: a drive that varies from beat to beat
-// or slowly, or times that walk.
+// Chooses the noise that a log demands besides the jitter of its sensor: a drive that varies from
+// beat to beat or slowly, or times that walk.
 #include "model_choice.hpp"
 
 #include "date_search.hpp"
@@ -20,8 +20,8 @@ namespace {
 // What may wander besides the drive: the times, and the clock's own rate.
 constexpr std::array walks{&ModelChoice::walk, &ModelChoice::wander};
 
-// The place of another fit in the parameters `to`: what it lacks comes from `at`, except that a
-// slow drive which it lacks is negligible.
+// The point of another fit in the parameters `to`: coordinates that it lacks come from `at`, but a
+// slow drive that it lacks is made negligible.
 std::vector<double> place_among(const Parameters& to, std::span<const double> at,
                                 const Fitted& other) {
   std::vector<double> otherwise(at.begin(), at.end());
@@ -33,7 +33,7 @@ std::vector<double> place_among(const Parameters& to, std::span<const double> at
 
 } // namespace
 
-// Whether more than jitter is to be tried: as the options ask, or as the residuals do.
+// Whether more noise than jitter is to be tried, because the options or the residuals ask for it.
 bool ModelSearch::noise_is_asked_for() const {
   const bool walk_is_all = options_.noise == FitNoise::automatic && names(options_, "walk_rms");
   if (options_.noise == FitNoise::jitter || walk_is_all) return false;
@@ -43,10 +43,10 @@ bool ModelSearch::noise_is_asked_for() const {
          !white_in_amplitude(best_);
 }
 
-// A push that comes early or late moves the times and hardly the swing; what warms or bends the
-// pendulum moves its rate. Beside amplitudes, which tell what the drive does, a walk of the times
-// or of the rate shows by itself: takes each where the log calls for it. Under noise of the drive
-// first order is off by what looks like a walk, so second order judges.
+// A push that comes early or late moves the times but hardly changes the swing; what warms or bends
+// the pendulum changes its rate. With amplitudes, which show the drive, a walk of the times or of
+// the rate can be recognised; each is added if the log calls for it. With noise of the drive, the
+// error of first order looks like a walk, so second order is used to judge.
 void ModelSearch::let_clock_wander(Driven& drive, FitDynamics dynamics) const {
   if (!all_.has_amplitude() || white(drive.fitted)) return;
   const FitDynamics judge = std::max(dynamics, FitDynamics::averaged2);
@@ -63,7 +63,7 @@ void ModelSearch::let_clock_wander(Driven& drive, FitDynamics dynamics) const {
   }
 }
 
-// The fit of these laws with a drive that varies slowly too, where the log calls for it.
+// The fit of these laws with a slowly varying drive as well, if the log calls for it.
 Fitted ModelSearch::with_slow_drive(Driven& drive, FitDynamics dynamics) const {
   auto& [options, model] = drive.laws;
   const bool automatic = options.noise == FitNoise::automatic;
@@ -80,7 +80,7 @@ Fitted ModelSearch::with_slow_drive(Driven& drive, FitDynamics dynamics) const {
   // A fit without slow drive may have ended far from the solution: both fits serve as starts.
   Fitted slow = fit_from_any(std::array<const Fitted*, 2>{&drive.fitted, &best_}, options, model);
   if (slow.minimum.usable) refine(slow, dynamics);
-  // What walked beside the fast drive alone may have been the slow one.
+  // A walk found with the fast drive alone may have been the slow drive.
   for (bool ModelChoice::*walk : walks) {
     if (!slow.minimum.usable || !(slow.model.*walk)) continue;
     if (names(options, walk == &ModelChoice::walk ? "walk_rms" : "rate_rms")) continue;
@@ -128,7 +128,7 @@ void ModelSearch::choose_noise() {
   laws.model.jitter = wanted != FitNoise::drive;
   Driven drive{laws, fit_with(laws)};
   if (!drive.fitted.minimum.usable) return;
-  // Without such a drive, changes were dated to explain what it did.
+  // As long as the model had no such drive, changes were dated so as to explain its effects.
   move_dates(drive.fitted, drive.laws.options);
   if (automatic) let_clock_wander(drive, dynamics);
   auto other = white(drive.fitted) ? std::nullopt : laws_that_explain(drive);
@@ -137,7 +137,7 @@ void ModelSearch::choose_noise() {
   Fitted slow = with_slow_drive(drive, dynamics);
   const auto take_laws = [&] {
     if (best_.model.drive) options_.events = drive.laws.options.events;
-    if (best_.model.drive && are_other) settled_.equal.clear(); // they equal the laws before
+    if (best_.model.drive && are_other) settled_.equal.clear(); // equal to the earlier laws
     take_dates_of_best();
   };
   if (automatic) {
@@ -156,18 +156,18 @@ void ModelSearch::take_dates_of_best() {
     options_.events[k].cycle = std::llround(best_.problem.parameters.event_cycles[k]);
 }
 
-// The clock is also inferred from the noise: where a little slow drive is left out, friction and
-// fast drive are wrong by several σ; where it is added without need, intervals are wider. So it has
-// to gain what chance gains in one log of 100, not what BIC asks. Near that limit the fit that is
-// not chosen remains as a rival.
+// The clock is also inferred from the noise: if a little slow drive is left out, friction and fast
+// drive are wrong by several σ; if it is added without need, intervals are wider. So it has to gain
+// as much as chance gains in one log of 100, not as much as BIC asks. Near that limit the fit that
+// is not chosen remains as a rival.
 void ModelSearch::choose_slow_drive(Fitted&& slow) {
   if (!slow.minimum.usable) return;
   if (!best_.model.drive || best_.model.slow) {
     take_if_better(std::move(slow), "the drive varies slowly too");
     return;
   }
-  // Fits compare only under the same dynamics. Where the one without slow drive has simpler ones,
-  // it is repeated from where the other ended.
+  // Fits can be compared only under the same dynamics. If the one without slow drive has simpler
+  // dynamics, it is repeated from the point at which the other ended.
   if (best_.dynamics < slow.dynamics) {
     Fitted same = fit_from(slow, options_, best_.model);
     if (same.minimum.usable && refine(same, slow.dynamics) && same.dynamics == slow.dynamics)

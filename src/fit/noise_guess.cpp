@@ -13,7 +13,7 @@ namespace {
 
 // Robust mean square of the third differences at a stride of usual spacings: of jitter j and a walk
 // w a spacing it is 20 j^2 + 6 stride w^2, of anything smooth over three strides nearly nothing.
-// `relative`: the noise of each value over that of all, or nothing.
+// `relative`: the noise of each value over that of all, or empty.
 double third_differences(const TimingData& data, std::span<const double> series,
                          std::span<const double> relative, std::size_t stride) {
   constexpr std::size_t most_differences = 20000; // known to a per cent
@@ -50,7 +50,8 @@ double least_jitter(const TimingData& data) {
   const double of_doubles = 1e-12 * data.reference_period_s + 4e-16 * data.elapsed_s.back();
   const double grain_s = time_grain(std::min(data.size(), times_for_grain), data.reference_period_s,
                                     [&](std::size_t i) { return data.elapsed_s[i]; });
-  // Half of what the steps of the times hide: a bound that the best value does not meet by chance.
+  // Half the error that the steps of the times cause: a bound that the best value does not reach by
+  // chance.
   return std::max(of_doubles, 0.5 * rounding_sigma(grain_s));
 }
 
@@ -59,7 +60,8 @@ NoiseGuess guess_noise(const TimingData& data) {
   constexpr std::size_t stride = 8;
   const double near = third_differences(data, data.lateness_s, data.time_noise, 1);
   double far = third_differences(data, data.lateness_s, data.time_noise, stride);
-  // Twice the stride doubles what a walk shows, but raises what is smooth 64 times.
+  // Twice the stride doubles the contribution of a walk, but raises that of a smooth course 64
+  // times.
   constexpr double smooth = 8.0;
   if (third_differences(data, data.lateness_s, data.time_noise, 2 * stride) > smooth * far)
     far = near;

@@ -52,7 +52,7 @@ std::string_view word_of(const Words& words, const Value& value) {
   return at == words.end() ? "auto" : at->first;
 }
 
-// Which values a parameter may have, and what else is particular to it.
+// The range of a parameter's values, and its other properties.
 struct Known {
   std::string_view name;
   enum Range { any, not_negative, positive } range;
@@ -171,7 +171,7 @@ private:
     if (!value) refuse(field, expected);
     return *value;
   }
-  // Each item once: of two values one would be ignored.
+  // Each item may be given only once, because one of two values would be ignored.
   void once(const std::string& item) {
     if (!seen_.insert(item).second) refuse(0, fmt::format("one line of {} only", item));
   }
@@ -286,14 +286,15 @@ private:
 std::string_view noise_word(const FitSummary& fit, const FitOptions& options) {
   if (options.noise != FitNoise::automatic) return word_of(noise_words, options.noise);
   const ModelChoice& model = fit.model;
-  if (model.walk || model.wander) return word_of(noise_words, FitNoise::automatic); // no noise of its own name
+  // Walks have no word of their own.
+  if (model.walk || model.wander) return word_of(noise_words, FitNoise::automatic);
   if (model.slow) return word_of(noise_words, FitNoise::slow);
   if (!model.drive) return word_of(noise_words, FitNoise::jitter);
   return word_of(noise_words, model.jitter ? FitNoise::both : FitNoise::drive);
 }
 
-// What the model itself holds (a jitter at rounding) is not the user's choice: it comes back with
-// the model.
+// A parameter that the model itself holds (a jitter at rounding) is not the user's choice: the
+// model holds it again.
 bool belongs(const FittedParameter& p, const FitOptions& options) {
   return p.status != ParameterStatus::fixed || options.fixed.contains(p.name);
 }

@@ -12,7 +12,8 @@
 
 namespace goingrate::timing_model {
 
-/// What a parameter is. The clock's come first, then what acts on the times, then the noise.
+/// The kind of a parameter. The clock's come first, then those that act on the times, then the
+/// noise's.
 enum class Quantity {
   T0,
   epsilon,
@@ -23,13 +24,13 @@ enum class Quantity {
   gravity_share,
   lambda0,
   offset,          ///< of the sensor
-  amplitude_scale, ///< what the amplitude column shows over what the pendulum does
+  amplitude_scale, ///< amplitude in the column over the pendulum's amplitude
   term,            ///< coefficient of a RateTerm
   moment,          ///< cycles from the crossing that dates an event to the event itself
-  late_leap,       ///< s, of the times at an event, where its moment is left open
+  late_leap,       ///< s, of the times at an event, if its moment is left open
   amplitude_leap,  ///< relative, of the amplitude
   jitter_rms,      ///< s, white in time
-  walk_rms,        ///< s a period, white in rate, from no drive
+  walk_rms,        ///< s per period, white in rate, not from the drive
   drive_rms,       ///< relative, white from period to period
   slow_rms,        ///< relative, Ornstein-Uhlenbeck
   slow_time,       ///< s, its correlation time
@@ -38,7 +39,8 @@ enum class Quantity {
 };
 
 inline bool is_noise(Quantity quantity) { return quantity >= Quantity::jitter_rms; }
-/// Whether it belongs to the moment of an event, and so only has to be allowed for.
+/// Whether it belongs to the moment of an event, and is fitted only so that it does not disturb the
+/// other parameters.
 inline bool is_of_moment(Quantity quantity) {
   return quantity == Quantity::moment || quantity == Quantity::late_leap ||
          quantity == Quantity::amplitude_leap;
@@ -47,10 +49,10 @@ inline bool is_of_clock(Quantity quantity) {
   return !is_noise(quantity) && !is_of_moment(quantity);
 }
 
-/// How a parameter is written as the number that is searched for.
+/// How a parameter is expressed by the number that is searched for.
 enum class Coordinate {
   logarithm, ///< value = exp(x): cannot become negative
-  multiple,  ///< value = scale x: may become zero, as a drive that is cut off
+  multiple,  ///< value = scale x: may become zero, such as a drive that is cut off
   stretch,   ///< value = scale (1 + x): T0 about the mean period, gravity_share about 1
 };
 
@@ -105,9 +107,9 @@ struct Parameters {
   std::vector<std::string> term_names; ///< of the RateTerms, for names
   std::vector<double> event_cycles;    ///< in order; event k of the slots is entry k - 1
   std::size_t free_count = 0;
-  /// lambda0 over the averaged amplitude at the start. 1 for averaged1, where lambda0 is that
-  /// average; for other dynamics lambda0 is the velocity at the crossing, and the ratio is that
-  /// of the limit cycle, so that a stationary start is stationary in both.
+  /// lambda0 over the averaged amplitude at the start. It is 1 for averaged1, where lambda0 is that
+  /// average. For other dynamics lambda0 is the velocity at the crossing, and the ratio is taken
+  /// from the limit cycle, so that a stationary start is stationary in both.
   double start_ratio = 1.0;
 
   [[nodiscard]] const Slot* find(Quantity quantity, std::size_t event = 0) const {
@@ -120,9 +122,9 @@ struct Parameters {
     const Slot* slot = find(quantity);
     return slot != nullptr && slot->free;
   }
-  /// Adds a slot; a free one gets the next place in x.
+  /// Adds a slot; a free one gets the next index in x.
   void add(Slot slot);
-  /// The name a result has: "epsilon", "mu@1", "impulse", "temperature".
+  /// The name of the parameter in results: "epsilon", "mu@1", "impulse", "temperature".
   [[nodiscard]] std::string name_of(const Slot& slot) const;
 };
 

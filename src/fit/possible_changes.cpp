@@ -18,7 +18,7 @@ double cycle_of(const Parameters& parameters, const Slot& slot) {
   return slot.event == 0 ? 0.0 : parameters.event_cycles[slot.event - 1];
 }
 
-// The place among more parameters where nothing changes but what changed before.
+// The point, in a model with more changes, at which only the earlier changes happen.
 std::vector<double> same_place(const Parameters& from, std::span<const double> x,
                                const Parameters& to) {
   std::vector<double> place(to.free_count, 0.0);
@@ -70,8 +70,8 @@ const Slot* before(const Parameters& parameters, const Slot& changed) {
   return last;
 }
 
-// A change as a constraint: by how much each of its parameters differs from what was in force
-// before, in coordinates, and the derivatives of that.
+// A change as a constraint: the difference of each of its parameters from the value in force
+// before, in coordinates, with its derivatives.
 struct Difference {
   Eigen::VectorXd size;
   Eigen::MatrixXd gradient; // a row for each parameter
@@ -103,8 +103,8 @@ Difference difference_at(const Fitted& fitted, std::size_t event) {
   return difference;
 }
 
-// Where the fit would be without a change, and the 2 log L that this would cost, both by the
-// curvature at its minimum.
+// The minimum without a change, and its cost in 2 log L, both by the curvature at the minimum of
+// the fit.
 struct WithoutChange {
   std::vector<double> x;
   double cost = 0.0;
@@ -123,7 +123,7 @@ WithoutChange foreseen_without(const Fitted& fitted, std::size_t event) {
   return there;
 }
 
-// Cycles in which a swing answers to a change: 1/(2 pi epsilon), or 0 without linear friction.
+// Cycles in which a swing responds to a change: 1/(2 pi epsilon), or 0 without linear friction.
 double answer_cycles(const Fitted& fitted) {
   const Slot* friction = fitted.problem.parameters.find(Quantity::epsilon);
   const double epsilon =
@@ -138,7 +138,8 @@ bool is_near_its_like(const std::vector<FitEvent>& events, std::size_t event, do
   });
 }
 
-// The same model without an event, from where that is foreseen; the dates of the others may move.
+// Fits the same model without an event, starting from its predicted minimum; the dates of the
+// others may move.
 Fitted fitted_without(const Fitted& fitted, std::size_t event, FitOptions& fewer) {
   Fitted there = fitted;
   there.rivals.clear();
@@ -169,7 +170,7 @@ std::optional<FitOptions> without_needless_change(const Fitted& fitted, const Fi
     fewer.events.erase(fewer.events.begin() + static_cast<std::ptrdiff_t>(event));
     return fewer;
   };
-  // A date that the search has moved onto another, or to the end, is no change of its own.
+  // A date that the search has moved onto another one, or to the end, is not a change of its own.
   const std::vector<FitEvent>& events = options.events;
   for (std::size_t event = 0; event < events.size(); ++event) {
     const FitEvent& change = events[event];
@@ -180,7 +181,7 @@ std::optional<FitOptions> without_needless_change(const Fitted& fitted, const Fi
     if (change.movable && !change.planned && (is_on_another || is_at_end))
       return without_event(event);
   }
-  std::optional<Fitted> beside; // the fit on the beats that are looked at
+  std::optional<Fitted> beside; // the fit on the beats that are used
   FewBeats few;
   for (std::size_t event = 0; event < options.events.size(); ++event) {
     const FitEvent& change = options.events[event];

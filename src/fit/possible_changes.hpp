@@ -1,4 +1,4 @@
-// Possible changes: whether a fit without them calls for them, and whether a fit with them can do
+// Tests possible changes: whether a fit without them needs them, and whether a fit with them can do
 // without. Private to the fit room.
 #pragma once
 
@@ -8,21 +8,22 @@
 
 namespace goingrate::timing_model {
 
-/// Two lists of events as one, in order of cycle; of two at one cycle the first list's stays.
+/// Merges two lists of events in order of cycle; of two events at one cycle the first list's is
+/// kept.
 std::vector<FitEvent> joined(const std::vector<FitEvent>& events,
                              const std::vector<FitEvent>& more);
 
-/// What a step of scoring promises L would gain if the parameters that the events of `wider` name
-/// changed there, besides what the fit has already. Its noise, which has had to stand in for these
-/// changes, stays as it is: the real gain is larger.
+/// The gain of L that a step of scoring promises if the parameters named by the events of `wider`
+/// changed there, in addition to the changes of the fit. The noise, which has had to stand in for
+/// these changes, is not refitted, so the real gain is larger.
 double promised_gain(const Fitted& fitted, const FitOptions& wider);
 
-/// The options without one change, the dates of the others moved, if the log does not demand that
-/// change: the fit without it has the better BIC, its date counted as a parameter. Changes whose
-/// date is given, or that were planned, stay. Those tried are smaller than BIC asks for, or so near
-/// another of their kind that the swing has not answered to the first when the second comes: two
-/// dates about one change, neither of them right, look like that. In a log longer than 9000 beats,
-/// 3000 of them are looked at.
+/// The options without one change, and with the dates of the others moved, if the log does not
+/// demand that change: the fit without it has the better BIC, with the date counted as a parameter.
+/// Changes with a given date and planned changes stay. A change is tried if it is smaller than BIC
+/// asks for, or if another of its kind comes before the swing has responded to the first: one
+/// change with two dates about it, neither of them right, looks like that. In a log longer than
+/// 9000 beats, 3000 of them are used.
 std::optional<FitOptions> without_needless_change(const Fitted& fitted, const FitOptions& options);
 
 } // namespace goingrate::timing_model

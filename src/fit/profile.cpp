@@ -33,8 +33,8 @@ public:
     return {low68, high68, low95, high95, low, high};
   }
 
-  /// The fall of 2 log L at z, over the square of the widening; nothing where the ridge is lost. To
-  /// be called at growing distances on one side, then on the other.
+  /// The fall of 2 log L at z, over the square of the widening; nullopt if the ridge is lost. To be
+  /// called at growing distances on one side, then on the other.
   std::optional<double> fall(double z) {
     if (ridge_.last().z * z < 0.0) ridge_.restart();
     if (!ridge_.walk_to(z)) return {};
@@ -74,8 +74,8 @@ private:
       return {root(side * z68 * widening_), root(side * z95 * widening_), line};
     };
     if (!search_ || (shape > 1.0 && shape < largest_shape)) return by_root();
-    // Where L rises slowly the ends lie beyond 1.96 sigma, where L was not evaluated: the ridge is
-    // better than the polynomial, as far as it can be followed.
+    // If L rises slowly, the ends lie beyond 1.96 sigma, where L was not evaluated; there the ridge
+    // is better than the polynomial, as far as it can be followed.
     ridge_.restart();
     feet_ = {{0.0}, {1.0}};
     const double at68 = walk_to_root(z68 * widening_, side);
@@ -199,8 +199,8 @@ std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* f
       result[k] = {x - sigma, x + sigma, x - z95 * sigma, x + z95 * sigma};
       return;
     }
-    // Following the ridge takes long. It is not worth that where the model does not hold or the
-    // parameter is known poorly, to more than this share of a tolerable sigma.
+    // Following the ridge takes long. It is not worthwhile if the model does not hold, or if the
+    // sigma of the parameter is larger than this share of the tolerable one.
     constexpr double searched_share = 0.4;
     const bool search = model_holds && (lopsided || sigma <= searched_share * tolerable);
     const double unit = known.curvature_sigma(k);

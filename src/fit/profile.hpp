@@ -23,14 +23,14 @@ namespace goingrate::timing_model {
 std::vector<Interval> intervals(const ProfiledPlace& all, const ProfiledPlace* few,
                                 bool model_holds);
 
-/// Points of the profile of one parameter from below its 95 % interval to above it: 15 % beyond an
-/// end, or to three sigma where the end is open. They are interpolated between the values that
-/// intervals() left in `interval` and cost no evaluation of L; where it left none, the ridge is
+/// Points of the profile of one parameter, from below its 95 % interval to above it: to 15 % beyond
+/// an end, or to three sigma if the end is open. They are interpolated between the values that
+/// intervals() left in `interval` and cost no evaluation of L; if it left none, the ridge is
 /// followed. ClockFitTest.AProfileIsThatOfFitsWithTheParameterHeld. `few` as for intervals().
 std::vector<ProfilePoint> profile_points(const ProfiledPlace& all, const ProfiledPlace* few,
                                          const Slot& slot, const Interval& interval);
 
-/// What the fit states of the coordinates: their sigmas and intervals.
+/// The sigmas and intervals of the coordinates that the fit states.
 struct Stated {
   Certainty known;
   std::vector<Interval> ends;

@@ -10,7 +10,7 @@
 namespace goingrate::push_shapes {
 
 std::optional<ImpulseCycle::Estimate> angle_of_pushes(const TimingData& data) {
-  constexpr double fewest = 3.0; // swings: of two, the kick contains what the swing's size does
+  constexpr double fewest = 3.0; // swings: with two, the kick contains the circular error
   if (!data.impulses || !data.impulses->is_regular || data.impulses->periods < fewest ||
       !data.impulses->amplitude_step)
     return {};

@@ -30,8 +30,8 @@ PushedSwing swing_between(const Grid& amplitude, const std::vector<double>& push
   return {from_to(*first, *last), std::isfinite(growth) ? growth : 0.0};
 }
 
-// Friction is the same in every part of the log. Pushes that are regular only for a while leave a
-// tooth that comes and goes, and whose mean tells nothing.
+// Checks that friction is the same in every part of the log: pushes that are regular only for a
+// while leave a tooth that comes and goes, whose mean says nothing.
 bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, double periods,
                            const ImpulseCycle::Estimate& epsilon) {
   constexpr std::size_t most_parts = 8, least_cycles_a_part = 8;
@@ -60,7 +60,7 @@ bool is_same_in_every_part(const Grid& amplitude, const Coefficients& swing, dou
 }
 
 // How much more than 2 pi epsilon the logarithm of the amplitude A loses in a period: the action
-// A^2/2 (1 - 5 A^2/96) falls as exp(-2 epsilon t), and a period takes 1 + A^2/16 of T0.
+// A^2/2 (1 - 5 A^2/96) falls as exp(-2 epsilon t), and a period is 1 + A^2/16 times T0.
 double faster_at(double amplitude) { return 1.0 + 11.0 / 96.0 * amplitude * amplitude; }
 
 } // namespace

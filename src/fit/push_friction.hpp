@@ -1,4 +1,4 @@
-// The friction, by how the swing dies away between pushes. Private to the fit room.
+// Estimates the friction from the decay of the swing between pushes. Private to the fit room.
 #pragma once
 
 #include "push_shapes.hpp"
@@ -12,15 +12,15 @@ namespace goingrate::push_shapes {
 /// NaN if none is known.
 double mean_of_known(std::span<const double> values);
 
-/// By the saw-tooth of the amplitude, `swing`: what is lost between two pushes is in proportion to
-/// the amplitude, whatever a push gives. Nothing where it differs from one part of the log to
+/// From the saw-tooth of the amplitude, `swing`: the loss between two pushes is proportional to the
+/// amplitude, whatever a push gives. nullopt if the friction differs from one part of the log to
 /// another.
 std::optional<ImpulseCycle::Estimate> friction_of_teeth(const Grid& amplitude,
                                                         const std::vector<double>& pushes,
                                                         double periods, const Coefficients& swing);
 
-/// Between pushes that are each seen the swing is free: the slope of the logarithm of its
-/// amplitude.
+/// From pushes that are seen one by one, between which the swing is free: the slope of the
+/// logarithm of its amplitude.
 std::optional<ImpulseCycle::Estimate> friction_between(const Grid& amplitude,
                                                        const std::vector<double>& pushes);
 

@@ -15,7 +15,7 @@ namespace {
 double tooth(double m, double n) { return (0.5 * (n + 1.0) - m) / n; }
 double hump(double m, double n) { return 0.5 * m * (n - m) / n - (n * n - 1.0) / (12.0 * n); }
 
-// The crossing in the middle of a push that runs through the vertical, less its mean.
+// The shape of the crossing in the middle of a push that runs through the vertical, minus its mean.
 double middle(double m, double n) { return (m == n ? 1.0 : 0.0) - 1.0 / n; }
 
 constexpr std::array<Shape, 2> no_hump{tooth_shape, middle_shape};
@@ -31,7 +31,7 @@ struct LeastSquares {
     normal += shapes * shapes.transpose();
     right += value * shapes;
   }
-  // Shapes that are not sought have their places in the equations, and nothing to do there.
+  // Shapes that are not looked for keep their places in the equations, with a result of 0.
   [[nodiscard]] Shapes solved(Sought sought) const {
     Eigen::Matrix3d left = Eigen::Matrix3d::Identity();
     Shapes known = Shapes::Zero();
@@ -130,9 +130,9 @@ std::vector<double> regular_pushes(std::size_t first, std::size_t n, double last
 
 namespace {
 
-// Whether values keep their sign from one eighth of the log to the next. Pushes that come at any
-// other interval slip, and their saw-tooth comes and goes: a slip by a fifth of the interval leaves
-// nothing of it. Pushes that grow or weaken on the way are still pushes.
+// Whether values keep their sign from one eighth of the log to the next. Pushes with a different
+// interval slip, and their saw-tooth comes and goes: a slip by a fifth of the interval cancels it.
+// Pushes that become stronger or weaker are still pushes.
 bool is_steady(const std::vector<double>& each, double mean) {
   constexpr std::size_t parts = 8, least = 4; // cycles in a part
   constexpr double weakest = 1.0 / 3.0;       // of the mean
@@ -227,8 +227,8 @@ std::optional<Coefficients> irregular_coefficients(const Grid& values,
 ImpulseCycle::Estimate kick_alone(const ImpulseCycle& pushes) {
   const double tooth = pushes.kick.value;
   const double hump = std::max(0.0, pushes.lateness.value / height_of_hump(pushes.periods));
-  // Of a period, from the vertical to the push: 0.6 rad of phase, within which clocks are pushed. A
-  // crossing that is off by itself leaves the period open.
+  // Share of a period from the vertical to the push: 0.6 rad of phase, within which clocks are
+  // pushed. If the middle crossing alone is off, the period of the push remains open.
   const double share = pushes.middle.value != 0.0 ? 1.0 : 0.1;
   return {tooth - std::clamp(tooth, -hump, 0.0), std::hypot(pushes.kick.sigma, share * hump)};
 }

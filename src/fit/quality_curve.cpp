@@ -12,7 +12,7 @@ namespace {
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// A sum of the coordinates and what the log says of it.
+// A sum of the coordinates, and its estimate from the log.
 class KnownSum {
 public:
   KnownSum(const Fitted& all, const FrictionCone& cone, Eigen::VectorXd weights)
@@ -26,7 +26,7 @@ public:
   [[nodiscard]] double best() const { return h_.dot(cone_.likeliest()); }
   /// Ends at z sigma, by the parabola.
   [[nodiscard]] std::array<double, 2> interval(double z) const { return cone_.interval(h_, z); }
-  /// The same by searches with the sum held, from the ends of the parabola.
+  /// Ends at z sigma by searches with the sum held, from the ends of the parabola.
   [[nodiscard]] std::array<double, 2> searched(double z) const {
     std::array<double, 2> ends = interval(z);
     const double reach = cone_.reach(h_, z);
@@ -35,8 +35,8 @@ public:
     return ends;
   }
 
-  /// Whether L rises as the parabola says where what the dynamics add is found at its ends: along a
-  /// ridge that bends first order may see a minimum where the full equation has none.
+  /// Whether L rises like the parabola if the correction by the dynamics is computed at its ends:
+  /// along a bent ridge, first order may see a minimum where the full equation has none.
   [[nodiscard]] bool holds_by_dynamics() const {
     constexpr double least = 0.4, most = 2.0; // roots of 0.1 and 2 of ln L, for the parabola's 1/2
     for (const double v : interval(1.0)) {
@@ -48,7 +48,7 @@ public:
   }
 
 private:
-  // What the dynamics add to first order: as it is at the best place, or found at each place anew.
+  // The correction of first order by the dynamics: as at the best point, or computed at each point.
   enum class Corrections { of_the_best, of_each_place };
 
   [[nodiscard]] std::optional<FitProblem> problem_at(std::span<const double> x,
@@ -97,7 +97,7 @@ private:
     return std::sqrt(2.0 * std::max(0.0, *value - all_.minimum.value)) / widening_;
   }
 
-  // While the misfit is large, a step of scoring would take all of it for noise.
+  // As long as the misfit is large, a step of scoring would take all of it for noise.
   [[nodiscard]] Eigen::VectorXd with_short_noise_steps(Eigen::VectorXd step) const {
     constexpr double longest = 0.2; // of the logarithm of a size
     for (const Slot& slot : all_.problem.parameters.slots)
@@ -108,7 +108,7 @@ private:
     return step;
   }
 
-  // The root goes nearly straight from 0 at the best: by false position from the parabola's end.
+  // The root rises nearly linearly from 0 at the best sum: false position from the parabola's end.
   [[nodiscard]] double searched_end(double z, double end, double side) const {
     constexpr double tolerance = 0.05, farthest = 4.0; // of z; of the parabola's distance
     const double from = best();

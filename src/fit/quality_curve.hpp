@@ -7,7 +7,7 @@
 
 namespace goingrate::timing_model {
 
-/// An estimate that the log does not tell.
+/// An estimate for a quantity that the log does not determine.
 DecayEstimate nothing_known();
 
 /// Q as a function of the amplitude, from a fit with every term of friction. `all` must outlive it.
@@ -15,7 +15,7 @@ class QualityCurve {
 public:
   QualityCurve(const Fitted& all, const Evaluation& at) : all_(all), cone_(cone_of(all, at)) {}
 
-  /// Whether the full equation agrees with what is found at this amplitude.
+  /// Whether the full equation agrees with the result at this amplitude.
   [[nodiscard]] bool holds_by_dynamics(double amplitude) const;
   /// `factor` times Q.
   [[nodiscard]] DecayEstimate at(double amplitude, double factor = 1.0) const;
@@ -24,7 +24,7 @@ private:
   // 1/Q = weights . coordinates + held.
   struct Loss {
     Eigen::VectorXd weights;
-    double held = 0.0; // by the terms that are not free
+    double held = 0.0; // the part of 1/Q from the terms that are not free
   };
   [[nodiscard]] Loss loss_at(double amplitude) const;
 

@@ -13,7 +13,7 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// A clock's parameters as the dynamics know them.
+// A clock's parameters in the form that the dynamics take.
 ClockParameters clock_of(double T0, const AveragedLaws<double>& laws) {
   ClockParameters clock;
   clock.nominal_period_s = T0;
@@ -52,7 +52,7 @@ Scenario scenario_of(FitDynamics dynamics, const FitProblem& problem, std::span<
   scenario.clock = clock_of(going);
   scenario.start_amplitude = std::sqrt(going.amplitude2_start);
   scenario.periods = static_cast<std::int64_t>(problem.data->cycle.back());
-  constexpr std::int64_t worth_a_map = 500; // periods: from there on its patches pay
+  constexpr std::int64_t worth_a_map = 500; // periods: for more, its patches pay off
   scenario.method.method = dynamics == FitDynamics::averaged2 ? Method::averaged2
                            : *scenario.periods > worth_a_map  ? Method::map
                                                               : Method::direct;
@@ -131,13 +131,13 @@ private:
   double beyond_ = 0.0;  // cycles
 };
 
-// The responses along a course that crosses with these speeds: new ones where the clock changes.
+// The responses along a course that crosses with these speeds; new ones whenever the clock changes.
 class ResponseAlong {
 public:
   ResponseAlong(const std::vector<double>& speed2, bool leaves_its_course) : speed2_(speed2) {
     if (speed2.empty()) return;
     const auto [least, greatest] = std::minmax_element(speed2.begin(), speed2.end());
-    // The range to which a slow drive of a fifth leads the clock at three sigma.
+    // The range of speeds that the clock reaches at three sigma with a slow drive of one fifth.
     least_ = *least * (leaves_its_course ? 0.3 : 1.0);
     greatest_ = *greatest * (leaves_its_course ? 2.0 : 1.0);
   }
@@ -183,7 +183,7 @@ namespace {
 
 // In units of 1/2 epsilon: how long a clock runs until it is taken for settled.
 constexpr double memories_below_rounding = 40.0;
-constexpr double memories_below_slopes = 16.0; // what is left is 1e-7 of what settles
+constexpr double memories_below_slopes = 16.0; // 1e-7 of the approach remains
 
 std::optional<Correction> difference(FitDynamics dynamics, const FitProblem& problem,
                                      std::span<const double> x, double memories,
@@ -211,7 +211,7 @@ std::optional<Correction> difference(FitDynamics dynamics, const FitProblem& pro
   });
   const bool disturbed =
       with_responses && (bare.has(Quantity::drive_rms) || bare.has(Quantity::slow_rms));
-  ResponseAlong responses(speed2, seen.has_amplitude()); // without, the filter knows of none
+  ResponseAlong responses(speed2, seen.has_amplitude()); // without amplitudes, the filter has none
   const bool holds = Follower<double>(bare, x, seen).run([&](std::size_t i, const auto& sight) {
     correction.late_s.push_back(sight.late_s);
     correction.amplitude[i] -= sight.laws->turning_angle(sight.amplitude2);

@@ -1,4 +1,5 @@
-// What first-order averaging lacks, found by running other dynamics once. Private to the fit room.
+// The error of first-order averaging, found by running other dynamics once. Private to the fit
+// room.
 #pragma once
 
 #include "likelihood.hpp"
@@ -12,13 +13,13 @@ namespace goingrate::timing_model {
 double limit_cycle_ratio(const Parameters& parameters, std::span<const double> x);
 
 /// The difference between the crossings of `dynamics` (averaged2 or map) and the averaged ones at
-/// x, both undisturbed; nothing if that clock stops before the log ends, or those dynamics do not
-/// support the laws. Cost: 40 to 600 ns a period until the clock has settled, nothing after.
+/// x, both undisturbed; nullopt if that clock stops before the log ends, or if those dynamics do
+/// not support the laws. Cost: 40 to 600 ns per period until the clock has settled, none after.
 std::optional<Correction> difference_to(FitDynamics dynamics, const FitProblem& problem,
                                         std::span<const double> x);
 
-/// How that difference changes with each coordinate of the clock, by differences: one more run
-/// each. Nothing where the clock, or one close to it, does not run.
+/// How that difference changes with each coordinate of the clock, by finite differences: one more
+/// run for each. nullopt if the clock, or one close to it, does not run.
 std::optional<Correction::Slopes> slopes_of_difference(FitDynamics dynamics,
                                                        const FitProblem& problem,
                                                        std::span<const double> x);

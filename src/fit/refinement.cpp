@@ -18,7 +18,7 @@ void extend(FitProblem& problem, std::span<const double> x) {
 
 namespace {
 
-// What a step of scoring would change; the noise is left as it is, for the misfit may be large.
+// The change by a step of scoring; the noise is left as it is, because the misfit may be large.
 struct ClockStep {
   Eigen::VectorXd of_x;
   double gain = 0.0; ///< of L, that it promises
@@ -33,8 +33,8 @@ std::optional<ClockStep> clock_step(const FitProblem& problem, std::span<const d
   return ClockStep{std::move(step), 0.5 * seen.squaredNorm()};
 }
 
-// L of the clock at its minimum by these dynamics themselves, infinite where it has none; nothing
-// where they cannot follow that clock.
+// L of the clock at its minimum by these dynamics themselves, infinite if it has none; nullopt if
+// they cannot follow that clock.
 std::optional<double> by_its_own(FitDynamics dynamics, Fitted& fitted) {
   FitProblem& problem = fitted.problem;
   problem.parameters.start_ratio = limit_cycle_ratio(problem.parameters, fitted.minimum.x);
@@ -45,7 +45,7 @@ std::optional<double> by_its_own(FitDynamics dynamics, Fitted& fitted) {
       .value_or(std::numeric_limits<double>::infinity());
 }
 
-// The slopes of corrections, taken anew where the search has moved: they are differences of many
+// The slopes of corrections, computed again if the search has moved: they are differences of many
 // runs, and change no more than the parameters do.
 class SlopesNearby {
 public:
@@ -67,7 +67,7 @@ private:
   std::optional<Correction::Slopes> slopes_;
 };
 
-// What a correction adds to the times, rms, s, apart from a line, which T0 makes up for.
+// The rms of the correction of the times, s, apart from a line, for which T0 makes up.
 double bend_of(const FitProblem& problem) {
   const std::vector<double>&x = problem.asked().cycle, &y = problem.correction.late_s;
   const Eigen::Map<const Eigen::ArrayXd> cycle(x.data(), static_cast<Eigen::Index>(x.size())),
@@ -77,9 +77,9 @@ double bend_of(const FitProblem& problem) {
   return std::sqrt((bent - slope * along).square().mean());
 }
 
-// Whether a fit under jitter alone misses the times, beyond their scatter, by far more than the
-// dynamics add to them: how that changes with the parameters, the dearest thing to find, then tells
-// nothing.
+// Whether a fit with no noise but jitter misses the times, beyond their scatter, by far more than
+// the dynamics add to them. The derivatives of the correction, the most expensive part, are then
+// not worth computing.
 bool is_far_beyond(const Fitted& first_order, const FitProblem& corrected) {
   constexpr double hopeless_ratio = 10.0; // of the misfit to what the dynamics add
   constexpr double scatter_ratio = 1.5;   // of the misfit to the scatter of neighbouring beats
@@ -90,7 +90,7 @@ bool is_far_beyond(const Fitted& first_order, const FitProblem& corrected) {
          misfit > hopeless_ratio * bend_of(corrected);
 }
 
-// Whether the innovations show that the place explains nothing.
+// Whether the innovations show that the fit at this point explains nothing.
 bool is_lost(const Residuals& seen) {
   constexpr double beyond_chance = 1e-6;
   const auto coloured = [&](const std::vector<double>& innovations) {
@@ -99,7 +99,7 @@ bool is_lost(const Residuals& seen) {
   return coloured(seen.white_time) || coloured(seen.white_amplitude);
 }
 
-// Whether noise of every kind leaves the misfit what it is: the last digits are worth nothing then.
+// Whether the misfit remains with noise of every kind, so that the last digits are worth nothing.
 bool is_lost_for_good(const Fitted& fitted) {
   const auto seen = fitted.model.drive || fitted.model.slow
                         ? residuals(fitted.problem, fitted.minimum.x)
@@ -115,14 +115,14 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
   constexpr double least_gain = 2e-4; // of L: 0.02 sigma of the best known combination
   Fitted refined = fitted;
   refined.dynamics = dynamics;
-  Fitted best; // by the dynamics themselves: along a flat ridge a later round may be a worse one
+  Fitted best; // by the dynamics themselves: along a flat ridge a later round may be worse
   best.minimum.value = std::numeric_limits<double>::infinity();
   double before = std::numeric_limits<double>::infinity();
   SlopesNearby slopes;
-  // Corrections that stood still would pass for knowledge where the log tells a change of the clock
-  // from the difference that the dynamics make of it: along the flat ridge of times alone, in free
-  // swings of more than a radian, and with a drive that amplitudes show to vary. Amplitudes under
-  // jitter alone hold a driven clock in place.
+  // Constant corrections would appear to be information where the log can hardly tell a change of
+  // the clock from the change of its correction: along the flat ridge of times alone, in free
+  // swings of more than a radian, and with a drive that varies according to the amplitudes. With
+  // amplitudes and no noise but jitter, a driven clock is well determined.
   const bool with_slopes = refined.problem.parameters.escapement == Escapement::none ||
                            refined.problem.parameters.has(Quantity::drive_rms) ||
                            !refined.problem.data->has_amplitude();
@@ -143,7 +143,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     }
     const auto step = clock_step(refined.problem, refined.minimum.x);
     if (!step) return false;
-    // At a bound a step keeps promising a gain that it cannot have.
+    // At a bound, a step keeps promising a gain that cannot be had.
     const bool stands = std::abs(before - *here) < least_gain;
     if ((round > 1 && (step->gain < least_gain || stands)) || (round > 0 && is_far)) break;
     if (round > 1 && is_lost_for_good(refined)) break;
@@ -158,7 +158,7 @@ bool refine(Fitted& fitted, FitDynamics dynamics) {
     }
     const auto there = minus_log_likelihood(refined.problem, moved);
     if (there && *there < *here) refined.minimum.x = moved;
-    if (round == 0) continue; // the difference at the new place is worth more than its minimum here
+    if (round == 0) continue; // first the difference at the new point is needed
     settle(refined.problem, refined.minimum, {});
     if (!refined.minimum.usable) return false;
   }
@@ -191,7 +191,7 @@ bool refine_every_end(Fitted& fitted, FitDynamics dynamics) {
     Fitted end = fitted;
     end.rivals.clear();
     end.minimum.x = place;
-    // With what the dynamics add at another end, a search from here would lead to that end.
+    // With the corrections from another end, a search from here would lead to that end.
     if (fitted.dynamics != FitDynamics::averaged1 && !by_its_own(fitted.dynamics, end)) continue;
     settle(end.problem, end.minimum, {});
     if (end.minimum.usable) finish(end);

@@ -15,9 +15,8 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double first_stride = 0.25; // sigma
 
-// Adds a row for each coordinate by which a change of one (a factor e for most) costs half of L:
-// where the likelihood is flat, steps are kept short, and a determined coordinate does not feel
-// it.
+// Adds a row for each coordinate, so that a change of one (a factor e for most) costs a half in L:
+// this keeps steps short where the likelihood is flat, and hardly affects a determined coordinate.
 Eigen::MatrixXd damped(const Eigen::MatrixXd& rows) {
   Eigen::MatrixXd both(rows.rows() + rows.cols(), rows.cols());
   both << rows, Eigen::MatrixXd::Identity(rows.cols(), rows.cols());
@@ -31,7 +30,7 @@ std::vector<double> moved(std::vector<double> from, const Eigen::VectorXd& chang
 }
 
 std::vector<double> ahead(const Foot& foot, double dz) { return moved(foot.u, foot.tangent, dz); }
-// A point on the cubic through two feet that has their directions.
+// A point on the cubic through two feet with their directions.
 std::vector<double> extrapolated(const Foot& a, const Foot& b, double z) {
   const double h = b.z - a.z, s = (z - a.z) / h;
   const double of_b = s * s * (3.0 - 2.0 * s), along_a = s * (1.0 - s) * (1.0 - s) * h,
@@ -106,8 +105,8 @@ std::optional<Ridge::Step> Ridge::step_of_others(std::span<const double> x) cons
   return step;
 }
 
-// Goes one foot further, to z or less far where the ridge bends; by a search where it folds, so
-// that steps lead nowhere; false where that fails too.
+// Goes one foot further, to z or less far if the ridge bends; by a search if it folds, so that
+// steps lead nowhere; false if that fails too.
 bool Ridge::go_to(double z) {
   constexpr double least_stride = 0.02;              // sigma
   constexpr double easy_gain = 0.1, hard_gain = 5.0; // of L, of the first step of scoring
@@ -127,8 +126,8 @@ bool Ridge::go_to(double z) {
   }
 }
 
-// Where the foot at z may be: on the cubic, on the tangent or where the last one was, whichever
-// L likes best.
+// A guess of the foot at z: on the cubic, on the tangent or at the last foot, whichever has the
+// lowest L.
 std::vector<double> Ridge::foreseen(double z) const {
   std::vector<double> best = with_own(last_.x, z);
   double least = minus_log_likelihood(problem_, best).value_or(infinite);
@@ -172,7 +171,7 @@ bool Ridge::is_allowed(std::span<const double> x) const {
 // The foot at z from a point near it, by steps of scoring until one gains next to nothing, or
 // by a search where a bound is met. `first_gain`: what the first step promises.
 std::optional<Foot> Ridge::foot_near(std::vector<double> x, double z, double& first_gain) {
-  constexpr double least_gain = 0.02; // of L: a step that gains less gains what it promises
+  constexpr double least_gain = 0.02; // of L: a smaller step gains what it promises
   constexpr double kink_gain = 0.25;  // of L: what steps may still promise where L has kinks
   constexpr int most_steps = 6;
   for (int steps = 0;; ++steps) {

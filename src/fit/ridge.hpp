@@ -18,23 +18,23 @@ struct ProfiledPlace {
   const Certainty& known;
 };
 
-/// A point of the ridge, on which L is least for each value of one coordinate.
+/// A point of the ridge, along which L is least for each value of one coordinate.
 struct Foot {
   double z = 0.0;          ///< of that coordinate, in sigmas of the curvature from the minimum
-  double rise = 0.0;       ///< of L over the minimum
-  std::vector<double> x;   ///< where
+  double rise = 0.0;       ///< of L above the minimum
+  std::vector<double> x;   ///< the point
   std::vector<double> u;   ///< the same in the coordinates that straighten the valley
   Eigen::VectorXd tangent; ///< du/dz
 };
 
 /// Follows the ridge from foot to foot: extrapolated by the cubic through the last two feet and
 /// their directions, and brought back by steps of scoring in the other coordinates, each a pass
-/// over the log with derivatives. The rise at a foot is that of a search with the coordinate held,
-/// to a few hundredths of L (RidgeTest).
+/// over the log with derivatives. The rise at a foot agrees with that of a search with the
+/// coordinate held to a few hundredths of L (RidgeTest).
 class Ridge {
 public:
-  /// Steps of scoring on one side. A ridge that needs more can take minutes on a long noisy log: it
-  /// is given up once they are spent.
+  /// Most steps of scoring on one side. A ridge that needs more can take minutes on a long noisy
+  /// log, and is given up.
   static constexpr int most_steps_of_a_side = 100;
 
   /// `widening`: the stated sigma over the curvature's; strides are in stated sigmas. `place` must
@@ -42,21 +42,22 @@ public:
   Ridge(const ProfiledPlace& place, std::size_t k, double widening,
         int most_steps = most_steps_of_a_side);
 
-  /// Back to the minimum, with all steps.
+  /// Goes back to the minimum, with all steps available again.
   void restart();
-  /// Goes one stride further to that side, or less far where the ridge bends; false where it is
+  /// Goes one stride further to that side, or less far if the ridge bends; false if the ridge is
   /// lost.
   bool advance(double side);
-  /// Walks to z, further from the minimum on the side of the last foot; false where it is lost.
+  /// Goes to z, which is further from the minimum on the side of the last foot; false if the ridge
+  /// is lost.
   bool walk_to(double z);
 
   [[nodiscard]] const Foot& last() const { return last_; }
   [[nodiscard]] const Foot& before() const { return before_; }
-  /// A foot between two others; nothing where none is found.
+  /// A foot between two others; nullopt if none is found.
   [[nodiscard]] std::optional<Foot> between(double z, const Foot& a, const Foot& b);
 
   /// L beyond the minimum along the tangent, and what a step of scoring in the other coordinates
-  /// gains there; nothing where the model does not hold.
+  /// gains there; nullopt if the model does not hold.
   struct Look {
     double value = 0.0; ///< after that step
     double gain = 0.0;
@@ -68,8 +69,8 @@ public:
 private:
   struct Step {
     Evaluation here;        // before the step
-    double gain = 0.0;      // what it gains
-    Eigen::VectorXd change; // the change it makes
+    double gain = 0.0;      // of L by the step
+    Eigen::VectorXd change; // of the coordinates by the step
   };
   [[nodiscard]] Eigen::VectorXd in_valley(const std::vector<double>& u,
                                           const Eigen::VectorXd& change) const;

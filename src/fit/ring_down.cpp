@@ -19,8 +19,8 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::array<const char*, 3> friction_words{"linear", "quadratic", "dry"};
 
-// The fit brought to rest with those terms alone, each from an equal part of the loss, along the
-// course that the correction is for.
+// The minimum of the fit with these terms alone, starting with equal parts of the loss, along the
+// course to which the correction belongs.
 Fitted with_terms(const Fitted& all, unsigned chosen) {
   Fitted fitted = all;
   for (const std::size_t term : free_terms(all.problem.parameters)) {
@@ -33,7 +33,7 @@ Fitted with_terms(const Fitted& all, unsigned chosen) {
       fitted.minimum.x.erase(fitted.minimum.x.begin() + static_cast<std::ptrdiff_t>(index));
     }
   }
-  constexpr int rounds = 3; // of what the dynamics add: each gains two digits or so
+  constexpr int rounds = 3; // of computing the correction: each gains two digits or so
   for (int round = 0; round < rounds; ++round) {
     settle(fitted.problem, fitted.minimum, {100});
     if (!fitted.minimum.usable || fitted.dynamics == FitDynamics::averaged1) break;
@@ -65,7 +65,7 @@ Known known_by(const Fitted& law, Quantity quantity) {
 std::vector<FrictionLaw> laws_of(const Fitted& all) {
   std::vector<FrictionLaw> laws;
   const auto terms = free_terms(all.problem.parameters);
-  if (terms.size() < friction_terms.size()) return laws; // some are given
+  if (terms.size() < friction_terms.size()) return laws; // some are held
   std::vector<Fitted> fits;
   constexpr unsigned every = 7;
   double best = infinite;

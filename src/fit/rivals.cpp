@@ -15,8 +15,8 @@ namespace {
 
 constexpr double largest_deficit = 4.5; // of L: three sigma
 
-// Places along the coordinate that the log leaves most open: where the ridge has a hollow, and
-// where it is left while no worse than a rival may be.
+// Points along the coordinate that the log leaves most open: hollows of the ridge, and its ends if
+// they are no worse than a rival may be.
 std::vector<std::vector<double>> hollows_of_the_ridge(const ProfiledPlace& home) {
   std::vector<std::vector<double>> hollows;
   for (const auto& [feet, is_lost] : sides_of_most_open(home, largest_deficit)) {
@@ -115,7 +115,7 @@ Fitted twin_fit(const Fitted& home, const std::vector<double>& start) {
 
 using Twins = std::vector<std::optional<std::vector<double>>>;
 
-// The fits of the twins that the log may be of, at their places in the list.
+// The fits of the twins that the log may come from, at their places in the list.
 std::vector<Fitted> twin_fits(const Fitted& home, const Twins& twins) {
   std::vector<Fitted> fits(twins.size());
   share(twins.size(), [&](std::size_t i) {
@@ -124,16 +124,16 @@ std::vector<Fitted> twin_fits(const Fitted& home, const Twins& twins) {
   return fits;
 }
 
-// Whether a twin asks for what no clock has, such as a drive that varies by more than itself. Its
-// search begins at the bound, far behind, but what it comes to may be near.
+// Whether a twin needs something that no clock has, such as a drive that varies by more than its
+// mean. Its search begins at the bound with a poor likelihood, but may end close to the fit's.
 bool is_beyond_bounds(const FitProblem& problem, std::span<const double> x) {
   for (std::size_t k = 0; k < problem.bounds.size(); ++k)
     if (x[k] < problem.bounds[k][0] || x[k] > problem.bounds[k][1]) return true;
   return false;
 }
 
-// The end of a search among some of the beats as a place to begin at among others. The jitter is
-// that of the fit: beats at a stride do not show it.
+// The end of a search on some of the beats as a starting point on others. The jitter is the fit's,
+// because beats at a stride do not show it.
 std::vector<double> moved_to(const Fitted& to, const Fitted& from, const Fitted& end) {
   std::vector<double> place = moved_along(end.minimum.x, from.minimum.x, to.minimum.x);
   const Slot* jitter = to.problem.parameters.find(Quantity::jitter_rms);
@@ -141,9 +141,9 @@ std::vector<double> moved_to(const Fitted& to, const Fitted& from, const Fitted&
   return place;
 }
 
-// The twins without those that some of the beats tell from the fit, since all beats do so, too. The
-// beats that are asked grow in number, so that a search that begins at a bound has come close
-// before all are asked.
+// The twins without those that some of the beats distinguish from the fit, since all beats would do
+// so, too. The number of beats grows step by step, so that a search that begins at a bound has come
+// close before all beats are used.
 Twins not_told_apart_by_some(const Fitted& fitted, Twins twins) {
   constexpr std::size_t fewest_beats = 3000, growth = 8;
   const TimingData& data = *fitted.problem.data;

@@ -1,4 +1,4 @@
-// Rows of a least-squares problem, folded into a triangle as they come. Private to the fit room.
+// Folds the rows of a least-squares problem into a triangle as they come. Private to the fit room.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +20,7 @@ public:
     rows_(used_, n_) = value;
     if (++used_ == block) fold();
   }
-  /// All rows of another stack.
+  /// Adds all rows of another stack.
   void add(RowStack& other);
   /// R, n x n.
   [[nodiscard]] Eigen::MatrixXd triangle() {

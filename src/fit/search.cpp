@@ -155,8 +155,8 @@ private:
 };
 
 // Ends a search by its gain: Ceres' own test is relative to the cost, whose zero is arbitrary here.
-// Ends it too where it creeps: under bounds Ceres shortens a step until it gains, so that none is
-// rejected and the trust region, however much too large, shrinks by no more than half at each.
+// Also ends a search that creeps: with bounds, Ceres shortens a step until it gains, so that none
+// is rejected and the trust region, however much too large, shrinks by no more than half at each.
 class Progress : public ceres::IterationCallback {
 public:
   explicit Progress(double least_gain) : least_gain_(least_gain) {}
@@ -167,7 +167,7 @@ public:
     const bool is_poor = summary.step_is_successful && summary.relative_decrease < poor_share;
     poor_steps_ = is_poor ? poor_steps_ + 1 : 0;
     radius_ = summary.trust_region_radius;
-    // A rejected step with so small a change ends the search too: what remains is rounding.
+    // A rejected step with such a small change ends the search too: the rest is rounding.
     const bool settled = std::abs(summary.cost_change) < least_gain_;
     // A region below 1 holds a step back as it is.
     creeps_ = !settled && poor_steps_ >= most_poor_steps && radius_ > 1.0;
@@ -233,7 +233,7 @@ ceres::Solver::Options solver_options(const SearchLimits& limits) {
   return options;
 }
 
-// Solves, and goes on with a smaller trust region where that creeps.
+// Solves, and continues with a smaller trust region if the search creeps.
 ceres::Solver::Summary solved(ceres::Problem& problem, const SearchLimits& limits) {
   ceres::Solver::Options options = solver_options(limits);
   ceres::Solver::Summary summary;

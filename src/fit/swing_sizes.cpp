@@ -12,8 +12,8 @@ namespace goingrate::timing_model {
 
 namespace {
 
-// The clock with all angles, and its torque, `times` as large: its amplitude in units of phi0 takes
-// the same course.
+// The clock with all angles, and its torque, `times` as large: its amplitude in units of phi0 then
+// has the same course.
 std::vector<double> at_size(const Parameters& parameters, std::vector<double> x, double times) {
   for (const Slot& slot : parameters.slots) {
     const bool scales = slot.quantity == Quantity::mu || slot.quantity == Quantity::phi0 ||
@@ -28,7 +28,7 @@ std::vector<double> at_size(const Parameters& parameters, std::vector<double> x,
 
 std::vector<Minimum> ends_of_every_size(const FitProblem& problem, const Minimum& best) {
   constexpr std::array angles{0.005, 0.01, 0.02, 0.04, 0.08, 0.16}; // rad, of phi0
-  constexpr double largest_deficit = 30.0; // of L: a size that is held is not the best near it
+  constexpr double largest_deficit = 30.0; // of L: with its size held, a clock is not at its best
   const Parameters& parameters = problem.parameters;
   const Slot* phi0 = parameters.find(Quantity::phi0);
   if (problem.data->has_amplitude() || parameters.event_cycles.empty() ||

@@ -5,10 +5,11 @@
 
 namespace goingrate::timing_model {
 
-/// Where clocks of every size come to rest, found from the best end of a search. Where T0 is open,
-/// times alone tell the size of a swing by its circular error only; under a drive that varies,
-/// clocks of several sizes explain a change much alike, with hills between them that no search
-/// crosses. So each is searched for, first with its size held. Empty where the log tells the size.
+/// The ends of searches for clocks of every size of swing, from the best end of an earlier search.
+/// If T0 is open, times alone show the size of a swing only by its circular error; with a varying
+/// drive, clocks of several sizes explain a change about equally well, and no search crosses the
+/// hills between them. So each size is searched for, at first with the size held. Empty if the log
+/// determines the size.
 std::vector<Minimum> ends_of_every_size(const FitProblem& problem, const Minimum& best);
 
 } // namespace goingrate::timing_model

@@ -105,7 +105,8 @@ std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<do
 
 namespace {
 
-// The mean of the known amplitudes from `first` to `last`, and its noise over that of a usual one.
+// The mean of the known amplitudes from `first` to `last`, and its noise relative to a single
+// one's.
 struct MeanAmplitude {
   double amplitude_rad = std::numeric_limits<double>::quiet_NaN(), noise = 1.0;
 };
@@ -137,7 +138,7 @@ TimingData thinned_to(const TimingData& data, std::span<const std::size_t> kept)
 
 namespace {
 
-// Puts the mean of beats [first, first + together) in as their middle one.
+// Replaces the middle one of beats [first, first + together) by their mean.
 void add_mean(const TimingData& data, std::size_t first, std::size_t together, TimingData& means) {
   const auto mean = [&](const std::vector<double>& values) {
     double sum = 0.0, seen = 0.0;

@@ -7,7 +7,8 @@
 
 namespace goingrate::timing_model {
 
-/// A stationary clock as its spectrum shows it, per cycle: increments of the times have the density
+/// A stationary clock described by its spectrum, per cycle: increments of the times have the
+/// density
 ///   S(f) = level |H|^2 + 4 j^2 sin^2(pi f),  H = 1 + (ratio - 1)/(1 + i f/corner),
 /// f in 1/cycle, j^2 and level in one unit.
 struct NoiseShape {
@@ -18,9 +19,9 @@ struct NoiseShape {
 };
 
 /// The larger relative loss of information (1 - variance before / variance after) on corner and
-/// ratio, which tell of the clock, if only every `stride`-th time is used; Whittle's information of
-/// the aliased spectrum, with level and jitter unknown too. More is lost on these two, which are
-/// what neighbouring times show.
+/// ratio, which describe the clock, if only every `stride`-th time is used; from Whittle's
+/// information of the aliased spectrum, with level and jitter unknown too. More is lost on level
+/// and jitter, which neighbouring times show.
 double information_lost(const NoiseShape& shape, std::size_t stride);
 
 /// The largest stride (a power of two up to 64) that loses less than `allowed`.
@@ -32,20 +33,21 @@ std::size_t longest_stride(const NoiseShape& shape, double allowed);
 std::vector<std::size_t> kept_beats(const TimingData& data, const std::vector<double>& event_cycles,
                                     std::size_t stride, std::size_t dense);
 
-/// The beats at those places. An amplitude becomes the mean of those around it that lie no nearer
-/// to another of the places: the swing follows the drive slowly, so that amplitudes in between tell
-/// as much, while times in between tell little.
+/// The beats at those places. Each amplitude becomes the mean over the beats that are nearer to its
+/// place than to any other: the swing follows the drive slowly, so that the amplitudes in between
+/// are as informative, while the times in between add little.
 TimingData thinned_to(const TimingData& data, std::span<const std::size_t> kept);
 
 /// A few beats that stand for many.
 struct FewBeats {
   TimingData data;
-  double together = 1.0; ///< beats in the mean that each is
+  double together = 1.0; ///< number of beats of which each is the mean
 };
 
-/// About `count` beats that tell nearly what all tell: under jitter the means of blocks of
-/// neighbours, as their middle beats, which lose what bends within a block; where neighbours show
-/// that the times walk, beats at one stride. Blocks with a gap or an event in them are left out.
+/// About `count` beats that hold nearly all information. With no noise but jitter these are means
+/// over blocks of neighbours, put at the middle beat; only curvature within a block is lost. If
+/// neighbours show that the times walk, they are beats at a constant stride. Blocks with a gap or
+/// an event in them are left out.
 FewBeats few_beats(const TimingData& data, const std::vector<double>& event_cycles,
                    std::size_t count);
 

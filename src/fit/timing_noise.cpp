@@ -59,8 +59,8 @@ Profile profile_at(std::span<const double> cycle, std::span<const double> residu
 
 TimingNoise estimate_noise(std::span<const double> cycle, std::span<const double> residual) {
   if (sum_of_squares(residual) == 0.0) return {};
-  // The share is searched in log odds: a walk of a millionth of the jitter's variance still rules
-  // the residuals after a million beats.
+  // The share is searched for in log odds: a walk of a millionth of the jitter's variance still
+  // dominates the residuals after a million beats.
   const auto share_at = [](double odds) { return 1.0 / (1.0 + std::exp(-odds)); };
   const auto deviance = [&](double odds) {
     return profile_at(cycle, residual, share_at(odds)).deviance;
@@ -195,7 +195,8 @@ double correlation_time(std::span<const double> white) {
     if (pair <= 0.0) break;
     time += 2.0 * pair;
   }
-  // A faint but long correlation drowns lag by lag; means over an eighth and a sixteenth show it.
+  // A faint but long correlation is lost in the noise of single lags; means over an eighth and a
+  // sixteenth of the series show it.
   for (const std::size_t count : {8U, 16U})
     time = std::max(time, batch_time(white, m, count));
   return std::max(1.0, time);

@@ -28,7 +28,7 @@ public:
   /// `cycle` as in TimingData; the noise must not be zero altogether.
   Whitening(std::span<const double> cycle, const TimingNoise& noise);
 
-  /// `residual` has one entry a beat, `white` one fewer. T may carry derivatives.
+  /// `residual` has one entry per beat, `white` one fewer. T may carry derivatives.
   template <class T> void apply(std::span<const T> residual, std::span<T> white) const {
     for (std::size_t i = 0; i < diagonal_.size(); ++i) {
       T value = residual[i + 1] - residual[i];
@@ -49,7 +49,7 @@ private:
 /// likelihood by more than half of log N (BIC). NoiseTest.FindsJitterAndWalk bounds the bias.
 TimingNoise estimate_noise(std::span<const double> cycle, std::span<const double> residual);
 
-/// Root of the mean square; 0 of nothing.
+/// Root mean square; 0 for no values.
 double rms(std::span<const double> values);
 
 /// Standard deviation of white noise in a series, from its third differences; NaNs are skipped.
@@ -59,8 +59,8 @@ double local_white_noise(std::span<const double> series);
 double whiteness_p(std::span<const double> white, std::size_t lags = 20);
 
 /// Factor by which correlation of `white` raises the variance of its mean: 1 + 2 sum of the
-/// autocorrelations up to the first negative pair (Geyer 1992), or what the scatter of 8 or 16
-/// batch means shows if that is more; at least 1.
+/// autocorrelations up to the first negative pair (Geyer 1992), or the factor from the scatter of 8
+/// or 16 batch means if that is larger; at least 1.
 double correlation_time(std::span<const double> white);
 
 } // namespace goingrate

@@ -23,7 +23,7 @@ template <class T> T turning_angle_at(const AveragedLaws<T>& laws, const T& spee
   const double angle = turning_angle_of_velocity(share, std::sqrt(plain(speed2)));
   const double sine = 2.0 * std::sin(0.5 * angle);
   const double pull = share * std::sin(angle) + (1.0 - share) * angle;
-  // A step of Newton's from the root, which leaves it where it is, has the derivatives.
+  // One Newton step at the root leaves its value unchanged and gives it its derivatives.
   const T missing = speed2 - angle * angle - laws.circular * (16.0 * (sine * sine - angle * angle));
   return missing * (0.5 / pull) + angle;
 }

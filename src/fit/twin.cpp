@@ -23,7 +23,7 @@ bool may_have_twins(const Parameters& parameters) {
          parameters.is_free(Quantity::lambda0) && parameters.is_free(Quantity::drive_rms);
 }
 
-// What the density shows of clock and drive; without slow drive its pole and zero are 0.
+// The quantities that the density shows; without slow drive its pole and zero are 0.
 struct Density {
   double clock_pole, drive_pole; // per cycle
   double clock_zero, drive_zero; // of either sign; above the drive's pole
@@ -67,8 +67,8 @@ std::vector<Density> choices(const Density& seen, bool may_swap_poles, bool may_
   return all;
 }
 
-// u and the mean rate of a clock whose gains have that ratio. The rate is the log's if T0 is known
-// or allows one; else u stays as far as it can.
+// u and the mean rate of a clock whose gains have this ratio. The rate is the log's if T0 is known
+// or can be chosen to fit; otherwise u is changed as little as possible.
 struct Root {
   double u = 0.0, rate = 0.0;
 };

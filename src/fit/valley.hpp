@@ -1,4 +1,4 @@
-// Coordinates that straighten the valley of the likelihood. Private to the fit room.
+// Search coordinates that straighten the valley of the likelihood. Private to the fit room.
 //
 // A log determines three quantities far better than any parameter, which makes the likelihood a
 // narrow, curved valley: the mean rate, how near to rest the clock starts, and the scatter of
@@ -23,7 +23,7 @@ public:
   Valley(const FitProblem& problem, std::span<const double> start,
          std::optional<std::size_t> except = {});
 
-  /// Where h does not exist, x_a = u_a, and it is left to the model to reject that point.
+  /// If h does not exist, x_a = u_a, and it is left to the model to reject that point.
   [[nodiscard]] std::vector<double> x_of(std::span<const double> u) const;
   [[nodiscard]] std::vector<double> u_of(std::span<const double> x) const;
   /// dx/du, n x n.

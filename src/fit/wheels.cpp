@@ -1,4 +1,4 @@
-// What wheels of the train do to a log at each turn, taken off before a fit.
+// Finds the effect of each turn of the train's wheels on a log, which is subtracted before a fit.
 #include "goingrate/fit/timing_data.hpp"
 
 #include "fit/noise_guess.hpp"
@@ -15,13 +15,13 @@ namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-// Part of a log on a grid of its usual spacing. Values between beats, and unknown ones, lie on
-// straight lines between their known neighbours.
+// Part of a log on a grid of its usual spacing. Values between beats, and unknown values, are
+// interpolated linearly between their known neighbours.
 class Grid {
 public:
   Grid(std::span<const double> cycle, double spacing) : cycle_(cycle), spacing_(spacing) {}
 
-  /// Grid steps from the first beat to beat i; not whole where the log leaves the grid.
+  /// Grid steps from the first beat to beat i; not a whole number where the log leaves the grid.
   [[nodiscard]] double place(std::size_t i) const { return (cycle_[i] - cycle_[0]) / spacing_; }
 
   /// Empty if fewer than two values are known, or most of the grid lies in gaps.
@@ -56,8 +56,8 @@ struct Wave {
   double size, turn, phase, gain;
 };
 
-// The lines of a series. They are looked for in differences over `lag` steps, which leave little of
-// a course that drifts or settles.
+// The lines of a series. They are looked for in differences over `lag` steps, which suppress a
+// course that drifts or settles.
 std::vector<Wave> waves_of(std::span<const double> series, std::size_t lag, double slowest) {
   constexpr std::size_t fewest_values = 256; // enough for the density around a line
   if (series.size() < fewest_values + lag) return {};
@@ -82,14 +82,14 @@ std::vector<Wave> waves_of(std::span<const double> series, std::size_t lag, doub
 } // namespace
 
 void level_wheels(TimingData& data) {
-  constexpr double longest_turn_s = 600.0;    // slower ones may be the weather's, or a stove's
-  constexpr std::size_t block_beats = 131072; // whose lines cost seconds at most
+  constexpr double longest_turn_s = 600.0;    // slower periods may come from weather or heating
+  constexpr std::size_t block_beats = 131072; // their lines take seconds at most
   if (data.size() < 3) return;
   const double spacing = timing_model::usual_spacing(data);
   // With both directions, differences over a whole period are free of the beat error.
   const std::size_t lag = spacing < 1.0 ? static_cast<std::size_t>(std::lround(1.0 / spacing)) : 1;
   const double slowest = spacing * data.reference_period_s / longest_turn_s; // turns a grid step
-  // Times that are rounded swing by up to 2.2 of it by that alone.
+  // Rounding alone makes the times oscillate by up to 2.2 times this least jitter.
   const double least_late_s = 3.0 * timing_model::least_jitter(data);
   for (std::size_t from = 0; from < data.size(); from += block_beats) {
     const std::size_t count = std::min(block_beats, data.size() - from);

@@ -1,11 +1,11 @@
-// What a change in the middle of a swing does to the averaged clock. Private to the fit room.
+// The effect of a change in the middle of a swing on the averaged clock. Private to the fit room.
 //
-// The averaged amplitude and phase differ from those of the moment by what the forces have done
+// The averaged amplitude and phase differ from the instantaneous ones by the work of the forces
 // since the upward crossing beyond their mean,
 //   P(theta) = C(theta) - theta/(2 pi) C(2 pi),   theta the phase since the crossing,
 // with C the work of first order: lambda' = F cos psi, psi' - 1 = -F sin psi/lambda (Hoyng, eqs.
 // dotl4 and dotpsi4 before they are averaged). Angle and speed do not leap where the laws change,
-// so the averages do, by P of the old laws less P of the new ones. At a crossing P is 0.
+// so the averages do, by P of the old laws minus P of the new ones. At a crossing P is 0.
 #pragma once
 
 #include "course.hpp"

@@ -12,8 +12,8 @@ double vapour_pressure(double kelvin) {
                   6.3431645e3 / kelvin);
 }
 
-// How far air at pressure `p` (Pa) and t (degrees C) departs from an ideal gas; x is the mole
-// fraction of vapour.
+// The compressibility of air at pressure `p` (Pa) and t (degrees C), its departure from an ideal
+// gas; x is the mole fraction of vapour.
 double compressibility(double p, double t, double x) {
   const double ratio = p / (t + 273.15);
   return 1.0 -

@@ -72,8 +72,8 @@ double small_swing_period(const ClockLog& log, double flag_width_rad, double per
 
 namespace {
 
-// epsilon by the fall of the amplitudes about each event that has one: -(d log A/d cycle)/2 pi.
-// NaN where too few tell.
+// epsilon from the fall of the amplitudes about each event that has one: -(d log A/d cycle)/2 pi.
+// NaN if too few amplitudes are known.
 std::vector<double> local_friction(const ClockLog& log, double period_s) {
   constexpr std::size_t reach = 20; // events either way
   std::vector<std::size_t> known;
@@ -141,7 +141,7 @@ void set_amplitudes_from_widths(ClockLog& log, double flag_width_rad, double per
 double rate_without_circular_error(double rate_excess, double amplitude_rad, double gravity_share) {
   if (amplitude_rad == 0.0) return rate_excess;
   const double longer = free_period_ratio(gravity_share, amplitude_rad);
-  // (1 + r) k - 1 without the loss of digits
+  // (1 + r) k - 1 without loss of digits
   return rate_excess * longer + (longer - 1.0);
 }
 

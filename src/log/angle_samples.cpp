@@ -32,7 +32,7 @@ struct Passage {
 };
 
 // Changes of sign of angle - rest that go beyond `fraction` of the swing. The swing is the largest
-// deviation so far, fading by `fade` a sample, for ring-downs.
+// deviation so far, which for ring-downs decays by `fade` per sample.
 std::vector<Passage> passages(std::span<const AngleSample> samples, double rest, double swing,
                               double fade) {
   constexpr double fraction =
@@ -57,7 +57,8 @@ double period_between(std::span<const AngleSample> samples, const std::vector<Pa
   for (std::size_t k = 2; k < found.size(); ++k)
     steps.push_back(samples[found[k].before].time - samples[found[k - 2].before].time);
   if (steps.empty()) return 0.0;
-  // Where samples are few a step is a whole number of them: the mean of those that hold one period.
+  // If samples are few, a step is a whole number of them, so the mean of the steps of one period is
+  // taken.
   const double middle = median(steps);
   std::erase_if(steps, [&](double step) { return std::abs(step - middle) > middle / 3.0; });
   return std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
@@ -117,13 +118,13 @@ public:
         samples_per_period_(period_s / usual_step(samples)),
         local_(passages_.size(), {period_s, 0.0}) {}
 
-  // Where the pendulum hangs: the middle of its swings, up to an unknown fading of each.
+  // The rest angle: the middle of the swings, except for the unknown decay within each.
   [[nodiscard]] double middle() {
     fit_all({});
     return middle_of_fits();
   }
 
-  // `rest` is where the pendulum hangs, if that is known.
+  // `rest` is the angle of the pendulum at rest, if that is known.
   SampledSwings find(std::optional<double> rest) {
     constexpr int rounds = 3; // each takes an error of the overtones down to a hundredth
     for (int round = 0; round < rounds; ++round) {
@@ -150,15 +151,16 @@ private:
     double period_s, decay; // of the swing's size, 1/s
   };
 
-  // Half the width of the samples for one passage, periods. A quarter: then no two passages share
-  // a sample, and their errors are independent. Fewer than ten samples per period take wider ones.
+  // Half the width of the samples for one passage, periods. With a quarter no two passages share a
+  // sample, and their errors are independent. Fewer than ten samples per period need a larger
+  // width.
   [[nodiscard]] double reach() const {
     constexpr double fewest_samples = 5.0, widest = 0.6; // widest: the fewest leave a freedom still
     return std::clamp(0.5 * fewest_samples / samples_per_period_, 0.25, widest);
   }
 
-  // Whether each swing has a middle of its own: dry friction moves it to and fro. The few samples
-  // of wide ones leave no room for that.
+  // Whether each swing is fitted with a middle of its own, because dry friction moves it to and
+  // fro. With a larger width there are too few samples for that.
   [[nodiscard]] bool has_own_middle() const { return reach() == 0.25; }
 
   void fit_all(std::optional<double> level) {
@@ -168,7 +170,7 @@ private:
       fits_.push_back(fit(k, level, k < before.size() ? before[k] : std::nullopt));
   }
 
-  // Where passage k is looked for: at its last fit, or between the samples on either side.
+  // The time at which passage k is looked for: its last fit, or between the samples on either side.
   [[nodiscard]] Instant centre_of(std::size_t k, const std::optional<Swing>& before) const {
     if (before) return before->centre + before->root_s;
     const AngleSample &a = samples_[passages_[k].before], &b = samples_[passages_[k].after];
@@ -212,8 +214,8 @@ private:
     return swing;
   }
 
-  // The period and the fading about each passage, from its neighbours: both change as a swing dies
-  // away, and a period that is wrong by a per cent makes an amplitude wrong by half a per cent.
+  // The period and the decay about each passage, from its neighbours: both change as a swing dies
+  // away, and a period that is wrong by one per cent makes an amplitude wrong by half a per cent.
   void look_at_neighbours() {
     constexpr std::size_t neighbour_count = 12; // passages either way
     const std::vector<double> half_swings = count_half_swings();
@@ -257,7 +259,7 @@ private:
     return middles.empty() ? 0.0 : median(std::move(middles));
   }
 
-  // The crossings of the last fits, their sigma by the noise of all.
+  // The crossings from the last fits, with a sigma from the noise of all fits.
   [[nodiscard]] SampledSwings told(double level) const {
     SampledSwings swings;
     swings.rest_angle = level;
@@ -312,7 +314,7 @@ SampledSwings crossings_of_samples(std::span<const AngleSample> samples,
   if (!(period_s > 0.0)) return none;
   const double step_s =
       (samples.back().time - samples.front().time) / static_cast<double>(samples.size() - 1);
-  // A swing's memory: half of it is lost in five periods, faster than any ring-down worth timing.
+  // The decay of the estimated swing: half in five periods, faster than any ring-down worth timing.
   const double fade = std::min(0.1, 0.14 * step_s / period_s);
   for (int round = 0; round < 2; ++round) { // the second with the rest angle of the first
     found = passages(samples, rest, 0.0, fade);

@@ -44,8 +44,8 @@ double trimmed_mean_square(std::span<double> values) {
 }
 
 BeatNoise rough_noise(const TypicalPeriod& typical) {
-  // As if all were jitter, and half of it walk as well, and a little the rate's: too much rather
-  // than too little of each.
+  // As if all of it were jitter, half of it a walk as well, and a little a walk of the rate: rather
+  // too much than too little of each.
   const double v = typical.second_s2;
   return at_least_finest({v / 6.0, v / 4.0, v / 100.0}, typical);
 }
@@ -99,8 +99,9 @@ SecondDifferences::Fit SecondDifferences::maximise_likelihood() const {
     unit = std::max(unit, row.variance / row.shares[0]);
   if (!(unit > 0.0)) return fit;
   auto& v = fit.variances;
-  // Each kind begins with what it would explain alone; the updates raise the likelihood sum of
-  // -f/2 (log M + V/M) and keep every variance positive (majorise and minimise).
+  // Each kind starts at the size with which it would explain everything alone; the updates raise
+  // the likelihood, the sum of -f/2 (log M + V/M), and keep every variance positive
+  // (majorise-minimise).
   for (std::size_t k = 0; k < 3; ++k) {
     double least = std::numeric_limits<double>::infinity();
     for (const Row& row : rows)

@@ -4,8 +4,8 @@
 //   t[n+1] = t[n] + P[n] + w zeta,   P[n+1] = P[n] + r xi,
 // eta, zeta and xi independent standard normal deviates. Second differences at lag m,
 //   d = t[i+2m] - 2 t[i+m] + t[i],
-// do not know the period and have the variance 6 j^2 + 2 m w^2 + (2 m^3 + m) r^2 / 3: the three
-// kinds are told apart by how d grows with m.
+// do not depend on the period and have the variance 6 j^2 + 2 m w^2 + (2 m^3 + m) r^2 / 3: the
+// three kinds are told apart by how d grows with m.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -32,15 +32,15 @@ double trimmed_mean_square(std::span<double> values);
 /// A guess from neighbouring intervals alone, for a first numbering: on the wide side.
 BeatNoise rough_noise(const TypicalPeriod& typical);
 
-/// `noise` with a jitter of at least what the steps of the times hide, and 1e-9 of the period: finer
-/// than any sensor, and above the rounding of times.
+/// `noise` with a jitter no smaller than the error caused by the steps of the times, and no smaller
+/// than 1e-9 of the period, which is finer than any sensor and above the rounding of times.
 BeatNoise at_least_finest(BeatNoise noise, const TypicalPeriod& typical);
 
 /// Collects second differences of numbered beats and fits the noise to them.
 class SecondDifferences {
 public:
-  /// Adds a run of beats in which `cycle` is right and never falls. At most 4000 differences an
-  /// octave of lags are taken from one run, spread over it.
+  /// Adds a run of beats in which `cycle` is right and never decreases. At most 4000 differences
+  /// per octave of lags are taken from one run, spread over it.
   void add(std::span<const Beat> run);
 
   /// Noise by maximum likelihood of the octaves' variances, each distributed as chi^2 with as many
@@ -48,8 +48,8 @@ public:
   /// (NumberingNoise.FindsJitterWalkAndRateWalk).
   [[nodiscard]] BeatNoise fit() const;
 
-  /// The same with each variance raised by its own standard error: what could as well hide in a log
-  /// of this length. For judging gaps, where believing too little noise means counting wrong.
+  /// The noise with each variance raised by its own standard error, as it may just as well be in a
+  /// log of this length. For judging gaps, where too small a noise leads to wrong counts.
   [[nodiscard]] BeatNoise cautious_fit() const;
 
 private:

@@ -14,7 +14,7 @@ namespace goingrate {
 
 namespace {
 
-// Cycles: no one notices that a clock has stopped and restarts it sooner.
+// Cycles: nobody notices a stopped clock and restarts it in less time.
 constexpr std::int64_t shortest_stop = 20;
 
 void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
@@ -27,7 +27,7 @@ void add_runs(SecondDifferences& differences, std::span<const Beat> beats,
   differences.add(beats.subspan(from));
 }
 
-// Where the numbering of a log had to search for the beats again.
+// The places in a log where the numbering had to search for the beats again.
 struct Resumed {
   std::vector<std::size_t> at; // first beats after such places, and of later blocks
   bool has_downward = false;

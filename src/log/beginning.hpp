@@ -17,28 +17,29 @@ inline constexpr std::size_t head_lines = 400; ///< settle formats and units
 /// Throws ArgumentError for options that are invalid for any file.
 void check(const ReadingOptions& options);
 
-/// Determines the layout from the first lines, which are not needed any more then; `whole` if they
-/// are all of it. What was assumed is added to `log`. Throws InputError if they are not a log.
+/// Determines the layout from the first lines, which are no longer needed afterwards; `whole` if
+/// the log has no others. Assumptions are added to `log`. Throws InputError if they are not a log.
 Layout settle_layout(std::string_view text, bool whole, ClockLog& log,
                      const ReadingOptions& options);
 
-/// Whether the rows of one may be read as those of the other.
+/// Whether the rows of one layout may be read as those of the other.
 bool is_same(const Layout& a, const Layout& b);
 
-/// Whether times are calendar times: dates, MJD, or seconds since 1970, which seconds above 1e8 are
-/// taken for. That is 1973; a logger's own counter would have to run for three years to reach it.
+/// Whether times are calendar times: dates, MJD, or seconds since 1970. Seconds above 1e8, which is
+/// 1973, count as such; a logger's own counter would have to run for three years to reach that.
 /// `first` is one of the times.
 bool are_dates(const Layout& layout, const Instant& first);
-/// What the times count from.
+/// The origin from which the times count.
 TimeOrigin origin_of(const Layout& layout, const Instant& first);
 
-/// Lines to make room for.
+/// The number of lines to make room for.
 std::size_t room_for(std::size_t lines_expected);
 
 /// Adds all lines that are left of a text. `progress` receives the share read.
 void add_rows(LineReader& lines, RowReader& rows, const std::function<void(double)>& progress);
 
-/// What can be found, mended or refused only when all lines have been read: `log` is ready then.
+/// Does what is possible only after all lines have been read: finds, repairs or refuses. `log` is
+/// then ready.
 void complete(ClockLog& log, RowReader& rows, const Layout& layout, const ReadingOptions& options);
 
 } // namespace goingrate

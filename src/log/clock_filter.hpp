@@ -1,4 +1,4 @@
-// What the beats so far tell about the next: a Kalman filter of a clock's time and period.
+// Predicts the next beat from those so far: a Kalman filter of a clock's time and period.
 #pragma once
 
 #include "beat_noise.hpp"
@@ -22,7 +22,7 @@ public:
   /// Begins at a beat whose neighbours are not known; `period_sigma_s` is how far off the period
   /// may be.
   void start(double period_sigma_s) { start(period_sigma_s, period_); }
-  /// The same with a period from elsewhere.
+  /// Begins with a period from elsewhere.
   void start(double period_sigma_s, double period_s) {
     period_ = period_s;
     offset_ = 0.0;
@@ -32,7 +32,7 @@ public:
 
   /// The covariance n >= 1 cycles on.
   [[nodiscard]] Covariance after(double n) const { return after(n, noise_.rate_walk2); }
-  /// The same with another r^2 on the way.
+  /// The covariance n >= 1 cycles on, with another r^2 on the way.
   [[nodiscard]] Covariance after(double n, double rate_walk2) const {
     const Covariance& c = covariance_;
     const double squares = (n - 1.0) * (2.0 * n - 1.0) / 6.0; // 1^2 + ... + (n-1)^2, over n
@@ -40,7 +40,8 @@ public:
             c.tp + n * (c.pp + rate_walk2 * (n - 1.0) / 2.0), c.pp + n * rate_walk2};
   }
 
-  /// Seen minus foreseen, s, of an event `elapsed_s` after the last beat taken for n cycles.
+  /// Observed minus predicted time, s, of an event `elapsed_s` after the last beat, if that is n
+  /// cycles.
   [[nodiscard]] double error(double elapsed_s, double n) const {
     return elapsed_s - offset_ - n * period_;
   }
@@ -50,11 +51,11 @@ public:
     return foreseen.tt + noise_.jitter2;
   }
 
-  /// Takes in a beat n cycles on. An error of more than four of its sigmas means that the clock has
-  /// changed as the noise does not tell, or that the beat is a false one. The change is half
-  /// believed in time and in period, so that a step of the rate is followed within some beats; if
-  /// the next beat comes as was foreseen before the surprise, the surprise is forgotten. Returns
-  /// whether this beat was one.
+  /// Takes in a beat n cycles on. An error of more than four of its sigmas is a surprise: the clock
+  /// has changed more than the noise allows, or the beat is false. Half of the change is then
+  /// adopted in time and in period, so that a step of the rate is followed within some beats; if
+  /// the next beat comes as predicted before the surprise, the surprise is forgotten. Returns
+  /// whether this beat was a surprise.
   bool follow(double error_s, double n, Covariance foreseen) {
     double elapsed = error_s + offset_ + n * period_;
     if (doubted_.cycles > 0.0) {

@@ -23,8 +23,8 @@ struct DatedPhases {
   LogColumn date, phase;
 };
 
-/// Recognises "mjd" beside "phase_s", "Phase (ns)" or "phase"; nothing of other names, since a phase
-/// without such dates, or in degrees, may be anything's.
+/// Recognises "mjd" beside "phase_s", "Phase (ns)" or "phase"; nullopt for other names, since a
+/// phase without such dates, or in degrees, need not be a clock's.
 std::optional<DatedPhases> dated_phases_named(std::string_view date, std::string_view phase);
 
 /// Sets the unit of a column from the unit's name ("ms", "mrad", "degC", "hPa" ...). Returns false,

@@ -1,4 +1,4 @@
-// What the user says of columns.
+// Applies what the user states about columns.
 #include "column_names.hpp"
 #include "layout_detection.hpp"
 

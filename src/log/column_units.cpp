@@ -1,5 +1,5 @@
-// Units of a log's times and angles, and what its times are: in which order, from a counter that
-// wraps, or no measurements at all.
+// Finds the units of a log's times and angles, and the kind of its times: their order, whether they
+// come from a counter that wraps, or whether they are no measurements at all.
 #include "detection.hpp"
 
 #include "column_names.hpp"
@@ -105,7 +105,7 @@ void Detection::settle_times() {
       layout_.swinging = i;
 }
 
-// How fast the counter runs, and what tells where rows were lost.
+// The frequency of the counter, and the column that shows where rows were lost.
 void Detection::settle_counter() {
   layout_.counter_hz = options_.counter_hz.value_or(usual_counter_hz);
   if (options_.counter_hz)
@@ -123,7 +123,7 @@ void Detection::settle_counter() {
 }
 
 // Refuses times much closer together than beats if a column that swings has no known name: they are
-// those of samples.
+// times of samples.
 void Detection::refuse_unread_samples(std::size_t time) const {
   const TimeUnit& unit = layout_.columns[time].unit;
   const double step_s = samples_[time].typical_step * unit.seconds * std::pow(10.0, unit.power);

@@ -14,9 +14,9 @@ namespace goingrate {
 /// than seconds. Samples of an angle may be closer together.
 std::optional<TimeUnit> unit_for_step(double step, const ColumnSample& sample);
 
-/// The layout of one log while it is being found. What comes from the names of columns is in
-/// layout_detection.cpp, what comes from the lines in format_recognition.cpp, units and the check
-/// of times in column_units.cpp.
+/// The layout of one log while it is being found. The part that uses the names of columns is in
+/// layout_detection.cpp, the part that uses the lines in format_recognition.cpp, and units and the
+/// check of times are in column_units.cpp.
 class Detection {
 public:
   Detection(const LogHead& head, const ReadingOptions& options, ClockLog& log)

@@ -224,7 +224,7 @@ bool label_alternate_edges(ClockLog& log, bool certain, std::optional<double> no
   if (!(half > 0.0) || !(known || intervals_alternate(steps.single, half))) return false;
   constexpr double least_whole = 0.75; // of a period: nearer to one than to the half
   if (!known && nominal_period_s && half > least_whole * *nominal_period_s) {
-    // As under an impulse every second swing, which displaces the crossings after it.
+    // As with an impulse every second swing, which displaces the crossings after it.
     log.assumptions.push_back(
         {"the intervals alternate, but each is about a whole number of nominal periods, so every "
          "event is taken as a crossing in the same direction; if both directions are in the log, "

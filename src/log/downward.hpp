@@ -1,4 +1,4 @@
-// Downward crossings are numbered from the upward ones.
+// Numbers downward crossings by the upward ones.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"

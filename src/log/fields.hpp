@@ -1,4 +1,4 @@
-// Lines into fields, fields into numbers.
+// Cuts lines into fields, and reads fields as numbers.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace goingrate {
 
-/// One field of a line, without blanks and quotes around it; after the first also without a key:
-/// "t=12.5" is 12.5.
+/// One field of a line, without blanks and quotes around it; a field after the first also without a
+/// key: "t=12.5" is 12.5.
 struct Field {
   std::string_view text;
   std::size_t column = 1; ///< from 1
@@ -24,20 +24,22 @@ constexpr std::size_t most_fields = 256;
 /// `fields` is overwritten, so that its memory serves for all lines.
 void split_fields(std::string_view line, char separator, std::vector<Field>& fields);
 
-/// A finite number with the given decimal point ('.' or ','), wholly; a sign "+" is allowed.
+/// A finite number with the given decimal point ('.' or ',') that is the whole text; a sign "+" is
+/// allowed.
 std::optional<double> parse_number(std::string_view text, char point = '.');
 
-/// The words with which programs say that there is no number: nan, NaN, NA, N/A, null, inf, --.
+/// Whether a word is one by which programs mark a missing number: nan, NaN, NA, N/A, null, inf, --.
 bool says_nothing(std::string_view text);
 
-/// All nines, as instruments write for "no value": 9999.999, -9999, 99999.9 (at least four of
-/// them).
+/// Whether a number is all nines, at least four, which instruments write for "no value": 9999.999,
+/// -9999, 99999.9.
 bool all_nines(std::string_view text);
 
 /// Text for a message: quoted, cut to 40 characters, bytes outside ASCII as \xNN.
 std::string shown(std::string_view text);
 
-/// A byte that no text has: a control character other than a tab, a form feed or a line's end.
+/// Whether a byte occurs in no text: a control character other than a tab, a form feed or a line
+/// end.
 bool is_binary(char c);
 /// Whether the line has one.
 bool has_binary(std::string_view line);

@@ -1,4 +1,4 @@
-// The files of one clock before they are read: what each one's first lines show, and their order.
+// The files of one clock before they are read: what the first lines of each show, and their order.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -10,7 +10,7 @@
 
 namespace goingrate {
 
-/// One file as its first lines show it.
+/// What the first lines of one file show.
 struct FilePart {
   std::string path;
   Layout layout;

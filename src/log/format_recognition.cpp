@@ -1,4 +1,4 @@
-// Which format a log has whose columns no header names, from the first lines.
+// Recognises the format of a log without a header that names its columns, from the first lines.
 #include "detection.hpp"
 
 #include "goingrate/base/errors.hpp"

@@ -1,4 +1,4 @@
-// How many cycles a gap holds, and how sure that is.
+// Counts the cycles in a gap, with the probability that the count is right.
 #pragma once
 
 #include "clock_filter.hpp"
@@ -18,15 +18,15 @@ struct GapCount {
 
 /// Judges gaps by what the clock did before and after each.
 ///
-/// A filter forward over the beats before the gap foresees time and period after n cycles, one
-/// backward over the beats after it tells what they were there. With the period's change known, the
-/// rest of the discrepancy in time is normal with a variance s^2 that the noise gives; each n is as
-/// likely as its discrepancy, and "stopped, or displaced" as likely as a prior share of breaks
-/// spread evenly over all phases.
+/// A forward filter over the beats before the gap predicts time and period after n cycles; a
+/// backward filter over the beats after it estimates the actual ones. Given the change of the
+/// period, the rest of the discrepancy in time is normally distributed with a variance s^2 that
+/// follows from the noise. Each n has the likelihood of its discrepancy; "stopped, or displaced"
+/// has that of a prior share of breaks spread evenly over all phases.
 class GapJudge {
 public:
-  /// `noise` on the cautious side; `longest_run` (cycles) is the longest run of the log, ten times
-  /// which is as far as it is believed.
+  /// `noise`: rather too large than too small; `longest_run`: the longest run of the log, cycles.
+  /// The noise is trusted for gaps of up to ten times that.
   GapJudge(const BeatNoise& noise, double period_s, std::int64_t longest_run)
       : noise_(noise), period_(period_s), longest_run_(longest_run) {}
 
@@ -36,14 +36,14 @@ public:
   [[nodiscard]] GapCount count(std::span<const Beat> beats, std::size_t first, std::size_t before,
                                std::size_t after, std::size_t last, bool lost) const;
 
-  /// Missing cycles of the longest gap in the middle of an endless log that would be counted with
-  /// `least_probability` when the clock is off by two sigmas: in 95 cases of 100.
+  /// Missing cycles of the longest gap, in the middle of an endless log, that would be counted with
+  /// `least_probability` if the clock is off by two sigmas, that is, in 95 of 100 cases.
   [[nodiscard]] std::int64_t longest_countable(double least_probability) const;
 
 private:
   struct Bridge {
-    double per_change = 0.5; // cycles' worth of the period's change that the time has taken in
-    double sigma_s = 0.0;    // what is left unknown of the time
+    double per_change = 0.5; // change of the time per change of the period, cycles
+    double sigma_s = 0.0;    // remaining uncertainty of the time
   };
   [[nodiscard]] Bridge bridge_over(const ClockFilter& before, const ClockFilter& after, double n,
                                    double rate_walk2) const;

@@ -41,8 +41,8 @@ bool RowReader::is_begun_row() const {
   return parse_number(first, layout_.point) || parse_calendar(first, layout_.point);
 }
 
-// A row that cannot be read is taken to last as long as the one before, so that what follows keeps
-// its time.
+// A row that cannot be read is taken to last as long as the one before, so that later rows keep
+// their times.
 void RowReader::pass_oscillation() {
   const auto& [tick_light, tick_dark, tock_light, tock_dark] = *oscillation_;
   wait(Instant::from_seconds(tick_dark + tick_light + tock_dark + tock_light));

@@ -8,8 +8,7 @@
 namespace goingrate {
 
 namespace {
-constexpr std::size_t remembered_bytes =
-    64; // bytes: some lines, which no other log has at this place
+constexpr std::size_t remembered_bytes = 64; // bytes: some lines, which identify the log
 }
 
 void Growth::took(const char* bytes, std::size_t count, std::uint64_t end) {

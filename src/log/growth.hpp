@@ -6,15 +6,15 @@
 
 namespace goingrate {
 
-/// Tells when a file that was read to its end begins anew: it was cut off and written again, or
+/// Notices if a file that was read to its end starts over: it was cut off and written again, or
 /// another file has taken its name.
 class Growth {
 public:
   /// `count` bytes were read, up to `end` in the file.
   void took(const char* bytes, std::size_t count, std::uint64_t end);
-  /// Whether what was read last does not stand in the file any more, or `path` is another file.
+  /// Whether the bytes read last are no longer in the file, or `path` is another file.
   [[nodiscard]] bool begins_anew(int descriptor, const std::string& path) const;
-  /// Whether `path` is another file, and the one that is open as it was: it may still be written.
+  /// Whether `path` is another file but the open one is unchanged, so that it may still be written.
   [[nodiscard]] static bool is_replaced(int descriptor, const std::string& path);
 
 private:

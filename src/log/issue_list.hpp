@@ -8,7 +8,7 @@
 
 namespace goingrate {
 
-/// The two halves of a fault told as "found X, expected Y"; for any other, all is `found`.
+/// The two halves of a fault stated as "found X, expected Y"; for other faults `found` has all.
 struct FaultWords {
   std::string_view found, expected;
 };

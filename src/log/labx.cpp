@@ -20,8 +20,7 @@ class Elements {
 public:
   explicit Elements(std::string_view text) : rest_(text) {}
 
-  /// What stands between the next <name ...> and </name>; empty for <name ... />. Nothing at the
-  /// end.
+  /// The text between the next <name ...> and </name>; empty for <name ... />; nullopt at the end.
   std::optional<std::string_view> next(std::string_view name) {
     for (std::size_t at = rest_.find('<'); at != std::string_view::npos; at = rest_.find('<')) {
       rest_.remove_prefix(at + 1);
@@ -51,7 +50,7 @@ private:
   std::string_view rest_;
 };
 
-// One line, without what separates fields.
+// The text as one line, without field separators.
 std::string plain(std::string_view text) {
   std::string result(text.substr(0, text.find('<')));
   std::replace_if(

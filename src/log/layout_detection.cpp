@@ -40,7 +40,7 @@ Layout Detection::run() {
   return layout_;
 }
 
-// A table of the weather, whose header must name what it holds.
+// A weather table, whose header must name its quantities.
 Layout Detection::weather() {
   bool has_weather = false;
   for (LogColumn& column : layout_.columns) {
@@ -89,7 +89,7 @@ bool Detection::read_names() {
   return known > 0;
 }
 
-// Two columns whose header says that they are dates and the clock's error at them; whether it does.
+// Takes two columns whose header names them as dates and the clock's error; false if it does not.
 bool Detection::settle_dated_phases() {
   if (head_.columns != 2 || head_.names.size() != 2) return false;
   if (options_.format && *options_.format != LogFormat::phase) return false;
@@ -115,7 +115,7 @@ bool Detection::has_intervals() const {
 }
 
 // Fewer than four count as none; returns how many columns lost their role. Next to all four, a time
-// is only that of the computer that wrote them down.
+// column is only the time of the computer that wrote them down.
 std::size_t Detection::settle_intervals() {
   const bool whole = has_intervals();
   std::size_t left_out = 0;

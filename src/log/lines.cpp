@@ -24,9 +24,9 @@ namespace goingrate {
 namespace {
 
 constexpr std::size_t chunk = 1 << 18;         // stays in the second-level cache
-constexpr std::size_t longest_line = 16 << 20; // no log has one; a file without line ends would
+constexpr std::size_t longest_line = 16 << 20; // no log has one, but a file without line ends does
 
-// Why a file cannot be opened, as what was found in its place.
+// The reason why a file cannot be opened, in words for what was found.
 std::string found_instead(int error) {
   if (error == ENOENT || error == ENOTDIR) return "no file of that name";
   if (error == EACCES || error == EPERM) return "a file that you may not read";
@@ -116,7 +116,7 @@ private:
   int waits_at_end_ = 0; // since the last byte, of a file that was replaced
 };
 
-// Hands out first what was already taken from a source to look at it.
+// Hands out first the bytes that were already taken from a source to look at.
 class PeekedSource : public ByteSource {
 public:
   PeekedSource(std::unique_ptr<ByteSource> source, std::string peeked)
@@ -261,7 +261,7 @@ bool LineReader::refill() {
   return count > 0;
 }
 
-// What is left is, from `begin` on, the beginning of one line, and long.
+// From `begin` on, the rest is the beginning of one very long line.
 void LineReader::cut_rest(std::size_t begin) {
   constexpr std::size_t most_told_bytes = 64; // bytes of it
   constexpr std::string_view words = " … line cut … ";
@@ -271,7 +271,7 @@ void LineReader::cut_rest(std::size_t begin) {
   rest_ = {buffer_.data(), begin + most_told_bytes + words.size()};
 }
 
-// Cuts the last line at hand, which has no end yet, where it is longer than any of a log.
+// Cuts the last line at hand, which has no end yet, if it is longer than any line of a log.
 void LineReader::cut_last_line() {
   constexpr std::size_t most_bytes_of_a_line = 1 << 16; // of a log
   const std::size_t begin = rest_.rfind('\n') + 1; // npos + 1 is 0

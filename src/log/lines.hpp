@@ -11,11 +11,11 @@
 
 namespace goingrate {
 
-/// Where bytes come from.
+/// A source of bytes.
 class ByteSource {
 public:
   virtual ~ByteSource() = default;
-  /// Up to `size` bytes into `to`; 0 at the end. Throws InputError if it cannot be read on.
+  /// Reads up to `size` bytes into `to`; 0 at the end. Throws InputError if reading fails.
   virtual std::size_t read(char* to, std::size_t size) = 0;
   /// Bytes in all, if that is known, and bytes taken so far: for progress.
   [[nodiscard]] virtual std::optional<std::uint64_t> size() const { return {}; }
@@ -23,11 +23,11 @@ public:
 };
 
 /// A file, standard input for "-", or a file inside a ZIP, "archive.zip/name"; gzip is recognised
-/// by its first two bytes. With `wait`, the end of a regular file is waited for to grow; `wait` is
-/// called every tenth of a second while nothing comes, and returns false to give up. Such a file
-/// also ends where it begins anew: cut off and written again, or another file in its place. Throws
-/// InputError if it cannot be opened or is a directory; reading throws it where a packed file
-/// unpacks to more than `unpacked_limit` bytes.
+/// by its first two bytes. With `wait`, reading waits at the end of a regular file for it to grow;
+/// `wait` is called every tenth of a second until more comes, and returns false to give up. Such a
+/// file also ends if it starts over: cut off and written again, or replaced by another file. Throws
+/// InputError if it cannot be opened or is a directory; reading throws it if a packed file unpacks
+/// to more than `unpacked_limit` bytes.
 std::unique_ptr<ByteSource> open_source(const std::string& path, std::uint64_t unpacked_limit,
                                         std::function<bool()> wait = nullptr);
 
@@ -46,18 +46,18 @@ public:
   /// `before` is text that comes before that of the source.
   LineReader(std::unique_ptr<ByteSource> source, std::string name, std::string_view before = {});
 
-  /// The beginning of the text, to find out what it is: at least `lines` lines if it has them, and
-  /// no more than ten times as many, or 16 MiB. Only before the first next().
+  /// The beginning of the text, for recognising its format: at least `lines` lines if it has them,
+  /// and no more than ten times as many, or 16 MiB. Only before the first next().
   std::string_view head(std::size_t lines);
 
   /// All bytes, if the source is not text after all. Only before the first next().
   std::string all();
 
-  /// Whether `head` was all of it.
+  /// Whether `head` was the whole text.
   [[nodiscard]] bool whole_is_in_head() const { return whole_is_in_head_; }
 
-  /// From now on a line of more than 16 MiB is returned as its beginning and its end, with words
-  /// between them that no field has.
+  /// From now on a line of more than 16 MiB is returned as its beginning and its end, with words in
+  /// between that do not occur in a field.
   void cut_long_lines() { cuts_long_lines_ = true; }
   /// The next line. Throws InputError for a line of more than 16 MiB, if it is not to be cut.
   std::optional<Line> next();
@@ -67,7 +67,7 @@ public:
   [[nodiscard]] std::string_view at_hand() const {
     return line_end_ == '\n' ? rest_ : std::string_view();
   }
-  /// The reader goes on after `bytes` bytes of at_hand(), which were `lines` whole lines.
+  /// Makes the reader continue after `bytes` bytes of at_hand(), which were `lines` whole lines.
   void skip(std::size_t bytes, std::uint32_t lines) {
     rest_.remove_prefix(bytes);
     number_ += lines;
@@ -78,10 +78,10 @@ public:
   void count_from(std::uint32_t lines) { number_ = counted_from_ = lines; }
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Bytes of the source still to come, in this reader's reckoning; nothing if unknown.
+  /// Share of the source that has been read, 0 to 1; nullopt if its size is not known.
   [[nodiscard]] std::optional<double> fraction_read() const;
-  /// Lines in `head`, and for the rest the source's size over their mean length (8 bytes at least):
-  /// what to reserve.
+  /// The number of lines to reserve room for: those in `head`, and for the rest the source's size
+  /// over their mean length (at least 8 bytes).
   [[nodiscard]] std::size_t lines_expected() const { return lines_expected_; }
 
 private:

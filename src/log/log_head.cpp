@@ -220,8 +220,8 @@ void describe_steps(ColumnSample& sample, const std::vector<double>& values) {
   const auto [shortest, longest] = std::minmax_element(steps.begin(), steps.end());
   sample.even = steps.size() + 1 == values.size() && *shortest == *longest;
   if (std::max(sample.rising, sample.falling) > 0.98) {
-    // Where a contact bounces, most steps are from one bounce to the next and tell nothing of the
-    // beat. At most nine in ten are such, and gaps are rarer than one in ten.
+    // If a contact bounces, most steps are from one bounce to the next and say nothing about the
+    // beat. At most nine in ten are such steps, and gaps are rarer than one in ten.
     const auto most = steps.begin() + static_cast<std::ptrdiff_t>(9 * (steps.size() - 1) / 10);
     std::nth_element(steps.begin(), most, steps.end());
     const double bounce = 0.1 * *most;
@@ -255,7 +255,7 @@ void describe_swing(ColumnSample& sample, const std::vector<double>& values) {
 } // namespace
 
 ColumnSample LogHead::sample(std::size_t column) const {
-  // Each row is cut up for each column, so that wide tables are known by fewer rows.
+  // Each row is cut up once per column, so fewer rows of wide tables are examined.
   constexpr std::size_t most_fields_cut = 4'000'000, always = 400;
   const std::size_t looked_at =
       std::min(rows.size(), std::max(always, most_fields_cut / (columns * columns)));

@@ -1,4 +1,4 @@
-// The beginning of a log, cut into comments, header and rows, to find out what it is.
+// The beginning of a log, cut into comments, header and rows, for recognising its layout.
 #pragma once
 
 #include "fields.hpp"
@@ -17,7 +17,7 @@ struct HeadLine {
   std::uint32_t number = 0;
 };
 
-/// What the values of one column look like over the rows of the head.
+/// Statistics of the values of one column over the rows of the head.
 struct ColumnSample {
   std::size_t numbers = 0;   ///< rows with a number
   std::size_t calendars = 0; ///< rows with a date or a time of day
@@ -55,7 +55,7 @@ struct LogHead {
 };
 
 /// Cuts `text`; unless it is `whole`, its last line may be incomplete and is then left out. With
-/// `decimal_comma` the comma is known to be the decimal point, otherwise that is found out. Throws
+/// `decimal_comma` the comma is known to be the decimal point; otherwise that is worked out. Throws
 /// InputError for text that is empty, binary or UTF-16, has no line of data, or too many columns.
 LogHead cut_head(std::string_view text, bool whole, const std::string& source, bool decimal_comma);
 

@@ -13,10 +13,10 @@ namespace {
 constexpr double gate_sigmas2 = 36.0;
 // Without noise a beat may still be off by a step of the rate: 1 %, a fraction of any beat error.
 constexpr double gate_floor = 0.01;
-// From one period to the next those of a swing that dies away from 140 degrees at Q = 300 change by
-// 1.5 %; as much again for the start of the filter.
+// Successive periods of a swing that dies away from 140 degrees at Q = 300 differ by 1.5 %; the
+// start of the filter needs as much again.
 constexpr double course_floor = 0.03;
-// Never so wide that an event half-way between two beats could be one.
+// Never so wide that an event half-way between two beats could count as a beat.
 constexpr double gate_cap = 0.25;
 // After this many events in a row that fit no beat, the search for beats starts again. With one
 // event in ten false that happens by chance once in 1e6.
@@ -26,8 +26,8 @@ constexpr int most_misfits = 6;
 constexpr double foreseen_share = 0.05;
 // If two events fit one cycle, one is chosen if it is a hundred times likelier: exp(4.6).
 constexpr double decisive_log_odds = 4.6;
-// The relative error of the typical period where beats begin, and the relative change allowed where
-// they were lost.
+// The relative error of the typical period at the first beats, and the relative change allowed
+// after beats were lost.
 constexpr double unknown_period_share = 0.01;
 constexpr double changed_period_share = 1e-3;
 
@@ -185,8 +185,8 @@ std::size_t Numbering::settle(std::size_t i, double cycles,
   return last;
 }
 
-// The first steady beat from event i on, by `period` or, as the filter may have gone astray after a
-// false start, by the period that the beats there have, which `period` becomes.
+// The first steady beat from event i on, by `period` or, since the filter may have gone astray
+// after a false start, by the period of the beats there, which `period` is then set to.
 std::optional<std::size_t> Numbering::looked_for(std::size_t i, double& period) const {
   PhaseSearch search = search_;
   search.period_s = period;

@@ -1,5 +1,5 @@
-// The first numbering of a log: each upward crossing gets a cycle from the beats before it. What
-// happened where the beats were lost is judged afterwards, from both sides (gap_judge.hpp).
+// The first numbering of a log: each upward crossing gets a cycle from the beats before it. Places
+// where the beats were lost are judged afterwards, from both sides (gap_judge.hpp).
 #pragma once
 
 #include "clock_filter.hpp"
@@ -10,13 +10,13 @@
 
 namespace goingrate {
 
-/// Periods without a beat after which the beats may be elsewhere: with a tenth of them missed it
-/// happens once in 1e8 by chance. Where more are lost as a rule, as many more.
+/// Periods without a beat after which the beats may have been displaced: with a tenth of them
+/// missed this happens once in 1e8 by chance. If more are usually missed, correspondingly more.
 inline double longest_absence(const TypicalPeriod& typical) { return 8.0 * typical.mean_step; }
 
 /// Numbers the upward crossings of `beats` in place: flag and cycle. Downward crossings get their
 /// flag; they, bounces and spurious events get the cycle of the beat before them, so that cycles
-/// never fall.
+/// never decrease.
 class Numbering {
 public:
   Numbering(std::span<Beat> beats, const TypicalPeriod& typical, const BeatNoise& noise);

@@ -1,4 +1,4 @@
-// What a log may be instead, where it cannot be what it was taken for.
+// Suggests other readings of a log that cannot be what it was taken for.
 #include "column_names.hpp"
 #include "typical_period.hpp"
 

@@ -22,7 +22,9 @@ struct Agreement {
 Agreement agreement(std::span<const Beat> events, std::size_t start, const PhaseSearch& search) {
   const double period_s = search.period_s;
   Agreement agreed{1, 0.0};
-  // The grid follows its events half-way: the period here may be off the typical one.
+  // The grid follows half of each event's offset, because the period here may differ from the
+  // typical
+  // one.
   double grid = 0.0;
   for (std::size_t i = start + 1; i < events.size() && i < start + 2 * most_tried; ++i) {
     if (!may_be_up(events[i])) continue;

@@ -1,4 +1,4 @@
-// Where the beats begin, or go on after they were lost.
+// Finds where the beats begin, or where they continue after they were lost.
 #pragma once
 
 #include "goingrate/log/clock_log.hpp"
@@ -8,7 +8,7 @@
 
 namespace goingrate {
 
-/// How beats are looked for.
+/// The criteria by which beats are looked for.
 struct PhaseSearch {
   double period_s = 0.0;
   double tolerance_s = 0.0; ///< how far a beat may be off the grid
@@ -23,7 +23,7 @@ struct PhaseSearch {
 std::optional<std::size_t> find_steady_beat(std::span<const Beat> events, std::size_t from,
                                             const PhaseSearch& search);
 
-/// The events from `from` on, no more than four, before none comes for the time of an absence.
+/// The events from `from` on, at most four, up to an absence.
 int events_before_absence(std::span<const Beat> events, std::size_t from,
                           const PhaseSearch& search);
 

@@ -157,8 +157,8 @@ double mean_rate_sigma(std::span<const Beat> beats, const ClockError& error) {
   return std::sqrt(ends + largest);
 }
 
-// The slope of the straight line fitted to the clock's error. The sums are those of times from the
-// middle of the log and of errors from the line through its ends, so that little of them cancels.
+// The slope of the straight line fitted to the clock's error. Times are counted from the middle of
+// the log and errors from the line through its ends, so that the sums lose few digits.
 double slope(std::span<const Beat> beats, const ClockError& error) {
   const double half_s = 0.5 * (beats.back().time - beats.front().time);
   const double rate = error[beats.size() - 1] / (2.0 * half_s);

@@ -74,7 +74,7 @@ void refuse_if_mostly_bad(const ClockLog& log, const RowReader& rows) {
                    "a log of which at least half can be read");
 }
 
-// Another column that swings, or crossings that were timed by somebody else.
+// Checks for another column that swings, or for crossings that were timed by other software.
 std::vector<OtherReading> readings_beside_angle(const Layout& layout) {
   std::vector<OtherReading> others;
   if (layout.swinging)
@@ -109,7 +109,8 @@ void refuse_if_too_few(const ClockLog& log, const RowReader& rows, const Layout&
                    fmt::format("at least {}", fewest));
 }
 
-// Places of the bob become angles about the centre of its arc; whether they could.
+// Turns places of the bob into angles about the centre of its arc; returns whether that was
+// possible.
 bool take_angles(std::vector<AngleSample>& samples, const std::vector<double>& heights,
                  ClockLog& log) {
   std::vector<double> x;
@@ -166,8 +167,8 @@ void find_crossings(const RowReader& rows, const Layout& layout, const ReadingOp
                                Setting::rest_angle});
 }
 
-// Times of crossings may be those of one direction or of both. A log of our own has a column of
-// edges where it holds both.
+// Times of crossings may come from one direction or from both. A log of our own has a column of
+// edges if it holds both.
 bool directions_are_open(const LogHead& head, const Layout& layout) {
   const auto has = [&](ColumnRole role) { return layout.find(role).has_value(); };
   return has(ColumnRole::time) && !has(ColumnRole::edge) && !has(ColumnRole::clock_error) &&
@@ -323,8 +324,8 @@ void complete(ClockLog& log, RowReader& rows, const Layout& layout, const Readin
     }
     mend_label_jitter(log, layout.label_step_s, issues);
   }
-  // Looking through a long log again takes a tenth of reading it: only where times were not
-  // appended as they stand.
+  // Looking through a long log again takes a tenth of the time for reading it, so it is done only
+  // if times were not appended unchanged.
   const bool as_read = !layout.find(ColumnRole::clock_error) && layout.format != LogFormat::angle &&
                        !layout.newest_first;
   if (!log.grid && (!as_read || !rows.in_order()))

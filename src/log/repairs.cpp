@@ -95,7 +95,7 @@ private:
   double usual_step_;
 };
 
-// Whether no two blocks have hours in common.
+// Whether no two blocks overlap in time.
 bool are_apart(const std::vector<Beat>& events, const std::vector<std::size_t>& starts) {
   std::vector<std::pair<Instant, Instant>> spans;
   for (std::size_t k = 0; k < starts.size(); ++k) {
@@ -173,7 +173,7 @@ void leave_out_copies(ClockLog& log, IssueList& issues) {
 
 namespace {
 
-// The date of the oldest value of a grid whose newest line came first; 0 where there are no dates.
+// The date of the oldest value of a grid whose newest line came first; 0 without dates.
 Instant oldest_of(const ClockLog& log) {
   const auto& [tau0_s, phase_s] = *log.grid;
   const Beat& first = log.events.front();
@@ -218,7 +218,7 @@ struct Labels {
   }
 };
 
-// By how much the clock's error at the grid is above that at label i.
+// How much larger the clock's error at the grid time is than at label i.
 double error_moved(const Labels& labels, std::span<const double> errors_s, std::size_t i) {
   const bool is_early = labels.off_s(i) < 0.0;
   const std::size_t last = errors_s.size() - 1;
@@ -227,7 +227,7 @@ double error_moved(const Labels& labels, std::span<const double> errors_s, std::
   return gap_s > 0.0 ? -labels.off_s(i) * (errors_s[from + 1] - errors_s[from]) / gap_s : 0.0;
 }
 
-// The habit behind a usual step: a week, a day, an hour and their like, if it is near one.
+// The regular interval that a usual step is close to: a week, a day, an hour and the like.
 double round_step(double usual_s) {
   constexpr double largest_departure = 0.25;
   for (const double step_s : {604800.0, 86400.0, 43200.0, 21600.0, 3600.0, 1800.0, 600.0, 60.0})

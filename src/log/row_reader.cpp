@@ -122,7 +122,7 @@ RowReader::Taken RowReader::add_plain_times(std::string_view text, std::uint32_t
   if (!plain_ || number < layout_.first_line) return {};
   const char* const end = text.data() + text.size();
   Taken taken;
-  // A time that begins with 9 may be all nines, which stand for no value: that is for add() to see.
+  // A time that begins with 9 may be all nines, which mark a missing value; add() decides that.
   for (const char* c = text.data(); c != end && *c >= '0' && *c <= '8'; ++taken.lines) {
     Instant raw;
     const char* const line = c;
@@ -171,7 +171,7 @@ double RowReader::number_at(const Line& line, const Place& place, std::string_vi
   if (!place) return unknown;
   const Field& field = fields_[*place];
   const auto value = parse_number(field.text, layout_.point);
-  // Four nines or more stand for no value, unless as a pressure or a humidity they can be real:
+  // Four nines or more mark a missing value, except for a pressure or a humidity that can be real:
   // 999.9 mbar, 99.99 %.
   constexpr double most_mbar = 1100.0, most_percent = 100.0;
   const bool can_be_real = value && ((place == weather_[1] && *value < most_mbar) ||

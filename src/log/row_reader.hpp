@@ -1,4 +1,4 @@
-// From lines to events, by a known layout.
+// Turns lines into events, by a known layout.
 #pragma once
 
 #include "calendar.hpp"
@@ -33,15 +33,16 @@ public:
     std::size_t bytes = 0;
     std::uint32_t lines = 0;
   };
-  /// Adds the lines at the beginning of `text` up to the first that is not a good time in seconds
-  /// alone; nearly all lines of most logs are. `number` is that of the first line. Does what add()
-  /// of each would do, but faster. Adds nothing unless the log has that one column.
+  /// Adds the lines at the beginning of `text` up to the first that is not just a good time in
+  /// seconds, as nearly all lines of most logs are. `number` is that of the first line. Has the
+  /// same effect as add() for each line, but is faster. Adds nothing unless the log has only that
+  /// column.
   Taken add_plain_times(std::string_view text, std::uint32_t number);
-  /// Another text of the same layout follows, whose data begin in this line.
+  /// Tells the reader that another text of the same layout follows, whose data begin in this line.
   void begin_anew(std::uint32_t first_line) { layout_.first_line = first_line; }
-  /// What `before` read of the same log, with another layout, counts as read by this one.
+  /// Makes what `before` read of the same log, with another layout, count as read by this reader.
   void go_on_from(const RowReader& before);
-  /// Says what can be said only at the end.
+  /// Reports what can be reported only at the end.
   void finish();
 
   [[nodiscard]] const std::vector<AngleSample>& samples() const { return samples_; }

@@ -1,4 +1,4 @@
-// The time of a line: as it is written, as the sum of periods, or as a place on a grid.
+// The time of a line: as written, as a sum of periods, or as a place on a grid.
 #include "row_reader.hpp"
 
 #include "beginning.hpp"
@@ -28,7 +28,7 @@ DateOrder RowReader::date_order() const {
   return layout_.month_first ? DateOrder::month_first : DateOrder::day_first;
 }
 
-// The text of the time, after that of the date if it has a column of its own.
+// The text of the time, preceded by the date if that has a column of its own.
 Field RowReader::time_field() {
   const Field& time = fields_[*time_];
   if (!date_ || layout_.date_begins_run) return time;
@@ -53,7 +53,7 @@ std::optional<Instant> RowReader::parsed_time(std::string_view text) {
   return moves ? time->time + -zone_s_ : time->time;
 }
 
-// All nines where a time should be, and far from the times around: no time.
+// All nines in place of a time, far from the neighbouring times, mean that there is no time.
 bool RowReader::is_sentinel(std::string_view text, const Instant& time) const {
   const auto before = time_before(0);
   if (!before || text.front() != '9' || !all_nines(text)) return false;
@@ -133,8 +133,8 @@ std::optional<Instant> RowReader::written_time(const Line& line) {
   return time;
 }
 
-// How much later than a period after the line before a line's own time stamp is, if that is more
-// than its resolution of a second explains.
+// How much later a line's own time stamp is than one period after the line before, if that is more
+// than the stamps' resolution of a second explains.
 Instant RowReader::pause_before(const Instant& period) {
   if (!layout_.coarse_time) return {};
   const std::string_view text = fields_[*layout_.coarse_time].text;

@@ -15,7 +15,7 @@ namespace {
 
 bool earlier(const SensedEvent& a, const SensedEvent& b) { return a.beat.time < b.beat.time; }
 
-// What the drive of a period was multiplied by.
+// The factor by which the drive of a period was multiplied.
 double factor_of(const ClockParameters& clock, double mu) {
   const double strength = drive_strength(clock);
   return strength > 0.0 ? mu / strength : 1.0;
@@ -32,7 +32,7 @@ Sensor::Sensor(const Scenario& scenario, std::uint64_t seed)
 
 void Sensor::see(const Period& period) {
   const double let_in = factor_of(clock_, period.mu);
-  // An action that begins before a crossing goes on with its factor after it.
+  // An action that begins before a crossing continues after it with the same factor.
   const double factor = in_parts_ ? let_in_before_ : let_in;
   let_in_before_ = let_in;
   if (pending_) {
@@ -93,7 +93,7 @@ std::vector<SensedEvent> Sensor::take(bool at_end) {
 Instant Sensor::measured(const TwoPart<double>& time_s, double extra_s) const {
   Instant time = Instant::from_seconds(time_s.hi) + time_s.lo + extra_s;
   if (settings_.resolution_s > 0.0) {
-    // The nearest multiple of the resolution: what is left of it is taken off.
+    // The nearest multiple of the resolution, by subtracting the remainder.
     const auto multiple = std::llround(time.to_double() / settings_.resolution_s);
     time = time + -residual_from_grid(time, Instant{}, multiple, settings_.resolution_s);
   }

@@ -1,4 +1,5 @@
-// Where the sensor stands: from the two half-periods, or from times that follow the amplitude.
+// Estimates the sensor's angle from the two half-periods, or from times that vary with the
+// amplitude.
 #include "goingrate/log/amplitude.hpp"
 
 #include "typical_period.hpp"
@@ -20,7 +21,7 @@ struct Swing {
   double late_s;    // asin(alpha/lambda) T0 / 2 pi
 };
 
-// Hands each up, down, up of consecutive cycles to `take`.
+// Passes each triple of an upward, a downward and the next upward crossing to `take`.
 template <class Take> void for_each_swing(std::span<const Beat> beats, Take take) {
   std::size_t before = beats.size(), down = beats.size(); // none yet
   for (std::size_t i = 0; i < beats.size(); ++i) {
@@ -41,7 +42,7 @@ template <class Take> void for_each_swing(std::span<const Beat> beats, Take take
   }
 }
 
-// Mean without what lies beyond five robust standard deviations, and its standard error.
+// Mean of the values within five robust standard deviations, and its standard error.
 SensorEstimate robust_mean(const std::vector<double>& values) {
   std::vector<double> sorted = values; // the median reorders
   const double centre = median(sorted);
@@ -101,8 +102,9 @@ Curvature curvature_at(std::span<const Beat> good, double alpha, double period_s
   return result;
 }
 
-// Whether the amplitude scatters about its course from beat to beat, rather than wander: the steps
-// of white scatter have a correlation of -1/2, those of a wander driven from beat to beat of 0.
+// Whether the amplitude scatters about its course from beat to beat rather than wandering: the
+// steps of white scatter have a correlation of -1/2, those of a wander driven from beat to beat of
+// 0.
 bool amplitude_scatters(std::span<const Beat> good) {
   double variance = 0.0, next = 0.0;
   for (std::size_t i = 2; i < good.size(); ++i) {

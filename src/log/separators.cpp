@@ -16,8 +16,7 @@ std::size_t count_fields(std::string_view line, char separator) {
 
 namespace {
 
-// "12,25", "16:02:04,25" or "24.11.2025 16:02:04,25": a number or a time with a comma for its
-// point.
+// "12,25", "16:02:04,25" or "24.11.2025 16:02:04,25": a number or a time with a decimal comma.
 bool has_decimal_comma(std::string_view text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos || comma == 0) return false;
@@ -25,7 +24,7 @@ bool has_decimal_comma(std::string_view text) {
   return text.find('.') == std::string_view::npos && parse_number(text, ',').has_value();
 }
 
-// "12.25" or "16:02:04.25": the points of a date are none.
+// "12.25" or "16:02:04.25": a decimal point, which the points of a date are not.
 bool has_decimal_point(std::string_view text) {
   if (text.find(',') != std::string_view::npos) return false;
   const std::size_t colon = text.rfind(':');
@@ -55,7 +54,7 @@ std::string_view without_blanks_behind(std::string_view line) {
   return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
 }
 
-// Whether the lines are dates with times and AM or PM behind: blanks do not cut such a time.
+// Whether the lines are dates with times followed by AM or PM: blanks do not cut such a time.
 bool are_whole_times(const std::vector<HeadLine>& lines) {
   std::size_t whole = 0, all = 0;
   for (const HeadLine& line : lines) {

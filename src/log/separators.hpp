@@ -1,4 +1,4 @@
-// What separates the fields of a log's lines, and which of its commas stand for a decimal point.
+// Finds the separator of a log's fields, and whether its commas are decimal points.
 #pragma once
 
 #include "log_head.hpp"

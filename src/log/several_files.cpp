@@ -89,7 +89,7 @@ private:
     rows_->reserve(room_for(expected));
   }
 
-  // Whether the times of a layout stand by themselves, whatever comes before and after them.
+  // Whether the times of a layout do not depend on the lines before and after them.
   static bool can_change(const Layout& layout) {
     return layout.find(ColumnRole::time) && !layout.find(ColumnRole::clock_error) &&
            layout.format != LogFormat::angle && !layout.newest_first && !layout.wrap_s;
@@ -119,7 +119,7 @@ private:
     rows_.emplace(std::move(next));
   }
 
-  // What a file's head states, and what is wrong with it.
+  // Takes over the statements of a file's head, and its faults.
   void take_statements(const FilePart& part) {
     IssueList issues(log_, options_.strict);
     for (const LineIssue& issue : part.said.issues)
@@ -196,7 +196,7 @@ private:
                                  parts_[known].path));
   }
 
-  // One beat may stand in both files, or have a label that is late.
+  // The same beat may be in both files, or have a label that is late.
   void refuse_overlap(std::size_t before, std::size_t i, double period_s) const {
     const Range a = range_of(before), b = range_of(i);
     const bool same = a.count == b.count && a.first == b.first && a.last == b.last;
@@ -210,7 +210,7 @@ private:
         "files of one clock, one after the other; several clocks are compared, not joined");
   }
 
-  // The period of one file, if it holds enough to tell, as the numbering would find it.
+  // The period of one file as the numbering would find it, if the file is long enough.
   [[nodiscard]] std::optional<double> period_of(std::size_t i) const {
     constexpr std::size_t fewest_events = 20, events_looked_at = 5000;
     const auto [from, to] = places_of(i);

@@ -9,8 +9,8 @@ namespace {
 
 using Places = Eigen::ArrayXd;
 
-// The circle of least algebraic distance, x^2 + y^2 = 2 a x + 2 b y + c: too small where the arc is
-// short and noisy, but near.
+// The circle of least algebraic distance, x^2 + y^2 = 2 a x + 2 b y + c: too small if the arc is
+// short and noisy, but a good start.
 Eigen::Vector3d first_circle(const Places& x, const Places& y) {
   Eigen::MatrixXd design(x.size(), 3);
   design << 2.0 * x.matrix(), 2.0 * y.matrix(), Eigen::VectorXd::Ones(x.size());

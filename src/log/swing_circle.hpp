@@ -17,8 +17,8 @@ struct SwingCircle {
   bool hangs_below = true; ///< the arc lies at smaller y than the centre
 };
 
-/// The circle of least squared distance to the places. Nothing if there are fewer than ten, or the
-/// arc is too flat to tell the radius to a fifth.
+/// The circle of least squared distance to the places. nullopt if there are fewer than ten, or if
+/// the arc is too flat to determine the radius to a fifth.
 /// (SwingCircleTest.FindsLengthAndCentre)
 std::optional<SwingCircle> circle_through(std::span<const double> x, std::span<const double> y);
 

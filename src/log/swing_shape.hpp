@@ -1,5 +1,5 @@
-// The shape of a swing about its passage through the middle, as samples of an angle are fitted by
-// it.
+// The shape of a swing about its passage through the middle, which is fitted to samples of an
+// angle.
 #pragma once
 
 #include "log/angle_samples.hpp"
@@ -40,7 +40,7 @@ private:
   std::array<double, 4> size_{}; // what is left out is 1e-8 rad at 1 rad, 1e-5 at 2
 };
 
-/// A swing about its passage of the middle: size * sine + middle, with what is known of its shape.
+/// A swing about its passage through the middle, size * sine + middle, with a given shape.
 struct SwingShape {
   double w = 0.0, decay = 0.0; // rad/s; of its size, 1/s
   double side = 1.0;           // 1 where it rises, or -1

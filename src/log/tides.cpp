@@ -32,7 +32,8 @@ JulianDate julian(const Instant& utc, double later_s = 0.0) {
   return {of_1970, seconds / seconds_a_day};
 }
 
-// Atomic time less UTC changes by a second in years; the Moon moves by half its own arc second.
+// Atomic time minus UTC changes by a second in years, in which the Moon moves by half an arc
+// second.
 constexpr double terrestrial_less_utc_s = 69.184;
 
 // The position of the Moon and of the Sun, m, in the celestial frame.
@@ -67,7 +68,7 @@ Vector upwards(const Site& site) {
   return {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
 }
 
-// What a body pulls at a place more than at the Earth's middle.
+// How much more a body pulls at a place than at the Earth's centre.
 Vector excess_pull(double mass, const Vector& body, const Vector& place) {
   const Vector from_place = body - place;
   return mass * (from_place / std::pow(from_place.norm(), 3) - body / std::pow(body.norm(), 3));

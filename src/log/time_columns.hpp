@@ -1,4 +1,4 @@
-// Which columns of a table tell the time.
+// Finds the columns of a table that hold the time.
 #pragma once
 
 #include "log_head.hpp"
@@ -9,7 +9,7 @@
 
 namespace goingrate {
 
-/// A column that counts the lines: whole numbers that rise by one.
+/// Whether a column counts the lines: whole numbers that rise by one.
 bool counts_lines(const ColumnSample& sample);
 
 /// Sets the time, and the date where it has a column of its own, of a table without names: the

@@ -40,7 +40,7 @@ std::vector<double> sampled_intervals(std::span<const Beat> events) {
   return intervals;
 }
 
-// How many periods an interval holds, or 0 if it is near no whole number of them.
+// How many periods an interval holds, or 0 if it is not close to a whole number of them.
 double periods_in(double interval_s, double period_s) {
   const double n = std::round(interval_s / period_s);
   const bool whole = n >= 1.0 && n <= most_periods &&
@@ -48,9 +48,9 @@ double periods_in(double interval_s, double period_s) {
   return whole ? n : 0.0;
 }
 
-// Where half of the beats or more are lost the median interval holds several periods, or a false
-// event. The commonest length is then a whole number of periods: the shortest part of it that one
-// interval in ten is, and eight in ten are multiples of.
+// If half of the beats or more are lost, the median interval holds several periods, or a false
+// event. The commonest length is then a whole number of periods. The period is its shortest part to
+// which one interval in ten is equal and of which eight in ten are multiples.
 double shortest_length(std::vector<double> intervals, double median_s) {
   const auto share = [&](auto is_one) {
     return static_cast<double>(std::count_if(intervals.begin(), intervals.end(), is_one)) /
@@ -155,7 +155,7 @@ TypicalPeriod typical_period(std::span<const Beat> events, const std::string& so
     throw InputError({source, 1, 1},
                      fmt::format("{} upward crossings", events.empty() ? 0 : work.size() + 1),
                      "at least 3");
-  // Missed and spurious events put intervals far from the bulk; the median sits inside it.
+  // Missed and spurious events make intervals far outside the bulk; the median is inside it.
   double centre = median(work);
   constexpr double shortest_s =
       1e-9; // no pendulum swings so fast, and its square is still a number

@@ -38,19 +38,19 @@ inline bool may_be_up(const Beat& event) {
   return event.edge == Edge::up && event.flag != BeatFlag::bounce;
 }
 
-/// Whether periods change by their course and not by scatter, as those of a wide free swing do that
-/// dies away: they spread by 0.3 % or more, more than any clock's, and neighbours differ by less
-/// than a tenth of that. NaN counts as none.
+/// Whether periods change along a smooth course rather than by scatter, as those of a wide free
+/// swing that dies away: they spread by 0.3 % or more, more than any clock's, and neighbours differ
+/// by less than a tenth of that. NaN is ignored.
 bool have_a_course(std::span<const double> periods);
 
-/// Whether small swings that take `nominal_s` may take `period_s` when they are wide: up to 140
-/// degrees under gravity (free_period_ratio, 1.59).
+/// Whether a pendulum whose small swings take `nominal_s` may take `period_s` for wide ones: up to
+/// 140 degrees under gravity (free_period_ratio, 1.59).
 bool may_be_wide_swings(double period_s, double nominal_s);
 
-/// The period of `events`. `nominal_s`, if it is known, settles how many periods an interval holds,
-/// but for wide swings that die away; else the shortest of the lengths that the intervals are
-/// multiples of, which is their median unless more than half of the beats are lost. Throws
-/// InputError if there are fewer than three upward crossings or most are at one time,
+/// The period of `events`. `nominal_s`, if known, settles how many periods an interval holds,
+/// except for wide swings that die away. Otherwise the period is the shortest length of which the
+/// intervals are multiples, which is their median unless more than half of the beats are lost.
+/// Throws InputError if there are fewer than three upward crossings or most are at one time,
 /// ImpossibleReading if fewer than one interval in twenty is a multiple of the nominal period.
 TypicalPeriod typical_period(std::span<const Beat> events, const std::string& source,
                              std::optional<double> nominal_s = {});

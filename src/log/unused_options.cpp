@@ -1,4 +1,4 @@
-// Options given to a reader that do not apply to this kind of log.
+// Reports options given to a reader that do not apply to this kind of log.
 #include "log/unused_options.hpp"
 
 #include <fmt/format.h>

@@ -7,7 +7,7 @@ namespace goingrate {
 
 namespace {
 
-// What counters and timers are known to wrap at, in the unit of the column.
+// Values at which counters and timers are known to wrap, in the unit of the column.
 std::vector<double> wrap_candidates(const Layout& layout, TimeUnit unit) {
   const double unit_s = unit.seconds * std::pow(10.0, unit.power);
   std::vector<double> candidates{65536.0 * unit_s, 4294967296.0 * unit_s, 86400.0};
@@ -43,9 +43,9 @@ Instant Unwrapper::placed(const Instant& raw, double typical_step_s) {
   return {sum.seconds + offset_.seconds, sum.fraction};
 }
 
-// A step back is a wrap if the next reading then follows as soon as the ones before did. Over
-// midnight any gap is believed, unless the times began at zero and do so again: then the logger
-// has.
+// A step back is a wrap if the next reading then follows as soon as the ones before did. Across
+// midnight a gap of any length is accepted, unless the times began at zero and do so again: then
+// the logger was restarted.
 void Unwrapper::guess(double before_s, double after_s, double typical_step_s) {
   constexpr double patience = 20.0; // steps: a short gap may hide the wrap itself
   for (const double wrap : settings_.candidates_s) {
@@ -60,8 +60,8 @@ void Unwrapper::guess(double before_s, double after_s, double typical_step_s) {
   }
 }
 
-// How many wraps belong to a step if whole beats are expected: those of the fewest beats that fit
-// to 1/64 of the wrap, which a wrong number of beats does by chance in one case of 32.
+// How many wraps belong to a step if whole beats are expected: the number for the fewest beats that
+// fit to 1/64 of the wrap, as a wrong number of beats does by chance in one case of 32.
 std::int64_t Unwrapper::wraps_for_beats(double step_s) const {
   constexpr int most_beats = 8;
   const double wrap = *settings_.wrap_s, beat = *settings_.step_s;

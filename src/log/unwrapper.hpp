@@ -8,7 +8,7 @@
 
 namespace goingrate {
 
-/// Gives times that begin again from nothing their place in one run.
+/// Turns times that start again from zero into one continuous run.
 class Unwrapper {
 public:
   struct Settings {
@@ -44,7 +44,7 @@ private:
   std::int64_t wraps_ = 0;
 };
 
-/// What the layout and the period, if it is known, say of it.
+/// The settings that follow from the layout and, if known, the period.
 Unwrapper::Settings unwrapping(const Layout& layout, std::optional<double> nominal_period_s);
 
 } // namespace goingrate

@@ -8,9 +8,9 @@
 
 namespace goingrate {
 
-/// Cycles from one beat to the next where nine in ten are as far apart, and 1 where they are not:
-/// 2 where every second beat is missing, or half the period was given for it; 30 where a contact
-/// closes once a minute. What a sensor misses at random leaves more single steps than that.
+/// Cycles from one beat to the next if nine in ten beats are equally far apart, otherwise 1: 2 if
+/// every second beat is missing, or half the period was given as the period; 30 if a contact closes
+/// once a minute. Beats missed at random leave more single steps than that.
 inline std::int64_t usual_step(std::span<const Beat> beats) {
   if (beats.size() < 3) return 1;
   const auto step = [&](std::size_t i) { return beats[i].cycle - beats[i - 1].cycle; };

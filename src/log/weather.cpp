@@ -82,7 +82,7 @@ private:
     return readings_[i].time - readings_[i - 1].time;
   }
 
-  // Settles which reading comes before `time`.
+  // Finds the reading before `time`.
   void find(const Instant& time) {
     const auto comes_after = [&](std::size_t i) { return time < readings_[i].time; };
     if (comes_after(last_) || (last_ + 3 < size() && !comes_after(last_ + 2))) {
@@ -131,7 +131,7 @@ private:
     return 2.0 * (second - third * (t(b) + t(c)));
   }
 
-  // By how much readings depart from the polynomial through `reach` neighbours on either side.
+  // The departures of readings from the polynomial through `reach` neighbours on either side.
   [[nodiscard]] double left_out_rms(std::size_t reach) const {
     double sum2 = 0.0, count = 0.0;
     for (std::size_t i = reach; i + reach < size(); ++i) {
@@ -225,7 +225,7 @@ private:
     return file;
   }
 
-  // Times of the weather as the log counts its own.
+  // Converts times of the weather to the log's origin.
   void bring_to_origin(ClockLog& file) const {
     if ((file.origin == TimeOrigin::none) != (log_.origin == TimeOrigin::none))
       throw InputError(file.place(file.events.front().line), times_of(file.origin),

@@ -1,4 +1,4 @@
-// Logs inside a ZIP, as telephones export them.
+// Reads logs inside a ZIP, as exported by telephones.
 #pragma once
 
 #include "lines.hpp"
@@ -19,9 +19,9 @@ bool is_zip(const std::string& path);
 /// than `unpacked_limit` bytes.
 std::vector<std::string> files_in_zip(const std::string& path, std::uint64_t unpacked_limit);
 
-/// The bytes of "archive.zip/name"; nothing if no such file could be meant, since the path exists
-/// or no ZIP is on it. Throws InputError if the ZIP is damaged, or the entry absent, encrypted, or
-/// larger than it says or than `unpacked_limit` bytes; reading throws it too.
+/// The bytes of "archive.zip/name"; null if the path does not mean such a file, because it exists
+/// itself or contains no ZIP. Throws InputError if the ZIP is damaged, or the entry is absent,
+/// encrypted, or larger than it states or than `unpacked_limit` bytes; reading throws it too.
 std::unique_ptr<ByteSource> open_in_zip(const std::string& path, std::uint64_t unpacked_limit);
 
 } // namespace goingrate

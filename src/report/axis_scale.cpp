@@ -65,7 +65,7 @@ AxisScale scale_linear(const Axis& axis, double lowest, double highest, double m
   AxisScale scale;
   double span = highest - lowest;
   const double size = std::max(std::abs(lowest), std::abs(highest));
-  if (!(span > std::max(1e-13 * size, 1e-150))) { // all equal, but for the rounding of a double
+  if (!(span > std::max(1e-13 * size, 1e-150))) { // all equal to within the rounding of a double
     span = size > 1e-150 ? 0.4 * size : 2.0;
     lowest = 0.5 * (lowest + highest) - 0.5 * span;
     highest = lowest + span;
@@ -92,8 +92,8 @@ struct LogTick {
   [[nodiscard]] double logarithm() const { return decade + std::log10(mantissa); }
 };
 
-// The logarithm of the nearest 1, 2 or 5 times a power of ten: at or above `logarithm` (`up`), or
-// at or below it.
+// The logarithm of the nearest 1, 2 or 5 times a power of ten, at or above `logarithm` if `up`,
+// else at or below it.
 double round_outward(double logarithm, bool up) {
   constexpr double rounding = 1e-9;
   const int decade = static_cast<int>(std::floor(logarithm + (up ? -rounding : rounding)));
@@ -119,7 +119,7 @@ void add_log_ticks(AxisScale& scale) {
   const int decades = last - first;
   constexpr double most_labelled = 8.0; // decades
   constexpr double rounding = 1e-9;     // of a logarithm
-  // Decades: numbers below 0.008 or above 12,600 are shorter as powers of ten.
+  // Limits in decades: numbers below 0.008 or above 12,600 are shorter as powers of ten.
   constexpr double lowest_written = -2.1, highest_written = 4.1;
   const int stride = std::max(1, static_cast<int>(std::ceil(decades / most_labelled)));
   const double powers = std::floor(scale.to + rounding) - std::ceil(scale.from - rounding) + 1.0;
@@ -139,7 +139,7 @@ void add_log_ticks(AxisScale& scale) {
   }
 }
 
-// Half a place is left on either side, for squares and bars.
+// An axis of names has half a place of room at either end, for squares and bars.
 AxisScale scale_names(const Axis& axis) {
   AxisScale scale;
   scale.title = titled(axis.label, axis.unit);

@@ -1,4 +1,4 @@
-// From values to places on an axis, and the ticks that tell the values.
+// Scales an axis: maps values to places on it, and chooses its ticks.
 #pragma once
 
 #include "goingrate/report/figure.hpp"
@@ -31,7 +31,7 @@ struct AxisScale {
 bool can_be_shown(double value, bool logarithmic);
 
 /// The axis for values from `lowest` to `highest`, both showable; `margin` is the share of the span
-/// left empty on each side. Equal values get a span around them. An axis of names has all of them.
+/// left empty on each side. Equal values get a span around them. An axis of names shows all names.
 AxisScale scale_axis(const Axis& axis, double lowest, double highest, double margin);
 
 /// The axis of a figure that has no values: no ticks.

@@ -12,7 +12,7 @@ namespace goingrate {
 
 namespace {
 
-constexpr std::size_t failures_shown = 10; // of realisations; a log that fails has its row
+constexpr std::size_t failures_shown = 10; // realisations only; a log that fails has its own row
 
 std::string number(double value, const char* format) {
   return std::isnan(value) ? "-" : fmt::format(fmt::runtime(format), value);

@@ -105,7 +105,7 @@ private:
     switch (suspicion_.cause) {
     case Cause::wheel:
       return fmt::format("the rate swings by {} either way every {:.5g} s: most likely a wheel of "
-                         "the train, or something that goes with one, comes round in that time",
+                         "the train, or something moved by one, turns once in that time",
                          size(), numbers_.period_s);
     case Cause::sensor_shift:
       return fmt::format("{} the beats begin to come {} {} than before, and the clock goes on as it "

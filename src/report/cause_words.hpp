@@ -1,4 +1,4 @@
-// Causes in the words of a clock's keeper. Private to the report.
+// Causes in words that a clock's keeper knows. Private to the report.
 #pragma once
 
 #include "wording.hpp"
@@ -8,12 +8,12 @@
 
 namespace goingrate {
 
-/// What the cause is called where it is one of several: "a change of the regulation".
+/// The name of the cause in a list of several: "a change of the regulation".
 std::string_view owners_name(Cause cause);
 
-/// One sentence: what is seen, what most likely makes it, and from what the log cannot tell that.
-/// `when` stands for the moment of a step whose rates were told before, such as "then"; empty: the
-/// sentence has moment and size.
+/// One sentence: what is seen, its most likely cause, and the causes that the log cannot tell from
+/// it. For a step whose rates were given before, `when` refers to its moment, such as "then"; if it
+/// is empty, the sentence gives moment and size.
 std::string explanation(const Suspicion& suspicion, const Wording& words, bool sees_amplitude,
                         std::string_view when = {});
 

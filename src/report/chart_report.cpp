@@ -15,7 +15,7 @@ namespace goingrate {
 
 namespace {
 
-// An error of exactly 0 is below what the oracle's 64 bits show.
+// An error of exactly 0 is smaller than the oracle's 64 bits can show.
 constexpr double smallest_error = 1e-19;
 
 std::vector<std::string> scenes_of(const std::vector<ChartRow>& rows) {
@@ -195,8 +195,8 @@ std::string rate_map_json(const RateMap& map) {
 
 namespace {
 
-// The curves are steep beyond three times the distance from the highest rate at which half of the
-// rates lie.
+// The curves are steep where a rate is more than three times as far from the highest rate as the
+// median rate is.
 double lowest_of_interest(const RateMap& map) {
   std::vector<double> rates;
   for (const auto& row : map.rate_excess)

@@ -19,7 +19,7 @@ constexpr int vermilion = 1;
 constexpr int green = 2;
 constexpr int purple = 3;
 
-// Means over stretches of beats: in single periods the jitter hides what is looked for.
+// Means over stretches of beats, because in single periods the jitter hides the dependence.
 Series stretch_means(const Analysis& data, const Wording& words) {
   constexpr std::size_t wanted_points = 300;
   constexpr std::size_t fewest_beats = 10; // beats
@@ -147,7 +147,7 @@ std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, doubl
                        : history.from_amplitude                    ? "amplitude"
                                                                    : "rate";
   return Figure{"drive-history",
-                "The drive as it went",
+                "History of the drive",
                 fmt::format("The torque relative to that of the fit, found from {} by undoing the "
                             "pendulum's slow answer, with one σ either way; 1.01 is a drive "
                             "stronger by 1 %.",

@@ -64,7 +64,7 @@ std::string deviations_text(const Comparison& comparison, std::string_view title
   const auto& rows = comparison.clocks.front().deviation.rows;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     text += fmt::format("{:>9.6g}", rows[r].tau_s);
-    for (const ComparedClock& clock : comparison.clocks) // one without weather is what it is
+    for (const ComparedClock& clock : comparison.clocks) // without weather nothing was subtracted
       text += cell(((clock.*of_clock).rows.empty() ? clock.deviation : clock.*of_clock).rows[r].value);
     for (const ClockPair& pair : comparison.pairs)
       text += cell((pair.*of_pair).rows[r].value);

@@ -56,14 +56,14 @@ Stretches stretches_of(const Analysis& data, const std::vector<double>& amplitud
   return stretches;
 }
 
-// The period of a free swing over that of a small one. An amplitude above three radians comes from
-// a wrong scale and is cut to that.
+// The period of a free swing divided by that of a small swing. An amplitude above three radians
+// comes from a wrong scale and is replaced by three radians.
 double period_ratio(double gravity_share, double squared_rad2) {
   constexpr double least_rad = 1e-6, most_rad = 3.0;
   return free_period_ratio(gravity_share, std::clamp(std::sqrt(squared_rad2), least_rad, most_rad));
 }
 
-// T0 of the fit, or if it has none, of the points.
+// T0 from the fit, or from the points if the fit has none.
 double T0_of(const FitSummary& fit, const Stretches& points) {
   const FittedParameter* T0 = fit.find("T0");
   if (T0 != nullptr && std::isfinite(T0->value)) return T0->value;
@@ -86,8 +86,8 @@ Series theory(double T0, double gravity_share, double largest_rad2) {
   return curve;
 }
 
-// Q along the amplitude. Between those at which it is known 1/Q, a sum of what smooth laws take, is
-// on cubics that keep its order (Fritsch and Carlson 1980).
+// Q as a curve over the amplitude. Between the amplitudes at which it is known, 1/Q, a sum of
+// smooth losses, is interpolated by monotone cubics (Fritsch and Carlson 1980).
 class QCurve {
 public:
   explicit QCurve(const Decay& decay) : unit_(angle_unit(decay)) {
@@ -127,7 +127,7 @@ public:
   }
 
 private:
-  [[nodiscard]] bool is_smooth() const { return known_.size() >= 4; } // as a cubic needs
+  [[nodiscard]] bool is_smooth() const { return known_.size() >= 4; } // cubics need four points
   [[nodiscard]] std::vector<double> drawn_rad() const {
     constexpr int steps = 64;
     std::vector<double> all;
@@ -158,7 +158,7 @@ std::optional<Figure> period_amplitude_figure(const Analysis& data) {
   const bool measured = data.log.has_amplitude;
   const FittedParameter* found = data.fit.find("amplitude_scale");
   const bool is_scaled = found != nullptr && std::isfinite(found->value) && found->value > 0.0;
-  const double scale = is_scaled ? found->value : 1.0; // of the log's amplitudes to the true ones
+  const double scale = is_scaled ? found->value : 1.0; // from the log's amplitudes to the true ones
   const std::vector<double>& course = data.fit.model_amplitude_rad;
   if (!data.fit.decay || course.size() != data.beats.size()) return std::nullopt;
   std::vector<double> amplitude = course;
@@ -206,7 +206,7 @@ std::optional<Figure> q_figure(const FitSummary& fit) {
   return Figure{
       "q-amplitude",
       "Quality factor against amplitude",
-      "2π times the energy of the swing over what a period takes of it, with its 68 % and "
+      "2π times the energy of the swing over the energy lost in a period, with its 68 % and "
       "95 % intervals, whichever law the friction has. Level: linear friction. Falling to "
       "the right: drag that grows with the square of the speed. Falling to the left: dry "
       "friction.",

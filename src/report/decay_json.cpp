@@ -6,7 +6,7 @@ namespace goingrate {
 
 namespace {
 
-// An end that is open, or a value that is not determined, is null. Keys begin with `prefix`.
+// An open end of an interval, or an undetermined value, is null. Keys begin with `prefix`.
 void put_estimate(const std::string& prefix, const DecayEstimate& estimate, Json& json) {
   json[prefix + "sigma"] = json_number(estimate.sigma);
   json[prefix + "low68"] = json_number(estimate.low68);

@@ -1,4 +1,4 @@
-// The decay of a free swing in words and as a table.
+// Describes the decay of a free swing, in sentences and as a table.
 #include "goingrate/report/tables.hpp"
 
 #include "rounded.hpp"
@@ -21,7 +21,7 @@ std::string open_laws(const Decay& decay) {
   return listed(names, "and");
 }
 
-// How many times less likely a law is that is behind by so much in BIC, which is twice the
+// How many times less likely a law is whose BIC is larger by this difference, which is twice the
 // logarithm of the odds (Schwarz, Ann. Stat. 6, 461, 1978).
 std::string times_as_likely(double behind) {
   constexpr double most_told = 1e6;
@@ -48,7 +48,7 @@ std::string angle(double rad, const DisplayUnit& unit) {
   return fmt::format("{} {}", with_sigma(unit.factor * rad, 0.0, 4), unit.name);
 }
 
-// Q and decay time at the one amplitude at which the log tells them best.
+// Q and decay time at the one amplitude at which the log determines them best.
 std::string time_sentence(const Decay& decay, const DisplayUnit& unit) {
   if (!is_known(decay.time_s)) return {};
   const std::string q =

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-// The assembler reads the files, which g++ and clang both leave to it: a megabyte of text as an
-// array in C++ would take the compiler many seconds. That of WebAssembly needs a section for each,
-// and its length.
+// The files are read by the assembler, through a directive that g++ and clang both pass on to it: a
+// megabyte of text as an array in C++ would take the compiler many seconds. WebAssembly's assembler
+// needs a section for each file, and its length.
 #ifdef __wasm__
 #define SECTION(name) ".section .rodata." name ",\"\",@\n"
 #define END_OF_SECTION ""

@@ -1,18 +1,18 @@
-// Files that are part of the library, for the page to hold.
+// Files that are embedded in the library and copied into the page.
 #pragma once
 
 #include <string_view>
 
 namespace goingrate {
 
-/// plotly.js as it came from the npm registry (MIT licence, named at its head); empty if the build
-/// could not fetch it. Holds no "</script".
+/// plotly.js as it came from the npm registry (MIT licence, named in its first lines); empty if the
+/// build could not fetch it. Contains no "</script".
 std::string_view plotly_script();
 
-/// page_series.js: what page.js does with numbers; must come before it.
+/// page_series.js: the functions with which page.js unpacks and thins numbers; must come before it.
 std::string_view series_script();
 
-/// page.js: what draws the figures of a page with it.
+/// page.js: draws the figures of a page with plotly.js.
 std::string_view page_script();
 
 } // namespace goingrate

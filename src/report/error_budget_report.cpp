@@ -10,7 +10,7 @@ namespace goingrate {
 
 namespace {
 
-// A key of a scenario in words, and the unit in which its value is shown.
+// The meaning of a scenario's key, and the unit in which its value is shown.
 std::string named(const std::string& key) {
   if (key == "clock.epsilon") return "friction ε (Q = 1/2ε), the swing kept by the drive";
   if (key == "amplitude") return "amplitude, rad, by the drive";
@@ -55,7 +55,7 @@ std::string error_budget_text(const ErrorBudget& budget, const std::vector<Requi
   for (const ErrorPart& part : budget.parts) {
     row(part.key, part.size);
     if (part.key != "length.temperature_coefficient") continue;
-    // What the temperature does is proportional to the rod and its compensation together.
+    // The effect of temperature is proportional to the sum of the rod's and its compensation's.
     for (const Requirement& one : needed)
       if (one.key == "length.compensation") row(one.key, one.present);
   }

@@ -7,8 +7,8 @@ namespace goingrate {
 
 namespace {
 
-// For a log of both directions: the cycles within a segment whose downward passage is missing. If
-// most are missing, the log has one direction only, and none is counted.
+// The number of cycles, within segments of a log of both directions, whose downward passage is
+// missing. If most are missing, the log has only one direction, and none is counted.
 std::int64_t missed_downward(const Beats& numbered) {
   std::int64_t missing = 0, seen = 0, all = 0; // downward passages
   const Beat* last = nullptr;

@@ -1,4 +1,4 @@
-// How many events were not one beat each. Private to the report.
+// Counts of missed beats and of events that are not beats. Private to the report.
 #pragma once
 
 #include "goingrate/log/beats.hpp"
@@ -7,8 +7,8 @@
 
 namespace goingrate {
 
-/// "3 missed, 0 spurious", bounces where there are any, and of a log of both directions also the
-/// downward passages that are missing.
+/// "3 missed, 0 spurious", with bounces if there are any, and for a log of both directions also
+/// with the downward passages that are missing.
 std::string fault_counts(const Beats& beats);
 
 } // namespace goingrate

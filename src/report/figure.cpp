@@ -17,8 +17,8 @@ namespace goingrate {
 
 namespace {
 
-// Sizes of the drawing, in its own units. Text is 13 units high, on a telephone 20; the margins
-// have room for the latter.
+// Sizes of the drawing, in its own units. Text is 13 units high, or 20 on a telephone, for which
+// the margins have room.
 constexpr double width = 720.0;
 constexpr double plot_height = 320.0;
 constexpr double least_left = 80.0;
@@ -27,7 +27,7 @@ constexpr double space_above = 14.0;
 constexpr double space_below = 58.0;
 constexpr double legend_row = 26.0;
 constexpr double marker_row = 21.0;
-constexpr double character = 11.0; // width of one, generously
+constexpr double character = 11.0; // width of a character, generously
 
 std::string identifier(const std::string& id) {
   std::string out = "figure-";
@@ -64,7 +64,7 @@ public:
 
   [[nodiscard]] double height() const { return bottom_ + space_below; }
 
-  // The SVG. With a style it is a figure of its own; `top` is its place in a stack.
+  // The SVG. With a style it is a complete file; `top` is the figure's place in a stack.
   std::string text(bool with_style, std::optional<double> top = {}) {
     open(with_style, top);
     draw_grid();
@@ -137,7 +137,7 @@ void Drawing::lay_out_legend() {
 }
 
 void Drawing::open(bool with_style, std::optional<double> top) {
-  // In a stack the whole has the class and with it the style.
+  // In a stack, the outermost element has the class, and thereby the style.
   const std::string place =
       top ? fmt::format("y=\"{}\" width=\"{}\" height=\"{}\"", coordinate(*top), coordinate(width),
                         coordinate(height()))
@@ -155,7 +155,7 @@ void Drawing::draw_grid() {
   std::string minor;
   std::string labels;
   const auto out = std::back_inserter(labels);
-  bool lower = false; // every other name, so that long ones have room
+  bool lower = false; // every second name is put lower, so that long names have room
   for (const AxisTick& tick : x_.ticks) {
     const std::string x = coordinate(left_ + (right_ - left_) * tick.place);
     (tick.label.empty() ? minor : lines) +=
@@ -208,7 +208,7 @@ std::vector<Cell> Drawing::cells(const Series& series) const {
 std::vector<Extent> Drawing::extents(const Series& series) const {
   std::vector<Extent> result;
   for (std::size_t i = 0; i < series.x.size(); ++i) {
-    // A bar that reaches below what a logarithmic axis can show ends at its foot.
+    // A bar that reaches below the range of a logarithmic axis ends at the foot of the axis.
     const bool no_foot = y_.logarithmic && series.low[i] <= 0.0;
     result.push_back(
         {across(series.x[i]), no_foot ? bottom_ : down(series.low[i]), down(series.high[i])});

@@ -60,7 +60,8 @@ bool is_of_bulk(const Figure& figure) {
                      [](const Series& series) { return series.style == Series::Style::points; });
 }
 
-// The values that are not far beyond the middle 98 %, as in a box plot; if there are few, all.
+// The range of the values, without those far outside the middle 98 %, as in a box plot; if there
+// are few values, unlimited.
 Interval bulk_of(const Series& series) {
   std::vector<double> values;
   for (const double value : series.y)
@@ -127,7 +128,7 @@ FigureAxes figure_axes(const Figure& figure, const std::vector<Figure>& beside) 
 SeriesWithin within(const Series& series, const FigureAxes& axes) {
   SeriesWithin result{series, {}};
   if (!axes.clipped || !sets_bulk(series)) return result;
-  constexpr double marks = 150.0; // along the axis
+  constexpr double marks = 150.0; // most marks along the axis
   std::array<double, 2> last{-1.0, -1.0};
   for (std::size_t i = 0; i < series.y.size(); ++i) {
     double& value = result.inside.y[i];

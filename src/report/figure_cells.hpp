@@ -12,8 +12,8 @@ struct Cell {
   double value;
 };
 
-/// The squares: blue where positive, vermilion where negative, the fuller the larger, each with its
-/// number. One that is not finite is left out.
+/// The squares with their numbers: blue if positive, vermilion if negative, in a stronger shade the
+/// larger the number. A number that is not finite is left out.
 std::string cells_markup(const std::vector<Cell>& cells);
 
 } // namespace goingrate

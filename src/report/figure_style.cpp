@@ -6,7 +6,8 @@
 
 namespace goingrate {
 
-// Each property has its light value as fallback, so that the style also works without a page.
+// Each custom property has its light value as fallback, so that the style also works without a
+// page.
 std::string figure_style() {
   std::string style = R"(
 .figure{display:block;width:100%;height:auto;font:13px system-ui,sans-serif}
@@ -32,7 +33,7 @@ std::string figure_style() {
 )";
   for (int i = 0; i < 8; ++i)
     style += fmt::format(".figure .c{0}{{--ink:var(--c{0},{1})}}\n", i, palette(i));
-  // A telephone halves the drawing: what is thin there grows.
+  // On a telephone the drawing is half as large, so thin lines and small text are made larger.
   style += "@media screen and (max-width:600px){.figure{font-size:20px}"
            ".figure .frame,.figure .grid{stroke-width:1.5}.figure .line{stroke-width:3}"
            ".figure .dots{stroke-width:3}.figure .bar{stroke-width:2}}\n";

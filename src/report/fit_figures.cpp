@@ -59,7 +59,7 @@ std::optional<Figure> profile_figure(const FitSummary& fit) {
       {"distance from the best value", "σ"},
       {"fall of 2 log L", ""},
       {}};
-  constexpr std::size_t colours = 8; // then shifted by one: each comes again with another dash
+  constexpr std::size_t colours = 8; // then shifted by one, so that each recurs with another dash
   for (const FittedParameter& p : fit.parameters) {
     const std::size_t i = figure.series.size();
     if (!p.profile.empty())
@@ -71,7 +71,7 @@ std::optional<Figure> profile_figure(const FitSummary& fit) {
 }
 
 std::optional<Figure> correlation_figure(const FitSummary& fit) {
-  std::vector<std::size_t> shown; // no undetermined ones: their correlations are of the priors
+  std::vector<std::size_t> shown; // the determined ones: the others' correlations are the priors'
   for (std::size_t i = 0; i < std::min(fit.correlated.size(), fit.correlation.size()); ++i)
     if (is_determined(fit, fit.correlated[i])) shown.push_back(i);
   if (shown.size() < 2) return std::nullopt;
@@ -87,7 +87,7 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
   Series& cells = figure.series.front();
   for (std::size_t i = 0; i < count; ++i) {
     figure.x.names.push_back(fmt::format("{}", i + 1));
-    const std::size_t from_foot = count - 1 - i; // the first row on top, as a matrix is written
+    const std::size_t from_foot = count - 1 - i; // the first row is on top, as in a matrix
     figure.y.names.push_back(
         fmt::format("{} {}", label_of(fit.correlated[shown[from_foot]]), from_foot + 1));
     for (std::size_t k = 0; k < count; ++k) {
@@ -102,7 +102,7 @@ std::optional<Figure> correlation_figure(const FitSummary& fit) {
 
 std::optional<Figure> interval_figure(const FitSummary& fit) {
   constexpr double edge_sigmas =
-      5.0; // sigma: where bars are cut; ends are sought up to 30 (profile.hpp)
+      5.0; // sigma: bars are cut here; ends are searched for up to 30 (profile.hpp)
   Series narrow{Series::Style::bars, "68 %", {}, {}, {}, {}, blue};
   Series wide{Series::Style::bars, "95 %", {}, {}, {}, {}, vermilion};
   Figure figure{"intervals",
@@ -123,7 +123,7 @@ std::optional<Figure> interval_figure(const FitSummary& fit) {
   for (const FittedParameter& p : fit.parameters) {
     if (!has_intervals(p)) continue;
     const auto at = static_cast<double>(figure.x.names.size());
-    constexpr double side_step = 0.08; // places, so that both bars are seen
+    constexpr double side_step = 0.08; // places: both bars can be seen
     add(narrow, at - side_step, p, p.low68, p.high68);
     if (p.low95 < p.high95) add(wide, at + side_step, p, p.low95, p.high95);
     figure.x.names.push_back(label_of(p.name));

@@ -12,7 +12,7 @@ namespace goingrate {
 
 namespace {
 
-// The number in LaTeX's mathematics.
+// The number in LaTeX's math mode.
 std::string in_mathematics(const Rounded& number, std::string_view sign = "") {
   std::string text = std::string(sign) + number.value;
   if (!number.sigma.empty()) text += " \\pm " + number.sigma;

@@ -29,12 +29,12 @@ std::string interval(double low, double high, double value) {
   return fmt::format("{} {}", end(low), end(high));
 }
 
-// Whether the parameter may be zero: only how large it may be is known.
+// Whether the parameter may be zero, so that only an upper limit is known.
 bool is_at_lower_bound(const FittedParameter& p) {
   return p.at_bound && p.low95 >= p.value && std::isfinite(p.high95);
 }
 
-// A value with its unit; the name before it and the remarks behind it stand in columns.
+// A line with a parameter's name, its value with the unit, and remarks, in columns.
 std::string value_text(const FittedParameter& p) {
   if (p.status == ParameterStatus::undetermined) return "undetermined by this log";
   const std::string unit = p.unit.empty() ? "" : " " + p.unit;
@@ -116,7 +116,7 @@ bool has_value(const FitSummary& fit, const std::string& name) {
   return found && std::isfinite(found->value);
 }
 
-// Only parameters that have a value: without one, the correlation would be that of the prior.
+// Only parameters that have a value: without one, the correlation would be the prior's.
 std::string correlation_lines(const FitSummary& fit) {
   std::string text;
   for (std::size_t i = 0; i < fit.correlated.size(); ++i)
@@ -151,9 +151,9 @@ std::string statistics_lines(const FitSummary& fit) {
   if (fit.thinning.beats > 0) {
     text += fmt::format("  {} of the beats were used", fit.thinning.beats);
     text += std::isfinite(fit.thinning.information_lost)
-                ? fmt::format("; what that loses of the information: {:.2g} %\n",
+                ? fmt::format("; the loss of information by that is {:.2g} %\n",
                               100.0 * fit.thinning.information_lost)
-                : std::string("; what the others would add is not known\n");
+                : std::string("; how much the others would add is not known\n");
   }
   return text;
 }
@@ -168,7 +168,7 @@ std::string test_lines(const FitSummary& fit) {
   const double widest = std::max(fit.time_widening, fit.amplitude_widening);
   if (widest > 1.05)
     text += fmt::format(
-        "  σ is widened up to {:.3g}-fold, for what still correlates in the residuals\n", widest);
+        "  σ is widened up to {:.3g}-fold, because the residuals are still correlated\n", widest);
   if (fit.quality.whiteness_p < 1e-3)
     text += "  they are not white: the model misses something, take the values with care "
             "(`spectrum` finds lines)\n";

@@ -24,7 +24,7 @@ namespace goingrate {
 
 namespace {
 
-// A file without a name, gone when it is closed, however the program ends.
+// A file without a name, which disappears when it is closed, however the program ends.
 class Scratch {
 public:
   Scratch() : file_(std::tmpfile()) {
@@ -35,7 +35,7 @@ public:
     if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() ||
         std::fflush(file_.get()) != 0)
       throw OutputError("a temporary file", std::strerror(errno));
-    std::rewind(file_.get()); // whoever inherits it reads from its beginning
+    std::rewind(file_.get()); // the child that inherits it reads from its beginning
   }
   [[nodiscard]] std::string content() {
     std::rewind(file_.get());
@@ -76,11 +76,11 @@ private:
   posix_spawn_file_actions_t actions_{};
 };
 
-// The child's exit status; a child that has not ended by then is killed, and there is none.
+// The child's exit status. A child that does not end in time is killed, and has no status.
 std::optional<int> status_within(pid_t child, std::chrono::milliseconds patience) {
   using namespace std::chrono_literals;
   const auto end = std::chrono::steady_clock::now() + patience;
-  for (auto pause = 1ms;; pause = std::min(2 * pause, 20ms)) { // a fifth of the usual figure
+  for (auto pause = 1ms;; pause = std::min(2 * pause, 20ms)) { // a fifth of the usual time
     int status = 0;
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
@@ -94,7 +94,7 @@ std::optional<int> status_within(pid_t child, std::chrono::milliseconds patience
   return {};
 }
 
-// Runs gnuplot without a shell; nothing if there is none.
+// Runs gnuplot without a shell; nullopt if gnuplot is not installed.
 std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view script,
                                    std::chrono::milliseconds patience) {
   Scratch in, out, err;
@@ -111,7 +111,7 @@ std::optional<Outcome> run_gnuplot(std::string_view option, std::string_view scr
   return Outcome{ended_well, !status, out.content(), err.content()};
 }
 
-// The text on one line; its end says most.
+// The end of the text on one line, because the last part of a message says most.
 std::string in_one_line(std::string_view text) {
   constexpr std::size_t most_characters = 400;
   std::string line;
@@ -130,7 +130,7 @@ std::string in_one_line(std::string_view text) {
 
 bool gnuplot_is_installed() {
   const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "/bin:/usr/bin"); // as a shell without one
+  std::istringstream folders(path != nullptr ? path : "/bin:/usr/bin"); // a shell's default
   for (std::string folder; std::getline(folders, folder, ':');) {
     const std::string program = (folder.empty() ? "." : folder) + "/gnuplot";
     struct stat status {};
@@ -145,7 +145,7 @@ std::optional<std::string> printed_figure(const std::vector<Figure>& figures, Pr
                                           const std::string& target,
                                           std::chrono::milliseconds patience) {
   const bool pdf = format == PrintFormat::pdf;
-  // -d: whatever the user's own settings are, the figure looks as it should.
+  // -d: ignore the user's own settings, so that the figure looks as it should.
   const auto outcome =
       run_gnuplot("-d", pdf ? script_for_pdf(figures) : script_for_png(figures), patience);
   if (!outcome) return std::nullopt;

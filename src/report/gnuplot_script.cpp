@@ -1,5 +1,5 @@
-// gnuplot is told every range and every tick, so that what is printed agrees with what a page
-// shows; places of the layout are in cm, those of the data in the units of the axes.
+// Every range and every tick is given to gnuplot, so that the printed figure agrees with the figure
+// on a page. Positions of the layout are in cm, those of the data in the units of the axes.
 #include "gnuplot_script.hpp"
 
 #include "figure_axes.hpp"
@@ -28,8 +28,8 @@ constexpr double tick_label_row = 0.45;
 constexpr double axis_title_row = 0.45;
 constexpr double legend_row = 0.36;
 constexpr double marker_row = 0.36;
-constexpr double edge_share = 0.05;     // stays white whatever stands next to it
-constexpr double character = 0.14;      // width of one at 8 points
+constexpr double edge_share = 0.05;     // stays white whatever is next to it
+constexpr double character = 0.14;      // width of a character at 8 points
 constexpr double tick_character = 0.17; // digits are wider
 
 std::size_t longest(const std::vector<AxisTick>& ticks) {
@@ -49,14 +49,14 @@ struct Panel {
   double top = 0.0, bottom = 0.0; // of the plot, from the upper edge
 };
 
-// Names that have no room side by side stand aslant.
+// Names that have no room side by side are slanted.
 bool turned(const Panel& panel) {
   constexpr double room = 6.5;
   const std::size_t count = panel.figure.x.names.size();
   return character * static_cast<double>(count * (longest(panel.axes.x.ticks) + 1)) > room;
 }
 
-// Where numbers have no room side by side, every second or third stays, 0 among them.
+// If numbers have no room side by side, every second or third is kept, 0 among them.
 void thin_numbers(std::vector<AxisTick>& ticks, double room) {
   const double wide = tick_character * static_cast<double>(longest(ticks) + 1);
   const auto every =
@@ -84,7 +84,7 @@ std::size_t longest_label(const Figure& figure) {
   return widest;
 }
 
-// Width of a label in letters: digits and what stands between them are wider, m and w widest.
+// Width of a label in letters: digits and the signs between them are wider, m and w widest.
 double letters(const std::string& label) {
   constexpr double digit = 1.25, broad = 1.7;
   double wide = static_cast<double>(characters(label));
@@ -107,7 +107,7 @@ double widest_label(const Figure& figure) {
 std::size_t key_rows(const Figure& figure, double room) {
   if (figure.series.size() < 2) return 0;
   constexpr double sample = 1.05;
-  constexpr double letter = 0.14; // of words, which the last column may carry beyond the plot
+  constexpr double letter = 0.14; // width in words, which may reach beyond the plot on the right
   const double fit = (room + 0.05) / (sample + letter * widest_label(figure));
   const auto columns = static_cast<std::size_t>(std::max(fit, 1.0));
   return (figure.series.size() + columns - 1) / columns;
@@ -186,7 +186,7 @@ void Script::lay_out() {
   }
 }
 
-// A tick's label is a format to gnuplot.
+// gnuplot reads a tick's label as a format, so % is doubled.
 std::string tick_label(const std::string& label) {
   std::string text;
   for (const char c : label)
@@ -265,7 +265,7 @@ void Script::draw(const Panel& panel, std::size_t index) {
   write("plot {}\n", curves.empty() ? "NaN notitle" : curves);
 }
 
-// By how much a terminal overrates a word's width, in characters, for each character of it.
+// By how much a terminal overestimates a word's width, in characters per character.
 constexpr double pdf_key_character = 0.27;
 constexpr double png_key_character = 0.15;
 
@@ -299,7 +299,7 @@ std::string script_for_pdf(const std::vector<Figure>& figures) {
 
 std::string script_for_png(const std::vector<Figure>& figures) {
   Script script(figures, png_key_character);
-  constexpr double dots = 300.0 / 2.54;  // a cm
+  constexpr double dots = 300.0 / 2.54;  // per cm
   constexpr double scale = 300.0 / 96.0; // the terminal takes a dot for 1/96 inch
   return fmt::format(
              "set terminal pngcairo size {:.0f},{:.0f} {} fontscale {:.3f} linewidth {:.3f} "

@@ -14,8 +14,8 @@ namespace goingrate::gnuplot {
 
 namespace {
 
-// The drawing that series are thinned for: as wide as a plot of 7 cm has dots at 300 an inch. Its y
-// grows downwards and is a place on the axis.
+// The drawing for which series are thinned: as wide, in dots, as a plot of 7 cm at 300 dots per
+// inch. Its y grows downwards and is a place on the axis.
 constexpr double columns = 800.0;
 
 double column_place(const AxisScale& x, double value) { return columns * x.place(value); }
@@ -74,7 +74,7 @@ private:
     return fmt::format("linecolor rgb '{}'", palette(look_.colour));
   }
 
-  // Adds a block of data and how it is drawn; nothing where there are none.
+  // Adds a block of data and the command that draws it; does nothing without data.
   void add(const std::string& data, std::string_view manner, bool titled) {
     if (data.empty()) return;
     const std::string name = fmt::format("{}{}", options_.name, blocks_++);
@@ -146,7 +146,7 @@ void Writer::add_marks(const std::vector<double>& x, const std::vector<double>& 
 void Writer::add_bars() {
   std::string data;
   for (std::size_t i = 0; i < series_.x.size(); ++i) {
-    // A bar that reaches below what a logarithmic axis can show ends at its foot.
+    // A bar that reaches below the range of a logarithmic axis ends at the foot of the axis.
     const bool no_foot = axes_.y.logarithmic && series_.low[i] <= 0.0;
     const double low = no_foot ? value_at(axes_.y, 0.0) : series_.low[i];
     if (std::isnan(axes_.x.place(series_.x[i])) || std::isnan(axes_.y.place(series_.y[i])) ||
@@ -162,7 +162,7 @@ void Writer::add_bars() {
   add_marks(series_.x, series_.y);
 }
 
-// Blue above zero, vermilion below, the stronger the further; the number on it.
+// A square with its number: blue above zero, vermilion below, stronger the farther from zero.
 void Writer::add_cells() {
   constexpr double fullest_share = 0.8;
   std::string squares, words;
@@ -203,13 +203,13 @@ void Writer::add_cloud() {
   std::string data;
   for (const Place& dot : cloud.dots)
     data += x_of(dot.x) + ' ' + y_of(dot.y) + '\n';
-  const double size = cloud.body.empty() ? 0.2 : 0.1; // dots alone have to carry the picture
+  const double size = cloud.body.empty() ? 0.2 : 0.1; // dots alone must be larger
   add(data, fmt::format("with points pointtype 7 pointsize {} {}", size, colour()), false);
   // The dots themselves would be too small in the key.
   if (options_.titled) add_plot("NaN", "with points pointtype 7 pointsize 0.3 " + colour(), true);
 }
 
-// Triangles for what lies beyond the axis, pointing there.
+// Triangles that point towards the values beyond the axis.
 void Writer::add_rim() {
   for (const bool above : {false, true}) {
     std::string data;

@@ -1,4 +1,4 @@
-// One series of a figure as data and plotting commands of gnuplot.
+// Writes one series of a figure as data and plotting commands for gnuplot.
 #pragma once
 
 #include "figure_axes.hpp"
@@ -8,19 +8,19 @@
 
 namespace goingrate::gnuplot {
 
-/// The value at a place from 0 to 1.
+/// The value at a place on the axis, 0 to 1.
 double value_at(const AxisScale& scale, double place);
 
 std::string number(double value);
 
-/// Text that is safe between gnuplot's apostrophes: control characters become blanks, apostrophes
-/// typographic ones.
+/// Text that is safe inside gnuplot's apostrophes: control characters become blanks, and
+/// apostrophes become typographic ones.
 std::string quoted(std::string_view text);
 
-/// Text for a comment line.
+/// Text that is safe in a comment line.
 std::string commented(std::string_view text);
 
-/// Blocks of data, and what stands behind `plot`.
+/// Blocks of data, and the arguments of gnuplot's command `plot`.
 struct Curves {
   std::string data;
   std::string plots;

@@ -208,7 +208,7 @@ constexpr std::string_view content_policy =
 
 struct Part {
   std::string_view id, title;
-  bool is_of_a_clock; ///< and not of a pendulum that swings freely
+  bool is_of_a_clock; ///< false for a pendulum that swings freely
 };
 
 constexpr std::array<Part, 8> parts{{{"key-figures", "Key figures", false},

@@ -37,15 +37,15 @@ std::string impulse_text(const ImpulseCycle& pushes, const DisplayUnit& angle) {
   const ImpulseCycle::Estimate kick = push_shapes::kick_alone(pushes);
   const std::string set =
       fmt::format("{} µs {}\n", microseconds(kick), kick.value < 0.0 ? "ahead" : "back");
-  text += pushes.periods > 2.0
-              ? fmt::format("  half-way between two pushes the clock is {} µs {} by the circular "
-                            "error; each push by itself sets it {}",
-                            microseconds(pushes.lateness),
-                            pushes.lateness.value < 0.0 ? "ahead" : "late", set)
-              : fmt::format(
-                    "  each push, with what it does through the circular error, sets the clock {}",
-                    set);
-  constexpr double seen = 4.0; // sigma
+  text +=
+      pushes.periods > 2.0
+          ? fmt::format("  half-way between two pushes the clock is {} µs {} by the circular "
+                        "error; each push by itself sets it {}",
+                        microseconds(pushes.lateness),
+                        pushes.lateness.value < 0.0 ? "ahead" : "late", set)
+          : fmt::format(
+                "  each push, with its effect through the circular error, sets the clock {}", set);
+  constexpr double seen = 4.0; // sigma: more is taken as real
   if (std::abs(pushes.middle.value) > seen * pushes.middle.sigma)
     text += fmt::format("  the crossing in the midst of a push comes {} µs {}\n",
                         microseconds(pushes.middle), pushes.middle.value < 0.0 ? "early" : "late");

@@ -1,4 +1,4 @@
-// The pushes that keep a pendulum going, in words. Private to the report.
+// Describes the pushes that keep a pendulum going. Private to the report.
 #pragma once
 
 #include "wording.hpp"
@@ -13,8 +13,8 @@ namespace goingrate {
 /// limit".
 std::string how_often(const ImpulseCycle& pushes);
 
-/// The same as lines of a fit's text, with angles in that unit: how often, how much, what friction
-/// and Q they amount to.
+/// The pushes as lines of a fit's text, with angles in the unit `angle`: how often they come, how
+/// strong they are, and the friction and Q that they balance.
 std::string impulse_text(const ImpulseCycle& pushes, const DisplayUnit& angle);
 
 /// Q of the friction that these pushes alone would balance: "20,010 ± 16".

@@ -19,8 +19,8 @@ Json estimate_object(const std::optional<SensorEstimate>& estimate) {
   return {{"value", json_number(estimate->value)}, {"sigma", json_number(estimate->sigma)}};
 }
 
-// Without a nominal period a rate would be that against the log's own mean period: zero, and no
-// result.
+// Without a nominal period a rate would be taken against the log's own mean period, and be a
+// meaningless zero.
 Json rate_or_null(double rate, bool nominal_is_known) {
   return nominal_is_known ? json_number(rate) : Json(nullptr);
 }
@@ -57,7 +57,8 @@ Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& sum
                  const SensorFindings& sensor) {
   Json json = json_with_schema("goingrate.rate");
   const auto rate = [&](double value) { return rate_or_null(value, summary.nominal_is_known); };
-  json["source"] = file_name(log.source); // without folders, which a page for others should not tell
+  json["source"] =
+      file_name(log.source); // without folders, which a page for others should not show
   if (!log.files.empty()) {
     json["files"] = Json::array();
     for (const LogFile& file : log.files)
@@ -140,7 +141,7 @@ Json impulse_object(const ImpulseCycle& pushes) {
           {"epsilon_if_all_drive", pushes.epsilon ? estimate(*pushes.epsilon) : Json(nullptr)}};
 }
 
-// An undetermined parameter has neither value nor interval; an end that is open is null.
+// An undetermined parameter has neither value nor interval; an open end of an interval is null.
 Json parameter_object(const FittedParameter& p) {
   return {{"name", p.name},
           {"value", json_number(p.value)},
@@ -255,8 +256,8 @@ Json cost_object(const DriveCost& cost) {
           {"slow_s", rms_object(cost.slow_s)}};
 }
 
-// The amplitude of a line is that of the drive, or of the rate if the response of the clock to its
-// drive is not known.
+// The amplitude of a line is the drive's, or the rate's if the response of the clock to its drive
+// is not known.
 Json line_object(const SpectralLine& line, const std::optional<DriveResponse>& response) {
   return {{"period_s", json_number(1.0 / line.frequency_hz)},
           {"amplitude", json_number(response ? drive_of(line, *response) : line.amplitude)},

@@ -1,4 +1,4 @@
-// What every JSON result is made with.
+// Parts from which the JSON results are made.
 #pragma once
 
 #include "goingrate/fit/decay.hpp"
@@ -17,8 +17,8 @@ inline Json json_number(double value) { return std::isfinite(value) ? Json(value
 
 Json decay_object(const Decay& decay);
 
-/// The text of a JSON value as it may stand inside <script>: "<" can only stand in a string there,
-/// and "</script" must not.
+/// The text of a JSON value made safe inside <script>: "</script" must not occur there, so every
+/// "<", which JSON has only in strings, is escaped.
 inline std::string safe_in_script(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());
@@ -33,11 +33,11 @@ inline std::string safe_in_script(const std::string& json) {
 
 inline Json json_with_schema(const char* name) { return {{"schema", name}, {"version", 1}}; }
 
-/// A value as a text of several lines. A file name in some other encoding than UTF-8 is written
-/// with replacement characters.
+/// A value as JSON text in several lines. Bytes that are not UTF-8, as in a file name in another
+/// encoding, are written as replacement characters.
 std::string json_text(const Json& json);
 
-// The results that the report's JSON holds.
+// The results that the report's JSON contains.
 Json part_object(const PartRate& part, bool nominal_is_known);
 Json rate_object(const ClockLog& log, const Beats& beats, const RateSummary& summary,
                  const SensorFindings& sensor);

@@ -1,4 +1,4 @@
-// The clocks that a log may be of if there are two or more, in words. Private to the report.
+// Describes the clocks that explain a log, if there are two or more. Private to the report.
 #pragma once
 
 #include "goingrate/fit/clock_fit.hpp"
@@ -10,12 +10,12 @@
 
 namespace goingrate {
 
-/// One of them. `odds` says how likely it is against the first; empty for that one.
+/// One of the clocks. `odds` says how likely it is compared with the first; empty for the first.
 struct ListedClock {
   std::string odds, parameters;
 };
 
-/// The likeliest first; none if only one clock explains the log, or the fit does not know.
+/// The clocks, likeliest first; empty if only one explains the log, or the fit does not know.
 std::vector<ListedClock> listed_clocks(const FitSummary& fit, const DisplayUnit& angle);
 
 } // namespace goingrate

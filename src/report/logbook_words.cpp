@@ -20,7 +20,7 @@ bool shows(const EntryFinding& finding) {
          finding.verdict == EntryVerdict::seen;
 }
 
-// A clock may be wound, or a note made, without its log showing it.
+// Winding or a note need not show in the log, so they do not count as missing there.
 bool is_missed(const EntryFinding& finding) {
   return finding.verdict == EntryVerdict::not_seen && finding.entry.what != LogbookWord::wind &&
          finding.entry.what != LogbookWord::note;

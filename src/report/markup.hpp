@@ -1,4 +1,4 @@
-// Text that is safe inside HTML and XML, and numbers set for the eye.
+// Makes text safe inside HTML and XML, and typesets numbers.
 #pragma once
 
 #include <string>
@@ -6,18 +6,18 @@
 
 namespace goingrate {
 
-/// Escapes & < > " ' and replaces what is no UTF-8, and control characters other than newline and
-/// tab, with U+FFFD.
+/// Escapes & < > " ', and replaces invalid UTF-8 and control characters other than newline and tab
+/// by U+FFFD.
 std::string escape_markup(std::string_view text);
 
-/// The first whole characters of `text` that fit into `bytes`, followed by an ellipsis, three more,
-/// if anything was cut off.
+/// The first whole characters of `text` that fit into `bytes`; if anything was cut off, an ellipsis
+/// of three more bytes follows.
 std::string shortened(std::string_view text, std::size_t bytes);
 
 /// An integer as superscript digits.
 std::string superscript(int number);
 
-/// A number as C prints it ("-1.5e-07") with minus signs and powers of ten as in print.
+/// A number as C prints it ("-1.5e-07"), with typographic minus signs and powers of ten.
 std::string typeset(std::string_view number);
 
 /// `with_sigma`, typeset; "not known" for a value that is not finite.

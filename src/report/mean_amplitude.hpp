@@ -1,4 +1,4 @@
-// The amplitude at either end of a log. Private to the report.
+// The mean amplitude at either end of a log. Private to the report.
 #pragma once
 
 #include "goingrate/log/beats.hpp"

@@ -43,7 +43,7 @@ std::string wander(const Analysis& data, bool told_a_change) {
   return fit.model.walk ? " with periods that vary by themselves, one by one" + change : "";
 }
 
-// "the friction ε, the driving torque μ or ...": what the table has no row for.
+// "the friction ε, the driving torque μ or ...": the parameters without a row in the table.
 std::string undetermined(const FitSummary& fit) {
   constexpr std::array<std::string_view, 6> asked{"T0",   "epsilon", "mu",
                                                   "phi0", "impulse", "impulse_angle"};
@@ -57,7 +57,7 @@ std::string undetermined(const FitSummary& fit) {
   return listed(names, "or");
 }
 
-// What would determine the parameters that are left open.
+// Advice on how to determine the parameters that are left open.
 std::string remedy(const Analysis& data, bool sees_amplitude, bool told_a_change) {
   const std::string amplitudes = sees_amplitude ? "" : "amplitudes, ";
   if (!swings_freely(data))
@@ -77,7 +77,7 @@ std::string model_sentence(const Analysis& data, bool sees_amplitude, bool told_
     return "No model of a pendulum could be fitted to this log.";
   if (fit.status == FitStatus::contradicts_log)
     return "The model of the pendulum does not explain this log, so none of its numbers is given.";
-  constexpr double least_p = 1e-3; // of white residuals
+  constexpr double least_p = 1e-3; // probability that residuals are white
   const bool is_rough = fit.quality.whiteness_p < least_p;
   const std::string needs = wander(data, told_a_change);
   std::string text = "The model of the pendulum explains this log";

@@ -41,10 +41,10 @@ std::string reading(const Analysis& data);
 std::string fit(const Analysis& data);
 std::string drive(const Analysis& data);
 
-/// The style sheet of all pages but for their figures.
+/// The style sheet of all pages, except for their figures.
 std::string_view style();
 
-/// What the page's words and symbols mean.
+/// The glossary: the meanings of the page's words and symbols.
 std::string words();
 
 } // namespace goingrate::page

@@ -1,12 +1,12 @@
 // Draws the figures of a report's page with plotly.js from the data in the page.
 //
-// A long series is thinned to the width of its drawing: of each column of pixels the lowest and the
-// highest value stay, and a zoom redraws what it shows from all the values there are.
+// A long series is thinned to the width of its drawing: the lowest and the highest value in each
+// column of pixels stay. A zoom redraws the part that it shows from all values in the page.
 "use strict";
 (() => {
   const { unpack, lowerBound, forColumns, extremes, visible, strokes, cloud, csvOf } = goingrateSeries;
   const data = JSON.parse(document.getElementById("figure-data").textContent);
-  const margin = { l: 62, r: 12, t: 30, b: 46 }; // px; the buttons stand above
+  const margin = { l: 62, r: 12, t: 30, b: 46 }; // px; the buttons are in the top margin
   const panelHeight = 250, titleRow = 24; // px
   const legendHeight = (rows) => (rows > 1 ? 30 : 22) * rows; // px
 
@@ -15,13 +15,14 @@
   const arrays = data.arrays.map((a) => (Array.isArray(a) ? a.map((v) => v ?? NaN) : unpack(a)));
   const isLong = (series) => series.style !== "cells" && arrays[series.x].length > 1000;
 
-  // Whether a zoom shows the stretches of which the page holds but the lowest and the highest.
+  // Whether the zoom is so close that single stretches show, of which the page holds only the lowest
+  // and the highest value.
   const isCoarse = (series, range, columns) => series.style === "points" && series.stretch > 1
     && visible(arrays[series.x], range) < 4 * columns;
 
   // ---- colours
 
-  // Those of the page's style sheet, which knows of the dark.
+  // The colours of the page's style sheet, which has a light and a dark scheme.
   function theme() {
     const root = getComputedStyle(document.documentElement);
     const holder = document.createElement("div");
@@ -43,7 +44,7 @@
 
   const dashes = ["solid", "dash", "dot", "dashdot"];
 
-  // The widest of each column of pixels.
+  // The outline of a band: the lowest and the highest limit in each column of pixels.
   function outline(series, range, columns) {
     const all = { x: arrays[series.x], low: arrays[series.low], high: arrays[series.high] };
     if (!isLong(series)) return all;
@@ -74,10 +75,10 @@
     };
   }
 
-  // The squares themselves are shapes of the layout; this tells their numbers.
+  // The numbers on the squares; the squares themselves are shapes of the layout.
   function cellTrace(series, base, width) {
     const text = Array.from(arrays[series.low], (v) => (Number.isFinite(v) ? v.toFixed(2) : ""));
-    const side = (width - 190) / Math.sqrt(text.length); // 190 px: about what the names take
+    const side = (width - 190) / Math.sqrt(text.length); // 190 px: about the width of the names
     return { ...base, mode: "text", x: arrays[series.x], y: arrays[series.y], hoverinfo: "skip",
       text: text.map((t) => t.replace("-0.00", "0.00").replace("-", "−")),
       textfont: { size: Math.min(13, Math.max(7, side / 3)) } };
@@ -89,7 +90,7 @@
       return [{ ...base, mode: "markers", x, y, marker: { color: colour, size: x.length > 160 ? 4 : 7 } }];
     if (isCoarse(series, range, columns))
       return [{ ...base, ...strokes(x, y, range), mode: "lines", line: { color: faded(colour, 0.7), width: 2 } }];
-    const stroke = 2; // px: less than a dot, so that those of neighbouring columns touch
+    const stroke = 2; // px: narrower than a dot, so that the dots of neighbouring columns touch
     const { dots, body } = cloud(x, y, range, columns / stroke);
     return [
       { ...base, ...body, mode: "lines", line: { color: faded(colour, 0.45), width: stroke },
@@ -98,7 +99,7 @@
     ];
   }
 
-  // A line that fills its panel with noise is drawn finer.
+  // A line that fills its panel with noise is drawn thinner.
   function widthOf(y) {
     let travel = 0, low = Infinity, high = -Infinity;
     for (let i = 1; i < y.length; ++i) {
@@ -109,12 +110,12 @@
     return travel > 30 * (high - low) ? 1 : 1.8;
   }
 
-  // Triangles at the rim for the values beyond it, one for each side and dozen of pixels; each tells
-  // the farthest of the values it stands for.
+  // Triangles at the edge for the values beyond it, one on each side for every dozen pixels; each
+  // shows the farthest of the values it stands for.
   function rimTraces(series, base, colour, panel, plot) {
     if (!panel.bulk || series.style !== "points") return [];
     const x = arrays[series.x], y = arrays[series.y], [low, high] = panel.shown;
-    // Without a range of its own a plot is not against time, and its x in any order.
+    // A plot without a range is not against time, and its x may be in any order.
     const range = plot.range ?? [Math.min(...x), Math.max(...x)], farthest = new Map();
     for (let i = plot.range ? lowerBound(x, range[0]) : 0; i < x.length && x[i] <= range[1]; ++i) {
       if (!(y[i] > high || y[i] < low)) continue;
@@ -131,7 +132,7 @@
     });
   }
 
-  // The range of a panel that is set by the bulk: that of what a zoom shows of it.
+  // The range of a panel whose y axis is set by the bulk of its values, for the part now in view.
   function shownRange(panel, plot) {
     const [least, greatest] = panel.bulk;
     let low = Infinity, high = -Infinity;
@@ -188,8 +189,8 @@
       })));
   }
 
-  // How many rows a legend takes, about: plotly gives entries that do not fit into one row the width
-  // of the widest.
+  // About how many rows a legend takes: if the entries do not fit into one row, plotly makes them all
+  // as wide as the widest.
   function legendRows(panel, width) {
     if (panel.series.length < 2) return 0;
     const pen = document.createElement("canvas").getContext("2d");
@@ -200,13 +201,13 @@
     return Math.ceil(widths.length / Math.max(1, Math.floor((room + 12) / Math.max(...widths))));
   }
 
-  // The lines run through all panels, their numbers stand in the first.
+  // The lines run through all panels; their numbers are in the first.
   function markersOf(plot, look, layout) {
     const logarithmic = plot.panels[0].x.logarithmic;
     const [from, to] = plot.range ?? [-Infinity, Infinity];
-    let end = -Infinity, row = 0; // numbers that would touch stand one below the other
+    let end = -Infinity, row = 0; // numbers that would touch are put in different rows
     for (const { x, label } of plot.panels[0].markers) {
-      if (x < from || x > to) continue; // its number would stand beside the drawing
+      if (x < from || x > to) continue; // its number would be outside the drawing
       const at = ((x - from) / (to - from)) * (plot.width - margin.l - margin.r);
       row = at < end ? (row + 1) % 4 : 0;
       end = at + 10 + 8 * label.length;
@@ -226,7 +227,7 @@
   function layoutOf(plot, look) {
     const count = plot.panels.length;
     const rows = Math.max(...plot.panels.map((panel) => legendRows(panel, plot.width)));
-    const gap = titleRow + legendHeight(rows) + 8; // over each panel: its title and legend
+    const gap = titleRow + legendHeight(rows) + 8; // above each panel, for its title and legend
     const inner = count * panelHeight + (count - 1) * gap;
     const narrow = plot.width < 600;
     const layout = {
@@ -240,7 +241,7 @@
         anchor: `y${count > 1 ? count : ""}` },
     };
     if (plot.range) layout.xaxis.range = [...plot.range];
-    if (narrow && plot.panels[0].x.logarithmic) layout.xaxis.dtick = 1; // there is room for decades
+    if (narrow && plot.panels[0].x.logarithmic) layout.xaxis.dtick = 1; // there is only room for decades
     plot.panels.forEach((panel, i) => {
       const k = panel.number, top = 1 - (i * (panelHeight + gap)) / inner;
       layout[`yaxis${k || ""}`] = { ...axisLook(panel.y, look), fixedrange: Boolean(plot.range),
@@ -262,7 +263,7 @@
   // ---- drawing, zooming
 
   const config = { displaylogo: false, doubleClick: "reset", displayModeBar: true,
-    // Named one by one: plotly would also offer to send the figure to its makers' server.
+    // The buttons are listed, because by default plotly also offers to send the figure to a server.
     modeBarButtons: [["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]] };
 
   async function draw(plot) {
@@ -272,11 +273,11 @@
     const traces = plot.panels.flatMap((panel) =>
       panel.series.flatMap((series) => tracesOf(series, panel, plot, look)));
     await Plotly.react(plot.place, traces, layoutOf(plot, look), config);
-    // A screen reader has the name of the place and the caption; a mark for each beat tells it nothing.
+    // A screen reader reads the plot's name and caption; a mark for each beat would be of no use to it.
     plot.place.firstElementChild?.setAttribute("aria-hidden", "true");
   }
 
-  // What is against time has a range of its own, so that any part of it can be redrawn.
+  // The range of a plot against time, any part of which can be redrawn; null for other plots.
   function wholeRange(plot) {
     const long = plot.panels.some((panel) => panel.series.some(isLong));
     const axis = plot.panels[0].x;
@@ -291,8 +292,8 @@
   }
 
   const plots = data.plots.map((plot, i) => ({ ...plot, place: document.querySelectorAll(".live")[i] }));
-  let timed = [];      // those against time
-  let whole = [0, 1]; // the range of all of them
+  let timed = [];      // the plots against time
+  let whole = [0, 1]; // the common range of the plots against time
 
   function zoom([low, high]) {
     const [least, greatest] = whole;
@@ -342,7 +343,7 @@
       height: plot.place.clientHeight, scale: format === "png" ? 2 : 1 });
   }
 
-  // What holds the place of a plot and the static drawings that it replaces.
+  // The element that contains the place of a plot and the static drawings that it replaces.
   const holderOf = (plot) => plot.place.parentElement;
   const pause = () => new Promise((done) => setTimeout(done));
 
@@ -358,7 +359,8 @@
     plot.place.addEventListener("keydown", (event) => onKey(plot, event));
   }
 
-  // The page opens with its static drawings; they are replaced one by one, so that it answers meanwhile.
+  // The page opens with its static drawings. They are replaced one by one, with pauses, so that the
+  // page responds meanwhile.
   async function start() {
     if (document.readyState !== "complete") await new Promise((done) => addEventListener("load", done));
     timed = plots.filter((plot) => (plot.range = wholeRange(plot)));
@@ -386,7 +388,7 @@
   }
 
   start().catch((error) => {
-    // The still figures are better than none.
+    // Show the static drawings again.
     document.querySelectorAll(".drawn").forEach((holder) => holder.classList.remove("drawn"));
     console.error(error);
   });

@@ -11,8 +11,8 @@ namespace goingrate {
 namespace {
 
 constexpr std::size_t budget = 800'000;     // numbers: two megabytes as text
-constexpr std::size_t line_length = 20'000; // as many as a wide screen shows at a zoom of five
-constexpr std::size_t longest_list = 1000;  // values that are listed as they are
+constexpr std::size_t line_length = 20'000; // values that a wide screen can show at a zoom of five
+constexpr std::size_t longest_list = 1000;  // values; a longer array is packed
 
 const char* name_of(Series::Style style) {
   switch (style) {
@@ -30,12 +30,12 @@ const char* name_of(Series::Style style) {
   return "cells";
 }
 
-// The arrays of a page, each held once.
+// The arrays of a page, each stored once.
 class Arrays {
 public:
   std::size_t add(std::vector<double> values) {
     for (std::size_t i = 0; i < kept_.size(); ++i)
-      if (kept_[i] == values) return i; // one with NaN equals no other, which only costs space
+      if (kept_[i] == values) return i; // an array with NaN equals no other, which only costs space
     if (values.size() <= longest_list)
       json_.push_back(values);
     else
@@ -55,14 +55,14 @@ std::size_t wanted(const Series& series) {
   return series.style == Series::Style::points ? size : std::min(size, line_length);
 }
 
-// The most values a series may have so that all of them fit into the budget.
+// The most values that each series may have so that all series fit into the budget.
 std::size_t longest_series(const std::vector<Figure>& figures) {
   std::vector<std::size_t> sizes;
   for (const Figure& figure : figures)
     for (const Series& series : figure.series)
       sizes.push_back(wanted(series));
   std::sort(sizes.begin(), sizes.end());
-  std::size_t left = budget / 2; // the places take about as much as the values
+  std::size_t left = budget / 2; // x values take about as much as y values
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const std::size_t share = left / (sizes.size() - i);
     if (sizes[i] > share) return share;
@@ -71,7 +71,7 @@ std::size_t longest_series(const std::vector<Figure>& figures) {
   return budget;
 }
 
-// Only the outline of a band matters: both ends of a stretch get its widest.
+// Only the outline of a band matters: both ends of a stretch get its widest limits.
 std::vector<double> outline(const std::vector<double>& values, std::size_t stretch, bool highest) {
   std::vector<double> result = extremes(values, stretch);
   for (std::size_t i = 0; i + 1 < result.size(); i += 2)

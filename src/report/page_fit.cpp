@@ -38,7 +38,7 @@ std::string status_text(ParameterStatus status) {
   case ParameterStatus::undetermined:
     break;
   }
-  return "this log does not tell it";
+  return "this log does not determine it";
 }
 
 std::string parameter_table(const FitSummary& fit, const DisplayUnit& angle) {
@@ -77,7 +77,7 @@ bool is_undetermined(const FitSummary& fit, const std::string& name) {
   return found && !has_value(*found);
 }
 
-// Only parameters that have a value: without one, the correlation would be that of the prior.
+// Only parameters that have a value: without one, the correlation would be the prior's.
 std::string correlation_table(const FitSummary& fit) {
   constexpr double least_correlation = 0.1; // smaller ones change no conclusion
   Table table("Correlations above 0.1 in size", {"parameter", "with", "correlation"});
@@ -128,11 +128,12 @@ std::string quality_table(const FitSummary& fit) {
                  ? "below 0.01: the times hold more than the model and the jitter"
                  : "below 0.01: the times hold more than the model and the jitter, which itself is "
                    "known to some per cent only; that is allowed for"});
-  table.row({"whiteness of the residuals", probability(q.whiteness_p),
-             q.of_innovations
-                 ? "of what is left of each beat when those before it are known; below 0.001: that "
-                   "has a shape, read the values as rough"
-                 : "below 0.001: the residuals have a shape, read the values as rough"});
+  table.row(
+      {"whiteness of the residuals", probability(q.whiteness_p),
+       q.of_innovations
+           ? "of the part of each beat that the earlier beats do not predict; below 0.001: it "
+             "has a shape, read the values as rough"
+           : "below 0.001: the residuals have a shape, read the values as rough"});
   table.row({"residual of the times, rms", short_time(q.rms_s, 0.0),
              q.of_innovations ? "includes the wander of the drive or the rate" : ""});
   if (std::isfinite(q.amplitude_rms_rad))
@@ -181,7 +182,7 @@ std::string line_table(const DriveAnalysis& drive) {
   return table.empty() ? "" : table.html();
 }
 
-// A line for what a covariate does, and one for each of its ways.
+// A row for the effect of a covariate, and one for each of the ways in which it acts.
 std::string ways_text(const CovariateEffect& effect, const Wording& words) {
   const std::string per = fmt::format("/{}", unit_of_covariate(effect));
   std::string text = typeset(words.rate(effect.coefficient, effect.sigma)) + per;
@@ -191,7 +192,8 @@ std::string ways_text(const CovariateEffect& effect, const Wording& words) {
   return text;
 }
 
-// What temperature and pressure do, judged on the half of the log that was not used to find it.
+// The effects of temperature and pressure, judged on the half of the log that was not used to find
+// them.
 std::string covariate_table(const Analysis& data) {
   const Wording words(data);
   Table table("What surrounds the clock",
@@ -200,12 +202,12 @@ std::string covariate_table(const Analysis& data) {
   for (const CovariateEffect& effect : data.covariates)
     table.row(
         {effect.name,
-         effect.name == "tide"
-             ? typeset(with_sigma(effect.coefficient, effect.sigma, 3)) + " of what theory says"
-             : ways_text(effect, words),
+         effect.name == "tide" ? typeset(with_sigma(effect.coefficient, effect.sigma, 3)) +
+                                     " of the theoretical effect"
+                               : ways_text(effect, words),
          effect.lag_s > 0.0 ? plain_number(effect.lag_s) + " s" : "none",
          fmt::format("{} and {} s", plain_number(effect.without_s), plain_number(effect.with_s)),
-         !effect.significant() ? "do nothing that stands out of the noise"
+         !effect.significant() ? "have no effect that stands out from the noise"
          : effect.helps()      ? "have helped"
                                : "not have helped"});
   return table.empty() ? "" : table.html();

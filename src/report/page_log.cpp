@@ -21,7 +21,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// One of the numbers at the head of the page.
+// One of the key figures at the top of the page.
 std::string card(std::string_view name, const std::string& value, std::string_view note) {
   return fmt::format("<div><dt>{}</dt><dd><strong>{}</strong>{}</dd></div>\n", escape_markup(name),
                      escape_markup(value),
@@ -53,7 +53,7 @@ std::string rate_or_dash(double rate, double sigma, const Wording& words) {
   return std::isfinite(rate) ? typeset(words.rate(rate, sigma)) : "–";
 }
 
-// Rates on both sides where there is a rate.
+// The rates before and after a change, if they are known.
 std::string change_table(const Analysis& data, const Wording& words) {
   const Diary& diary = data.diary;
   Table table("Changes, numbered as in the figures",

@@ -1,10 +1,10 @@
-// The numbers of a page's figures: how they are packed, and how a long series is thinned to the width
-// of its drawing.
+// Unpacks the numbers of a page's figures, and thins a long series to the width of its drawing.
 "use strict";
 const goingrateSeries = (() => {
   const packedBlock = 1024; // as in packed.hpp
 
-  // Least value and step of a block (two doubles), then 16 bits a value, 65535 for none.
+  // A block is its least value and its step (two doubles), then 16 bits per value; 65535 marks a
+  // missing value.
   function unpack({ count, packed }) {
     const text = atob(packed);
     const view = new DataView(Uint8Array.from(text, (c) => c.charCodeAt(0)).buffer);
@@ -21,7 +21,7 @@ const goingrateSeries = (() => {
     return values;
   }
 
-  // The first place that is not below `value`.
+  // The first index whose x is not below `value`.
   function lowerBound(x, value) {
     let from = 0, to = x.length;
     while (from < to) {
@@ -32,8 +32,8 @@ const goingrateSeries = (() => {
     return from;
   }
 
-  // Calls see(indices, column) for each column of pixels of [low, high], with one neighbour either
-  // side so that a line runs on to the edge.
+  // Calls see(from, to) with the range of indices in each column of pixels of [low, high], and with
+  // one neighbour on either side, so that a line runs on to the edge.
   function forColumns(x, [low, high], columns, see) {
     const begin = Math.max(0, lowerBound(x, low) - 1);
     const end = Math.min(x.length, lowerBound(x, high) + 1);
@@ -45,7 +45,7 @@ const goingrateSeries = (() => {
     }
   }
 
-  // Lowest and highest of each column, in the order they come in.
+  // The lowest and the highest value of each column, in the order in which they come.
   function extremes(x, y, range, columns) {
     const out = { x: [], y: [] };
     forColumns(x, range, columns, (from, to) => {
@@ -64,7 +64,7 @@ const goingrateSeries = (() => {
 
   const visible = (x, [low, high]) => lowerBound(x, high) - lowerBound(x, low);
 
-  // Each stretch as a stroke: its two values alone would look like two series.
+  // Each stretch as a stroke, because its two values as dots would look like two series.
   function strokes(x, y, range) {
     const body = { x: [], y: [] };
     const end = Math.min(x.length, lowerBound(x, range[1]) + 2);
@@ -76,8 +76,8 @@ const goingrateSeries = (() => {
     return body;
   }
 
-  // A cloud: all dots where there is room, else the extremes of each column as dots and a stroke
-  // over its middle.
+  // A cloud: all dots if there is room; else the extremes of each column as dots, and a stroke over
+  // its middle 80 %.
   function cloud(x, y, range, columns) {
     if (visible(x, range) <= 6 * columns) {
       const from = Math.max(0, lowerBound(x, range[0]) - 1), to = lowerBound(x, range[1]) + 1;
@@ -94,8 +94,8 @@ const goingrateSeries = (() => {
     return { dots, body };
   }
 
-  // What the panels hold: of a long log the lowest and highest value of each stretch. Panels of one
-  // plot have the same x but units of their own, so that there the name of a panel tells its unit.
+  // The values of the panels as CSV; for a long log the lowest and highest value of each stretch.
+  // Panels of one plot have the same x but different units, so the name of a panel gives its unit.
   function csvOf(panels, arrays) {
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
     const { x, y } = panels[0], joint = panels.length > 1;

@@ -1,4 +1,4 @@
-// The page's glossary, for those who do not use its words every day.
+// The page's glossary, for readers who do not use its words every day.
 #include "page.hpp"
 
 #include "markup.hpp"
@@ -23,13 +23,14 @@ constexpr std::array<Word, 12> glossary{{
     {"a ± b", "b is one standard deviation (1 σ): the truth is within it in about two cases of "
               "three, and within twice as much in 19 of 20."},
     {"amplitude", "how far the pendulum swings from the vertical to either side."},
-    {"beat error", "what tick and tock differ by; others call half of it so. A clock that is out of beat makes one, "
-                   "and so does a sensor that does not stand where the pendulum hangs at rest."},
+    {"beat error", "the difference of tick and tock; others use the name for half of it. It comes "
+                   "from a clock that is out of beat, or from a sensor that is not where the "
+                   "pendulum hangs at rest."},
     {"drive μ",
      "the push that keeps the pendulum going, as its torque over the moment of inertia."},
     {"friction ε", "what slows the pendulum down: left alone it loses a part 2πε of its swing "
                    "each period, at any size of the swing."},
-    {"quality factor Q", "2π times the energy of the swing over what a period takes of it; of "
+    {"quality factor Q", "2π times the energy of the swing over the energy lost in a period; for "
                          "friction ε it is 1/(2ε)."},
     {"ring-down", "the pendulum left to come to rest without a drive."},
     {"escapement's angle φ0", "how far from the vertical the escapement's push changes its sign."},

@@ -1,4 +1,4 @@
-// What the secular 1e-8 at C is made of.
+// The parts that make up the secular 1e-8 at C.
 #include "paper_rates.hpp"
 
 #include "base/scaled_time.hpp"
@@ -35,7 +35,7 @@ double mean_rate(const Scenario& scenario, std::int64_t settling) {
 
 double rk4_rate(const ClockParameters& clock, Rk4Torque torque) {
   // Ten times the 1/(4 pi epsilon) periods in which lambda^2 relaxes from the exact limit cycle to
-  // that of RK4. The mean of the rate over the grid's places wanders, hence the many periods.
+  // RK4's. Many periods are counted because the rate wanders with the position of the time grid.
   const auto settling = static_cast<std::int64_t>(10.0 / (2.0 * two_pi * clock.epsilon));
   constexpr std::int64_t counted = 20'000;
   Scenario scenario = scenario_of(clock, settling + counted, Method::rk4);
@@ -45,8 +45,8 @@ double rk4_rate(const ClockParameters& clock, Rk4Torque torque) {
 
 namespace {
 
-// The turning angle of the free swing that loses to C's friction what C's escapement gives, which
-// is 4 mu phi0 whatever the swing: where C goes as friction and torque vanish together.
+// The turning angle of the free swing that loses as much to C's friction as C's escapement gives,
+// 4 mu phi0 whatever the swing: the limit of C's amplitude as friction and torque vanish together.
 double free_angle() {
   const ClockParameters c = point_c();
   const auto loss = [&](double angle) { // 2 pi E/Q
@@ -62,7 +62,7 @@ double free_angle() {
 double free_rate() { return 1.0 / circular_period_ratio(free_angle()) - 1.0; }
 
 // The escapement error in a swing that is not a sinusoid, per unit of the torque, from a clock with
-// `share` of C's friction and torque: they are the smaller the less second order in them is left.
+// `share` of C's friction and torque: the smaller these are, the less of second order is left.
 double escapement_error_at(double share) {
   ClockParameters clock = point_c();
   clock.epsilon *= share;
@@ -84,8 +84,8 @@ double rate_by_friction_alone() {
   return mean_rate(scenario, 0);
 }
 
-// What RK4 adds to the rate of a swing without drive and friction. It is small, so that what the
-// swing loses by RK4 does not change its circular error.
+// RK4's error in the rate of a swing without drive and friction. The amplitude that the swing loses
+// by RK4 is so small that the circular error does not change.
 double phase_error_of_rk4() {
   ClockParameters clock = point_c();
   clock.escapement = Escapement::none;
@@ -108,7 +108,7 @@ std::vector<BudgetPart> budget_at_c() {
   const double free_swing = free_rate() + lambda * lambda / 16.0;
   const double friction = rate_by_friction_alone();
   const double escapement = exact_rate(linear) - first_order_rate(linear) - friction;
-  // Two small shares leave nothing of second order in friction and torque.
+  // Extrapolation from two small shares removes the second order in friction and torque.
   const double in_swing =
       2.0 * escapement_error_at(0.05) - escapement_error_at(0.1) - first_order_rate(linear);
   const double sum = first + free_swing + friction + escapement + in_swing;

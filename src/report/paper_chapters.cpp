@@ -4,7 +4,7 @@ namespace goingrate::paper {
 
 namespace {
 
-// Parts that equations share.
+// Parts that several equations share.
 #define FRAC(above, below) "<mfrac><mrow>" above "</mrow><mrow>" below "</mrow></mfrac>"
 #define SUB(base, index) "<msub>" base index "</msub>"
 #define SQUARED(base) "<msup>" base "<mn>2</mn></msup>"

@@ -12,7 +12,7 @@ struct Equation {
   std::string_view number{}, math{};
 };
 
-/// A section of the paper, and where its numbers and figures come from; what is empty is not there.
+/// A section of the paper with the sources of its numbers and figures; empty members are left out.
 struct Chapter {
   std::string_view id, title, words;
   std::array<Equation, 6> equations;

@@ -15,7 +15,8 @@ namespace {
 
 using std::numbers::pi;
 
-// Where the clock's rate is `rate`: for every friction up to two torques, joined at the fold.
+// The curve on which the clock's rate is `rate`: up to two torques for each friction, joined at the
+// fold.
 Series contour(double s_per_day, int colour) {
   Series line{Series::Style::line, fmt::format("{:+.0f} s/day", s_per_day), {}, {}, {}, {}, colour};
   std::vector<std::pair<double, double>> lower, upper;
@@ -72,7 +73,7 @@ Figure rate_figure() {
 }
 
 // Fig. pslaph: a vector of length lambda that turns with psi, and its height over time. The
-// friction is far above that of a clock, or nothing would show.
+// friction is far above a clock's; otherwise the decay would not show.
 Figure amplitude_phase_figure() {
   constexpr double epsilon = 0.02, shown = 0.7, right = 1.5; // psi of the vector; where time begins
   const auto lambda = [](double psi) { return std::exp(-epsilon * psi); };
@@ -97,7 +98,8 @@ Figure amplitude_phase_figure() {
           {circle, height, vector, across}};
 }
 
-// The torque over the phase at A, eq. defdel: the part of fig. modesc that can be computed.
+// The torque as a function of the phase at A, eq. defdel: the part of fig. modesc that can be
+// computed.
 Figure escapement_figure() {
   const ClockParameters a = point_a();
   const double lambda = *stationary_amplitude(a), switches = std::asin(a.phi0 / lambda) / pi;

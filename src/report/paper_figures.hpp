@@ -10,20 +10,20 @@ inline ClockParameters point_a() { return {2.0, 2.5e-4, 2e-5, 0.03}; }
 inline ClockParameters point_b() { return {2.0, 2.5e-4, 4e-5, 0.03}; }
 inline ClockParameters point_c() { return {2.0, 1.167245e-4, 1.5e-5, 0.03}; }
 
-inline constexpr double drive_rms = 0.3; ///< of the paper's noise, over the torque
+inline constexpr double drive_rms = 0.3; ///< rms of the paper's noise, relative to the torque
 
-// Places in the palette of figures.
+// Indices in the palette of figures.
 inline constexpr int blue = 0, vermilion = 1, green = 2, purple = 3, orange = 4;
 
-/// A secular difference, relative: before the noise begins, and from there on.
+/// A secular difference, relative, before the noise begins and after.
 struct Secular {
   double steady = 0.0, noisy = 0.0;
 };
 
-/// The run of fig. quasistat: driving noise from a tenth of it on.
+/// The run of fig. quasistat, in which the driving noise begins after a tenth of it.
 struct NoisyRun {
   std::vector<double> periods;  ///< nominal periods since the start, every 500th
-  std::vector<double> by_rk4;   ///< psi_p - t there, scaled, by the paper's integrator
+  std::vector<double> by_rk4;   ///< psi_p - t at these periods, scaled, by the paper's integrator
   std::vector<double> gained;   ///< the same by the return map
   std::vector<double> unsolved; ///< psi_p - psi_m, psi_m with the circular error -lambda^2/16
   std::vector<double> unsolved_by_rk4;    ///< the same, psi_p by the paper's integrator
@@ -43,18 +43,18 @@ struct Estimate {
 struct NoiseStatistics {
   std::vector<double> periods;  ///< lengths of run
   std::vector<double> variance; ///< of psi_p - t over the runs, rad^2
-  std::vector<double> linear;   ///< what the averaged equations make of it for little noise
+  std::vector<double> linear;   ///< the variance by the averaged equations, linear in the noise
   std::size_t runs = 0;
-  Estimate growth;    ///< of the variance, rad^2 a period, from where the start is forgotten
-  Estimate mean_gain; ///< of the rate, by the noise
-  Estimate by_noise, by_half_the_noise; ///< what noise adds to the secular psi_p - psi_m
+  Estimate growth;    ///< of the variance, rad^2 per period, once the start is forgotten
+  Estimate mean_gain; ///< of the rate, due to the noise
+  Estimate by_noise, by_half_the_noise; ///< contributions of noise to the secular psi_p - psi_m
 };
 NoiseStatistics noise_statistics(const PaperOptions& options);
 
 std::vector<PaperFigure> jump_figures();
 std::vector<PaperFigure> long_run_figures(const NoisyRun& noisy);
 PaperFigure noise_figure(const NoiseStatistics& noise);
-/// What the paper states in words, drawn.
+/// Figures of what the paper states in words.
 std::vector<PaperFigure> statement_figures();
 std::vector<PaperFigure> figures(const NoisyRun& noisy, const NoiseStatistics& noise);
 

@@ -27,7 +27,7 @@ Scenario jump_scenario(std::int64_t periods, Method method) {
   return scenario;
 }
 
-/// Period by period: when it ends, in nominal ones, its rate, and the amplitude at its end.
+/// For each period: when it ends, in nominal periods, its rate, and the amplitude at its end.
 struct JumpCourse {
   std::vector<double> time, rate, amplitude;
 };
@@ -48,7 +48,7 @@ JumpCourse course_of(const Scenario& scenario) {
 JumpCourse course_by_paper(std::int64_t periods) {
   AveragedPendulum pendulum(point_a(), *stationary_amplitude(point_a()), AveragedOrder::first);
   JumpCourse course;
-  TwoPart<double> beyond; // of the nominal periods, scaled
+  TwoPart<double> beyond; // excess over the nominal periods, scaled
   for (std::int64_t i = 0; i < periods; ++i) {
     if (i == jumps_at) pendulum.set_clock(point_b());
     const double excess = pendulum.advance().excess;
@@ -60,7 +60,7 @@ JumpCourse course_by_paper(std::int64_t periods) {
   return course;
 }
 
-// The area between the rate after the jump and that of B at the end, in phase.
+// The area between the rate after the jump and B's final rate, as a phase.
 double phase_gained(const JumpCourse& course) {
   const double cycles = static_cast<double>(course.time.size()) - jumps_at;
   const double took = course.time.back() - course.time[jumps_at - 1];
@@ -68,7 +68,7 @@ double phase_gained(const JumpCourse& course) {
 }
 
 // The angle between two crossings by the equation of motion: classical Runge-Kutta in steps of a
-// hundredth of a period from the velocity that direct integration has at the first.
+// hundredth of a period, from the velocity that direct integration gives at the first crossing.
 void add_swing(const ClockParameters& clock, double velocity, double begin, Series& line) {
   constexpr int steps = 100;
   constexpr double h = two_pi / steps;
@@ -134,7 +134,7 @@ Figure rate_figure(const JumpCourse& exact, const JumpCourse& theory) {
           {{static_cast<double>(jumps_at), "jump"}}};
 }
 
-// lambda^2 goes from that of A to that of B as exp(-2 eps t), t scaled: eq. l2jump.
+// lambda^2 goes from A's value to B's as exp(-2 eps t), t scaled: eq. l2jump.
 double amplitude_by_l2jump(double periods) {
   const double a2 = std::pow(*stationary_amplitude(point_a()), 2),
                b2 = std::pow(*stationary_amplitude(point_b()), 2);

@@ -1,4 +1,4 @@
-// What a thousand runs say of the driving noise at C: the statistics of sec. perst.
+// The statistics of sec. perst from a thousand runs with the driving noise at C.
 #include "paper_rates.hpp"
 
 #include "base/scaled_time.hpp"
@@ -17,7 +17,7 @@ constexpr std::size_t runs = 1000, compared_runs = 100;
 constexpr std::int64_t longest_run = 24'000, noted_every = 1000; // periods
 // By this period the start is forgotten to exp(-6): lambda^2 relaxes in 682 periods.
 constexpr std::int64_t memory_end = 4000;
-constexpr double paper_periods = 4.3e6; // under noise
+constexpr double paper_periods = 4.3e6; // with noise, in the paper's run
 
 /// psi - t, rad, of each run at every noted period.
 using Phases = std::vector<std::vector<double>>;
@@ -67,8 +67,8 @@ double linear_variance(double n) {
                                             beyond * beyond / (2.0 * k) * (1.0 - kept * kept));
 }
 
-// The secular psi_p - psi_m under noise of this size, the model with the circular error of eq. ce3,
-// less the same without noise.
+// The secular psi_p - psi_m under noise of this size minus that without noise; the model has the
+// circular error of eq. ce3.
 Estimate added_by_noise(double rms, std::uint64_t seed) {
   const Phases exact = phases(Method::map, rms, compared_runs, seed);
   const Phases model = phases(Method::averaged1, rms, compared_runs, seed);

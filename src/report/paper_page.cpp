@@ -1,4 +1,4 @@
-// The paper's companion: what the paper says, section by section, and what a new computation gives.
+// The paper's companion: section by section what the paper says, and what a new computation gives.
 #include "goingrate/report/paper.hpp"
 
 #include "markup.hpp"
@@ -67,7 +67,7 @@ std::string figures_html(const Chapter& chapter, const PaperResults& results) {
   return html;
 }
 
-// Equations stand in the middle, their names at the right.
+// Equations are centred, with their names at the right.
 constexpr std::string_view equation_style =
     ".equation{display:flex;align-items:center;gap:1rem;margin:.6rem 0}.equation math{flex:1;"
     "font-size:1.15rem}.equation span{color:var(--soft);font-size:.85rem}"

@@ -46,7 +46,7 @@ double gain_of(const Period& period, double T0) {
                        .value();
 }
 
-// psi - t at every 500th crossing, and the CPU time that took; `each` sees every period.
+// psi - t at every 500th crossing, and the CPU time spent; `each` is called for every period.
 template <class Each>
 std::vector<double> gains(const Scenario& scenario, const PaperOptions& options,
                           std::string_view what, double& seconds, Each each) {
@@ -88,7 +88,7 @@ double slope(std::span<const double> x, std::span<const double> y) {
   return xy / xx;
 }
 
-// Two lines, as the noise bends the difference where it begins.
+// Fits two lines, because the difference bends where the noise begins.
 Secular secular(std::span<const double> periods, std::span<const double> unsolved) {
   const std::size_t steady = periods.size() / 10;
   return {slope(periods.first(steady), unsolved.first(steady)) / two_pi,
@@ -105,7 +105,7 @@ NoisyRun noisy_run(const PaperOptions& options) {
                      "Fig. 6 by RK4, as the paper did", run.rk4_s, nothing);
   run.gained = gains(noisy_scenario(Method::map, factors), options, "the same by the return map",
                      run.map_s, nothing);
-  double beyond = 0.0; // phase by what eq. A1 has beyond -lambda^2/16
+  double beyond = 0.0; // phase due to the terms of eq. A1 beyond -lambda^2/16
   std::vector<double> beyond_there;
   const auto model =
       gains(noisy_scenario(Method::averaged1, factors), options,

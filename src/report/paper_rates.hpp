@@ -1,4 +1,4 @@
-// Rates of the paper's clocks, and what follows from them. Private to the report room.
+// Rates of the paper's clocks, and numbers that follow from them. Private to the report room.
 #pragma once
 
 #include "paper_figures.hpp"
@@ -24,16 +24,16 @@ inline double first_order_rate(const ClockParameters& clock) {
 Scenario scenario_of(const ClockParameters& clock, std::int64_t periods, Method method);
 /// The mean rate over a run from its period `settling` on.
 double mean_rate(const Scenario& scenario, std::int64_t settling);
-/// The rate of the paper's integrator, settled to 1e-4 of what it begins with.
+/// The rate of the paper's integrator, after it has settled to 1e-4 of its initial deviation.
 double rk4_rate(const ClockParameters& clock, Rk4Torque torque);
 
 void add_stationary(std::vector<PaperNumber>& numbers);
 void add_jump(std::vector<PaperNumber>& numbers);
 void add_long_run(const NoisyRun& noisy, std::vector<PaperNumber>& numbers);
 void add_noise_statistics(const NoiseStatistics& noise, std::vector<PaperNumber>& numbers);
-/// What the paper states in words or leaves to the reader.
+/// Numbers for what the paper states in words or leaves to the reader.
 void add_statements(std::vector<PaperNumber>& numbers);
-/// Exact rate at C and the parts of second order that make it.
+/// The exact rate at C and the second-order parts that add up to it.
 std::vector<BudgetPart> budget_at_c();
 
 } // namespace goingrate::paper

@@ -1,5 +1,5 @@
-// What the paper states in words, drawn: single impulse, best place of the drive, equal moments,
-// harmonics, length.
+// Figures of what the paper states in words: single impulse, best place of the drive, equal
+// moments, harmonics, length.
 #include "paper_rates.hpp"
 #include "paper_variants.hpp"
 
@@ -51,7 +51,7 @@ Figure impulse_figure() {
   return figure;
 }
 
-// The rate that a push makes, over epsilon: by the averaged equations and by its limit cycle.
+// The rate due to a push, divided by epsilon: by the averaged equations and from the limit cycle.
 double by_theory(double centre, double width) {
   const ClockParameters c = point_c();
   return escapement_error(c.epsilon, *stationary_amplitude(c), centre, width) / c.epsilon;

@@ -1,4 +1,4 @@
-// What the paper states in words, measured.
+// Numbers for what the paper states in words.
 #include "paper_rates.hpp"
 #include "paper_variants.hpp"
 

@@ -1,4 +1,4 @@
-// Stationary operation: sec. statop and what is quoted of it later.
+// Stationary operation: sec. statop, and the numbers that later sections quote from it.
 #include "paper_rates.hpp"
 
 #include "base/scaled_time.hpp"
@@ -15,7 +15,7 @@ namespace {
 template <class Rate> double best_friction(const Rate& rate) {
   const double share = 0.5 * (std::sqrt(5.0) - 1.0);
   double low = 1e-4, high = 4e-4;
-  constexpr int rounds = 40; // of a factor 0.618: beyond the flatness of a maximum
+  constexpr int rounds = 40; // of a factor 0.618: finer than a flat maximum can be located
   for (int i = 0; i < rounds; ++i) {
     const double a = high - share * (high - low), b = low + share * (high - low);
     (rate(a) > rate(b) ? high : low) = rate(a) > rate(b) ? b : a;
@@ -39,8 +39,8 @@ void add_stationary(std::vector<PaperNumber>& numbers) {
   KnownPair nominal;
   nominal.mu = 1.5e-5;
   nominal.rate_excess = 0.0;
-  // Of the clocks that this torque keeps at nominal rate, C is the one with the wider swing: the
-  // one whose dashed line in fig. rate is where more torque begins to lose.
+  // This torque keeps two clocks at nominal rate; C is the one with the wider swing, on the dashed
+  // line in fig. rate beyond which more torque makes the clock lose.
   const auto friction = [&](Equations equations) {
     const auto points = operating_points(nominal, phi0, equations);
     return points.empty() ? unknown : points.back().epsilon;

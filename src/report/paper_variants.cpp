@@ -17,7 +17,7 @@ namespace {
 
 double amplitude_at_c() { return *stationary_amplitude(point_c()); }
 
-// C's escapement and friction, and one torque more.
+// C's escapement and friction, and an additional torque.
 CustomLaws laws_with(const ForceLaw& added) {
   const ClockParameters c = point_c();
   const auto torque = [=](double phi, double w) {
@@ -38,8 +38,8 @@ Cycle cycle_of(const CustomLaws& laws, double start) {
     return pendulum.velocity() - velocity;
   };
   double before = start, grew = growth(start);
-  // A step of some parts in a thousand: long step_limit for a slope, short step_limit to stay on
-  // it.
+  // A step of some parts in a thousand: large enough to measure a slope, and small enough for the
+  // slope to be constant over it.
   double now = before * (1.0 + std::copysign(3e-3, grew));
   constexpr int step_limit = 30; // steps; from C's amplitude it takes four
   for (int i = 0; i < step_limit && now != before; ++i) {
@@ -49,7 +49,7 @@ Cycle cycle_of(const CustomLaws& laws, double start) {
     before = now;
     grew = grows;
     now = next;
-    if (std::abs(now - before) < 1e-12) break; // of the integration itself
+    if (std::abs(now - before) < 1e-12) break; // the error of the integration itself
   }
   growth(now);
   return {now, rate_excess_of(excess)};
@@ -68,7 +68,8 @@ Lengthened lengthened(double change) {
   const double less = change / (1.0 + change);
   const Cycle cycle = cycle_of(laws_with([=](double phi, double) { return less * std::sin(phi); }),
                                amplitude_at_c());
-  // The free pendulum of this velocity turns here: energy, with gravity over length as it is now.
+  // A free pendulum with this velocity turns at this angle, by conservation of energy with the new
+  // gravity over length.
   const double angle = 2.0 * std::asin(0.5 * cycle.velocity * std::sqrt(1.0 + change));
   return {cycle.rate, std::sqrt(0.5 * (angle * angle + cycle.velocity * cycle.velocity)), angle};
 }
@@ -86,7 +87,7 @@ ClockParameters push(double centre, double width) {
   clock.escapement = Escapement::profile;
   // Two pushes a period do the work that friction takes, 2 pi epsilon lambda^2.
   const double torque = pi * clock.epsilon * std::pow(amplitude_at_c(), 2) / width;
-  constexpr double edge_rad = 1e-7; // a table cannot jump
+  constexpr double edge_rad = 1e-7; // width of the edges, because a table cannot jump
   const double from = centre - 0.5 * width, to = centre + 0.5 * width;
   clock.rising.points = {{from - edge_rad, 0.0},
                          {from + edge_rad, torque},

@@ -15,7 +15,7 @@ namespace {
 
 struct ParameterWords {
   std::string_view name;
-  std::string_view symbol; ///< empty: the name is one, or there is none
+  std::string_view symbol; ///< empty: the name is itself the symbol, or there is no symbol
   std::string_view meaning;
 };
 
@@ -30,7 +30,7 @@ constexpr std::array<ParameterWords, 26> words{{
     {"gravity_share", "", "share of gravity in the restoring torque"},
     {"quadratic_drag", "", "friction that grows as the square of the speed"},
     {"dry_friction", "", "friction that does not depend on the speed"},
-    {"offset", "", "how far the sensor stands from the vertical"},
+    {"offset", "", "angle of the sensor from the vertical"},
     {"amplitude_scale", "", "factor of the amplitude column"},
     {"jitter_rms", "", "scatter of the sensor's times, rms"},
     {"walk_rms", "", "random walk of the times per period, rms"},
@@ -39,12 +39,12 @@ constexpr std::array<ParameterWords, 26> words{{
     {"slow_time", "", "memory of the slow variation"},
     {"rate_rms", "", "change of the clock's own rate from period to period, rms"},
     {"amplitude_rms", "", "scatter of the amplitudes, rms"},
-    {"drift", "", "change of the rate a day"},
+    {"drift", "", "change of the rate per day"},
     {"temperature", "", "change of the rate per kelvin"},
     {"pressure", "", "change of the rate per millibar"},
     {"humidity", "", "change of the rate per percent of relative humidity"},
     {"density", "", "change of the rate with the density of the air"},
-    {"tide", "", "answer to Moon and Sun, as a share of what theory says"},
+    {"tide", "", "response to Moon and Sun, as a share of the theoretical one"},
     {"pi", "π", ""},
 }};
 
@@ -58,7 +58,7 @@ const ParameterWords* find(std::string_view base) {
 
 bool is_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-// Of a number at the beginning of `text`, with what is written against it.
+// Length of a number at the beginning of `text`, with what is written directly against it.
 std::size_t length_of_number(std::string_view text) {
   std::size_t end = 1;
   for (; end < text.size(); ++end) {
@@ -70,7 +70,7 @@ std::size_t length_of_number(std::string_view text) {
   return end;
 }
 
-// "4.2e+02" as "420", "1.5e-07" as "1.5×10⁻⁷"; anything else as it is.
+// "4.2e+02" becomes "420", and "1.5e-07" becomes "1.5×10⁻⁷"; anything else stays as it is.
 std::string without_letter_e(std::string_view number) {
   const std::size_t e = number.find('e');
   double value = 0.0;
@@ -83,7 +83,7 @@ std::string without_letter_e(std::string_view number) {
 }
 
 std::string word_in_symbols(std::string_view word) {
-  if (word == "lambda") return "λ"; // no parameter by itself
+  if (word == "lambda") return "λ"; // not a parameter by itself
   if (word == "sqrt") return "√";
   if (word == "sigma") return "σ";
   const ParameterWords* found = find(word);
@@ -119,7 +119,7 @@ std::string in_symbols(std::string_view expression) {
                         expression.begin());
     const std::string_view part = expression.substr(0, std::max<std::size_t>(1, length));
     expression.remove_prefix(part.size());
-    const bool is_typed = expression.starts_with('='); // into a command
+    const bool is_typed = expression.starts_with('='); // an argument of a command
     text += is_number                 ? without_letter_e(part)
             : length > 0 && !is_typed ? word_in_symbols(part)
                                       : std::string(part);

@@ -6,7 +6,7 @@
 
 namespace goingrate {
 
-/// "ε" for "epsilon", "μ@1" for "mu@1"; a name without a symbol as it is.
+/// "ε" for "epsilon", "μ@1" for "mu@1"; a name without a symbol is returned unchanged.
 std::string symbol_of(std::string_view name);
 
 /// As symbol_of(), with a name without a symbol in words: "dry friction", "jitter rms".
@@ -18,8 +18,8 @@ std::string symbol_and_name(std::string_view name);
 /// An expression with symbols for the names in it: "T0/(2π ε)" for "T0/(2 pi epsilon)".
 std::string in_symbols(std::string_view expression);
 
-/// What the parameter is, for somebody who has not read the paper; for one that changes at an
-/// event, without the event.
+/// The meaning of the parameter for somebody who has not read the paper; "@1" and the like, of a
+/// parameter that changes at an event, are not mentioned.
 std::string_view meaning_of(std::string_view name);
 
 } // namespace goingrate

@@ -1,4 +1,4 @@
-// A log in several parts, in words. Private to the report.
+// Describes a log in several parts. Private to the report.
 #pragma once
 
 #include "wording.hpp"

@@ -30,7 +30,7 @@ void append_number(DecimalText& line, double value, int digits) {
 struct NamedColumn {
   const char* name;
   const std::vector<double>* values;
-  int digits; // fewer for a σ, which is not known to more; so every processor prints the same
+  int digits; // fewer for a σ, whose last digits are rounding and differ between processors
 };
 
 std::array<NamedColumn, 5> named(const EventColumns& columns) {
@@ -101,7 +101,8 @@ void RateTable::append_good(DecimalText& line, const Beat& beat, std::size_t i) 
   last_ = beat;
 }
 
-// The fields of the period since the last beat; its rate, not finite for two beats at one time.
+// Writes the fields of the period since the last beat; returns its rate, which is not finite if
+// both beats have the same time.
 double RateTable::append_period(DecimalText& line, const Beat& beat) const {
   const double rate = rate_between(*last_, beat, options_.nominal_period_s);
   append_general(line, (beat.time - last_->time) / static_cast<double>(beat.cycle - last_->cycle),
@@ -128,7 +129,7 @@ void RateTable::append_extras(DecimalText& line, const Beat* beat, double rate, 
     if (!column.values->empty()) append_number(line, (*column.values)[i], column.digits);
 }
 
-// The rate from the beat `running_cycles` ago, or the last before that, to this one.
+// The rate up to this beat from the beat `running_cycles` ago, or from the last one before that.
 double RateTable::running_rate(const Beat& beat) {
   if (!recent_.empty() && recent_.back().segment != beat.segment) recent_.clear();
   recent_.push_back(beat);
@@ -210,7 +211,7 @@ std::string part_rate_text(const PartRate& part, bool nominal_is_known) {
 }
 
 std::string segment_lines(const Beats& beats, const RateSummary& summary) {
-  constexpr std::size_t most_rows = 6; // enough to see; --json has all
+  constexpr std::size_t most_rows = 6; // as an overview; --json has all
   auto segments = segment_rates(beats.beats, summary.nominal_period_s);
   for (PartRate& part : segments)
     add_time_base(part.rate, summary.time_base_sigma);

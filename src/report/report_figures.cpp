@@ -22,7 +22,7 @@ constexpr int vermilion = 1;
 constexpr int green = 2;
 constexpr int purple = 3;
 
-// A unit with a prefix: value in it = value in SI times `factor`.
+// A unit with a prefix: the value in this unit is the value in SI units times `factor`.
 struct Unit {
   std::string name;
   double factor = 1.0;
@@ -86,7 +86,7 @@ private:
   std::vector<Marker> markers_;
 };
 
-// The mean rate over a window is the error gained in it over its length: no sum is needed.
+// The mean rate over a window is the error gained in it divided by its length: no sum is needed.
 Series TimeFigures::running_mean(std::span<const double> error) const {
   constexpr std::size_t windows = 100;     // in the length of the log
   constexpr std::size_t fewest_beats = 10; // beats
@@ -146,8 +146,8 @@ Figure TimeFigures::error() const {
           markers_};
 }
 
-// Of the clocks that explain a log equally well, the fitted one may swing far from the measured
-// amplitudes, if a slow drive bridges the two: its course tells the reader nothing.
+// If several clocks explain a log equally well, the fitted one may swing far from the measured
+// amplitudes, with a slow drive to make up the difference; its course would mislead the reader.
 bool tells_amplitude(const FitSummary& fit) {
   const FittedParameter* first = fit.find("lambda0");
   return fit.has_result() && (first == nullptr || first->status != ParameterStatus::undetermined);
@@ -195,7 +195,7 @@ Figure TimeFigures::time_residual() const {
                   "beat came late): {}",
                   wanders ? "here the model's drive or rate wanders as well, so that a wave or a "
                             "bend may be that wander."
-                          : "a cloud without shape means the model tells the whole story, a wave "
+                          : "a cloud without shape means that the model explains the log, a wave "
                             "or a bend that it does not."),
       time_axis(),
       {"residual of time", unit.name},
@@ -228,8 +228,8 @@ Series spectrum_line(std::string label, const std::vector<double>& frequency,
           colour};
 }
 
-// The part of a model's line that matters: far below everything measured it only stretches the
-// axis.
+// Cuts off the part of a model's line that is far below everything measured: it would only stretch
+// the axis.
 Series without_depths(Series part, const Series& measured) {
   constexpr double depth = 0.03;
   if (measured.y.empty()) return part;
@@ -267,12 +267,12 @@ Figure spectrum_figure(const Analysis& data) {
   if (data.drive.response) {
     figure.markers.push_back({data.drive.response->corner_hz, "corner"});
     figure.caption += " Left of the corner the amplitude follows the drive, right of it the "
-                      "amplitude stands still.";
+                      "amplitude does not change.";
   }
   return figure;
 }
 
-// sqrt(3) j / tau: what white jitter j of the sensor alone makes of the deviation.
+// sqrt(3) j / tau: the deviation that white jitter j of the sensor alone would give.
 Series jitter_floor(const Series& measured, double jitter_s) {
   Series floor{Series::Style::line, "jitter of the sensor alone", {}, {}, {}, {}, green};
   for (const double tau : measured.x) {
@@ -332,7 +332,8 @@ Figure deviation_figure(const Analysis& data) {
   if (usual && data.fit.has_result() && data.fit.jitter_s > 0.0) {
     figure.series.push_back(without_depths(jitter_floor(figure.series.front(), data.fit.jitter_s),
                                            figure.series.front()));
-    figure.caption += " The line is what the fitted jitter √3 j/τ leaves of a perfect clock.";
+    figure.caption +=
+        " The line is the deviation √3 j/τ of a perfect clock with the fitted jitter.";
   }
   return figure;
 }
@@ -341,8 +342,8 @@ void add(std::vector<Figure>& figures, std::optional<Figure> figure) {
   if (figure) figures.push_back(std::move(*figure));
 }
 
-// The rates of single periods may be thousands of times that of the log, whose unit would be the
-// wrong one for them.
+// The rates of single periods may be thousands of times the log's mean rate, and then need a larger
+// unit.
 std::optional<Figure> in_unit_of_its_rates(std::optional<Figure> figure) {
   constexpr double longest_number = 1e4; // five digits
   constexpr std::array<std::string_view, 3> units{"µs/day", "ms/day", "s/day"};
@@ -361,7 +362,7 @@ std::optional<Figure> in_unit_of_its_rates(std::optional<Figure> figure) {
   return figure;
 }
 
-// The figures against time that share an axis, then those that have one to themselves.
+// The figures that share a time axis, then those with an axis of their own.
 void add_time_figures(const Analysis& data, bool fitted, std::vector<Figure>& figures) {
   const TimeFigures of_time(data);
   add(figures, in_unit_of_its_rates(of_time.rate()));

@@ -1,4 +1,4 @@
-// The figures of a report, built from what was found out about the log.
+// The figures of a report, built from the results of the analysis.
 #pragma once
 
 #include "goingrate/report/figure.hpp"
@@ -10,35 +10,34 @@
 namespace goingrate {
 
 /// Mean rates of stretches against their mean amplitudes, with the slope of the circular error;
-/// nothing without amplitudes or for fewer than two stretches.
+/// nullopt without amplitudes or for fewer than two stretches.
 std::optional<Figure> rate_amplitude_figure(const Analysis& data);
 
 /// The mean tick and tock of a recording of sound.
 std::optional<Figure> beat_figure(const ClockLog& log);
 
-/// mu(t)/mu0 with one sigma either way; nothing without a history. `time` = seconds *
-/// `time_factor`.
+/// mu(t)/mu0 with one sigma either way; nullopt without a history. The axis `time` shows seconds
+/// times `time_factor`.
 std::optional<Figure> drive_figure(const Analysis& data, const Axis& time, double time_factor,
                                    std::vector<Marker> markers);
 
 /// For a free pendulum: the period against the squared amplitude, with the period of a free swing
-/// as a line. The amplitudes are the log's, or those of the fit where the log has none.
+/// as a line. The amplitudes are the log's, or the fit's if the log has none.
 std::optional<Figure> period_amplitude_figure(const Analysis& data);
 
-/// Q against the amplitude with its intervals; nothing where fewer than two are determined.
+/// Q against the amplitude with its intervals; nullopt if fewer than two are determined.
 std::optional<Figure> q_figure(const FitSummary& fit);
 
-/// The matrix of those parameters that the log determines; nothing for fewer than two.
+/// The correlation matrix of the parameters that the log determines; nullopt for fewer than two.
 std::optional<Figure> correlation_figure(const FitSummary& fit);
 
-/// The 68 % and 95 % intervals in units of sigma; nothing if no parameter has them.
+/// The 68 % and 95 % intervals in units of sigma; nullopt if no parameter has them.
 std::optional<Figure> interval_figure(const FitSummary& fit);
 
-/// The profile of the likelihood for each parameter for which the fit traced it; nothing if there
-/// is none.
+/// The profile likelihood of each parameter for which the fit traced it; nullopt if there is none.
 std::optional<Figure> profile_figure(const FitSummary& fit);
 
-/// A logarithmically spaced mean: a few values in each decade, each the mean over its band.
+/// A spectrum averaged in bands of equal logarithmic width, a few in each decade.
 struct BinnedSpectrum {
   std::vector<double> frequency_hz; ///< geometric mean of the band
   std::vector<double> density;

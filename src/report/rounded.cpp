@@ -21,7 +21,7 @@ bool is_plain(int place) { return place >= -3 && place <= 6; }
 Rounded rounded_alone(double value, int digits) {
   if (const int place = value == 0.0 ? 0 : place_of(std::abs(value));
       place >= digits && is_plain(place))
-    return {fmt::format("{:.0f}", value), "", 0}; // rather a digit more than a power of ten
+    return {fmt::format("{:.0f}", value), "", 0}; // an extra digit is better than a power of ten
   const std::string text = fmt::format("{:.{}g}", value, digits);
   const std::size_t power = text.find('e');
   if (power == text.npos) return {text, "", 0};

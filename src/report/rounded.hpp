@@ -5,7 +5,7 @@
 
 namespace goingrate {
 
-/// value ± sigma, both in units of 10^power; `sigma` is empty where it is not known.
+/// value ± sigma, both in units of 10^power; `sigma` is empty if it is not known.
 struct Rounded {
   std::string value, sigma;
   int power = 0;
@@ -15,7 +15,8 @@ struct Rounded {
 /// double, to `digits` digits of the value, which is finite.
 Rounded rounded(double value, double sigma, int digits);
 
-/// The value alone, to the digits that it has with its standard deviation: an end of an interval.
+/// The value alone, with as many digits as it has with its standard deviation; for the end of an
+/// interval.
 std::string to_the_digits_of(double value, double sigma);
 
 /// "10⁻⁴"; empty for a power of 0.

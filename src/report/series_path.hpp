@@ -1,4 +1,4 @@
-// Series as SVG path data, thinned to the columns of the drawing.
+// Writes series as SVG path data, thinned to the columns of the drawing.
 #pragma once
 
 #include "series_thinning.hpp"

@@ -1,4 +1,4 @@
-// Series thinned to the columns of a drawing, one unit of x each, so that what is seen stays.
+// Thins series to the columns of a drawing, one unit of x each, without a visible change.
 #pragma once
 
 #include <string>
@@ -19,21 +19,21 @@ struct Extent {
   double high;
 };
 
-/// A point cloud: dots, and strokes for what is too dense to show as dots.
+/// A point cloud: dots, and strokes where it is too dense to show as dots.
 struct Cloud {
   std::vector<Place> dots;
   std::vector<Extent> body;
 };
 
-/// The runs of a line, which is broken where a place is missing: in each column the lowest and the
-/// highest place, in their order. A place with gaps on both sides is a run of one.
+/// The runs of a line, which is broken where a place is missing: the lowest and the highest place
+/// in each column, in their order. A place with gaps on both sides is a run of one.
 std::vector<std::vector<Place>> thinned_line(const std::vector<Place>& places);
 
-/// Up to 1000 places are all drawn as dots. If there are more, those in a column with more than two
-/// become two dots, the lowest and the highest, and a stroke over the middle 80 %.
+/// Up to 1000 places are all drawn as dots. If there are more, a column with more than two places
+/// becomes two dots, the lowest and the highest, and a stroke over the middle 80 %.
 Cloud thinned_cloud(const std::vector<Place>& places);
 
-/// The runs of a band: in each column the outline of its extents.
+/// The runs of a band: the outline of its extents in each column.
 std::vector<std::vector<Extent>> thinned_band(const std::vector<Extent>& extents);
 
 } // namespace goingrate

@@ -23,8 +23,8 @@ std::optional<Figure> beat_figure(const ClockLog& log) {
       "mean-beat",
       "One beat",
       "How loud the mean tick and the mean tock are over the noise around them. A beat is "
-      "timed from where it first stands out, at 0; what comes before the loudest click, "
-      "and how far apart the clicks are, shows the escapement at work.",
+      "timed from where it first stands out, at 0; the sound before the loudest click, "
+      "and the intervals between the clicks, show the escapement at work.",
       {"time since the beat begins", "ms"},
       {"power over the background", "dB"},
       {loudness(log.sound->tick, "tick", 0)}};

@@ -22,7 +22,7 @@ std::string rms_line(const char* name, const RmsEstimate& rms, double factor, co
   return fmt::format("  {:<22} {}\n", name, rms_words(rms, factor, unit, number));
 }
 
-// A time as a person says it: 90 s, 15 min, 2.5 h, 3 d.
+// A time in the unit that a person would use: 90 s, 15 min, 2.5 h, 3 d.
 std::string time_in_words(double seconds) {
   if (seconds < 120.0) return fmt::format("{:.3g} s", seconds);
   if (seconds < 7200.0) return fmt::format("{:.3g} min", seconds / 60.0);
@@ -31,17 +31,17 @@ std::string time_in_words(double seconds) {
 }
 
 const char* what_noise_means(int alpha) {
-  if (alpha >= 2) return "the jitter of the readings rules; a longer average tells the rate better";
+  if (alpha >= 2) return "jitter of the readings dominates; a longer average gives a better rate";
   if (alpha == 1) return "the readings err slowly, or the clock returns to its course";
   if (alpha == 0) return "the rate is random from one moment to the next: averaging helps as 1/√τ";
-  if (alpha == -1) return "averaging longer does not tell the rate any better";
+  if (alpha == -1) return "a longer average does not give a better rate";
   if (alpha == -2)
     return "the clock wanders like a random walk of rate: look for slow causes such as temperature";
   return "the rate drifts: look for a steady cause before reading anything else";
 }
 
 std::string region_line(const SlopeRegion& region, DeviationKind kind) {
-  if (std::isnan(region.slope)) return {}; // a single row is as often chance as not
+  if (std::isnan(region.slope)) return {}; // a single row may well be chance
   const std::string times =
       fmt::format("From {} to {} ", time_in_words(region.from_s), time_in_words(region.to_s));
   if (!may_be_noise(region, kind))
@@ -54,7 +54,7 @@ std::string region_line(const SlopeRegion& region, DeviationKind kind) {
                              what_noise_means(region.alpha));
 }
 
-// Jitter alone makes sqrt(3) j/tau of an Allan deviation.
+// Jitter alone gives an Allan deviation of sqrt(3) j/tau.
 std::string floor_line(const DeviationTable& table) {
   const auto jitter = jitter_of(table);
   if (!jitter) return {};
@@ -79,7 +79,7 @@ std::string prediction_line(const TimePrediction& p, const char* name) {
   return text + ".\n";
 }
 
-// Nothing is predicted from what is not noise: it need not go on as it was.
+// Nothing is predicted from a slope that is not noise, because it need not continue.
 std::string prediction_lines(const DeviationTable& table, bool all_noise) {
   std::string text;
   bool left_out = false;
@@ -121,8 +121,7 @@ std::string deviation_text(const DeviationTable& table) {
 
 std::string deviation_findings(const DeviationTable& table) {
   std::string text;
-  constexpr std::size_t most_regions =
-      8; // a table of all tau would have as many regions as it has rows
+  constexpr std::size_t most_regions = 8; // a table of all tau could have as many regions as rows
   const auto regions = slope_regions(table);
   const bool all_noise =
       std::all_of(regions.begin(), regions.end(),
@@ -166,7 +165,7 @@ std::string split_lines(const DriveSplit& split) {
   return text;
 }
 
-// The expected periods that a line may be: within its resolution, whole or as a harmonic.
+// The expected periods that a line may have, itself or as a harmonic, within its resolution.
 std::string label_of(const SpectralLine& line, double resolution_hz,
                      std::span<const ExpectedPeriod> expected) {
   std::string label;
@@ -199,7 +198,7 @@ std::string line_lines(const DriveAnalysis& drive, std::span<const ExpectedPerio
       return label_of(l, drive.rate_spectrum->resolution_hz, expected);
     };
     const std::string name = label(line);
-    // One that has a name of its own, as a tide close to half a day, may not be a sideband.
+    // A line with a name of its own, such as a tide close to half a day, may not be a sideband.
     if (line.sideband_of && (name.empty() || name == label(drive.lines[*line.sideband_of])))
       continue;
     text += fmt::format(

@@ -17,7 +17,7 @@ constexpr std::size_t line_columns = 80; // columns
 
 constexpr std::size_t widest_name = 48; // columns: leaves room for a value with its ± and unit
 
-// A name that is too long is broken, and its value stands beside its last line.
+// A name that is too long is broken, and its value is put beside its last line.
 std::string row_of(const SummaryNumber& number, std::size_t width) {
   const std::string name = wrapped(number.quantity, width, 2);
   const std::size_t last = name.rfind('\n') == std::string::npos ? 0 : name.rfind('\n') + 1;

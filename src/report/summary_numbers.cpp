@@ -1,4 +1,4 @@
-// The one table of numbers that a summary has.
+// The table of numbers of a summary.
 #include "goingrate/report/report.hpp"
 
 #include "fault_counts.hpp"
@@ -91,7 +91,7 @@ void Numbers::add_going() {
   add_logbook();
 }
 
-// What was planned, compared with what the log shows.
+// Compares what was planned with what the log shows.
 void Numbers::add_logbook() {
   if (!data_.logbook) return;
   for (const EntryFinding& finding : data_.logbook->entries) {
@@ -106,7 +106,7 @@ void Numbers::add_logbook() {
   }
 }
 
-// The change at which a stretch begins; the stretch has the beat before it.
+// The change at which a stretch begins; the stretch begins with the beat before the change.
 double Numbers::cut_at(double begin_s) const {
   const auto& changes = data_.diary.changes;
   const auto nearest =
@@ -189,7 +189,7 @@ void Numbers::add_fit() {
   for (const FittedParameter& p : fit.parameters) {
     const bool is_open =
         p.status == ParameterStatus::free && !(std::isfinite(p.low95) && std::isfinite(p.high95));
-    if (is_open) continue;    // one ± would tell less than half
+    if (is_open) continue;    // a ± would mislead
     const bool is_covariate = // has a row of its own, in s/day
         std::any_of(data_.covariates.begin(), data_.covariates.end(),
                     [&](const CovariateEffect& effect) { return effect.name == p.name; });
@@ -235,7 +235,7 @@ void Numbers::add_drive() {
 
 void Numbers::add_covariate(const CovariateEffect& effect) {
   if (effect.name == "tide")
-    return add("answer to Moon and Sun, as a share of what theory says",
+    return add("response to Moon and Sun, share of the theoretical",
                with_sigma(effect.coefficient, effect.sigma, 3));
   const std::string per = unit_of_covariate(effect);
   add(fmt::format("rate per {} of {}", per, effect.name),
@@ -252,7 +252,7 @@ void Numbers::add_covariate(const CovariateEffect& effect) {
     add("  the rest follows with a lag of", fmt::format("{} s", number(effect.lag_s)));
   add(fmt::format("  time error, rms, with {} left in", effect.name),
       number(effect.without_s) + " s");
-  add("    taken off, by what the other half tells", number(effect.with_s) + " s");
+  add("    subtracted, by the result of the other half", number(effect.with_s) + " s");
 }
 
 void Numbers::add_isochronism() {
@@ -277,9 +277,9 @@ std::string Numbers::deviation(const DeviationRow& row) const {
                      words_.rate_unit().name);
 }
 
-// The longest times rest on one or two differences: the least is sought among those that fit into
-// the log four times. The rate of a free swing changes with its amplitude, and a deviation would
-// show that alone.
+// The longest averaging times rest on one or two differences, so the least deviation is looked for
+// among times that fit into the log four times. The rate of a free swing changes with its
+// amplitude, and a deviation would show only that.
 void Numbers::add_deviation() {
   if (swings_freely(data_)) return;
   std::vector<DeviationRow> rows = data_.deviation.rows;

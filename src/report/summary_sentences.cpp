@@ -55,7 +55,7 @@ public:
     for (const Change& change : data.diary.changes)
       if (!is_in_one(data.diary, change.at_s) && !change.is_only_noted())
         changes_.push_back(&change);
-    for (const Suspicion& suspicion : data.suspicions) // steps of an interruption are left to it
+    for (const Suspicion& suspicion : data.suspicions) // an interruption explains its own steps
       if (!(is_step(suspicion.cause) && is_near_an_interruption(suspicion)) &&
           !(suspicion.cause == Cause::stop && stop_is_told(data)))
         suspicions_.push_back(suspicion);
@@ -75,7 +75,7 @@ public:
   }
 
 private:
-  // In the order in which they are left out if there is more to say than a reader takes in.
+  // In the order in which they are left out if there is more than a reader can take in.
   enum class Weight { second_cause, model, logbook, trend, dated_cause, main };
   struct Sentence {
     std::string text;
@@ -111,7 +111,7 @@ private:
     say(every_nth());
     for (const Interruption& event : data_.diary.interruptions)
       if (&event == &data_.diary.interruptions.front()) say(interruption(event));
-    // Without a date of its own it adds little to the cause.
+    // A change without a date of its own adds little to the cause.
     say(whether_worse(),
         changes_.empty() && !suspicions_.empty() ? Weight::trend : Weight::main);
     say(out_of_beat(), Weight::second_cause);
@@ -151,7 +151,7 @@ private:
 };
 
 bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
-  constexpr double blocks = 384.0; // on which causes are judged: a date is good to one
+  constexpr double blocks = 384.0; // blocks for judging causes: a date is good to one block
   const double doubt_s = 2.0 * data_.rate.duration_s / blocks;
   const auto& all = data_.diary.interruptions;
   return std::any_of(all.begin(), all.end(), [&](const Interruption& event) {
@@ -161,12 +161,12 @@ bool Sentences::is_near_an_interruption(const Suspicion& suspicion) const {
 }
 
 std::string Sentences::rate_words(double rate, double sigma) const {
-  constexpr double least_significance = 2.0; // sigma: below, the sign may as well be the other
+  constexpr double least_significance = 2.0; // sigma: below this, the sign is open
   return std::abs(rate) > least_significance * sigma ? words_.going(rate, sigma)
                                                      : "has a rate of " + words_.rate(rate, sigma);
 }
 
-// Whether the rate at the end is not that of the last stretch.
+// Whether the rate at the end differs from the mean rate of the last stretch.
 bool Sentences::moves_on() const {
   return !data_.stretches.empty() && data_.now.from_cycle > data_.stretches.back().from_cycle;
 }
@@ -198,7 +198,7 @@ std::string Sentences::going() const {
                  : fmt::format("Over the {} of {} the clock {}{}.", span, log, how, guess);
 }
 
-// The commonest slip is to give half the period for the period.
+// The commonest mistake is to give half the period as the period.
 std::string Sentences::every_nth() const {
   const std::int64_t step = usual_step(data_.beats);
   if (step < 2) return {};
@@ -234,7 +234,7 @@ std::string Sentences::changes() const {
     const RateStep step = known_jump(first).value_or(
         RateStep{after.rate_excess - before.rate_excess,
                  std::hypot(own_rate_sigma(before), own_rate_sigma(after))});
-    // In both means weather may hide a change that shows between neighbouring beats.
+    // Weather may hide a change in the two means that shows between neighbouring beats.
     constexpr double least_told = 2.0; // sigma
     // If the time base leaves the rate open, its changes may still be known.
     if (!data_.rate.nominal_is_known || data_.rate.time_base_sigma > 0.0)
@@ -259,14 +259,14 @@ std::string Sentences::when_it_changed() const {
                      words_.moment(last_s));
 }
 
-// A share of the period as large as 2 ms, by a timegrapher, in a watch of 18,000 beats an hour.
+// The share of the period that 2 ms on a timegrapher are in a watch of 18,000 beats per hour.
 std::string Sentences::out_of_beat() const {
-  constexpr double least_share = 0.01; // of the period: tick less tock
+  constexpr double least_share = 0.01; // of the period: tick minus tock
   const auto& error = data_.sensor.beat_error_s;
   if (!error || std::abs(error->value) < least_share * data_.rate.mean_period_s) return {};
   return fmt::format("Tick and tock differ by {}: the clock is out of beat{}.",
                      short_time(std::abs(error->value), error->sigma),
-                     data_.log.sound ? "" : ", or the sensor stands beside the vertical");
+                     data_.log.sound ? "" : ", or the sensor is off the vertical");
 }
 
 // Trends are judged only in logs that are long enough.
@@ -293,7 +293,7 @@ std::string Sentences::whether_worse() const {
   return capitalised(told.empty() ? trend : told + "; " + trend) + ".";
 }
 
-// Only one cause can be the most likely.
+// Only one cause can be the most likely: later sentences lose the superlative.
 std::string less_likely(std::string explanation) {
   constexpr std::string_view superlative = "ost likely"; // at the beginning or within
   const std::size_t at = explanation.find(superlative);
@@ -302,7 +302,7 @@ std::string less_likely(std::string explanation) {
   return explanation.replace(at - 1, superlative.size() + 1, begins ? "Probably" : "probably");
 }
 
-// The likeliest cause, and the next of another kind.
+// The likeliest cause, and the likeliest of another kind.
 void Sentences::say_what_it_suffers_from() {
   if (suspicions_.empty()) return;
   const Suspicion& first = suspicions_.front();
@@ -319,7 +319,7 @@ void Sentences::say_what_it_suffers_from() {
         is_step(other->cause) ? Weight::dated_cause : Weight::second_cause);
 }
 
-// What brings the rate to zero; empty if it is zero as far as the log can tell.
+// The adjustment that brings the rate to zero; empty if the log cannot tell the rate from zero.
 std::string Sentences::zero_rate() const {
   const RateSummary& now = data_.now.rate;
   if (data_.nut)
@@ -353,9 +353,9 @@ std::string Sentences::pushes() const {
 
 std::string Sentences::what_to_do() const {
   if (!data_.rate.nominal_is_known)
-    return "Say what period the clock should have, and this report tells its rate.";
+    return "State the period that the clock should have, and this report will give its rate.";
   if (const std::string nut = zero_rate(); !nut.empty()) {
-    const bool settles = moves_on() && changes_.size() == 1; // and not a wander, which never does
+    const bool settles = moves_on() && changes_.size() == 1; // a wandering rate never settles
     return settles ? "Once the rate has come to rest, " + nut : capitalised(nut);
   }
   if (!suspicions_.empty()) return "";

@@ -48,11 +48,11 @@ DisplayUnit unit_of_angles(const Analysis& data) {
   if (data.fit.decay) return angle_unit(*data.fit.decay);
   double largest = largest_of_model(data.fit);
   for (const Beat& beat : data.beats)
-    largest = std::fmax(largest, beat.amplitude_rad); // skips what is not known
+    largest = std::fmax(largest, beat.amplitude_rad); // fmax skips NaN, an unknown amplitude
   return unit_of_angles(largest);
 }
 
-// Whole seconds of 1990 to 2100: no counter that began at zero has run so long.
+// Whole seconds from 1990 to 2100: no counter that began at zero has run that long.
 bool may_be_date(const Instant& time) {
   using namespace std::chrono;
   const sys_seconds at{seconds{time.seconds}};
@@ -115,12 +115,12 @@ FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter paramete
 DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit,
                          DerivedQuantity quantity) {
   if (quantity.name == "mean period") {
-    quantity.name = "fitted mean period"; // the mean period of a report is that from end to end
+    quantity.name = "fitted mean period"; // a report's mean period is taken from end to end
     quantity.expression += fit.model.walk || fit.model.drive || fit.model.slow
                                ? "; ± is that of the timing and of the noise of the model"
                                : "; ± is that of the timing alone, however the rate varied";
   }
-  // Only the Q and the decay time of a free swing belong to an amplitude.
+  // Only the Q and the decay time of a free swing hold at one amplitude.
   if (fit.decay && (quantity.name == fit.q_factor.name || quantity.name == fit.decay_time.name))
     quantity.expression =
         fmt::format("at {} {}, whichever law of friction",
@@ -240,7 +240,7 @@ std::string small_angle(double rad) {
 }
 
 std::string short_time(double seconds, double sigma_s) {
-  // A time that is smaller than its sigma has the unit of the sigma.
+  // A time that is smaller than its sigma is written in a unit chosen by the sigma.
   const DisplayUnit unit = short_time_unit(sigma_s > std::abs(seconds) ? sigma_s : seconds);
   return fmt::format("{} {}", with_sigma(unit.factor * seconds, unit.factor * sigma_s, 3),
                      unit.name);

@@ -10,7 +10,7 @@
 
 namespace goingrate {
 
-/// A unit of display: value in it = value in SI units times `factor`.
+/// A unit of display: the value in this unit is the value in SI units times `factor`.
 struct DisplayUnit {
   std::string_view name;
   double factor = 1.0;
@@ -22,15 +22,15 @@ DisplayUnit time_unit(double duration_s);
 /// mrad, or rad where the free swing is wider than half a radian.
 DisplayUnit angle_unit(const Decay& decay);
 
-/// The same for any fit, by the amplitudes of its model.
+/// The unit of angles for any fit, by the amplitudes of its model.
 DisplayUnit angle_unit(const FitSummary& fit);
 
 /// The parameter in the unit in which it is shown: an angle in that unit instead of rad, a scatter
 /// of times in ms, µs or ns, a variation of the drive in %; any other as it is.
 FittedParameter in_shown_unit(const DisplayUnit& angle, FittedParameter parameter);
 
-/// A quantity of this fit as it is shown: an angle, and the amplitude that it belongs to, in that
-/// unit; for the mean period, what its sigma covers.
+/// A quantity of this fit as it is shown: an angle, and the amplitude that a quantity belongs to,
+/// in the unit `angle`; for the mean period, with a remark on what its sigma covers.
 DerivedQuantity as_shown(const DisplayUnit& angle, const FitSummary& fit, DerivedQuantity quantity);
 
 /// The words for the numbers of one log.
@@ -48,8 +48,8 @@ public:
   [[nodiscard]] std::string rate(double rate_excess, double sigma) const;
   /// "gains 18.42 ± 0.85 s/day" or "loses ...".
   [[nodiscard]] std::string going(double rate_excess, double sigma) const;
-  /// The size of a change or of a swing of the rate, without a sign; without a sigma that is larger
-  /// than it.
+  /// The size of a change or of a swing of the rate, without a sign; the sigma is left out if it is
+  /// larger than the size.
   [[nodiscard]] std::string size_of_rate(double size, double sigma) const;
   [[nodiscard]] std::string angle(double rad, double sigma) const;
   /// "924 s", "11.1 h".
@@ -60,7 +60,7 @@ public:
   [[nodiscard]] std::string moments(double first_s, double second_s) const;
   /// "1800 s to 2160 s after the first beat", "2013-03-31 00:03:30 to 00:06:40".
   [[nodiscard]] std::string span(double from_s, double to_s) const;
-  /// The same for a table: "300 s", "2013-03-31 00:03:30".
+  /// A moment for a table: "300 s", "2013-03-31 00:03:30".
   [[nodiscard]] std::string short_moment(double at_s) const;
   /// Whether the times of the log are dates.
   [[nodiscard]] bool is_dated() const { return is_dated_; }
@@ -79,13 +79,13 @@ std::string capitalised(std::string text);
 /// "a, b or c", with `last_word` before the last.
 std::string listed(const std::vector<std::string>& names, std::string_view last_word);
 
-/// The sentences of a text: what ends with a full stop or a question mark.
+/// The number of sentences in a text; each ends with a full stop or a question mark.
 std::size_t sentences_in(std::string_view text);
 
 /// s, ms, µs or ns: the unit in which a scatter or a displacement of times is read most easily.
 DisplayUnit short_time_unit(double seconds);
 
-/// rad, mrad or µrad: the same for a scatter of angles.
+/// rad, mrad or µrad: the unit in which a scatter of angles is read most easily.
 DisplayUnit small_angle_unit(double rad);
 
 /// "15.3 µrad".
@@ -97,10 +97,10 @@ std::string short_time(double seconds, double sigma_s);
 /// Whether the fit found a pendulum that nothing drives.
 bool swings_freely(const Analysis& data);
 
-/// What a coefficient of the rate is per: "K", "mbar", "kg/m³".
+/// The unit in the denominator of a coefficient of the rate: "K", "mbar", "kg/m³".
 std::string unit_of_covariate(const CovariateEffect& effect);
 
-/// The name of a file without its folders, with what cannot be printed replaced.
+/// The name of a file without its folders, with unprintable characters replaced.
 std::string file_name(const std::string& path);
 
 } // namespace goingrate

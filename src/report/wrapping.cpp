@@ -8,7 +8,7 @@ namespace {
 
 bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }
 
-// Where the first `width` characters of a line end, in bytes.
+// The number of bytes in the first `width` characters of a line.
 std::size_t bytes_of(std::string_view line, std::size_t width) {
   std::size_t seen = 0;
   for (std::size_t i = 0; i < line.size(); ++i)
@@ -16,8 +16,8 @@ std::size_t bytes_of(std::string_view line, std::size_t width) {
   return line.size();
 }
 
-// Where a line that is too long is broken: before the last blank that fits, or behind the last
-// comma if it is one long word; its end if it cannot be broken.
+// The place at which a line that is too long is broken: before the last blank that fits, or after
+// the last comma if the line is one long word; its end if it cannot be broken.
 std::size_t break_of(std::string_view line, std::size_t width) {
   const std::size_t indent = line.find_first_not_of(' ');
   const std::size_t room = bytes_of(line, width);

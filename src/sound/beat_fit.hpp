@@ -1,4 +1,4 @@
-// The mean beat fitted to one beat.
+// Fits the mean beat to one beat.
 #pragma once
 
 #include "beat_powers.hpp"
@@ -8,8 +8,8 @@
 
 namespace goingrate {
 
-/// What ticks, or tocks, are like: power over their own strength, its relative variance from beat
-/// to beat, and its correlation between bins by their distance.
+/// The mean of ticks, or of tocks: power relative to their own strength, its relative variance from
+/// beat to beat, and its correlation between bins by their distance.
 struct BeatKind {
   std::vector<double> shape;
   std::vector<double> variance;
@@ -18,7 +18,7 @@ struct BeatKind {
   double after = 0.0; // bins that it begins after the rough places
 };
 
-/// Where a beat begins in its snippet.
+/// The place in its snippet at which a beat begins.
 struct BeatPlace {
   double bin = 0.0, sigma = 0.0;
   double strength = 0.0;
@@ -34,11 +34,11 @@ public:
   BeatPlace operator()(const BeatSnippet& snippet);
 
 private:
-  // In units of the background; at least a strength that can be told from none.
+  // In units of the background; at least the smallest strength that can be recognised.
   [[nodiscard]] double strength_at(const BeatSnippet& snippet, std::ptrdiff_t shift) const;
 
-  // A hundredth of the strength is added: the foot of a loud beat changes by orders of magnitude
-  // within a bin, and would be all that counts.
+  // A hundredth of the strength is added, because the foot of a loud beat changes by orders of
+  // magnitude within a bin and would otherwise dominate.
   static constexpr double foot_share = 0.01;
 
   void take_logs(const BeatSnippet& snippet, double strength);
@@ -57,7 +57,8 @@ private:
   // background.
   [[nodiscard]] double log_likelihood(std::ptrdiff_t best, double strength) const;
 
-  // How far other places, as likely as they are, lie from the best: in noise there are several.
+  // The distance of other places from the best, weighted by their likelihood: in noise there are
+  // several.
   [[nodiscard]] double spread(std::ptrdiff_t best) const;
 
   // The standard deviation of the place, in bins: the estimate is a sum of the logarithms' errors,

@@ -27,8 +27,9 @@ public:
   BeatLearning(const BeatGrid& grid, std::vector<BeatSnippet> snippets)
       : grid_(grid), snippets_(std::move(snippets)) {}
 
-  // Begins once from the mean of all, which loud beats out of line blur, and once from one beat, in
-  // which faint ones are drowned; returns what comes to predict beats better.
+  // Begins once from the mean of all beats, which is blurred by misplaced loud ones, and once from
+  // a single beat, which is noisy if beats are faint; returns the result that predicts beats
+  // better.
   BeatKind run() {
     const std::vector<double> none(grid_.size, 0.0);
     best_ = {none, none, {1.0}, 0.0, 0.0};
@@ -39,7 +40,7 @@ public:
     place_as_expected();
     learn_from_one();
     settle();
-    if (best_places_.empty()) return best_; // no beat lies near where it should
+    if (best_places_.empty()) return best_; // no beat is near its expected place
     kind_ = best_;
     places_ = best_places_;
     learn_correlation();
@@ -73,8 +74,8 @@ private:
     kind_.variance.assign(grid_.size, likeness_limit);
   }
 
-  // The kind by which most beats are predicted best is kept: by the median of the log-likelihood,
-  // and clearly, as a kind that scatters over places fits a little better than it should.
+  // Keeps the kind that predicts most beats best, by the median of the log-likelihood. It must be
+  // clearly better, because a kind that scatters over places fits a little better than it should.
   void settle() {
     constexpr int rounds = 4;
     const double clear = 0.05 * static_cast<double>(grid_.size);
@@ -187,8 +188,8 @@ private:
     }
   }
 
-  // The beat begins where its power first reaches two hundredths of the largest, and stays clear of
-  // what the mean does not know.
+  // The beat begins where its power first reaches two hundredths of the largest, and remains above
+  // the uncertainty of the mean.
   void begin_at_onset() {
     double count = 0.0, strength = 0.0;
     for (const BeatPlace& place : places_)

@@ -27,7 +27,7 @@ struct BeatGrid {
     return 2.0 * (1.0 + 2.0 * sound) / (all * all) / degrees;
   }
 
-  // How many neighbouring powers tell as much as a single independent one.
+  // How many neighbouring powers hold as much information as one independent power.
   [[nodiscard]] double alike() const {
     return 2.0 * std::accumulate(correlation.begin(), correlation.end(), 0.0) - 1.0;
   }

@@ -17,7 +17,7 @@ std::vector<float> powers(Whitening& sound, std::int64_t count, std::int64_t hop
                           const std::function<void(double)>& progress) {
   constexpr std::int64_t bins_at_once = 1024;
   const std::int64_t bins = count / hop;
-  std::vector<float> power; // grows with what is read: a head may state any length
+  std::vector<float> power; // grows as the file is read, because a head may state any length
   std::vector<float> x;
   for (std::int64_t from = 0; from < bins; from += bins_at_once) {
     const std::int64_t size = std::min(bins_at_once, bins - from);
@@ -38,7 +38,7 @@ std::vector<float> powers(Whitening& sound, std::int64_t count, std::int64_t hop
 constexpr float silent_log_power =
     -60.0F; // ln(power) where there is no sound: a recorder left something out
 
-// The median of what is sound; `silent` if that is too little to tell.
+// The median of the bins with sound; `silent` if there are too few.
 float sound_median(std::span<const float> values) {
   std::vector<double> copy;
   for (const float value : values)
@@ -48,8 +48,8 @@ float sound_median(std::span<const float> values) {
                                                     : static_cast<float>(median(copy));
 }
 
-// Medians of blocks, and of five blocks in a row; in silence that of the sound before it, or after,
-// and `least` where there is nothing between the beats.
+// Medians of blocks, and of five blocks in a row. In silence the median of the sound before it, or
+// after it, is used, and `least` if there is no sound between the beats.
 std::vector<float> background_of(std::span<const float> log_power, float least) {
   std::vector<float> medians, smooth;
   for (std::size_t from = 0; from < log_power.size(); from += Loudness::floor_bins)

@@ -1,4 +1,4 @@
-// How much louder than the background a recording is, in bins of about a millisecond.
+// The loudness of a recording relative to its background, in bins of about a millisecond.
 #pragma once
 
 #include "whitening.hpp"
@@ -12,7 +12,7 @@ namespace goingrate {
 
 /// Powers of a whitened recording over those of its background.
 struct Loudness {
-  std::int64_t hop = 0;         ///< samples a bin
+  std::int64_t hop = 0;         ///< samples per bin
   std::vector<float> above;     ///< ln(power/background) in each bin, within bounds; 0: like it
   std::vector<float> floor_log; ///< ln of the background's median power, one for each `floor_bins`
 

@@ -50,7 +50,7 @@ Steps largest_steps(const SoundSamples& samples, float sign) {
   return steps;
 }
 
-// Where the rise from the level before a step to the one after it is half done.
+// The place at which the rise from the level before a step to the one after it is half complete.
 double half_way(const SoundSamples& samples, std::int64_t step, float sign) {
   constexpr std::int64_t reach = 16; // samples: the edge of a pulse is sharper
   std::vector<float> x(2 * reach + 1);

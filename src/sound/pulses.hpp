@@ -7,7 +7,7 @@
 
 namespace goingrate {
 
-/// The seconds that a channel tells.
+/// The seconds marked by the pulses in a channel.
 class SecondPulses {
 public:
   /// Finds the leading edges: the steepest rises or falls, whichever are steeper, where they reach
@@ -15,7 +15,7 @@ public:
   /// are counted over; those not a whole second from the others are left out.
   explicit SecondPulses(const SoundSamples& samples);
 
-  /// Pulses found; fewer than three tell nothing.
+  /// The number of pulses found; fewer than three are of no use.
   [[nodiscard]] std::size_t count() const { return places_.size(); }
 
   /// Seconds from the first pulse to a place (in samples): by the straight line through the eight
@@ -26,9 +26,10 @@ public:
 
   /// The mean sampling rate, Hz.
   [[nodiscard]] double rate_hz() const;
-  /// Standard deviation of that rate, relative: both ends by their pulses' scatter.
+  /// Relative standard deviation of the mean sampling rate, from the scatter of pulses at both
+  /// ends.
   [[nodiscard]] double rate_sigma() const;
-  /// Standard deviation of a time, s, in the midst of pulses.
+  /// Standard deviation of a time, s, between pulses on both sides.
   [[nodiscard]] double time_sigma_s() const;
 
 private:

@@ -52,7 +52,7 @@ sf_count_t place_in(void* user) { return static_cast<Bytes*>(user)->at; }
 
 constexpr std::size_t head_size = 12; // bytes that tell the kind and the length
 
-// Bytes that a WAV or AIFF says it has; 0 where it says nothing: a stream has all ones, or none.
+// Bytes that a WAV or AIFF states; 0 if it states none: in a stream the field is all ones or zero.
 std::uint64_t stated_size(std::string_view head) {
   if (head.size() < head_size) return 0;
   const bool little = head.starts_with("RIFF"), big = head.starts_with("FORM");
@@ -100,8 +100,8 @@ struct Recording::File {
                        fmt::format("1 to {}", most_channels));
   }
 
-  // Lossy codecs do not come to the same samples after a jump as on the way; a stream does not know
-  // its length.
+  // After a jump, lossy codecs do not give the same samples as in reading on, and a stream does not
+  // know its length.
   [[nodiscard]] bool is_read_as_a_whole() const {
     const int type = info.format & SF_FORMAT_TYPEMASK, packing = info.format & SF_FORMAT_SUBMASK;
     const bool plain = packing <= SF_FORMAT_PCM_32 || packing == SF_FORMAT_PCM_U8 ||

@@ -14,7 +14,7 @@ namespace goingrate {
 /// Whether a file whose first bytes are `beginning` holds sound.
 bool is_sound(std::string_view beginning);
 
-/// The same for a regular file, neither packed nor in a ZIP.
+/// Whether a regular file, neither packed nor in a ZIP, holds sound.
 bool is_sound_on_disk(const std::string& path);
 
 /// An open file of sound, on disk or in memory.
@@ -22,7 +22,7 @@ class Recording {
 public:
   /// Throws InputError if it is damaged, holds no sample, or has more than 64 channels.
   static Recording on_disk(const std::string& path);
-  /// The same from its bytes, which must outlive the object; `name` names it in messages.
+  /// Opens a file of sound from its bytes, which must outlive the object; `name` is for messages.
   static Recording in_memory(std::string_view bytes, const std::string& name);
   Recording(Recording&&) noexcept;
   Recording& operator=(Recording&&) noexcept;
@@ -30,8 +30,8 @@ public:
 
   [[nodiscard]] double rate_hz() const;
   [[nodiscard]] std::size_t channels() const;
-  /// Bytes that a WAV or AIFF says it has and that are not there: its recorder broke off, or a copy
-  /// did. 0 for other kinds, and where the head says nothing.
+  /// Bytes that a WAV or AIFF states but does not have, because its recorder or a copy was
+  /// interrupted. 0 for other kinds, and if the head states no length.
   [[nodiscard]] std::uint64_t missing_bytes() const;
   /// One of the channels, counted from 1, for as long as the recording lives. Reading throws
   /// InputError where the file is damaged or holds NaN or infinity. What cannot be read in pieces

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t reach = 24;       // samples either side
 constexpr std::size_t frequencies = 96; // from 0 to half the sampling rate
 
-// Mean autocorrelations of what is read at places, each over the power of its background.
+// Mean autocorrelations of pieces read at some places, each divided by the power of its background.
 class Correlation {
 public:
   Correlation(Whitening& sound, const Loudness& loudness) : sound_(sound), loudness_(loudness) {}

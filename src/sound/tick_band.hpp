@@ -9,13 +9,13 @@
 namespace goingrate {
 
 /// A symmetric filter, of an odd number of taps, whose power response is S/(N (N + S)): S and N are
-/// the mean spectra of the beats of a track and of what is between them. Power behind it tells
-/// beats of Gaussian noise with that spectrum from the background better than behind any other
-/// filter.
+/// the mean spectra of the beats of a track and of the sound between them. By the power after this
+/// filter, beats that are Gaussian noise with that spectrum are told from the background better
+/// than after any other filter.
 std::vector<float> band_of_ticks(Whitening& sound, const Loudness& loudness,
                                  const TickTrack& track);
 
-/// A filter of that form that passes an octave either side of a frequency.
+/// A filter of that form that passes an octave on either side of a frequency.
 std::vector<float> band_around(double frequency_hz, double rate_hz);
 
 } // namespace goingrate

@@ -33,12 +33,12 @@ double mean_around(std::span<const double> sums, std::size_t i, std::size_t reac
   return (sums[to] - sums[from]) / static_cast<double>(to - from);
 }
 
-// What lasts as long as a beat: means over 5 bins less those over 61, every second bin.
+// Selects sounds as long as a beat: means over 5 bins minus means over 61, every second bin.
 std::vector<float> beat_like(std::span<const float> above) {
   constexpr std::size_t beat = 2, syllable = 30;
   const std::vector<double> sums = sums_of(above);
   std::vector<float> result;
-  constexpr double most_weight = 2.0; // a single sound does not tell more than several beats
+  constexpr double most_weight = 2.0; // a single sound must not count more than several beats
   for (std::size_t i = 0; i < above.size(); i += coarse)
     result.push_back(static_cast<float>(std::clamp(
         mean_around(sums, i, beat) - mean_around(sums, i, syllable), -most_weight, most_weight)));
@@ -90,8 +90,8 @@ double at(std::span<const double> values, double place) {
   return (1.0 - part) * values[i] + part * values[i + 1];
 }
 
-// Takes off what repeats in the rhythm of the mains, 100 or 120 times per second: it also repeats
-// one such time earlier and later, which beats do not.
+// Subtracts sounds that repeat in the rhythm of the mains, 100 or 120 times per second: these also
+// repeat one such interval earlier and later, which beats do not.
 std::vector<double> without_hum(const std::vector<double>& correlation, double coarse_a_second) {
   std::vector<double> result = correlation;
   for (std::size_t lag = 0; lag < result.size(); ++lag)
@@ -103,10 +103,10 @@ std::vector<double> without_hum(const std::vector<double>& correlation, double c
   return result;
 }
 
-// How well the loudness repeats after once, twice, ... as often as is known: a sum
-// over the root of their number. Noise is then alike at all lags, and the period itself beats its
-// multiples, which repeat as well but not as often, and its parts, which repeat at every second or
-// third only.
+// How well the loudness repeats after one, two, ... times the lag, as many as are known: their sum
+// over the root of their number. Noise then has the same size at all lags. The period itself scores
+// better than its multiples, which repeat as well but less often, and than its parts, which repeat
+// only every second or third time.
 double repeats(std::span<const double> correlation, double lag) {
   const double count = std::floor((static_cast<double>(correlation.size()) - 2.0) / lag);
   double sum = 0.0;
@@ -115,7 +115,7 @@ double repeats(std::span<const double> correlation, double lag) {
   return count < 1.0 ? 0.0 : sum / std::sqrt(count);
 }
 
-// What repeats() comes to by chance.
+// The value of repeats() by chance.
 double chance(std::span<const double> correlation, double from) {
   std::vector<double> values;
   for (double lag = from; 2.0 * lag < static_cast<double>(correlation.size()); lag += 1.0)
@@ -134,7 +134,7 @@ double best_lag(std::span<const double> correlation, double from, double to) {
   return best;
 }
 
-// Where in a period the second sound comes, from the loudest; nothing if there is only one.
+// The place of the second sound in a period, from the loudest; nullopt if there is only one.
 std::optional<double> second_sound(const Loudness& loudness, const Windows& windows,
                                    double period) {
   const auto size = static_cast<std::size_t>(std::ceil(period));

@@ -1,4 +1,4 @@
-// The period of a clock from how its loudness repeats.
+// Finds the period of a clock from the repetition of its loudness.
 #pragma once
 
 #include "loudness.hpp"
@@ -7,7 +7,7 @@
 
 namespace goingrate {
 
-/// How beats follow each other, in bins of the loudness.
+/// The pattern in which beats follow each other, in bins of the loudness.
 struct TickPattern {
   double period = 0.0;     ///< of the oscillation
   bool has_tocks = true;   ///< false: one sound per period
@@ -15,9 +15,9 @@ struct TickPattern {
   double tock_after = 0.0; ///< from a tick to its tock
 };
 
-/// The pattern, by the autocorrelation of the loudness; nothing where it does not repeat. The lag
-/// at which it repeats best is a period, or half of one if there is only one sound in it.
-/// `nominal`, in bins, is believed to 3 %.
+/// The pattern, by the autocorrelation of the loudness; nullopt if it does not repeat. The lag at
+/// which it repeats best is a period, or half of one if there is only one sound in it. `nominal`,
+/// in bins, is taken to be right to 3 %.
 std::optional<TickPattern> find_pattern(const Loudness& loudness, double bins_a_second,
                                         std::optional<double> nominal);
 

@@ -33,7 +33,7 @@ MeanBeat mean_beat(const BeatKind& kind, const BeatGrid& grid, double strength, 
   return beat;
 }
 
-// A phase that steps may give one beat twice.
+// If the phase steps, one beat may be found twice.
 void drop_repeated(std::vector<Tick>& ticks, double period) {
   std::sort(ticks.begin(), ticks.end(), [](const Tick& a, const Tick& b) { return a.at < b.at; });
   std::vector<Tick> kept;
@@ -47,8 +47,7 @@ void drop_repeated(std::vector<Tick>& ticks, double period) {
   ticks = std::move(kept);
 }
 
-// Whatever is looked for in a log takes all its beats for equally good: those that other sounds
-// cover are left out.
+// All beats of a log count as equally good, so those covered by other sounds are left out.
 std::int64_t drop_covered(std::vector<Tick>& ticks) {
   if (ticks.empty()) return 0;
   std::vector<double> sigmas;

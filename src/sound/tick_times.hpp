@@ -1,4 +1,4 @@
-// When each beat began, to a fraction of a sample.
+// Finds the time at which each beat began, to a fraction of a sample.
 #pragma once
 
 #include "loudness.hpp"

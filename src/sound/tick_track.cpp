@@ -79,8 +79,8 @@ private:
     return score;
   }
 
-  // Beats may be drowned, so silence says little. The bound is twice what a certain beat scores: a
-  // loud bang is not worth many beats.
+  // Beats may be drowned by noise, so silence says little. The bound is twice the score of a
+  // certain beat, so that a loud bang does not count as many beats.
   static float bounded(float value) {
     constexpr float least_excess = -4.0F, knee_excess = 12.0F;
     if (value > knee_excess) return knee_excess * (2.0F - knee_excess / value);
@@ -134,7 +134,7 @@ private:
   static constexpr double step_cost = 3.0, jump_cost = 100.0;
   static constexpr std::int8_t jump = 2;
 
-  // The best way to the phase f: from f - taken.
+  // The best path to the phase f comes from f - taken.
   [[nodiscard]] double choose(const std::vector<double>& value, std::size_t f, double jumped,
                               std::int8_t& taken) const {
     double best = value[f];
@@ -199,9 +199,9 @@ RoughTick place_near(std::span<const float> score, double bin, bool is_tock) {
   return tick;
 }
 
-// Judges beats by what places score where none is. The clock goes where many of the beats around
-// are better than nearly all of these; there a beat is expected, and taken for one unless it is no
-// better than most of them.
+// Judges beats by the scores of places without a beat. The clock goes where many of the beats
+// around score better than nearly all such places. There a beat is expected, and is accepted unless
+// it is no better than most of them.
 void judge(std::vector<RoughTick>& ticks, std::vector<double> control) {
   if (control.empty()) return;
   const auto quantile = [&](double share) {
@@ -214,7 +214,7 @@ void judge(std::vector<RoughTick>& ticks, std::vector<double> control) {
   const double clear = std::max(0.0, quantile(nearly_all_share)),
                least = std::max(0.0, quantile(most_share));
   constexpr std::size_t beats_on_either_side = 10;
-  constexpr double going_share = 0.25; // of them: noise comes to a fiftieth
+  constexpr double going_share = 0.25; // of the beats: noise alone reaches a fiftieth
   std::vector<double> sums{0.0};
   for (const RoughTick& tick : ticks)
     sums.push_back(sums.back() + (tick.score > clear ? 1.0 : 0.0));
@@ -243,8 +243,8 @@ Background between_beats(std::span<const float> above, std::span<const RoughTick
   return {mean, std::sqrt(std::max(1e-6, sum2 / count - mean * mean))};
 }
 
-// The mean loudness around beats of one kind, over that between beats, while the clock goes; of
-// faint ones too: they are what a faint clock has. `count` is that of the beats.
+// The mean loudness around beats of one kind, relative to that between beats, while the clock goes;
+// faint beats are included, because a faint clock has no others. `count` is the number of beats.
 Shape mean_shape(std::span<const float> above, std::span<const RoughTick> ticks, bool tocks,
                  double background, double& count) {
   std::vector<std::size_t> firsts;
@@ -268,8 +268,8 @@ Shape mean_shape(std::span<const float> above, std::span<const RoughTick> ticks,
   return shape;
 }
 
-// Bins from where a shape is said to begin to where it does: where it is clear of the noise in it,
-// and of what is not quite aligned.
+// Bins from the nominal to the true beginning of a shape, at which it rises above its noise and
+// above the blur of imperfect alignment.
 std::ptrdiff_t onset_shift(const Shape& shape, double noise) {
   constexpr double begun_share = 0.1; // of the logarithm
   constexpr double noise_factor = 6.0;

@@ -1,4 +1,4 @@
-// The course of a clock's beats through its noise, to a millisecond.
+// Follows a clock's beats through noise, to a millisecond.
 #pragma once
 
 #include "loudness.hpp"
@@ -8,16 +8,16 @@
 
 namespace goingrate {
 
-/// A beat as the loudness shows it.
+/// A beat found in the loudness.
 struct RoughTick {
   double bin = 0.0; ///< where it begins
   bool is_tock = false;
   double score = 0.0;     ///< ln(likelihood with a beat / without), at the best of the places tried
   bool clock_goes = true; ///< the beats around it are heard
-  bool stands_out = true; ///< of the noise, while the clock goes; else only expected there
+  bool stands_out = true; ///< from the noise, while the clock goes; else only expected there
 };
 
-/// What the track found.
+/// The result of following a clock.
 struct TickTrack {
   std::vector<RoughTick> ticks;
   TickPattern pattern; ///< refined

@@ -35,7 +35,7 @@ public:
 private:
   static constexpr double listened_share = 0.3, share_again = 0.8; // shares of the time
 
-  // Listens to all of the sound, or else to one of the bands in which clocks are heard.
+  // Listens to the whole sound, or to one of the bands in which clocks are heard.
   bool hears_a_clock() {
     if (hears(tell_(0.0, listened_share))) return true;
     for (const double frequency_hz : {3000.0, 1500.0, 6000.0}) {

@@ -41,7 +41,8 @@ std::vector<double> mean_autocorrelation(const SoundSamples& samples) {
 
 Whitening::Whitening(const SoundSamples& samples) : samples_(samples) {
   std::vector<double> r = mean_autocorrelation(samples);
-  // What is 30 dB below the rest is not raised: codecs leave bands empty, and hum is a line.
+  // Frequencies 30 dB below the rest are not raised, because codecs leave bands empty and hum is a
+  // line.
   constexpr double least_power = 1e-3;
   double error = r[0] *= 1.0 + least_power;
   std::vector<double> a(order + 1, 0.0);

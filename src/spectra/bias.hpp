@@ -1,4 +1,4 @@
-// What the variances of stability.hpp are expected to be, over the variance they stand for.
+// Expected ratios of the variances of stability.hpp to the variances that they estimate.
 #pragma once
 
 #include <cstddef>

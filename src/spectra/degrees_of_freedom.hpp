@@ -1,11 +1,11 @@
-// How sure a stability variance is: equivalent degrees of freedom (EDF) and the intervals they
-// give.
+// The uncertainty of a stability variance: equivalent degrees of freedom (EDF), and the intervals
+// that follow from them.
 //
 // A stability variance is a mean of squares of correlated numbers. It is treated as a multiple of
 // chi-squared with as many degrees of freedom as give it the right relative scatter, 2/EDF in
 // variance; for the variances built from differences the EDF follows from the power-law noise, for
-// the "total" variances and Theo1 it is a formula fitted to simulations. Where the noise is not a
-// power law over the times that matter, the EDF is that of a clock that is not this one.
+// the "total" variances and Theo1 it is a formula fitted to simulations. If the noise is not a
+// power law over the times that matter, the EDF does not apply to this clock.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ enum class DifferenceStride {
   one_tau,    ///< not overlapped: one starts at every m-th sample
 };
 
-/// What is differenced.
+/// The values whose differences are taken.
 enum class PhaseFilter {
   none,        ///< phases m apart, as in the Allan and Hadamard variances
   mean_of_tau, ///< means of m neighbouring phases, as in the modified Allan variance
@@ -30,10 +30,10 @@ struct DeviationInterval {
   double high;
 };
 
-/// The probability between -1 and +1 sigma of a normal variable, erf(1/sqrt 2).
+/// The probability that a normal variable lies between -1 and +1 sigma, erf(1/sqrt 2).
 inline constexpr double one_sigma_probability = 0.68268949213708590;
 
-/// Which variance of differences is meant: the Allan variance unless something is said.
+/// The kind of variance of differences; by default the Allan variance.
 struct DifferenceVariance {
   DifferenceStride stride = DifferenceStride::one_sample;
   std::size_t order = 2; ///< d: 2 Allan, 3 Hadamard
@@ -64,7 +64,7 @@ struct DifferenceVariance {
 [[nodiscard]] double difference_degrees_of_freedom(int alpha, std::size_t m, std::size_t n,
                                                    const DifferenceVariance& variance);
 
-/// The same for the Allan variance: d = 2 and no filter.
+/// Equivalent degrees of freedom for the Allan variance: d = 2 and no filter.
 [[nodiscard]] double allan_degrees_of_freedom(int alpha, std::size_t m, std::size_t n,
                                               DifferenceStride stride);
 
@@ -74,26 +74,26 @@ struct DifferenceVariance {
 /// (SP 1065 section 5.4). alpha = 1, 2, for which there is no formula of its own: those of the
 /// overlapping Allan variance (SP 1065 table 5), N the points:
 /// 2: (N+1)(N-2m) / (2(N-m)); 1: exp sqrt(ln((N-1)/(2m)) ln((2m+1)(N-1)/4)).
-/// These fall to nothing as 2m approaches N; not below 1 is returned. Simulated at alpha 2: as many
-/// up to tau = T/60, half at T/16 and a tenth at T/4, so that intervals of white phase noise at
-/// long tau are too narrow by up to three times. From alpha 0 down within a tenth. `alpha`: -2 to
-/// 2; `m`: 1 or more, below `points`. Throws ArgumentError outside.
+/// These fall to zero as 2m approaches N; at least 1 is returned. Simulations at alpha 2 give as
+/// many up to tau = T/60, half as many at T/16 and a tenth at T/4, so that intervals of white phase
+/// noise at long tau are too narrow by up to three times. For alpha 0 and below they agree within a
+/// tenth. `alpha`: -2 to 2; `m`: 1 or more, below `points`. Throws ArgumentError outside.
 [[nodiscard]] double total_degrees_of_freedom(int alpha, std::size_t m, std::size_t points);
 
-/// The same of the modified total variance: b T/tau - c with (b, c) = (1.90, 2.10), (1.20, 1.40),
+/// The same for the modified total variance: b T/tau - c with (b, c) = (1.90, 2.10), (1.20, 1.40),
 /// (1.10, 1.20), (0.85, 0.50), (0.75, 0.31) for alpha 2 to -2 (SP 1065 section 5.4), T = N tau0.
 /// Simulated at T/tau = 16: 17 % fewer for alpha 2 and 13 % fewer for 0; at 5 up to a third fewer.
 [[nodiscard]] double modified_total_degrees_of_freedom(int alpha, std::size_t m,
                                                        std::size_t points);
 
-/// The same of the Hadamard total variance: (T/tau) / (b0 + b1 tau/T) with (b0, b1) =
+/// The same for the Hadamard total variance: (T/tau) / (b0 + b1 tau/T) with (b0, b1) =
 /// (0.559, 1.004), (0.868, 1.140), (0.938, 1.696), (0.974, 2.554), (1.276, 3.149) for alpha 0 to -4
-/// (SP 1065 section 5.4). `alpha`: -4 to 0. Simulated: as many, or a
-/// tenth fewer at long tau (DegreesOfFreedom.OfTotalVariancesAreNearTheSimulated).
+/// (SP 1065 section 5.4). `alpha`: -4 to 0. Simulations give as many, or a tenth fewer at long tau
+/// (DegreesOfFreedom.OfTotalVariancesAreNearTheSimulated).
 [[nodiscard]] double hadamard_total_degrees_of_freedom(int alpha, std::size_t m,
                                                        std::size_t points);
 
-/// The same of Theo1 with its factor m (even, tau = 0.75 m tau0): the fits of SP 1065
+/// The same for Theo1 with its factor m (even, tau = 0.75 m tau0): the fits of SP 1065
 /// section 5.4, one for each alpha from 2 to -2.
 [[nodiscard]] double theo1_degrees_of_freedom(int alpha, std::size_t m, std::size_t points);
 

@@ -65,8 +65,8 @@ std::vector<double> fine_periodogram(std::span<const double> x) {
   return power;
 }
 
-// The density of what is not lines, over frequency: medians of neighbouring ordinates, which a line
-// does not raise, joined by straight lines in logarithms.
+// The density without the lines, as a function of frequency: medians of neighbouring ordinates,
+// which a line does not raise, joined by straight lines in logarithms.
 class Continuum {
 public:
   Continuum(const std::vector<double>& power, std::size_t first, std::size_t around) {
@@ -173,7 +173,7 @@ void check(std::span<const double> series, double interval_s) {
     if (!std::isfinite(v)) throw ArgumentError("series", v, "finite");
 }
 
-// The strongest line close to `line`, which may be its sideband: a slow variation makes these.
+// The strongest line close to `line`, of which it may be a sideband made by a slow variation.
 std::optional<std::size_t> main_line_of(const SpectralLine& line,
                                         const std::vector<SpectralLine>& stronger,
                                         double resolution_hz) {

@@ -1,6 +1,6 @@
-// The mean squares that the deviations are the roots of. Each function prepares what all averaging
-// factors share and returns the mean squares as a function of the factors, which must increase;
-// these may be called from several threads at once.
+// The mean squares whose roots are the deviations. Each function prepares the parts that all
+// averaging factors share and returns a function that gives the mean squares for factors, which
+// must increase; that may be called from several threads at once.
 //
 // Notation: x phase in s (NaN = gap; `known`: there is none), N phases, tau0 sampling interval, m
 // averaging factor, n terms averaged. A mean square is in s^2: a deviation of frequency is its root
@@ -23,7 +23,7 @@ struct MeanSquare {
 using MeanSquareAt = std::function<MeanSquare(std::size_t m)>;
 using MeanSquares = std::function<std::vector<MeanSquare>(std::span<const std::size_t> factors)>;
 
-// Where nothing is gained by taking several factors together.
+// For kinds that gain nothing by taking several factors together.
 MeanSquares one_by_one(MeanSquareAt at);
 
 inline MeanSquare at_one(const MeanSquares& means, std::size_t m) { return means({&m, 1})[0]; }

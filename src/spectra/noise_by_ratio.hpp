@@ -1,5 +1,5 @@
-// The noise of one series at many averaging times by ratios of variances. Private to the spectra
-// room; goingrate/spectra/noise_type.hpp says what is done.
+// Identifies the noise of one series at many averaging times by ratios of variances; the method is
+// described in noise_type.hpp. Private to the spectra room.
 #pragma once
 
 #include "spectra/noise_type.hpp"
@@ -10,7 +10,7 @@
 
 namespace goingrate {
 
-// May be asked from several threads at once.
+// May be called from several threads at once.
 class NoiseByRatio {
 public:
   explicit NoiseByRatio(std::span<const double> phase) : phase_(phase) {} // must outlive it

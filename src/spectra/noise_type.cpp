@@ -235,7 +235,7 @@ const WindowMeans& NoiseByRatio::means() const {
 
 int NoiseByRatio::alpha_of_phase_noise(std::size_t m) const {
   if (m == 1) return 2;
-  // Differences that start a 16th of m apart tell as much as all.
+  // Differences that start a 16th of m apart hold as much information as all.
   const std::size_t step = std::max<std::size_t>(1, m / 16);
   const WindowMeans& window = means();
   double modified = 0.0, plain = 0.0;

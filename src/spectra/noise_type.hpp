@@ -1,12 +1,12 @@
-// What kind of noise a clock shows at one averaging time, and how sure a deviation then is.
+// Identifies the kind of noise that a clock shows at one averaging time.
 //
 // Clock noise is modelled by S_y(f) = h f^alpha (f in Hz, y the fractional frequency). alpha = 2 is
 // white phase noise, 1 flicker phase, 0 white frequency, -1 flicker frequency, -2 a random walk of
 // frequency. The scatter of an Allan variance depends on alpha (degrees_of_freedom.hpp), so alpha
 // is found first.
 //
-// Where this means little: on fewer than 30 decimated points, where only the ratio of two variances
-// is left to tell, and for alpha <= -3, where the expected Allan variance is infinite.
+// The result means little on fewer than 30 decimated points, where only the ratio of two variances
+// can be used, and for alpha <= -3, where the expected Allan variance is infinite.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct NoiseType {
   bool identified = false; ///< false: too few neighbouring points, or nothing but a parabola
 };
 
-/// The fewest points a lag-1 identification is honest on (SP 1065 section 5.5.6 asks for about 30).
+/// The fewest points for a lag-1 identification (SP 1065 section 5.5.6 asks for about 30).
 inline constexpr std::size_t least_points_for_noise_type = 30;
 
 /// Names the power-law noise that dominates phase data at the averaging time m tau0.
@@ -46,11 +46,11 @@ inline constexpr std::size_t least_points_for_noise_type = 30;
 [[nodiscard]] NoiseType identify_noise(std::span<const double> phase, std::size_t m,
                                        std::size_t most_differences = 2);
 
-/// The fewest averaged frequencies that identify_noise_by_ratio tries its hand on: with fewer, the
-/// tables of Stable32 and this method part company.
+/// The fewest averaged frequencies that identify_noise_by_ratio accepts: with fewer, its results
+/// differ from the tables of Stable32.
 inline constexpr std::size_t least_frequencies_for_ratio = 6;
 
-/// Names the noise at m tau0 where too few points are left for identify_noise.
+/// Names the noise at m tau0 if too few points are left for identify_noise.
 ///
 /// The variance of the n = (N-1)/m averaged frequencies over their Allan variance is compared with
 /// its expectation B1(n, mu) for sigma_y^2 ~ tau^mu: n(n+1)/6, n/2, n ln n / (2 (n-1) ln 2), 1 and
@@ -67,7 +67,7 @@ inline constexpr std::size_t least_frequencies_for_ratio = 6;
 /// Cost: O(N/m), O(N) where MVAR is asked. Throws ArgumentError if m is 0.
 [[nodiscard]] NoiseType identify_noise_by_ratio(std::span<const double> phase, std::size_t m);
 
-/// What clock people call noise of exponent `alpha` (of the rate's spectrum, f^alpha).
+/// The usual name of noise with exponent `alpha` (of the rate's spectrum, f^alpha).
 [[nodiscard]] constexpr std::string_view noise_name(int alpha) {
   switch (alpha) {
   case 2:

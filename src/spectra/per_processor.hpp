@@ -4,8 +4,8 @@
 
 // GOINGRATE_PER_PROCESSOR("avx2") before a function: the program picks the version for the
 // processor that it runs on. The arithmetic is that of the source in both (nothing is
-// contracted), so the results are the same bit for bit. Where the C library cannot choose (not
-// glibc) there is the plain one alone. What such a function calls must be inlined to gain by it.
+// contracted), so the results are the same bit for bit. If the C library cannot choose (not glibc),
+// there is only the plain version. Functions called by such a function gain only if inlined.
 // ThreadSanitizer is not ready when the choice is made.
 #include <cstdlib> // __GLIBC__
 

@@ -126,7 +126,7 @@ double sum_of_squares(std::span<const double> w) {
   return sum;
 }
 
-// Takes out the mean, and the slope if asked, by least squares.
+// Removes the mean, and if asked the slope, by least squares.
 void detrend(std::span<double> x, bool linear) {
   const double count = static_cast<double>(x.size());
   const double middle = 0.5 * (count - 1.0); // about it, 1 and n - middle are orthogonal

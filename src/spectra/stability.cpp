@@ -65,7 +65,7 @@ void take_line_away(double* x, std::size_t n, double offset, double slope) {
     x[i] = std::fma(-slope, static_cast<double>(i), x[i] - offset);
 }
 
-// The phase less the line through its first and last known point.
+// The phase minus the line through its first and last known point.
 std::vector<double> without_end_line(std::span<const double> phase_s) {
   std::vector<double> rest(phase_s.begin(), phase_s.end());
   const auto known = [](double x) { return !std::isnan(x); };
@@ -88,8 +88,8 @@ bool needs_an_unbroken_run(Kind kind) {
          kind == Kind::theo1 || kind == Kind::theoh || kind == Kind::pdev;
 }
 
-// What the deviation of `kind` is made of. Unknown phases at the ends are cut off where the ends
-// matter, and gaps within are bridged where they must not be.
+// The phases from which the deviation of `kind` is computed. Unknown phases at the ends are cut off
+// if the ends matter, and gaps are bridged if the kind does not allow them.
 struct Series {
   std::vector<double> changed{}; // empty if the phases do as they are
   std::span<const double> x{};
@@ -202,7 +202,7 @@ MeanSquares mean_squares_of(Kind kind, std::span<const double> x, bool known) {
   }
 }
 
-// Noise at the tau of a row; not identified where too little is left to tell.
+// Noise at the tau of a row; not identified if too little is left.
 NoiseType noise_at(Kind kind, std::span<const double> x, const NoiseByRatio& by_ratio, double tau,
                    const DeviationOptions& options) {
   if (kind == Kind::mtie || kind == Kind::tierms) return {}; // without an interval it is no use
@@ -252,9 +252,9 @@ bool is_of_differences(Kind kind) {
          kind == ohdev || kind == pdev;
 }
 
-// Phase noise beyond times at which the rate was noisy is not white from sample to sample: what was
-// found there is that the phase returns, and neighbours up to that time go together. So the degrees
-// of freedom are those of the phases a `grain` apart.
+// Phase noise found at longer times than noise of the rate is not white from sample to sample: it
+// means that the phase returns, while neighbours up to that time are correlated. So the degrees of
+// freedom are taken for phases a `grain` apart.
 void add_interval(DeviationRow& row, Source source, const NoiseType& noise, std::size_t points,
                   std::size_t grain, bool remove_bias) {
   if (!noise.identified) return;
@@ -290,8 +290,8 @@ std::size_t threads_for(const DeviationOptions& options, std::size_t points, std
   return points * factors < terms_a_thread ? 1 : threads_or_usual(0);
 }
 
-// How many factors one thread takes together. Sums over windows depend in the last digit on what
-// they were widened from, so there it does not hang on the number of threads.
+// How many factors one thread takes together. For sums over windows this does not depend on the
+// number of threads, because their last digit depends on the sums from which they were widened.
 std::size_t factors_together(Kind kind, std::size_t factors, std::size_t threads) {
   if (takes_single_phases(kind) || kind == Kind::totdev) return (factors + threads - 1) / threads;
   const bool windows = kind == Kind::mdev || kind == Kind::tdev || kind == Kind::pdev;
@@ -351,7 +351,7 @@ DeviationTable stability_table(DeviationKind kind, std::span<const double> phase
   std::vector<std::size_t> grains;
   std::size_t noisy = 1; // the longest factor at which the rate is noisy
   for (std::size_t i = 0; i < noises.size(); ++i) {
-    // Where none is found, that of the row before is kept.
+    // If none is found, that of the row before is kept.
     noises[i] = noise = noises[i].identified ? noises[i] : noise;
     if (noise.identified && noise.alpha <= 0) noisy = factors[i];
     grains.push_back(noise.alpha >= 1 && !options.alpha ? noisy : 1);

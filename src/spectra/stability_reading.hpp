@@ -1,5 +1,5 @@
-// What a stability table says about a clock: over which times which noise rules, the jitter of its
-// readings, and how far its time will wander.
+// What a stability table says about a clock: which noise dominates over which times, the jitter of
+// its readings, and how far its time will wander.
 #pragma once
 
 #include <optional>
@@ -25,13 +25,13 @@ struct SlopeRegion {
 /// one, and one more for deviations of time. NaN for mtie and tierms, which have none of their own.
 [[nodiscard]] double slope_of_noise(DeviationKind kind, int alpha);
 
-/// Whether a region may be the noise that its neighbouring values look like: its slope is within
-/// 0.4 of that noise's (types are 0.5 apart), or neither has one. A step or a trend of the rate, or
-/// something periodic, makes slopes that no noise has.
+/// Whether a region may be the noise as which its values were identified: its slope is within 0.4
+/// of that noise's (types are 0.5 apart), or neither has one. A step or a trend of the rate, or a
+/// periodic variation, makes slopes that no noise has.
 /// Tested by StabilityReading.ASlopeThatIsNoNoises.
 [[nodiscard]] bool may_be_noise(const SlopeRegion& region, DeviationKind kind);
 
-/// The rms of white phase noise, s, if that is what the row at m = 1 shows.
+/// The rms of white phase noise, s, if the row at m = 1 shows that noise.
 ///
 /// sigma = sqrt(3) j/tau for the Allan variances and sqrt(10/3) j/tau for the Hadamard ones (SP
 /// 1065 section 5.2), whose differences of four and of eight binomial weights have 6 and 20 times
@@ -40,7 +40,7 @@ struct SlopeRegion {
 /// deviation (StabilityReading.FindsTheJitterPutIn).
 [[nodiscard]] std::optional<double> jitter_of(const DeviationTable& table);
 
-/// How far the clock is expected to be off, at a time after it was last set and its rate known.
+/// The expected error of the clock some time after it was set and its rate was known.
 struct TimePrediction {
   double after_s;
   double error_s;    ///< rms
@@ -56,8 +56,8 @@ struct TimePrediction {
 /// axes; beyond the last row that rests on two or more spans of its own length, it goes on as
 /// tau^-1, -1, -1/2, 0, +1/2 for alpha 2 to -2.
 ///
-/// Nothing for kinds other than adev, oadev, totdev and theoh, and where no such row has a noise
-/// type from -2 to 2. A drift, temperature and what else happens is not in it.
+/// nullopt for kinds other than adev, oadev, totdev and theoh, and if no such row has a noise type
+/// from -2 to 2. Drift, temperature and other effects are not included.
 /// Tested by StabilityReading.PredictsTheTimeErrorOfARandomWalk. Throws ArgumentError if `after_s`
 /// is not finite and above 0.
 [[nodiscard]] std::optional<TimePrediction> predict_time_error(const DeviationTable& table,

@@ -1,4 +1,4 @@
-// The two ways to add up Theo1's terms, apart so that a test can set one against the other.
+// The two ways to add up Theo1's terms, separate so that a test can compare them.
 #pragma once
 
 #include <cstddef>

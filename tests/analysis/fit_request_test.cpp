@@ -1,4 +1,4 @@
-// What people ask of a fit, in words.
+// Requests for a fit, as users write them.
 #include "goingrate/analysis/fit_request.hpp"
 
 #include "goingrate/analysis/analyse.hpp"

@@ -1,4 +1,4 @@
-// From a log's text to numbered beats, as every command does it.
+// Loading a log, from its text to numbered beats, as every command does it.
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/analysis/load.hpp"
 

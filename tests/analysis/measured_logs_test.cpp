@@ -1,4 +1,4 @@
-// What analyse() must make of logs that others measured.
+// The results that analyse() must give for logs measured by others.
 #include "goingrate/analysis/analyse.hpp"
 #include "support/real_data.hpp"
 

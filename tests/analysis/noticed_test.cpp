@@ -1,5 +1,5 @@
-// What the road to a fit notices by itself: the moment of a change and what changed, a sensor off
-// the vertical, impulses in place of a torque. Nothing is named but, where it says so, T0.
+// What an analysis finds without being told: the moment of a change and what changed, a sensor off
+// the vertical, impulses instead of a torque. No option is given except, where stated, T0.
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/clock/scenario.hpp"
 #include "goingrate/log/writing.hpp"

@@ -1,9 +1,9 @@
-// The integrators others have installed already, as methods of the speed-accuracy chart.
+// Widely used integrators, as methods of the speed-accuracy chart.
 //
-// Each is used as its manual shows and as fast as it goes: phi and phi' as plain doubles, adaptive
-// steps at a relative tolerance (the absolute one is that times the phi' a scene starts with, as
-// the manuals ask for: scaled with the motion), a stop at each switching angle and at each upward
-// crossing, and time within the period as a sum that starts at 0 every period. Bench only.
+// Each is used as its manual shows and as fast as possible: phi and phi' as plain doubles, adaptive
+// steps at a relative tolerance (the absolute one is the relative one times the initial phi' of a
+// scene, scaled with the motion as the manuals ask), a stop at each switching angle and at each
+// upward crossing, and time within the period as a sum that starts at 0 every period. Bench only.
 #pragma once
 
 #include "base/scaled_time.hpp"

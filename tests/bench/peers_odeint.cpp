@@ -1,6 +1,6 @@
-// GCC at -O3 takes odeint's loops over phi and phi' for vectors, which slows Fehlberg's method down
-// by a third, and leaves its stages as calls, which costs it a tenth (hence the "flatten" below). A
-// peer deserves better.
+// GCC at -O3 vectorises odeint's loops over phi and phi', which slows Fehlberg's method down by a
+// third, and does not inline its stages, which costs a tenth (hence the "flatten" below). A fair
+// comparison needs these settings.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("no-tree-vectorize")
 #endif

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# A batch in shares gives the bytes of one process, also where a share is killed and done again: under Slurm,
-# if it is installed, under GNU parallel and Snakemake, if they are, and by plain processes.
-# run.sh GOINGRATE SOURCE FOLDER [SHARES]; FOLDER is emptied first. Needs nothing but what it finds; with
+# A batch in shares gives the same bytes as one process, even if a share is killed and repeated: under Slurm, GNU
+# parallel and Snakemake, if they are installed, and by plain processes.
+# run.sh GOINGRATE SOURCE FOLDER [SHARES]; FOLDER is emptied first. Uses only what is installed; with
 # GOINGRATE_CLUSTER=all a program that is missing is a fault.
 set -uo pipefail
 export GOINGRATE

@@ -1,4 +1,4 @@
-// What the command says of itself: topics, options, examples.
+// The command's help: topics, options, examples.
 #include "support/command_fixture.hpp"
 
 #include <algorithm>

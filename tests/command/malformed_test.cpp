@@ -1,4 +1,4 @@
-// What the command says to input that it cannot use: a table of malformed logs, scenarios and
+// The command's errors for input that it cannot use: a table of malformed logs, scenarios and
 // command lines, each with its exit code and the telling part of its message.
 #include "support/command_fixture.hpp"
 

@@ -1,4 +1,4 @@
-// The tables that the library reproduces, had from the command as a user types it.
+// The published tables that the library reproduces, from the command as a user types it.
 #include "support/command_fixture.hpp"
 #include "support/published_tables.hpp"
 

@@ -1,4 +1,5 @@
-// What must a clock be to lose less than so much: the command's figures against formulas by hand.
+// What a clock must be to lose less than a given error: the command's figures against formulas
+// worked out by hand.
 #include "support/command_fixture.hpp"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The whole program where things go wrong from outside: killed while it writes, a folder or a disk that
-# takes nothing, no locale, Ctrl-C. Says what this machine cannot do.
+# The whole program under outside faults: killed while it writes, a folder or a disk that cannot be written
+# to, no locale, Ctrl-C. Reports what this machine cannot test.
 # whole.sh GOINGRATE SOURCE
 set -uo pipefail
 goingrate=$(realpath "$1") source=$(realpath "$2")

@@ -1,4 +1,4 @@
-// The clocks of data/scenarios/clocks: each runs, and swings as its heading says.
+// The clocks of data/scenarios/clocks: each runs, and swings as its first lines say.
 #include "goingrate/dynamics/clock_run.hpp"
 
 #include <filesystem>

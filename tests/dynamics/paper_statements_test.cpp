@@ -1,4 +1,4 @@
-// What the paper says in words, checked with the full equation of motion.
+// Statements that the paper makes in words, checked with the full equation of motion.
 #include "goingrate/dynamics/clock_run.hpp"
 #include "goingrate/dynamics/operating_point.hpp"
 #include "goingrate/dynamics/stationary.hpp"

@@ -1,4 +1,4 @@
-// What friction takes from a swing, against the equation of motion integrated step by step.
+// The loss of a swing by friction, against the equation of motion integrated step by step.
 #include "goingrate/dynamics/swing_loss.hpp"
 
 #include "goingrate/base/errors.hpp"

@@ -1,4 +1,4 @@
-// The clock that amplitudes and times tell together.
+// The clock estimated from amplitudes and times together.
 #include "fit/amplitude_clock.hpp"
 
 #include "fit/fit_setup.hpp"

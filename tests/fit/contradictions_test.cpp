@@ -1,5 +1,5 @@
-// What a fit does not accept: logs of another clock than any of the model, options and data that
-// make no sense.
+// What a fit does not accept: logs that no clock of the model can explain, and options and data
+// that make no sense.
 #include "goingrate/fit/clock_fit.hpp"
 
 #include "goingrate/base/errors.hpp"

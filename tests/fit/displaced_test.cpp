@@ -1,4 +1,4 @@
-// Logs whose sensor was moved, or a beat of which was knocked.
+// Logs whose sensor was moved, or in which one beat was knocked.
 #include "goingrate/fit/clock_fit.hpp"
 
 #include "support/simulated.hpp"

@@ -1,4 +1,4 @@
-// What fits call determined, against the truth in many logs.
+// Parameters that fits call determined, against the truth in many logs.
 #include "goingrate/fit/clock_fit.hpp"
 
 #include "support/fit_scenes.hpp"

@@ -1,4 +1,4 @@
-// The search on clocks that nobody chose: the short form of tests/studies/prior.
+// The search on clocks drawn at random: the short form of tests/studies/prior.
 #include "fit/change_starts.hpp"
 #include "fit/course.hpp"
 #include "support/changed_in_a_swing.hpp"

@@ -1,4 +1,4 @@
-// Intervals of Q where friction may lie on its bounds, and what a fit says of a free pendulum.
+// Intervals of Q if friction may lie on its bounds, and what a fit says about a free pendulum.
 #include "fit/friction_cone.hpp"
 
 #include "goingrate/base/random.hpp"

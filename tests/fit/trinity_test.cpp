@@ -1,4 +1,4 @@
-// The Trinity College clock, Cambridge: what is known of two of its days.
+// The Trinity College clock, Cambridge: known facts about two of its days.
 #include "goingrate/causes/diagnosis.hpp"
 #include "goingrate/causes/diary.hpp"
 #include "goingrate/drive/drive_history.hpp"

@@ -1,4 +1,4 @@
-// Logs of a clock whose train comes round, and of clocks that only look as if.
+// Logs that show the wheels of the clock's train, and logs that only seem to.
 #include "goingrate/fit/clock_fit.hpp"
 
 #include "support/simulated.hpp"

@@ -1,7 +1,7 @@
-// Random logs of 3 to 500 beats along the whole road: load, fit, drive, diary, causes, stability,
-// the report. `fuzz_road SECONDS [SEED]` goes on for so long and prints how many logs it saw; a
+// Random logs of 3 to 500 beats through the whole analysis: load, fit, drive, diary, causes,
+// stability, report. `fuzz_road SECONDS [SEED]` runs for that long and prints the number of logs; a
 // finding ends it with the seed of the log, which `fuzz_road 0 SEED` repeats. A finding is anything
-// but an answer or a refusal that the headers promise, "nan" or "inf" in what is shown, and an
+// other than an answer or an error that the headers promise, "nan" or "inf" in the output, or an
 // answer that takes longer than a minute of processor time, ten with a sanitizer.
 #include "goingrate/analysis/analyse.hpp"
 #include "goingrate/base/errors.hpp"

@@ -1,4 +1,4 @@
-// Counts what is allocated, so that a fuzzer can compare it with the size of its input.
+// Counts allocated memory, so that a fuzzer can compare it with the size of its input.
 #pragma once
 
 #include <cstddef>

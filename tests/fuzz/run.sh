@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # run.sh [SECONDS [BUILD]]: fuzzes the reader, the scenario file and recordings of sound, SECONDS in all (60 if not given),
-# from the committed corpus. All it writes is in BUILD (build/fuzz): new inputs in found-*, crashes,
+# from the committed corpus. Everything it writes is in BUILD (build/fuzz): new inputs in found-*, crashes,
 # logs. Exit 77: no clang or no libFuzzer.
 set -euo pipefail
 seconds=${1:-60}

@@ -1,4 +1,4 @@
-// Every layout of log that is met in the wild, each written from the same crossings.
+// Every layout of log found in practice, each written from the same crossings.
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/reading.hpp"
 #include "log/calendar.hpp"

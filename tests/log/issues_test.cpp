@@ -1,4 +1,4 @@
-// Lines that are not as they should be: what becomes of them, and what is told.
+// Faulty lines: what is done about them, and what is reported.
 #include "goingrate/base/errors.hpp"
 #include "goingrate/log/reading.hpp"
 

@@ -1,4 +1,4 @@
-// Logs inside a ZIP, as telephones export them, and ZIPs that are not what they say.
+// Logs inside a ZIP, as exported by telephones, and ZIPs that are not what they claim to be.
 #include "log/zip.hpp"
 
 #include "goingrate/base/errors.hpp"

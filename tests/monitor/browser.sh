@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# browser.sh GOINGRATE SOURCE FOLDER: the page of a monitor, of a clock whose day goes by sixty times as fast, in
-# headless Chromium. Its pictures stay in FOLDER, to be looked at.
+# browser.sh GOINGRATE SOURCE FOLDER: the page of a monitor in headless Chromium, for a clock whose day passes sixty
+# times as fast. Its pictures are kept in FOLDER, to be looked at.
 set -euo pipefail
 command=$1 source=$2 folder=$3
 chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)

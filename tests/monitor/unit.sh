@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# unit.sh GOINGRATE SOURCE: the guide's unit of systemd as it stands there. Its command is run as systemd splits it, on a
-# pipe in the place of the serial line; then systemd judges the unit, where it is installed.
+# unit.sh GOINGRATE SOURCE: the guide's systemd unit as printed there. Its command is run with the words into which
+# systemd splits it, on a pipe instead of the serial line; then systemd checks the unit, if it is installed.
 set -euo pipefail
 goingrate=$1 source=$2
 work=$(mktemp -d)

@@ -1,4 +1,4 @@
-// What tests of a watch share.
+// A watched clock, for the tests of the monitor.
 #pragma once
 
 #include "clock_watch.hpp"

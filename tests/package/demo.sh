@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What a newcomer does first: the commit by itself configures, and apps/demo.sh ends with a page. The
-# demo runs in this checkout, where the build is up to date; from nothing tests/run.sh runs it in CI.
+# What a newcomer does first: a clean checkout of the commit configures, and apps/demo.sh ends with a page. The
+# demo runs in this checkout, where the build is up to date; in CI tests/run.sh runs it from scratch.
 # demo.sh SOURCE BUILD
 set -euo pipefail
 source=$(realpath "$1") build=$(realpath "$2")

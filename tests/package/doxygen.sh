@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The documentation of the library: Doxygen makes it without a warning, and every type and function of a
-# public header has its text. Members whose name says all need none, nor do comparisons and moves.
+# public header is documented. Members whose name is enough need no text, nor do comparisons and moves.
 # doxygen.sh CMAKE BUILD
 set -euo pipefail
 cmake=$1 build=$(realpath "$2")

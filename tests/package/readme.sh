@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What README.md and the guide print is so. Every `sh` block and every `goingrate ...` between backticks is run
+# Checks what README.md and the guide print. Every `sh` block and every `goingrate ...` between backticks is run
 # as printed, in a folder with my.log and the project's data. The lines of an `output` block must be printed, in
-# that order, by the block before it; README.md shows the whole, unless a line of three dots stands for some.
+# that order, by the block before it; README.md shows all lines, except those replaced by a line of three dots.
 # Scenarios (`toml`) and files of parameters (`par`) are read by the command. Options, files, links and tests
 # that are named exist. (The C++ and CMake of the guide are built by consume.sh.)
 # readme.sh SOURCE GOINGRATE [--mend]: with --mend, README.md is given the output that is printed.

@@ -1,4 +1,4 @@
-"""What a fit offers."""
+"""Fits: parameters, intervals, predictions, tables."""
 
 import copy
 import pickle

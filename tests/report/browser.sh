@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# browser.sh GOINGRATE SOURCE FOLDER [LOG]: the page of a report in headless Chromium, and in short that of 432,000
-# beats. Its pictures stay in FOLDER, to be looked at.
+# browser.sh GOINGRATE SOURCE FOLDER [LOG]: the page of a report in headless Chromium, and briefly the page for
+# 432,000 beats. Its pictures are kept in FOLDER, to be looked at.
 set -euo pipefail
 command=$1 source=$2 folder=$3
 log=${4:-$source/data/logs/interruption.csv}

@@ -1,4 +1,4 @@
-// Figures for print: the script holds all there is to draw, no text can become a command, and
+// Figures for print: the script contains everything to be drawn, no text can become a command, and
 // gnuplot draws it.
 #include "goingrate/report/gnuplot.hpp"
 

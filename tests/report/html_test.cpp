@@ -1,4 +1,4 @@
-// The page: complete, self-contained, and silent about what is not known.
+// The page: complete, self-contained, and without statements about unknown quantities.
 #include "goingrate/report/json.hpp"
 #include "goingrate/report/report.hpp"
 

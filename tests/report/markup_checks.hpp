@@ -1,4 +1,5 @@
-// What the tests of figures and pages ask of a text: are its tags closed, does it hold a NaN.
+// Checks of markup for the tests of figures and pages: whether tags are closed, and whether it
+// holds a NaN.
 #pragma once
 
 #include <cctype>

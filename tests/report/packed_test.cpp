@@ -1,4 +1,5 @@
-// What a page holds for page.js: numbers in few bytes, and what is thinned keeps its extremes.
+// The numbers that a page holds for page.js: packed into few bytes, and thinned without losing
+// their extremes.
 #include "report/packed.hpp"
 #include "report/page_data.hpp"
 

@@ -1,4 +1,4 @@
-// Recordings of clocks that never were, whose beats are known.
+// Made-up recordings of clocks whose beats are known.
 #pragma once
 
 #include "goingrate/sound/ticks.hpp"

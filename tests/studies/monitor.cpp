@@ -1,5 +1,6 @@
-// How often a healthy clock that is watched for years is called out for a step of its rate, and how
-// long a step of some ppm takes to be found. Arguments: years of each clock (4), first seed (1).
+// How often a monitor reports a step of the rate of a healthy clock that is watched for years, and
+// how long a step of some ppm takes to be found. Arguments: years of each clock (4), first seed
+// (1).
 #include "daily_wave.hpp"
 #include "step_alarm.hpp"
 #include "studies/monitor_clocks.hpp"

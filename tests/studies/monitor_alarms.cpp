@@ -1,5 +1,5 @@
-// How often a healthy clock that is watched for years is called out for nothing by the alarms other
-// than that of a rate step, and how long they take. Arguments: years of each clock (2), seed (1).
+// How often alarms other than the one for a rate step are false for a healthy clock that is watched
+// for years, and how long they take. Arguments: years of each clock (2), seed (1).
 #include "alarms.hpp"
 #include "rolling_numbers.hpp"
 

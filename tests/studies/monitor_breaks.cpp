@@ -1,4 +1,4 @@
-// Whether the count that a monitor carries over a break is right as often as it says. A clock is
+// Whether the count that a monitor carries over a break is right as often as it states. A clock is
 // heard for a day, then not for minutes to days, then again. Arguments: breaks of each length and
 // clock (10), first seed (1).
 #include "rolling_numbers.hpp"

@@ -1,6 +1,6 @@
 // Whether fits of clocks with a noisy drive are biased, and whether their intervals hold: at three
 // Q, with and without an amplitude column, T0 known or not; the drive varies from period to period,
-// and in some scenes slowly, jumps, or is a single impulse. Arguments: logs a scene (300), first
+// and in some scenes slowly, jumps, or is a single impulse. Arguments: logs per scene (300), first
 // seed (1), words that a scene's name must contain.
 #include "support/simulated.hpp"
 

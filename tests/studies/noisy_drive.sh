@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints bias and coverage of fits of clocks with a noisy drive. Arguments: logs a scene (300), first
+# Prints bias and coverage of fits of clocks with a noisy drive. Arguments: logs per scene (300), first
 # seed (1), words that a scene's name must contain. Takes some ten seconds per log on one core.
 set -e
 . "$(dirname "$0")/common.sh"

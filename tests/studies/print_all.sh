@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs every study and keeps its print beside it, so that all are of one commit. Arguments: a number that
-# makes the seeds, one that nobody has looked at; clocks of each kind (10) and days (3) of the diagnosis.
-# Takes some hours; the timings want a quiet machine.
+# Runs every study and keeps its print beside it, so that all belong to one commit. Arguments: a number from which
+# the seeds are made, which nobody has used before; clocks of each kind (10) and days (3) of the diagnosis.
+# Takes some hours; the timings need a quiet machine.
 set -e
 cd "$(dirname "$0")"
 base=${1:?a number from 1 on that makes the seeds}000000

@@ -1,11 +1,11 @@
 // Clocks drawn from a prior, with one jump of mu, phi0 or epsilon at a known cycle, or with a rough
-// drive and amplitudes: whether the search finds what a fit that is started from the truth finds,
-// whether what is stated is right, and whether what could be stated is; and whether the signed root
-// of the likelihood ratio at the truth, of all logs, is standard normal.
-//   study_prior write FOLDER LOGS SEED (jump|rough)     logs, and for each what a fit is told of it
+// drive and amplitudes: whether the search finds the same as a fit started from the truth, whether
+// its statements are right, and whether everything is stated that could be; and whether the signed
+// root of the likelihood ratio at the truth, over all logs, is standard normal.
+//   study_prior write FOLDER LOGS SEED (jump|rough)     logs, and what the fit of each is told
 //   study_prior score FOLDER LOGS SEED (jump|rough) [each]
 // Between them `goingrate batch fit` writes FOLDER/found.jsonl, FOLDER/told.jsonl and, with the
-// I-th parameter held at its true value, FOLDER/held-I.jsonl; `each` prints a line a log.
+// I-th parameter held at its true value, FOLDER/held-I.jsonl; `each` prints a line per log.
 #include "goingrate/fit/clock_fit.hpp"
 #include "goingrate/log/writing.hpp"
 #include "support/prior_clocks.hpp"

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Prints how the search does on clocks drawn from a prior: with a jump, and with a rough drive and amplitudes.
-# Each log is fitted by `goingrate batch` from what people know, started at the truth, which a file of
-# parameters beside the log holds, and so with one parameter after the other held there. Arguments: logs (600) of the first, and a quarter as many of the second;
-# first seed (1), "each" for a line a log.
+# Each log is fitted by `goingrate batch` three ways: from what people know; started at the truth, which is in a file
+# of parameters beside the log; and started there with one parameter after the other held. Arguments: logs (600) of
+# the first kind, and a quarter as many of the second; first seed (1), "each" for a line per log.
 set -e
 . "$(dirname "$0")/common.sh"
 built study_prior goingrate_command

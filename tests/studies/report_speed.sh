@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Prints how long a report takes of logs of growing length, in seconds of processors and in units of a simulation of a
-# million periods by rk4 with steps of 0.03: upward crossings alone, and both directions with amplitudes, as a monitor's
-# archive has them; the drive is noisy, and wanders. Arguments: the longest log in millions of events (7), seed (1).
+# Prints how long a report on logs of growing length takes, in seconds of processor time and in units of a simulation
+# of a million periods by rk4 with steps of 0.03: upward crossings alone, and both directions with amplitudes, as in a
+# monitor's archive; the drive is noisy and wanders. Arguments: the longest log in millions of events (7), seed (1).
 set -e
 . "$(dirname "$0")/common.sh"
 built_command

@@ -1,6 +1,6 @@
 // Ring-downs drawn from a prior, as users' files: whether Q(A) is stated, whether its intervals and
-// that of T0 hold the truth, and whether the right law of friction is found. Arguments: logs a
-// scene (100), first seed (1), "each" for a line a log.
+// that of T0 hold the truth, and whether the right law of friction is found. Arguments: logs per
+// scene (100), first seed (1), "each" for a line per log.
 #include "support/ring_down_score.hpp"
 
 #include <cstdio>

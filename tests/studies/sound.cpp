@@ -1,5 +1,4 @@
-// Beats found in recordings of clocks that never were. Prints a table; arguments: recordings a
-// scene, first seed.
+// Beats found in made-up recordings. Prints a table; arguments: recordings per scene, first seed.
 #include "sound/tick_score.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// How often the interval of a temperature coefficient holds the truth, where the weather stands in
-// a file of its own at another cadence. Prints a table; arguments: logs a thermometer, first seed.
+// How often the interval of a temperature coefficient holds the truth if the weather is in a file
+// of its own at another cadence. Prints a table; arguments: logs per thermometer, first seed.
 #include "support/weathered_logs.hpp"
 
 #include <cstdio>

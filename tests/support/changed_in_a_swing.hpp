@@ -1,5 +1,5 @@
-// A clock that changes at any moment of a swing, by the obvious method: none of the simulator's,
-// and none of the fit's approximations.
+// A clock that changes at any moment of a swing, by the obvious method: with none of the
+// simulator's methods and none of the fit's approximations.
 #pragma once
 
 #include "goingrate/base/random.hpp"

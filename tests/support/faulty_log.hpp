@@ -1,4 +1,4 @@
-// Logs with faults whose truth is known event by event, and what a numbering makes of them.
+// Logs with faults whose truth is known event by event, and the score of their numbering.
 #pragma once
 
 #include "goingrate/base/random.hpp"

@@ -1,4 +1,4 @@
-// Where tests find third-party measurements, which are not part of the project.
+// The place of third-party measurements for tests, which are not part of the project.
 #pragma once
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// How the fits of many ring-downs fared.
+// Scores the fits of many ring-downs.
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"

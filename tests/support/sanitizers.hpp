@@ -1,5 +1,5 @@
-// What a sanitizer does not allow: its own memory is larger than any limit that a test could set, and
-// its pace is a fraction of the usual one.
+// Limits under a sanitizer: it needs more memory than any limit that a test could set, and runs at
+// a fraction of the usual speed.
 #pragma once
 
 #include <gtest/gtest.h>

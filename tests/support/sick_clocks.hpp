@@ -1,4 +1,4 @@
-// Clocks that are healthy or have a fault, as logs that go the whole road.
+// Logs of clocks that are healthy or have a fault, for the whole analysis.
 #pragma once
 
 #include "base/scaled_time.hpp"

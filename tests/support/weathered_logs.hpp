@@ -1,4 +1,4 @@
-// Logs of clocks that answer to the temperature, and the file of a thermometer beside each.
+// Logs of clocks that respond to the temperature, each with the file of a thermometer.
 #pragma once
 
 #include "goingrate/analysis/analyse.hpp"

@@ -1,4 +1,4 @@
-// Compares what the native command and the page's found of one log.
+// Compares the results of the native command and of the page's command for one log.
 
 const allowed_sigma = 0.02; // between the fits: what rounding does to a search that ends at a small gain
 

@@ -1,5 +1,5 @@
-// What must hold of every part of the page, at every width: nothing scrolls sideways, all text stands out from its
-// ground as WCAG's level AA asks, and whatever can be used has a name.
+// What must be true of every part of the page at every width: nothing scrolls sideways, all text has the contrast
+// that WCAG's level AA asks for, and every control has a name.
 import { join } from "node:path";
 import { check, pause } from "./driver.mjs";
 import { done } from "./reports.mjs";

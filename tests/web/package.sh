@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# package.sh SOURCE FOLDER: cpack ships FOLDER/goingrate.html in a package of its own, for every architecture.
+# package.sh SOURCE FOLDER: cpack puts FOLDER/goingrate.html into a package of its own, for every architecture.
 set -euo pipefail
 source=$1 folder=$2
 command -v dpkg-shlibdeps > /dev/null || { echo "no dpkg-dev here: the package is not tried"; exit 0; }

@@ -1,5 +1,5 @@
 // page.mjs PAGE GOINGRATE SOURCE FOLDER CHROMIUM [PART ...]: opens the page in headless Chromium as a file, and does
-// what a reader does. Pictures stay in FOLDER, to be looked at. PARTs are those below; all if none is named.
+// what a reader does. Pictures are kept in FOLDER, to be looked at. PARTs are those below; all if none is named.
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { Browser, check, faultCount } from "./driver.mjs";

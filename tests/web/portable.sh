@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# portable.sh SOURCE FOLDER: every source that the page is made of passes Emscripten's compiler, as far as that takes
-# no code to be made: its grammar, its types, and what the standard library there has. Takes two minutes.
+# portable.sh SOURCE FOLDER: every source of the page passes Emscripten's compiler as far as code generation: its
+# grammar, its types, and the parts of the standard library that exist there. Takes two minutes.
 set -euo pipefail
 source=$(realpath "$1")
 mkdir -p "$2"

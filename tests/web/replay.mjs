@@ -1,6 +1,6 @@
 // replay.mjs GOINGRATE SOURCE FOLDER: a stand-in for the command compiled to WebAssembly, in FOLDER/wasm, from which
-// assemble.mjs makes a page as of the real one. It gives back what the native command wrote for the logs of the
-// tests. So all of the page but the compiling can be tried in a minute.
+// assemble.mjs makes a page as from the real one. It gives back what the native command wrote for the logs of the
+// tests, so that everything but the compiling can be tested in a minute.
 import { spawnSync } from "node:child_process";
 import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";

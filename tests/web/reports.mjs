@@ -1,5 +1,5 @@
-// A log chosen by the page's first file input becomes the report of the native command; what is said in the form
-// is heard; a run can be cancelled.
+// A log chosen by the page's first file input gives the same report as the native command; the settings of the form
+// are used; a run can be cancelled.
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";

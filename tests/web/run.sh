@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # run.sh GOINGRATE SOURCE FOLDER [FORM]: the page that runs in a browser, in one of four forms.
-# whole (if none is named): it is built into FOLDER; its numbers are those of the command GOINGRATE on logs of all
-#   formats; it does in headless Chromium what it says; it takes a million lines; cpack ships it.
+# whole (if none is named): it is built into FOLDER; its numbers agree with those of the command GOINGRATE on logs of
+#   all formats; it works in headless Chromium; it takes a million lines; cpack packages it.
 # short: it is built; fewer logs, fewer parts.
 # portable: every source is checked to pass the compiler of WebAssembly.
 # replay: nothing is compiled to WebAssembly, and the page gives back what GOINGRATE wrote before. For those who have

@@ -1,4 +1,4 @@
-// Everything about one log.
+// The Analysis class: everything that a report says about one log; and the comparison of clocks.
 #include "archive.hpp"
 #include "arrays.hpp"
 #include "fitted.hpp"
@@ -19,7 +19,7 @@ namespace goingrate::python {
 
 namespace {
 
-// An analysis with the data and options of its fit.
+// An analysis, with the data and options of its fit, which the Fit class needs.
 struct Analysed {
   Analysis data{};
   Fitted fit{};
@@ -95,7 +95,7 @@ py::list covariates_of(const Analysed& self) {
   return effects;
 }
 
-// JSON, text and rates as CSV of clocks beside each other.
+// The comparison of several clocks: JSON, text, and the rates as CSV.
 std::vector<std::string> compared(const std::vector<SharedLog>& logs) {
   const Waiting waiting{py::none()};
   std::vector<NumberedLog> copies;

@@ -1,5 +1,5 @@
-// Results as bytes and back, to the last bit: what pickles are made of. The members of each struct
-// are listed in members.hpp.
+// Turns results into bytes for Python's pickle and back, exact to the last bit. The members of each
+// struct are listed in members.hpp.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace goingrate::python {
 
 template <class T> constexpr bool is_plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// Appends.
+/// Appends values to a string of bytes.
 class Writer {
 public:
   template <class T> void put(const T& value) {
@@ -60,7 +60,7 @@ private:
   std::string bytes_;
 };
 
-/// Reads what a Writer wrote; throws std::invalid_argument where that ends early.
+/// Reads what a Writer wrote; throws std::invalid_argument if the bytes end early.
 class Reader {
 public:
   explicit Reader(std::string_view bytes) : rest_(bytes) {}
@@ -107,7 +107,7 @@ private:
   template <class Values> void take_all(Values& values) {
     using T = typename Values::value_type;
     const auto count = taken<std::size_t>();
-    if (count > rest_.size()) next(count); // each takes a byte at least
+    if (count > rest_.size()) next(count); // throws: each element takes at least one byte
     values.resize(count);
     if constexpr (is_plain<T>) {
       if (count > 0) std::memcpy(values.data(), next(count * sizeof(T)), count * sizeof(T));

@@ -11,8 +11,8 @@ namespace goingrate::python {
 
 namespace py = pybind11;
 
-/// An array that Python hands over in the right form (one dimension, contiguous, of this very
-/// type); the package makes sure of it.
+/// An array that Python hands over in the right form (one dimension, contiguous, of exactly this
+/// type); the Python package ensures that.
 template <class T> using Array = py::array_t<T, py::array::c_style>;
 
 template <class T> std::span<const T> span_of(const Array<T>& array) {
@@ -30,7 +30,7 @@ template <class T> py::array view_of(const std::vector<T>& values, py::handle ow
   return view_of(std::span<const T>(values), owner);
 }
 
-/// An array that takes over what was computed.
+/// An array that takes over the memory of a vector.
 template <class T> py::array array_of(std::vector<T>&& values) {
   auto* kept = new std::vector<T>(std::move(values));
   const py::capsule owner(kept, [](void* memory) { delete static_cast<std::vector<T>*>(memory); });

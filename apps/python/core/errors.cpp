@@ -1,6 +1,6 @@
-// The library's exceptions as Python's. The classes are Python (../goingrate/errors.py), so that
-// they can be pickled and caught by their kin: InputError is a ValueError, as ArgumentError becomes
-// one.
+// Turns the library's exceptions into Python's. The classes are written in Python
+// (../goingrate/errors.py), so that they can be pickled, and caught by their base classes:
+// InputError is a ValueError, and ArgumentError becomes one.
 #include "module.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -25,12 +25,12 @@ void raise(const char* name, const py::tuple& arguments) {
   PyErr_SetObject(type.ptr(), error.ptr());
 }
 
-// A number that is not known is 0 in the library, and None here.
+// A line or column that is not known is 0 in the library and None in Python.
 py::object counted(std::size_t number) {
   return number > 0 ? py::object(py::int_(number)) : py::none();
 }
 
-// The reading as keywords of read().
+// Another reading of the log, as keywords of Python's read().
 py::dict options_for(const OtherReading& other) {
   py::dict options;
   if (other.format) options["format"] = std::string(name_of(*other.format));

@@ -1,4 +1,4 @@
-// The fit of a log, and what came out.
+// The Fit class: fits a log, and gives the parameters and everything computed from them.
 #include "fitted.hpp"
 
 #include "archive.hpp"

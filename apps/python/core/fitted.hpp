@@ -12,42 +12,43 @@
 
 namespace goingrate::python {
 
-/// What _core.Fit is.
+/// The C++ side of Python's class _core.Fit.
 struct Fitted {
   FitSummary summary{};
   FitOptions asked{};
-  TimingData data{};            ///< what was fitted
-  std::int64_t first_cycle = 0; ///< of the first beat, as the log numbers them
+  TimingData data{};            ///< the beats that were fitted
+  std::int64_t first_cycle = 0; ///< number of the first beat in the log
   double nominal_period_s = 0.0;
 };
 
-/// The request as the package has laid it out.
+/// The request for a fit, from the dict that the Python package makes of the user's options.
 FitRequest fit_request_of(const pybind11::dict& asked);
 
-/// When the fitted clock passes the vertical upwards, s after the first beat, and the amplitude it
-/// then has, rad (NaN if the fit has none): for each cycle, counted as the log does. Within the log
-/// the beat less its residual, between beats a straight line; beyond its ends the equations of the
-/// fit, run on (back is not possible). Throws ArgumentError for a cycle before the first,
-/// NumericsError where the fit does not determine the clock that would have to run on.
+/// For each cycle, as the log counts them: the time at which the fitted clock passes the vertical
+/// upwards, s after the first beat, and its amplitude then, rad (NaN if the fit has none). At a
+/// beat of the log the time is the beat's minus its residual; between beats it is interpolated
+/// linearly; past the end of the log the equations of the fit are run on. They are not run
+/// backwards: throws ArgumentError for a cycle before the first. Throws NumericsError if the fit
+/// does not determine the clock beyond the log.
 struct Prediction {
   std::vector<double> time_s, amplitude_rad;
 };
 Prediction predict(const Fitted& fit, const std::vector<std::int64_t>& cycles);
 
-/// The standard deviation of these times, s: that of the parameters, with their correlations, and
-/// of the origin; to first order in them. Throws as predict() does, and NumericsError where a
-/// parameter is undetermined or the drive is noisy.
+/// The standard deviations of the times that predict() gives, s, from the parameters with their
+/// correlations and from the origin of time, to first order. Throws as predict() does, and
+/// NumericsError if a parameter is undetermined or the drive is noisy.
 std::vector<double> predict_sigma(const Fitted& fit, const std::vector<std::int64_t>& cycles);
 
 /// Throws ArgumentError for a cycle before the first.
 void check_cycles(const Fitted& fit, const std::vector<std::int64_t>& cycles);
 
-/// Rates that follow something outside the clock, and sensors off the vertical or off in scale, are
-/// known within the log only: throws NumericsError for a fit that has such terms.
+/// Throws NumericsError for a fit with a term that is known only within the log: a rate that
+/// depends on something outside the clock, or a sensor off the vertical or off in scale.
 void refuse_what_lies_outside(const Fitted& fit);
 
-/// The clock of the fit, every parameter being `value(name, absent)`, where `absent` stands for one
-/// that the model lacks.
+/// The clock of the fit. Each parameter is `value(name, absent)`, where `absent` is its value if
+/// the model does not have it.
 template <class Value> ClockParameters clock_of(const Fitted& fit, Value value) {
   ClockParameters clock;
   clock.escapement = fit.summary.model.escapement;
@@ -62,7 +63,7 @@ template <class Value> ClockParameters clock_of(const Fitted& fit, Value value) 
   return clock;
 }
 
-/// The method of a run by which the fit's equations are solved.
+/// The method by which a run solves the fit's equations.
 Method method_of(FitDynamics dynamics);
 
 } // namespace goingrate::python

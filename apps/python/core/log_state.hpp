@@ -1,4 +1,4 @@
-// A numbered log as one value: copied, and as bytes.
+// Copies a numbered log, and turns one into bytes and back.
 #pragma once
 
 #include "goingrate/analysis/load.hpp"
@@ -12,7 +12,7 @@ namespace goingrate::python {
 /// A log is never changed once it is read, so many results may share one.
 using SharedLog = std::shared_ptr<NumberedLog>;
 
-/// A deep copy: its `good` points into the copy.
+/// A deep copy: its `good` points to beats of the copy, not of the original.
 NumberedLog copy_of(const NumberedLog& loaded);
 
 std::string bytes_of(const NumberedLog& loaded);

@@ -1,4 +1,4 @@
-// Options that Python gives by name.
+// Reads options out of a Python dict, by name.
 #pragma once
 
 #include "goingrate/base/errors.hpp"

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// When the model's pendulum passes, and how wide it swings, at beat i of the data.
+// Time and turning angle of the model's pendulum at beat i of the data.
 double model_time(const Fitted& fit, std::size_t i) {
   return fit.data.elapsed_s[i] - fit.summary.residual_s[i];
 }
@@ -24,15 +24,14 @@ double model_amplitude(const Fitted& fit, std::size_t i) {
   return i < amplitude.size() ? amplitude[i] : unknown;
 }
 
-// A parameter as it is after its last change; for one that the model lacks, what stands for its
-// absence.
+// The value of a parameter after its last change; `absent` if the model does not have it.
 double last_value(const Fitted& fit, const std::string& name, double absent) {
   for (std::size_t k = fit.summary.events.size() + 1; k-- > 0;) {
     const FittedParameter* found = fit.summary.find(k == 0 ? name : fmt::format("{}@{}", name, k));
     if (found == nullptr) continue;
     if (!std::isfinite(found->value))
       throw NumericsError(fmt::format(
-          "the fit does not determine {}: it tells no times beyond the log", found->name));
+          "the fit does not determine {}: it cannot predict beyond the log", found->name));
     return found->value;
   }
   return absent;
@@ -46,14 +45,14 @@ Scenario clock_going_on(const Fitted& fit, std::int64_t periods) {
       clock_of(fit, [&](const char* name, double absent) { return last_value(fit, name, absent); });
   const double amplitude = model_amplitude(fit, fit.data.size() - 1);
   if (!std::isfinite(amplitude))
-    throw NumericsError("the fit tells no amplitude: it tells no times beyond the log");
+    throw NumericsError("the fit has no amplitude: it cannot predict beyond the log");
   scenario.start_amplitude = 2.0 * std::sin(0.5 * amplitude); // phi' at the vertical
   scenario.periods = periods;
   scenario.method.method = method_of(fit.summary.dynamics);
   return scenario;
 }
 
-// Times of the cycles after the last beat; the first entry is that beat.
+// Times of the cycles after the last beat of the log; the first entry is the last beat itself.
 Prediction run_on(const Fitted& fit, std::int64_t periods) {
   constexpr std::int64_t between_pulses = 4096;
   ClockRun run(clock_going_on(fit, periods), 1);
@@ -70,7 +69,8 @@ Prediction run_on(const Fitted& fit, std::int64_t periods) {
   return ahead;
 }
 
-// At a cycle (from the first beat's) within the log: straight between the neighbouring beats.
+// Adds the values at a cycle within the log, counted from the first beat; interpolated linearly
+// between beats.
 void add_within(const Fitted& fit, double cycle, Prediction& result) {
   const std::vector<double>& cycles = fit.data.cycle;
   const auto after = std::lower_bound(cycles.begin(), cycles.end(), cycle);
@@ -90,7 +90,7 @@ void refuse_what_lies_outside(const Fitted& fit) {
          {"temperature", "pressure", "humidity", "density", "tide", "drift", "offset", "amplitude_scale"})
       if (parameter.name == name)
         throw NumericsError(
-            fmt::format("the fit has the term {}: it tells no times beyond the log", name));
+            fmt::format("the fit has the term {}: it cannot predict beyond the log", name));
 }
 
 Method method_of(FitDynamics dynamics) {

@@ -1,4 +1,4 @@
-// How well a fit knows when its clock will pass.
+// Standard deviations of the times that a fit predicts.
 #include "fitted.hpp"
 
 #include "goingrate/base/errors.hpp"
@@ -18,13 +18,14 @@ namespace {
 
 using Values = std::map<std::string, double>;
 
-// All parameters, those of the noise too.
+// Values of all parameters, the noise's included.
 Values values_of(const FitSummary& fit) {
   Values values;
   for (const FittedParameter& parameter : fit.parameters) {
     if (!std::isfinite(parameter.value))
       throw NumericsError(fmt::format(
-          "the fit does not determine {}: so its predictions have no uncertainty", parameter.name));
+          "the fit does not determine {}: the uncertainty of its predictions is unknown",
+          parameter.name));
     values[parameter.name] = parameter.value;
   }
   return values;
@@ -32,8 +33,8 @@ Values values_of(const FitSummary& fit) {
 
 void refuse_wandering(const ModelChoice& model) {
   if (model.walk || model.drive || model.slow)
-    throw NumericsError("the fit has noise of the drive, which makes the times wander: how far its "
-                        "parameters alone do not say");
+    throw NumericsError("the fit has noise of the drive, which makes the times wander: its "
+                        "parameters alone do not say how far");
 }
 
 ClockEvent event_of(const FitEvent& event, std::size_t k, const Values& values) {
@@ -80,12 +81,12 @@ std::vector<double> times_of(const Scenario& scenario) {
   return times;
 }
 
-// By how much each time moves with a sigma of the parameter under the fit's own law of friction, to
-// which its correlations belong, the mean over the log's beats left out: the fit sets the origin of
-// time.
+// How far each time moves per standard deviation of the parameter. The deviation is the one under
+// the fit's own law of friction, to which the correlations belong. The mean over the log's beats is
+// taken off, because the fit sets the origin of time.
 std::vector<double> moved_by(const Fitted& fit, const Values& values,
                              const FittedParameter& parameter, std::int64_t periods) {
-  constexpr double step = 0.3; // sigma: within it the course is a straight line
+  constexpr double step = 0.3; // sigma; so small that the times change linearly
   pulse();
   Values up = values, down = values;
   up[parameter.name] += step * parameter.sigma_by_law;
@@ -103,7 +104,7 @@ std::vector<double> moved_by(const Fitted& fit, const Values& values,
   return moved;
 }
 
-// sum over i, j of m_i c_ij m_j at one cycle.
+// The variance at one cycle: the sum over i, j of m_i c_ij m_j.
 double variance(const std::vector<std::vector<double>>& moved,
                 const std::vector<std::vector<double>>& correlation, std::size_t n) {
   double sum = 0.0;

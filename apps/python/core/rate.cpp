@@ -22,7 +22,7 @@ RateSummary rate_of(const NumberedLog& loaded) {
   return mean_rate(loaded);
 }
 
-// One row a part, as arrays under the names of the command's table.
+// Arrays with one entry per part of the log, under the column names of the command's table.
 py::dict parts_of(const std::vector<PartRate>& parts) {
   py::dict table;
   const auto add = [&](const char* name, auto member) { table[name] = column_of(parts, member); };
@@ -115,7 +115,7 @@ DeviationTable deviation_of_phase(const Array<double>& phase_s, double tau0_s,
   return deviation(span_of(phase_s), tau0_s, kind, taus, {alpha, remove_bias, threads});
 }
 
-// tau0 of 0: that of the log.
+// The deviation of a log's phase; a tau0 of 0 stands for the log's own interval.
 DeviationTable deviation_of_log(const NumberedLog& log, double tau0_s, const std::string& kind,
                                 const Taus& taus, std::optional<int> alpha, bool remove_bias,
                                 std::size_t threads) {

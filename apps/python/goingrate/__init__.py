@@ -9,8 +9,8 @@
 Everything is computed by the library behind the command `goingrate`; the numbers are the same to
 the last bit. Times are in seconds, angles in radians, friction and torque scaled as in P. Hoyng,
 *Dynamics and performance of clock pendulums*. Arguments that make no sense raise `ValueError`,
-logs that cannot be used `InputError` (a `ValueError` with file, line and column), and numbers that
-do not work out `NumericsError`.
+logs that cannot be used `InputError` (a `ValueError` with file, line and column), and calculations
+without a result `NumericsError`.
 """
 
 from ._analysis import Analysis, analyse

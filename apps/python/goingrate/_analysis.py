@@ -46,7 +46,7 @@ class Analysis(Report):
 
     @property
     def causes(self) -> list[dict[str, Any]]:
-        """Likely causes, the likeliest first: cause, gain_2logL, for, against, advice."""
+        """Likely causes, likeliest first, with the keys cause, gain_2logL, for, against, advice."""
         return self.to_dict()["causes"]
 
     @property
@@ -56,16 +56,18 @@ class Analysis(Report):
 
     @property
     def kept_diary(self) -> dict[str, Any] | None:
-        """The keeper's entries, planned against found, and what is unwritten; None without any."""
+        """The keeper's diary: each entry with what was planned and what the log shows, and what
+        the log shows without an entry. None if no diary was given."""
         return self.to_dict().get("kept_diary")
 
     @property
     def isochronism(self) -> dict[str, Any] | None:
-        """Slope of the rate against the amplitude, and the fitted clock's curves; or None."""
+        """Slope of the rate against the amplitude, and the fitted clock's curves; None without
+        them."""
         return self.to_dict().get("isochronism")
 
     def diary_csv(self) -> str:
-        """What the log shows, as a diary in the format that `analyse` takes."""
+        """The changes and interruptions found in the log, as a diary that `analyse` can read."""
         return self._core.diary_text()
 
     @property
@@ -79,7 +81,7 @@ class Analysis(Report):
         return self._core.history
 
     def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
-        """The report as an HTML page; written to `path` as well if that is given."""
+        """The report as an HTML page; if `path` is given, it is written there too."""
         page = self._core.html()
         if path is not None:
             part_path = f"{os.fspath(path)}.{os.getpid()}.part"
@@ -123,15 +125,16 @@ def analyse(
     fix, free, prior, events, model, noise, escapement, par
         As for `fit`.
     nut_pitch_m : float, optional
-        By how much a turn of the rating nut moves the bob, m: gives the turns to zero rate.
+        How far one turn of the rating nut moves the bob, m: the report then says how many turns
+        bring the rate to zero.
     pendulum_length_m : float, optional
-        For the nut; that of a mathematical pendulum if not given.
+        Length for that calculation; if not given, a simple pendulum's of the same period.
     diary : path, optional
         What was done to the clock: CSV with time, what, value, sigma, note.
     profiles : bool
-        Trace profile likelihoods, for the figures of the page; a third of the time.
+        Trace profile likelihoods, for the figures of the page; takes a third of the time.
     progress : callable, optional
-        Told what is being done, in words.
+        Called with the step under way, in words.
 
     Returns
     -------

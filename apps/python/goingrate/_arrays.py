@@ -1,4 +1,4 @@
-"""Arrays from outside: checked here once, so that the extension gets what it expects."""
+"""Arrays given by the user, checked once here so that the extension can rely on them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Array = NDArray[Any]
 NOTHING = np.empty(0)
 NO_EDGES = np.empty(0, np.uint8)
 _PER_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12, "fs": 10**15}
-_LONGEST = 4e18  # s; what the reader of files takes too
+_LONGEST = 4e18  # s; the limit of the reader of files, too
 
 
 def _place(wrong: Array) -> int:
@@ -59,7 +59,7 @@ def amplitudes(name: str, values: Any, length: int) -> Array:
 
 
 def edges(name: str, values: Any, length: int) -> Array:
-    """1 for a downward crossing: from booleans, 0 and 1, or the words up and down."""
+    """uint8, 1 for a downward crossing; takes booleans, 0 and 1, or the words up and down."""
     array = _one_dimension(name, values, "'up' or 'down' for each event")
     if array.dtype.kind == "U":
         down = array == "down"
@@ -113,7 +113,7 @@ def _from_numbers(name: str, times: Array) -> tuple[Array, Array]:
 def instants(
     time_s: Any, seconds: Any = None, fraction: Any = None
 ) -> tuple[Array, Array]:
-    """Whole seconds (int64) and the fraction (float64, 0 <= fraction < 1); nothing is lost."""
+    """Whole seconds (int64) and the fraction (float64, 0 <= fraction < 1), without rounding."""
     if (time_s is None) == (seconds is None):
         raise ValueError("time_s: expected times either as time_s or as seconds and fraction")
     if time_s is not None:
@@ -130,7 +130,7 @@ def instants(
         part = part + more
     carry = np.floor(part)
     whole, part = whole + carry.astype(np.int64), part - carry
-    late = part >= 1.0  # of a negative fraction below rounding
+    late = part >= 1.0  # a tiny negative fraction plus 1 rounds to 1
     _check_order(whole + late, part - late)
     return np.ascontiguousarray(whole + late), np.ascontiguousarray(part - late)
 
@@ -147,7 +147,7 @@ def _check_order(seconds: Array, fraction: Array) -> None:
 
 
 def cycles(name: str, values: Any) -> Array:
-    """Whole numbers as int64, of any shape with at most one dimension."""
+    """A whole number, or a one-dimensional array of them, as an array of int64."""
     array = np.asarray(values)
     if array.ndim == 0:
         array = array[np.newaxis]

@@ -1,4 +1,4 @@
-"""Clocks without a log: where they run, and how they move under any law."""
+"""Clocks without a log: their stationary operation, and their motion under any law."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Law = Callable[[float, float], float]
 
 
 class RateMap:
-    """Stationary rate over friction and torque.
+    """Stationary rate as a function of friction and torque.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class RateMap:
     epsilon, mu : ndarray, shapes (k,) and (l,)
         Friction and torque, scaled.
     rate_excess : ndarray, shape (l, k)
-        Row by torque, column by friction; NaN where the clock stalls.
+        One row per torque, one column per friction; NaN where the clock stalls.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class RateMap:
 
     @property
     def rate_s_per_day(self) -> Array:
-        """Seconds gained a day, shape (l, k)."""
+        """Seconds gained per day, shape (l, k)."""
         return self.rate_excess * _S_PER_DAY
 
     def to_pandas(self) -> Any:
@@ -55,7 +55,7 @@ class RateMap:
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """The rate (s/day) as colours over both, on matplotlib axes."""
+        """The rate (s/day) as colours over friction and torque, on matplotlib axes."""
         ax = new_axes(ax)
         most = np.nanpercentile(np.abs(self.rate_s_per_day), 95)
         mesh = ax.pcolormesh(
@@ -75,12 +75,12 @@ class OperatingPoint(NamedTuple):
 
     epsilon: float
     mu: float
-    amplitude: float  #: φ̇ at the upward crossing, scaled; the cycle average in first order
+    amplitude: float  #: φ̇ at the upward crossing, scaled; in first order its cycle average
     rate_excess: float
 
     @property
     def rate_s_per_day(self) -> float:
-        """Seconds gained a day."""
+        """Seconds gained per day."""
         return self.rate_excess * _S_PER_DAY
 
 
@@ -102,18 +102,19 @@ def map(
     points: int = 41,
     first_order: bool = False,
 ) -> RateMap:
-    """The stationary rate of clocks over friction and torque.
+    """The stationary rate of clocks as a function of friction and torque.
 
     Parameters
     ----------
     phi0 : float
         Escapement angle, rad.
     epsilon, mu : tuple of two floats, or array_like
-        A tuple: the ends of a grid of `points` with equal ratios. An array or list: the values.
+        A tuple: the ends of a grid of `points` values with equal ratios. An array or list: the
+        values themselves.
     points : int
         Number of points in each grid, 2 to 2000.
     first_order : bool
-        The paper's averaged equations instead of the full one.
+        Use the paper's averaged equations instead of the full equation of motion.
 
     Returns
     -------
@@ -138,7 +139,7 @@ def operating_point(
     phi0: float = 0.03,
     first_order: bool = False,
 ) -> list[OperatingPoint]:
-    """Where a clock operates, from two of its quantities.
+    """The operating point of a clock, from two of its quantities.
 
     Parameters
     ----------
@@ -147,16 +148,16 @@ def operating_point(
     amplitude : float, optional
         rad (φ̇ at the upward crossing, scaled), above 0 and below 2.
     rate, rate_excess : float, optional
-        Seconds gained a day, or the relative rate.
+        The rate in seconds gained per day, or as a pure number.
     phi0 : float
         Escapement angle, rad.
     first_order : bool
-        The paper's averaged equations instead of the full one.
+        Use the paper's averaged equations instead of the full equation of motion.
 
     Returns
     -------
     list of OperatingPoint
-        By rising amplitude: one or two (the rate first rises with the amplitude, then falls).
+        In order of amplitude; one or two, as the rate first rises with the amplitude, then falls.
 
     Raises
     ------
@@ -183,10 +184,11 @@ class Integration:
     Attributes
     ----------
     period_s, rate_excess, amplitude_rad, velocity : ndarray, shape (periods,)
-        Length of each period (s), T0 / period - 1, and at its end the turning angle of a free
-        pendulum that passes the vertical so fast (rad), and φ̇ (scaled).
+        For each period its length (s) and T0 / period - 1, and for the crossing that ends it
+        φ̇ (`velocity`, scaled) and the turning angle (rad) of a free pendulum that passes the
+        vertical at this speed.
     ended : str or None
-        Why the motion ended before all periods were done.
+        Why the motion ended before the last of the periods asked for; None if it did not.
     """
 
     def __init__(
@@ -206,7 +208,7 @@ class Integration:
 
     @property
     def time_s(self) -> Array:
-        """When that is, s after the start, shape (periods,)."""
+        """When each period ends, s after the start, shape (periods,)."""
         drift = np.cumsum(self.period_s - self.nominal_period_s)
         return self.cycle * self.nominal_period_s + drift
 
@@ -241,23 +243,26 @@ def integrate(
     Parameters
     ----------
     friction : callable
-        A function of the angle (rad) and φ̇ (scaled), against φ̇ > 0, scaled as 2 ε φ̇.
+        A function of the angle (rad) and φ̇ (scaled); positive where it acts against φ̇ > 0;
+        scaled like 2 ε φ̇.
     torque : callable, optional
-        A function of the same, along φ, scaled as μ. If not given, the paper's escapement: μ until
-        φ rises through `phi0`, then -μ until it falls through -`phi0`.
+        A function of the same two, positive along φ, scaled like μ. If not given, the paper's
+        escapement: μ until φ rises through `phi0`, then -μ until it falls through -`phi0`.
     mu, phi0 : float
-        Torque and angle (rad) of that; without a torque the pendulum is free.
+        Torque and angle (rad) of the paper's escapement; with neither `torque` nor `mu` the
+        pendulum is free.
     amplitude_rad : float
-        Turning angle at the start, an upward crossing; above 0, below pi.
+        Turning angle that belongs to the speed of the upward crossing at which the motion
+        starts; above 0, below pi.
     periods : int
-        How many.
+        Number of periods.
     jumps : sequence of float, optional
-        Angles (rad) at which a law jumps: steps end there. Those of the paper's escapement if
-        `torque` is not given.
+        Angles (rad) at which a law jumps; integration steps end there. If neither this nor
+        `torque` is given, those of the paper's escapement.
     jumps_with_direction : bool
-        A law depends on the sign of φ̇: steps end at the turning points too.
+        A law depends on the sign of φ̇: integration steps end at the turning points too.
     nominal_period_s : float
-        T0, s: what 2 pi of scaled time are.
+        T0, s: the length of 2 pi in scaled time.
 
     Returns
     -------
@@ -265,15 +270,17 @@ def integrate(
 
     Notes
     -----
-    Fehlberg's formula of order 8, crossings by Newton steps: within 1e-12 of direct integration for
-    laws that it knows too. The price is Python's: about 4000 calls of each law a period, some 1 ms;
-    the same in C++ is 0.02 ms, and a law that the library knows (`simulate`) 0.0001 ms. The
-    callables hold the interpreter's lock.
+    Fehlberg's formula of order 8, with crossings found by Newton steps. For laws that the library
+    knows, it agrees with the library's direct integration within 1e-12. Most of the time goes into
+    about 4000 calls of each law per period, some 1 ms in Python; a law written in C++ takes
+    0.02 ms, and one that the library knows (`simulate`) 0.0001 ms. The callables hold the
+    interpreter's lock.
 
     Raises
     ------
     ValueError
-        An argument out of range. What a law raises ends the motion and is raised here.
+        An argument is out of range. An exception that a law raises ends the motion and is passed
+        on.
     """
     if not callable(friction):
         raise ValueError(f"friction: found {type(friction).__name__}, expected a callable")

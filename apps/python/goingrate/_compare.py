@@ -1,4 +1,4 @@
-"""Clocks beside each other."""
+"""Several clocks compared."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Comparison(Report):
         self._rates = rates
 
     def rates_csv(self) -> str:
-        """Rates on one time axis: time_s, then a column of s/day a clock."""
+        """Rates on one time axis: time_s, then one column in s/day for each clock."""
         return self._rates
 
     def _json(self) -> str:
@@ -32,12 +32,12 @@ class Comparison(Report):
 
 
 def compare(logs: Sequence[Log]) -> Comparison:
-    """Compares clocks in the hours that all of their logs have.
+    """Compare clocks over the time that all of their logs cover.
 
     Parameters
     ----------
     logs : sequence of Log, two or more
-        One of each clock, their times counted alike.
+        One log of each clock, with times counted from the same origin.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def compare(logs: Sequence[Log]) -> Comparison:
     Raises
     ------
     InputError
-        The logs have less than 64 periods in common, or some have dates and others not.
+        The logs have fewer than 64 periods in common, or some have dates and others do not.
     ValueError
         Fewer than two logs.
     """

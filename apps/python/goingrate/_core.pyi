@@ -1,4 +1,4 @@
-"""The extension module: goingrate's library as it is. Arrays are read-only."""
+"""The extension module: a direct binding of goingrate's library. Arrays are read-only."""
 
 from typing import Any, Callable, Optional, Union
 

@@ -13,7 +13,7 @@ from ._log import Log
 from ._tables import Report, frame, new_axes
 
 DEVIATION_KINDS: tuple[str, ...] = _core.DEVIATION_KINDS
-"""What `deviation` takes as `kind`."""
+"""The values that `deviation` takes as `kind`."""
 
 Taus = Union[str, Sequence[float], Array]
 
@@ -21,7 +21,7 @@ Taus = Union[str, Sequence[float], Array]
 class Deviation(Report):
     """A table of deviations: arrays with one entry per averaging time.
 
-    ``print(deviation)`` is the table of ``goingrate stability`` with what it says.
+    ``print(deviation)`` shows the table and the sentences of ``goingrate stability``.
     """
 
     def __init__(self, core: _core.DeviationTable) -> None:
@@ -64,7 +64,7 @@ class Deviation(Report):
 
     @property
     def n(self) -> Array:
-        """Terms averaged, int64, shape (k,)."""
+        """Number of terms averaged, int64, shape (k,)."""
         return self._core.n
 
     @property
@@ -102,7 +102,7 @@ class Deviation(Report):
 
 
 def _interval(rate: float | None, tau0_s: float | None) -> float | None:
-    """tau0 from either of the two ways to say it."""
+    """tau0 from the sampling rate or from the interval."""
     if rate is None and tau0_s is None:
         return None
     if rate is not None and tau0_s is not None:
@@ -132,16 +132,17 @@ def deviation(
     remove_bias: bool = True,
     threads: int = 0,
 ) -> Deviation:
-    """Allan deviation, or a relative of it, with intervals and the type of noise.
+    """Allan deviation or a related one, with intervals and the type of noise.
 
     Give one of `log`, `phase` and `frequency`.
 
     Parameters
     ----------
     log : Log, optional
-        Its clock's error at every cycle.
+        A log, whose clock error at every cycle is taken as the phase.
     phase : array_like, shape (n,), optional
-        Time errors, s, at equal intervals; NaN: a gap. Contiguous float64 is not copied.
+        Time errors, s, at equal intervals; NaN marks a gap. A contiguous array of float64 is not
+        copied.
     frequency : array_like, shape (n,), optional
         Fractional frequencies at equal intervals.
     rate : float, optional
@@ -155,9 +156,9 @@ def deviation(
     alpha : int, optional
         The noise assumed at every averaging time, 2 to -4; identified if not given.
     remove_bias : bool
-        False: total variances and Theo1 as they come.
+        Correct total variances and Theo1 for their bias; False leaves them as they are.
     threads : int
-        0: as many as the work is worth. The result is the same for any number.
+        Number of threads; 0: chosen by the amount of work. The result does not depend on it.
 
     Returns
     -------
@@ -166,7 +167,7 @@ def deviation(
     Raises
     ------
     ValueError
-        For arrays, words and times that make no sense.
+        An array, a word or a time makes no sense.
 
     Examples
     --------

@@ -21,7 +21,7 @@ Progress = Callable[[str], object]
 
 
 class Fit(Report, Mapping[str, Parameter]):
-    """The result of a fit: a mapping from names to parameters, and what else is known of it.
+    """The result of a fit: a mapping from names to parameters, with its other results as members.
 
     ``print(fit)`` is the text of ``goingrate fit``.
     """
@@ -68,7 +68,7 @@ class Fit(Report, Mapping[str, Parameter]):
 
     @property
     def notes(self) -> list[str]:
-        """What must be said beside the numbers."""
+        """Notes that must be read with the numbers."""
         return self._core.notes
 
     @property
@@ -82,7 +82,7 @@ class Fit(Report, Mapping[str, Parameter]):
 
     @property
     def combinations(self) -> list[Quantity]:
-        """What the log determines where it does not determine single parameters."""
+        """Combinations that the log determines where it does not determine single parameters."""
         return [
             Quantity(c.name, c.value, c.sigma, c.unit, c.expression)
             for c in self._core.combinations
@@ -90,9 +90,10 @@ class Fit(Report, Mapping[str, Parameter]):
 
     @property
     def decay(self) -> dict[str, Any] | None:
-        """How a free swing dies away: decay time, Q by amplitude, laws of friction; keys as in `to_dict`.
+        """How a free swing dies away: decay time, Q by amplitude, laws of friction; keys as in
+        `to_dict`.
 
-        None of a driven clock.
+        None for a driven clock.
         """
         found: dict[str, Any] | None = self.to_dict().get("decay")
         return found
@@ -112,23 +113,24 @@ class Fit(Report, Mapping[str, Parameter]):
 
     @property
     def elapsed_s(self) -> Array:
-        """Time of each beat after the first, s, shape (n,); read-only view."""
+        """Time from the first beat to each beat, s, shape (n,); read-only view."""
         return self._core.elapsed_s
 
     @property
     def residual_s(self) -> Array:
-        """How late each beat is against the undisturbed course of the model, mean removed, s,
+        """How much later each beat is than the model's undisturbed course, mean removed, s,
         shape (n,); read-only view."""
         return self._core.residual_s
 
     @property
     def model_amplitude_rad(self) -> Array:
-        """Turning angle of that course at each beat, rad, shape (n,); read-only view."""
+        """Turning angle of the model's undisturbed course at each beat, rad, shape (n,);
+        read-only view."""
         return self._core.model_amplitude_rad
 
     @property
     def amplitude_residual_rad(self) -> Array:
-        """Measured less model amplitude, rad, shape (n,); empty without amplitudes."""
+        """Measured minus model amplitude, rad, shape (n,); empty without amplitudes."""
         return self._core.amplitude_residual_rad
 
     def predict(self, cycles: Any) -> Array:
@@ -137,40 +139,42 @@ class Fit(Report, Mapping[str, Parameter]):
         Parameters
         ----------
         cycles : array_like of int, shape (k,)
-            Cycles as the log counts them, from its first on; those beyond its end are run on with
-            the equations of the fit.
+            Cycles as the log counts them, none before its first; past the end of the log the
+            equations of the fit are run on.
 
         Returns
         -------
         ndarray, shape (k,)
-            s after the first beat: the undisturbed course of the model. `predict_sigma` says how
-            well it is known; a real beat has its jitter besides, and the noise of its drive.
+            s after the first beat, on the model's undisturbed course. `predict_sigma` says how
+            well this is known; a real beat also has jitter, and the noise of the drive.
 
         Raises
         ------
         ValueError
-            A cycle before the first, or no whole number.
+            A cycle is before the first, or is not a whole number.
         NumericsError
-            Beyond the log, where a parameter that is needed is undetermined, or the rate follows
-            something that only the log knows, or the clock stalls.
+            A cycle is past the end of the log, and a parameter that is needed there is
+            undetermined, or the rate depends on something that only the log holds, or the clock
+            stalls.
         """
         return self._core.predict(_arrays.cycles("cycles", cycles))[0]
 
     def predict_sigma(self, cycles: Any) -> Array:
-        """How well the fit knows these times: their standard deviation, s, shape (k,).
+        """Standard deviation of the times that `predict` gives, s, shape (k,).
 
-        That of the parameters with their correlations, and of the origin of time, to first order
-        (``test_predictions_have_honest_sigmas``). `NumericsError` where a parameter is undetermined,
-        and where the fit has noise of the drive, which makes the times wander besides.
+        It comes from the parameters, with their correlations, and from the origin of time, to
+        first order (``test_predictions_have_honest_sigmas``). `NumericsError` if a parameter is
+        undetermined, or if the fit has noise of the drive, which makes the times wander further.
         """
         return self._core.predict_sigma(_arrays.cycles("cycles", cycles))
 
     def predict_amplitude(self, cycles: Any) -> Array:
-        """Turning angle of the fitted clock at these cycles, rad, shape (k,); as `predict`."""
+        """Turning angle of the fitted clock at these cycles, rad, shape (k,); limits and errors
+        as for `predict`."""
         return self._core.predict(_arrays.cycles("cycles", cycles))[1]
 
     def to_par(self) -> str:
-        """The fit as a file to edit and to feed back: ``fit(log, par=path)``."""
+        """The fit as text for a file that can be edited and read back: ``fit(log, par=path)``."""
         return self._core.par()
 
     def to_latex(self) -> str:
@@ -182,7 +186,7 @@ class Fit(Report, Mapping[str, Parameter]):
         return self._core.csv()
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row a parameter: value, sigma, low68 ... high95, unit, status."""
+        """A DataFrame with a row per parameter: value, sigma, low68 ... high95, unit, status."""
         core = [p._core for p in self.parameters]
         columns = ("value", "sigma", "low68", "high68", "low95", "high95", "unit", "status")
         table = frame({c: [getattr(p, c) for p in core] for c in columns})
@@ -190,7 +194,7 @@ class Fit(Report, Mapping[str, Parameter]):
         return table
 
     def plot(self, ax: Any = None) -> Any:
-        """The residuals (s) over time, on matplotlib axes, which it returns."""
+        """The residuals (s) over time, on matplotlib axes, which are returned."""
         ax = new_axes(ax)
         ax.plot(self.elapsed_s / 3600, self.residual_s, ".", markersize=2)
         ax.set(xlabel="time (h)", ylabel="residual (s; positive: late)")
@@ -258,18 +262,20 @@ def fit(
     prior : dict of str to (value, sigma), or list of "NAME=VALUE+-SIGMA", optional
         Knowledge from elsewhere.
     events : list of str, 'auto' or 'none', optional
-        Parameters that change: "150:mu" at a cycle, "300s:mu,epsilon" at a time; the k-th gives
-        mu@k. 'auto', and None without `par`: searched for. An empty list: none.
+        Parameters that change: "150:mu" at a cycle, "300s:mu,epsilon" at a time; the k-th event
+        gives mu@k. 'auto', or None without `par`: changes are searched for. 'none' or an empty
+        list: there are none.
     model : {'auto', 'averaged1', 'averaged2', 'map'}, optional
-        The equations: the paper's first order, second order, the full equation of motion.
+        The equations: averaged to the paper's first order or to second order, or the full
+        equation of motion.
     noise : {'auto', 'jitter', 'drive', 'both', 'slow'}, optional
     escapement : {'auto', 'constant-torque', 'single-impulse', 'none'}, optional
     par : path, optional
-        A file of parameters, as `Fit.to_par` writes it; what is said beside it wins.
+        A file of parameters, as `Fit.to_par` writes it; the other arguments override it.
     profiles : bool
         Trace the profile likelihood of each parameter, for `Parameter.interval` at any level.
     progress : callable, optional
-        Told what is being done, in words.
+        Called with the step under way, in words.
 
     Returns
     -------
@@ -278,11 +284,12 @@ def fit(
     Raises
     ------
     NumericsError
-        No model is valid. (A search that ended early warns, and its result has that status.)
+        No model is valid. (A search that stopped early only warns; the status of its result says
+        so.)
     ValueError
         A word or a value makes no sense.
     InputError
-        The file of parameters cannot be used, or asks for what the log has not.
+        The file of parameters cannot be used, or needs data that the log does not have.
     """
     if not isinstance(log, Log):
         raise ValueError(f"log: found {type(log).__name__}, expected a Log (of read() or Log())")

@@ -1,4 +1,4 @@
-"""Logs of beats."""
+"""Logs of a clock's beats."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ class Flag(enum.IntEnum):
     """What an event is, in `Log.flags`."""
 
     GOOD = 0  #: an upward crossing with its cycle number
-    SPURIOUS = 1  #: no crossing: a double trigger or a false one
-    DOWN = 2  #: a downward crossing, numbered with the upward one before it
-    RIVAL = 3  #: another event that fits this cycle as well
-    BOUNCE = 4  #: part of the edge before it: a contact that bounces
+    SPURIOUS = 1  #: not a crossing: a double or false trigger
+    DOWN = 2  #: a downward crossing, with the number of the upward one before it
+    RIVAL = 3  #: a second event that fits the same cycle as well
+    BOUNCE = 4  #: part of the edge before it: a contact bounced
 
 
 class Gap(NamedTuple):
     """Cycles without an event."""
 
     after_cycle: int
-    length: int  #: cycles missing
+    length: int  #: number of missing cycles
     probability: float  #: that `length` is right
-    bridged: bool  #: False: the log is split here
+    bridged: bool  #: False if the log is split here
     kind: str  #: missed, gap, step, stop or restart
 
 
@@ -41,44 +41,44 @@ class Issue(NamedTuple):
     kind: str
     found: str
     action: str
-    last_line: int  #: of a run of such lines
-    lines: int  #: how many
-    file: str  #: in which they are
+    last_line: int  #: the last of a run of such lines
+    lines: int  #: how many lines the run has
+    file: str  #: the file they are in
 
 
 class Log:
     """A log: events in time, numbered.
 
-    `read` makes one of a file; this makes one of arrays.
+    `read` makes one from a file, this constructor from arrays.
 
     Parameters
     ----------
     time_s : array_like, shape (n,), optional
-        When each event came, s, in order: float64, integers, or datetime64 of any unit (nothing is
-        lost). A float64 of a date of our days resolves 0.24 µs; give `seconds` and `fraction` for
-        more.
+        Time of each event, s, in order: float64, integers, or datetime64 of any unit (taken without
+        rounding). A float64 holds seconds since 1970 to only 0.24 µs today; `seconds` and
+        `fraction` hold them more finely.
     seconds, fraction : array_like, shape (n,), optional
         The same in two parts, whole seconds and the rest.
     amplitude_rad : array_like, shape (n,), optional
         Turning angle at each event, 0 to pi rad; NaN where unknown.
     edge : array_like of str or int, shape (n,), optional
-        'up' or 'down' (0 or 1). Without it all events are upward crossings, unless the intervals
-        alternate.
+        'up' or 'down' (0 or 1). Without it all events count as upward crossings, unless the
+        intervals alternate.
     width_s, temperature_c, pressure_mbar, humidity_percent : array_like, shape (n,), optional
-        How long a flag was seen; the air.
+        How long a flag covered the sensor; temperature, pressure and humidity of the air.
     name : str
         What messages call the log.
     nominal_period_s : float, optional
-        T0, the period to compare with; if not given, a guess from the mean period.
+        T0, s, the period to compare with; if not given, guessed from the mean period.
     both_edges, dead_time_s, flag_width_rad, gravity_share, sensor_offset_rad, gap_probability
         As for `read`.
 
     Raises
     ------
     ValueError
-        For arrays that are no such thing.
+        An argument is not such an array, or an option makes no sense.
     InputError
-        For events that are no clock's.
+        The events cannot come from a clock.
 
     Notes
     -----
@@ -160,17 +160,18 @@ class Log:
 
     @property
     def good(self) -> Array:
-        """The same of the good beats of the longest segment: what rates and fits are of."""
+        """The good beats of the longest segment, as in `events`; rates and fits use these."""
         return self._core.good
 
     @property
     def time_s(self) -> Array:
-        """Times of the events as the log counts them, s, shape (n,): the nearest float64."""
+        """Times of the events from the log's own origin, s, shape (n,): the nearest float64."""
         return self._kept("time_s")
 
     @property
     def elapsed_s(self) -> Array:
-        """Times since the first event, s, shape (n,): rounded once, however late the date."""
+        """Times since the first event, s, shape (n,): rounded only once, so that they are as
+        exact for a late date as for an early one."""
         return self._kept("elapsed_s")
 
     @property
@@ -180,13 +181,13 @@ class Log:
 
     @property
     def fraction(self) -> Array:
-        """What the times have beyond `seconds`, s, 0 <= fraction < 1, shape (n,)."""
+        """Rest of the times beyond `seconds`, s, 0 <= fraction < 1, shape (n,)."""
         return self._core.events["fraction"]
 
     @property
     def datetime(self) -> Array:
-        """The times as datetime64[ns], shape (n,), for logs that count from 1970: to the
-        nanosecond."""
+        """The times as datetime64[ns], shape (n,), rounded to the nanosecond; for logs that count
+        from 1970."""
         if np.abs(self.seconds).max(initial=0) > 9_000_000_000:
             raise ValueError("datetime: the times are beyond what datetime64[ns] holds")
         ns = self.seconds * 10**9 + np.rint(self.fraction * 1e9).astype(np.int64)
@@ -214,7 +215,7 @@ class Log:
 
     @property
     def width_s(self) -> Array | None:
-        """How long the flag was seen, s, shape (n,); None without such a column."""
+        """How long the flag covered the sensor, s, shape (n,); None without such a column."""
         return self._core.width_s
 
     @property
@@ -239,12 +240,13 @@ class Log:
 
     @property
     def phase_s(self) -> Array | None:
-        """For data on a grid, the clock's error every `tau0_s`, s (positive: fast); else None."""
+        """The clock's error every `tau0_s`, s (positive: fast); None unless the data are on a
+        grid."""
         return self._core.phase_s
 
     @property
     def tau0_s(self) -> float | None:
-        """For data on a grid, the interval, s; else None."""
+        """Interval of data on a grid, s; None for other data."""
         return self._core.tau0_s
 
     @property
@@ -264,27 +266,27 @@ class Log:
 
     @property
     def nominal_period_s(self) -> float:
-        """T0, s: given, stated by the log, or guessed."""
+        """T0, s: as given, as stated in the log, or guessed."""
         return self._core.nominal_period_s
 
     @property
     def nominal_is_known(self) -> bool:
-        """False: `nominal_period_s` is the mean period, for want of a better one."""
+        """False if no nominal period is known; `nominal_period_s` is then the mean period."""
         return self._core.nominal_is_known
 
     @property
     def segments(self) -> int:
-        """Parts that are numbered without doubt, each by itself."""
+        """Number of parts that are numbered without doubt, each separately."""
         return self._core.segments
 
     @property
     def missed(self) -> int:
-        """Cycles without an event, in gaps that were bridged."""
+        """Number of cycles without an event, in gaps that were bridged."""
         return self._core.missed
 
     @property
     def spurious(self) -> int:
-        """Events that are no crossings."""
+        """Number of events that are not crossings."""
         return self._core.spurious
 
     @property
@@ -294,22 +296,23 @@ class Log:
 
     @property
     def sensor_offset_rad(self) -> tuple[float, float] | None:
-        """Where the sensor stands and its standard deviation, rad; None unless it was found."""
+        """Angle of the sensor from the vertical and its standard deviation, rad; None unless it
+        was found."""
         return self._core.sensor_offset_rad
 
     @property
     def assumptions(self) -> list[str]:
-        """What was taken for granted, in words, with the keyword that says otherwise."""
+        """What was assumed about the log, in words, with the keyword that changes it."""
         return self._core.assumptions
 
     @property
     def files(self) -> list[str]:
-        """If several files are one log, their names, in the order in which they are joined."""
+        """Names of the files that were joined to this log, in order, if there are several."""
         return self._core.files
 
     @property
     def issues(self) -> list[Issue]:
-        """What was wrong with lines of the log."""
+        """Faulty lines of the log, and what was done about them."""
         return [Issue(*issue) for issue in self._core.issues]
 
     @property
@@ -318,7 +321,7 @@ class Log:
         return [Gap(*gap) for gap in self._core.gaps]
 
     def native(self, decimals: int = 12) -> str:
-        """The log as goingrate writes logs, with so many digits of the second (0 to 17)."""
+        """The log in goingrate's own format, with this many decimals of the second (0 to 17)."""
         if not 0 <= decimals <= 17:
             raise ValueError(f"decimals: found {decimals}, expected 0 to 17")
         return self._core.native_text(decimals)
@@ -337,7 +340,8 @@ class Log:
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """The clock's error over time (s, positive: fast), on matplotlib axes, which it returns."""
+        """The clock's error over time (s, positive: fast), on matplotlib axes, which are
+        returned."""
         ax = new_axes(ax)
         if self.phase_s is not None:
             hours = np.arange(self.phase_s.size) * (self.tau0_s or 1.0) / 3600

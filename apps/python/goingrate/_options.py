@@ -6,7 +6,7 @@ from typing import Any
 
 
 def options_of(**given: Any) -> dict[str, Any]:
-    """Those that were given, as the extension takes them."""
+    """The options that were given, as the extension takes them."""
     offset = given.pop("sensor_offset_rad", None)
     options = {name: value for name, value in given.items() if value is not None}
     if isinstance(offset, str):

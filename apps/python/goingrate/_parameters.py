@@ -1,4 +1,4 @@
-"""Parameters of a fit, what is computed from them, and how they hang together."""
+"""Parameters of a fit, quantities computed from them, and their correlations."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def shown(value: float, sigma: float, status: str) -> str:
 
 
 class Parameter:
-    """A parameter of the model, as a fit of it came out."""
+    """A parameter of the model, as the fit found it."""
 
     def __init__(self, core: _core.FittedParameter) -> None:
         self._core = core
@@ -38,22 +38,22 @@ class Parameter:
 
     @property
     def status(self) -> str:
-        """free, fixed, prior, or undetermined: the log does not tell it."""
+        """free, fixed, prior, or undetermined if the log does not determine it."""
         return self._core.status
 
     @property
     def value(self) -> float:
-        """NaN where undetermined."""
+        """The fitted value; NaN if undetermined."""
         return self._core.value
 
     @property
     def sigma(self) -> float:
-        """Standard deviation; NaN where undetermined or fixed."""
+        """Standard deviation; NaN if undetermined or fixed."""
         return self._core.sigma
 
     @property
     def at_bound(self) -> bool:
-        """The search ended at the edge of the allowed."""
+        """Whether the search ended at the edge of the allowed range."""
         return self._core.at_bound
 
     @property
@@ -68,10 +68,11 @@ class Parameter:
         Parameters
         ----------
         probability : float
-            Above 0; up to 0.95, and beyond as far as a profile was traced. 0.68 (or 0.6827) and
-            0.95 are those of the profile likelihood to all digits. Others lie on the profile if it
-            was traced; if not, on straight lines (in units of sigma) between those two and the
-            value, exact for a likelihood that is a parabola.
+            Above 0; up to 0.95, and beyond that as far as a profile was traced. At 0.68 (or 0.6827)
+            and 0.95 the ends are the profile likelihood's, to all digits. Elsewhere they are read
+            off the profile if it was traced; if not, they are interpolated linearly (in units of
+            sigma) between the value and those two intervals, which is exact if the logarithm of
+            the likelihood is a parabola.
 
         Returns
         -------
@@ -81,7 +82,7 @@ class Parameter:
         Raises
         ------
         ValueError
-            For a probability beyond what is known.
+            The likelihood is not known as far out as this probability.
         NumericsError
             The parameter is undetermined or fixed: no interval exists.
         """
@@ -133,14 +134,14 @@ class Parameter:
 
 
 class Quantity:
-    """A quantity computed from the parameters, with the uncertainty of all of them."""
+    """A quantity computed from the parameters, with the uncertainty that follows from theirs."""
 
     def __init__(self, name: str, value: float, sigma: float, unit: str, expression: str) -> None:
         self.name = name
         self.value = value  #: NaN where the log does not determine it
         self.sigma = sigma
         self.unit = unit
-        self.expression = expression  #: of the parameters
+        self.expression = expression  #: the formula, in terms of the parameters
 
     def __float__(self) -> float:
         return self.value
@@ -151,7 +152,7 @@ class Quantity:
 
 
 class Correlation:
-    """Correlations of the free parameters: a matrix whose rows have names.
+    """Correlations of the free parameters: a matrix whose rows and columns have names.
 
     ``fit.correlation["mu", "phi0"]`` and ``fit.correlation[1, 2]`` are numbers,
     ``numpy.asarray(fit.correlation)`` is the matrix.

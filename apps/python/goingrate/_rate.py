@@ -16,11 +16,11 @@ _S_PER_DAY = 86400.0
 
 
 class Rate(Report):
-    """What the rates of a log come to; those of the longest segment if it is split.
+    """The rates of a log, or of its longest segment if it is split.
 
     A rate excess is T0 / period - 1, positive: fast. Attributes that end in ``_s_per_day`` are
-    that times 86400. Against the mean period, for want of a nominal one, a rate says nothing:
-    `nominal_is_known` is then False.
+    the same times 86400. If no nominal period is known, the rate is taken against the mean period
+    and says nothing: `nominal_is_known` is then False.
     """
 
     def __init__(self, log: Log, core: _core.RateSummary) -> None:
@@ -29,32 +29,32 @@ class Rate(Report):
 
     @property
     def crossings(self) -> int:
-        """Good upward crossings."""
+        """Number of good upward crossings."""
         return self._core.crossings
 
     @property
     def periods(self) -> int:
-        """Cycles from the first to the last of them."""
+        """Number of cycles from the first to the last good crossing."""
         return self._core.periods
 
     @property
     def missed(self) -> int:
-        """Cycles without an event, in gaps that were bridged."""
+        """Number of cycles without an event, in gaps that were bridged."""
         return self.log.missed
 
     @property
     def spurious(self) -> int:
-        """Events that are no crossings."""
+        """Number of events that are not crossings."""
         return self.log.spurious
 
     @property
     def segments(self) -> int:
-        """Parts of the log that are numbered by themselves."""
+        """Number of parts of the log that are numbered separately."""
         return self.log.segments
 
     @property
     def duration_s(self) -> float:
-        """From the first to the last crossing, s."""
+        """Time from the first to the last crossing, s."""
         return self._core.duration_s
 
     @property
@@ -64,17 +64,17 @@ class Rate(Report):
 
     @property
     def nominal_is_known(self) -> bool:
-        """False: T0 is the mean period, and the rates say nothing."""
+        """False if T0 is only the mean period; the rates then say nothing."""
         return self._core.nominal_is_known
 
     @property
     def mean_period_s(self) -> float:
-        """Duration over periods, s."""
+        """Duration divided by the number of periods, s."""
         return self._core.mean_period_s
 
     @property
     def mean_period_sigma_s(self) -> float:
-        """Its standard deviation, s."""
+        """Standard deviation of the mean period, s."""
         return self._core.mean_period_sigma_s
 
     @property
@@ -89,17 +89,18 @@ class Rate(Report):
 
     @property
     def rate_excess_sigma(self) -> float:
-        """Its standard deviation, from jitter and from the scatter of block rates."""
+        """Standard deviation of the rate excess, from jitter and from the scatter of block
+        rates."""
         return self._core.rate_excess_sigma
 
     @property
     def rate_s_per_day(self) -> float:
-        """Seconds gained a day."""
+        """Seconds gained per day."""
         return self.rate_excess * _S_PER_DAY
 
     @property
     def rate_sigma_s_per_day(self) -> float:
-        """Its standard deviation."""
+        """Standard deviation of the rate in s/day."""
         return self.rate_excess_sigma * _S_PER_DAY
 
     @property
@@ -109,14 +110,14 @@ class Rate(Report):
 
     @property
     def period_s(self) -> Array:
-        """Length of each period, s, shape (n - 1,); over missed beats the mean of theirs."""
+        """Length of each period, s, shape (n - 1,); across missed beats the mean period there."""
         beats = self.log.good
         passed = np.diff(beats["seconds"]) + np.diff(beats["fraction"])
         return passed / np.diff(beats["cycle"])
 
     @property
     def rate_excess_each(self) -> Array:
-        """T0 / period - 1 of each period, shape (n - 1,), without cancellation."""
+        """T0 / period - 1 for each period, shape (n - 1,), computed without cancellation."""
         return _core.rate_per_period(self.log._core)
 
     @property
@@ -135,12 +136,12 @@ class Rate(Report):
         return _core.block_rates(self.log._core, block_s)
 
     def segment_rates(self) -> dict[str, Array]:
-        """The same of the segments."""
+        """Rates of the segments, in the same columns as `blocks`."""
         return _core.segment_rates(self.log._core)
 
     def to_csv(self, running_cycles: int = 0) -> str:
-        """The table that ``goingrate rate`` writes, a row per event; with `running_cycles` also the
-        rate over the last so many."""
+        """The table that ``goingrate rate`` writes, with a row per event; with `running_cycles`
+        also the rate over that many cycles up to each event."""
         return _core.rate_csv(self.log._core, running_cycles)
 
     def to_pandas(self) -> Any:
@@ -158,7 +159,7 @@ class Rate(Report):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """The rate of each period (s/day) over the cycles, on matplotlib axes."""
+        """The rate of each period (s/day) by cycle, on matplotlib axes."""
         ax = new_axes(ax)
         ax.plot(self.cycle, self.rate_excess_each * _S_PER_DAY, ".", markersize=2)
         ax.set(xlabel="cycle", ylabel="rate (s/day)", title=self.log.source)
@@ -187,8 +188,8 @@ def rate(log: Log) -> Rate:
     Returns
     -------
     Rate
-        Its `rate_excess` is that from end to end, T0 n / (t_n - t_0) - 1; its sigma that of the
-        jitter at both ends and of the scatter of block rates.
+        Its `rate_excess` is taken from end to end, T0 n / (t_n - t_0) - 1; the standard deviation
+        comes from the jitter at both ends and from the scatter of block rates.
 
     Raises
     ------

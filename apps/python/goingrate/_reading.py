@@ -32,7 +32,7 @@ def _unpacked(data: bytes, name: str, limit: int) -> bytes:
 
 
 def _content(source: Any) -> bytes | None:
-    """The bytes of what is no path."""
+    """The bytes of a source that is not a path; None for a path."""
     if isinstance(source, (bytes, bytearray, memoryview)):
         return bytes(source)
     if hasattr(source, "read"):
@@ -122,23 +122,24 @@ def read(
         log in order of time.
     format : str, optional
         timestamps, periods, clock-error, phase, frequency, ticc, ticc-interval, table, angle,
-        native. This and the following are found out if not given, and said in `Log.assumptions`.
+        native. Where this or an option below is not given, it is worked out from the log if
+        possible, and `Log.assumptions` lists the choice.
     nominal_period_s : float, optional
-        T0, s, the period to compare with. It is believed.
+        T0, s, the period to compare with; it is taken as given.
     columns : sequence of str, optional
-        What columns hold: "ROLE=PLACE[:UNIT]", as "time=2", "amplitude=5:mrad".
+        What the columns hold: "ROLE=PLACE[:UNIT]", for example "time=2", "amplitude=5:mrad".
     unit : str, optional
         Unit of the times: s, ms, us, ns, min, h, d, mjd.
     wrap_s : float, optional
-        The times begin again every so many s; 0: they never do.
+        The times start again from 0 after this many s; 0: they never do.
     tau0_s : float, optional
-        Between values of phase, frequency or intervals, s.
+        Interval between values of phase, frequency or intervals, s.
     counter_hz : float, optional
-        For a log in cycles of a counter: how many it counts in a second.
+        For a log in cycles of a counter: its cycles per second.
     decimal_comma : bool
-        12,5 is twelve and a half.
+        Numbers are written with a decimal comma: 12,5 is twelve and a half.
     date_order : 'day' or 'month', optional
-        What comes first in dates such as 03/04/2013.
+        Which comes first in dates such as 03/04/2013.
     channel : str, optional
         For a TICC: chA, chB.
     beat_channel : int, optional
@@ -147,42 +148,44 @@ def read(
         For a recording: the channel in which a reference clicks once a second.
     clock_ppm : float, optional
         For a recording without such a channel: the standard deviation of its sampling rate, parts
-        in a million; 50 if not given.
+        per million; 50 if not given.
     rest_angle_rad : float, optional
-        For samples of an angle: where the pendulum hangs.
+        For samples of an angle: the angle at which the pendulum hangs at rest.
     strict : bool
-        The first line at fault is an error.
+        The first faulty line is an error.
     both_edges : bool
         The log holds both directions without labels.
     dead_time_s : float, optional
-        Events within so many s after an edge are part of it; 0: none are.
+        Events within this many s after an edge are part of it; 0: none are.
     flag_width_rad : float, optional
-        Angle of a centred flag as seen from the pivot.
+        Angle that a centred flag subtends at the pivot.
     gravity_share : float, optional
-        Share of gravity in the restoring torque, the rest being a spring's: 1 (if not given) a
-        pendulum, 0 torsion. The circular error, amplitudes from widths and the fit follow it.
+        Gravity's share of the restoring torque; a spring supplies the rest. 1 (if not given) is a
+        pendulum, 0 a torsion pendulum. The circular error, amplitudes from widths and the fit
+        depend on it.
     sensor_offset_rad : float or 'auto', optional
-        Where the sensor stands; 'auto': estimated from the log.
+        Angle of the sensor from the vertical; 'auto': estimated from the log.
     gap_probability : float, optional
-        Split the log at a gap whose count is right with less than this probability, 0.5 to 1.
+        Split the log at a gap if the number of cycles in it is right with less than this
+        probability, 0.5 to 1.
     only_phases : bool
-        Data on a grid may be those of anything: they are taken as they are, for `deviation`.
+        Data on a grid need not come from a pendulum: they are taken as they are, for `deviation`.
     weather : path or list of paths, optional
-        Tables with a header that names a time, and a temperature, a pressure or a humidity, at
-        another cadence; they are interpolated to the beats.
+        Tables with a header that names a time, and a temperature, a pressure or a humidity. They
+        may have another cadence than the log: they are interpolated to the beats.
     weather_zone : str, optional
-        Zone of their dates, where these name none and the log's are in another: "+01:00".
+        Time zone of the tables' dates, if they name none and are not in the log's: "+01:00".
     weather_offset_s : float, optional
-        Added to their times, s.
+        Added to the tables' times, s.
     site : (float, float), optional
-        Latitude and longitude of the clock, degrees, north and east positive: what Moon and Sun do
-        to a dated log becomes known.
+        Latitude and longitude of the clock, degrees, north and east positive: the tides of Moon
+        and Sun are then computed for a dated log.
     unpacked_limit : int, optional
-        Bytes that a packed log may have unpacked.
+        Most bytes to which a packed log may unpack.
     name : str, optional
-        What messages call a log that is no file.
+        What messages call a log that is not a file.
     progress : callable, optional
-        Told now and then which share has been read, 0 to 1.
+        Called now and then with the share that has been read, 0 to 1.
 
     Returns
     -------
@@ -191,8 +194,9 @@ def read(
     Raises
     ------
     InputError
-        The log cannot be used; file, line and column say where. `ImpossibleReading`: it was read,
-        and no clock is so far off; `others` has likelier readings. `InputNotFoundError`.
+        The log cannot be used; file, line and column say where. Two kinds of it:
+        `ImpossibleReading`: as it was read, the rate is farther off than any clock's; `others`
+        has likelier readings. `InputNotFoundError`: there is no such file.
     NumericsError
         No three beats could be numbered together.
     ValueError

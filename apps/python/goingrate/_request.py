@@ -1,4 +1,4 @@
-"""What is asked of a fit, in the words of people."""
+"""The options of a fit as a user writes them, checked and put in the extension's form."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def request(
     escapement: str | None,
     par: str | os.PathLike[str] | None,
 ) -> dict[str, Any]:
-    """What is asked of a fit, as the extension takes it."""
+    """The options of a fit, as the extension takes them."""
     asked: dict[str, Any] = {}
     if isinstance(fix, Mapping):
         asked["fixed"] = [(str(k), _number(f"fix {k}", v)) for k, v in fix.items()]

@@ -1,4 +1,4 @@
-"""Logs of clocks whose parameters are known."""
+"""Simulated logs, of clocks whose parameters are known."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ Scenario = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 class Truth:
-    """The true state of a simulated clock: arrays of one entry a period, shape (periods,).
+    """The true state of a simulated clock: arrays with one entry per period, shape (periods,).
 
     Attributes
     ----------
     cycle : ndarray of int64
         Number of the upward crossing that ends the period.
     time_s, period_s : ndarray
-        When it ends, s after the start, and its length.
+        When the period ends, s after the start, and its length.
     velocity : ndarray
-        φ̇ there, scaled.
+        φ̇ at that crossing, scaled.
     amplitude_rad : ndarray
-        Turning angle there, rad.
+        Turning angle at that crossing, rad.
     mu : ndarray
-        The torque that acted, scaled.
+        The torque that acted during the period, scaled.
     method : str
-        How the motion was found, and why so.
+        How the motion was computed, and why that way.
     """
 
     def __init__(self, arrays: dict[str, Array], method: str) -> None:
@@ -59,14 +59,14 @@ class Truth:
 
 
 class Simulation(NamedTuple):
-    """What `simulate` gives: ``log, truth = gr.simulate(...)``."""
+    """The result of `simulate`: ``log, truth = gr.simulate(...)``."""
 
     log: Log
     truth: Truth
 
 
 def _text_of(scenario: Scenario) -> tuple[str, str]:
-    """The text of a scenario, and what messages call it."""
+    """The text of a scenario, and the name that messages give it."""
     if isinstance(scenario, Mapping):
         return toml_of(scenario), "scenario"
     if isinstance(scenario, str) and "\n" in scenario:
@@ -108,20 +108,20 @@ def simulate(
     Parameters
     ----------
     scenario : path, str or dict
-        A file, its text (anything with a line end), or the same as a dict:
+        A file, its text (any string with a line end), or the same as a dict:
         ``{"clock": {"epsilon": 2.5e-4, ...}, "run": {"periods": 2000}, "event": [{...}]}``.
     seed : int
         Seed of the random streams, 0 to 2**64 - 1; equal seeds give equal logs.
     set : dict or list of "KEY=VALUE", optional
-        Overrides of keys, as ``{"clock.mu": 3e-5}``.
+        Values that override the scenario's, for example ``{"clock.mu": 3e-5}``.
     read_options : dict, optional
-        Keywords of `read` for the log.
+        Keywords with which `read` reads the log.
 
     Returns
     -------
     Simulation
-        `log`, as it is read from the file that ``goingrate simulate`` writes (same events, to the
-        digits the sensor has), and `truth`.
+        `log`, as `read` reads it from the file that ``goingrate simulate`` writes (the same
+        events, with as many digits as the sensor has), and `truth`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The spectrum of the rate; fast and slow drive."""
+"""The spectrum of the rate, and its split into fast drive, slow drive and jitter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._tables import Report, frame, new_axes
 
 
 class Rms(NamedTuple):
-    """An rms value with its 68 % interval; None where the log cannot tell."""
+    """An rms value with its 68 % interval; None where the log does not determine it."""
 
     rms: float | None
     low68: float | None
@@ -26,15 +26,15 @@ class Line(NamedTuple):
     period_s: float
     amplitude: float  #: of the relative drive, or of the rate where the drive is not known
     amplitude_of: str
-    false_alarm: float  #: probability that noise shows such a line
+    false_alarm: float  #: probability that noise alone shows such a line
 
 
 class Spectrum(Report):
-    """The spectrum of the rate about the fit, and what it says of the drive."""
+    """The spectrum of the rate about the fit, and what it says about the drive."""
 
     def __init__(self, core: _core.DriveAnalysis, fit: Fit | None = None) -> None:
         self._core = core
-        self.fit = fit  #: what the rate was taken about
+        self.fit = fit  #: the fit whose rate was subtracted
 
     @property
     def frequency_hz(self) -> Array:
@@ -53,12 +53,12 @@ class Spectrum(Report):
 
     @property
     def slow_density(self) -> Array | None:
-        """The part of the slow drive."""
+        """The part of the slow drive, 1/Hz, shape (k,); None if unknown."""
         return self._core.slow_density
 
     @property
     def jitter_density(self) -> Array | None:
-        """The part of the sensor's jitter."""
+        """The part of the sensor's jitter, 1/Hz, shape (k,); None if unknown."""
         return self._core.jitter_density
 
     @property
@@ -73,17 +73,18 @@ class Spectrum(Report):
 
     @property
     def corner_hz(self) -> float | None:
-        """2 epsilon / T0: below it the amplitude follows the drive. None if unknown."""
+        """2 epsilon / T0, Hz: at lower frequencies the amplitude follows the drive. None if
+        unknown."""
         return self._values()["corner_hz"]
 
     @property
     def fast(self) -> Rms:
-        """The relative drive that is white from period to period."""
+        """The part of the relative drive that is independent from period to period (white)."""
         return Rms(**self._values()["fast"])
 
     @property
     def slow(self) -> Rms:
-        """The relative drive with a memory."""
+        """The part of the relative drive that is correlated over periods."""
         return Rms(**self._values()["slow"])
 
     @property
@@ -93,7 +94,7 @@ class Spectrum(Report):
 
     @property
     def lines(self) -> list[Line]:
-        """Lines, the strongest first."""
+        """Lines, strongest first."""
         keys = Line._fields
         return [Line(*(line[key] for key in keys)) for line in self._values()["lines"]]
 
@@ -102,7 +103,7 @@ class Spectrum(Report):
         return self._core.csv()
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row a frequency: frequency_hz, density, and its parts if known."""
+        """A DataFrame with a row per frequency: frequency_hz, density, and its parts if known."""
         columns = {"frequency_hz": self.frequency_hz, "density": self.density}
         for part in ("fast_density", "slow_density", "jitter_density"):
             if getattr(self, part) is not None:
@@ -150,9 +151,9 @@ def spectrum(
     ----------
     log : Log
     fit : Fit, optional
-        A fit of this log; made here with the options below, as for `fit`, if not given.
+        A fit of this log; if not given, one is made with the options below.
     split_hz : float, optional
-        Part fast from slow at this frequency.
+        Frequency that separates fast from slow drive, Hz.
     fix, prior, events, model, noise, escapement, progress
         As for `fit`.
 
@@ -165,7 +166,7 @@ def spectrum(
     NumericsError
         Too few beats, or no fit.
     ValueError
-        An option makes no sense, or `fit` is of another log.
+        An option makes no sense, or `fit` belongs to another log.
     """
     if not isinstance(log, Log):
         raise ValueError(f"log: found {type(log).__name__}, expected a Log (of read() or Log())")

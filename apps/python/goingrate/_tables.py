@@ -1,4 +1,4 @@
-"""What the results share: the ways out to pandas and matplotlib, which a user need not have."""
+"""What the results share: JSON, and pandas and matplotlib, imported only when they are used."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ def new_axes(ax: Any) -> Any:
 
 
 class Report:
-    """A result that the library also states as JSON and as text."""
+    """A result that the library also writes as JSON and as text."""
 
     def _json(self) -> str:
         raise NotImplementedError
 
     def to_json(self) -> str:
-        """What the command writes with ``--json``: all numbers with all their digits."""
+        """The JSON that the command writes with ``--json``: all numbers with all their digits."""
         return self._json()
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as a dict; a number that is not known is None."""
+        """The same as a dict; an unknown number is None."""
         result: dict[str, Any] = json.loads(self._json())
         return result

@@ -1,4 +1,4 @@
-"""A scenario given as a dict, as the text that the library reads."""
+"""Turns a scenario given as a dict into the TOML text that the library reads."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ def _value(place: str, value: Any) -> str:
 
 
 def toml_of(scenario: Mapping[str, Any]) -> str:
-    """TOML text, a line a key."""
+    """TOML text, one line per key."""
     return "".join(f"{_key(k)} = {_value(str(k), v)}\n" for k, v in scenario.items())

@@ -1,4 +1,4 @@
-"""What goingrate raises besides Python's own exceptions."""
+"""The exceptions that goingrate raises besides Python's own."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ class InputError(ValueError):
     Attributes
     ----------
     file : str
-        Its name as it was given.
+        Name of the file as it was given.
     line, column : int or None
-        Where, counted from 1; None: the whole file.
+        Place of the fault, counted from 1; None if it concerns the whole file.
 
     The message says what was found and what was expected there.
     """
@@ -37,12 +37,12 @@ class InputNotFoundError(InputError, FileNotFoundError):
 
 
 class ImpossibleReading(InputError):
-    """A log was read, but no clock is so far off: it is not what it was taken for.
+    """A log was read, but its rate is farther off than any clock's: it must be something else.
 
     Attributes
     ----------
     others : list of (str, dict)
-        The likeliest other readings, best first: in words, and as keywords of `read`, so that
+        The likeliest other readings, best first, each in words and as keywords of `read`:
         ``gr.read(path, **error.others[0][1])`` tries the first.
     """
 
@@ -60,4 +60,4 @@ class ImpossibleReading(InputError):
 
 
 class NumericsError(ArithmeticError):
-    """An input was read, but the numbers did not work out: the clock stalls, no fit exists."""
+    """The input was read, but it has no numerical result: the clock stalls, or no fit exists."""

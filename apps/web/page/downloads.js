@@ -1,4 +1,4 @@
-// What a run wrote, to be saved: each file, or all as a ZIP. Other commands write more on demand.
+// Offers the files that a run wrote to be saved, each by itself or all as a ZIP. Other commands write more on demand.
 import { zipOf } from "./archive.js";
 import { pathsOf, textOf } from "./engine.js";
 import { element, save, saveLink, sizeText } from "./elements.js";
@@ -11,7 +11,7 @@ const headings = { "": "Report", figures: "Figures: SVG, values as CSV, scripts 
   rate: "Beats and rates; the log for other programs", fit: "Fit", spectrum: "Spectrum", stability: "Stability",
   compare: "The logs compared" };
 
-/** Commands that write more of the same logs, with the options that name their files. */
+/** Commands that write more files from the same logs, with the options that name those files. */
 export const furtherCommands = {
   rate: ["-o", "/out/rate/rates.csv", "--json=/out/rate/rate.json", "--native=/out/rate/log.csv",
     "--phase=/out/rate/phase.txt", "--ticc=/out/rate/ticc.txt", "--par=/out/rate/rate.par", "--plot=/out/rate/rate.svg"],
@@ -53,12 +53,12 @@ function groupsOf(files) {
   return groups;
 }
 
-/** The files of a run and what it printed, in folders of the command's name. */
+/** The files of a run and what it printed, in a folder with the command's name. */
 export function filesOf(command, result) {
   const printed = result.out && !textOf(result, `${command}/${command}.txt`)
     ? [{ path: `${command}/${command}.txt`, bytes: new TextEncoder().encode(result.out) }] : [];
   return [...result.files, ...printed];
 }
 
-/** The words of a further command on logs. */
+/** The command line, as words, that runs a further command on logs. */
 export const furtherWords = (command, logs, settings) => [command, ...pathsOf(logs), ...furtherCommands[command], ...settings];

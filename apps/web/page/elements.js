@@ -1,4 +1,4 @@
-// Small ways to build the page. Text from outside becomes text, never markup.
+// Helpers that build the elements of the page. Text from outside becomes text, never markup.
 
 /** An element with properties and children; a string child is text. */
 export function element(name, properties = {}, ...children) {
@@ -28,11 +28,11 @@ export function saveLink(name, content, type = "application/octet-stream") {
   return element("a", { href: URL.createObjectURL(new Blob([content], { type })), download: name.split("/").pop() }, name);
 }
 
-/** Saves at once. */
+/** Saves bytes or text under a name, without a link to click. */
 export function save(name, content, type) {
   const link = saveLink(name, content, type);
   link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000); // ms: the browser has taken it by then
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000); // ms: by then the browser has read the content
 }
 
 export function sizeText(bytes) {

@@ -1,4 +1,4 @@
-// What build.sh packs into the page: gzip, then base64, in elements that no browser executes.
+// Unpacks what build.sh packs into the page: gzip, then base64, in elements that no browser executes.
 
 function bytesOf(id) {
   const text = atob(document.getElementById(id).textContent.trim());
@@ -26,7 +26,7 @@ export function embeddedFiles() {
   return contents;
 }
 
-/** The source of a script for a worker or a worklet, as an address. */
+/** An address (URL) from which a worker can load the script in an element. */
 export function scriptAddress(id) {
   return URL.createObjectURL(new Blob([document.getElementById(id).textContent], { type: "text/javascript" }));
 }

@@ -1,15 +1,15 @@
 // Runs the command of goingrate in a worker.
 import { compiledCommand, scriptAddress } from "./embedded.js";
 
-/** The run was cancelled. */
+/** Thrown by a run that was cancelled. */
 export class Cancelled extends Error {}
 
 let workerAddress;
 
-// A name that cannot be taken for an option, even if the file is called "-x".
+// A path that the command cannot take for an option, even if the file is called "-x".
 const asPath = (name) => (name.startsWith("-") ? `./${name}` : name);
 
-/** The words of a command line for files of these names. */
+/** The names of files as words of a command line. */
 export const pathsOf = (files) => files.map((file) => asPath(file.name));
 
 function listen(worker, onStage) {
@@ -24,8 +24,9 @@ function listen(worker, onStage) {
 }
 
 /**
- * Starts `goingrate WORDS` on files {name, bytes} that lie in its folder. What it writes below /out is in the
- * result: {code, out, err, files: [{path, bytes}]}. Gives {result, cancel}; a cancelled result rejects.
+ * Starts `goingrate WORDS` with files {name, bytes} in its working folder. Returns {result, cancel}: `result` is a
+ * promise of {code, out, err, files: [{path, bytes}]}, where `files` is what the command wrote below /out. Calling
+ * `cancel` rejects it with Cancelled.
  */
 export function start(words, files, onStage) {
   let worker, stop;
@@ -43,7 +44,7 @@ export function start(words, files, onStage) {
   return { result, cancel: () => { worker?.terminate(); stop(); } };
 }
 
-/** Text of a file of a result; nothing if it has none. */
+/** Text of one file of a result; undefined if there is no such file. */
 export function textOf(result, path) {
   const file = result.files.find((made) => made.path === path);
   return file && new TextDecoder().decode(file.bytes);

@@ -1,4 +1,4 @@
-// Logs that were dropped or chosen, their report, and what may be saved of it.
+// The part of the page that takes logs, shows their report, and offers its files to save.
 import { Cancelled, pathsOf } from "./engine.js";
 import { byId, element, sizeText } from "./elements.js";
 import { Downloads, filesOf, furtherCommands, furtherWords } from "./downloads.js";
@@ -6,9 +6,9 @@ import { Progress } from "./progress.js";
 import { freeName, roleOf, roles } from "./roles.js";
 import { buildSettings, clearSettings, enterOptions, settingWords, showAssumed } from "./settings.js";
 
-const withFiguresUpTo = 4e6; // bytes of logs: beyond, figures and tables are written on demand
+const withFiguresUpTo = 4e6; // bytes of logs: for more, figures and tables are written only on demand
 const memoryLimit = 4e9; // bytes: what WebAssembly can address
-const bytesAByte = 17; // of memory for a byte of a log, about
+const bytesAByte = 17; // bytes of memory for each byte of a log, about
 
 let files = [], progress, downloads, reportAddress;
 
@@ -30,7 +30,7 @@ function showMessages(lines, failed) {
   showAssumed(assumed);
 }
 
-// "  if a line is a period: --format periods" becomes a button that says so.
+// A line of advice, "  if a line is a period: --format periods", becomes a button that sets the option.
 function failureLine(line) {
   const advice = line.match(/^ +if (.*): (--.*)$/);
   if (!advice) return [element("p", {}, line.replace(/^goingrate: /, ""))];
@@ -62,7 +62,7 @@ function showFiles() {
 function tooLarge() {
   if (logBytes() * bytesAByte < memoryLimit) return null;
   return `${sizeText(logBytes())} of logs may need more than the 4 GB of memory that a page can have. If it fails, ` +
-    "take a part of the log, or the command on your computer.";
+    "use a part of the log, or the command on your computer.";
 }
 
 // ---- the report
@@ -84,7 +84,7 @@ function reportWords(withFigures) {
     ...settingWords(true, withRole("weather").length > 0)];
 }
 
-// Runs and shows messages; nothing if it was cancelled or failed.
+// Runs the command and shows its messages; returns null if it was cancelled or failed.
 async function attempt(words) {
   try {
     const result = await progress.run(words, files);
@@ -92,7 +92,7 @@ async function attempt(words) {
     return result.code === 0 ? result : null;
   } catch (error) {
     if (!(error instanceof Cancelled))
-      showMessages([`goingrate: the program broke off: ${error.message}`], true);
+      showMessages([`goingrate: the program stopped with an error: ${error.message}`], true);
     return null;
   }
 }
@@ -129,7 +129,7 @@ async function runFurther(command) {
 
 // ---- what the reader does
 
-/** Takes files {name, bytes} in place of those there are, and reports on them. */
+/** Replaces the list of files by files {name, bytes}, and reports on them. */
 export function useFiles(taken) {
   files = [];
   clearSettings();
@@ -167,7 +167,7 @@ function takeDrops() {
 
 export function beginLogs() {
   progress = new Progress(byId("log-progress"));
-  progress.onCancelled = () => showMessages(["Cancelled. Change something, or choose another log."], true);
+  progress.onCancelled = () => showMessages(["Cancelled. Change a setting, or choose another log."], true);
   downloads = new Downloads(byId("downloads"), byId("save-all"));
   const input = byId("log-files");
   input.addEventListener("change", () => { addChosen(input.files); input.value = ""; });

@@ -20,7 +20,7 @@ function showPart() {
   scrollTo(0, 0);
 }
 
-// What a browser must have; in one that lacks it the page says so instead of doing nothing.
+// In a browser that lacks these the page says so, instead of doing nothing.
 const isTooOld = () => typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined";
 
 function begin() {
@@ -34,7 +34,7 @@ function begin() {
   beginSimulator();
   beginMicrophone();
   beginWorksheets();
-  compiledCommand(); // while the reader still looks for a file
+  compiledCommand(); // starts now, while the reader is still looking for a file
   document.documentElement.dataset.ready = "true";
 }
 

@@ -1,5 +1,5 @@
-// The Markdown that the worksheets are written in, as elements of the page: headings, paragraphs, lists, tables,
-// code, emphasis, formulas. Links stay text: they lead to files that a page by itself lacks.
+// Turns the Markdown of the worksheets into elements of the page: headings, paragraphs, lists, tables, code,
+// emphasis, formulas. Links stay text, because they lead to files that the page does not contain.
 import { element } from "./elements.js";
 import { mathematics } from "./mathematics.js";
 

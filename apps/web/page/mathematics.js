@@ -1,4 +1,4 @@
-// The TeX of the worksheets as MathML: letters, scripts, fractions, roots, functions.
+// Turns the TeX of the worksheets into MathML: letters, scripts, fractions, roots, functions.
 
 const letters = { lambda: "λ", varphi: "φ", varepsilon: "ε", pi: "π", mu: "μ", tau: "τ", delta: "δ", sigma: "σ",
   Delta: "Δ", infty: "∞" };
@@ -71,7 +71,7 @@ class Reader {
     return node("mtext", [name]);
   }
 
-  // Letters up to the end of the group, as a word.
+  // Reads letters up to the end of the group, as one word.
   upright() {
     let word = "";
     const braces = this.tokens[0] === "{";

@@ -1,25 +1,25 @@
-// The microphone as a source of ticks: what was heard in the last minute is read again every few seconds.
+// Listens to a clock with the microphone: every few seconds the command analyses the last minute.
 import { Cancelled, start, textOf } from "./engine.js";
 import { byId, saveLink, table } from "./elements.js";
 import { useFiles } from "./logs.js";
 import { withSigma } from "./numbers.js";
 import { wavOf } from "./sound.js";
 
-const window_s = 60; // s that are read each time
-const least_s = 8; // s before the first reading
-const pause_s = 4; // s between readings
-const longest_s = 3600; // s that are kept
-const piece_samples = 16384; // the most there is
+const window_s = 60; // length of sound that is analysed each time
+const least_s = 8; // length of sound before the first reading
+const pause_s = 4; // between readings
+const longest_s = 3600; // longest recording
+const piece_samples = 16384; // the most that createScriptProcessor allows
 
 let recording = null; // {stream, context, pieces, samples, rate}
-let recorded = null; // the WAV of the last one
+let recorded = null; // the last recording, as WAV
 
 const tell = (text) => { byId("microphone-says").textContent = text; };
 
 const reasons = {
   NotFoundError: "There is no microphone here.",
-  NotAllowedError: "The browser was not allowed to use the microphone. Allow it in the browser's settings for this page, then start again.",
-  NotReadableError: "Another program holds the microphone.",
+  NotAllowedError: "This page is not allowed to use the microphone. Allow it in the browser's settings for this page, then start again.",
+  NotReadableError: "Another program is using the microphone.",
 };
 
 function lastSeconds({ pieces, rate }, seconds) {
@@ -35,15 +35,15 @@ function keep(piece) {
 }
 
 async function open() {
-  // What makes speech clearer takes ticks away.
+  // Processing that makes speech clearer suppresses ticks.
   const raw = { echoCancellation: false, noiseSuppression: false, autoGainControl: false };
   const stream = await navigator.mediaDevices.getUserMedia({ audio: raw });
   const context = new AudioContext();
-  // A worklet would need a script with an address, which a page from a disk lacks. The pieces are so long that
-  // the page may be busy for a third of a second without losing one.
+  // An audio worklet would have to load a script by its address, which a page opened from a disk cannot do. The
+  // pieces are so long that the page may be busy for a third of a second without losing one.
   const node = context.createScriptProcessor(piece_samples, 1, 1);
   node.onaudioprocess = ({ inputBuffer }) => { if (recording) keep(inputBuffer.getChannelData(0).slice()); };
-  context.createMediaStreamSource(stream).connect(node).connect(context.destination); // or it would not run; it is silent
+  context.createMediaStreamSource(stream).connect(node).connect(context.destination); // without an output it would not run; it plays silence
   recording = { stream, context, pieces: [], samples: 0, rate: context.sampleRate };
 }
 
@@ -52,7 +52,7 @@ function showReading(rate) {
   const beatError = rate.beat_error_s ? `${withSigma(1e3 * rate.beat_error_s.value, 1e3 * rate.beat_error_s.sigma)} ms` : "not heard";
   byId("reading").replaceChildren(table("What is heard", ["quantity", "value"], [
     ["period of the oscillation", `${rate.mean_period_s.toFixed(6)} s`],
-    ["beats an hour", String(Math.round(7200 / rate.mean_period_s))],
+    ["beats per hour", String(Math.round(7200 / rate.mean_period_s))],
     ["rate against the nominal period", `${perDay} s/day`],
     ["beat error, tick − tock", beatError],
     ["beats heard", String(rate.crossings)],
@@ -68,7 +68,7 @@ async function read() {
   if (recording !== own) return;
   if (result.code === 0) showReading(JSON.parse(textOf(result, "rate.json")));
   const error = result.err.split("\n").find((line) => line.startsWith("goingrate:"));
-  tell(result.code === 0 ? "Listening. The numbers are those of the last minute."
+  tell(result.code === 0 ? "Listening. The numbers are for the last minute."
     : `Listening. No clock is heard yet: ${error?.replace(/^goingrate: (\S+: )?/, "") ?? ""}`);
 }
 
@@ -85,7 +85,7 @@ async function listen() {
 async function begin() {
   byId("recorded").hidden = true;
   byId("reading").replaceChildren();
-  if (!navigator.mediaDevices?.getUserMedia) return tell("This browser gives no page the microphone.");
+  if (!navigator.mediaDevices?.getUserMedia) return tell("This browser does not let a page use the microphone.");
   tell("Waiting for the microphone.");
   try {
     await open();

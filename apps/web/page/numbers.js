@@ -1,8 +1,8 @@
-// Numbers as they are read by people.
+// Writes numbers for people to read.
 
 const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const raised = (power) => String(power).replace("-", "⁻").replace(/\d/g, (digit) => superscripts[digit]);
-const minus = (text) => (/[1-9]/.test(text) ? text.replace("-", "−") : text.replace("-", "")); // none before nothing
+const minus = (text) => (/[1-9]/.test(text) ? text.replace("-", "−") : text.replace("-", "")); // 0, not −0
 
 /** A few digits, with a power of ten where there would be many zeros: 2.5×10⁻⁴. */
 export function shortNumber(value, digits = 3) {

@@ -1,7 +1,7 @@
-// The line that says what is being done, with the button that cancels it. One run at a time.
+// The line that names the step under way, with the button that cancels the run. One run at a time.
 import { Cancelled, start } from "./engine.js";
 
-/** Drives the elements of one such line; onCancelled is called when the reader has cancelled. */
+/** Updates the elements of one progress line; onCancelled is called when the reader has cancelled. */
 export class Progress {
   constructor(place) {
     this.words = place.querySelector(".stage");
@@ -24,7 +24,7 @@ export class Progress {
     this.words.textContent = seconds > 0 ? `${this.stage} ... ${seconds} s` : this.stage;
   }
 
-  /** As engine.start; what still runs here is cancelled. */
+  /** Runs the command like engine.start, after cancelling a run that is still under way. */
   async run(words, files) {
     this.current?.cancel();
     const own = start(words, files, (stage, share) => { if (this.current === own) this.#tell(stage, share); });

@@ -1,6 +1,6 @@
 // The role of a file that was dropped: a log, a weather file or a diary.
 
-export const roles = { log: "log", weather: "weather", diary: "diary of the keeper" };
+export const roles = { log: "log", weather: "weather", diary: "keeper's diary" };
 
 const headBytes = 4096;
 
@@ -9,7 +9,7 @@ function headerOf(bytes) {
   return (head.split(/\r?\n/).find((line) => line.trim() && !line.startsWith("#")) ?? "").toLowerCase();
 }
 
-/** A guess that the reader can correct. */
+/** The role of a file, guessed from its name and header; the reader can correct it. */
 export function roleOf(name, bytes) {
   const header = headerOf(bytes);
   if (/(^|[,;\t])\s*"?what"?\s*[,;\t]/.test(header) || /diary|logbook/i.test(name)) return "diary";
@@ -18,7 +18,7 @@ export function roleOf(name, bytes) {
   return (weather && !beats && !/pulse/.test(header)) || /weather/i.test(name) ? "weather" : "log";
 }
 
-/** A name that no other of the files has. */
+/** The file's name, made different from those of the other files. */
 export function freeName(name, files) {
   const taken = new Set(files.map((file) => file.name));
   const clean = name.replaceAll("/", "_") || "log";

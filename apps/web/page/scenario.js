@@ -1,6 +1,6 @@
-// The clock of the sliders as a scenario, which `goingrate simulate` reads.
+// Writes the clock set by the sliders as a scenario, which `goingrate simulate` reads.
 
-/** The sliders; those of an event belong to a change of μ.*/
+/** The sliders; those with `event` describe a change of μ. */
 export const sliders = [
   { key: "epsilon", label: "friction ε", least: 2e-5, greatest: 2e-3, usual: 2.5e-4, logarithmic: true },
   { key: "mu", label: "driving torque μ", least: 2e-6, greatest: 2e-4, usual: 2e-5, logarithmic: true },
@@ -13,7 +13,7 @@ export const sliders = [
   { key: "missed", label: "share of beats missed", least: 0, greatest: 0.1, usual: 0, step: 0.005 },
   { key: "spurious", label: "share of spurious events", least: 0, greatest: 0.1, usual: 0, step: 0.005 },
   { key: "seed", label: "seed of the noise", least: 1, greatest: 1000, usual: 1, step: 1 },
-  { key: "at", label: "after so many periods", least: 10, greatest: 5000, usual: 300, step: 10, event: true },
+  { key: "at", label: "after this many periods", least: 10, greatest: 5000, usual: 300, step: 10, event: true },
   { key: "factor", label: "μ is multiplied by", least: 0.25, greatest: 4, usual: 2, logarithmic: true, event: true },
 ];
 

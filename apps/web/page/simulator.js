@@ -1,4 +1,4 @@
-// A clock set by sliders: its log is simulated and fitted, and what was put in stands beside what came out.
+// Simulates and fits the log of a clock set by sliders, and shows its parameters beside the fitted ones.
 import { Cancelled, textOf } from "./engine.js";
 import { byId, element, table } from "./elements.js";
 import { useFiles } from "./logs.js";
@@ -15,7 +15,7 @@ function valueOf(slider) {
   const raw = Number(inputOf(slider.key).value);
   if (!slider.logarithmic) return raw;
   const ratio = slider.greatest / slider.least;
-  return Number((slider.least * ratio ** (raw / stepsOfALogarithm)).toPrecision(2)); // two digits, as they are read
+  return Number((slider.least * ratio ** (raw / stepsOfALogarithm)).toPrecision(2)); // two digits, as shown
 }
 
 function placeOf(slider) {
@@ -60,7 +60,7 @@ async function run(words, files) {
   return result.code === 0 ? result : null;
 }
 
-const mapMargin = 5; // the map reaches so many times below and above the clock
+const mapMargin = 5; // the map reaches from 1/5 of the clock's values to 5 times these
 
 function mapWords(clock, mu) {
   const around = (value) => [String(value / mapMargin), String(Math.min(1, value * mapMargin))];
@@ -92,7 +92,7 @@ function showMap(result, title) {
   const address = URL.createObjectURL(new Blob([fileOf(result, "map.svg")], { type: "image/svg+xml" }));
   const point = textOf(result, "point.txt")?.trim() ?? "";
   byId("maps").append(element("figure", {}, element("h3", {}, title),
-    element("img", { src: address, alt: `Rate over friction, for some torques; the clock is marked. ${point}` }),
+    element("img", { src: address, alt: `Rate against friction, for some torques; the clock is marked. ${point}` }),
     element("pre", { tabIndex: 0 }, point)));
 }
 
@@ -113,7 +113,7 @@ function showFit(fit, clock) {
     return [symbols[name] ?? name, truth === undefined ? "" : shortNumber(truth),
       status === "undetermined" ? "undetermined" : withSigma(value, sigma), off];
   });
-  byId("fit-table").replaceChildren(table("What was put in and what the fit found", ["quantity", "put in", "fitted", "difference"], rows));
+  byId("fit-table").replaceChildren(table("True values and fitted values", ["quantity", "true", "fitted", "difference"], rows));
 }
 
 export function beginSimulator() {

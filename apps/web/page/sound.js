@@ -1,6 +1,6 @@
-// Samples of sound as a WAV file: one channel, 16 bits.
+// Writes samples of sound as a WAV file: one channel, 16 bits.
 
-/** `pieces`: Float32Arrays from -1 to 1. */
+/** `pieces`: Float32Arrays of samples from -1 to 1. */
 export function wavOf(pieces, rate) {
   const count = pieces.reduce((sum, piece) => sum + piece.length, 0);
   const view = new DataView(new ArrayBuffer(44 + 2 * count));
@@ -8,7 +8,7 @@ export function wavOf(pieces, rate) {
   text(0, "RIFF");
   view.setUint32(4, 36 + 2 * count, true);
   text(8, "WAVEfmt ");
-  view.setUint32(16, 16, true); // bytes of the format
+  view.setUint32(16, 16, true); // bytes of the format description
   view.setUint16(20, 1, true); // PCM
   view.setUint16(22, 1, true); // channels
   view.setUint32(24, rate, true);

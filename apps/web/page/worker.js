@@ -1,5 +1,6 @@
-// One run of the command, in a worker that ends with it, so that its memory is fresh and ending the worker cancels
-// it. Receives {module, words, files}; posts stages while it works and {code, out, err, files} at the end.
+// One run of the command. Each run has a worker of its own, so that it starts with fresh memory, and ending the
+// worker cancels it. Receives {module, words, files}; posts stages while it works and {code, out, err, files} at the
+// end.
 "use strict";
 
 const textOf = (bytes) => new TextDecoder().decode(new Uint8Array(bytes));
@@ -17,7 +18,7 @@ async function run({ module, words, files }) {
   const out = [], err = [];
   let code = 0;
   const program = await startGoingrate({
-    // Not a terminal: a note stays on its line.
+    // Output byte by byte, not as a terminal, so that every note keeps a line of its own.
     preRun: [({ FS }) => FS.init(() => null, (byte) => out.push(byte), (byte) => err.push(byte))],
     instantiateWasm(imports, done) {
       WebAssembly.instantiate(module, imports).then((instance) => done(instance, module));
@@ -25,13 +26,13 @@ async function run({ module, words, files }) {
     },
     onStage: (stage, share) => postMessage({ stage, share }),
     onExit: (status) => { code = status; },
-    quit: (_, ended) => { throw ended; }, // and not the whole process, as under node
+    quit: (_, ended) => { throw ended; }, // ends the run alone, not the whole process, as it would under node
   });
   const { FS } = program;
-  FS.ignorePermissions = true; // its umask lets nobody read a new file
+  FS.ignorePermissions = true; // otherwise the umask makes new files unreadable
   FS.mkdir("/logs");
   FS.mkdir("/out");
-  FS.mkdir(`/out/${words[0]}`); // for what a command writes beside the report
+  FS.mkdir(`/out/${words[0]}`); // for the files of a command other than report
   FS.chdir("/logs");
   for (const { name, bytes } of files) FS.writeFile(name, bytes, { canOwn: true });
   try {

@@ -64,7 +64,7 @@ inline constexpr TimeUnit in_seconds{1, 0}, in_milliseconds{1, -3}, in_microseco
 /// parts. The arithmetic is that of whole numbers, so nothing is lost: the seconds are exact, the
 /// fraction is the nearest double if the number has at most 15 decimals (or 19 digits in another
 /// unit: then to 1.2e-16 s). Digits beyond the 19th after the first are not read where an exponent
-/// or another unit is in play. Returns nothing if `text` is not wholly such a number or is beyond
+/// or another unit is in play. Returns nullopt if `text` is not wholly such a number or is beyond
 /// 9.2e18 s (InstantTest.ReadsEveryUnitExactly, InstantTest.MillionTimesComeBack).
 std::optional<Instant> parse_instant(std::string_view text, TimeUnit unit = in_seconds,
                                      char point = '.');

@@ -106,7 +106,7 @@ Diary keep_diary(std::span<const Beat> beats, double nominal_period_s,
                  const DiaryOptions& options = {});
 
 /// The beats with the displacements of `data` removed, since these are not changes of the rate;
-/// nothing if there are none. (DiaryTest.ADisplacementIsNoRate)
+/// nullopt if there are none. (DiaryTest.ADisplacementIsNoRate)
 std::optional<std::vector<Beat>> without_displacements(std::span<const Beat> beats,
                                                        const TimingData& data);
 

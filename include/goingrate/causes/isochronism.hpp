@@ -43,7 +43,7 @@ struct Isochronism {
 /// The 95 % interval holds the slope of the simulated clock as often as it should
 /// (IsochronismStudy.ShortForm, tests/studies/isochronism.txt). Limit: the slope includes any other
 /// effect that varies with the amplitude, such as a temperature that thins the oil and lengthens
-/// the rod. Nothing without amplitudes, with fewer than 256 beats, for a free pendulum, or if the
+/// the rod. nullopt without amplitudes, with fewer than 256 beats, for a free pendulum, or if the
 /// amplitude does not vary by more than its errors.
 std::optional<Isochronism> isochronism(const TimingData& data, const FitSummary& fit);
 

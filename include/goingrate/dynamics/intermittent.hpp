@@ -35,7 +35,7 @@ struct ActionParts {
   ClockParameters before, after;
 };
 /// The parts for an escapement that rests and is a profile with torque on both sides of the
-/// vertical while phi rises; nothing for others, which act between two upward crossings.
+/// vertical while phi rises; nullopt for others, which act between two upward crossings.
 std::optional<ActionParts> action_parts(const ClockParameters& clock);
 
 /// The least number of periods from one action to the next: 2 if an action ends in the period after
@@ -67,7 +67,7 @@ struct SawTooth {
 /// low2 is taken at the limit itself (impulses come up to a period after it: relative 2 pi eps),
 /// and
 ///   periods = ln(1 + 2 J/below^2) / (4 pi eps),  mean2 = 2 J / ln(1 + 2 J/below^2).
-/// Nothing for a clock whose escapement acts in every period, other friction, and where it stalls.
+/// nullopt for a clock whose escapement acts in every period, other friction, and where it stalls.
 /// IntermittentTest.SawToothAgreesWithTheEquationOfMotion shows how it compares.
 std::optional<SawTooth> saw_tooth(const ClockParameters& clock);
 
@@ -89,7 +89,7 @@ struct WaitingOrbit {
 };
 
 /// That orbit, for any law of friction. Within `rate_within` of the mean over other stretches
-/// (WaitingOrbitTest.MeansAreThoseOfALongRun). Nothing for an escapement that does not wait, one
+/// (WaitingOrbitTest.MeansAreThoseOfALongRun). nullopt for an escapement that does not wait, one
 /// that acts whenever it can and does not reach its limit, and where the clock stalls. Some 0.1 s.
 std::optional<WaitingOrbit> waiting_orbit(const ClockParameters& clock);
 

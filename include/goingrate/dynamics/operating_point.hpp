@@ -28,7 +28,7 @@ double stall_torque(double epsilon, double phi0);
 /// stall_torque by the part 5 phi0^2/96 + 0.32 eps^2 and more at large angles; for small epsilon it
 /// tends to (8 eps/phi0) (E(k) - (1 - k^2) K(k)), k = sin(phi0/2)
 /// (StallTorqueTest.ExactOneTendsToTheAreaOfTheFreeSwing). Below it the clock stalls, above it goes
-/// (StallTorqueTest.SeparatesClocksThatGoFromClocksThatStall). Nothing if phi0 can be reached only
+/// (StallTorqueTest.SeparatesClocksThatGoFromClocksThatStall). nullopt if phi0 can be reached only
 /// with phi' >= 2 at the vertical.
 std::optional<double> exact_stall_torque(double epsilon, double phi0);
 
@@ -37,7 +37,7 @@ std::optional<double> exact_stall_torque(double epsilon, double phi0);
 /// The larger of the two torques with rate excess 0: there more torque makes the clock lose (at the
 /// smaller one, nearer the stall line, gain). In first order
 ///   mu = (pi/2) eps phi0 (1 + y^2),  y = p + sqrt(p^2 - 1),  p = 8 eps/phi0^2.
-/// Nothing if epsilon < phi0^2/8 (or its counterpart in the exact equations), where the clock loses
+/// nullopt if epsilon < phi0^2/8 (or its counterpart in the exact equations), where the clock loses
 /// whatever the torque, or if amplitude 2 or torque 1 is exceeded. Accuracy as operating_points
 /// (NominalRateTest.BothLinesAtPointC).
 std::optional<double> nominal_rate_torque(double epsilon, double phi0, Equations equations);

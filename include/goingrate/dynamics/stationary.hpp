@@ -15,14 +15,14 @@ namespace goingrate {
 /// sqrt(2 mu phi0 / (pi epsilon)) (Hoyng, eq. statam); for other laws the largest lambda with
 /// friction_moment = a (moments.hpp), e.g. sqrt(e / (2 pi epsilon)) for a single impulse.
 /// If the escapement acts only now and then, it is sqrt(<lambda^2>) (intermittent.hpp).
-/// Nothing if there is no drive or no friction, or if the escapement is not reached (lambda <=
+/// nullopt if there is no drive or no friction, or if the escapement is not reached (lambda <=
 /// phi0) and the clock stalls.
 std::optional<double> stationary_amplitude(const ClockParameters& clock);
 
 /// Rate excess -s lambda^2/16 - b/lambda there, s being gravity_share: -mu phi0/(8 pi eps) + eps
 /// sqrt(2 mu/(pi eps phi0) - 1) for constant torque (eq. statrate), -e/(32 pi eps) - eps tan psi1
 /// for an impulse (eq. blow6). Off by 5.4e-9, 7.1e-8, 1.8e-8 at the paper's points A, B, C
-/// (StationaryTest.FirstOrderRateDiffersFromTheExactOneAsTabulated). Nothing where it stalls.
+/// (StationaryTest.FirstOrderRateDiffersFromTheExactOneAsTabulated). nullopt if it stalls.
 std::optional<double> stationary_rate_first_order(const ClockParameters& clock);
 
 /// Rate excess 2 pi / T - 1 = -(T - 2 pi)/T of a scaled period, from T - 2 pi.
@@ -40,7 +40,7 @@ struct LimitCycle {
 /// Solves v' = v for the return map of the full equation of motion, any clock law. Velocity and
 /// period within 1e-15, rate excess within 2e-15 of 128-bit values at A, B, C
 /// (StationaryTest.LimitCycleMatchesExactValues); for an escapement that waits within its
-/// WaitingOrbit::rate_within. Nothing where the clock stalls or turns over.
+/// WaitingOrbit::rate_within. nullopt if the clock stalls or turns over.
 std::optional<LimitCycle> limit_cycle(const ClockParameters& clock);
 
 /// The response of the rate to a small relative change of the drive, mu -> mu (1 + d).
@@ -60,11 +60,11 @@ struct DriveResponse {
 
 /// phi' at an upward crossing in stationary operation: that of the limit cycle; for an escapement
 /// that waits for the amplitude to fall, the limit that it waits for. `averaged`: by the averaged
-/// equations of first order, where it is lambda. Nothing if there is no stationary operation.
+/// equations of first order, where it is lambda. nullopt if there is no stationary operation.
 std::optional<double> stationary_start(const ClockParameters& clock, bool averaged);
 
 /// The response in stationary operation, by eqs. dotl4 and dotpsi4. At A, B, C within 1e-3 of that
-/// of the full equation (StationaryTest.DriveResponseMatchesExactGains). Nothing where the clock
+/// of the full equation (StationaryTest.DriveResponseMatchesExactGains). nullopt if the clock
 /// stalls, and for other laws than constant torque with linear friction.
 std::optional<DriveResponse> drive_response(const ClockParameters& clock);
 

@@ -279,7 +279,7 @@ using FitStage = std::function<void(std::string_view)>;
 FitSummary fit_clock(const TimingData& data, double nominal_period_s, const FitOptions& options,
                      const FitStage& now = {});
 
-/// The clock as it goes after the last event; nothing if one of its parameters is not known to a
+/// The clock as it goes after the last event; nullopt if one of its parameters is not known to a
 /// tenth or there is no escapement of constant torque.
 std::optional<ClockParameters> fitted_clock(const FitSummary& fit);
 

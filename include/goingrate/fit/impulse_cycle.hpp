@@ -37,7 +37,7 @@ struct ImpulseCycle {
   Estimate middle{0.0, 0.0}; ///< lateness of the crossing during which a push is under way, s
   double amplitude_middle = 0.0; ///< amplitude at that crossing above its lowest, rad
   /// The friction if these pushes alone drive the clock: fall/(2 pi N A (1 + 11 A^2/96)), or, if
-  /// pushes are seen one by one, from the slope of ln A between them. Nothing if it differs from
+  /// pushes are seen one by one, from the slope of ln A between them. nullopt if it differs from
   /// one part of the log to another, for example because pushes are regular only for a while. A
   /// strong tooth of a wheel that turns in N swings has a similar effect, from which the friction
   /// would come out too small.

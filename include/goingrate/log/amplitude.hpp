@@ -78,7 +78,7 @@ struct SensorFindings {
 
 /// Beat error, s: how much longer the pendulum is on the left (from a downward crossing to the next
 /// upward one) than on the right; others call half of it by the same name. Its scatter
-/// gives sigma. Nothing without 3 whole swings.
+/// gives sigma. nullopt without 3 whole swings.
 std::optional<SensorEstimate> beat_error(std::span<const Beat> beats);
 
 /// The angle (rad) of the sensor from the vertical, from numbered beats with amplitudes. With
@@ -87,7 +87,7 @@ std::optional<SensorEstimate> beat_error(std::span<const Beat> beats);
 /// t - asin(alpha/lambda) T0 / 2 pi, by Gauss-Newton steps without outliers beyond five robust
 /// standard deviations. Noise in the amplitudes biases this estimate towards zero. It also needs
 /// amplitudes that scatter from beat to beat: if they wander with the drive, the rate changes with
-/// them, which would look like an offset. Nothing if neither way works, or with fewer than 30 beats
+/// them, which would look like an offset. nullopt if neither way works, or with fewer than 30 beats
 /// for the second (AmplitudeTest.OffsetFromBothDirections,
 /// AmplitudeTest.OffsetFromTheCorrelation, AmplitudeTest.ADriveThatVariesIsNoOffset).
 std::optional<SensorEstimate> sensor_offset(std::span<const Beat> beats, double period_s);

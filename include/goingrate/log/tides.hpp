@@ -21,7 +21,7 @@ struct Site {
   double longitude_deg = 0.0; ///< -180 to 360, east positive
 };
 
-/// "51.48,-0.0015", latitude first; nothing for any other text.
+/// "51.48,-0.0015", latitude first; nullopt for any other text.
 std::optional<Site> parse_site(std::string_view text);
 
 /// The pull of Moon and Sun along the vertical of `site` at sea level, upwards, m/s^2, on a rigid

@@ -1,4 +1,4 @@
-// The summary of a batch, for the eye and for scripts.
+// The summary of a batch, as text for people and as JSON for scripts.
 #pragma once
 
 #include "goingrate/analysis/batch_summary.hpp"
@@ -7,8 +7,8 @@
 
 namespace goingrate {
 
-/// How many jobs ended how; for fits, how often the intervals hold the truth, the pulls and sigma
-/// against scatter; for logs, a row each with rate, status or failure.
+/// The number of jobs that ended in each way; for fits, how often the intervals hold the truth, the
+/// pulls, and sigma compared with the scatter; for logs, a row each with rate, status or failure.
 std::string batch_text(const BatchSummary& summary);
 
 /// The same as JSON, schema goingrate.batch-summary: `jobs`, `exits`, `statuses`, `models`,

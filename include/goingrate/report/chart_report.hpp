@@ -19,23 +19,23 @@ std::string chart_text(const std::vector<ChartRow>& rows, double nominal_period_
 /// in scaled time.
 std::string chart_json(const std::vector<ChartRow>& rows);
 
-/// Error against time per period for one scene, frontier joined, with the sensor's jitter (s) as
-/// a line: to that sensor all methods below the line are equally good.
+/// Error against time per period for one scene, with the frontier joined and the sensor's jitter
+/// (s) as a line: for that sensor all methods below the line are equally good.
 Figure chart_figure(const std::vector<ChartRow>& rows, const std::string& scene,
                     double nominal_period_s, double jitter_s);
 
-/// One line per point: errors of each method, and what breaks first.
+/// One line per point: the errors of each method, and which approximation fails first.
 std::string limits_text(const std::vector<LimitRow>& rows);
 std::string limits_json(const std::vector<LimitRow>& rows);
 
 std::string rate_map_table(const RateMap& map); ///< CSV: epsilon,mu,rate_excess,rate_s_per_day
 std::string rate_map_json(const RateMap& map);
-/// The rate against friction, a curve for each of some torques; and, where some rates are so far
-/// from the others that these lie on each other, those near nominal by themselves. `points` are
-/// marked.
+/// The rate against friction, with a curve for each of some torques. If some rates are so far from
+/// the rest that the other curves cannot be told apart, a second figure shows the rates near
+/// nominal alone. `points` are marked.
 std::vector<Figure> rate_map_figures(const RateMap& map,
                                      const std::vector<OperatingPoint>& points = {});
-/// Rates below what the equations are solved to, 1e-15, are written as 0.
+/// Rates below 1e-15, the accuracy to which the equations are solved, are written as 0.
 std::string operating_points_text(const std::vector<OperatingPoint>& points, double phi0);
 std::string operating_points_json(const std::vector<OperatingPoint>& points, double phi0);
 

@@ -9,14 +9,15 @@
 
 namespace goingrate {
 
-/// Rates and weather of each clock, deviations of each and of the differences, and what each clock
-/// does alone.
+/// Rates and weather of each clock, deviations of each clock and of the differences, and the
+/// deviation of each clock alone.
 std::string compare_text(const Comparison& comparison);
 
-/// All of it with keys; schema goingrate.compare.
+/// The whole comparison as JSON, schema goingrate.compare.
 std::string compare_json(const Comparison& comparison);
 
-/// Rates on one time axis: time_s after the first common time, then a column of s/day a clock.
+/// Rates on one time axis as CSV: time_s after the first common time, then one column in s/day for
+/// each clock.
 std::string compare_table(const Comparison& comparison);
 
 /// "compare-rates" and "compare-deviation".

@@ -1,10 +1,10 @@
 // Figures as SVG text, small enough to sit in a page and clear enough to print.
 //
-// A figure is described by plain structs; nothing here knows what is plotted. A long series is
+// A figure is described by plain structs; nothing here depends on what is plotted. A long series is
 // thinned to the columns of the drawing (one unit of its width) so that its extremes stay: a line
-// keeps the lowest and highest point of each column, a cloud of more than 1000 points keeps those
-// as dots and the middle 80 % of the column as a stroke. A value that is not finite, or cannot be
-// shown on its axis (zero or negative on a logarithmic one), is left out and breaks a line.
+// keeps the lowest and highest point of each column; a cloud of more than 1000 points keeps these
+// as dots, and draws the middle 80 % of the column as a stroke. A value that is not finite, or that
+// its axis cannot show (zero or negative on a logarithmic one), is left out and breaks a line.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@
 
 namespace goingrate {
 
-/// One set of values. `low` and `high` are those of a band or of error bars, else empty; `low` also
-/// holds what cells show.
+/// One set of values. `low` and `high` are the limits of a band or of error bars, else empty; `low`
+/// also holds the numbers of cells.
 struct Series {
   /// How the values are drawn.
   enum class Style {
@@ -34,10 +34,10 @@ struct Series {
 
 /// One axis, in the unit its values have.
 struct Axis {
-  std::string label; ///< what is shown, without its unit
+  std::string label; ///< name of the quantity, without its unit
   std::string unit;  ///< may be empty
   bool logarithmic = false;
-  std::vector<std::string> names{}; ///< what stands at 0, 1, 2 ...; empty: an axis of numbers
+  std::vector<std::string> names{}; ///< labels at 0, 1, 2 ...; empty: an axis of numbers
 };
 
 /// A vertical line at x; left out if x lies outside the drawing.
@@ -46,7 +46,7 @@ struct Marker {
   std::string label;
 };
 
-/// A plot: what is shown, not how.
+/// The content of a plot; how it looks is decided when it is drawn.
 struct Figure {
   std::string id; ///< unique in its page
   std::string title;
@@ -59,7 +59,7 @@ struct Figure {
 };
 
 /// The figure as an svg element without width and height: it takes the width it is given. Colours
-/// and lines come from `figure_style`, which the page has to hold once. Size: below 100 bytes for
+/// and lines come from `figure_style`, which the page must contain once. Size: below 100 bytes for
 /// each of the 626 columns and each series of any length (FigureTest.ALongSeriesStaysSmall). Cost
 /// O(N log N). Throws ArgumentError if the vectors of a series differ in length.
 std::string svg(const Figure& figure);
@@ -67,13 +67,14 @@ std::string svg(const Figure& figure);
 /// The same as a file of its own, with its style inside.
 std::string standalone_svg(const Figure& figure);
 
-/// Figures one above the other as one file; their ids differ.
+/// Figures one above the other as one file; their ids must differ.
 std::string stacked_svg(const std::vector<Figure>& figures);
 
-/// What a figure shows, as CSV: series,x,y,low,high; a field is empty where there is no number.
+/// The numbers of a figure as CSV: series,x,y,low,high; a field without a number is empty.
 std::string figure_csv(const Figure& figure);
 
-/// The CSS of all figures. Custom properties recolour it: --text, --grid, --paper and --c0 to --c7.
+/// The CSS of all figures. Custom properties change its colours: --text, --grid, --paper and
+/// --c0 to --c7.
 std::string figure_style();
 
 } // namespace goingrate

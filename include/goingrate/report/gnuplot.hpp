@@ -1,4 +1,4 @@
-// Figures drawn for print by gnuplot, a program of its own.
+// Figures for print, drawn by gnuplot, which must be installed separately.
 #pragma once
 
 #include "goingrate/report/figure.hpp"
@@ -16,21 +16,22 @@ enum class PrintFormat {
   png, ///< the same at 300 dots per inch
 };
 
-/// The figures one above the other as a script for gnuplot 5, with their data inside: run by itself
-/// it writes `name`.pdf. Long series are thinned as in `svg`, to the dots of 300 to the inch.
-/// gnuplot takes no text of a figure for a command. Figures of one group share their x axis. Throws
-/// ArgumentError if the vectors of a series differ in length.
+/// The figures one above the other as a script for gnuplot 5 that contains their data and writes
+/// `name`.pdf. Long series are thinned as in `svg`, to a resolution of 300 dots per inch. The text
+/// of a figure is quoted so that gnuplot never takes it for a command. Figures of one group share
+/// their x axis. Throws ArgumentError if the vectors of a series differ in length.
 std::string gnuplot_script(const std::vector<Figure>& figures, std::string_view name);
 
-/// A hundred times what a figure takes, for slow and busy machines.
+/// A hundred times as long as a figure usually takes, to allow for slow and busy machines.
 inline constexpr std::chrono::milliseconds gnuplot_patience = std::chrono::seconds(20);
 
-/// Whether there is a gnuplot to be run; it is sought as a shell would, in PATH.
+/// Whether gnuplot can be run; it is looked for in PATH, as a shell does.
 bool gnuplot_is_installed();
 
-/// The figures, one above the other, as a file of that format; nothing if gnuplot is not installed.
-/// `target` is the file they are meant for, named where gnuplot fails: that throws OutputError with
-/// what gnuplot said, or that it did not end within `patience` and was killed. Cost: some 0.1 s.
+/// The figures, one above the other, as the bytes of a file in that format; nullopt if gnuplot is
+/// not installed. If gnuplot fails, or does not end within `patience` and is killed, throws
+/// OutputError with what gnuplot said; the error names `target`, the file that the figures are for.
+/// Cost: some 0.1 s.
 std::optional<std::string> printed_figure(const std::vector<Figure>& figures, PrintFormat format,
                                           const std::string& target,
                                           std::chrono::milliseconds patience = gnuplot_patience);

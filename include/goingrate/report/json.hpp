@@ -1,5 +1,5 @@
-// Results as JSON text: every key that scripts rely on, numbers with all their digits, no NaN
-// (a number that is not known is null).
+// Results as JSON text: every key that scripts rely on, numbers with all their digits, and null
+// instead of NaN for a number that is not known.
 #pragma once
 
 #include "goingrate/log/amplitude.hpp"
@@ -17,7 +17,8 @@ std::string stability_json(const DeviationTable& table);
 /// For a log of more than some 8000 beats the spectrum is averaged in 300 bands per decade of
 /// frequency ("averaged_in_bands"); spectrum_json() has all of it.
 std::string report_json(const Analysis& data);
-/// The same value on one line, without a character that could end or open an element of HTML.
+/// The JSON of report_json() on one line, without a character that could open or close an HTML
+/// element.
 std::string report_json_for_script(const Analysis& data);
 
 } // namespace goingrate

@@ -56,7 +56,7 @@ inline constexpr std::array deviation_kinds = {
   return names[static_cast<std::size_t>(kind)];
 }
 
-/// The deviation of that name; nothing for any other word.
+/// The deviation of that name; nullopt for any other word.
 [[nodiscard]] constexpr std::optional<DeviationKind> deviation_named(std::string_view name) {
   for (const DeviationKind kind : deviation_kinds)
     if (name_of(kind) == name) return kind;
@@ -172,7 +172,7 @@ struct DeviationOptions {
 [[nodiscard]] std::vector<std::size_t> all_factors(std::size_t phase_points,
                                                    DeviationKind kind = DeviationKind::oadev);
 
-/// The factors of that name: octave, decade or all; nothing for any other word.
+/// The factors of that name: octave, decade or all; nullopt for any other word.
 [[nodiscard]] std::optional<std::vector<std::size_t>>
 factors_named(std::string_view name, std::size_t phase_points,
               DeviationKind kind = DeviationKind::oadev);
